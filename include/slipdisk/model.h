@@ -1,0 +1,188 @@
+/* model.h: what the deck says, const after loading.
+ *
+ * A model is filled by the deck loader (or by hand), then closed with sd_model_finish, which checks it
+ * and derives the tables that the engine reads. Units are whatever consistent set the deck uses; angles
+ * are radians, counter-clockwise positive.
+ *
+ * Bodies are numbered once and for all: disk i has body number i (its place in the deck, its permanent
+ * id), wall w has body number n_disks + w.
+ */
+#ifndef SLIPDISK_MODEL_H
+#define SLIPDISK_MODEL_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "slipdisk/status.h"
+
+enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
+
+typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
+/* Tangential force on the centres: the paper's tau, or tau (R_a+R_b)/r which derives from the skin energy. */
+typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
+
+/* Constants of the contact law for one pair of materials (eq. 2, tau, 36). */
+typedef struct sd_contact_law {
+  double k_n;     /* normal stiffness, force/length, > 0 */
+  double k_t;     /* skin stiffness, force/length, >= 0 */
+  double gamma_n; /* normal viscosity, force time/length, >= 0 */
+  double mu;      /* Amonton's coefficient, >= 0 */
+} sd_contact_law;
+
+typedef struct sd_material {
+  char *name;
+} sd_material;
+
+typedef struct sd_disk {
+  char *name; /* may be NULL */
+  double position[3]; /* x, y, theta at the start */
+  double velocity[3]; /* vx, vy, omega */
+  double radius, mass, inertia; /* inertia 0 means m R^2/2 */
+  double force[3];    /* constant body force and torque, gravity not included */
+  int material;       /* index into materials */
+  int group;          /* index into groups, -1: none */
+  bool locked[3];     /* this coordinate never changes, whatever pushes (velocity must be 0) */
+  bool driven;        /* all three coordinates are prescribed: fixed, or by the motions that name it */
+} sd_disk;
+
+typedef enum sd_wall_kind { SD_WALL_LINE, SD_WALL_SEGMENT, SD_WALL_POLYLINE, SD_WALL_CIRCLE } sd_wall_kind;
+
+/* A wall is a body with a pose (pivot, angle) and a shape given in space at the start.
+ * Line: points[0] and points[1] lie on it. Segment: its ends. Polyline: its vertices, closed or not.
+ * Circle: the pivot is its centre. Both sides of a line or segment push. */
+typedef struct sd_wall {
+  char *name;
+  sd_wall_kind kind;
+  int material;
+  double pivot[2];       /* the point about which it turns, and whose x, y a motion moves */
+  size_t n_points;
+  double (*points)[2];   /* absolute coordinates at the start */
+  bool closed;           /* polyline: the last vertex is joined to the first */
+  double radius;         /* circle: > 0 */
+  bool inside;           /* circle: disks live inside (a drum) */
+} sd_wall;
+
+typedef enum sd_motion_kind {
+  SD_MOTION_VELOCITY,  /* u = v t */
+  SD_MOTION_HARMONIC,  /* u = A sin(w t + phi), eq. 20 */
+  SD_MOTION_PARABOLIC, /* eq. 21 with w t + phi for w t */
+  SD_MOTION_RANDOM,    /* eq. 52 */
+  SD_MOTION_TABLE,     /* natural cubic spline through a table */
+  SD_MOTION_KINDS
+} sd_motion_kind;
+
+/* One prescribed signal u(t), added to one coordinate of every body it names; t counts from the moment
+ * the motion is switched on. Several motions on the same coordinate add up. */
+typedef struct sd_motion {
+  char *name;
+  sd_motion_kind kind;
+  int coordinate;        /* SD_X, SD_Y, SD_THETA */
+  size_t n_bodies;
+  uint32_t *bodies;      /* body numbers */
+  double amplitude;      /* harmonic, parabolic: A; random: rms displacement; table: factor */
+  double omega;          /* rad/time: w */
+  double phase;          /* rad: phi */
+  double velocity;       /* constant velocity: v */
+  double damping;        /* random: c */
+  int64_t interval;      /* random: steps between draws, >= 1 (h = interval dt) */
+  double ramp;           /* time over which the motion is faded in, 0: at once */
+  uint32_t stream;       /* random: stream number, unique per independent signal */
+  size_t n_table;
+  double *table_time, *table_value; /* table: time increasing; held constant beyond its ends ... */
+  bool periodic;         /* ... or repeated: value[0] == value[n-1] */
+} sd_motion;
+
+typedef struct sd_phase {
+  char *name;
+  int64_t steps;         /* >= 1 */
+  bool *active;          /* [n_motions] */
+  bool measure;          /* statistics are gathered in this phase */
+  int64_t series_every;  /* steps between rows of the time series, 0: none */
+  int64_t frames_every;  /* steps between stored frames of all bodies, 0: none */
+  int64_t contacts_every; /* steps between stored contact tables, 0: none */
+} sd_phase;
+
+/* A disk and two partners: the configuration of sliding of its two contacts is counted every step. */
+typedef struct sd_slide_watch {
+  uint32_t disk;
+  uint32_t partner[2];   /* body numbers */
+} sd_slide_watch;
+
+/* --- derived by sd_model_finish ------------------------------------------------------------------- */
+
+/* A straight piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
+typedef struct sd_segment {
+  uint32_t body;
+  double start[2];    /* one end; for a line any point */
+  double tangent[2];  /* unit vector from the start to the other end */
+  double length;      /* HUGE_VAL for a line (then it also extends backwards) */
+  double previous[2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
+  bool end_cap;       /* the far end is free and pushes as a point */
+  double arc;         /* arc length of the start along a polyline */
+  int64_t next;       /* feature number of the piece that follows, -1: none */
+} sd_segment;
+
+typedef struct sd_model {
+  char *title;
+  uint64_t seed;
+  sd_integrator integrator;
+  sd_variant variant;
+  double dt;
+  double skin;            /* Verlet-list skin, length; 0: chosen from the radii */
+  double max_overlap;     /* a run stops when an overlap exceeds this fraction of the smaller radius */
+  double gravity[2];      /* acceleration vector: -g (sin tilt, cos tilt) */
+  double lower[2], upper[2]; /* box; only read along periodic directions */
+  bool periodic[2];
+
+  size_t n_materials;
+  sd_material *materials;
+  sd_contact_law *laws;   /* [n_materials * n_materials], symmetric; k_n <= 0: pair not given */
+  size_t n_groups;
+  char **groups;
+  size_t n_disks;
+  sd_disk *disks;
+  size_t n_walls;
+  sd_wall *walls;
+  size_t n_motions;
+  sd_motion *motions;
+  size_t n_phases;
+  sd_phase *phases;
+
+  size_t n_rotations;     /* disks whose mean angular velocity is measured */
+  uint32_t *rotations;
+  size_t n_slides;
+  sd_slide_watch *slides;
+  double checkpoint_seconds; /* wall time between checkpoints, > 0 */
+
+  /* text that goes into every result file */
+  char *deck_path;        /* as given; "" when built by hand */
+  char *deck_text;        /* as read */
+  char *deck_overrides;   /* one "path=value" per line */
+  char *deck_full;        /* the deck with all defaults, canonical form */
+
+  /* derived */
+  size_t n_segments;
+  sd_segment *segments;
+  size_t n_free;          /* disks that are not driven */
+} sd_model;
+
+/* An empty model with defaults (Gear 5, paper variant, open box). */
+SD_API sd_model *sd_model_new(void);
+SD_API void sd_model_free(sd_model *model);
+
+/* Checks ranges and references, fills inertias, flags and derived tables; call once, after the last change.
+ * A disk that is named by a motion on a coordinate keeps its other coordinates as they are: it is `driven`
+ * when it is fixed or all three are prescribed or locked. Errors: SD_ERROR_USER with one message each. */
+SD_API sd_status sd_model_finish(sd_model *model, sd_messages *messages);
+
+SD_API size_t sd_model_bodies(const sd_model *model); /* n_disks + n_walls */
+SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
+/* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
+SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);
+SD_API int64_t sd_model_steps(const sd_model *model); /* of all phases */
+
+/* The least of 2 pi/omega over pairs of touching materials: normal spring, skin with rotation, per disk.
+ * sd_model_shortest_period writes which disk it is (may be NULL). */
+SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
+
+#endif

@@ -1,0 +1,131 @@
+/* state.h: exactly what a checkpoint holds.
+ *
+ * Bodies stand in slots: free disks first, then driven disks, each in order of permanent id, then walls.
+ * All columns are listed once in sd_fields (name, type, unit, extent, meaning); allocation, checkpoint,
+ * trajectory, comparison and hash follow that table. What is not here can be recomputed (physics/work.h).
+ *
+ * Angle of a body: turn + theta, theta in [-4, 4], turn a multiple of 8 rad, so that the skin's stretch
+ * stays exact to rounding of order R 1e-15 after any number of turns.
+ * Position: the periodic image in the box plus image * box length.
+ */
+#ifndef SLIPDISK_STATE_H
+#define SLIPDISK_STATE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "slipdisk/model.h"
+
+typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
+
+/* How many elements a column has. */
+typedef enum sd_extent {
+  SD_PER_RUN,      /* 1 */
+  SD_PER_BODY,     /* disks and walls */
+  SD_PER_FREE,     /* free disks */
+  SD_PER_CONTACT,  /* closed contacts */
+  SD_PER_MOTION,
+  SD_PER_ROTATION, /* watched disks */
+  SD_PER_ROTATION_BIN, /* watched disks * SD_BINS, row by row */
+  SD_PER_SLIDE,    /* watched pairs of contacts */
+  SD_PER_SLIDE_COUNT, /* watched pairs * 16 */
+  SD_PER_SLIDE_CONTACT, /* watched pairs * 2 */
+  SD_EXTENTS
+} sd_extent;
+
+/* Bins of the angle record: when they are full, neighbours are merged and the bin length doubles. */
+enum { SD_BINS = 4096 };
+
+/* What a contact does: open, stuck, or sliding with positive or negative torque on the watched disk. */
+enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };
+
+typedef struct sd_state {
+  /* per run */
+  int64_t step;        /* completed since the start */
+  int64_t phase;       /* index of the running phase; n_phases when finished */
+  int64_t phase_step;  /* completed in this phase */
+  double work_driven;  /* by prescribed bodies and coordinates on the rest, since step 0 */
+  double energy_start; /* kinetic + elastic + external at step 0 */
+  int64_t measured;    /* steps measured so far */
+  int64_t bin_steps;   /* steps per bin of the angle record */
+  int64_t bins;        /* full bins in the angle record */
+  double bin_from_time; /* reserved for the time at which measuring began */
+
+  /* extents */
+  size_t n_free, n_disks, n_bodies;
+  size_t n_contacts, contact_capacity;
+  size_t n_motions, n_rotations, n_slides;
+
+  /* per body */
+  uint32_t *id;        /* body number of model.h */
+  double *x, *y, *theta, *turn;
+  double *vx, *vy, *omega;
+  int32_t *image_x, *image_y;
+  double *radius, *mass, *inertia;
+  int32_t *material, *group;
+  double *base_x, *base_y, *base_theta; /* prescribed coordinates: pose without the running motions */
+  double *force_x, *force_y, *torque;   /* from contacts at the last step */
+  double *loss_viscous;  /* energy lost in this body's contacts since step 0: half of each contact's, */
+  double *loss_friction; /* the whole where the other side is a wall or prescribed */
+  double *loss_opening;  /* left in contacts when they opened */
+  double *gain_variant;  /* put in by the paper's tangential force, which is not that of a potential */
+
+  /* per free disk: Nordsieck column k is dt^k/k! times the k-th derivative */
+  double *x2, *y2, *theta2;
+  double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
+
+  /* per closed contact, ordered by (lower slot, partner) */
+  uint32_t *contact_a;   /* body number of the disk */
+  uint32_t *contact_b;   /* body number of the partner disk or wall */
+  uint32_t *contact_part; /* straight piece of the wall (feature number), 0 for round bodies */
+  double *contact_lambda; /* lambda*, measured from the reference direction */
+  double *contact_ex, *contact_ey; /* reference direction: unit vector */
+  double *contact_side;  /* +1, -1: side of a straight wall; 0: round */
+  double *contact_force; /* normal force */
+  double *contact_overlap;
+  double *contact_stretch; /* lambda - lambda* */
+  double *contact_turned;  /* angle from the reference direction */
+  int32_t *contact_slide;  /* 0 stuck, +1/-1 sliding with that sign of torque */
+
+  /* per motion */
+  int64_t *motion_start;   /* step at which it was switched on, -1: off */
+  double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw */
+
+  /* statistics of the measured phases */
+  double *rotation_start; /* angle when measuring began */
+  double *rotation_bin;   /* angle turned in each full bin */
+  double *rotation_last;  /* angle at the last bin's end */
+  int64_t *slide_count;   /* steps in configuration 4 * (first contact) + (second contact) */
+  double *slide_force_min; /* smallest normal force, 0 when the contact opened */
+  int64_t *slide_openings; /* times the contact opened */
+  int32_t *slide_was_open; /* at the last step */
+} sd_state;
+
+typedef struct sd_field {
+  const char *name;
+  sd_type type;
+  sd_extent extent;
+  size_t offset;      /* of the pointer (or, per run, of the value) in sd_state */
+  const char *unit;   /* in terms of length, mass, time */
+  const char *meaning;
+} sd_field;
+
+SD_API extern const sd_field sd_fields[];
+SD_API extern const size_t sd_field_count;
+
+SD_API size_t sd_type_size(sd_type type);
+SD_API size_t sd_extent_size(const sd_state *state, sd_extent extent);
+/* Where a column's data stand. */
+SD_API void *sd_field_data(const sd_state *state, const sd_field *field);
+
+/* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
+SD_API sd_state *sd_state_new(const sd_model *model);
+SD_API void sd_state_free(sd_state *state);
+/* Room for n contacts; their old contents are kept as far as they fit. */
+SD_API sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
+/* FNV-1a over every column in table order: equal states have equal hashes. */
+SD_API uint64_t sd_state_hash(const sd_state *state);
+/* First column that differs in any bit, NULL when equal. */
+SD_API const sd_field *sd_state_difference(const sd_state *a, const sd_state *b);
+
+#endif
