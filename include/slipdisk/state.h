@@ -49,7 +49,6 @@ typedef struct sd_state {
   int64_t measured;    /* steps measured so far */
   int64_t bin_steps;   /* steps per bin of the angle record */
   int64_t bins;        /* full bins in the angle record */
-  double bin_from_time; /* reserved for the time at which measuring began */
 
   /* extents */
   size_t n_free, n_disks, n_bodies;

@@ -1,0 +1,335 @@
+/* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
+#include "slipdisk/model.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+sd_model *sd_model_new(void) {
+  sd_model *m = calloc(1, sizeof *m);
+  if (!m) return NULL;
+  m->seed = 1;
+  m->integrator = SD_GEAR5;
+  m->variant = SD_PAPER;
+  m->max_overlap = 0.5;
+  m->checkpoint_seconds = 60.0;
+  return m;
+}
+
+void sd_model_free(sd_model *m) {
+  if (!m) return;
+  for (size_t k = 0; k < m->n_materials; k++) free(m->materials[k].name);
+  for (size_t k = 0; k < m->n_groups; k++) free(m->groups[k]);
+  for (size_t k = 0; k < m->n_disks; k++) free(m->disks[k].name);
+  for (size_t k = 0; k < m->n_walls; k++) {
+    free(m->walls[k].name);
+    free(m->walls[k].points);
+  }
+  for (size_t k = 0; k < m->n_motions; k++) {
+    free(m->motions[k].name);
+    free(m->motions[k].bodies);
+    free(m->motions[k].table_time);
+    free(m->motions[k].table_value);
+  }
+  for (size_t k = 0; k < m->n_phases; k++) {
+    free(m->phases[k].name);
+    free(m->phases[k].active);
+  }
+  free(m->title);
+  free(m->materials);
+  free(m->laws);
+  free(m->groups);
+  free(m->disks);
+  free(m->walls);
+  free(m->motions);
+  free(m->phases);
+  free(m->rotations);
+  free(m->slides);
+  free(m->segments);
+  free(m->deck_path);
+  free(m->deck_text);
+  free(m->deck_overrides);
+  free(m->deck_full);
+  free(m);
+}
+
+size_t sd_model_bodies(const sd_model *m) { return m->n_disks + m->n_walls; }
+
+const sd_contact_law *sd_model_law(const sd_model *m, int a, int b) {
+  return &m->laws[(size_t)a * m->n_materials + (size_t)b];
+}
+
+const char *sd_model_body_name(const sd_model *m, uint32_t body, char *text, size_t size) {
+  bool disk = body < m->n_disks;
+  const char *name = disk ? m->disks[body].name : m->walls[body - m->n_disks].name;
+  unsigned number = disk ? body : body - (uint32_t)m->n_disks;
+  if (name)
+    snprintf(text, size, "%s \"%s\"", disk ? "disk" : "wall", name);
+  else
+    snprintf(text, size, "%s %u", disk ? "disk" : "wall", number);
+  return text;
+}
+
+int64_t sd_model_steps(const sd_model *m) {
+  int64_t steps = 0;
+  for (size_t k = 0; k < m->n_phases; k++) steps += m->phases[k].steps;
+  return steps;
+}
+
+double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
+  double fastest = 0.0;
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    if (d->driven) continue;
+    for (size_t b = 0; b < m->n_materials; b++) {
+      const sd_contact_law *law = sd_model_law(m, d->material, (int)b);
+      if (law->k_n <= 0.0) continue;
+      /* Two supports at most add their stiffnesses in one direction; skin and rotation: physics.md 4. */
+      bool still = d->locked[SD_X] && d->locked[SD_Y];
+      double inverse_mass = still ? 0.0 : 1.0 / d->mass;
+      double inverse_inertia = d->locked[SD_THETA] ? 0.0 : d->radius * d->radius / d->inertia;
+      double normal = 2.0 * law->k_n * inverse_mass;
+      double skin = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0;
+      double w2 = fmax(normal, skin);
+      if (w2 > fastest) {
+        fastest = w2;
+        if (disk) *disk = i;
+      }
+    }
+  }
+  return fastest > 0.0 ? 2.0 * M_PI / sqrt(fastest) : HUGE_VAL;
+}
+
+/* --- checks ------------------------------------------------------------------------------------------ */
+
+static void check_run(const sd_model *m, sd_messages *msg) {
+  if (!(m->dt > 0.0)) sd_fail(msg, SD_ERROR_USER, "dt = %g: expected a number > 0", m->dt);
+  if (m->n_disks == 0) sd_fail(msg, SD_ERROR_USER, "disks: expected at least one disk");
+  if (m->n_phases == 0) sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
+  if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
+  if (!(m->max_overlap > 0.0))
+    sd_fail(msg, SD_ERROR_USER, "max_overlap = %g: expected a number > 0", m->max_overlap);
+  if (m->skin < 0.0) sd_fail(msg, SD_ERROR_USER, "skin = %g: expected a number >= 0", m->skin);
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
+}
+
+static void check_disks(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    sd_model_body_name(m, i, name, sizeof name);
+    for (int c = 0; c < 3; c++)
+      if (!isfinite(d->position[c]) || !isfinite(d->velocity[c]) || !isfinite(d->force[c]))
+        sd_fail(msg, SD_ERROR_USER, "%s: position, velocity and force must be finite", name);
+    if (!(d->radius > 0.0) || !isfinite(d->radius))
+      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, d->radius);
+    if (!(d->mass > 0.0) || !isfinite(d->mass))
+      sd_fail(msg, SD_ERROR_USER, "%s: mass = %g: expected a number > 0", name, d->mass);
+    if (d->inertia < 0.0)
+      sd_fail(msg, SD_ERROR_USER, "%s: inertia = %g: expected a number >= 0", name, d->inertia);
+    if (d->material < 0 || (size_t)d->material >= m->n_materials)
+      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
+  }
+}
+
+static void check_walls(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    if (wall->kind == SD_WALL_CIRCLE) {
+      if (!(wall->radius > 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
+      continue;
+    }
+    size_t least = 2;
+    if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
+      sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
+              wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
+      continue;
+    }
+    for (size_t k = 0; k + 1 < wall->n_points; k++)
+      if (wall->points[k][0] == wall->points[k + 1][0] && wall->points[k][1] == wall->points[k + 1][1])
+        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, k + 1);
+  }
+}
+
+static void check_motions(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    const char *name = q->name ? q->name : "?";
+    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": it moves no disk and no wall", name);
+    for (size_t b = 0; b < q->n_bodies; b++)
+      if (q->bodies[b] >= sd_model_bodies(m))
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
+    if (q->ramp < 0.0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": ramp = %g: expected >= 0", name, q->ramp);
+    if (q->kind == SD_MOTION_RANDOM) {
+      if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected omega > 0, damping > 0, interval >= 1", name);
+    }
+    if (q->kind == SD_MOTION_TABLE) {
+      if (q->n_table < 3) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected 3 rows or more", name);
+      for (size_t r = 1; r < q->n_table; r++)
+        if (!(q->table_time[r] > q->table_time[r - 1])) {
+          sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: time must increase (row %zu)", name, r);
+          break;
+        }
+      if (q->periodic && q->n_table && q->table_value[0] != q->table_value[q->n_table - 1])
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: periodic, so the last value must equal the first", name);
+    }
+  }
+}
+
+/* Laws must exist for every pair of materials that can meet: at least one side has a free disk. */
+static void check_laws(const sd_model *m, sd_messages *msg) {
+  if (!m->n_materials) return;
+  bool *free_disk = calloc(m->n_materials, sizeof(bool)), *any = calloc(m->n_materials, sizeof(bool));
+  size_t *count = calloc(m->n_materials, sizeof *count);
+  for (size_t i = 0; free_disk && any && count && i < m->n_disks; i++) {
+    int a = m->disks[i].material;
+    if (a < 0 || (size_t)a >= m->n_materials) continue;
+    any[a] = true;
+    if (!m->disks[i].driven) free_disk[a] = true;
+    count[a]++;
+  }
+  for (size_t w = 0; any && w < m->n_walls; w++)
+    if (m->walls[w].material >= 0 && (size_t)m->walls[w].material < m->n_materials) {
+      any[m->walls[w].material] = true;
+      if (count) count[m->walls[w].material]++;
+    }
+  for (size_t a = 0; free_disk && any && count && a < m->n_materials; a++)
+    for (size_t b = a; b < m->n_materials; b++) {
+      if (!any[a] || !any[b] || !(free_disk[a] || free_disk[b])) continue;
+      if (a == b && count[a] < 2) continue;
+      const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+      if (!(law->k_n > 0.0))
+        sd_fail(msg, SD_ERROR_USER, "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+                m->materials[a].name ? m->materials[a].name : "?", m->materials[b].name ? m->materials[b].name : "?");
+    }
+  free(free_disk);
+  free(any);
+  free(count);
+}
+
+static void check_watches(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_rotations; k++)
+    if (m->rotations[k] >= m->n_disks) sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
+  for (size_t k = 0; k < m->n_slides; k++) {
+    const sd_slide_watch *s = &m->slides[k];
+    if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
+    else if (m->disks[s->disk].driven)
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one", k);
+  }
+}
+
+static void check_box(const sd_model *m, sd_messages *msg) {
+  double largest = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  for (int c = 0; c < 2; c++) {
+    if (!m->periodic[c]) continue;
+    double length = m->upper[c] - m->lower[c];
+    /* the minimum image is unique while no pair within reach has two */
+    if (!(length > 4.0 * largest * 1.2))
+      sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
+              "xy"[c], length, largest);
+    for (size_t i = 0; i < m->n_disks; i++) {
+      double p = m->disks[i].position[c];
+      if (p < m->lower[c] || p >= m->upper[c]) {
+        char name[96];
+        sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
+                sd_model_body_name(m, (uint32_t)i, name, sizeof name), "xy"[c], p, m->lower[c], m->upper[c]);
+      }
+    }
+  }
+}
+
+/* --- derived tables ---------------------------------------------------------------------------------- */
+
+/* A disk whose three coordinates are all prescribed or locked needs no integration: it is driven. */
+static void derive_driven(sd_model *m) {
+  unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
+  for (size_t i = 0; held && i < m->n_disks; i++)
+    for (int c = 0; c < 3; c++)
+      if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
+  for (size_t k = 0; held && k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t body = m->motions[k].bodies[b];
+      if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
+    }
+  m->n_free = 0;
+  for (size_t i = 0; held && i < m->n_disks; i++) {
+    sd_disk *d = &m->disks[i];
+    if (held[i] == 7) d->driven = true;
+    if (!d->driven) m->n_free++;
+    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+  }
+  free(held);
+}
+
+static size_t wall_pieces(const sd_wall *w) {
+  if (w->kind == SD_WALL_CIRCLE || w->n_points < 2) return 0;
+  return w->kind == SD_WALL_POLYLINE ? w->n_points - 1 + (w->closed ? 1 : 0) : 1;
+}
+
+static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size_t number) {
+  size_t n = wall_pieces(w);
+  double arc = 0.0;
+  for (size_t k = 0; k < n; k++) {
+    sd_segment *s = &first[k];
+    const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+    *s = (sd_segment){.body = body,
+                      .start = {p[0] - w->pivot[0], p[1] - w->pivot[1]},
+                      .tangent = {dx / length, dy / length},
+                      .length = w->kind == SD_WALL_LINE ? HUGE_VAL : length,
+                      .arc = arc,
+                      .next = -1};
+    arc += length;
+  }
+  for (size_t k = 0; k < n; k++) {
+    bool last = k + 1 == n, joined = !last || w->closed;
+    first[k].end_cap = !joined;
+    first[k].next = joined ? (int64_t)(number + (k + 1) % n) : -1;
+    bool has_previous = k > 0 || w->closed;
+    const sd_segment *before = &first[(k + n - 1) % n];
+    for (int c = 0; c < 2; c++)
+      first[k].previous[c] = has_previous ? before->tangent[c] : -first[k].tangent[c];
+  }
+}
+
+static sd_status derive_segments(sd_model *m) {
+  free(m->segments);
+  m->n_segments = 0;
+  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_pieces(&m->walls[w]);
+  m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
+  if (!m->segments) return SD_ERROR_IO;
+  size_t at = 0;
+  for (size_t w = 0; w < m->n_walls; w++) {
+    derive_wall(&m->walls[w], (uint32_t)(m->n_disks + w), m->segments + at, at);
+    at += wall_pieces(&m->walls[w]);
+  }
+  return SD_OK;
+}
+
+sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
+  size_t before = sd_messages_errors(msg);
+  sd_messages *own = msg ? msg : sd_messages_new();
+  if (!own) return SD_ERROR_IO;
+  check_run(m, own);
+  check_disks(m, own);
+  check_walls(m, own);
+  check_motions(m, own);
+  check_box(m, own);
+  check_watches(m, own);
+  sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
+  if (status == SD_OK) {
+    derive_driven(m);
+    check_laws(m, own);
+    if (sd_messages_errors(own) > before) status = SD_ERROR_USER;
+  }
+  if (status == SD_OK && derive_segments(m) != SD_OK)
+    status = sd_fail(own, SD_ERROR_IO, "out of memory for the walls' pieces");
+  if (own != msg) sd_messages_free(own);
+  return status;
+}

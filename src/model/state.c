@@ -1,0 +1,194 @@
+/* state.c: the table of state columns, and what follows from it: allocation, hash, comparison. */
+#include "slipdisk/state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define COLUMN(name, type, extent, unit, meaning) {#name, type, extent, offsetof(sd_state, name), unit, meaning}
+
+const sd_field sd_fields[] = {
+    COLUMN(step, SD_I64, SD_PER_RUN, "1", "steps completed since the start"),
+    COLUMN(phase, SD_I64, SD_PER_RUN, "1", "index of the running phase"),
+    COLUMN(phase_step, SD_I64, SD_PER_RUN, "1", "steps completed in this phase"),
+    COLUMN(work_driven, SD_F64, SD_PER_RUN, "energy", "work done by prescribed bodies and coordinates"),
+    COLUMN(energy_start, SD_F64, SD_PER_RUN, "energy", "kinetic, elastic and external energy at step 0"),
+    COLUMN(measured, SD_I64, SD_PER_RUN, "1", "steps measured"),
+    COLUMN(bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the angle record"),
+    COLUMN(bins, SD_I64, SD_PER_RUN, "1", "full bins of the angle record"),
+
+    COLUMN(id, SD_U32, SD_PER_BODY, "1", "body number: disks as in the deck, then walls"),
+    COLUMN(x, SD_F64, SD_PER_BODY, "length", "x of the centre or pivot, in the box"),
+    COLUMN(y, SD_F64, SD_PER_BODY, "length", "y of the centre or pivot, in the box"),
+    COLUMN(theta, SD_F64, SD_PER_BODY, "rad", "angle beyond turn, within [-4, 4]"),
+    COLUMN(turn, SD_F64, SD_PER_BODY, "rad", "angle in multiples of 8 rad"),
+    COLUMN(vx, SD_F64, SD_PER_BODY, "length/time", "velocity along x"),
+    COLUMN(vy, SD_F64, SD_PER_BODY, "length/time", "velocity along y"),
+    COLUMN(omega, SD_F64, SD_PER_BODY, "rad/time", "angular velocity, counter-clockwise positive"),
+    COLUMN(image_x, SD_I32, SD_PER_BODY, "1", "periodic images crossed along x"),
+    COLUMN(image_y, SD_I32, SD_PER_BODY, "1", "periodic images crossed along y"),
+    COLUMN(radius, SD_F64, SD_PER_BODY, "length", "radius; negative for a drum, 0 for a straight wall"),
+    COLUMN(mass, SD_F64, SD_PER_BODY, "mass", "mass; 0 for walls"),
+    COLUMN(inertia, SD_F64, SD_PER_BODY, "mass length^2", "moment of inertia; 0 for walls"),
+    COLUMN(material, SD_I32, SD_PER_BODY, "1", "index into the materials"),
+    COLUMN(group, SD_I32, SD_PER_BODY, "1", "index into the groups, -1: none"),
+    COLUMN(base_x, SD_F64, SD_PER_BODY, "length", "prescribed x without the running motions"),
+    COLUMN(base_y, SD_F64, SD_PER_BODY, "length", "prescribed y without the running motions"),
+    COLUMN(base_theta, SD_F64, SD_PER_BODY, "rad", "prescribed angle without the running motions"),
+    COLUMN(force_x, SD_F64, SD_PER_BODY, "force", "x force of the contacts at the last step"),
+    COLUMN(force_y, SD_F64, SD_PER_BODY, "force", "y force of the contacts at the last step"),
+    COLUMN(torque, SD_F64, SD_PER_BODY, "force length", "torque of the contacts at the last step"),
+    COLUMN(loss_viscous, SD_F64, SD_PER_BODY, "energy", "lost to viscosity in this body's contacts"),
+    COLUMN(loss_friction, SD_F64, SD_PER_BODY, "energy", "lost to sliding in this body's contacts"),
+    COLUMN(loss_opening, SD_F64, SD_PER_BODY, "energy", "left in this body's contacts when they opened"),
+    COLUMN(gain_variant, SD_F64, SD_PER_BODY, "energy", "put in by the paper's tangential force"),
+
+    COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
+    COLUMN(y2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of y"),
+    COLUMN(theta2, SD_F64, SD_PER_FREE, "rad", "dt^2/2 times the 2nd derivative of the angle"),
+    COLUMN(x3, SD_F64, SD_PER_FREE, "length", "dt^3/6 times the 3rd derivative of x"),
+    COLUMN(y3, SD_F64, SD_PER_FREE, "length", "dt^3/6 times the 3rd derivative of y"),
+    COLUMN(theta3, SD_F64, SD_PER_FREE, "rad", "dt^3/6 times the 3rd derivative of the angle"),
+    COLUMN(x4, SD_F64, SD_PER_FREE, "length", "dt^4/24 times the 4th derivative of x"),
+    COLUMN(y4, SD_F64, SD_PER_FREE, "length", "dt^4/24 times the 4th derivative of y"),
+    COLUMN(theta4, SD_F64, SD_PER_FREE, "rad", "dt^4/24 times the 4th derivative of the angle"),
+    COLUMN(x5, SD_F64, SD_PER_FREE, "length", "dt^5/120 times the 5th derivative of x"),
+    COLUMN(y5, SD_F64, SD_PER_FREE, "length", "dt^5/120 times the 5th derivative of y"),
+    COLUMN(theta5, SD_F64, SD_PER_FREE, "rad", "dt^5/120 times the 5th derivative of the angle"),
+
+    COLUMN(contact_a, SD_U32, SD_PER_CONTACT, "1", "body number of the first disk"),
+    COLUMN(contact_b, SD_U32, SD_PER_CONTACT, "1", "body number of the second disk or wall"),
+    COLUMN(contact_part, SD_U32, SD_PER_CONTACT, "1", "straight piece of the wall"),
+    COLUMN(contact_lambda, SD_F64, SD_PER_CONTACT, "length", "lambda* from the reference direction (eq. tau)"),
+    COLUMN(contact_ex, SD_F64, SD_PER_CONTACT, "1", "reference direction, x"),
+    COLUMN(contact_ey, SD_F64, SD_PER_CONTACT, "1", "reference direction, y"),
+    COLUMN(contact_side, SD_F64, SD_PER_CONTACT, "1", "side of a straight wall, 0: round"),
+    COLUMN(contact_force, SD_F64, SD_PER_CONTACT, "force", "normal force F_n"),
+    COLUMN(contact_overlap, SD_F64, SD_PER_CONTACT, "length", "overlap delta"),
+    COLUMN(contact_stretch, SD_F64, SD_PER_CONTACT, "length", "stretch of the skin, lambda - lambda*"),
+    COLUMN(contact_turned, SD_F64, SD_PER_CONTACT, "rad", "angle of the normal from the reference direction"),
+    COLUMN(contact_slide, SD_I32, SD_PER_CONTACT, "1", "0 stuck, +1/-1 sliding with that sign of torque"),
+
+    COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
+    COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad", "random motion: displacement at the last draw"),
+    COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the last draw"),
+    COLUMN(motion_u1, SD_F64, SD_PER_MOTION, "length or rad", "random motion: displacement at the next draw"),
+    COLUMN(motion_v1, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the next draw"),
+
+    COLUMN(rotation_start, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring began"),
+    COLUMN(rotation_bin, SD_F64, SD_PER_ROTATION_BIN, "rad", "angle turned in each full bin"),
+    COLUMN(rotation_last, SD_F64, SD_PER_ROTATION, "rad", "angle at the end of the last full bin"),
+    COLUMN(slide_count, SD_I64, SD_PER_SLIDE_COUNT, "1", "steps in each configuration of two contacts"),
+    COLUMN(slide_force_min, SD_F64, SD_PER_SLIDE_CONTACT, "force", "smallest normal force"),
+    COLUMN(slide_openings, SD_I64, SD_PER_SLIDE_CONTACT, "1", "times the contact opened"),
+    COLUMN(slide_was_open, SD_I32, SD_PER_SLIDE_CONTACT, "1", "contact was open at the last step"),
+};
+
+const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
+
+size_t sd_type_size(sd_type type) {
+  static const size_t size[] = {[SD_F64] = 8, [SD_I64] = 8, [SD_I32] = 4, [SD_U32] = 4};
+  return size[type];
+}
+
+size_t sd_extent_size(const sd_state *s, sd_extent extent) {
+  switch (extent) {
+    case SD_PER_RUN: return 1;
+    case SD_PER_BODY: return s->n_bodies;
+    case SD_PER_FREE: return s->n_free;
+    case SD_PER_CONTACT: return s->n_contacts;
+    case SD_PER_MOTION: return s->n_motions;
+    case SD_PER_ROTATION: return s->n_rotations;
+    case SD_PER_ROTATION_BIN: return s->n_rotations * SD_BINS;
+    case SD_PER_SLIDE: return s->n_slides;
+    case SD_PER_SLIDE_COUNT: return s->n_slides * 16;
+    case SD_PER_SLIDE_CONTACT: return s->n_slides * 2;
+    case SD_EXTENTS: break;
+  }
+  return 0;
+}
+
+void *sd_field_data(const sd_state *s, const sd_field *f) {
+  char *at = (char *)(uintptr_t)s + f->offset;
+  return f->extent == SD_PER_RUN ? (void *)at : *(void **)(void *)at;
+}
+
+static void **field_pointer(sd_state *s, const sd_field *f) { return (void **)(void *)((char *)s + f->offset); }
+
+/* Columns are padded to whole 64-byte vectors, and zero. */
+static void *column_new(size_t n, sd_type type) {
+  size_t bytes = (n * sd_type_size(type) + 127) / 64 * 64;
+  void *p = aligned_alloc(64, bytes);
+  if (p) memset(p, 0, bytes);
+  return p;
+}
+
+sd_state *sd_state_new(const sd_model *m) {
+  sd_state *s = calloc(1, sizeof *s);
+  if (!s) return NULL;
+  s->n_free = m->n_free;
+  s->n_disks = m->n_disks;
+  s->n_bodies = sd_model_bodies(m);
+  s->n_motions = m->n_motions;
+  s->n_rotations = m->n_rotations;
+  s->n_slides = m->n_slides;
+  s->bin_steps = 1;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    if (f->extent == SD_PER_RUN || f->extent == SD_PER_CONTACT) continue;
+    void *column = column_new(sd_extent_size(s, f->extent), f->type);
+    if (!column) {
+      sd_state_free(s);
+      return NULL;
+    }
+    *field_pointer(s, f) = column;
+  }
+  if (sd_state_reserve_contacts(s, 8) != SD_OK) {
+    sd_state_free(s);
+    return NULL;
+  }
+  return s;
+}
+
+void sd_state_free(sd_state *s) {
+  if (!s) return;
+  for (size_t k = 0; k < sd_field_count; k++)
+    if (sd_fields[k].extent != SD_PER_RUN) free(*field_pointer(s, &sd_fields[k]));
+  free(s);
+}
+
+sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
+  if (n <= s->contact_capacity) return SD_OK;
+  size_t capacity = n + n / 4;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    if (f->extent != SD_PER_CONTACT) continue;
+    void *column = column_new(capacity, f->type);
+    if (!column) return SD_ERROR_IO;
+    void **old = field_pointer(s, f);
+    if (*old) memcpy(column, *old, s->n_contacts * sd_type_size(f->type));
+    free(*old);
+    *old = column;
+  }
+  s->contact_capacity = capacity;
+  return SD_OK;
+}
+
+uint64_t sd_state_hash(const sd_state *s) {
+  uint64_t hash = 14695981039346656037u;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const unsigned char *p = sd_field_data(s, &sd_fields[k]);
+    size_t bytes = sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type);
+    for (size_t b = 0; b < bytes; b++) hash = (hash ^ p[b]) * 1099511628211u;
+  }
+  return hash;
+}
+
+const sd_field *sd_state_difference(const sd_state *a, const sd_state *b) {
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    size_t n = sd_extent_size(a, f->extent);
+    if (n != sd_extent_size(b, f->extent)) return f;
+    if (n && memcmp(sd_field_data(a, f), sd_field_data(b, f), n * sd_type_size(f->type)) != 0) return f;
+  }
+  return NULL;
+}
