@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Installs what slipdisk needs on Debian or Ubuntu, and only what is missing.
+#   tools/install_deps.sh           to build and run
+#   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need
+# Needs root (or sudo) only when something is missing.
+set -euo pipefail
+
+packages=(gcc libc6-dev make cmake ninja-build pkg-config
+          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev librandom123-dev)
+case "${1:-}" in
+  "") ;;
+  --tests)
+    packages+=(git binutils libcmocka-dev clang clang-format-14 clang-tidy-14 libomp-dev
+               python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools) ;;
+  *) sed -n '2,5s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+esac
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "This is not Debian or Ubuntu. Install the equivalents of these packages yourself:" >&2
+  echo "  ${packages[*]}" >&2
+  # What is already there may be enough: CMake says so if it is not.
+  exit 0
+fi
+
+installed() {
+  dpkg-query -W -f '${db:Status-Status}\n' "$1" 2>/dev/null | grep -qx installed
+}
+
+# clang's sanitizers are in a package named after its version.
+clang_runtime() {
+  local version
+  version=$(LC_ALL=C apt-cache depends clang 2>/dev/null | sed -n 's/.*Depends: clang-\([0-9][0-9]*\).*/\1/p' | head -n 1)
+  echo "libclang-rt-${version:-14}-dev"
+}
+
+find_missing() {
+  missing=()
+  local package
+  for package in "${packages[@]}"; do
+    # pkgconf replaces pkg-config: the command counts.
+    if [ "$package" = pkg-config ] && command -v pkg-config >/dev/null; then continue; fi
+    installed "$package" || missing+=("$package")
+  done
+  if [ "${1:-}" = --tests ]; then
+    local runtime
+    runtime=$(clang_runtime)
+    installed "$runtime" || missing+=("$runtime")
+  fi
+}
+
+find_missing "$@"
+if [ ${#missing[@]} -eq 0 ]; then
+  echo "Packages: all ${#packages[@]} are installed."
+  exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    echo "These packages are missing, and neither root nor sudo is at hand to install them:" >&2
+    echo "  ${missing[*]}" >&2
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+echo "Packages to install: ${missing[*]}"
+# env: sudo drops the variable otherwise.
+"${as_root[@]}" apt-get update -q
+find_missing "$@" # the name of clang's runtime is known for sure only now
+if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"; then
+  echo "These packages could not be installed: ${missing[*]}" >&2
+  exit 1
+fi

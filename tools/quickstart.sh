@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# From a fresh clone to a first result: installs what is missing, builds, runs three disks driven by
+# random vibration for some seconds, and prints the mean rotation velocity with its error bar.
+# Run it as often as you like: the result is made anew each time.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+echo "== 1/3 Packages"
+tools/install_deps.sh
+
+echo "== 2/3 Build (Release) into build/release"
+cmake --preset release --log-level=WARNING >/dev/null
+cmake --build build/release --target slipdisk_program
+
+deck=inputs/three_disk/random.cfg
+result=results/quickstart/three_disk_random.h5
+echo "== 3/3 Run: $deck"
+mkdir -p "$(dirname "$result")"
+build/release/slipdisk run "$deck" -o "$result" --force

@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds and runs all tests:
+#   1. packages             4. sanitizers (dev preset): build and tests
+#   2. formatting           5. clang: build without warnings
+#   3. lint                 6. release build with gcc: all tests
+# With CI=true the tests labelled "slow" run as well, as many as start within 25 minutes.
+#
+#   tools/test.sh           everything
+#   tools/test.sh --quick   packages and the release build's tests only
+#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release slow
+# Stops at the first part that fails. Run it as often as you like.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+jobs=$(nproc)
+
+say() { printf '\n== %s\n' "$*"; }
+
+configure() { cmake --preset "$1" --log-level=WARNING >/dev/null; }
+
+build() {
+  configure "$1"
+  cmake --build --preset "$1"
+}
+
+part() {
+  case "$1" in
+    packages) say "Packages"; tools/install_deps.sh --tests ;;
+    format) say "Formatting"; tools/style.sh format-check ;;
+    lint)
+      say "Lint"
+      configure release
+      cmake --build --preset lint ;;
+    dev) say "Tests with the address and undefined-behaviour sanitizers"
+      build dev
+      ctest --preset dev -j "$jobs" ;;
+    tsan) say "Tests with the thread sanitizer"
+      build tsan
+      ctest --preset tsan -j "$jobs" ;;
+    clang) say "Build with clang"; build clang ;;
+    release) say "Tests of the release build"
+      build release
+      ctest --preset release -j "$jobs" ;;
+    slow) say "Slow tests of the release build"
+      build release
+      ctest --preset slow -j "$jobs" --timeout 1500 --stop-time "$(date -d '+25 minutes' +%H:%M:%S)" ;;
+    *) sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+  esac
+}
+
+parts=("$@")
+if [ $# -eq 0 ]; then
+  parts=(packages format lint dev clang release)
+  if [ "${CI:-}" = true ] && compgen -G 'tests/slow_*' >/dev/null; then parts+=(slow); fi
+elif [ "$1" = --quick ]; then
+  parts=(packages release)
+fi
+for name in "${parts[@]}"; do part "$name"; done
