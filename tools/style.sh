@@ -1,0 +1,44 @@
+#!/usr/bin/env bash
+# Formatting and lint of the C sources.
+#   tools/style.sh format              rewrites the files after .clang-format
+#   tools/style.sh format-check        says which files differ, and fails if any does
+#   tools/style.sh lint [BUILD]        clang-tidy with the compile commands of BUILD (build/release)
+# Version 14 of both tools is preferred: other versions format some lines differently.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+tool() {
+  local name
+  for name in "$1-14" "$1"; do
+    if command -v "$name"; then return; fi
+  done
+  echo "$1 not found (tools/install_deps.sh --tests)" >&2
+  return 1
+}
+
+sources() { find src include tests -name '*.[ch]' -print0 | sort -z; }
+
+case "${1:-}" in
+  format)
+    format=$(tool clang-format)
+    sources | xargs -0 "$format" -i ;;
+  format-check)
+    format=$(tool clang-format)
+    sources | xargs -0 "$format" --dry-run -Werror
+    echo "Formatting: $(sources | tr -cd '\0' | wc -c) files are as .clang-format wants them." ;;
+  lint)
+    tidy=$(tool clang-tidy)
+    build=${2:-build/release}
+    if [ ! -f "$build/compile_commands.json" ]; then
+      echo "$build/compile_commands.json not found: configure first (cmake --preset release)" >&2
+      exit 1
+    fi
+    # Only warnings are of interest, not how many were suppressed in system headers.
+    find src -name '*.c' -print0 | sort -z |
+      xargs -0 -n 1 -P "$(nproc)" "$tidy" -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option 2> >(
+        grep -v 'warnings\? generated\|warnings treated' >&2)
+    echo "Lint: $(find src -name '*.c' | wc -l) files without a finding." ;;
+  *)
+    sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
+    exit 2 ;;
+esac
