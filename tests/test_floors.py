@@ -1,0 +1,126 @@
+"""The rules of the house (docs/architecture.md) that can be read off the sources.
+
+- A file under src/ includes only headers of its own floor or of a floor below; public headers are for all.
+- A public header includes public headers and the C library only.
+- libconfig, HDF5 and MPI are each seen by the files of one name only.
+- Nothing below app/ ends the process.
+- No source file has 600 lines or more.
+"""
+import os
+import pathlib
+import re
+import sys
+import unittest
+
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+SRC = ROOT / "src"
+FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
+ONLY = {"libconfig.h": "io/deck", "hdf5.h": "io/h5", "hdf5_hl.h": "io/h5", "mpi.h": "base/comm"}
+LINES = 600
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
+ENDS = re.compile(r"\b(?:exit|_exit|_Exit|quick_exit|abort)\s*\(")
+
+
+def code_of(text):
+    """The text with comments and string literals blanked out, lines kept."""
+    pattern = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
+    return pattern.sub(lambda m: re.sub(r"[^\n]", " ", m.group()), text)
+
+
+def uncommented(text):
+    """The text with comments blanked out (string literals and include paths stay)."""
+    pattern = re.compile(r'("(?:\\.|[^"\\\n])*")|/\*.*?\*/|//[^\n]*', re.S)
+    return pattern.sub(lambda m: m.group(1) or re.sub(r"[^\n]", " ", m.group()), text)
+
+
+def line_of(text, position):
+    return text.count("\n", 0, position) + 1
+
+
+def resolve(path, name):
+    """The included file as a path under src/, or None when it is not one of ours."""
+    for candidate in (path.parent / name, SRC / name):
+        candidate = candidate.resolve()
+        if candidate.is_file() and SRC.resolve() in candidate.parents:
+            return candidate.relative_to(SRC.resolve())
+    return None
+
+
+class Floors(unittest.TestCase):
+    def setUp(self):
+        self.files = sorted(p for p in SRC.rglob("*.[ch]"))
+        self.assertTrue(self.files, "no source files under src/")
+
+    def check(self, problems):
+        self.assertFalse(problems, "\n" + "\n".join(problems))
+
+    def test_every_file_is_on_a_floor(self):
+        self.check([f"{p.relative_to(ROOT)}: src/{p.relative_to(SRC).parts[0]} is none of {FLOORS}"
+                    for p in self.files if p.relative_to(SRC).parts[0] not in FLOORS])
+
+    def test_includes_go_down(self):
+        problems = []
+        for path in self.files:
+            floor = path.relative_to(SRC).parts[0]
+            text = uncommented(path.read_text())
+            for found in INCLUDE.finditer(text):
+                name = found.group(2)
+                if name.startswith("slipdisk/"):
+                    if not (ROOT / "include" / name).is_file():
+                        problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: no {name}")
+                    continue
+                target = resolve(path, name)
+                if target is None:
+                    if found.group(1) == '"' and name != "version.h":
+                        problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: "
+                                        f'"{name}" is not under src/ (write <{name}> for a library)')
+                elif FLOORS.index(target.parts[0]) > FLOORS.index(floor):
+                    problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: "
+                                    f"{floor}/ must not know {target}")
+        self.check(problems)
+
+    def test_public_headers_stand_alone(self):
+        problems = []
+        for path in sorted((ROOT / "include").rglob("*.h")):
+            text = uncommented(path.read_text())
+            for found in INCLUDE.finditer(text):
+                name = found.group(2)
+                if found.group(1) == '"' and not (ROOT / "include" / name).is_file():
+                    problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {name} is not public")
+                if name in ONLY:
+                    problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {name} in public")
+        self.check(problems)
+
+    def test_libraries_have_one_room(self):
+        problems = []
+        for path in self.files:
+            text = uncommented(path.read_text())
+            place = path.relative_to(SRC).as_posix()
+            for found in INCLUDE.finditer(text):
+                room = ONLY.get(found.group(2))
+                if room and not place.startswith(room):
+                    problems.append(f"src/{place}:{line_of(text, found.start())}: only src/{room}* sees "
+                                    f"{found.group(2)}")
+        self.check(problems)
+
+    def test_nothing_below_app_ends_the_process(self):
+        problems = []
+        for path in self.files:
+            if path.relative_to(SRC).parts[0] == "app":
+                continue
+            text = code_of(path.read_text())
+            problems += [f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {found.group().strip()}...)"
+                         for found in ENDS.finditer(text)]
+        self.check(problems)
+
+    def test_files_are_short(self):
+        problems = []
+        for path in self.files + sorted((ROOT / "include").rglob("*.h")):
+            lines = len(path.read_text().splitlines())
+            if lines >= LINES:
+                problems.append(f"{path.relative_to(ROOT)}: {lines} lines, fewer than {LINES} allowed")
+        self.check(problems)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(verbosity=1))
