@@ -1,27 +1,28 @@
 #!/usr/bin/env bash
-# Every global symbol of the library begins with sd_, also those that a shared library would hide: in a
-# static library they share one name space with the program that links it.
+# What the library exports (default visibility) begins with sd_ and is declared in a public header; all that
+# the public headers declare exists. Hidden symbols are named as their room likes.
 set -euo pipefail
 build=${SLIPDISK_BUILD_DIR:-build/release}
+source=${SLIPDISK_SOURCE_DIR:-.}
 library=$(find "$build" -maxdepth 1 \( -name 'libslipdisk.a' -o -name 'libslipdisk_inside.a' \) | head -n 1)
 [ -n "$library" ] || { echo "no libslipdisk.a in $build" >&2; exit 1; }
-names=$(nm --defined-only --extern-only --format=posix "$library" | awk 'NF >= 2 && $0 !~ /:$/ {print $1, $2}')
-[ -n "$names" ] || { echo "$library: no symbols" >&2; exit 1; }
-wrong=$(echo "$names" | grep -v '^sd_' || true)
-if [ -n "$wrong" ]; then
-  echo "Global symbols of $library that do not begin with sd_ (make them static or rename them):" >&2
-  echo "$wrong" >&2
-  exit 1
-fi
 
-# What a shared library shows is what the public headers declare.
-headers=$(cat "${SLIPDISK_SOURCE_DIR:-.}"/include/slipdisk/*.h)
-visible=$(readelf --wide --symbols "$library" |
-  awk '$5 == "GLOBAL" && $6 == "DEFAULT" && $7 != "UND" && ($4 == "FUNC" || $4 == "OBJECT") {print $8}' | sort -u)
-for name in $visible; do
-  if ! grep -qw "$name" <<<"$headers"; then
-    echo "$name is exported but in no public header" >&2
-    exit 1
+exported=$(readelf --wide --symbols "$library" |
+  awk '($5 == "GLOBAL" || $5 == "WEAK") && $6 == "DEFAULT" && $7 != "UND" && NF == 8 {print $8}' | sort -u)
+[ -n "$exported" ] || { echo "$library: no symbols" >&2; exit 1; }
+# SD_API on one line, the name before the first parenthesis, bracket or semicolon.
+declared=$(sed -n 's/^\(extern \)\{0,1\}SD_API [^;([]*[ *]\([A-Za-z0-9_]*\)[;([].*/\2/p' "$source"/include/slipdisk/*.h |
+  sort -u)
+
+failed=0
+report() {
+  if [ -n "$2" ]; then
+    printf '%s\n%s\n' "$1" "$2" >&2
+    failed=1
   fi
-done
-echo "$(echo "$names" | wc -l) global symbols, $(echo "$visible" | wc -l) of them exported."
+}
+report "Exported, but the name does not begin with sd_:" "$(grep -v '^sd_' <<<"$exported" || true)"
+report "Exported, but not declared with SD_API in a public header:" "$(comm -23 <(echo "$exported") <(echo "$declared"))"
+report "Declared in a public header, but not in the library:" "$(comm -13 <(echo "$exported") <(echo "$declared"))"
+echo "$(wc -l <<<"$exported") exported symbols."
+exit $failed
