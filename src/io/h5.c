@@ -1,0 +1,408 @@
+/* h5.c: opening, closing and writing; see h5.h. */
+#include "io/h5.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/file.h"
+#include "io/h5_private.h"
+
+/* Chunks hold about this many bytes: well below the library's chunk cache of 1 MiB, so that rows which come
+ * in pieces do not make it compress a chunk again and again. */
+enum { CHUNK_BYTES = 256 * 1024 };
+
+/* What stands behind the HDF5 data of a saved file. */
+typedef struct seal {
+  char mark[8];
+  uint64_t size; /* of the HDF5 data */
+  uint64_t sum;
+} seal;
+static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
+
+void h5_quiet(void) {
+  static bool asked;
+  /* must come before the library starts: at exit it would write to files that have failed */
+  if (!asked) H5dont_atexit();
+  asked = true;
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+}
+
+static herr_t first_reason(unsigned n, const H5E_error2_t *error, void *user) {
+  const char **reason = user;
+  (void)n;
+  if (error->desc && !*reason) *reason = error->desc;
+  return 0;
+}
+
+const char *h5_reason(char *text, size_t size) {
+  const char *reason = NULL;
+  /* upward: the innermost entry, the actual cause, comes first */
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, first_reason, &reason);
+  snprintf(text, size, "%s", reason ? reason : "unknown reason");
+  return text;
+}
+
+const char *h5_version(char *text, size_t size) {
+  unsigned major = 0, minor = 0, release = 0;
+  h5_quiet();
+  H5get_libversion(&major, &minor, &release);
+  snprintf(text, size, "%u.%u.%u", major, minor, release);
+  return text;
+}
+
+hid_t h5_native(sd_type type) {
+  switch (type) {
+    case SD_F64: return H5T_NATIVE_DOUBLE;
+    case SD_I64: return H5T_NATIVE_INT64;
+    case SD_I32: return H5T_NATIVE_INT32;
+    case SD_U32: return H5T_NATIVE_UINT32;
+  }
+  return H5I_INVALID_HID;
+}
+
+/* --- open and close ------------------------------------------------------------------------------- */
+
+static sd_status allocate(const char *path, h5_file **out, sd_messages *messages) {
+  h5_quiet();
+  *out = calloc(1, sizeof **out);
+  if (*out && ((*out)->path = file_path("%s", path))) return SD_OK;
+  free(*out);
+  *out = NULL;
+  return sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
+}
+
+static void release(h5_file *file) {
+  if (!file) return;
+  free(file->path);
+  free(file->trouble);
+  free(file);
+}
+
+sd_status h5_new(h5_file **out, sd_messages *messages) {
+  /* The library takes two memory files of one name for the same file. */
+  static unsigned count;
+  char name[40];
+  snprintf(name, sizeof name, "memory-%u", __atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
+  sd_status status = allocate(name, out, messages);
+  if (status != SD_OK) return status;
+  (*out)->memory = (*out)->writing = true;
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_fapl_core(access, (size_t)1 << 20, false);
+  /* The default (earliest) format on purpose: H5Fget_file_image spoils the superblock checksum of later ones
+   * (HDFGroup/hdf5 issue 1915). */
+  (*out)->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  H5Pclose(access);
+  if ((*out)->id >= 0) return SD_OK;
+  release(*out);
+  *out = NULL;
+  return sd_fail(messages, SD_ERROR_IO, "no memory for an HDF5 file");
+}
+
+sd_status h5_create(const char *path, uint64_t bytes, h5_file **out, sd_messages *messages) {
+  sd_status status = allocate(path, out, messages);
+  if (status != SD_OK) return status;
+  (*out)->writing = true;
+  (*out)->id = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  char reason[200];
+  if ((*out)->id < 0) {
+    status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", path, h5_reason(reason, sizeof reason));
+  } else {
+    status = file_reserve(path, bytes, messages);
+    if (status != SD_OK) H5Fclose((*out)->id);
+  }
+  if (status == SD_OK) return SD_OK;
+  file_remove(path, NULL);
+  release(*out);
+  *out = NULL;
+  return status;
+}
+
+sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
+  *out = NULL;
+  unsigned char *head;
+  size_t size;
+  /* the file system's own words are clearer than the library's */
+  sd_status status = file_read(path, 1, &head, &size, messages);
+  if (status != SD_OK) return status;
+  free(head);
+  status = allocate(path, out, messages);
+  if (status != SD_OK) return status;
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+#if H5_VERSION_GE(1, 10, 7)
+  /* what is read here was renamed into place whole, and some file systems cannot lock */
+  H5Pset_file_locking(access, false, true);
+#endif
+  (*out)->id = H5Fopen(path, H5F_ACC_RDONLY, access);
+  H5Pclose(access);
+  if ((*out)->id >= 0) return SD_OK;
+  char reason[200];
+  status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path,
+                   h5_reason(reason, sizeof reason));
+  release(*out);
+  *out = NULL;
+  return status;
+}
+
+sd_status h5_open_sealed(const char *path, h5_file **out, sd_messages *messages) {
+  *out = NULL;
+  unsigned char *bytes;
+  size_t size;
+  sd_status status = file_read(path, SIZE_MAX, &bytes, &size, messages);
+  if (status != SD_OK) return status;
+  seal end;
+  bool good = size > sizeof end;
+  if (good) {
+    memcpy(&end, bytes + size - sizeof end, sizeof end);
+    good = memcmp(end.mark, seal_mark, sizeof seal_mark) == 0 && end.size == size - sizeof end &&
+           end.sum == file_sum(FILE_SUM, bytes, size - sizeof end);
+  }
+  free(bytes);
+  if (!good) return sd_fail(messages, SD_ERROR_IO, "%s is damaged: its checksum does not fit", path);
+  return h5_open(path, out, messages);
+}
+
+static void *image_of(hid_t id, size_t *size) {
+  if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) return NULL;
+  ssize_t n = H5Fget_file_image(id, NULL, 0);
+  void *image = n > 0 ? malloc((size_t)n) : NULL;
+  if (image && H5Fget_file_image(id, image, (size_t)n) != n) {
+    free(image);
+    image = NULL;
+  }
+  *size = image ? (size_t)n : 0;
+  return image;
+}
+
+sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages *messages) {
+  size_t size = 0;
+  void *image = file->failed ? NULL : image_of(file->id, &size);
+  char *trouble = file->trouble ? file_path("%s", file->trouble) : NULL;
+  H5Fclose(file->id);
+  release(file);
+  if (bytes) *bytes = size + sizeof(seal);
+  sd_status status;
+  if (image) {
+    seal end = {.size = size, .sum = file_sum(FILE_SUM, image, size)};
+    memcpy(end.mark, seal_mark, sizeof seal_mark);
+    file_piece pieces[2] = {{image, size}, {&end, sizeof end}};
+    status = file_write_atomic(path, 2, pieces, messages);
+  } else {
+    status = sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path, trouble ? trouble : "no memory");
+  }
+  free(image);
+  free(trouble);
+  return status;
+}
+
+sd_status h5_close(h5_file *file, sd_messages *messages) {
+  if (!file) return SD_OK;
+  char reason[200];
+  sd_status status = SD_OK;
+  /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
+   * file is left open for the rest of the process. */
+  if (!file->failed && file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) {
+    file->failed = true;
+    file->trouble = file_path("%s", h5_reason(reason, sizeof reason));
+  }
+  if (!file->failed && H5Fclose(file->id) < 0) {
+    file->failed = true;
+    file->trouble = file_path("%s", h5_reason(reason, sizeof reason));
+  }
+  if (file->failed)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path,
+                     file->trouble ? file->trouble : "no memory");
+  release(file);
+  return status;
+}
+
+bool h5_failed(const h5_file *file) { return file->failed; }
+
+/* --- write ---------------------------------------------------------------------------------------- */
+
+/* Remembers the first failure. */
+static void check(h5_file *file, bool good, const char *path) {
+  if (good || file->failed) return;
+  char reason[200];
+  file->failed = true;
+  file->trouble = file_path("%s: %s", path, h5_reason(reason, sizeof reason));
+}
+
+/* Link creation with the groups on the way; text is UTF-8. */
+static hid_t with_parents(void) {
+  hid_t list = H5Pcreate(H5P_LINK_CREATE);
+  H5Pset_create_intermediate_group(list, 1);
+  H5Pset_char_encoding(list, H5T_CSET_UTF8);
+  return list;
+}
+
+static hid_t text_type(size_t length) {
+  hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, length ? length : 1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return type;
+}
+
+void h5_group(h5_file *file, const char *path) {
+  if (file->failed || h5_exists(file, path)) return;
+  hid_t link = with_parents();
+  hid_t group = H5Gcreate2(file->id, path, link, H5P_DEFAULT, H5P_DEFAULT);
+  check(file, group >= 0, path);
+  if (group >= 0) H5Gclose(group);
+  H5Pclose(link);
+}
+
+/* Chunks of whole rows when a row fits, else of parts of one row. */
+static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *chunk) {
+  size_t row = element;
+  for (int k = 1; k < rank; k++) {
+    chunk[k] = dims[k] ? dims[k] : 1;
+    row *= (size_t)chunk[k];
+  }
+  size_t rows = CHUNK_BYTES / row;
+  if (rows > dims[0]) rows = dims[0];
+  chunk[0] = rows ? rows : 1;
+  for (int k = 1; k < rank && row > CHUNK_BYTES; k++) {
+    size_t rest = row / (size_t)chunk[k];
+    size_t keep = CHUNK_BYTES / rest;
+    chunk[k] = keep ? keep : 1;
+    row = rest * (size_t)chunk[k];
+  }
+}
+
+/* Creates a dataset; chunked and compressed only where there is something to gain. */
+static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims, bool chunked,
+                  bool compress) {
+  hsize_t extent[H5_MAX_RANK] = {0}, chunk[H5_MAX_RANK] = {0};
+  for (int k = 0; k < rank; k++) extent[k] = dims[k];
+  hid_t link = with_parents();
+  hid_t create = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_obj_track_times(create, false);
+  if (chunked && rank > 0) {
+    choose_chunk(rank, dims, H5Tget_size(type), chunk);
+    H5Pset_chunk(create, rank, chunk);
+    if (compress && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
+      H5Pset_shuffle(create);
+      H5Pset_deflate(create, 1);
+    }
+  }
+  hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
+  hid_t set = H5Dcreate2(file->id, path, type, space, link, create, H5P_DEFAULT);
+  check(file, set >= 0, path);
+  H5Sclose(space);
+  H5Pclose(create);
+  H5Pclose(link);
+  return set;
+}
+
+void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
+            bool compress) {
+  if (file->failed) return;
+  size_t n = 1;
+  for (int k = 0; k < rank; k++) n *= dims[k];
+  /* small datasets: a filter costs more than it saves */
+  bool large = compress && n * sd_type_size(type) > 4096;
+  hid_t set = make(file, path, h5_native(type), rank, dims, large, large);
+  if (set < 0) return;
+  if (n > 0) check(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
+  H5Dclose(set);
+}
+
+void h5_put_text(h5_file *file, const char *path, const char *text) {
+  if (file->failed) return;
+  if (!text) text = "";
+  hid_t type = text_type(strlen(text));
+  hid_t set = make(file, path, type, 0, NULL, false, false);
+  if (set >= 0) {
+    check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0, path);
+    H5Dclose(set);
+  }
+  H5Tclose(type);
+}
+
+static void write_attr(h5_file *file, const char *path, const char *name, hid_t type, hid_t space,
+                       const void *data) {
+  hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
+  hid_t attr = object < 0 ? H5I_INVALID_HID : H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  check(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
+  if (attr >= 0) H5Aclose(attr);
+  if (object >= 0) H5Oclose(object);
+}
+
+void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data) {
+  if (file->failed) return;
+  hsize_t extent = n;
+  hid_t space = n == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, NULL);
+  write_attr(file, path, name, h5_native(type), space, data);
+  H5Sclose(space);
+}
+
+void h5_attr_text(h5_file *file, const char *path, const char *name, const char *text) {
+  if (file->failed) return;
+  if (!text) text = "";
+  hid_t type = text_type(strlen(text)), space = H5Screate(H5S_SCALAR);
+  write_attr(file, path, name, type, space, text);
+  H5Sclose(space);
+  H5Tclose(type);
+}
+
+void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, const char *const *texts) {
+  if (file->failed || n == 0) return;
+  size_t longest = 1;
+  for (size_t k = 0; k < n; k++)
+    if (strlen(texts[k]) > longest) longest = strlen(texts[k]);
+  char *all = calloc(n, longest);
+  if (!all) {
+    check(file, false, path);
+    return;
+  }
+  for (size_t k = 0; k < n; k++) memcpy(all + k * longest, texts[k], strlen(texts[k]));
+  hsize_t extent = n;
+  hid_t type = text_type(longest), space = H5Screate_simple(1, &extent, NULL);
+  write_attr(file, path, name, type, space, all);
+  H5Sclose(space);
+  H5Tclose(type);
+  free(all);
+}
+
+void h5_attr_f64(h5_file *file, const char *path, const char *name, double value) {
+  h5_attr(file, path, name, SD_F64, 0, &value);
+}
+
+void h5_attr_i64(h5_file *file, const char *path, const char *name, int64_t value) {
+  h5_attr(file, path, name, SD_I64, 0, &value);
+}
+
+void h5_link(h5_file *file, const char *target, const char *path) {
+  if (file->failed) return;
+  hid_t link = with_parents();
+  check(file, H5Lcreate_hard(file->id, target, file->id, path, link, H5P_DEFAULT) >= 0, path);
+  H5Pclose(link);
+}
+
+void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress) {
+  if (file->failed) return;
+  hid_t set = make(file, path, h5_native(type), rank, dims, true, compress);
+  if (set >= 0) H5Dclose(set);
+}
+
+void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data) {
+  if (file->failed || n == 0) return;
+  hid_t set = H5Dopen2(file->id, path, H5P_DEFAULT);
+  check(file, set >= 0, path);
+  if (set < 0) return;
+  hid_t space = H5Dget_space(set);
+  hsize_t start[H5_MAX_RANK] = {0}, count[H5_MAX_RANK] = {0};
+  int rank = H5Sget_simple_extent_dims(space, count, NULL);
+  start[0] = first;
+  count[0] = n;
+  hid_t memory = H5Screate_simple(rank, count, NULL);
+  bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+              H5Dwrite(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0;
+  check(file, good, path);
+  H5Sclose(memory);
+  H5Sclose(space);
+  /* closing flushes the chunk cache: that write can fail as well */
+  check(file, H5Dclose(set) >= 0, path);
+}
