@@ -1,0 +1,258 @@
+/* sliding.c: the periodic state of a disk on two turning supports, under permanent sliding.
+ *
+ *   I dOmega/dt = T(s_1, s_2),  s_i = sign(w_i(t) - Omega),  w_i = -theta_i' R_i/R,
+ *
+ * with the constant TEP torques (15)-(18): piecewise linear Omega(t), whose corners are the transition
+ * times of (23)-(24) and (32)-(33). Time is measured in phase u = w_b t and Omega in w_b. The map
+ * Omega(0) -> Omega(2 pi) is followed from corner to corner, each found to rounding, and its fixed point is
+ * the root of the net change, which falls monotonically in Omega(0), by Brent's method.
+ *
+ * Where w_i changes more slowly than the torques on either side would change Omega, no sign is consistent:
+ * the contact sticks and Omega follows w_i (the solution in the sense of Filippov). Two supports that move
+ * alike are one contact with the torques T++ and T--.
+ */
+#include "theory/sliding.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_roots.h>
+#include <math.h>
+
+#include "slipdisk/theory.h"
+
+static double rate_of(const sliding_system *y, const int s[2]) {
+  return y->n == 1 ? y->rate[s[0] < 0][s[0] < 0] : y->rate[s[0] < 0][s[1] < 0];
+}
+
+/* Sets the mode of sliding from the signs of w_i - Omega just after u; contacts in `active` have w_i = Omega
+ * now, and their sign must be the one that the motion itself brings about. Torques fall with Omega, so that
+ * there is exactly one consistent choice but for ties. */
+static void choose(const sliding_system *y, double u, const bool active[2], int s[2]) {
+  double d[2] = {sliding_slope(y, 0, u), y->n == 2 ? sliding_slope(y, 1, u) : 0};
+  for (int k = 0; k < 4; k++) {
+    int t[2] = {active[0] ? 1 - 2 * (k & 1) : s[0], active[1] ? 1 - (k & 2) : s[1]};
+    double rate = rate_of(y, t);
+    bool consistent = true;
+    for (int i = 0; i < y->n; i++) consistent &= !active[i] || t[i] * (d[i] - rate) > 0;
+    if (!consistent) continue;
+    s[0] = t[0];
+    s[1] = t[1];
+    return;
+  }
+  for (int i = 0; i < y->n; i++) {
+    if (!active[i]) continue;
+    int j = 1 - i;
+    for (int sj = 1; sj >= -1; sj -= 2) {
+      int up[2], down[2];
+      up[i] = 1, down[i] = -1;
+      up[j] = down[j] = y->n == 2 && active[j] ? sj : s[j];
+      if (d[i] > rate_of(y, up) || d[i] < rate_of(y, down)) continue;
+      if (y->n == 2 && active[j] && !(sj * (d[j] - d[i]) > 0)) continue;
+      s[i] = 0;
+      s[j] = up[j];
+      return;
+    }
+  }
+  s[active[0] ? 0 : 1] = 0; /* a tie: the supports move alike for a moment */
+}
+
+/* Next corner of a sliding piece that starts at (u, omega); which: the contact that reverses, -1: none. */
+static double slide_until(const sliding_system *y, double u, double omega, const int s[2], int *which) {
+  double rate = rate_of(y, s), next = y->end;
+  *which = -1;
+  for (int i = 0; i < y->n; i++) {
+    double meeting = sliding_meeting(y, i, u, omega, rate, s[i]);
+    if (meeting < next) {
+      next = meeting;
+      *which = i;
+    }
+  }
+  return next;
+}
+
+/* Follows Omega from u = 0 to 2 pi. */
+static bool follow(const sliding_system *y, double start, sliding_path *path) {
+  double u = 0, omega = start, tiny = 1e-13 * y->peak;
+  int s[2] = {1, 1};
+  bool active[2] = {false, false};
+  *path = (sliding_path){0};
+
+  for (int i = 0; i < y->n; i++) {
+    double ahead = sliding_wave(y, i, 0) - omega;
+    active[i] = fabs(ahead) <= tiny;
+    s[i] = ahead < 0 ? -1 : 1;
+  }
+  if (active[0] || active[1]) choose(y, u, active, s);
+
+  while (path->n < SD_SLIDING_PIECES) {
+    int which, stuck = s[0] == 0 ? 0 : y->n == 2 && s[1] == 0 ? 1 : -1, release = 0;
+    double rate = stuck < 0 ? rate_of(y, s) : 0;
+    double next = stuck < 0 ? slide_until(y, u, omega, s, &which)
+                            : sliding_stuck_until(y, stuck, u, s, &release, &which);
+
+    /* book this piece: net change by the torques themselves, so that nothing cancels near the root */
+    double length = next - u, after = omega + rate * length;
+    double area = (omega + rate * length / 2) * length;
+    if (stuck >= 0 || which >= 0) after = sliding_wave(y, stuck >= 0 ? stuck : which, next);
+    if (stuck >= 0) area = sliding_turned(y, stuck, u, next);
+    path->piece[path->n++] = (sliding_piece){u, omega, rate, {s[0], y->n == 2 ? s[1] : s[0]}};
+    path->change += stuck < 0 ? rate * length : after - omega;
+    path->turned += area;
+    if (stuck >= 0) path->stuck += length;
+    else path->length[2 * (s[0] < 0) + (y->n == 2 ? s[1] < 0 : s[0] < 0)] += length;
+
+    u = next;
+    omega = after;
+    if (u >= y->end) return true;
+
+    /* what comes next: a released contact knows its sign; contacts that meet must find theirs */
+    if (release) {
+      s[stuck] = release;
+      continue;
+    }
+    for (int i = 0; i < y->n; i++)
+      active[i] = i == which || i == stuck || fabs(sliding_wave(y, i, u) - omega) <= tiny;
+    choose(y, u, active, s);
+  }
+  return false;
+}
+
+/* --- roots -------------------------------------------------------------------------------------------- */
+
+typedef struct task {
+  const sliding_system *system;
+  const double *weight; /* NULL: the map; else the torques of the limit of constant Omega */
+  bool failed;
+} task;
+
+/* Net change of Omega over a period, or net torque at constant Omega. */
+static double net(double omega, void *argument) {
+  task *t = argument;
+  sliding_path path;
+  if (!follow(t->system, omega, &path)) t->failed = true;
+  if (!t->weight) return path.change;
+  double sum = 0;
+  for (int k = 0; k < 4; k++) sum += t->weight[k] * path.length[k];
+  return sum;
+}
+
+static bool solve(task *t, double *root) {
+  double lower = -1.001 * t->system->peak, upper = -lower;
+  gsl_function f = {net, t};
+  bool found = false;
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
+  if (solver && gsl_root_fsolver_set(solver, &f, lower, upper) == GSL_SUCCESS)
+    for (int k = 0; k < 200 && !found; k++) {
+      if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
+      lower = gsl_root_fsolver_x_lower(solver);
+      upper = gsl_root_fsolver_x_upper(solver);
+      *root = gsl_root_fsolver_root(solver);
+      /* near zero tilt the root itself is near zero, and rounding scales with the support's velocity */
+      found = upper - lower <= 1e-15 * t->system->peak || net(*root, t) == 0;
+    }
+  gsl_root_fsolver_free(solver);
+  gsl_set_error_handler(handler);
+  return found && !t->failed;
+}
+
+/* --- public ------------------------------------------------------------------------------------------- */
+
+static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}; /* by SD_PP ... */
+
+static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_messages *messages) {
+  if (!(disk->half_aperture > 0 && disk->half_aperture < M_PI / 2))
+    return sd_fail(messages, SD_ERROR_USER, "theory: half aperture = %g: expected a value in (0, pi/2)",
+                   disk->half_aperture);
+  if (!(disk->mu > 0 && disk->weight > 0 && disk->radius > 0 && disk->inertia > 0))
+    return sd_fail(messages, SD_ERROR_USER,
+                   "theory: mu = %g, weight = %g, radius = %g, inertia = %g: expected values > 0", disk->mu,
+                   disk->weight, disk->radius, disk->inertia);
+  if (!(drive->omega > 0) || !(drive->amplitude[0] >= 0) || !(drive->amplitude[1] >= 0) ||
+      !(drive->amplitude[0] + drive->amplitude[1] > 0) || !isfinite(drive->phase[0]) ||
+      !isfinite(drive->phase[1]) || !(drive->support_radius[0] > 0) || !(drive->support_radius[1] > 0))
+    return sd_fail(messages, SD_ERROR_USER,
+                   "theory: a drive needs a frequency > 0, finite phases, support radii > 0 and an amplitude > 0");
+  return SD_OK;
+}
+
+/* The system in units of the phase; also the torques by configuration. */
+static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, sliding_system *y, double torque[4],
+                         sd_messages *messages) {
+  sd_status status = check(disk, drive, messages);
+  if (status) return status;
+  *y = (sliding_system){.waveform = drive->waveform, .end = 2 * M_PI};
+  for (int i = 0; i < 2; i++) {
+    y->amplitude[i] = drive->amplitude[i] * drive->support_radius[i] / disk->radius;
+    y->phase[i] = remainder(drive->phase[i], 2 * M_PI);
+    y->peak = fmax(y->peak, y->amplitude[i] * (drive->waveform == SD_SINE ? 1 : 4 / M_PI));
+  }
+  double apart = remainder(y->phase[0] - y->phase[1], 2 * M_PI);
+  y->n = fabs(y->amplitude[0] - y->amplitude[1]) <= 1e-14 * y->peak && fabs(apart) <= 1e-14 ? 1 : 2;
+
+  for (int k = 0; k < 4; k++) {
+    bool needed = y->n == 2 || k == SD_PP || k == SD_MM;
+    sd_tep tep = sd_tep_solve(disk, signs[k][0], signs[k][1]);
+    torque[k] = sd_tep_torque(disk, signs[k][0], signs[k][1]);
+    if (needed && !(tep.compressive && tep.stable))
+      return sd_fail(messages, SD_ERROR_USER,
+                     "theory: configuration S%c%c has no stable equilibrium with both normal forces "
+                     "compressive (tilt %g, half aperture %g, mu %g)", signs[k][0] > 0 ? '+' : '-',
+                     signs[k][1] > 0 ? '+' : '-', disk->tilt, disk->half_aperture, disk->mu);
+    y->rate[k >> 1][k & 1] = torque[k] / (disk->inertia * drive->omega * drive->omega);
+  }
+  return SD_OK;
+}
+
+sd_status sd_sliding_solve(const sd_three_disk *disk, const sd_drive *drive, sd_sliding *out,
+                           sd_messages *messages) {
+  sliding_system y;
+  sliding_path path;
+  double torque[4], root;
+  sd_status status = prepare(disk, drive, &y, torque, messages);
+  if (status) return status;
+  task t = {.system = &y};
+  if (!solve(&t, &root) || !follow(&y, root, &path))
+    return sd_fail(messages, SD_ERROR_NUMERIC, "theory: no periodic solution was found");
+
+  *out = (sd_sliding){.disk = *disk, .drive = *drive, .period = 2 * M_PI / drive->omega,
+                      .mean = path.turned / (2 * M_PI) * drive->omega, .stuck = path.stuck / drive->omega,
+                      .permanent = path.stuck == 0, .n_pieces = path.n};
+  for (int k = 0; k < 4; k++) out->duration[k] = path.length[k] / drive->omega;
+  for (size_t k = 0; k < path.n; k++) {
+    const sliding_piece *p = &path.piece[k];
+    out->pieces[k] = (sd_sliding_piece){p->start / drive->omega, p->omega * drive->omega,
+                                        p->rate * drive->omega * drive->omega, {p->sign[0], p->sign[1]}};
+  }
+  return SD_OK;
+}
+
+sd_status sd_sliding_limit(const sd_three_disk *disk, const sd_drive *drive, double *mean,
+                           sd_messages *messages) {
+  sliding_system y;
+  double torque[4], root;
+  sd_status status = prepare(disk, drive, &y, torque, messages);
+  if (status) return status;
+  for (int k = 0; k < 4; k++) y.rate[k >> 1][k & 1] = 0;
+  task t = {.system = &y, .weight = torque};
+  if (!solve(&t, &root))
+    return sd_fail(messages, SD_ERROR_NUMERIC, "theory: no balance of torques was found");
+  *mean = root * drive->omega;
+  return SD_OK;
+}
+
+double sd_sliding_support(const sd_three_disk *disk, const sd_drive *drive, int i, double t) {
+  sliding_system y = {.waveform = drive->waveform, .n = 2};
+  y.amplitude[i] = drive->amplitude[i] * drive->support_radius[i] / disk->radius;
+  y.phase[i] = drive->phase[i];
+  return sliding_wave(&y, i, drive->omega * t) * drive->omega;
+}
+
+double sd_sliding_omega(const sd_sliding *solution, double t) {
+  double in = t - solution->period * floor(t / solution->period);
+  size_t k = solution->n_pieces - 1;
+  while (k > 0 && in < solution->pieces[k].start) k--;
+  const sd_sliding_piece *p = &solution->pieces[k];
+  for (int i = 0; i < 2; i++)
+    if (p->sign[i] == 0) return sd_sliding_support(&solution->disk, &solution->drive, i, t);
+  return p->omega + p->acceleration * (in - p->start);
+}
