@@ -100,9 +100,11 @@ sd_status file_sync_folder(const char *path, sd_messages *messages) {
 }
 
 sd_status file_commit(const char *temporary, const char *path, sd_messages *messages) {
-  int fd = open(temporary, O_RDONLY | O_CLOEXEC);
+  int fd = open(temporary, O_RDWR | O_CLOEXEC);
   if (fd < 0) return fail(messages, "open", temporary);
-  bool good = fsync(fd) == 0;
+  struct stat facts;
+  /* to its own size: gives back what file_reserve took and nobody used */
+  bool good = fstat(fd, &facts) == 0 && ftruncate(fd, facts.st_size) == 0 && fsync(fd) == 0;
   int error = errno;
   close(fd);
   errno = error;

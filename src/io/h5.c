@@ -76,6 +76,8 @@ static void release(h5_file *file) {
   if (!file) return;
   free(file->path);
   free(file->trouble);
+  for (size_t k = 0; k < file->n_sets; k++) free(file->sets[k].path);
+  free(file->sets);
   free(file);
 }
 
@@ -195,10 +197,21 @@ sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages 
   return status;
 }
 
+/* What is still in the chunk caches is written now. */
+static void close_sets(h5_file *file) {
+  char reason[200];
+  for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
+    if (H5Dclose(file->sets[k].id) >= 0) continue;
+    file->failed = true;
+    file->trouble = file_path("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
+  }
+}
+
 sd_status h5_close(h5_file *file, sd_messages *messages) {
   if (!file) return SD_OK;
   char reason[200];
   sd_status status = SD_OK;
+  close_sets(file);
   /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
    * file is left open for the rest of the process. */
   if (!file->failed && file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) {
@@ -383,13 +396,30 @@ void h5_link(h5_file *file, const char *target, const char *path) {
 
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress) {
   if (file->failed) return;
-  hid_t set = make(file, path, h5_native(type), rank, dims, true, compress);
+  hid_t set = make(file, path, h5_native(type), rank, dims, compress, compress);
   if (set >= 0) H5Dclose(set);
+}
+
+/* The dataset, opened once. */
+static hid_t set_of(h5_file *file, const char *path) {
+  for (size_t k = 0; k < file->n_sets; k++)
+    if (strcmp(file->sets[k].path, path) == 0) return file->sets[k].id;
+  h5_open_set *sets = realloc(file->sets, (file->n_sets + 1) * sizeof *sets);
+  if (!sets) return H5I_INVALID_HID;
+  file->sets = sets;
+  h5_open_set set = {file_path("%s", path), H5I_INVALID_HID};
+  if (set.path) set.id = H5Dopen2(file->id, path, H5P_DEFAULT);
+  if (set.id < 0) {
+    free(set.path);
+    return H5I_INVALID_HID;
+  }
+  sets[file->n_sets++] = set;
+  return set.id;
 }
 
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data) {
   if (file->failed || n == 0) return;
-  hid_t set = H5Dopen2(file->id, path, H5P_DEFAULT);
+  hid_t set = set_of(file, path);
   check(file, set >= 0, path);
   if (set < 0) return;
   hid_t space = H5Dget_space(set);
@@ -403,6 +433,4 @@ void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, si
   check(file, good, path);
   H5Sclose(memory);
   H5Sclose(space);
-  /* closing flushes the chunk cache: that write can fail as well */
-  check(file, H5Dclose(set) >= 0, path);
 }

@@ -6,6 +6,12 @@
 
 #include "io/h5.h"
 
+/* A dataset that is being filled by rows: kept open, so that the library's chunk cache bridges the calls. */
+typedef struct h5_open_set {
+  char *path;
+  hid_t id;
+} h5_open_set;
+
 struct h5_file {
   hid_t id;
   char *path;  /* for messages */

@@ -1,0 +1,24 @@
+/* checkpoint.h: the state, and all that is needed to go on from it, in one file.
+ *
+ * /state holds one dataset per row of sd_fields, with unit and description; /checkpoint the number of sealed
+ * parts that belong to it and the hash of the state; /parameters the deck and where the run comes from;
+ * /summary what has been measured so far. A finished result has the same groups.
+ */
+#ifndef SLIPDISK_IO_CHECKPOINT_H
+#define SLIPDISK_IO_CHECKPOINT_H
+
+#include "io/provenance.h"
+#include "io/summary.h"
+
+sd_status checkpoint_write(const char *path, const sd_state *state, int64_t parts, const provenance *origin,
+                           const summary *found, sd_messages *messages);
+
+/* The group /state of a file that is being written. */
+void checkpoint_put_state(h5_file *file, const sd_state *state);
+/* The state in an open file, sized for the model; verified against its hash. SD_ERROR_USER: it belongs to
+ * another model. */
+sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
+                               sd_messages *messages);
+int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
+
+#endif

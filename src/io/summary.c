@@ -1,0 +1,280 @@
+/* summary.c: see summary.h. */
+#include "io/summary.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/file.h"
+#include "io/series.h"
+
+static sd_status no_memory(sd_messages *messages) {
+  return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
+}
+
+static sd_status allocate(summary *s, sd_messages *messages) {
+  s->rotations = calloc(s->n_rotations + 1, sizeof *s->rotations);
+  s->rotation_names = calloc(s->n_rotations + 1, sizeof *s->rotation_names);
+  s->slides = calloc(s->n_slides + 1, sizeof *s->slides);
+  s->slide_names = calloc(3 * s->n_slides + 1, sizeof *s->slide_names);
+  bool good = s->rotations && s->rotation_names && s->slides && s->slide_names;
+  return good ? SD_OK : no_memory(messages);
+}
+
+static char *name_of(const sd_model *model, uint32_t body) {
+  char text[80];
+  return file_path("%s", sd_model_body_name(model, body, text, sizeof text));
+}
+
+sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
+                          double step_nanoseconds, sd_messages *messages) {
+  *s = (summary){.step = state->step,
+                 .steps = sd_model_steps(model),
+                 .dt = model->dt,
+                 .phase = state->phase,
+                 .phases = (int64_t)model->n_phases,
+                 .measured = state->measured,
+                 .disks = (int64_t)model->n_disks,
+                 .walls = (int64_t)model->n_walls,
+                 .contacts = (int64_t)state->n_contacts,
+                 .step_nanoseconds = step_nanoseconds,
+                 .energy = *energy,
+                 .n_rotations = model->n_rotations,
+                 .n_slides = model->n_slides};
+  bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
+  const char *phase = running ? model->phases[state->phase].name : NULL;
+  s->phase_name = file_path("%s", phase ? phase : "");
+  sd_status status = allocate(s, messages);
+  if (status != SD_OK || !s->phase_name) return no_memory(messages);
+
+  bool named = true;
+  for (size_t k = 0; k < s->n_rotations; k++) {
+    s->rotations[k] = sd_rotation_of(model, state, k);
+    s->rotation_names[k] = name_of(model, model->rotations[k]);
+    named = named && s->rotation_names[k];
+  }
+  for (size_t k = 0; k < s->n_slides; k++) {
+    const sd_slide_watch *watch = &model->slides[k];
+    s->slides[k] = sd_slide_of(model, state, k);
+    s->slide_names[3 * k] = name_of(model, watch->disk);
+    for (size_t p = 0; p < 2; p++) s->slide_names[3 * k + 1 + p] = name_of(model, watch->partner[p]);
+    for (size_t p = 0; p < 3; p++) named = named && s->slide_names[3 * k + p];
+  }
+  return named ? SD_OK : no_memory(messages);
+}
+
+void summary_free(summary *s) {
+  for (size_t k = 0; s->rotation_names && k < s->n_rotations; k++) free(s->rotation_names[k]);
+  for (size_t k = 0; s->slide_names && k < 3 * s->n_slides; k++) free(s->slide_names[k]);
+  free(s->rotation_names);
+  free(s->slide_names);
+  free(s->rotations);
+  free(s->slides);
+  free(s->phase_name);
+  *s = (summary){0};
+}
+
+/* --- tables of what is stored --------------------------------------------------------------------- */
+
+/* A member of a structure, of which an array is stored as one dataset [n] or [n][width]. */
+typedef struct member {
+  const char *name;
+  sd_type type;
+  size_t offset, width;
+  const char *unit, *meaning;
+} member;
+
+static const member rotation_members[] = {
+    {"disk", SD_U32, offsetof(sd_rotation, disk), 1, "1", "body number"},
+    {"omega", SD_F64, offsetof(sd_rotation, omega), 1, "rad/time", "mean angular velocity Omega"},
+    {"error", SD_F64, offsetof(sd_rotation, error), 1, "rad/time", "one standard error of omega (blocking)"},
+    {"scaled", SD_F64, offsetof(sd_rotation, scaled), 1, "rad", "t_g Omega, t_g = sqrt(2 R/g)"},
+    {"scaled_error", SD_F64, offsetof(sd_rotation, scaled_error), 1, "rad", "one standard error of scaled"},
+    {"transient", SD_F64, offsetof(sd_rotation, transient), 1, "time",
+     "measured time discarded as transient"},
+    {"measured", SD_F64, offsetof(sd_rotation, measured), 1, "time", "measured time, with the transient"},
+    {"turned", SD_F64, offsetof(sd_rotation, turned), 1, "rad", "angle turned over the measured time"},
+};
+
+static const member slide_members[] = {
+    {"disk", SD_U32, offsetof(sd_slide, disk), 1, "1", "body number"},
+    {"partner", SD_U32, offsetof(sd_slide, partner), 2, "1", "body numbers"},
+    {"pp", SD_F64, offsetof(sd_slide, pp), 1, "1", "fraction of measured steps in S++"},
+    {"pm", SD_F64, offsetof(sd_slide, pm), 1, "1", "fraction of measured steps in S+-"},
+    {"mp", SD_F64, offsetof(sd_slide, mp), 1, "1", "fraction of measured steps in S-+"},
+    {"mm", SD_F64, offsetof(sd_slide, mm), 1, "1", "fraction of measured steps in S--"},
+    {"stick", SD_F64, offsetof(sd_slide, stick), 1, "1", "fraction: at least one contact stuck, none open"},
+    {"open", SD_F64, offsetof(sd_slide, open), 1, "1", "fraction: at least one contact open"},
+    {"contact_positive", SD_F64, offsetof(sd_slide, contact_positive), 2, "1", "fraction: slides, tau > 0"},
+    {"contact_negative", SD_F64, offsetof(sd_slide, contact_negative), 2, "1", "fraction: slides, tau < 0"},
+    {"contact_stuck", SD_F64, offsetof(sd_slide, contact_stuck), 2, "1", "fraction: stuck"},
+    {"contact_open", SD_F64, offsetof(sd_slide, contact_open), 2, "1", "fraction: open"},
+    {"force_min", SD_F64, offsetof(sd_slide, force_min), 2, "force", "smallest normal force"},
+    {"openings", SD_I64, offsetof(sd_slide, openings), 2, "1", "times the contact opened"},
+};
+
+/* Copies a member between the structures and a dense array. */
+static void pack(const member *m, char *first, size_t stride, size_t n, char *dense, bool out) {
+  size_t bytes = m->width * sd_type_size(m->type);
+  for (size_t k = 0; k < n; k++) {
+    char *at = first + k * stride + m->offset;
+    memcpy(out ? dense + k * bytes : at, out ? at : dense + k * bytes, bytes);
+  }
+}
+
+static void write_members(h5_file *file, const char *group, const member *members, size_t n_members,
+                          void *first, size_t stride, size_t n) {
+  h5_group(file, group);
+  for (size_t k = 0; k < n_members; k++) {
+    const member *m = &members[k];
+    size_t dims[2] = {n, m->width};
+    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
+    if (dense && path) {
+      pack(m, first, stride, n, dense, true);
+      h5_put(file, path, m->type, m->width > 1 ? 2 : 1, dims, dense, true);
+      h5_attr_text(file, path, "unit", m->unit);
+      h5_attr_text(file, path, "description", m->meaning);
+    }
+    free(dense);
+    free(path);
+  }
+}
+
+static sd_status read_members(const h5_file *file, const char *group, const member *members, size_t n_members,
+                              void *first, size_t stride, size_t n, sd_messages *messages) {
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && k < n_members; k++) {
+    const member *m = &members[k];
+    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
+    if (!dense || !path) status = no_memory(messages);
+    if (status == SD_OK) status = h5_get(file, path, m->type, n * m->width, dense, messages);
+    if (status == SD_OK) pack(m, first, stride, n, dense, false);
+    free(dense);
+    free(path);
+  }
+  return status;
+}
+
+enum {
+  ROTATION_MEMBERS = sizeof rotation_members / sizeof *rotation_members,
+  SLIDE_MEMBERS = sizeof slide_members / sizeof *slide_members
+};
+
+/* --- names: one text, a line each ------------------------------------------------------------------ */
+
+static void write_names(h5_file *file, const char *path, size_t n, char *const *names) {
+  size_t total = 1;
+  for (size_t k = 0; k < n; k++) total += strlen(names[k]) + 1;
+  char *text = malloc(total), *at = text;
+  if (!text) return;
+  for (size_t k = 0; k < n; k++) {
+    size_t length = strlen(names[k]);
+    memcpy(at, names[k], length);
+    at += length;
+    *at++ = '\n';
+  }
+  *at = 0;
+  h5_put_text(file, path, text);
+  free(text);
+}
+
+/* Missing lines become empty names. */
+static sd_status read_names(const h5_file *file, const char *path, size_t n, char **names,
+                            sd_messages *messages) {
+  char *text = h5_get_text(file, path);
+  const char *at = text ? text : "";
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < n; k++) {
+    size_t length = strcspn(at, "\n");
+    names[k] = file_path("%.*s", (int)length, at);
+    if (!names[k]) status = no_memory(messages);
+    at += length;
+    if (*at) at++;
+  }
+  free(text);
+  return status;
+}
+
+/* --- whole ---------------------------------------------------------------------------------------- */
+
+static const struct fact {
+  const char *name;
+  size_t offset;
+} facts[] = {
+    {"step", offsetof(summary, step)},         {"steps", offsetof(summary, steps)},
+    {"phase", offsetof(summary, phase)},       {"phases", offsetof(summary, phases)},
+    {"measured", offsetof(summary, measured)}, {"disks", offsetof(summary, disks)},
+    {"walls", offsetof(summary, walls)},       {"contacts", offsetof(summary, contacts)},
+};
+enum { FACTS = sizeof facts / sizeof *facts };
+
+void summary_write(const summary *s, h5_file *file) {
+  h5_group(file, "/summary/energy");
+  for (size_t k = 0; k < FACTS; k++) {
+    int64_t value;
+    memcpy(&value, (const char *)s + facts[k].offset, sizeof value);
+    h5_attr_i64(file, "/summary", facts[k].name, value);
+  }
+  h5_attr_f64(file, "/summary", "dt", s->dt);
+  h5_attr_f64(file, "/summary", "time", (double)s->step * s->dt);
+  h5_attr_f64(file, "/summary", "step_nanoseconds", s->step_nanoseconds);
+  h5_attr_text(file, "/summary", "phase_name", s->phase_name);
+  for (size_t k = 0; k < series_energy_count; k++)
+    h5_attr_f64(file, "/summary/energy", series_energies[k].name, series_energy_value(&s->energy, k));
+
+  write_members(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
+                sizeof *s->rotations, s->n_rotations);
+  int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
+  for (size_t k = 0; converged && k < s->n_rotations; k++) converged[k] = s->rotations[k].converged;
+  if (converged) h5_put(file, "/summary/rotation/converged", SD_I32, 1, &s->n_rotations, converged, true);
+  free(converged);
+  write_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names);
+  h5_attr_i64(file, "/summary/rotation", "count", (int64_t)s->n_rotations);
+
+  write_members(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
+                s->n_slides);
+  write_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names);
+  h5_attr_i64(file, "/summary/slide", "count", (int64_t)s->n_slides);
+}
+
+sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
+  *s = (summary){0};
+  if (!h5_exists(file, "/summary"))
+    return sd_fail(messages, SD_ERROR_USER, "this is not a result of slipdisk: there is no /summary in it");
+  for (size_t k = 0; k < FACTS; k++) {
+    int64_t value = h5_get_attr_i64(file, "/summary", facts[k].name, 0);
+    memcpy((char *)s + facts[k].offset, &value, sizeof value);
+  }
+  s->dt = h5_get_attr_f64(file, "/summary", "dt", NAN);
+  s->step_nanoseconds = h5_get_attr_f64(file, "/summary", "step_nanoseconds", NAN);
+  s->phase_name = h5_get_attr_text(file, "/summary", "phase_name");
+  if (!s->phase_name) s->phase_name = file_path("%s", "");
+  for (size_t k = 0; k < series_energy_count; k++) {
+    double value = h5_get_attr_f64(file, "/summary/energy", series_energies[k].name, NAN);
+    memcpy((char *)&s->energy + series_energies[k].offset, &value, sizeof value);
+  }
+  int64_t rotations = h5_get_attr_i64(file, "/summary/rotation", "count", 0);
+  int64_t slides = h5_get_attr_i64(file, "/summary/slide", "count", 0);
+  if (rotations < 0 || slides < 0 || rotations > UINT32_MAX || slides > UINT32_MAX)
+    return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+  s->n_rotations = (size_t)rotations;
+  s->n_slides = (size_t)slides;
+  sd_status status = allocate(s, messages);
+  if (status == SD_OK)
+    status = read_members(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
+                          sizeof *s->rotations, s->n_rotations, messages);
+  int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
+  if (status == SD_OK && converged)
+    status = h5_get(file, "/summary/rotation/converged", SD_I32, s->n_rotations, converged, messages);
+  for (size_t k = 0; converged && k < s->n_rotations; k++) s->rotations[k].converged = converged[k] != 0;
+  free(converged);
+  if (status == SD_OK)
+    status = read_members(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
+                          s->n_slides, messages);
+  if (status == SD_OK)
+    status = read_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names, messages);
+  if (status == SD_OK)
+    status = read_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names, messages);
+  return status;
+}
