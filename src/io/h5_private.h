@@ -19,6 +19,8 @@ struct h5_file {
   bool writing;
   bool failed;   /* a write went wrong ... */
   char *trouble; /* ... and this was the first */
+  h5_open_set *sets;
+  size_t n_sets;
 };
 
 /* Switches the library's own printing off, in this thread, and its clean-up at exit (which writes). */
