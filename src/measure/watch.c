@@ -1,0 +1,78 @@
+/* watch.c: running statistics in the state; see watch.h. */
+#include "measure/watch.h"
+
+#include <math.h>
+
+static double angle_of(const engine *e, size_t k) {
+  uint32_t slot = e->work.slot[e->model->rotations[k]];
+  return e->state->theta[slot] + e->state->turn[slot];
+}
+
+/* Contact k (two per watch) as it is now, and its normal force. */
+static int contact_now(const engine *e, size_t k, double *force) {
+  const pairs *p = &e->work.pairs;
+  int64_t at = e->work.watched[k];
+  *force = 0.0;
+  if (at < 0 || (p->ex[at] == 0.0 && p->ey[at] == 0.0)) return SD_OPEN;
+  *force = p->force[at];
+  return p->slide[at] > 0.0 ? SD_SLIDE_POSITIVE : p->slide[at] < 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
+}
+
+void watch_begin(engine *e) {
+  sd_state *s = e->state;
+  double force;
+  for (size_t k = 0; k < s->n_rotations; k++) {
+    double angle = angle_of(e, k);
+    double unmeasured = s->measured == 0 ? angle - s->rotation_start[k] : angle - s->rotation_stop[k];
+    s->rotation_start[k] += unmeasured;
+    s->rotation_last[k] = s->measured == 0 ? angle : s->rotation_last[k] + unmeasured;
+  }
+  for (size_t k = 0; k < 2 * s->n_slides; k++) {
+    if (s->measured == 0) s->slide_force_min[k] = HUGE_VAL;
+    s->slide_was_open[k] = contact_now(e, k, &force) == SD_OPEN;
+  }
+}
+
+void watch_end(engine *e) {
+  for (size_t k = 0; k < e->state->n_rotations; k++) e->state->rotation_stop[k] = angle_of(e, k);
+}
+
+/* Neighbouring bins become one: the record covers any length with SD_BINS bins at most. */
+static void halve_bins(sd_state *s) {
+  for (size_t k = 0; k < s->n_rotations; k++) {
+    double *bin = s->rotation_bin + k * SD_BINS;
+    for (int b = 0; b < SD_BINS / 2; b++) bin[b] = bin[2 * b] + bin[2 * b + 1];
+    for (int b = SD_BINS / 2; b < SD_BINS; b++) bin[b] = 0.0;
+  }
+  s->bins /= 2;
+  s->bin_steps *= 2;
+}
+
+static void close_bin(engine *e) {
+  sd_state *s = e->state;
+  for (size_t k = 0; k < s->n_rotations; k++) {
+    double angle = angle_of(e, k);
+    s->rotation_bin[k * SD_BINS + (size_t)s->bins] = angle - s->rotation_last[k];
+    s->rotation_last[k] = angle;
+  }
+  if (++s->bins == SD_BINS) halve_bins(s);
+}
+
+void watch_step(engine *e) {
+  sd_state *s = e->state;
+  s->measured++;
+  for (size_t k = 0; k < s->n_slides; k++) {
+    int now[2];
+    for (size_t side = 0; side < 2; side++) {
+      double force;
+      size_t c = 2 * k + side;
+      now[side] = contact_now(e, c, &force);
+      if (force < s->slide_force_min[c]) s->slide_force_min[c] = force;
+      int open = now[side] == SD_OPEN;
+      s->slide_openings[c] += open && !s->slide_was_open[c];
+      s->slide_was_open[c] = open;
+    }
+    s->slide_count[16 * k + 4 * (size_t)now[0] + (size_t)now[1]]++;
+  }
+  if (s->n_rotations && s->measured % s->bin_steps == 0) close_bin(e);
+}

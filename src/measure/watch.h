@@ -1,0 +1,14 @@
+/* watch.h: what is counted at every measured step: sliding configurations and angles of the watched disks. */
+#ifndef MEASURE_WATCH_H
+#define MEASURE_WATCH_H
+
+#include "physics/work.h"
+
+/* A measured phase begins or goes on after one that was not measured. */
+void watch_begin(engine *e);
+/* A measured phase ends. */
+void watch_end(engine *e);
+/* One measured step was completed. */
+void watch_step(engine *e);
+
+#endif

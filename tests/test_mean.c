@@ -1,0 +1,257 @@
+/* test_mean.c: error bars against records whose true error is known, and what is made of a state. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_rng.h>
+#include <math.h>
+
+#include "slipdisk/measure.h"
+
+enum { N = 4096 };
+static double x[N];
+
+static void between(double value, double low, double high, const char *what) {
+  if (!(value >= low && value <= high)) {
+    print_error("%s: %.10g, expected %.10g to %.10g\n", what, value, low, high);
+    fail();
+  }
+}
+
+/* Mean 5, variance 1, correlation rho^|lag|, started from the stationary law. */
+static void autoregressive(gsl_rng *random, size_t n, double rho) {
+  double y = gsl_ran_gaussian(random, 1);
+  for (size_t k = 0; k < n; k++) {
+    x[k] = 5 + y;
+    y = rho * y + sqrt(1 - rho * rho) * gsl_ran_gaussian(random, 1);
+  }
+}
+
+/* Standard error of the mean of such a record, exactly. */
+static double true_error(size_t n, double rho) {
+  double m = (double)n;
+  double sum = (1 + rho) / (1 - rho) - 2 * rho * (1 - pow(rho, m)) / (m * (1 - rho) * (1 - rho));
+  return sqrt(sum / m);
+}
+
+typedef struct coverage {
+  size_t n;
+  double rho;
+  bool transient;
+  double low, high; /* allowed mean of error/true error */
+} coverage;
+
+static void error_bars_cover(void **unused) {
+  (void)unused;
+  enum { SEEDS = 400 };
+  const coverage cases[] = {
+      {N, 0, false, 0.95, 1.05},     {N, 0, true, 0.95, 1.05},       {N, 0.6, true, 0.93, 1.07},
+      {N, 0.9, false, 0.93, 1.07},   {N, 0.9, true, 0.92, 1.07},     {N, 0.97, true, 0.90, 1.1},
+      {N, -0.6, true, 0.95, 1.15},   {1024, 0.6, true, 0.90, 1.1},   {2048, 0.9, false, 0.90, 1.1},
+      {256, 0, false, 0.92, 1.08},
+  };
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+    double sum = 0, within = 0, correlation = 0, expected = true_error(cases[c].n, cases[c].rho);
+    int converged = 0;
+    for (int seed = 0; seed < SEEDS; seed++) {
+      autoregressive(random, cases[c].n, cases[c].rho);
+      sd_mean mean = sd_mean_of(x, cases[c].n, cases[c].transient);
+      sum += mean.error / expected / SEEDS;
+      within += (fabs(mean.mean - 5) < mean.error) / (double)SEEDS;
+      correlation += mean.correlation / SEEDS;
+      converged += mean.converged;
+    }
+    double tau = (1 + cases[c].rho) / (1 - cases[c].rho) / 2;
+    print_message("  n %4zu rho %5.2f: error/true %.3f, within one error %.3f, correlation %.2f (%.2f)\n",
+                  cases[c].n, cases[c].rho, sum, within, correlation, tau);
+    between(sum, cases[c].low, cases[c].high, "error/true error");
+    between(within, 0.60, 0.76, "coverage of one error"); /* 0.683 +- 0.023 from 400 seeds */
+    between(correlation / tau, 0.85, 1.3, "correlation time");
+    assert_true(converged > 9 * SEEDS / 10);
+  }
+  gsl_rng_free(random);
+}
+
+static void slow_records_are_said_not_to_converge(void **unused) {
+  (void)unused;
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  int converged = 0;
+  for (int seed = 0; seed < 100; seed++) {
+    autoregressive(random, N, 0.999); /* correlation time of a quarter of the record */
+    converged += sd_mean_of(x, N, true).converged;
+  }
+  gsl_rng_free(random);
+  assert_true(converged < 20);
+}
+
+static void constant_records_have_no_error(void **unused) {
+  (void)unused;
+  const double values[] = {0, 0.1, -1e300, 1e-300};
+  for (size_t v = 0; v < 4; v++) {
+    for (size_t k = 0; k < N; k++) x[k] = values[v];
+    sd_mean mean = sd_mean_of(x, N, true);
+    between(mean.mean / (values[v] == 0 ? 1 : values[v]), values[v] == 0 ? 0 : 1 - 1e-14, 1 + 1e-14, "mean");
+    between(mean.error, 0, 0, "error");
+    assert_int_equal(mean.discarded, 0);
+    assert_true(mean.converged);
+  }
+}
+
+static void short_records_have_none_either(void **unused) {
+  (void)unused;
+  for (size_t k = 0; k < 15; k++) x[k] = (double)(k % 3);
+  assert_true(isnan(sd_mean_of(x, 0, true).mean));
+  assert_true(isnan(sd_mean_of(NULL, 0, true).error));
+  for (size_t n = 1; n < 16; n++) {
+    sd_mean mean = sd_mean_of(x, n, true);
+    assert_true(isfinite(mean.mean) && isnan(mean.error) && !mean.converged);
+  }
+}
+
+/* Bin averages of 3 + cos(2 pi t/period): what a deterministic drive leaves in the bins. */
+static void periodic(double period, double phase) {
+  double w = 2 * M_PI / period;
+  for (size_t k = 0; k < N; k++) {
+    double t = (double)k + phase;
+    x[k] = 3 + (sin(w * (t + 1)) - sin(w * t)) / w;
+  }
+}
+
+static void periodic_records_have_small_errors(void **unused) {
+  (void)unused;
+  const double commensurate[] = {1, 2, 4, 16}, others[] = {2.7, 7.3, 50.1, 101.7, 333.3};
+  for (size_t k = 0; k < 4; k++) {
+    periodic(commensurate[k], 0.3);
+    sd_mean mean = sd_mean_of(x, N, true);
+    between(fabs(mean.mean - 3), 0, 1e-13, "mean, commensurate");
+    between(mean.error, 0, 1e-12, "error, commensurate");
+  }
+  for (size_t k = 0; k < 5; k++)
+    for (double phase = 0; phase < 1; phase += 0.13) {
+      periodic(others[k], phase * others[k]);
+      sd_mean mean = sd_mean_of(x, N, true);
+      /* the true error is at most period/(pi N); that of an independent record would be 0.7/sqrt(N) = 0.011 */
+      between(fabs(mean.mean - 3), 0, 5 * mean.error + 1e-4, "mean");
+      between(mean.error, 0, fmax(others[k] * 2e-4, 5e-4), "error");
+    }
+}
+
+static void transients_are_found(void **unused) {
+  (void)unused;
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  double within = 0;
+  for (int seed = 0; seed < 200; seed++) {
+    autoregressive(random, N, 0.6);
+    for (size_t k = 0; k < N; k++) x[k] += 10 * exp(-(double)k / 150);
+    sd_mean mean = sd_mean_of(x, N, true);
+    between((double)mean.discarded, 300, 1800, "discarded");
+    assert_int_equal(mean.discarded + mean.used, N);
+    assert_true(mean.converged);
+    within += (fabs(mean.mean - 5) < 2 * mean.error) / 200.0;
+    assert_true(fabs(sd_mean_of(x, N, false).mean - 5) > 0.2);
+  }
+  between(within, 0.88, 1, "within two errors");
+  gsl_rng_free(random);
+
+  /* no noise at all: the relaxation never ends, but is soon small */
+  for (size_t k = 0; k < N; k++) x[k] = 3 - 3 * exp(-(double)k / 200);
+  sd_mean mean = sd_mean_of(x, N, true);
+  assert_true(mean.converged);
+  between(fabs(mean.mean - 3), 0, 1e-3, "relaxed");
+  between(mean.error, fabs(mean.mean - 3) / 5, 1e-3, "its error");
+
+  /* a drift never ends */
+  for (size_t k = 0; k < N; k++) x[k] = (double)k;
+  assert_false(sd_mean_of(x, N, true).converged);
+  /* neither has a relaxation as long as the record */
+  for (size_t k = 0; k < N; k++) x[k] = exp(-(double)k / N);
+  assert_false(sd_mean_of(x, N, true).converged);
+}
+
+/* --- from a state ---------------------------------------------------------------------------------------- */
+
+static void rotation_of_a_state(void **unused) {
+  (void)unused;
+  sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
+  uint32_t watched[2] = {1, 0};
+  sd_model model = {.dt = 1e-3, .gravity = {-3, -4}, .n_disks = 2, .disks = disks, .n_rotations = 2,
+                    .rotations = watched};
+  double *bins = calloc(2 * SD_BINS, sizeof *bins), start[2] = {1, 2}, last[2] = {1, 2};
+  for (size_t k = 0; k < 1000; k++) {
+    bins[k] = 0.25;
+    bins[SD_BINS + k] = k % 2 ? -0.5 : -0.25;
+    last[0] += bins[k];
+    last[1] += bins[SD_BINS + k];
+  }
+  sd_state state = {.measured = 10007, .bin_steps = 10, .bins = 1000, .n_rotations = 2, .rotation_bin = bins,
+                    .rotation_start = start, .rotation_last = last};
+  sd_rotation a = sd_rotation_of(&model, &state, 0), b = sd_rotation_of(&model, &state, 1);
+  assert_int_equal(a.disk, 1);
+  assert_int_equal(b.disk, 0);
+  between(a.omega, 25 - 1e-12, 25 + 1e-12, "omega");
+  between(a.error, 0, 0, "error");
+  between(a.scaled, 25 * sqrt(0.2) - 1e-12, 25 * sqrt(0.2) + 1e-12, "t_g omega");
+  between(a.turned, 250 - 1e-10, 250 + 1e-10, "turned");
+  between(a.measured, 10.007 - 1e-12, 10.007 + 1e-12, "measured");
+  between(b.omega, -37.5 - 1e-12, -37.5 + 1e-12, "omega");
+  between(b.scaled, -37.5 * sqrt(0.8) - 1e-12, -37.5 * sqrt(0.8) + 1e-12, "t_g omega");
+  assert_true(a.converged && b.converged);
+
+  model.gravity[0] = model.gravity[1] = 0;
+  a = sd_rotation_of(&model, &state, 0);
+  assert_true(isnan(a.scaled) && isnan(a.scaled_error) && !isnan(a.omega));
+  state.bins = 0;
+  a = sd_rotation_of(&model, &state, 0);
+  assert_true(isnan(a.omega) && isnan(a.error) && !a.converged);
+  free(bins);
+}
+
+static void sliding_of_a_state(void **unused) {
+  (void)unused;
+  sd_slide_watch watch[2] = {{0, {1, 2}}, {3, {7, 5}}};
+  sd_model model = {.n_slides = 2, .slides = watch};
+  int64_t count[32] = {0}, openings[4] = {0, 0, 3, 4};
+  double force[4] = {1, 2, 0.5, 0.25};
+  for (int k = 0; k < 16; k++) count[16 + k] = k + 1; /* 136 steps */
+  sd_state state = {.measured = 136, .n_slides = 2, .slide_count = count, .slide_openings = openings,
+                    .slide_force_min = force};
+  sd_slide s = sd_slide_of(&model, &state, 1);
+  assert_int_equal(s.disk, 3);
+  assert_int_equal(s.partner[0], 7);
+  assert_int_equal(s.openings[1], 4);
+  between(s.force_min[0], 0.5, 0.5, "force");
+  between(s.pp * 136, 1 - 1e-12, 1 + 1e-12, "++");
+  between(s.pm * 136, 2 - 1e-12, 2 + 1e-12, "+-");
+  between(s.mp * 136, 5 - 1e-12, 5 + 1e-12, "-+");
+  between(s.mm * 136, 6 - 1e-12, 6 + 1e-12, "--");
+  between(s.stick * 136, 3 + 7 + 9 + 10 + 11 - 1e-12, 40 + 1e-12, "stick");
+  between(s.open * 136, 4 + 8 + 12 + 13 + 14 + 15 + 16 - 1e-12, 82 + 1e-12, "open");
+  between(s.contact_negative[0] * 136, 26 - 1e-12, 26 + 1e-12, "first contact, negative");
+  between(s.contact_negative[1] * 136, 32 - 1e-12, 32 + 1e-12, "second contact, negative");
+  for (int c = 0; c < 2; c++)
+    between(s.contact_positive[c] + s.contact_negative[c] + s.contact_stuck[c] + s.contact_open[c], 1 - 1e-12,
+            1 + 1e-12, "all of a contact");
+
+  state.measured = 0;
+  s = sd_slide_of(&model, &state, 0);
+  assert_true(isnan(s.pp) && isnan(s.stick) && isnan(s.open) && isnan(s.contact_open[1]));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(error_bars_cover),
+      cmocka_unit_test(slow_records_are_said_not_to_converge),
+      cmocka_unit_test(constant_records_have_no_error),
+      cmocka_unit_test(short_records_have_none_either),
+      cmocka_unit_test(periodic_records_have_small_errors),
+      cmocka_unit_test(transients_are_found),
+      cmocka_unit_test(rotation_of_a_state),
+      cmocka_unit_test(sliding_of_a_state),
+  };
+  return cmocka_run_group_tests_name("mean", tests, NULL, NULL);
+}
