@@ -94,6 +94,7 @@ typedef struct sd_state {
   double *rotation_start; /* angle when measuring began */
   double *rotation_bin;   /* angle turned in each full bin */
   double *rotation_last;  /* angle at the last bin's end */
+  double *rotation_stop;  /* angle when a measured phase ended: what is turned until the next is left out */
   int64_t *slide_count;   /* steps in configuration 4 * (first contact) + (second contact) */
   double *slide_force_min; /* smallest normal force, 0 when the contact opened */
   int64_t *slide_openings; /* times the contact opened */

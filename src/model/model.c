@@ -229,16 +229,17 @@ static void check_box(const sd_model *m, sd_messages *msg) {
   for (int c = 0; c < 2; c++) {
     if (!m->periodic[c]) continue;
     double length = m->upper[c] - m->lower[c];
+    char axis = c == SD_X ? 'x' : 'y';
     /* the minimum image is unique while no pair within reach has two */
     if (!(length > 4.0 * largest * 1.2))
       sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
-              "xy"[c], length, largest);
+              axis, length, largest);
     for (size_t i = 0; i < m->n_disks; i++) {
       double p = m->disks[i].position[c];
       if (p < m->lower[c] || p >= m->upper[c]) {
         char name[96];
         sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
-                sd_model_body_name(m, (uint32_t)i, name, sizeof name), "xy"[c], p, m->lower[c], m->upper[c]);
+                sd_model_body_name(m, (uint32_t)i, name, sizeof name), axis, p, m->lower[c], m->upper[c]);
       }
     }
   }
@@ -255,6 +256,7 @@ static void derive_driven(sd_model *m) {
   for (size_t k = 0; held && k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
+      if (m->motions[k].interval < 1) m->motions[k].interval = 1;
       if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
     }
   m->n_free = 0;

@@ -77,6 +77,7 @@ const sd_field sd_fields[] = {
     COLUMN(rotation_start, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring began"),
     COLUMN(rotation_bin, SD_F64, SD_PER_ROTATION_BIN, "rad", "angle turned in each full bin"),
     COLUMN(rotation_last, SD_F64, SD_PER_ROTATION, "rad", "angle at the end of the last full bin"),
+    COLUMN(rotation_stop, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring last stopped"),
     COLUMN(slide_count, SD_I64, SD_PER_SLIDE_COUNT, "1", "steps in each configuration of two contacts"),
     COLUMN(slide_force_min, SD_F64, SD_PER_SLIDE_CONTACT, "force", "smallest normal force"),
     COLUMN(slide_openings, SD_I64, SD_PER_SLIDE_CONTACT, "1", "times the contact opened"),

@@ -1,0 +1,291 @@
+/* contacts.c: gathering, rare events, store and load; see contacts.h. */
+#include "physics/contacts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/kernels.h"
+#include "physics/neighbours.h"
+#include "physics/walls.h"
+
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#include "physics/law.h"
+
+/* --- gathering --------------------------------------------------------------------------------------- */
+
+void contacts_gather(engine *e, size_t begin, size_t end) {
+  sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const incidence *n = &e->work.incidence;
+  for (size_t i = begin; i < end; i++) {
+    double fx = 0.0, fy = 0.0, tau = 0.0, lever = 0.0;
+    bool straight = s->radius[i] == 0.0;
+    for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
+      size_t k = n->entry[at] / 2;
+      double sign = n->entry[at] & 1 ? 1.0 : -1.0;
+      fx += sign * p->fx[k];
+      fy += sign * p->fy[k];
+      tau += p->tau[k];
+      if (straight) { /* -tau R_a, and the force's arm from the pivot to the disk's centre */
+        double rx = s->x[p->a[k]] - s->x[i], ry = s->y[p->a[k]] - s->y[i];
+        lever += rx * p->fy[k] - ry * p->fx[k] - p->tau[k] * s->radius[p->a[k]];
+      }
+    }
+    s->force_x[i] = fx;
+    s->force_y[i] = fy;
+    s->torque[i] = straight ? lever : tau * s->radius[i];
+  }
+}
+
+void contacts_book_losses(engine *e, size_t begin, size_t end) {
+  sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const incidence *n = &e->work.incidence;
+  for (size_t i = begin; i < end; i++) {
+    double viscous = 0.0, friction = 0.0, gain = 0.0;
+    for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
+      size_t k = n->entry[at] / 2;
+      int32_t other = n->entry[at] & 1 ? p->a[k] : p->b[k];
+      double share = (size_t)other < s->n_free ? 0.5 : 1.0;
+      viscous += share * p->loss_viscous[k];
+      friction += share * p->loss_friction[k];
+      gain += share * p->gain[k];
+    }
+    s->loss_viscous[i] += viscous;
+    s->loss_friction[i] += friction;
+    s->gain_variant[i] += gain;
+  }
+}
+
+/* --- rare events ------------------------------------------------------------------------------------- */
+
+event *event_add(event_list *list, uint32_t index, double opening) {
+  if (list->count == list->capacity) {
+    size_t capacity = 2 * list->capacity + 16;
+    event *more = realloc(list->item, capacity * sizeof *more);
+    if (!more) {
+      list->failed = true;
+      return NULL;
+    }
+    list->item = more;
+    list->capacity = capacity;
+  }
+  list->item[list->count] = (event){.index = index, .opening = opening};
+  return &list->item[list->count++];
+}
+
+/* Unit vector from a to b's surface, as the law has it. */
+static void normal(const engine *e, size_t k, double *nx, double *ny) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  int32_t a = w->pairs.a[k], b = w->pairs.b[k];
+  double dx, dy, sign = 1.0;
+  if (k < w->pairs.n_round) {
+    dx = s->x[b] - s->x[a];
+    dy = s->y[b] - s->y[a];
+    if (w->periodic[0]) dx -= w->length[0] * nearest_w1(dx * w->inverse_length[0]);
+    if (w->periodic[1]) dy -= w->length[1] * nearest_w1(dy * w->inverse_length[1]);
+    if (s->radius[a] + s->radius[b] < 0.0) sign = -1.0;
+  } else {
+    nearest_point q = walls_nearest(&w->segments[w->pairs.part[k]], s->x[a], s->y[a]);
+    dx = q.dx;
+    dy = q.dy;
+  }
+  double r = sign * sqrt(dx * dx + dy * dy);
+  *nx = dx / r;
+  *ny = dy / r;
+}
+
+/* Measures lambda from the present contact line on; on a straight wall also from the present side. */
+static void rebase(engine *e, size_t k) {
+  const sd_state *s = e->state;
+  pairs *p = &e->work.pairs;
+  double sum = s->radius[p->a[k]] + s->radius[p->b[k]];
+  p->star[k] += sum * p->turned[k];
+  p->turned[k] = 0.0;
+  normal(e, k, &p->ex[k], &p->ey[k]);
+  if (k < p->n_round) return;
+  nearest_point q = walls_nearest(&e->work.segments[p->part[k]], s->x[p->a[k]], s->y[p->a[k]]);
+  if (!q.flat && q.side != p->side[k]) {
+    p->star[k] += (q.side - p->side[k]) * q.arc;
+    p->side[k] = q.side;
+  }
+}
+
+/* The event of this step in which the disk's contact with a piece next to k's opened, NULL: none. */
+static event *left_next_piece(engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  const sd_segment *pieces = e->model->segments;
+  int64_t here = p->part[k];
+  for (int t = 0; t < e->work.n_threads; t++)
+    for (size_t n = 0; n < e->work.threads[t].events.count; n++) {
+      event *v = &e->work.threads[t].events.item[n];
+      bool opened = v->index >= p->n_round && p->ex[v->index] == 0.0 && p->ey[v->index] == 0.0;
+      if (!opened || p->a[v->index] != p->a[k] || v->opening == 0.0) continue;
+      int64_t there = p->part[v->index];
+      if (pieces[there].next == here || pieces[here].next == there) return v;
+    }
+  return NULL;
+}
+
+/* The arc length runs on through a vertex, so a disk that passes from one piece to the next keeps lambda*. */
+static void hand_over(engine *e, size_t k) {
+  pairs *p = &e->work.pairs;
+  event *v = left_next_piece(e, k);
+  if (!v) return;
+  /* around the joint of a closed polyline the arc length jumps by its whole */
+  const sd_segment *there = &e->model->segments[p->part[v->index]], *here = &e->model->segments[p->part[k]];
+  double jump = 0.0;
+  if (there->next == p->part[k] && here <= there) jump = there->arc + there->length - here->arc;
+  if (here->next == p->part[v->index] && there <= here) jump = -(here->arc + here->length - there->arc);
+  p->star[k] = v->star - v->side * jump;
+  p->ex[k] = v->ex;
+  p->ey[k] = v->ey;
+  p->side[k] = v->side;
+  v->opening = 0.0; /* the skin's energy goes along */
+  double viscous = p->loss_viscous[k];
+  e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
+  p->loss_viscous[k] = viscous;
+}
+
+static void book_opening(engine *e, size_t k, double energy) {
+  sd_state *s = e->state;
+  int32_t a = e->work.pairs.a[k], b = e->work.pairs.b[k];
+  bool shared = (size_t)b < s->n_free;
+  s->loss_opening[a] += shared ? 0.5 * energy : energy;
+  if (shared) s->loss_opening[b] += 0.5 * energy;
+}
+
+static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  double ra = s->radius[p->a[k]], rb = fabs(s->radius[p->b[k]]), least = rb > 0.0 && rb < ra ? rb : ra;
+  if (!(p->overlap[k] > e->model->max_overlap * least)) return SD_OK;
+  char a[96], b[96];
+  return sd_fail(messages, SD_ERROR_NUMERIC,
+                 "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
+                 "is dt too large, or k_n too small?",
+                 (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
+                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), p->overlap[k], e->model->max_overlap, least);
+}
+
+static bool begun(const pairs *p, const event *v) {
+  bool closed = p->ex[v->index] != 0.0 || p->ey[v->index] != 0.0;
+  return closed && v->ex == 0.0 && v->ey == 0.0;
+}
+
+static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
+  const pairs *p = &e->work.pairs;
+  size_t k = v->index;
+  if (p->ex[k] == 0.0 && p->ey[k] == 0.0) {
+    if (v->opening != 0.0) book_opening(e, k, v->opening);
+    return SD_OK;
+  }
+  if (!begun(p, v)) rebase(e, k);
+  return check_overlap(e, k, messages);
+}
+
+/* theta back into [-4, 4] and the position into the box; lambda* of the disk's contacts follows. */
+static void bring_back(engine *e, uint32_t i) {
+  sd_state *s = e->state;
+  work *w = &e->work;
+  pairs *p = &w->pairs;
+  double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
+  double shift[2] = {0.0, 0.0};
+  if (s->x[i] < w->lower[0] || s->x[i] >= w->upper[0]) shift[0] = s->x[i] < w->lower[0] ? w->length[0] : -w->length[0];
+  if (s->y[i] < w->lower[1] || s->y[i] >= w->upper[1]) shift[1] = s->y[i] < w->lower[1] ? w->length[1] : -w->length[1];
+  s->theta[i] -= turn;
+  s->turn[i] += turn;
+  s->x[i] += shift[0];
+  s->y[i] += shift[1];
+  w->x0[i] += shift[0];
+  w->y0[i] += shift[1];
+  s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
+  s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
+  for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
+    size_t k = w->incidence.entry[at] / 2;
+    if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
+    p->star[k] -= s->radius[i] * turn;
+    if (k >= p->n_round && i < s->n_free) {
+      const placed_segment *g = &w->segments[p->part[k]];
+      p->star[k] += p->side[k] * (shift[0] * g->tx + shift[1] * g->ty);
+    }
+  }
+}
+
+sd_status contacts_events(engine *e, sd_messages *messages) {
+  sd_status status = SD_OK;
+  work *w = &e->work;
+  for (int t = 0; t < w->n_threads; t++) {
+    event_list *list = &w->threads[t].events;
+    if (list->failed || w->threads[t].returns.failed)
+      return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+    for (size_t n = 0; n < list->count; n++)
+      if (list->item[n].index >= w->pairs.n_round && begun(&w->pairs, &list->item[n])) hand_over(e, list->item[n].index);
+  }
+  for (int t = 0; t < w->n_threads; t++)
+    for (size_t n = 0; n < w->threads[t].events.count; n++) {
+      event v = w->threads[t].events.item[n];
+      sd_status s = pair_event(e, &v, messages);
+      if (status == SD_OK) status = s;
+    }
+  for (int t = 0; t < w->n_threads; t++) {
+    event_list *returns = &w->threads[t].returns;
+    for (size_t n = 0; n < returns->count; n++) bring_back(e, returns->item[n].index);
+    returns->count = w->threads[t].events.count = 0;
+  }
+  return status;
+}
+
+/* --- store and load ---------------------------------------------------------------------------------- */
+
+static bool closed(const pairs *p, size_t k) { return p->ex[k] != 0.0 || p->ey[k] != 0.0; }
+
+sd_status contacts_store(engine *e) {
+  sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  size_t n = 0;
+  for (size_t k = 0; k < p->count; k++) n += closed(p, k);
+  s->n_contacts = 0; /* nothing worth copying */
+  if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < p->count; k++) {
+    if (!closed(p, k)) continue;
+    size_t c = s->n_contacts++;
+    s->contact_a[c] = s->id[p->a[k]];
+    s->contact_b[c] = s->id[p->b[k]];
+    s->contact_part[c] = (uint32_t)p->part[k];
+    s->contact_lambda[c] = p->star[k];
+    s->contact_ex[c] = p->ex[k];
+    s->contact_ey[c] = p->ey[k];
+    s->contact_side[c] = p->side[k];
+    s->contact_force[c] = p->force[k];
+    s->contact_overlap[c] = p->overlap[k];
+    s->contact_stretch[c] = p->stretch[k];
+    s->contact_turned[c] = p->turned[k];
+    s->contact_slide[c] = (int32_t)p->slide[k];
+  }
+  return SD_OK;
+}
+
+void contacts_load(engine *e) {
+  const sd_state *s = e->state;
+  pairs *p = &e->work.pairs;
+  /* both are in the same order, round pairs and then pieces of walls */
+  size_t c = 0;
+  for (size_t k = 0; k < p->count && c < s->n_contacts; k++) {
+    if (s->contact_a[c] != s->id[p->a[k]] || s->contact_b[c] != s->id[p->b[k]] ||
+        s->contact_part[c] != (uint32_t)p->part[k])
+      continue;
+    p->star[k] = s->contact_lambda[c];
+    p->ex[k] = s->contact_ex[c];
+    p->ey[k] = s->contact_ey[c];
+    p->side[k] = s->contact_side[c];
+    p->force[k] = s->contact_force[c];
+    p->overlap[k] = s->contact_overlap[c];
+    p->stretch[k] = s->contact_stretch[c];
+    p->turned[k] = s->contact_turned[c];
+    p->slide[k] = s->contact_slide[c];
+    c++;
+  }
+}

@@ -1,0 +1,46 @@
+/* energy.c: sums of the energy budget; see energy.h and sd_energy. */
+#include "physics/energy.h"
+
+#include <math.h>
+
+/* Coordinates that are held or prescribed carry no energy of the system: their work is counted instead. */
+static void add_disks(const engine *e, sd_energy *sum) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  for (size_t i = 0; i < s->n_free; i++) {
+    double x = s->x[i] + s->image_x[i] * w->length[0], y = s->y[i] + s->image_y[i] * w->length[1];
+    if (w->inverse_mass_x[i] != 0.0) {
+      sum->kinetic_translation += 0.5 * s->mass[i] * s->vx[i] * s->vx[i];
+      sum->external -= w->constant_x[i] * x;
+    }
+    if (w->inverse_mass_y[i] != 0.0) {
+      sum->kinetic_translation += 0.5 * s->mass[i] * s->vy[i] * s->vy[i];
+      sum->external -= w->constant_y[i] * y;
+    }
+    if (w->inverse_inertia[i] != 0.0) {
+      sum->kinetic_rotation += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+      sum->external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
+    }
+    sum->viscous += s->loss_viscous[i];
+    sum->friction += s->loss_friction[i];
+    sum->opening += s->loss_opening[i];
+    sum->variant += s->gain_variant[i];
+  }
+}
+
+sd_energy energy_of(const engine *e) {
+  sd_energy sum = {0};
+  const pairs *p = &e->work.pairs;
+  add_disks(e, &sum);
+  for (size_t k = 0; k < p->count; k++) {
+    const law_row *law = &e->work.laws[p->law[k]];
+    sum.elastic_normal += 0.5 * law->k_n * p->overlap[k] * p->overlap[k];
+    sum.elastic_skin += 0.5 * law->k_t * p->stretch[k] * p->stretch[k];
+  }
+  sum.start = e->state->energy_start;
+  sum.work = e->state->work_driven;
+  double now = sum.kinetic_translation + sum.kinetic_rotation + sum.elastic_normal + sum.elastic_skin + sum.external;
+  sum.residual = (now - sum.start) - (sum.work + sum.variant) + (sum.viscous + sum.friction + sum.opening);
+  sum.scale = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening);
+  return sum;
+}

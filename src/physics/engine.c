@@ -1,0 +1,202 @@
+/* engine.c: see engine.h. */
+#include "physics/engine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/contacts.h"
+#include "physics/energy.h"
+#include "physics/kernels.h"
+#include "physics/motion.h"
+#include "physics/neighbours.h"
+#include "physics/walls.h"
+
+/* --- state of step 0 --------------------------------------------------------------------------------- */
+
+static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t slot) {
+  const sd_disk *d = &m->disks[disk];
+  double turn = 8.0 * nearbyint(d->position[SD_THETA] / 8.0);
+  s->id[slot] = disk;
+  s->x[slot] = s->base_x[slot] = d->position[SD_X];
+  s->y[slot] = s->base_y[slot] = d->position[SD_Y];
+  s->base_theta[slot] = d->position[SD_THETA];
+  s->turn[slot] = turn;
+  s->theta[slot] = d->position[SD_THETA] - turn;
+  if (!d->driven) {
+    s->vx[slot] = d->velocity[SD_X];
+    s->vy[slot] = d->velocity[SD_Y];
+    s->omega[slot] = d->velocity[SD_THETA];
+  }
+  s->radius[slot] = d->radius;
+  s->mass[slot] = d->mass;
+  s->inertia[slot] = d->inertia;
+  s->material[slot] = d->material;
+  s->group[slot] = d->group;
+}
+
+void engine_fill_state(const sd_model *m, sd_state *s) {
+  uint32_t slot = 0;
+  for (int driven = 0; driven < 2; driven++)
+    for (uint32_t i = 0; i < m->n_disks; i++)
+      if (m->disks[i].driven == (driven != 0)) fill_disk(m, s, i, slot++);
+  for (uint32_t k = 0; k < m->n_walls; k++, slot++) {
+    const sd_wall *wall = &m->walls[k];
+    s->id[slot] = (uint32_t)m->n_disks + k;
+    s->x[slot] = s->base_x[slot] = wall->pivot[0];
+    s->y[slot] = s->base_y[slot] = wall->pivot[1];
+    if (wall->kind == SD_WALL_CIRCLE) s->radius[slot] = wall->inside ? -wall->radius : wall->radius;
+    s->material[slot] = wall->material;
+    s->group[slot] = -1;
+  }
+  for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
+}
+
+/* --- work -------------------------------------------------------------------------------------------- */
+
+static double *column(size_t n) {
+  size_t bytes = (n * sizeof(double) + 127) / 64 * 64;
+  double *p = aligned_alloc(64, bytes);
+  if (p) memset(p, 0, bytes);
+  return p;
+}
+
+static void fill_laws(const sd_model *m, work *w) {
+  w->one_law = true;
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
+    const sd_contact_law *l = &m->laws[k];
+    w->laws[k] = (law_row){l->k_n, l->k_t, l->k_t > 0.0 ? 1.0 / l->k_t : 0.0, l->gamma_n, l->mu};
+    if (memcmp(&w->laws[k], &w->laws[0], sizeof(law_row)) != 0) w->one_law = false;
+  }
+}
+
+/* What a coordinate that is locked or named by a motion feels changes nothing. */
+static void fill_constants(const engine *e) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  for (size_t i = 0; i < s->n_free; i++) {
+    const sd_disk *d = &m->disks[s->id[i]];
+    w->inverse_mass_x[i] = d->locked[SD_X] ? 0.0 : 1.0 / d->mass;
+    w->inverse_mass_y[i] = d->locked[SD_Y] ? 0.0 : 1.0 / d->mass;
+    w->inverse_inertia[i] = d->locked[SD_THETA] ? 0.0 : 1.0 / d->inertia;
+    w->constant_x[i] = d->mass * m->gravity[0] + d->force[SD_X];
+    w->constant_y[i] = d->mass * m->gravity[1] + d->force[SD_Y];
+    w->constant_torque[i] = d->force[SD_THETA];
+  }
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t slot = w->slot[m->motions[k].bodies[b]];
+      if (slot >= s->n_free) continue;
+      int c = m->motions[k].coordinate;
+      (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
+    }
+}
+
+static void fill_box(const sd_model *m, work *w) {
+  for (int c = 0; c < 2; c++) {
+    w->periodic[c] = m->periodic[c];
+    w->lower[c] = m->periodic[c] ? m->lower[c] : -HUGE_VAL;
+    w->upper[c] = m->periodic[c] ? m->upper[c] : HUGE_VAL;
+    w->length[c] = m->periodic[c] ? m->upper[c] - m->lower[c] : 0.0;
+    w->inverse_length[c] = m->periodic[c] ? 1.0 / w->length[c] : 0.0;
+  }
+}
+
+static void fill_skin(const engine *e, work *w) {
+  const sd_state *s = e->state;
+  double mean = 0.0;
+  for (size_t i = 0; i < s->n_disks; i++) mean += s->radius[i];
+  mean /= (double)s->n_disks;
+  w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean;
+  /* two bodies may each move 0.45 of the skin; the rest is for the way from trial to corrected positions */
+  double limit = 0.45 * w->skin;
+  w->moved_limit2 = limit * limit;
+}
+
+static sd_status allocate(engine *e, int threads) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  w->laws = calloc(m->n_materials * m->n_materials, sizeof *w->laws);
+  w->slot = calloc(s->n_bodies, sizeof *w->slot);
+  w->segments = calloc(m->n_segments + 1, sizeof *w->segments);
+  w->watched = calloc(2 * m->n_slides + 1, sizeof *w->watched);
+  w->threads = aligned_alloc(64, (size_t)threads * sizeof *w->threads);
+  w->n_threads = threads;
+  if (w->threads) memset(w->threads, 0, (size_t)threads * sizeof *w->threads);
+  double **free_columns[] = {&w->inverse_mass_x, &w->inverse_mass_y, &w->inverse_inertia,
+                             &w->constant_x,     &w->constant_y,     &w->constant_torque};
+  double **body_columns[] = {&w->x0, &w->y0, &w->theta0, &w->reach};
+  bool bad = !w->laws || !w->slot || !w->segments || !w->watched || !w->threads;
+  for (size_t k = 0; k < sizeof free_columns / sizeof *free_columns; k++)
+    if (!(*free_columns[k] = column(s->n_free))) bad = true;
+  for (size_t k = 0; k < sizeof body_columns / sizeof *body_columns; k++)
+    if (!(*body_columns[k] = column(s->n_bodies))) bad = true;
+  return bad ? SD_ERROR_IO : SD_OK;
+}
+
+sd_status engine_build(engine *e, int threads, sd_messages *messages) {
+  work *w = &e->work;
+  if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  w->dt = e->model->dt;
+  w->conservative = e->model->variant == SD_CONSERVATIVE;
+  w->kernels = kernels_choose();
+  fill_laws(e->model, w);
+  fill_box(e->model, w);
+  fill_skin(e, w);
+  for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
+  fill_constants(e);
+  sd_status status = motion_new(e, messages);
+  if (status == SD_OK) status = motion_resume(e);
+  walls_place(e);
+  if (status == SD_OK) status = neighbours_build(e, messages);
+  if (status == SD_OK) contacts_load(e);
+  return status;
+}
+
+void engine_free(engine *e) {
+  work *w = &e->work;
+  motion_free(e);
+  neighbours_free(e);
+  for (int t = 0; w->threads && t < w->n_threads; t++) {
+    free(w->threads[t].events.item);
+    free(w->threads[t].returns.item);
+  }
+  free(w->threads);
+  free(w->laws);
+  free(w->slot);
+  free(w->segments);
+  free(w->watched);
+  free(w->inverse_mass_x);
+  free(w->inverse_mass_y);
+  free(w->inverse_inertia);
+  free(w->constant_x);
+  free(w->constant_y);
+  free(w->constant_torque);
+  free(w->x0);
+  free(w->y0);
+  free(w->theta0);
+  free(w->reach);
+  e->work = (work){0};
+}
+
+/* --- step 0 ------------------------------------------------------------------------------------------ */
+
+sd_status engine_start(engine *e, sd_messages *messages) {
+  sd_state *s = e->state;
+  work *w = &e->work;
+  double half_dt2 = 0.5 * w->dt * w->dt;
+  w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
+  sd_status status = contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
+  contacts_gather(e, 0, s->n_bodies);
+  for (size_t i = 0; i < s->n_free; i++) {
+    s->x2[i] = half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);
+    s->y2[i] = half_dt2 * ((s->force_y[i] + w->constant_y[i]) * w->inverse_mass_y[i]);
+    s->theta2[i] = half_dt2 * ((s->torque[i] + w->constant_torque[i]) * w->inverse_inertia[i]);
+  }
+  sd_energy now = energy_of(e);
+  s->energy_start =
+      now.kinetic_translation + now.kinetic_rotation + now.elastic_normal + now.elastic_skin + now.external;
+  return status;
+}

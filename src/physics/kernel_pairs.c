@@ -1,0 +1,70 @@
+/* kernel_pairs.c: forces and commits of all candidate pairs; compiled once per instruction set.
+ *
+ * Round pairs (disks, round walls) go through whole vectors and a tail of single lanes, pieces of straight
+ * walls one by one.
+ */
+#include "physics/kernel_path.h"
+#include "physics/kernels.h"
+#include "physics/walls.h"
+
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#include "physics/law.h"
+#include "physics/pair_pass.h"
+#undef LANE_WIDTH
+#define LANE_WIDTH VECTOR_WIDTH
+#include "base/lane.h"
+#include "physics/law.h"
+#include "physics/pair_pass.h"
+
+/* Fills what the law needs for disk a and one straight piece: the nearest point of the piece is a surface of
+ * radius 0, and lambda = R_a (th_a - turned) + side * (arc length of that point). physics.md 3. */
+static inline nearest_point segment_input(const engine *e, size_t at, law_input_w1 *in) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  int32_t a = p->a[at], b = p->b[at];
+  const placed_segment *g = &e->work.segments[p->part[at]];
+  nearest_point q = walls_nearest(g, s->x[a], s->y[a]);
+  in->dx = q.dx;
+  in->dy = q.dy;
+  /* velocity of the wall's material at that point */
+  double lx = s->x[a] + q.dx - s->x[b], ly = s->y[a] + q.dy - s->y[b];
+  in->dvx = (s->vx[b] - s->omega[b] * ly) - s->vx[a];
+  in->dvy = (s->vy[b] + s->omega[b] * lx) - s->vy[a];
+  in->sum = s->radius[a];
+  in->star = p->star[at];
+  in->ex = p->ex[at];
+  in->ey = p->ey[at];
+  in->active = q.active;
+  /* an open contact begins on the side where the disk is */
+  q.crossed = p->side[at] != 0.0 && p->side[at] != q.side;
+  if (q.crossed) q.side = p->side[at];
+  in->arc = s->radius[a] * s->theta[a] + q.side * q.arc;
+  return q;
+}
+
+static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pass) {
+  work *w = &e->work;
+  pairs *p = &w->pairs;
+  law_input_w1 in;
+  nearest_point q = segment_input(e, at, &in);
+  law_constants_w1 k = constants_w1(w, p->law + at);
+  law_output_w1 out = law_w1(&in, &k);
+  /* the force that derives from the skin's energy, in both variants: the paper has no walls */
+  if (pass & PASS_FORCE) store_force_w1(p, at, &out, &k, q.flat ? 1.0 : in.sum * out.inverse_r);
+  if (pass & PASS_COMMIT) {
+    commit_w1(p, mine, at, &in, &out, &k, e->model->max_overlap * in.sum, 0);
+    p->side[at] = out.touching ? q.side : 0.0;
+    /* it went around a free end */
+    if (out.closed && q.crossed) event_add(&mine->events, (uint32_t)at, 0.0);
+  }
+}
+
+void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+
+void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
+  size_t n_round = e->work.pairs.n_round, at = begin, round_end = end < n_round ? end : n_round;
+  for (; at + VECTOR_WIDTH <= round_end; at += VECTOR_WIDTH) LANE(round_pass)(e, mine, at, pass);
+  for (; at < round_end; at++) round_pass_w1(e, mine, at, pass);
+  for (; at < end; at++) segment_pass(e, mine, at, pass);
+}

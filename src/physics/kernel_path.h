@@ -1,0 +1,23 @@
+/* kernel_path.h: names and vector width of the instruction set a kernel_*.c is being compiled for. */
+#ifndef PHYSICS_KERNEL_PATH_H
+#define PHYSICS_KERNEL_PATH_H
+
+#ifndef SD_PATH
+#define SD_PATH baseline
+#endif
+#define KERNEL_PASTE2(name, path) name##_##path
+#define KERNEL_PASTE(name, path) KERNEL_PASTE2(name, path)
+#define KERNEL(name) KERNEL_PASTE(name, SD_PATH)
+
+#define KERNEL_NAME2(path) #path
+#define KERNEL_NAME(path) KERNEL_NAME2(path)
+
+#if defined(__AVX512F__)
+#define VECTOR_WIDTH 8
+#elif defined(__AVX2__)
+#define VECTOR_WIDTH 4
+#else
+#define VECTOR_WIDTH 2
+#endif
+
+#endif

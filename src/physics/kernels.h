@@ -1,0 +1,35 @@
+/* kernels.h: the loops that are compiled once per instruction set and chosen at run time.
+ *
+ * All paths give the same bits: no fused multiply-add, no reassociation.
+ */
+#ifndef PHYSICS_KERNELS_H
+#define PHYSICS_KERNELS_H
+
+#include "physics/work.h"
+
+/* What a pass over the pairs does: forces for the gather, or committing lambda* and the losses, or both. */
+enum { PASS_FORCE = 1, PASS_COMMIT = 2 };
+
+enum { RANDOM_STEP = 0, RANDOM_START = 1 }; /* purposes of a stream's draws */
+
+typedef struct kernels {
+  const char *name;
+  /* Pairs [begin, end) in one pass; begin is a multiple of 8. */
+  void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+  /* Free disks [begin, end), by sd_integrator. */
+  void (*predict[2])(engine *e, thread_work *mine, size_t begin, size_t end);
+  void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
+  /* n pairs of independent standard normal numbers: draw first + k of a stream in a[k], b[k].
+   * n is rounded up to a multiple of 8 (room for that must be there). */
+  void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n, double *a,
+                  double *b);
+  /* sin and cos of 2 pi t[k]; the same rounding of n. */
+  void (*sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
+} kernels;
+
+/* The fastest path that this machine runs; SLIPDISK_PATH=baseline|avx2|avx512 asks for another. */
+const kernels *kernels_choose(void);
+/* A path by name, NULL when it was not built or does not run here. */
+const kernels *kernels_named(const char *name);
+
+#endif

@@ -1,0 +1,430 @@
+/* motion.c: signals, their batches, and placing of prescribed bodies; see motion.h. */
+#include "physics/motion.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_spline.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/kernels.h"
+#include "physics/neighbours.h"
+#include "physics/random.h"
+
+/* One signal: MOTION_BATCH values of u, du/dt, and what u lost to rounding. */
+typedef struct signal {
+  double u[MOTION_BATCH], v[MOTION_BATCH], low[MOTION_BATCH];
+  random_step random;
+  /* random: oscillator at draws base, base + 1, ... (draw k falls on step start + k * interval) */
+  double draw_u[MOTION_BATCH + 2], draw_v[MOTION_BATCH + 2];
+  int64_t base;
+  gsl_spline *spline;
+  gsl_interp_accel *accel;
+} signal;
+
+/* A prescribed coordinate with the signals that are added to it. */
+typedef struct placed {
+  uint32_t slot;
+  int coordinate;
+  size_t first, count; /* in terms */
+  double moved, force; /* by the last step; force of the contacts before it */
+} placed;
+
+struct motions {
+  signal *signals;      /* [n_motions] */
+  int64_t first;        /* step of the batch's first value */
+  size_t n_placed;
+  placed *places;
+  uint32_t *terms;      /* motion numbers */
+  bool moves_walls;
+};
+
+/* --- kinds ------------------------------------------------------------------------------------------- */
+
+typedef struct batch {
+  const engine *e;
+  const sd_motion *motion;
+  signal *signal;
+  int64_t local;        /* steps since the motion was switched on, of the batch's first value */
+} batch;
+
+/* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 2, trap 4). */
+static void fill_velocity(batch *b) {
+  double c = b->motion->velocity * b->e->work.dt;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double l = (double)(b->local + k);
+    b->signal->u[k] = c * l;
+    b->signal->low[k] = fma(c, l, -b->signal->u[k]);
+    b->signal->v[k] = b->motion->velocity;
+  }
+}
+
+/* Phase of the motion in turns. */
+static void fill_turns(const batch *b, double *turns) {
+  const double per_turn = 0.5 / M_PI;
+  double rate = b->motion->omega * b->e->work.dt * per_turn, offset = b->motion->phase * per_turn;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double t = rate * (double)(b->local + k);
+    turns[k] = (t - floor(t)) + offset;
+  }
+}
+
+static void fill_harmonic(batch *b) {
+  double turns[MOTION_BATCH], s[MOTION_BATCH], c[MOTION_BATCH];
+  fill_turns(b, turns);
+  b->e->work.kernels->sine_cosine(turns, MOTION_BATCH, s, c);
+  double speed = b->motion->amplitude * b->motion->omega;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    b->signal->u[k] = b->motion->amplitude * s[k];
+    b->signal->v[k] = speed * c[k];
+  }
+}
+
+/* eq. 21 and its derivative (22), with t counted in half periods: z in [-1, 1]. */
+static void fill_parabolic(batch *b) {
+  double turns[MOTION_BATCH], speed = b->motion->omega / M_PI;
+  fill_turns(b, turns);
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double z = 2.0 * (turns[k] - nearbyint(turns[k])), bend = z < 0.0 ? 1.0 : -1.0;
+    b->signal->u[k] = 4.0 * b->motion->amplitude * (bend * z * z + z);
+    b->signal->v[k] = 4.0 * b->motion->amplitude * speed * (2.0 * bend * z + 1.0);
+  }
+}
+
+/* The draws up to the one after the batch's last step, then a value per step. Between draws: the cubic that
+ * matches displacement and velocity at both ends, with its own derivative as velocity. */
+static void fill_random(batch *b) {
+  signal *s = b->signal;
+  int64_t m = b->motion->interval, low = (b->local - 1) / m, high = (b->local + MOTION_BATCH - 1) / m + 1;
+  /* keep what is known: draws low and low + 1 */
+  int64_t shift = low - s->base;
+  for (int k = 0; k < 2; k++) {
+    s->draw_u[k] = s->draw_u[k + shift];
+    s->draw_v[k] = s->draw_v[k + shift];
+  }
+  s->base = low;
+  double g1[MOTION_BATCH + 8], g2[MOTION_BATCH + 8];
+  size_t n = (size_t)(high - low - 1);
+  int64_t start = b->e->state->motion_start[b->motion - b->e->model->motions];
+  b->e->work.kernels->normals(b->e->model->seed, b->motion->stream, RANDOM_STEP, start + low + 2, n, g1, g2);
+  const random_step *r = &s->random;
+  for (size_t k = 0; k < n; k++) {
+    double u = s->draw_u[k + 1], v = s->draw_v[k + 1];
+    s->draw_u[k + 2] = r->propagator[0][0] * u + r->propagator[0][1] * v + r->cholesky[0] * g1[k];
+    s->draw_v[k + 2] =
+        r->propagator[1][0] * u + r->propagator[1][1] * v + r->cholesky[1] * g1[k] + r->cholesky[2] * g2[k];
+  }
+  double h = (double)m * b->e->work.dt;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    int64_t at = (b->local + k) / m - low, rest = (b->local + k) % m;
+    double u0 = s->draw_u[at], v0 = s->draw_v[at];
+    s->u[k] = u0;
+    s->v[k] = v0;
+    if (rest == 0) continue;
+    double z = (double)rest / (double)m, u1 = s->draw_u[at + 1], v1 = s->draw_v[at + 1];
+    double rise = u1 - u0, a = h * v0 - rise, c = rise - h * v1, w = 1.0 - z;
+    s->u[k] = w * u0 + z * u1 + z * w * (a * w + c * z);
+    s->v[k] = (rise + (1.0 - 2.0 * z) * (a * w + c * z) + z * w * (c - a)) / h;
+  }
+}
+
+static void fill_table(batch *b) {
+  const sd_motion *m = b->motion;
+  double from = m->table_time[0], to = m->table_time[m->n_table - 1], span = to - from;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double t = (double)(b->local + k) * b->e->work.dt;
+    if (m->periodic) t = from + (t - from) - span * floor((t - from) / span);
+    bool beyond = t < from || t > to;
+    double at = t < from ? from : t > to ? to : t, u = 0.0, v = 0.0;
+    gsl_spline_eval_e(b->signal->spline, at, b->signal->accel, &u);
+    if (!beyond) gsl_spline_eval_deriv_e(b->signal->spline, at, b->signal->accel, &v);
+    b->signal->u[k] = m->amplitude * u;
+    b->signal->v[k] = m->amplitude * v;
+  }
+}
+
+typedef struct motion_kind {
+  const char *name;
+  void (*fill)(batch *b);
+} motion_kind;
+
+static const motion_kind motion_kinds[SD_MOTION_KINDS] = {
+    [SD_MOTION_VELOCITY] = {"velocity", fill_velocity},    [SD_MOTION_HARMONIC] = {"harmonic", fill_harmonic},
+    [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic}, [SD_MOTION_RANDOM] = {"random", fill_random},
+    [SD_MOTION_TABLE] = {"table", fill_table},
+};
+
+/* Fades in: u r(t), r = 6 s^5 - 15 s^4 + 10 s^3, s = t/ramp; the velocity follows. */
+static void fade_in(batch *b) {
+  double ramp = b->motion->ramp;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double s = (double)(b->local + k) * b->e->work.dt / ramp;
+    if (s >= 1.0) break;
+    double r = s * s * s * (s * (6.0 * s - 15.0) + 10.0), dr = 30.0 * s * s * (s - 1.0) * (s - 1.0) / ramp;
+    b->signal->v[k] = b->signal->v[k] * r + b->signal->u[k] * dr;
+    b->signal->u[k] *= r;
+    b->signal->low[k] *= r;
+  }
+}
+
+static void fill(engine *e, int64_t first) {
+  motions *q = e->work.motions;
+  q->first = first;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    if (e->state->motion_start[k] < 0) continue;
+    batch b = {e, &e->model->motions[k], &q->signals[k], first - e->state->motion_start[k]};
+    motion_kinds[b.motion->kind].fill(&b);
+    if (b.motion->ramp > 0.0) fade_in(&b);
+  }
+}
+
+/* --- tables ------------------------------------------------------------------------------------------ */
+
+static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages) {
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
+  s->spline = gsl_spline_alloc(type, m->n_table);
+  s->accel = gsl_interp_accel_alloc();
+  int bad = !s->spline || !s->accel || gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
+  gsl_set_error_handler(handler);
+  if (!bad) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table", m->name ? m->name : "?");
+}
+
+sd_status motion_new(engine *e, sd_messages *messages) {
+  const sd_model *m = e->model;
+  motions *q = calloc(1, sizeof *q);
+  e->work.motions = q;
+  size_t terms = 0;
+  for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
+  if (q) {
+    q->signals = calloc(m->n_motions + 1, sizeof *q->signals);
+    q->places = calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
+    q->terms = calloc(terms + 1, sizeof *q->terms);
+  }
+  if (!q || !q->signals || !q->places || !q->terms)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *motion = &m->motions[k];
+    signal *s = &q->signals[k];
+    if (motion->kind == SD_MOTION_RANDOM)
+      s->random = random_step_new(motion->omega, motion->damping, motion->amplitude, (double)motion->interval * m->dt);
+    if (motion->kind == SD_MOTION_TABLE && spline_new(s, motion, messages) != SD_OK) return SD_ERROR_USER;
+  }
+  return SD_OK;
+}
+
+void motion_free(engine *e) {
+  motions *q = e->work.motions;
+  if (!q) return;
+  for (size_t k = 0; q->signals && k < e->model->n_motions; k++) {
+    gsl_spline_free(q->signals[k].spline);
+    gsl_interp_accel_free(q->signals[k].accel);
+  }
+  free(q->signals);
+  free(q->places);
+  free(q->terms);
+  free(q);
+  e->work.motions = NULL;
+}
+
+/* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
+static sd_status list_places(engine *e) {
+  const sd_model *m = e->model;
+  motions *q = e->work.motions;
+  size_t n = 3 * e->state->n_bodies, terms = 0;
+  size_t *count = calloc(n + 1, sizeof *count), *at = calloc(n + 1, sizeof *at);
+  q->n_placed = 0;
+  q->moves_walls = false;
+  for (int pass = 0; count && at && pass < 2; pass++) {
+    for (size_t k = 0; k < m->n_motions; k++) {
+      if (e->state->motion_start[k] < 0) continue;
+      for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+        uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
+        size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
+        if (slot >= e->state->n_disks) q->moves_walls = true;
+        if (pass == 0)
+          count[c]++;
+        else
+          q->terms[at[c]++] = (uint32_t)k;
+      }
+    }
+    for (size_t c = 0; pass == 0 && c < n; c++) {
+      if (!count[c]) continue;
+      q->places[q->n_placed++] = (placed){(uint32_t)(c / 3), (int)(c % 3), terms, count[c], 0.0, 0.0};
+      at[c] = terms;
+      terms += count[c];
+    }
+  }
+  bool failed = !count || !at;
+  free(count);
+  free(at);
+  return failed ? SD_ERROR_IO : SD_OK;
+}
+
+static double *base_of(sd_state *s, int coordinate) {
+  return coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta;
+}
+
+/* Does another running motion add to the same coordinate of the same body? */
+static bool still_moved(const engine *e, uint32_t body, int coordinate) {
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const sd_motion *m = &e->model->motions[k];
+    if (e->state->motion_start[k] < 0 || m->coordinate != coordinate) continue;
+    for (size_t b = 0; b < m->n_bodies; b++)
+      if (m->bodies[b] == body) return true;
+  }
+  return false;
+}
+
+/* Stands still where the base and the images say. */
+static void rest(engine *e, uint32_t slot, int coordinate) {
+  sd_state *s = e->state;
+  if (coordinate == SD_THETA) {
+    s->theta[slot] = s->base_theta[slot] - s->turn[slot];
+    s->omega[slot] = 0.0;
+  } else if (coordinate == SD_X) {
+    s->x[slot] = s->base_x[slot] - s->image_x[slot] * e->work.length[0];
+    s->vx[slot] = 0.0;
+  } else {
+    s->y[slot] = s->base_y[slot] - s->image_y[slot] * e->work.length[1];
+    s->vy[slot] = 0.0;
+  }
+}
+
+/* A random signal begins in its stationary law; its first step is drawn too. */
+static void start_random(engine *e, size_t k) {
+  const sd_motion *m = &e->model->motions[k];
+  const random_step *r = &e->work.motions->signals[k].random;
+  sd_state *s = e->state;
+  double a[8], b[8];
+  e->work.kernels->normals(e->model->seed, m->stream, RANDOM_START, s->step, 1, a, b);
+  double u = m->amplitude * a[0], v = m->omega * m->amplitude * b[0];
+  s->motion_u0[k] = u;
+  s->motion_v0[k] = v;
+  e->work.kernels->normals(e->model->seed, m->stream, RANDOM_STEP, s->step + 1, 1, a, b);
+  s->motion_u1[k] = r->propagator[0][0] * u + r->propagator[0][1] * v + r->cholesky[0] * a[0];
+  s->motion_v1[k] = r->propagator[1][0] * u + r->propagator[1][1] * v + r->cholesky[1] * a[0] + r->cholesky[2] * b[0];
+}
+
+sd_status motion_begin_phase(engine *e) {
+  const sd_model *m = e->model;
+  sd_state *s = e->state;
+  motions *q = e->work.motions;
+  motion_store(e);
+  const bool *active = m->phases[s->phase].active;
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *motion = &m->motions[k];
+    bool on = s->motion_start[k] >= 0;
+    if (on && !active[k]) {
+      /* the last value stays in the base; a motion that never took a step displaced nothing */
+      if (q->first >= 0 && s->step >= q->first)
+        for (size_t b = 0; b < motion->n_bodies; b++) {
+          uint32_t slot = e->work.slot[motion->bodies[b]];
+          base_of(s, motion->coordinate)[slot] += q->signals[k].u[s->step - q->first];
+        }
+      s->motion_start[k] = -1;
+      for (size_t b = 0; b < motion->n_bodies; b++)
+        if (!still_moved(e, motion->bodies[b], motion->coordinate))
+          rest(e, e->work.slot[motion->bodies[b]], motion->coordinate);
+    } else if (!on && active[k]) {
+      s->motion_start[k] = s->step;
+      if (motion->kind == SD_MOTION_RANDOM) start_random(e, k);
+    }
+  }
+  return motion_resume(e);
+}
+
+sd_status motion_resume(engine *e) {
+  motions *q = e->work.motions;
+  const sd_state *s = e->state;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    if (s->motion_start[k] < 0) continue;
+    signal *g = &q->signals[k];
+    g->base = (s->step - s->motion_start[k]) / e->model->motions[k].interval;
+    g->draw_u[0] = s->motion_u0[k];
+    g->draw_v[0] = s->motion_v0[k];
+    g->draw_u[1] = s->motion_u1[k];
+    g->draw_v[1] = s->motion_v1[k];
+  }
+  q->first = INT64_MIN / 2; /* nothing computed yet */
+  return list_places(e);
+}
+
+void motion_store(engine *e) {
+  motions *q = e->work.motions;
+  sd_state *s = e->state;
+  if (!q || q->first < 0) return;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    if (s->motion_start[k] < 0 || e->model->motions[k].kind != SD_MOTION_RANDOM) continue;
+    const signal *g = &q->signals[k];
+    int64_t at = (s->step - s->motion_start[k]) / e->model->motions[k].interval - g->base;
+    s->motion_u0[k] = g->draw_u[at];
+    s->motion_v0[k] = g->draw_v[at];
+    s->motion_u1[k] = g->draw_u[at + 1];
+    s->motion_v1[k] = g->draw_v[at + 1];
+  }
+}
+
+bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
+
+void motion_place(engine *e, thread_work *mine) {
+  motions *q = e->work.motions;
+  sd_state *s = e->state;
+  const work *w = &e->work;
+  int64_t at = s->step + 1 - q->first;
+  if (at < 0 || at >= MOTION_BATCH) {
+    fill(e, s->step + 1);
+    at = 0;
+  }
+  bool stale = false;
+  for (size_t k = 0; k < q->n_placed; k++) {
+    placed *p = &q->places[k];
+    double u = 0.0, v = 0.0, low = 0.0;
+    for (size_t t = p->first; t < p->first + p->count; t++) {
+      const signal *g = &q->signals[q->terms[t]];
+      u += g->u[at];
+      v += g->v[at];
+      low += g->low[at];
+    }
+    uint32_t i = p->slot;
+    double before, after;
+    bool out;
+    if (p->coordinate == SD_THETA) {
+      before = s->theta[i];
+      after = s->theta[i] = ((u - s->turn[i]) + s->base_theta[i]) + low;
+      s->omega[i] = v;
+      p->force = s->torque[i];
+      out = after > 4.0 || after < -4.0;
+    } else if (p->coordinate == SD_X) {
+      before = s->x[i];
+      after = s->x[i] = ((u - s->image_x[i] * w->length[0]) + s->base_x[i]) + low;
+      s->vx[i] = v;
+      p->force = s->force_x[i];
+      out = after < w->lower[0] || after >= w->upper[0];
+    } else {
+      before = s->y[i];
+      after = s->y[i] = ((u - s->image_y[i] * w->length[1]) + s->base_y[i]) + low;
+      s->vy[i] = v;
+      p->force = s->force_y[i];
+      out = after < w->lower[1] || after >= w->upper[1];
+    }
+    p->moved = after - before;
+    stale |= neighbours_moved(e, i);
+    /* free disks with a prescribed coordinate are looked at by the corrector */
+    if (out && i >= s->n_free) event_add(&mine->returns, i, 0.0);
+  }
+  if (stale) mine->stale = true;
+}
+
+void motion_work(engine *e) {
+  const motions *q = e->work.motions;
+  sd_state *s = e->state;
+  double done = 0.0;
+  for (size_t k = 0; k < q->n_placed; k++) {
+    const placed *p = &q->places[k];
+    const double *force = p->coordinate == SD_X ? s->force_x : p->coordinate == SD_Y ? s->force_y : s->torque;
+    done -= 0.5 * (p->force + force[p->slot]) * p->moved;
+  }
+  s->work_driven += done;
+}

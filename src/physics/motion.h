@@ -1,0 +1,30 @@
+/* motion.h: prescribed motions: signals u(t), and the coordinates that they are added to.
+ *
+ * Signals do not depend on the dynamics, so they are computed MOTION_BATCH steps ahead, over lanes. A row of
+ * motion_kinds per kind of signal; adding a kind is a row, a function and a name in the deck.
+ */
+#ifndef PHYSICS_MOTION_H
+#define PHYSICS_MOTION_H
+
+#include "physics/work.h"
+
+enum { MOTION_BATCH = 64 };
+
+/* Tables for the model's motions; what is running follows from the state. */
+sd_status motion_new(engine *e, sd_messages *messages);
+void motion_free(engine *e);
+
+/* A phase begins (state->phase): switches motions on and off, freezing what they displaced into the base. */
+sd_status motion_begin_phase(engine *e);
+/* The lists of running motions, from the state; called after loading a state. */
+sd_status motion_resume(engine *e);
+/* Sets every prescribed coordinate and its velocity to their values at step state->step + 1. */
+void motion_place(engine *e, thread_work *mine);
+/* Books the work that the placed bodies did in this step: trapezoid of the contact forces, which must be new. */
+void motion_work(engine *e);
+/* Brings the oscillators in the state to the step that is completed. */
+void motion_store(engine *e);
+/* True when some wall has a running motion. */
+bool motion_moves_walls(const engine *e);
+
+#endif

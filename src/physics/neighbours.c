@@ -1,0 +1,367 @@
+/* neighbours.c: cell grid, candidate pairs, incidence; see neighbours.h. */
+#include "physics/neighbours.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/walls.h"
+
+/* --- room for pairs ---------------------------------------------------------------------------------- */
+
+static int32_t **whole_columns(pairs *p, size_t k) {
+  int32_t **column[] = {&p->a, &p->b, &p->part, &p->law};
+  return k < sizeof column / sizeof *column ? column[k] : NULL;
+}
+
+static double **real_columns(pairs *p, size_t k) {
+  double **column[] = {&p->star,    &p->ex,     &p->ey,    &p->side, &p->force, &p->overlap,      &p->stretch,
+                       &p->turned,  &p->slide,  &p->fx,    &p->fy,   &p->tau,   &p->loss_viscous, &p->loss_friction,
+                       &p->gain};
+  return k < sizeof column / sizeof *column ? column[k] : NULL;
+}
+
+enum { MEMORY_COLUMNS = 9 }; /* of real_columns: carried over a rebuild */
+
+static void *room(size_t n, size_t size) { return aligned_alloc(64, (n * size + 127) / 64 * 64); }
+
+static void pairs_free(pairs *p) {
+  int32_t **whole;
+  double **real;
+  for (size_t k = 0; (whole = whole_columns(p, k)); k++) free(*whole);
+  for (size_t k = 0; (real = real_columns(p, k)); k++) free(*real);
+  *p = (pairs){0};
+}
+
+/* Fresh room for the real columns of count pairs, all zero. */
+static sd_status pairs_clear(pairs *p, size_t count) {
+  double **real;
+  for (size_t k = 0; (real = real_columns(p, k)); k++) memset(*real, 0, count * sizeof(double));
+  return SD_OK;
+}
+
+static sd_status pairs_reserve(pairs *p, size_t count) {
+  if (count <= p->capacity) return SD_OK;
+  size_t capacity = count + count / 2 + 16;
+  int32_t **whole;
+  double **real;
+  for (size_t k = 0; (whole = whole_columns(p, k)); k++) {
+    int32_t *column = room(capacity, sizeof(int32_t));
+    if (!column) return SD_ERROR_IO;
+    if (*whole) memcpy(column, *whole, p->count * sizeof(int32_t));
+    free(*whole);
+    *whole = column;
+  }
+  for (size_t k = 0; (real = real_columns(p, k)); k++) {
+    double *column = room(capacity, sizeof(double));
+    if (!column) return SD_ERROR_IO;
+    free(*real); /* filled after all pairs are known */
+    *real = column;
+  }
+  p->capacity = capacity;
+  return SD_OK;
+}
+
+static sd_status pairs_push(pairs *p, uint32_t a, uint32_t b, size_t part) {
+  if (p->count == p->capacity && pairs_reserve(p, p->count + 1) != SD_OK) return SD_ERROR_IO;
+  p->a[p->count] = (int32_t)a;
+  p->b[p->count] = (int32_t)b;
+  p->part[p->count++] = (int32_t)part;
+  return SD_OK;
+}
+
+void neighbours_free(engine *e) {
+  pairs_free(&e->work.pairs);
+  pairs_free(&e->work.spare);
+  free(e->work.incidence.start);
+  free(e->work.incidence.entry);
+  e->work.incidence = (incidence){0};
+}
+
+/* --- cells ------------------------------------------------------------------------------------------- */
+
+typedef struct grid {
+  double lower[2], per_cell[2];
+  int64_t cells[2];
+  uint32_t *start, *disks; /* cell c holds disks[start[c] .. start[c + 1]) */
+} grid;
+
+static int64_t cell_of(const grid *g, int c, double at) {
+  int64_t k = (int64_t)((at - g->lower[c]) * g->per_cell[c]);
+  return k < 0 ? 0 : k >= g->cells[c] ? g->cells[c] - 1 : k;
+}
+
+static size_t cell_index(const grid *g, double x, double y) {
+  return (size_t)(cell_of(g, 1, y) * g->cells[0] + cell_of(g, 0, x));
+}
+
+/* Cells no smaller than the reach of a pair; fewer, larger ones where disks are sparse. */
+static void grid_size(const engine *e, double reach, grid *g) {
+  const sd_state *s = e->state;
+  for (int c = 0; c < 2; c++) {
+    const double *at = c ? s->y : s->x;
+    double low = e->work.lower[c], high = e->work.upper[c];
+    if (!e->work.periodic[c]) {
+      low = high = at[0];
+      for (size_t i = 1; i < s->n_disks; i++) {
+        low = fmin(low, at[i]);
+        high = fmax(high, at[i]);
+      }
+    }
+    double most = 2.0 * sqrt((double)s->n_disks) + 3.0, span = high - low;
+    double cells = fmin(floor(span / reach), 8.0 * most);
+    if (cells < 1.0) cells = 1.0;
+    /* with fewer than three, a periodic neighbour would be met twice: one cell holds all */
+    if (e->work.periodic[c] && cells < 3.0) cells = 1.0;
+    g->lower[c] = low;
+    g->cells[c] = (int64_t)cells;
+    g->per_cell[c] = span > 0.0 ? cells / span : 0.0;
+  }
+}
+
+static sd_status grid_fill(const engine *e, grid *g) {
+  const sd_state *s = e->state;
+  size_t cells = (size_t)(g->cells[0] * g->cells[1]);
+  g->start = calloc(cells + 2, sizeof *g->start);
+  g->disks = malloc(s->n_disks * sizeof *g->disks);
+  if (!g->start || !g->disks) return SD_ERROR_IO;
+  for (size_t i = 0; i < s->n_disks; i++) g->start[cell_index(g, s->x[i], s->y[i]) + 2]++;
+  for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
+  for (size_t i = 0; i < s->n_disks; i++) g->disks[g->start[cell_index(g, s->x[i], s->y[i]) + 1]++] = (uint32_t)i;
+  return SD_OK;
+}
+
+/* --- candidates -------------------------------------------------------------------------------------- */
+
+static bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  double dx = s->x[j] - s->x[i], dy = s->y[j] - s->y[i];
+  if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
+  if (w->periodic[1]) dy -= w->length[1] * nearbyint(dy * w->inverse_length[1]);
+  double reach = s->radius[i] + s->radius[j] + skin;
+  return dx * dx + dy * dy < reach * reach;
+}
+
+/* Partners of free disk i in higher slots, unordered. */
+static size_t partners_of(const engine *e, const grid *g, uint32_t i, uint32_t **list, size_t *capacity) {
+  const sd_state *s = e->state;
+  int64_t cx = cell_of(g, 0, s->x[i]), cy = cell_of(g, 1, s->y[i]);
+  size_t n = 0;
+  for (int64_t v = cy - 1; v <= cy + 1; v++) {
+    int64_t row = v;
+    if (e->work.periodic[1] && g->cells[1] >= 3) row = (v + g->cells[1]) % g->cells[1];
+    if (row < 0 || row >= g->cells[1]) continue;
+    for (int64_t u = cx - 1; u <= cx + 1; u++) {
+      int64_t column = u;
+      if (e->work.periodic[0] && g->cells[0] >= 3) column = (u + g->cells[0]) % g->cells[0];
+      if (column < 0 || column >= g->cells[0]) continue;
+      size_t c = (size_t)(row * g->cells[0] + column);
+      for (uint32_t k = g->start[c]; k < g->start[c + 1]; k++) {
+        uint32_t j = g->disks[k];
+        if (j <= i || !near(e, i, j, e->work.skin)) continue;
+        if (n == *capacity) {
+          uint32_t *more = realloc(*list, 2 * (*capacity + 8) * sizeof **list);
+          if (!more) return SIZE_MAX;
+          *list = more;
+          *capacity = 2 * (*capacity + 8);
+        }
+        (*list)[n++] = j;
+      }
+    }
+  }
+  return n;
+}
+
+/* Few and nearly in order: insertion by permanent id. */
+static void sort_by_id(const uint32_t *id, uint32_t *list, size_t n) {
+  for (size_t k = 1; k < n; k++) {
+    uint32_t j = list[k];
+    size_t at = k;
+    for (; at > 0 && id[list[at - 1]] > id[j]; at--) list[at] = list[at - 1];
+    list[at] = j;
+  }
+}
+
+/* Round walls: a disk is near when its overlap is above -skin; inside a drum the signed distance counts. */
+static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
+  const sd_state *s = e->state;
+  double r = hypot(s->x[b] - s->x[i], s->y[b] - s->y[i]), sum = s->radius[i] + s->radius[b];
+  if (s->radius[b] < 0.0) r = -r;
+  return sum - r > -e->work.skin;
+}
+
+static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
+  nearest_point q = walls_nearest(g, e->state->x[i], e->state->y[i]);
+  return hypot(q.dx, q.dy) < e->state->radius[i] + e->work.skin;
+}
+
+static sd_status push_round(const engine *e, const grid *g, pairs *p) {
+  const sd_state *s = e->state;
+  uint32_t *list = NULL;
+  size_t capacity = 0, n = 0;
+  sd_status status = SD_OK;
+  for (uint32_t i = 0; i < s->n_free && status == SD_OK; i++) {
+    n = partners_of(e, g, i, &list, &capacity);
+    if (n == SIZE_MAX) {
+      status = SD_ERROR_IO;
+      break;
+    }
+    sort_by_id(s->id, list, n);
+    for (size_t k = 0; k < n && status == SD_OK; k++) status = pairs_push(p, i, list[k], 0);
+    for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies && status == SD_OK; b++)
+      if (s->radius[b] != 0.0 && near_round_wall(e, i, b)) status = pairs_push(p, i, b, 0);
+  }
+  free(list);
+  return status;
+}
+
+static sd_status push_pieces(const engine *e, pairs *p) {
+  sd_status status = SD_OK;
+  if (e->model->n_segments == 0) return SD_OK;
+  for (uint32_t i = 0; i < e->state->n_free; i++)
+    for (size_t k = 0; k < e->model->n_segments && status == SD_OK; k++)
+      if (near_piece(e, i, &e->work.segments[k]))
+        status = pairs_push(p, i, e->work.slot[e->model->segments[k].body], k);
+  return status;
+}
+
+/* Both lists are ordered by (a, key), so one sweep finds what the old one remembers. */
+static void carry_memory(const engine *e, pairs *from, pairs *to, size_t from_begin, size_t from_end,
+                         size_t to_begin, size_t to_end) {
+  const uint32_t *id = e->state->id;
+  size_t k = from_begin;
+  for (size_t n = to_begin; n < to_end; n++) {
+    while (k < from_end &&
+           (from->a[k] < to->a[n] ||
+            (from->a[k] == to->a[n] && (id[from->b[k]] < id[to->b[n]] ||
+                                        (from->b[k] == to->b[n] && from->part[k] < to->part[n])))))
+      k++;
+    if (k == from_end) return;
+    if (from->a[k] != to->a[n] || from->b[k] != to->b[n] || from->part[k] != to->part[n]) continue;
+    for (size_t c = 0; c < MEMORY_COLUMNS; c++) (*real_columns(to, c))[n] = (*real_columns(from, c))[k];
+  }
+}
+
+/* --- incidence --------------------------------------------------------------------------------------- */
+
+static sd_status list_incidence(engine *e) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  incidence *n = &e->work.incidence;
+  if (!n->start) n->start = malloc((s->n_bodies + 2) * sizeof *n->start);
+  if (2 * p->count > n->capacity) {
+    free(n->entry);
+    n->capacity = 2 * p->capacity;
+    n->entry = malloc(n->capacity * sizeof *n->entry);
+  }
+  if (!n->start || (n->capacity && !n->entry)) return SD_ERROR_IO;
+  memset(n->start, 0, (s->n_bodies + 2) * sizeof *n->start);
+  for (size_t k = 0; k < p->count; k++) {
+    n->start[p->a[k] + 2]++;
+    n->start[p->b[k] + 2]++;
+  }
+  for (size_t b = 2; b < s->n_bodies + 2; b++) n->start[b] += n->start[b - 1];
+  for (size_t k = 0; k < p->count; k++) {
+    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
+    n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
+  }
+  /* within a free disk: by the partner's key; driven bodies' entries are in order already */
+  for (size_t b = 0; b < s->n_free; b++)
+    for (size_t k = n->start[b] + 1; k < n->start[b + 1]; k++) {
+      uint32_t entry = n->entry[k];
+      uint32_t key = entry & 1 ? s->id[p->a[entry / 2]] : neighbours_key(e, entry / 2);
+      size_t at = k;
+      for (; at > n->start[b]; at--) {
+        uint32_t other = n->entry[at - 1];
+        if ((other & 1 ? s->id[p->a[other / 2]] : neighbours_key(e, other / 2)) <= key) break;
+        n->entry[at] = other;
+      }
+      n->entry[at] = entry;
+    }
+  return SD_OK;
+}
+
+static void find_watched(engine *e) {
+  const pairs *p = &e->work.pairs;
+  for (size_t k = 0; k < 2 * e->model->n_slides; k++) {
+    const sd_slide_watch *watch = &e->model->slides[k / 2];
+    int32_t d = (int32_t)e->work.slot[watch->disk], q = (int32_t)e->work.slot[watch->partner[k % 2]];
+    e->work.watched[k] = -1;
+    const incidence *n = &e->work.incidence;
+    for (size_t at = n->start[d]; at < n->start[d + 1]; at++) {
+      size_t pair = n->entry[at] / 2;
+      if (p->a[pair] + p->b[pair] == d + q && (p->a[pair] == d || p->b[pair] == d)) {
+        /* several pieces of one wall: the one that is closed */
+        if (e->work.watched[k] < 0 || p->ex[pair] != 0.0 || p->ey[pair] != 0.0) e->work.watched[k] = (int64_t)pair;
+      }
+    }
+  }
+}
+
+/* --- build ------------------------------------------------------------------------------------------- */
+
+static sd_status check_finite(const engine *e, sd_messages *messages) {
+  const sd_state *s = e->state;
+  for (size_t i = 0; i < s->n_bodies; i++) {
+    if (isfinite(s->x[i]) && isfinite(s->y[i]) && isfinite(s->theta[i])) continue;
+    char name[96];
+    return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; is dt too large?",
+                   (long long)s->step + 1, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i], s->y[i],
+                   s->theta[i]);
+  }
+  return SD_OK;
+}
+
+static void note_poses(engine *e) {
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  memcpy(w->x0, s->x, s->n_bodies * sizeof(double));
+  memcpy(w->y0, s->y, s->n_bodies * sizeof(double));
+  for (size_t b = s->n_disks; b < s->n_bodies; b++) {
+    w->theta0[b] = s->theta[b] + s->turn[b];
+    double reach = 0.0;
+    for (size_t i = 0; i < s->n_free; i++)
+      reach = fmax(reach, hypot(s->x[i] - s->x[b], s->y[i] - s->y[b]) + s->radius[i] + w->skin);
+    w->reach[b - s->n_disks] = reach;
+  }
+}
+
+sd_status neighbours_build(engine *e, sd_messages *messages) {
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  if (check_finite(e, messages) != SD_OK) return SD_ERROR_NUMERIC;
+  double largest = 0.0;
+  for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  grid g = {0};
+  grid_size(e, 2.0 * largest + w->skin, &g);
+  pairs *next = &w->spare;
+  next->count = 0;
+  sd_status status = grid_fill(e, &g);
+  if (status == SD_OK) status = push_round(e, &g, next);
+  next->n_round = next->count;
+  if (status == SD_OK) status = push_pieces(e, next);
+  if (status == SD_OK) status = pairs_reserve(next, next->count + 8);
+  free(g.start);
+  free(g.disks);
+  if (status != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
+
+  pairs_clear(next, next->count);
+  pairs *old = &w->pairs;
+  if (old->capacity) {
+    carry_memory(e, old, next, 0, old->n_round, 0, next->n_round);
+    carry_memory(e, old, next, old->n_round, old->count, next->n_round, next->count);
+  }
+  for (size_t k = 0; k < next->count; k++)
+    next->law[k] = s->material[next->a[k]] * (int32_t)e->model->n_materials + s->material[next->b[k]];
+  pairs swap = *old;
+  *old = *next;
+  *next = swap;
+
+  if (list_incidence(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
+  find_watched(e);
+  note_poses(e);
+  for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
+  w->builds++;
+  return SD_OK;
+}

@@ -1,0 +1,36 @@
+/* neighbours.h: cell grid and Verlet list of candidate pairs.
+ *
+ * The list holds every pair nearer than the skin; it is rebuilt when a body has moved almost half the skin.
+ * Contact memory is carried over. A rebuild changes no bit of what follows: sums run in the order of
+ * permanent ids, and a candidate that is open adds zero.
+ */
+#ifndef PHYSICS_NEIGHBOURS_H
+#define PHYSICS_NEIGHBOURS_H
+
+#include "physics/work.h"
+
+/* Rebuilds grid, pairs, incidence and watched contacts from the present positions. Errors: a position that
+ * is not finite (SD_ERROR_NUMERIC), no memory (SD_ERROR_IO). */
+sd_status neighbours_build(engine *e, sd_messages *messages);
+void neighbours_free(engine *e);
+
+/* Key of a pair's second side, in which the sums are ordered: permanent id of a disk or round wall, then
+ * the pieces of straight walls. */
+static inline uint32_t neighbours_key(const engine *e, size_t pair) {
+  const pairs *p = &e->work.pairs;
+  return pair < p->n_round ? e->state->id[p->b[pair]]
+                           : (uint32_t)e->state->n_bodies + (uint32_t)p->part[pair];
+}
+
+/* Has the prescribed body in this slot moved or turned beyond the limit since the last build? */
+static inline bool neighbours_moved(const engine *e, uint32_t slot) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  double dx = s->x[slot] - w->x0[slot], dy = s->y[slot] - w->y0[slot], d2 = dx * dx + dy * dy;
+  if (slot < s->n_disks) return !(d2 <= w->moved_limit2);
+  /* a wall: pivot's way and the way of its farthest point, each half of the limit */
+  double swing = (s->theta[slot] + s->turn[slot] - w->theta0[slot]) * w->reach[slot - s->n_disks];
+  return !(4.0 * d2 <= w->moved_limit2 && 4.0 * swing * swing <= w->moved_limit2);
+}
+
+#endif

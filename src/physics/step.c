@@ -1,0 +1,76 @@
+/* step.c: the step, one page.
+ *
+ * predict free disks -> place prescribed bodies at t + dt -> (stale? rebuild neighbours, carrying contacts)
+ * -> one force per contact -> gather per disk in fixed order -> correct -> commit lambda* -> book losses.
+ *
+ * Every loop writes only its own indices; each wait makes what was written visible to the whole team.
+ */
+#include "physics/step.h"
+
+#include "physics/contacts.h"
+#include "physics/kernels.h"
+#include "physics/motion.h"
+#include "physics/neighbours.h"
+#include "physics/walls.h"
+
+static bool any_stale(const work *w) {
+  bool stale = false;
+  for (int k = 0; k < w->n_threads; k++) stale |= w->threads[k].stale;
+  return stale;
+}
+
+static bool any_event(const work *w) {
+  size_t events = 0;
+  for (int k = 0; k < w->n_threads; k++) events += w->threads[k].events.count + w->threads[k].returns.count;
+  return events != 0;
+}
+
+void step_once(engine *e, const team *t) {
+  work *w = &e->work;
+  const kernels *k = w->kernels;
+  thread_work *mine = &w->threads[t->rank];
+  const bool first = t->rank == 0, one_pass = e->model->integrator == SD_VERLET;
+  size_t disk, disks_end, body, bodies_end, pair, pairs_end;
+  team_share(t, e->state->n_free, &disk, &disks_end);
+  team_share(t, e->state->n_bodies, &body, &bodies_end);
+
+  /* trial coordinates at t + dt, and the exact ones of what is prescribed */
+  k->predict[e->model->integrator](e, mine, disk, disks_end);
+  team_wait(t);
+  if (first) {
+    motion_place(e, mine);
+    if (motion_moves_walls(e)) walls_place(e);
+  }
+  team_wait(t);
+
+  /* candidates; the contacts' memory moves along */
+  if (any_stale(w)) {
+    team_wait(t);
+    if (first) w->status = neighbours_build(e, w->messages);
+    team_wait(t);
+    if (w->status != SD_OK) return;
+  }
+  team_share(t, w->pairs.count, &pair, &pairs_end);
+
+  /* forces at the trial coordinates: the skin is not moved. With velocity Verlet these positions are final,
+   * so lambda* is committed at once. */
+  k->pairs(e, mine, pair, pairs_end, one_pass ? PASS_FORCE | PASS_COMMIT : PASS_FORCE);
+  team_wait(t);
+  contacts_gather(e, body, bodies_end);
+  team_wait(t);
+  if (first) motion_work(e);
+  k->correct[e->model->integrator](e, mine, disk, disks_end);
+  team_wait(t);
+
+  /* history is written once a step, from the corrected coordinates */
+  if (!one_pass) {
+    k->pairs(e, mine, pair, pairs_end, PASS_COMMIT);
+    team_wait(t);
+  }
+  contacts_book_losses(e, disk, disks_end);
+  team_wait(t);
+  if (first) {
+    if (any_event(w)) w->status = contacts_events(e, w->messages);
+    e->state->step++;
+  }
+}

@@ -1,0 +1,116 @@
+/* work.h: what can be recomputed from model and state.
+ *
+ * Rule: throwing work away and rebuilding it changes not one bit of what follows. The live contact memory
+ * stands beside the candidate pairs (struct pairs) while a run goes on; contacts_store brings the closed
+ * ones into the state's columns, contacts_load takes them from there.
+ */
+#ifndef PHYSICS_WORK_H
+#define PHYSICS_WORK_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/team.h"
+#include "slipdisk/model.h"
+#include "slipdisk/state.h"
+
+/* Contact constants of one pair of materials, ready for the law. */
+typedef struct law_row {
+  double k_n, k_t, inverse_k_t, gamma_n, mu;
+} law_row;
+
+/* Candidate pairs, ordered by (slot of a, key of b): round ones first, then pieces of straight walls.
+ * Columns marked M are contact memory: they go through the state at checkpoints and are carried over
+ * rebuilds; the others are written by the function named. */
+typedef struct pairs {
+  size_t count, n_round, capacity;
+  int32_t *a, *b;          /* slots; neighbours_build */
+  int32_t *part;           /* straight piece; neighbours_build */
+  int32_t *law;            /* row of the law table; neighbours_build */
+  double *star, *ex, *ey, *side;                        /* M */
+  double *force, *overlap, *stretch, *turned, *slide;   /* M, slide as 0, +1, -1 */
+  double *fx, *fy, *tau;   /* force on b, and tau; pairs kernels, force pass */
+  double *loss_viscous, *loss_friction, *gain;          /* of this step; pairs kernels, commit pass */
+} pairs;
+
+/* The contacts of each body in order of the partner's key: entry = 2 * pair + (1 if the body is b). */
+typedef struct incidence {
+  size_t *start;           /* [n_bodies + 1] */
+  uint32_t *entry;
+  size_t capacity;
+} incidence;
+
+/* A straight piece of a wall in space; walls_place. */
+typedef struct placed_segment {
+  double x, y, tx, ty, length, px, py; /* start, tangent, length, tangent of the piece before */
+  double backwards;        /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
+  double arc;
+  bool end_cap;
+} placed_segment;
+
+/* Pairs that need a rare, serial treatment after the commit pass: contacts that opened (with the energy they
+ * dropped), closed, turned far from their reference direction, or overlap beyond the limit. */
+typedef struct event {
+  uint32_t index; /* of the pair, or the disk's slot */
+  double opening;
+  double star, ex, ey, side; /* what a pair remembered before the pass */
+} event;
+
+typedef struct event_list {
+  event *item;
+  size_t count, capacity;
+  bool failed;             /* no memory */
+} event_list;
+
+enum { WORK_MAX_THREADS = 64 };
+
+/* Per thread, cache lines of its own. */
+typedef struct thread_work {
+  _Alignas(64) bool stale; /* a body moved too far since the lists were built, or nowhere; predict kernels */
+  event_list events;       /* pairs kernels, commit pass */
+  event_list returns;      /* disks whose theta or position must return into range; correct kernels */
+} thread_work;
+
+typedef struct motions motions;   /* motion.h */
+typedef struct kernels kernels;   /* kernels.h */
+
+typedef struct work {
+  /* constants of the model in the form the loops want; engine_new */
+  double dt;
+  bool conservative, periodic[2];
+  double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
+  law_row *laws;
+  bool one_law;
+  double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
+  double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
+  uint32_t *slot;        /* [n_bodies] slot of a body number */
+  const kernels *kernels;
+  int n_threads;
+
+  /* lists; neighbours_build */
+  pairs pairs, spare;      /* spare: room for the next build */
+  incidence incidence;
+  double skin, moved_limit2; /* squared displacement that makes the lists stale */
+  double *x0, *y0, *theta0; /* [n_bodies] poses when the lists were built */
+  double *reach;            /* [n_walls] largest distance from the pivot that matters when the wall turns */
+  int64_t builds;           /* how often */
+  placed_segment *segments; /* walls_place */
+  int64_t *watched;         /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
+
+  motions *motions;
+  thread_work *threads;     /* [n_threads] */
+  sd_status status;         /* of the step that is being done; set by one thread, read by all after a wait */
+  sd_messages *messages;
+} work;
+
+/* contacts.c; returns the new item to fill, NULL without memory */
+event *event_add(event_list *list, uint32_t index, double opening);
+
+/* One system. The physics below run/ works on this. */
+typedef struct engine {
+  const sd_model *model;
+  sd_state *state;
+  work work;
+} engine;
+
+#endif

@@ -1,0 +1,179 @@
+/* simulation.c: phases, threads, and the way in and out of a running system; see slipdisk/simulation.h. */
+#include "slipdisk/simulation.h"
+
+#include <stdlib.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+#include "measure/watch.h"
+#include "physics/contacts.h"
+#include "physics/energy.h"
+#include "physics/engine.h"
+#include "physics/kernels.h"
+#include "physics/motion.h"
+#include "physics/neighbours.h"
+#include "physics/step.h"
+
+struct sd_simulation {
+  engine engine;
+};
+
+/* Below this many free disks a second thread costs more than it does. */
+enum { DISKS_PER_THREAD = 1000 };
+
+static int choose_threads(const sd_model *m, int asked) {
+#ifdef _OPENMP
+  int most = asked > 0 ? asked : omp_get_max_threads();
+  if (asked <= 0 && (size_t)most > m->n_free / DISKS_PER_THREAD) most = (int)(m->n_free / DISKS_PER_THREAD);
+  return most < 1 ? 1 : most > WORK_MAX_THREADS ? WORK_MAX_THREADS : most;
+#else
+  (void)m, (void)asked;
+  return 1;
+#endif
+}
+
+static bool measures(const engine *e) {
+  return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
+}
+
+/* state->phase is new: switch motions, start measuring. */
+static sd_status begin_phase(engine *e, sd_messages *messages) {
+  if (e->state->phase >= (int64_t)e->model->n_phases) return SD_OK;
+  if (motion_begin_phase(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  return SD_OK;
+}
+
+static sd_status fail_new(sd_simulation *sim, sd_simulation **out, sd_status status) {
+  sd_simulation_free(sim);
+  *out = NULL;
+  return status;
+}
+
+sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out, sd_messages *messages) {
+  sd_state *state = sd_state_new(model);
+  if (!state) {
+    *out = NULL;
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
+  }
+  engine_fill_state(model, state);
+  sd_status status = sd_simulation_resume(model, state, threads, out, messages);
+  if (status != SD_OK) return status;
+  engine *e = &(*out)->engine;
+  status = begin_phase(e, messages);
+  if (status == SD_OK) status = engine_start(e, messages);
+  if (status == SD_OK && measures(e)) watch_begin(e);
+  return status == SD_OK ? SD_OK : fail_new(*out, out, status);
+}
+
+sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads, sd_simulation **out,
+                               sd_messages *messages) {
+  sd_simulation *sim = aligned_alloc(64, (sizeof *sim + 63) / 64 * 64);
+  if (!sim) {
+    sd_state_free(state);
+    *out = NULL;
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
+  }
+  *sim = (sd_simulation){.engine = {.model = model, .state = state}};
+  sd_status status = engine_build(&sim->engine, choose_threads(model, threads), messages);
+  if (status != SD_OK) return fail_new(sim, out, status);
+  *out = sim;
+  return SD_OK;
+}
+
+void sd_simulation_free(sd_simulation *sim) {
+  if (!sim) return;
+  engine_free(&sim->engine);
+  sd_state_free(sim->engine.state);
+  free(sim);
+}
+
+/* One member's share of n steps within a phase. */
+static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
+  for (int64_t k = 0; k < n; k++) {
+    step_once(e, t);
+    team_wait(t);
+    if (e->work.status != SD_OK) return;
+    if (t->rank == 0 && measure) watch_step(e);
+    if (measure) team_wait(t);
+  }
+}
+
+static void advance_team(engine *e, int64_t n, bool measure) {
+  int threads = e->work.n_threads;
+  if (threads == 1) {
+    advance_member(e, &(team){0, 1}, n, measure);
+    return;
+  }
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+  {
+    team t = {omp_get_thread_num(), threads};
+    advance_member(e, &t, n, measure);
+  }
+#endif
+}
+
+static sd_status end_phase(engine *e, sd_messages *messages) {
+  sd_state *s = e->state;
+  bool measured = measures(e);
+  if (measured) watch_end(e);
+  motion_store(e);
+  s->phase++;
+  s->phase_step = 0;
+  sd_status status = begin_phase(e, messages);
+  if (status == SD_OK && measures(e)) watch_begin(e);
+  return status;
+}
+
+sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
+  engine *e = &sim->engine;
+  sd_state *s = e->state;
+  e->work.messages = messages;
+  e->work.status = SD_OK;
+  while (n > 0 && s->phase < (int64_t)e->model->n_phases) {
+    const sd_phase *phase = &e->model->phases[s->phase];
+    int64_t left = phase->steps - s->phase_step, now = n < left ? n : left, from = s->step;
+    advance_team(e, now, phase->measure);
+    s->phase_step += s->step - from;
+    n -= s->step - from;
+    if (e->work.status != SD_OK) return e->work.status;
+    if (s->phase_step == phase->steps && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
+  }
+  return SD_OK;
+}
+
+const sd_model *sd_simulation_model(const sd_simulation *sim) { return sim->engine.model; }
+
+const sd_state *sd_simulation_state(sd_simulation *sim) {
+  motion_store(&sim->engine);
+  return contacts_store(&sim->engine) == SD_OK ? sim->engine.state : NULL;
+}
+
+double sd_simulation_time(const sd_simulation *sim) {
+  return (double)sim->engine.state->step * sim->engine.model->dt;
+}
+
+bool sd_simulation_finished(const sd_simulation *sim) {
+  return sim->engine.state->phase >= (int64_t)sim->engine.model->n_phases;
+}
+
+sd_energy sd_simulation_energy(const sd_simulation *sim) { return energy_of(&sim->engine); }
+
+uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) { return sim->engine.work.slot[body]; }
+
+double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
+  uint32_t slot = sd_simulation_slot(sim, body);
+  return sim->engine.state->turn[slot] + sim->engine.state->theta[slot];
+}
+
+sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
+  engine *e = &sim->engine;
+  int threads = e->work.n_threads;
+  if (!sd_simulation_state(sim)) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  engine_free(e);
+  return engine_build(e, threads, messages);
+}
+
+int sd_simulation_threads(const sd_simulation *sim) { return sim->engine.work.n_threads; }
+const char *sd_simulation_path(const sd_simulation *sim) { return sim->engine.work.kernels->name; }
