@@ -49,9 +49,9 @@ static void error_bars_cover(void **unused) {
   (void)unused;
   enum { SEEDS = 400 };
   const coverage cases[] = {
-      {N, 0, false, 0.95, 1.05},     {N, 0, true, 0.95, 1.05},       {N, 0.6, true, 0.93, 1.07},
-      {N, 0.9, false, 0.93, 1.07},   {N, 0.9, true, 0.92, 1.07},     {N, 0.97, true, 0.90, 1.1},
-      {N, -0.6, true, 0.95, 1.15},   {1024, 0.6, true, 0.90, 1.1},   {2048, 0.9, false, 0.90, 1.1},
+      {N, 0, false, 0.95, 1.05},   {N, 0, true, 0.95, 1.05},     {N, 0.6, true, 0.93, 1.07},
+      {N, 0.9, false, 0.93, 1.07}, {N, 0.9, true, 0.92, 1.07},   {N, 0.97, true, 0.90, 1.1},
+      {N, -0.6, true, 0.95, 1.15}, {1024, 0.6, true, 0.90, 1.1}, {2048, 0.9, false, 0.90, 1.1},
       {256, 0, false, 0.92, 1.08},
   };
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
@@ -179,8 +179,8 @@ static void rotation_of_a_state(void **unused) {
   (void)unused;
   sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
   uint32_t watched[2] = {1, 0};
-  sd_model model = {.dt = 1e-3, .gravity = {-3, -4}, .n_disks = 2, .disks = disks, .n_rotations = 2,
-                    .rotations = watched};
+  sd_model model = {
+      .dt = 1e-3, .gravity = {-3, -4}, .n_disks = 2, .disks = disks, .n_rotations = 2, .rotations = watched};
   double *bins = calloc(2 * SD_BINS, sizeof *bins), start[2] = {1, 2}, last[2] = {1, 2};
   for (size_t k = 0; k < 1000; k++) {
     bins[k] = 0.25;
@@ -188,8 +188,13 @@ static void rotation_of_a_state(void **unused) {
     last[0] += bins[k];
     last[1] += bins[SD_BINS + k];
   }
-  sd_state state = {.measured = 10007, .bin_steps = 10, .bins = 1000, .n_rotations = 2, .rotation_bin = bins,
-                    .rotation_start = start, .rotation_last = last};
+  sd_state state = {.measured = 10007,
+                    .bin_steps = 10,
+                    .bins = 1000,
+                    .n_rotations = 2,
+                    .rotation_bin = bins,
+                    .rotation_start = start,
+                    .rotation_last = last};
   sd_rotation a = sd_rotation_of(&model, &state, 0), b = sd_rotation_of(&model, &state, 1);
   assert_int_equal(a.disk, 1);
   assert_int_equal(b.disk, 0);
@@ -218,7 +223,10 @@ static void sliding_of_a_state(void **unused) {
   int64_t count[32] = {0}, openings[4] = {0, 0, 3, 4};
   double force[4] = {1, 2, 0.5, 0.25};
   for (int k = 0; k < 16; k++) count[16 + k] = k + 1; /* 136 steps */
-  sd_state state = {.measured = 136, .n_slides = 2, .slide_count = count, .slide_openings = openings,
+  sd_state state = {.measured = 136,
+                    .n_slides = 2,
+                    .slide_count = count,
+                    .slide_openings = openings,
                     .slide_force_min = force};
   sd_slide s = sd_slide_of(&model, &state, 1);
   assert_int_equal(s.disk, 3);

@@ -21,13 +21,16 @@ static void near(double value, double expected, double tolerance, const char *wh
 /* The paper's deck: m = 0.1, g = 10, R = 1, mu = 0.1, theta_h = pi/6; w_b = 20 pi. */
 static const double w_b = 20 * M_PI;
 static sd_three_disk paper(double tilt) {
-  return (sd_three_disk){.tilt = tilt, .half_aperture = M_PI / 6, .mu = 0.1, .weight = 1, .radius = 1,
-                         .inertia = 0.05};
+  return (sd_three_disk){
+      .tilt = tilt, .half_aperture = M_PI / 6, .mu = 0.1, .weight = 1, .radius = 1, .inertia = 0.05};
 }
 
 static sd_drive turning(sd_waveform waveform, double amplitude, double phase) {
-  return (sd_drive){.waveform = waveform, .omega = w_b, .amplitude = {amplitude, amplitude},
-                    .phase = {0, phase}, .support_radius = {1, 1}};
+  return (sd_drive){.waveform = waveform,
+                    .omega = w_b,
+                    .amplitude = {amplitude, amplitude},
+                    .phase = {0, phase},
+                    .support_radius = {1, 1}};
 }
 
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
@@ -46,7 +49,8 @@ static void tep_closed_forms_solve_the_force_balance(void **unused) {
             near(tep.torque, closed, 1e-12 * (1 + closed * closed), "torque");
             double a1 = half - tilt, a2 = half + tilt, n1 = tep.normal[0], n2 = tep.normal[1];
             double scale = 1e-13 * (1 + fabs(n1) + fabs(n2));
-            near(n1 * sin(a1) - n2 * sin(a2) + mu * (s1 * n1 * cos(a1) + s2 * n2 * cos(a2)), 0, 10 * scale, "x");
+            near(n1 * sin(a1) - n2 * sin(a2) + mu * (s1 * n1 * cos(a1) + s2 * n2 * cos(a2)), 0, 10 * scale,
+                 "x");
             near(n1 * cos(a1) + n2 * cos(a2) + mu * (s2 * n2 * sin(a2) - s1 * n1 * sin(a1)), 2.5, 10 * scale,
                  "y");
           }
@@ -249,11 +253,12 @@ static void solution_is_consistent_and_symmetric(void **unused) {
         near(sum, a.period, 1e-12 * a.period, "durations");
         if (a.permanent) near(impulse, 0, 1e-12 * a.period, "torques cancel (41)");
         enum { POINTS = 2000 };
-        for (int k = 0; k < POINTS; k++) turned += sd_sliding_omega(&a, (k + 0.5) / POINTS * a.period) / POINTS;
+        for (int k = 0; k < POINTS; k++)
+          turned += sd_sliding_omega(&a, (k + 0.5) / POINTS * a.period) / POINTS;
         near(turned, a.mean, 2e-6 * scale, "mean of Omega(t)");
         for (size_t k = 0; k < a.n_pieces; k++) {
-          double t = a.pieces[k].start, jump = sd_sliding_omega(&a, t + 1e-9 * a.period) -
-                                               sd_sliding_omega(&a, t - 1e-9 * a.period);
+          double t = a.pieces[k].start,
+                 jump = sd_sliding_omega(&a, t + 1e-9 * a.period) - sd_sliding_omega(&a, t - 1e-9 * a.period);
           near(jump, 0, 1e-7 * scale, "Omega is continuous");
         }
       }

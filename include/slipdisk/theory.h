@@ -26,10 +26,10 @@ typedef enum sd_waveform { SD_SINE, SD_PARABOLA } sd_waveform; /* (20), (21) */
 /* --- translational equilibrium points (TEP) ------------------------------------------------------- */
 
 typedef struct sd_tep {
-  double normal[2];  /* normal forces; a TEP needs both >= 0 */
-  double torque;     /* on the upper disk */
+  double normal[2]; /* normal forces; a TEP needs both >= 0 */
+  double torque;    /* on the upper disk */
   bool compressive;
-  bool stable;       /* the centre returns to it: only S-+ can fail, where mu > tan theta_h */
+  bool stable; /* the centre returns to it: only S-+ can fail, where mu > tan theta_h */
 } sd_tep;
 
 /* Force balance (13)-(14) with tau_i = s_i mu n_i, solved as a 2x2 linear system. s_i in {-1, 0, +1}.
@@ -48,10 +48,10 @@ SD_API double sd_slight_tilt_torque_sync(const sd_three_disk *disk);
 
 /* Supports in phase, parabolic waveform (21). Valid while both torques are below 8 I Theta_b w_b^2/pi^2. */
 typedef struct sd_sync {
-  double t1, t2;       /* (25), (43): S-- begins, S++ begins */
-  double pp, mm;       /* (26), (27): durations of S++ and S-- */
-  double mean;         /* (29) */
-  bool permanent;      /* the contacts never stick: the formulas hold */
+  double t1, t2;  /* (25), (43): S-- begins, S++ begins */
+  double pp, mm;  /* (26), (27): durations of S++ and S-- */
+  double mean;    /* (29) */
+  bool permanent; /* the contacts never stick: the formulas hold */
 } sd_sync;
 SD_API sd_sync sd_sync_parabola(const sd_three_disk *disk, double amplitude, double omega);
 
@@ -92,9 +92,9 @@ typedef struct sd_sliding {
   sd_three_disk disk;
   sd_drive drive;
   double period, mean;
-  double duration[4];  /* per period, by SD_PP ... */
-  double stuck;        /* per period; > 0 when the drive is too weak for permanent sliding */
-  bool permanent;      /* stuck == 0: a solution of the velocity-matching equations */
+  double duration[4]; /* per period, by SD_PP ... */
+  double stuck;       /* per period; > 0 when the drive is too weak for permanent sliding */
+  bool permanent;     /* stuck == 0: a solution of the velocity-matching equations */
   size_t n_pieces;
   sd_sliding_piece pieces[SD_SLIDING_PIECES]; /* in [0, period), first at 0 */
 } sd_sliding;
@@ -133,8 +133,8 @@ typedef struct sd_oblique {
   double v_n, v_t, spin; /* after; v_n > 0 away from the plane */
   bool sliding;          /* the surface never stopped: the formula holds */
 } sd_oblique;
-SD_API sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu,
-                                   double restitution, double v_n, double v_t, double spin);
+SD_API sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double mu, double restitution,
+                                   double v_n, double v_t, double spin);
 
 /* Time after which a disk set down with speed u and no spin on a plane rolls, and its speed then. */
 SD_API void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g, double u,

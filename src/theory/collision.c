@@ -35,8 +35,8 @@ sd_oblique sd_gross_sliding(double mass, double inertia, double radius, double m
 }
 
 /* Friction mu m g slows the centre and spins the disk until v = R spin (I = m R^2/2: t = u/(3 mu g)). */
-void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g, double u,
-                      double *time, double *speed) {
+void sd_slide_to_roll(double mass, double inertia, double radius, double mu, double g, double u, double *time,
+                      double *speed) {
   double ratio = mass * radius * radius / inertia;
   *time = u / (mu * g * (1 + ratio));
   *speed = u * ratio / (1 + ratio);

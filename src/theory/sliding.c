@@ -97,8 +97,10 @@ static bool follow(const sliding_system *y, double start, sliding_path *path) {
     path->piece[path->n++] = (sliding_piece){u, omega, rate, {s[0], y->n == 2 ? s[1] : s[0]}};
     path->change += stuck < 0 ? rate * length : after - omega;
     path->turned += area;
-    if (stuck >= 0) path->stuck += length;
-    else path->length[2 * (s[0] < 0) + (y->n == 2 ? s[1] < 0 : s[0] < 0)] += length;
+    if (stuck >= 0)
+      path->stuck += length;
+    else
+      path->length[2 * (s[0] < 0) + (y->n == 2 ? s[1] < 0 : s[0] < 0)] += length;
 
     u = next;
     omega = after;
@@ -170,14 +172,15 @@ static sd_status check(const sd_three_disk *disk, const sd_drive *drive, sd_mess
   if (!(drive->omega > 0) || !(drive->amplitude[0] >= 0) || !(drive->amplitude[1] >= 0) ||
       !(drive->amplitude[0] + drive->amplitude[1] > 0) || !isfinite(drive->phase[0]) ||
       !isfinite(drive->phase[1]) || !(drive->support_radius[0] > 0) || !(drive->support_radius[1] > 0))
-    return sd_fail(messages, SD_ERROR_USER,
-                   "theory: a drive needs a frequency > 0, finite phases, support radii > 0 and an amplitude > 0");
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "theory: a drive needs a frequency > 0, finite phases, support radii > 0 and an amplitude > 0");
   return SD_OK;
 }
 
 /* The system in units of the phase; also the torques by configuration. */
-static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, sliding_system *y, double torque[4],
-                         sd_messages *messages) {
+static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, sliding_system *y,
+                         double torque[4], sd_messages *messages) {
   sd_status status = check(disk, drive, messages);
   if (status) return status;
   *y = (sliding_system){.waveform = drive->waveform, .end = 2 * M_PI};
@@ -196,8 +199,9 @@ static sd_status prepare(const sd_three_disk *disk, const sd_drive *drive, slidi
     if (needed && !(tep.compressive && tep.stable))
       return sd_fail(messages, SD_ERROR_USER,
                      "theory: configuration S%c%c has no stable equilibrium with both normal forces "
-                     "compressive (tilt %g, half aperture %g, mu %g)", signs[k][0] > 0 ? '+' : '-',
-                     signs[k][1] > 0 ? '+' : '-', disk->tilt, disk->half_aperture, disk->mu);
+                     "compressive (tilt %g, half aperture %g, mu %g)",
+                     signs[k][0] > 0 ? '+' : '-', signs[k][1] > 0 ? '+' : '-', disk->tilt,
+                     disk->half_aperture, disk->mu);
     y->rate[k >> 1][k & 1] = torque[k] / (disk->inertia * drive->omega * drive->omega);
   }
   return SD_OK;
@@ -214,14 +218,20 @@ sd_status sd_sliding_solve(const sd_three_disk *disk, const sd_drive *drive, sd_
   if (!solve(&t, &root) || !follow(&y, root, &path))
     return sd_fail(messages, SD_ERROR_NUMERIC, "theory: no periodic solution was found");
 
-  *out = (sd_sliding){.disk = *disk, .drive = *drive, .period = 2 * M_PI / drive->omega,
-                      .mean = path.turned / (2 * M_PI) * drive->omega, .stuck = path.stuck / drive->omega,
-                      .permanent = path.stuck == 0, .n_pieces = path.n};
+  *out = (sd_sliding){.disk = *disk,
+                      .drive = *drive,
+                      .period = 2 * M_PI / drive->omega,
+                      .mean = path.turned / (2 * M_PI) * drive->omega,
+                      .stuck = path.stuck / drive->omega,
+                      .permanent = path.stuck == 0,
+                      .n_pieces = path.n};
   for (int k = 0; k < 4; k++) out->duration[k] = path.length[k] / drive->omega;
   for (size_t k = 0; k < path.n; k++) {
     const sliding_piece *p = &path.piece[k];
-    out->pieces[k] = (sd_sliding_piece){p->start / drive->omega, p->omega * drive->omega,
-                                        p->rate * drive->omega * drive->omega, {p->sign[0], p->sign[1]}};
+    out->pieces[k] = (sd_sliding_piece){p->start / drive->omega,
+                                        p->omega * drive->omega,
+                                        p->rate * drive->omega * drive->omega,
+                                        {p->sign[0], p->sign[1]}};
   }
   return SD_OK;
 }

@@ -40,6 +40,7 @@ double sliding_meeting(const sliding_system *y, int i, double u, double omega, d
 /* End of a piece in which contact i sticks and the other one has the sign s[1-i]. *release is the sign with
  * which i slides on when w_i outruns the torques; 0 when the other contact's velocity is met (*which is its
  * number) or the period ends (*which is -1). */
-double sliding_stuck_until(const sliding_system *y, int i, double u, const int s[2], int *release, int *which);
+double sliding_stuck_until(const sliding_system *y, int i, double u, const int s[2], int *release,
+                           int *which);
 
 #endif

@@ -19,8 +19,8 @@ sd_tep sd_tep_solve(const sd_three_disk *disk, int s1, int s2) {
   double m1 = s1 * disk->mu, m2 = s2 * disk->mu;
 
   /* rows: forces along x and y; columns: n_1 and n_2 */
-  double a[4] = {sin(a1) + m1 * cos(a1), -sin(a2) + m2 * cos(a2),
-                 cos(a1) - m1 * sin(a1), cos(a2) + m2 * sin(a2)};
+  double a[4] = {sin(a1) + m1 * cos(a1), -sin(a2) + m2 * cos(a2), cos(a1) - m1 * sin(a1),
+                 cos(a2) + m2 * sin(a2)};
   double b[2] = {0, disk->weight}, n[2];
 
   /* equal springs along the contact lines push back along the columns: their stiffness matrix has the sign
@@ -67,6 +67,5 @@ double sd_slight_tilt_torque(const sd_three_disk *disk) {
 /* The print of (31) has mu where the half sum of (15) and (16) has mu^2. */
 double sd_slight_tilt_torque_sync(const sd_three_disk *disk) {
   double mu = disk->mu;
-  return disk->weight * disk->radius * mu * mu * sin(disk->tilt) /
-         ((1 + mu * mu) * cos(disk->half_aperture));
+  return disk->weight * disk->radius * mu * mu * sin(disk->tilt) / ((1 + mu * mu) * cos(disk->half_aperture));
 }

@@ -149,7 +149,8 @@ static double outruns(const sliding_system *y, int i, double u, double low, doub
   return fmin(plus, minus);
 }
 
-double sliding_stuck_until(const sliding_system *y, int i, double u, const int s[2], int *release, int *which) {
+double sliding_stuck_until(const sliding_system *y, int i, double u, const int s[2], int *release,
+                           int *which) {
   int j = 1 - i;
   bool both = y->n == 2;
   double high = both ? (i == 0 ? y->rate[0][s[1] < 0] : y->rate[s[0] < 0][0]) : y->rate[0][0];
