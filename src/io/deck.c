@@ -1,0 +1,174 @@
+/* deck.c: from a deck to a finished model; see slipdisk/deck.h and io/deck.h. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/deck_read.h"
+#include "slipdisk/deck.h"
+
+/* --- the keys of the deck itself --------------------------------------------------------------------------- */
+
+static void read_run(deck *d) {
+  sd_model *m = d->model;
+  deck_group top;
+  if (!deck_enter(d, d->root, &deck_top, &top)) return;
+  m->title = deck_keep_text(d, deck_text_of(&top, "title"));
+  m->seed = (uint64_t)deck_integer(&top, "seed");
+  m->integrator = deck_choice(&top, "integrator") == 1 ? SD_VERLET : SD_GEAR5;
+  m->dt = deck_number(&top, "dt");
+  m->variant = deck_choice(&top, "contact_variant") == 1 ? SD_CONSERVATIVE : SD_PAPER;
+  m->skin = deck_number(&top, "skin");
+  m->max_overlap = deck_number(&top, "max_overlap");
+  m->checkpoint_seconds = deck_number(&top, "checkpoint");
+}
+
+static void read_gravity(deck *d) {
+  deck_group g;
+  if (!deck_enter_one(d, d->root, "gravity", &deck_gravity, &g)) return;
+  double strength = deck_number(&g, "g"), tilt = deck_number(&g, "tilt");
+  d->model->gravity[0] = -strength * sin(tilt);
+  d->model->gravity[1] = -strength * cos(tilt);
+  if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */
+}
+
+static void read_box(deck *d) {
+  sd_model *m = d->model;
+  deck_group g;
+  if (!deck_enter_one(d, d->root, "box", &deck_box, &g)) return;
+  int periodic = deck_choice(&g, "periodic");
+  m->periodic[0] = periodic == 1 || periodic == 3;
+  m->periodic[1] = periodic == 2 || periodic == 3;
+  for (int c = 0; c < 2; c++) {
+    const char *key = c ? "y" : "x";
+    double edge[2];
+    bool given = deck_pair(&g, key, edge);
+    if (!given && m->periodic[c] && !deck_get(&g, key))
+      deck_fail_key(d, g.node, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
+    if (!given) continue;
+    if (!(edge[1] > edge[0])) deck_fail_key(d, g.node, key, "expected (lower, upper) with lower < upper");
+    m->lower[c] = edge[0];
+    m->upper[c] = edge[1];
+  }
+}
+
+/* The order matters: motions speak of bodies, phases of motions. */
+static void read_all(deck *d) {
+  read_run(d);
+  read_gravity(d);
+  read_box(d);
+  deck_read_materials(d);
+  deck_read_disks(d);
+  deck_read_walls(d);
+  deck_read_forces(d);
+  deck_read_locks(d);
+  deck_read_motions(d);
+  deck_read_phases(d);
+  deck_read_measure(d);
+  deck_check_laws(d);
+  deck_check_overlaps(d);
+}
+
+/* --- loading ------------------------------------------------------------------------------------------------ */
+
+static char *join_overrides(deck *d, size_t n, const char *const *overrides) {
+  size_t length = 0;
+  for (size_t k = 0; k < n; k++) length += strlen(overrides[k]) + 1;
+  char *text = deck_keep(d, length + 1, 1), *p = text;
+  for (size_t k = 0; k < n; k++) {
+    size_t size = strlen(overrides[k]);
+    memcpy(p, overrides[k], size);
+    p[size] = '\n';
+    p += size + 1;
+  }
+  return text;
+}
+
+static sd_status finish(deck *d) {
+  if (d->reported > 0) return SD_ERROR_USER;
+  sd_status status = sd_model_finish(d->model, d->messages);
+  if (status != SD_OK) return status;
+  deck_echo_files(d);
+  d->model->deck_full = deck_echo(d);
+  return SD_OK;
+}
+
+static sd_status load(deck *d, const char *text, size_t n_overrides, const char *const *overrides) {
+  deck_text scanned = deck_scan(d, text, (deck_place){d->path, 1}, false);
+  if (!scanned.broken) d->root = deck_parse(d, &scanned);
+  if (!d->root) return SD_ERROR_USER;
+  for (size_t k = 0; k < n_overrides; k++) deck_override(d, overrides[k]);
+  d->model = sd_model_new();
+  if (!d->model) longjmp(d->out_of_memory, 1);
+  d->model->deck_path = deck_keep_text(d, d->path);
+  d->model->deck_text = deck_keep_text(d, scanned.raw ? scanned.raw : text);
+  d->model->deck_overrides = join_overrides(d, n_overrides, overrides);
+  read_all(d);
+  return finish(d);
+}
+
+sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides, const char *const *overrides,
+                            sd_model **out, sd_messages *messages) {
+  *out = NULL;
+  deck *d = calloc(1, sizeof *d);
+  if (!d) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  d->path = path;
+  d->messages = messages;
+  sd_status status;
+  if (setjmp(d->out_of_memory) == 0)
+    status = load(d, text, n_overrides, overrides);
+  else
+    status = sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  deck_report_rest(d);
+  if (status == SD_OK)
+    *out = d->model;
+  else
+    sd_model_free(d->model);
+  deck_parse_free(d);
+  deck_memory_free(d);
+  free(d);
+  return status;
+}
+
+/* The whole file; NULL with errno set. */
+static char *read_whole(const char *path, size_t *n) {
+  FILE *in = fopen(path, "rb");
+  char *text = NULL;
+  size_t capacity = 0;
+  *n = 0;
+  if (!in) return NULL;
+  for (size_t got = 1; got > 0; *n += got) {
+    if (*n + 65536 > capacity) {
+      capacity = 2 * capacity + 65537;
+      char *grown = realloc(text, capacity);
+      if (!grown) break;
+      text = grown;
+    }
+    got = fread(text + *n, 1, 65535, in);
+  }
+  int error = ferror(in) ? errno : 0;
+  fclose(in);
+  if (error) {
+    free(text);
+    errno = error;
+    return NULL;
+  }
+  if (text) text[*n] = 0;
+  return text;
+}
+
+sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
+                       sd_messages *messages) {
+  *out = NULL;
+  size_t n;
+  char *text = read_whole(path, &n);
+  if (!text) return sd_fail(messages, SD_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
+  sd_status status;
+  if (strlen(text) != n)
+    status = sd_fail(messages, SD_ERROR_USER, "%s: not a text file (it holds a zero byte)", path);
+  else
+    status = sd_deck_load_text(text, path, n_overrides, overrides, out, messages);
+  free(text);
+  return status;
+}

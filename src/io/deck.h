@@ -1,0 +1,187 @@
+/* deck.h: the inside of the deck reader.
+ *
+ * A deck goes through five hands:
+ *   deck_scan   text -> text that libconfig cannot misread (numbers, comments, repeated keys, includes)
+ *   deck_parse  libconfig's tree -> our own tree of nodes, each knowing its file and line
+ *   deck_override  -D path=value, applied to the tree
+ *   deck_read   typed getters; they follow the key tables of deck_keys and fill defaults into the tree
+ *   deck_echo   the completed tree, printed as a deck again
+ * deck_bodies, deck_rows, deck_motion and deck_phases turn groups of the tree into parts of a model.
+ *
+ * Everything that lives only while a deck is read stands in one arena. When memory runs out, deck_alloc
+ * jumps back to deck.c, which frees the arena and the model; so no caller tests for NULL.
+ */
+#ifndef SLIPDISK_IO_DECK_H
+#define SLIPDISK_IO_DECK_H
+
+#include <setjmp.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "slipdisk/model.h"
+
+/* Where something stands. An override has the file "-D path=value" and line 0. */
+typedef struct deck_place {
+  const char *file;
+  int line;
+} deck_place;
+
+typedef enum deck_type {
+  DECK_GROUP,
+  DECK_LIST, /* libconfig's arrays too: decks make no difference between [ ] and ( ) */
+  DECK_BOOL,
+  DECK_INT,
+  DECK_FLOAT,
+  DECK_STRING
+} deck_type;
+
+struct deck_table;
+
+typedef struct deck_node {
+  const char *name; /* NULL in a list and at the root */
+  deck_type type;
+  bool defaulted; /* put in by a getter, not written by the user */
+  deck_place place;
+  struct deck_node *parent;
+  union {
+    bool flag;
+    int64_t integer;
+    double number;
+    const char *text;
+  } value;
+  size_t n, capacity; /* of a group or a list */
+  struct deck_node **child;
+  const struct deck_table *table; /* group: the keys it may have; set by deck_enter */
+  const char *remark;             /* printed behind the value in the echo */
+} deck_node;
+
+typedef struct deck_name {
+  const char *name;
+  uint32_t index;
+} deck_name;
+
+typedef struct deck_chunk deck_chunk;
+
+typedef struct deck {
+  const char *path;  /* of the deck, as given */
+  sd_messages *messages;
+  size_t reported;   /* errors of this deck so far */
+  deck_chunk *memory;
+  jmp_buf out_of_memory;
+  void *library;     /* libconfig's tree while it is alive; see deck_parse.c */
+  deck_node *root;
+  sd_model *model;
+
+  /* one entry per disk of the model */
+  deck_place *disk_place;
+  size_t disk_capacity;
+  deck_name *disk_names; /* sorted by name */
+  size_t n_disk_names;
+  struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
+  unsigned char *held;   /* bit k: coordinate k is prescribed by a motion */
+
+  /* which entry of `motions` a motion of the model came from */
+  size_t *motion_entry;
+  size_t motion_capacity;
+} deck;
+
+/* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
+
+void *deck_alloc(deck *d, size_t n, size_t size);        /* zeroed, from the arena */
+char *deck_copy(deck *d, const char *text, size_t n);    /* n bytes and a final zero, from the arena */
+char *deck_format(deck *d, const char *format, ...) SD_PRINTF(2, 3);
+void *deck_keep(deck *d, size_t n, size_t size);         /* zeroed, from malloc: for the model */
+void *deck_grow(deck *d, void *old, size_t n, size_t size); /* realloc for the model */
+char *deck_keep_text(deck *d, const char *text);         /* for the model; NULL stays NULL */
+void deck_memory_free(deck *d);
+
+deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place);
+deck_node *deck_child(const deck_node *group, const char *name); /* NULL: not there */
+void deck_remove(deck_node *parent, const deck_node *child);
+const char *deck_node_path(deck *d, const deck_node *node);
+const char *deck_node_value(deck *d, const deck_node *node); /* short form for messages */
+/* The shortest decimal form that reads back as the same double, always with a point or an exponent. */
+const char *deck_number_text(double x, char text[32]);
+
+/* One error: "file:line: path = value: ...". */
+void deck_fail(deck *d, const deck_node *node, const char *format, ...) SD_PRINTF(3, 4);
+/* One error about a key of a group, there or missing: "file:line: path: ...". */
+void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) SD_PRINTF(4, 5);
+void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRINTF(3, 4);
+/* How many errors were counted and not shown. */
+void deck_report_rest(deck *d);
+
+/* --- deck_scan.c -------------------------------------------------------------------------------------- */
+
+typedef struct deck_text {
+  char *raw;            /* as read, included files put in place; NULL unless there are any */
+  char *clean;          /* for libconfig */
+  size_t n_lines;
+  deck_place *line;     /* [n_lines]: where line k+1 of clean comes from */
+  bool broken;          /* not worth parsing */
+} deck_text;
+
+/* Goes through the text and reports what libconfig would pass over or misread. override: text is that of
+ * a -D value, and messages carry place as it is. */
+deck_text deck_scan(deck *d, const char *text, deck_place place, bool override);
+/* The whole of a text file, in the arena; NULL (and a message naming place) when it cannot be read. */
+char *deck_read_file(deck *d, const char *path, deck_place place, const char *what);
+/* A path that the deck names, relative to the folder of file. */
+char *deck_resolve(deck *d, const char *file, const char *path);
+
+/* --- deck_parse.c ------------------------------------------------------------------------------------- */
+
+/* libconfig's view of a scanned text, as nodes; NULL when it is not a deck (reported). */
+deck_node *deck_parse(deck *d, const deck_text *text);
+void deck_parse_free(deck *d);
+
+/* --- deck_override.c ---------------------------------------------------------------------------------- */
+
+void deck_override(deck *d, const char *argument);
+
+/* --- deck_echo.c -------------------------------------------------------------------------------------- */
+
+/* The completed tree as a deck; from malloc. */
+char *deck_echo(deck *d);
+
+/* --- model parts --------------------------------------------------------------------------------------- */
+
+void deck_read_materials(deck *d);
+void deck_check_laws(deck *d); /* call when motions are read */
+void deck_read_disks(deck *d);
+void deck_echo_files(deck *d); /* short disk files turn into rows of the echoed deck */
+void deck_read_walls(deck *d);
+void deck_read_forces(deck *d);
+void deck_read_locks(deck *d);
+void deck_read_motions(deck *d);
+void deck_read_phases(deck *d);
+void deck_read_measure(deck *d);
+void deck_check_overlaps(deck *d);
+
+/* Number of the material of that name, -1 (reported at node) when there is none. */
+int deck_material(deck *d, const deck_node *node, const char *name);
+
+/* Nothing that pushes moves this disk: fixed, or every coordinate locked or prescribed. */
+bool deck_is_driven(const deck *d, size_t disk);
+
+/* Body numbers named by the keys disk, group and wall of a group of the deck; reports what it does not find.
+ * shared: a group was named. The list stands in the arena. */
+typedef struct deck_bodies {
+  size_t n, capacity;
+  uint32_t *body;
+  bool shared;
+  int group;   /* the group, when exactly one was named and nothing else; else -1 */
+  bool given;  /* any of the keys is there */
+} deck_bodies;
+
+struct deck_group;
+deck_bodies deck_select(deck *d, struct deck_group *g, bool walls);
+/* The body that a name or number stands for: a disk, or a wall where walls are allowed. False: reported. */
+bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body);
+/* Sorts the names of the disks and reports those given twice; before the first look-up. */
+void deck_index_names(deck *d);
+/* Bit k: coordinate k is named by the key `coordinate` or the like. */
+unsigned deck_coordinates(deck *d, struct deck_group *g, const char *key);
+
+#endif

@@ -1,0 +1,136 @@
+/* deck_override.c: -D path=value. See deck.h.
+ *
+ * The path is that of the messages: gravity.tilt, motions[0].amplitude; also motions.[0].amplitude as
+ * libconfig writes it, and motions.left_x.amplitude for the entry whose name is left_x;
+ * motions[*].amplitude for all entries. Groups on the way
+ * that are not there yet are made: the check of unknown keys finds the wrong ones later.
+ */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+
+#include "io/deck.h"
+#include "io/deck_keys.h"
+
+/* Of these only one may be given: setting one takes the others away. */
+static const char *const alternatives[][2] = {{"steps", "time"}, {"frequency", "omega"}, {"mass", "density"}};
+
+static bool same_word(const char *word, size_t n, const char *text) { return strlen(text) == n && !memcmp(word, text, n); }
+
+/* The value as a deck would read it, else as a text: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. */
+static deck_node *value_of(deck *d, const char *text, deck_place place) {
+  while (isspace((unsigned char)*text)) text++;
+  bool word = !strchr("([{\"", *text) || !*text;
+  sd_messages *all = d->messages, *mine = sd_messages_new();
+  size_t reported = d->reported;
+  d->messages = mine;
+  deck_text scanned = deck_scan(d, deck_format(d, "value = %s;", text), place, true);
+  bool bad_number = d->reported > reported && !scanned.broken;
+  deck_node *root = scanned.broken || bad_number ? NULL : deck_parse(d, &scanned);
+  bool one = root && root->n == 1;
+  d->messages = all;
+  if (!one && !bad_number && word) {
+    d->reported = reported;
+    sd_messages_free(mine);
+    deck_node *node = deck_node_new(d, NULL, NULL, DECK_STRING, place);
+    node->value.text = deck_copy(d, text, strlen(text));
+    return node;
+  }
+  sd_messages_free(mine);
+  if (one) return root->child[0];
+  d->reported = reported;
+  char *end;
+  strtod(text, &end);
+  bool number = end != text && !*end;
+  deck_fail_place(d, place, number ? "the number is out of range" : "the value cannot be read");
+  return NULL;
+}
+
+static deck_node *element(deck *d, deck_node *list, const char *word, size_t n, deck_place place) {
+  for (size_t k = 0; k < list->n; k++) {
+    const deck_node *name = deck_child(list->child[k], "name");
+    if (name && name->type == DECK_STRING && same_word(word, n, name->value.text)) return list->child[k];
+  }
+  deck_guess guess = deck_guess_start(deck_copy(d, word, n));
+  for (size_t k = 0; k < list->n; k++) {
+    const deck_node *name = deck_child(list->child[k], "name");
+    if (name && name->type == DECK_STRING) deck_guess_add(&guess, name->value.text);
+  }
+  deck_fail_place(d, place, "%s has no entry named \"%s\"%s%s%s", deck_node_path(d, list), guess.word,
+                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "", guess.best ? "\"?" : "");
+  return NULL;
+}
+
+/* One step of the path, "[3]" or "name"; *p goes behind it. NULL: reported. make: a key may be new. */
+static deck_node *step(deck *d, deck_node *at, const char **p, deck_place place) {
+  if (**p == '.') ++*p;
+  if (**p == '[') {
+    char *end;
+    unsigned long k = strtoul(*p + 1, &end, 10);
+    if (end == *p + 1 || *end != ']' || !isdigit((unsigned char)(*p)[1])) {
+      deck_fail_place(d, place, "expected a number in [ ]");
+      return NULL;
+    }
+    *p = end + 1;
+    if (at->type == DECK_LIST && k < at->n) return at->child[k];
+    deck_fail_place(d, place, "%s has %s", *deck_node_path(d, at) ? deck_node_path(d, at) : "the deck",
+                    at->type != DECK_LIST ? "no entries [ ]" : deck_format(d, "entries [0] to [%zd] only", (ssize_t)at->n - 1));
+    return NULL;
+  }
+  size_t n = strcspn(*p, ".[");
+  const char *word = *p;
+  *p += n;
+  if (n == 0 || (at->type != DECK_GROUP && at->type != DECK_LIST)) {
+    deck_fail_place(d, place, n == 0 ? "expected path=value, such as gravity.tilt=0.1" : "%s is a value and has no keys",
+                    deck_node_path(d, at));
+    return NULL;
+  }
+  if (at->type == DECK_LIST) return element(d, at, word, n, place);
+  deck_node *child = deck_child(at, deck_copy(d, word, n));
+  return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place);
+}
+
+/* The value and its children come from the command line, wherever the node stands. */
+static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place place) {
+  to->type = from->type;
+  to->value = from->value;
+  to->place = place;
+  to->n = to->capacity = 0;
+  for (size_t k = 0; k < from->n; k++) {
+    const deck_node *child = from->child[k];
+    adopt(d, deck_node_new(d, to, child->name, child->type, place), child, place);
+  }
+}
+
+static void set(deck *d, deck_node *at, const char *p, const deck_node *value, deck_place place) {
+  while (*p) {
+    if (strncmp(p, "[*]", 3) == 0 || strncmp(p, ".[*]", 4) == 0) {
+      if (at->type != DECK_LIST) deck_fail_place(d, place, "%s is no list", deck_node_path(d, at));
+      for (size_t k = 0; at->type == DECK_LIST && k < at->n; k++) set(d, at->child[k], strchr(p, ']') + 1, value, place);
+      return;
+    }
+    at = step(d, at, &p, place);
+    if (!at) return;
+    if (*p && !strchr(".[", *p)) {
+      deck_fail_place(d, place, "expected . or [ after ] in the path");
+      return;
+    }
+  }
+  for (size_t k = 0; at->name && k < sizeof alternatives / sizeof *alternatives; k++)
+    for (int side = 0; side < 2; side++)
+      if (strcmp(at->name, alternatives[k][side]) == 0)
+        deck_remove(at->parent, deck_child(at->parent, alternatives[k][1 - side]));
+  adopt(d, at, value, place);
+}
+
+void deck_override(deck *d, const char *argument) {
+  deck_place place = {deck_format(d, "-D %s", argument), 0};
+  const char *equals = strchr(argument, '=');
+  if (!equals || equals == argument) {
+    deck_fail_place(d, place, "expected path=value, such as gravity.tilt=0.1");
+    return;
+  }
+  const deck_node *value = value_of(d, equals + 1, place);
+  if (value) set(d, d->root, deck_copy(d, argument, (size_t)(equals - argument)), value, place);
+}

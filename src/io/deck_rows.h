@@ -1,0 +1,33 @@
+/* deck_rows.h: disks in columns: rows of the deck, a CSV file or an HDF5 dataset. See deck_rows.c. */
+#ifndef SLIPDISK_IO_DECK_ROWS_H
+#define SLIPDISK_IO_DECK_ROWS_H
+
+#include "io/deck_read.h"
+
+/* What a column can hold: first numbers, then texts. */
+enum {
+  COLUMN_X, COLUMN_Y, COLUMN_THETA, COLUMN_VX, COLUMN_VY, COLUMN_OMEGA, COLUMN_RADIUS, COLUMN_MASS, COLUMN_DENSITY,
+  COLUMN_INERTIA, COLUMN_FIXED, COLUMN_NUMBERS,
+  COLUMN_NAME = COLUMN_NUMBERS, COLUMN_MATERIAL, COLUMN_GROUP, COLUMN_KINDS
+};
+extern const char *const deck_column_names[COLUMN_KINDS];
+int deck_column(const char *name); /* -1: none */
+
+typedef struct deck_columns {
+  size_t n_columns, n_rows, capacity;
+  int column[COLUMN_KINDS];
+  const char *source[COLUMN_KINDS]; /* name in the file */
+  double *number;    /* [n_rows * n_columns], NAN where a text stands */
+  const char **text; /* the same, NULL where a number stands; NULL when there is no text column */
+  deck_place *place; /* [n_rows] */
+} deck_columns;
+
+/* The key `columns` of a group of disk_rows or disk_files. */
+void deck_columns_read(deck_group *g, deck_columns *table);
+void deck_columns_from_rows(deck_group *g, deck_columns *table);
+void deck_columns_from_file(deck_group *g, deck_columns *table);
+
+/* Two columns of numbers of a CSV file, by name (for tables of motions); 0 rows: reported. */
+size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b);
+
+#endif
