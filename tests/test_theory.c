@@ -158,6 +158,16 @@ static void async_small_tilt_slope(void **unused) {
       assert_int_equal(sd_sliding_limit(&d, &drive, &limit, NULL), SD_OK);
       near(limit, sd_async_limit(&d, drive.waveform, 0.04, w_b), 1e-12, "limit, opposite phases");
     }
+  for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++)
+    for (double tilt = 0.05; tilt < 0.3; tilt += 0.1) {
+      double below, above;
+      sd_three_disk d = paper(tilt);
+      sd_drive drive = turning((sd_waveform)shape, 0.04, sd_reversal_phase(&d) - 1e-4);
+      assert_int_equal(sd_sliding_limit(&d, &drive, &below, NULL), SD_OK);
+      drive.phase[1] += 2e-4;
+      assert_int_equal(sd_sliding_limit(&d, &drive, &above, NULL), SD_OK);
+      assert_true(below > 0 && above < 0);
+    }
   sd_three_disk d = paper(0.04 * M_PI);
   near(sd_async_first_order(&d, 0.04, w_b) / (0.04 * w_b), -0.0500, 5e-5, "(35) at 0.04 pi");
 }

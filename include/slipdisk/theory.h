@@ -67,6 +67,10 @@ SD_API double sd_async_first_order(const sd_three_disk *disk, double amplitude, 
 /* Opposite phases, any tilt, Theta_b -> infinity. */
 SD_API double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double amplitude, double omega);
 
+/* Phase between equal supports at which the sense of rotation turns over, Theta_b -> infinity:
+ * pi (sin^2 theta_h - mu^2 cos^2 theta_h), whatever the waveform and the tilt. */
+SD_API double sd_reversal_phase(const sd_three_disk *disk);
+
 /* --- the periodic state for any phase, either waveform ----------------------------------------------- */
 
 /* theta_i(t) = amplitude_i f(omega t + phase_i), f = sin (20) or its parabolas (21). */

@@ -62,7 +62,8 @@ blocking blocking_error(const double *x, size_t n) {
   double base = chosen;
   for (; result.plateau && n / b >= FEWEST_FALLING; b = larger(b)) {
     double error = error_of_blocks(x, n, b, room);
-    if (error >= base * (1 - 3 / sqrt(2 * (double)(n / b)))) continue;
+    size_t blocks = n / b;
+    if (error >= base * (1 - 3 / sqrt(2 * (double)blocks))) continue;
     chosen = error;
     chosen_b = b;
   }

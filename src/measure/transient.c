@@ -43,7 +43,8 @@ static bool naive(const double *x, size_t batch, size_t m, size_t last, double *
 }
 
 transient transient_of(const double *x, size_t n) {
-  size_t batch = (size_t)fmax(SMALLEST, fmin((double)(n / FEWEST_BATCHES), sqrt((double)n)));
+  size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
+  if (batch < SMALLEST) batch = SMALLEST;
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch; /* whole batches up to the end */
   if (m < 4) return (transient){.inside = true};
 

@@ -61,3 +61,10 @@ double sd_async_limit(const sd_three_disk *disk, sd_waveform waveform, double am
   double x = mixed / (2 * torque + fabs(mixed));
   return amplitude * omega * (waveform == SD_SINE ? sin(M_PI / 2 * x) : 4 / M_PI * x);
 }
+
+/* Without rotation supports that are a phase psi apart spend (1 - psi/pi)/2 of the period in each of S++, S--
+ * and psi/(2 pi) in each of S+-, S-+; psi is where the torques cancel. */
+double sd_reversal_phase(const sd_three_disk *disk) {
+  double c = cos(disk->half_aperture), s = sin(disk->half_aperture), mu = disk->mu;
+  return M_PI * (s - mu * c) * (s + mu * c);
+}
