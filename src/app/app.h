@@ -1,0 +1,58 @@
+/* app.h: the subcommands of the program, and what they share. This floor prints and decides the exit status;
+ * nothing below it does. */
+#ifndef SLIPDISK_APP_APP_H
+#define SLIPDISK_APP_APP_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "io/provenance.h"
+#include "io/summary.h"
+#include "slipdisk/model.h"
+
+/* Each takes the arguments from the name of the subcommand on, and returns the exit status. */
+int app_run(int argc, char **argv);
+int app_resume(int argc, char **argv);
+int app_check(int argc, char **argv);
+int app_info(int argc, char **argv);
+
+/* --- drive.c: a run, from a model to the exit status ------------------------------------------------ */
+typedef struct drive_options {
+  const char *result;
+  const char *again; /* command line that continues the run, without the program's name */
+  const char *log;   /* file for progress lines, or NULL */
+  int threads;
+  bool force, quiet;
+} drive_options;
+
+/* messages: of the loader, printed first. Takes neither over. */
+int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
+
+/* --- report.c --------------------------------------------------------------------------------------- */
+/* What has been measured, as tables. */
+void report_summary(FILE *out, const summary *found);
+/* One line on the cost: steps, wall time, ns per step. */
+void report_cost(FILE *out, const summary *found, const provenance *origin);
+/* "1:02:03"; written into text[size]. */
+const char *report_duration(double seconds, char *text, size_t size);
+
+/* --- place.c: from a name on the command line to what is on disk ------------------------------------- */
+typedef struct place {
+  char *result;     /* path of the finished file, whether it exists or not */
+  char *folder;     /* result.parts */
+  char *checkpoint; /* a checkpoint that was named itself, else NULL */
+} place;
+
+/* name: a result, its folder of parts, or a checkpoint in it. place_free also when it fails. */
+sd_status place_find(place *p, const char *name, sd_messages *messages);
+void place_free(place *p);
+/* Opens the newest checkpoint that is not damaged; no lock is needed. */
+sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
+
+/* --- arguments -------------------------------------------------------------------------------------- */
+/* A whole number from text; false when it is none or out of range. */
+bool app_number(const char *text, long least, long most, long *out);
+/* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
+int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
+
+#endif

@@ -1,0 +1,183 @@
+/* drive.c: a run as the user sees it: signals, progress, the final tables, the exit status. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "app/app.h"
+#include "io/file.h"
+#include "run/session.h"
+
+/* --- signals -------------------------------------------------------------------------------------- */
+
+static volatile sig_atomic_t stop_asked;
+
+static void ask_stop(int number) { stop_asked = number; }
+
+static void catch_signals(void) {
+  struct sigaction action = {.sa_handler = ask_stop, .sa_flags = SA_RESTART};
+  sigemptyset(&action.sa_mask);
+  const int stops[] = {SIGINT, SIGTERM, SIGUSR1};
+  for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) sigaction(stops[k], &action, NULL);
+  /* a closed terminal stops a run like Ctrl-C, but not under nohup */
+  struct sigaction before;
+  if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, NULL);
+  /* a file-size limit and a reader that went away are errors of a write, not the end of the process */
+  struct sigaction ignore = {.sa_handler = SIG_IGN};
+  sigemptyset(&ignore.sa_mask);
+  sigaction(SIGXFSZ, &ignore, NULL);
+  sigaction(SIGPIPE, &ignore, NULL);
+}
+
+/* --- progress ------------------------------------------------------------------------------------- */
+
+typedef struct teller {
+  FILE *screen; /* NULL: quiet */
+  bool terminal, line_open;
+  FILE *log;
+  double told_at; /* plain lines */
+} teller;
+
+static const double PLAIN_SECONDS = 30;
+
+static double clock_now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void describe(const session_progress *p, char *text, size_t size) {
+  char left[40], rate[40] = "-";
+  if (p->rate >= 1e6)
+    snprintf(rate, sizeof rate, "%.3gM", p->rate * 1e-6);
+  else if (p->rate >= 1e3)
+    snprintf(rate, sizeof rate, "%.3gk", p->rate * 1e-3);
+  else if (p->rate > 0)
+    snprintf(rate, sizeof rate, "%.3g", p->rate);
+  snprintf(text, size,
+           "%s%sstep %" PRId64 "/%" PRId64 "  time %.6g  %.1f %%  %s steps/s  ETA %s  residual %.1e",
+           p->phase, *p->phase ? ": " : "", p->step, p->steps, p->time,
+           100.0 * (double)p->step / (double)(p->steps > 0 ? p->steps : 1), rate,
+           report_duration(p->seconds_left, left, sizeof left), p->energy->residual);
+}
+
+static void show_line(teller *t, const char *text) {
+  struct winsize window;
+  int width = 100;
+  if (ioctl(fileno(t->screen), TIOCGWINSZ, &window) == 0 && window.ws_col > 0) width = window.ws_col - 1;
+  fprintf(t->screen, "\r\033[K%.*s", width, text);
+  fflush(t->screen);
+  t->line_open = true;
+}
+
+static void end_line(teller *t) {
+  if (t->line_open) fputc('\n', t->screen);
+  t->line_open = false;
+}
+
+static void show(void *user, const session_progress *p) {
+  teller *t = user;
+  char text[400];
+  describe(p, text, sizeof text);
+  if (t->screen && t->terminal) show_line(t, text);
+  double now = clock_now();
+  if (!p->new_phase && p->step < p->steps && now - t->told_at < PLAIN_SECONDS) return;
+  t->told_at = now;
+  if (t->screen && !t->terminal) fprintf(t->screen, "%s\n", text);
+  if (t->log) {
+    fprintf(t->log, "%s\n", text);
+    fflush(t->log);
+  }
+}
+
+/* --- run ------------------------------------------------------------------------------------------ */
+
+/* Errors go to the screen even with --quiet. */
+static void tell_messages(teller *t, const sd_messages *messages) {
+  if (sd_messages_count(messages) == 0) return;
+  if (t->screen) end_line(t);
+  if (t->screen || sd_messages_errors(messages) > 0) sd_messages_print(messages, stderr);
+  if (t->log) sd_messages_print(messages, t->log);
+}
+
+static void tell_result(FILE *out, const session *s, const char *result) {
+  const summary *found = session_summary(s);
+  if (!found) return;
+  report_summary(out, found);
+  report_cost(out, found, session_provenance(s));
+  fprintf(out, "result: %s (%.3g MB)\n", result, (double)file_size(result) / 1e6);
+}
+
+static void tell_stop(teller *t, const drive_options *options, const session *s) {
+  if (!t->screen) return;
+  end_line(t);
+  const summary *found = session_summary(s);
+  if (found)
+    fprintf(t->screen, "stopped at step %" PRId64 " of %" PRId64 " (%.1f %%), everything is saved\n",
+            found->step, found->steps,
+            100.0 * (double)found->step / (double)(found->steps > 0 ? found->steps : 1));
+  else
+    fprintf(t->screen, "stopped, everything is saved\n");
+  fprintf(t->screen, "continue with: slipdisk %s\n", options->again);
+}
+
+static void tell_start(teller *t, const drive_options *options, const session *s) {
+  FILE *outs[2] = {t->screen, t->log};
+  for (int k = 0; k < 2; k++) {
+    if (!outs[k]) continue;
+    if (session_was_finished(s))
+      fprintf(outs[k], "%s is finished already\n", options->result);
+    else if (session_began(s) > 0)
+      fprintf(outs[k], "continuing %s from step %" PRId64 "\n", options->result, session_began(s));
+    else
+      fprintf(outs[k], "writing %s\n", options->result);
+    fflush(outs[k]);
+  }
+}
+
+static int run_session(const sd_model *model, const drive_options *options, teller *t,
+                       sd_messages *messages) {
+  session_options how = {.result = options->result,
+                         .threads = options->threads,
+                         .force = options->force,
+                         .stop = &stop_asked,
+                         .progress = show,
+                         .user = t};
+  session *s;
+  sd_status status = session_open(model, &how, &s, messages);
+  tell_messages(t, messages);
+  if (status != SD_OK) return status;
+  tell_start(t, options, s);
+  sd_messages *later = sd_messages_new();
+  status = session_run(s, later);
+  tell_messages(t, later);
+  sd_messages_free(later);
+  if (status == SD_INTERRUPTED) tell_stop(t, options, s);
+  if (status == SD_OK && t->screen) {
+    end_line(t);
+    tell_result(stdout, s, options->result);
+  }
+  if (status == SD_OK && t->log) tell_result(t->log, s, options->result);
+  session_close(s);
+  return status;
+}
+
+int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
+  catch_signals();
+  teller t = {
+      .screen = options->quiet ? NULL : stderr, .terminal = isatty(STDERR_FILENO), .told_at = clock_now()};
+  if (options->log && !(t.log = fopen(options->log, "a"))) {
+    fprintf(stderr, "error: cannot write %s: %s\n", options->log, strerror(errno));
+    return SD_ERROR_IO;
+  }
+  int status = run_session(model, options, &t, messages);
+  if (t.log) fclose(t.log);
+  return status;
+}

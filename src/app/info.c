@@ -1,0 +1,213 @@
+/* info.c: slipdisk info FILE: what a run has found. Only attributes and small datasets are read, so the size
+ * of the file does not matter. */
+#include <getopt.h>
+#include <inttypes.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/checkpoint.h"
+#include "io/file.h"
+#include "io/folder.h"
+#include "io/series.h"
+
+/* All that is told. */
+typedef struct facts {
+  char *path; /* of the file that was read */
+  bool finished;
+  int64_t parts; /* of an unfinished run, else -1 */
+  uint64_t bytes;
+  provenance origin;
+  summary found;
+  json_t *datasets; /* array of {path, type, shape} */
+} facts;
+
+static void facts_free(facts *f) {
+  free(f->path);
+  provenance_free(&f->origin);
+  summary_free(&f->found);
+  json_decref(f->datasets);
+  *f = (facts){0};
+}
+
+static void add_dataset(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
+  static const char *const names[] = {
+      [SD_F64] = "float64", [SD_I64] = "int64", [SD_I32] = "int32", [SD_U32] = "uint32"};
+  json_t *shape = json_array();
+  for (int k = 0; k < rank && k < H5_MAX_RANK; k++)
+    json_array_append_new(shape, json_integer((json_int_t)dims[k]));
+  json_array_append_new(
+      user, json_pack("{s:s, s:s, s:o}", "path", path, "type", text ? "text" : names[type], "shape", shape));
+}
+
+/* A finished file when there is one, unless something of an unfinished run was named. */
+static sd_status read_facts(facts *f, const place *p, bool named_parts, sd_messages *messages) {
+  h5_file *file = NULL;
+  f->finished = file_exists(p->result) && !named_parts && !p->checkpoint;
+  f->datasets = json_array();
+  sd_status status;
+  if (f->finished) {
+    f->path = file_path("%s", p->result);
+    status = h5_open(p->result, &file, messages);
+  } else {
+    status = place_open_checkpoint(p, &file, &f->path, messages);
+  }
+  if (status == SD_OK) status = summary_read(&f->found, file, messages);
+  if (status == SD_OK) status = provenance_read(&f->origin, file, messages);
+  if (status == SD_OK) status = h5_visit(file, add_dataset, f->datasets, messages);
+  if (status == SD_OK) {
+    f->parts = f->finished ? -1 : checkpoint_get_parts(file);
+    f->bytes = file_size(f->path);
+  }
+  h5_close(file, NULL);
+  return status;
+}
+
+/* --- for people ----------------------------------------------------------------------------------- */
+
+static void print_text(const facts *f, const place *p) {
+  const summary *s = &f->found;
+  printf("%s: %s", f->path, *f->origin.title ? f->origin.title : "(no title)");
+  if (f->finished)
+    printf(", finished\n");
+  else
+    printf(", NOT finished: step %" PRId64 " of %" PRId64 " (%.1f %%)%s%s, %" PRId64 " parts\n", s->step,
+           s->steps, 100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
+           *s->phase_name ? " in phase " : "", s->phase_name, f->parts);
+  if (f->finished && file_is_folder(p->folder))
+    printf("a newer run of it is not finished: slipdisk info %s\n", p->folder);
+  printf("%" PRId64 " disks, %" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n",
+         s->disks, s->walls, s->contacts, s->dt, (double)s->measured * s->dt, (double)s->step * s->dt);
+  report_summary(stdout, s);
+  report_cost(stdout, s, &f->origin);
+  printf("\nprovenance\n");
+  for (size_t k = 0; k < provenance_text_count; k++)
+    printf("  %-12s %s\n", provenance_texts[k].name, provenance_get(&f->origin, k));
+  printf("  %-12s %" PRId64 "\n  %-12s %" PRId64 "\n", "seed", f->origin.seed, "sessions",
+         f->origin.sessions);
+  for (char *line = f->origin.deck_overrides; line && *line;) {
+    int length = (int)strcspn(line, "\n");
+    printf("  %-12s %.*s\n", "override", length, line);
+    line += length + (line[length] == '\n');
+  }
+  printf("\ndatasets (%.3g MB)\n", (double)f->bytes / 1e6);
+  size_t index;
+  json_t *set;
+  json_array_foreach(f->datasets, index, set) {
+    const char *path = json_string_value(json_object_get(set, "path"));
+    if (strncmp(path, "/state/", 7) == 0) continue;
+    printf("  %-46s %-8s", path, json_string_value(json_object_get(set, "type")));
+    const json_t *shape = json_object_get(set, "shape");
+    for (size_t k = 0; k < json_array_size(shape); k++)
+      printf("%s%" JSON_INTEGER_FORMAT, k ? " x " : " ", json_integer_value(json_array_get(shape, k)));
+    putchar('\n');
+  }
+}
+
+/* --- for programs --------------------------------------------------------------------------------- */
+
+/* JSON has no NaN: what is not known is null. */
+static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *rotation_json(const summary *s) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < s->n_rotations; k++) {
+    const sd_rotation *r = &s->rotations[k];
+    json_array_append_new(list, json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "disk",
+                                          (int)r->disk, "name", s->rotation_names[k], "omega", real(r->omega),
+                                          "error", real(r->error), "scaled", real(r->scaled), "scaled_error",
+                                          real(r->scaled_error), "transient", real(r->transient), "measured",
+                                          real(r->measured), "turned", real(r->turned), "converged",
+                                          (int)r->converged));
+  }
+  return list;
+}
+
+static json_t *slide_json(const summary *s) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < s->n_slides; k++) {
+    const sd_slide *w = &s->slides[k];
+    json_t *contacts = json_array();
+    for (size_t c = 0; c < 2; c++)
+      json_array_append_new(
+          contacts, json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:I}", "partner", (int)w->partner[c],
+                              "name", s->slide_names[3 * k + 1 + c], "positive", real(w->contact_positive[c]),
+                              "negative", real(w->contact_negative[c]), "stuck", real(w->contact_stuck[c]),
+                              "open", real(w->contact_open[c]), "force_min", real(w->force_min[c]),
+                              "openings", (json_int_t)w->openings[c]));
+    json_array_append_new(list, json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "disk",
+                                          (int)w->disk, "name", s->slide_names[3 * k], "S++", real(w->pp),
+                                          "S+-", real(w->pm), "S-+", real(w->mp), "S--", real(w->mm), "stick",
+                                          real(w->stick), "open", real(w->open), "contacts", contacts));
+  }
+  return list;
+}
+
+static json_t *provenance_json(const provenance *p) {
+  json_t *object = json_object();
+  for (size_t k = 0; k < provenance_text_count; k++)
+    json_object_set_new(object, provenance_texts[k].name, json_string_nocheck(provenance_get(p, k)));
+  json_object_set_new(object, "overrides", json_string_nocheck(p->deck_overrides ? p->deck_overrides : ""));
+  json_object_set_new(object, "seed", json_integer(p->seed));
+  json_object_set_new(object, "threads", json_integer(p->threads));
+  json_object_set_new(object, "sessions", json_integer(p->sessions));
+  json_object_set_new(object, "wall_seconds", real(p->wall_seconds));
+  json_object_set_new(object, "step_seconds", real(p->step_seconds));
+  return object;
+}
+
+static int print_json(const facts *f) {
+  const summary *s = &f->found;
+  json_t *energy = json_object();
+  for (size_t k = 0; k < series_energy_count; k++)
+    json_object_set_new(energy, series_energies[k].name, real(series_energy_value(&s->energy, k)));
+  json_t *root = json_pack(
+      "{s:s, s:b, s:I, s:I, s:o, s:o, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:O}",
+      "file", f->path, "finished", (int)f->finished, "step", (json_int_t)s->step, "steps",
+      (json_int_t)s->steps, "time", real((double)s->step * s->dt), "dt", real(s->dt), "phase",
+      (json_int_t)s->phase, "phases", (json_int_t)s->phases, "phase_name", s->phase_name, "measured_steps",
+      (json_int_t)s->measured, "measured", real((double)s->measured * s->dt), "disks", (json_int_t)s->disks,
+      "walls", (json_int_t)s->walls, "contacts", (json_int_t)s->contacts, "step_nanoseconds",
+      real(s->step_nanoseconds), "rotation", rotation_json(s), "sliding", slide_json(s), "energy", energy,
+      "provenance", provenance_json(&f->origin), "datasets", f->datasets);
+  int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : SD_ERROR_IO;
+  putchar('\n');
+  json_decref(root);
+  return status;
+}
+
+/* --- command -------------------------------------------------------------------------------------- */
+
+enum { JSON = 256, DECK };
+
+int app_info(int argc, char **argv) {
+  static const struct option options[] = {
+      {"json", no_argument, NULL, JSON}, {"deck", no_argument, NULL, DECK}, {NULL, 0, NULL, 0}};
+  bool json = false, deck = false;
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+    if (c != JSON && c != DECK) return app_misuse("info", "unknown option %s", argv[optind - 1]);
+    *(c == JSON ? &json : &deck) = true;
+  }
+  if (optind + 1 != argc) return app_misuse("info", "one result is expected");
+  const char *name = argv[optind];
+  place p;
+  facts f = {0};
+  sd_messages *messages = sd_messages_new();
+  int status = place_find(&p, name, messages);
+  bool named_parts = status == SD_OK && file_is_folder(name);
+  if (status == SD_OK) status = read_facts(&f, &p, named_parts, messages);
+  sd_messages_print(messages, stderr);
+  if (status == SD_OK && deck)
+    fputs(f.origin.deck_text, stdout);
+  else if (status == SD_OK && json)
+    status = print_json(&f);
+  else if (status == SD_OK)
+    print_text(&f, &p);
+  facts_free(&f);
+  place_free(&p);
+  sd_messages_free(messages);
+  return status;
+}

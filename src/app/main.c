@@ -1,0 +1,87 @@
+/* main.c: which subcommand. */
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "version.h"
+
+static const char help[] =
+    "slipdisk: frictional disks in two dimensions\n"
+    "\n"
+    "  slipdisk run DECK [-o FILE] [-D path=value]... [--force] [--quiet] [--threads N] [--log FILE]\n"
+    "      Runs a deck. The result is FILE, by default NAME.h5 in the current folder for a deck NAME.cfg.\n"
+    "      A run that was stopped or killed continues from its last checkpoint when the same command is\n"
+    "      given again. A finished result is replaced only with --force.\n"
+    "  slipdisk resume FILE [--quiet] [--threads N] [--log FILE]\n"
+    "      Continues a run from what it has stored; FILE is the result's name, its folder FILE.parts, or a\n"
+    "      checkpoint in it. The deck is not needed.\n"
+    "  slipdisk check DECK [-D path=value]...\n"
+    "      Reads a deck, reports every mistake, prints it with all defaults, and estimates the run time.\n"
+    "  slipdisk info FILE [--json] [--deck]\n"
+    "      What a run has found, finished or not. --json: for programs. --deck: the deck it was run from.\n"
+    "  slipdisk version\n"
+    "  slipdisk help\n"
+    "\n"
+    "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed,\n"
+    "75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1): give the command again to continue.\n";
+
+bool app_number(const char *text, long least, long most, long *out) {
+  char *end;
+  errno = 0;
+  long value = strtol(text, &end, 10);
+  if (errno != 0 || end == text || *end || value < least || value > most) return false;
+  *out = value;
+  return true;
+}
+
+int app_misuse(const char *command, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  fprintf(stderr, "slipdisk %s: ", command);
+  vfprintf(stderr, format, args);
+  fprintf(stderr, "; see slipdisk help\n");
+  va_end(args);
+  return SD_ERROR_USER;
+}
+
+static int app_version(int argc, char **argv) {
+  (void)argc, (void)argv;
+  printf("slipdisk %s (%s), %s\n", SD_VERSION, SD_GIT_REVISION, SD_COMPILER);
+  return 0;
+}
+
+static int app_help(int argc, char **argv) {
+  (void)argc, (void)argv;
+  fputs(help, stdout);
+  return 0;
+}
+
+static const struct command {
+  const char *name;
+  int (*main)(int argc, char **argv);
+} commands[] = {
+    {"run", app_run},           {"resume", app_resume}, {"check", app_check},
+    {"info", app_info},         {"help", app_help},     {"version", app_version},
+    {"--version", app_version}, {"--help", app_help},   {"-h", app_help},
+};
+
+int main(int argc, char **argv) {
+  if (argc < 2) {
+    fputs(help, stderr);
+    return SD_ERROR_USER;
+  }
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+    if (strcmp(argv[1], commands[k].name) == 0) {
+      int status = commands[k].main(argc - 1, argv + 1);
+      /* results may have been printed into a full disk */
+      if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
+        fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
+        status = SD_ERROR_IO;
+      }
+      return status;
+    }
+  fprintf(stderr, "slipdisk: there is no command \"%s\"; see slipdisk help\n", argv[1]);
+  return SD_ERROR_USER;
+}

@@ -1,0 +1,68 @@
+/* place.c: see app.h. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/file.h"
+#include "io/folder.h"
+
+static bool ends_with(const char *text, size_t length, const char *tail) {
+  size_t n = strlen(tail);
+  return length > n && strncmp(text + length - n, tail, n) == 0;
+}
+
+sd_status place_find(place *p, const char *name, sd_messages *messages) {
+  *p = (place){0};
+  size_t length = strlen(name), tail = strlen(".parts");
+  while (length > 1 && name[length - 1] == '/') length--;
+  const char *slash = NULL;
+  for (size_t k = 0; k < length; k++)
+    if (name[k] == '/') slash = name + k;
+  if (ends_with(name, length, ".parts")) {
+    p->result = file_path("%.*s", (int)(length - tail), name);
+  } else if (slash && ends_with(name, (size_t)(slash - name), ".parts")) {
+    p->result = file_path("%.*s", (int)((size_t)(slash - name) - tail), name);
+    p->checkpoint = file_path("%s", name);
+  } else {
+    p->result = file_path("%.*s", (int)length, name);
+  }
+  p->folder = p->result ? file_path("%s.parts", p->result) : NULL;
+  if (!p->folder) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (file_exists(p->result) || file_is_folder(p->folder)) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s", p->result,
+                 p->folder);
+}
+
+void place_free(place *p) {
+  free(p->result);
+  free(p->folder);
+  free(p->checkpoint);
+  *p = (place){0};
+}
+
+sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages) {
+  *out = NULL;
+  *path = NULL;
+  if (p->checkpoint) {
+    *path = file_path("%s", p->checkpoint);
+    return *path ? h5_open_sealed(*path, out, messages) : sd_fail(messages, SD_ERROR_IO, "no memory");
+  }
+  /* A running process may remove a checkpoint between the listing and the opening: look again then. */
+  for (int attempt = 0; attempt < 3; attempt++) {
+    int64_t *steps;
+    size_t n;
+    sd_status status = folder_checkpoints(p->folder, &steps, &n, messages);
+    for (size_t k = 0; status == SD_OK && k < n; k++) {
+      char *candidate = folder_checkpoint(p->folder, steps[k]);
+      if (candidate && h5_open_sealed(candidate, out, NULL) == SD_OK) {
+        *path = candidate;
+        free(steps);
+        return SD_OK;
+      }
+      free(candidate);
+    }
+    free(steps);
+    if (status != SD_OK) return status;
+  }
+  return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
+}

@@ -1,0 +1,98 @@
+/* report.c: what a run has found, for people; see app.h. */
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/series.h"
+
+const char *report_duration(double seconds, char *text, size_t size) {
+  if (!(seconds >= 0) || seconds > 1e9) {
+    snprintf(text, size, "?");
+    return text;
+  }
+  int64_t s = (int64_t)(seconds + 0.5);
+  if (s < 24 * 3600)
+    snprintf(text, size, "%" PRId64 ":%02d:%02d", s / 3600, (int)(s / 60 % 60), (int)(s % 60));
+  else
+    snprintf(text, size, "%" PRId64 "d %02d:%02d:%02d", s / 86400, (int)(s / 3600 % 24), (int)(s / 60 % 60),
+             (int)(s % 60));
+  return text;
+}
+
+/* "-0.0123 +- 0.0004"; "-" for what is not known. */
+static const char *with_error(double value, double error, char *text, size_t size) {
+  if (!isfinite(value))
+    snprintf(text, size, "-");
+  else if (!isfinite(error))
+    snprintf(text, size, "%.6g +- ?", value);
+  else
+    snprintf(text, size, "%.6g +- %.2g", value, error);
+  return text;
+}
+
+/* Beyond this many watched disks a table is no longer read: the file has them all. */
+enum { MOST_ROWS = 24 };
+
+static void report_rotations(FILE *out, const summary *found) {
+  if (found->n_rotations == 0) return;
+  fprintf(out, "\nmean rotation         %-26s %-26s %10s %10s\n", "Omega", "t_g Omega", "transient",
+          "measured");
+  size_t n = found->n_rotations < MOST_ROWS ? found->n_rotations : MOST_ROWS;
+  bool doubtful = false;
+  for (size_t k = 0; k < n; k++) {
+    const sd_rotation *r = &found->rotations[k];
+    char omega[64], scaled[64];
+    fprintf(out, "  %-19.19s %-26s %-26s %10.4g %10.4g%s\n", found->rotation_names[k],
+            with_error(r->omega, r->error, omega, sizeof omega),
+            with_error(r->scaled, r->scaled_error, scaled, sizeof scaled), r->transient, r->measured,
+            r->converged ? "" : " *");
+    doubtful = doubtful || !r->converged;
+  }
+  if (n < found->n_rotations)
+    fprintf(out, "  ... and %zu more, in /summary/rotation\n", found->n_rotations - n);
+  if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
+}
+
+static void report_slides(FILE *out, const summary *found) {
+  if (found->n_slides == 0) return;
+  fprintf(out, "\nsliding configurations  %7s %7s %7s %7s %7s %7s\n", "S++", "S+-", "S-+", "S--", "stick",
+          "open");
+  size_t n = found->n_slides < MOST_ROWS ? found->n_slides : MOST_ROWS;
+  for (size_t k = 0; k < n; k++) {
+    const sd_slide *s = &found->slides[k];
+    fprintf(out, "  %-21.21s %7.4f %7.4f %7.4f %7.4f %7.4f %7.4f\n", found->slide_names[3 * k], s->pp, s->pm,
+            s->mp, s->mm, s->stick, s->open);
+    for (size_t c = 0; c < 2; c++)
+      fprintf(out, "    with %-16.16s smallest normal force %.6g, opened %" PRId64 " times\n",
+              found->slide_names[3 * k + 1 + c], s->force_min[c], s->openings[c]);
+  }
+  if (n < found->n_slides) fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
+}
+
+static void report_energy(FILE *out, const sd_energy *e) {
+  fprintf(out, "\nenergy budget\n");
+  for (size_t k = 0; k < series_energy_count; k++) {
+    if (strcmp(series_energies[k].name, "scale") == 0) continue;
+    fprintf(out, "  %-20s %16.9g", series_energies[k].name, series_energy_value(e, k));
+    if (strcmp(series_energies[k].name, "residual") == 0 && e->scale > 0)
+      fprintf(out, "   (%.2g of |work| + losses)", e->residual / e->scale);
+    fputc('\n', out);
+  }
+}
+
+void report_summary(FILE *out, const summary *found) {
+  report_rotations(out, found);
+  report_slides(out, found);
+  report_energy(out, &found->energy);
+}
+
+void report_cost(FILE *out, const summary *found, const provenance *origin) {
+  char wall[40];
+  fprintf(out,
+          "\n%" PRId64 " of %" PRId64 " steps, time %.9g, wall time %s, %.4g ns per step, %" PRId64
+          " thread%s (%s)\n",
+          found->step, found->steps, (double)found->step * found->dt,
+          report_duration(origin->wall_seconds, wall, sizeof wall), found->step_nanoseconds, origin->threads,
+          origin->threads == 1 ? "" : "s", origin->cpu_path);
+}

@@ -1,0 +1,115 @@
+/* resume.c: slipdisk resume FILE: the deck comes from the checkpoint. */
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "app/app.h"
+#include "io/file.h"
+#include "slipdisk/deck.h"
+
+enum { QUIET = 256, THREADS, LOG };
+
+static int parse(int argc, char **argv, const char **name, drive_options *drive) {
+  static const struct option options[] = {
+      {"quiet", no_argument, NULL, QUIET},
+      {"threads", required_argument, NULL, THREADS},
+      {"log", required_argument, NULL, LOG},
+      {NULL, 0, NULL, 0},
+  };
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+    long n;
+    switch (c) {
+      case QUIET: drive->quiet = true; break;
+      case LOG: drive->log = optarg; break;
+      case THREADS:
+        if (!app_number(optarg, 1, 4096, &n))
+          return app_misuse("resume", "--threads %s is not a number of threads", optarg);
+        drive->threads = (int)n;
+        break;
+      case ':': return app_misuse("resume", "%s needs a value", argv[optind - 1]);
+      default: return app_misuse("resume", "unknown option %s", argv[optind - 1]);
+    }
+  }
+  if (optind + 1 != argc) return app_misuse("resume", "one result is expected");
+  *name = argv[optind];
+  return 0;
+}
+
+/* The deck's path as it was given, or from the folder in which the run was started when that is another. */
+static char *deck_path(const provenance *origin) {
+  char *there = file_path("%s/%s", origin->directory, origin->deck_path);
+  if (there && origin->deck_path[0] && origin->deck_path[0] != '/' && origin->directory[0] &&
+      !file_exists(origin->deck_path) && file_exists(there))
+    return there;
+  free(there);
+  return file_path("%s", origin->deck_path);
+}
+
+/* The lines of the overrides; they point into text, which is cut up. To be freed. */
+static const char **split(char *text, size_t *n) {
+  size_t lines = 1;
+  for (const char *c = text; *c; c++) lines += *c == '\n';
+  const char **list = calloc(lines, sizeof *list);
+  *n = 0;
+  for (char *line = list ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) list[(*n)++] = line;
+  return list;
+}
+
+static sd_status load(const provenance *origin, sd_model **model, sd_messages *messages) {
+  char *path = deck_path(origin), *lines = file_path("%s", origin->deck_overrides);
+  size_t n = 0;
+  const char **overrides = lines ? split(lines, &n) : NULL;
+  sd_status status = path && overrides
+                         ? sd_deck_load_text(origin->deck_text, path, n, overrides, model, messages)
+                         : sd_fail(messages, SD_ERROR_IO, "no memory");
+  free(overrides);
+  free(lines);
+  free(path);
+  return status;
+}
+
+static int resume(const char *name, drive_options *drive, sd_messages *messages) {
+  place p;
+  h5_file *file = NULL;
+  char *checkpoint = NULL, *again = NULL;
+  provenance origin = {0};
+  sd_model *model = NULL;
+  sd_status status = place_find(&p, name, messages);
+  if (status == SD_OK && !file_is_folder(p.folder)) {
+    if (!drive->quiet) fprintf(stderr, "%s is finished already\n", p.result);
+    place_free(&p);
+    return SD_OK;
+  }
+  if (status == SD_OK) status = place_open_checkpoint(&p, &file, &checkpoint, messages);
+  if (status == SD_OK) status = provenance_read(&origin, file, messages);
+  h5_close(file, NULL);
+  if (status == SD_OK) status = load(&origin, &model, messages);
+  if (status == SD_OK && !(again = file_path("resume %s", p.result)))
+    status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (status == SD_OK) {
+    drive->result = p.result;
+    drive->again = again;
+    status = drive_run(model, drive, messages);
+  } else {
+    sd_messages_print(messages, stderr);
+  }
+  sd_model_free(model);
+  provenance_free(&origin);
+  place_free(&p);
+  free(checkpoint);
+  free(again);
+  return status;
+}
+
+int app_resume(int argc, char **argv) {
+  const char *name = NULL;
+  drive_options drive = {0};
+  int status = parse(argc, argv, &name, &drive);
+  if (status != 0) return status;
+  sd_messages *messages = sd_messages_new();
+  status = resume(name, &drive, messages);
+  sd_messages_free(messages);
+  return status;
+}

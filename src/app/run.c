@@ -1,0 +1,86 @@
+/* run.c: slipdisk run DECK. */
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/file.h"
+#include "slipdisk/deck.h"
+
+typedef struct arguments {
+  const char *deck, *output;
+  size_t n_overrides;
+  const char **overrides;
+  drive_options drive;
+} arguments;
+
+enum { FORCE = 256, QUIET, THREADS, LOG };
+
+/* Returns 0, or the exit status of a mistake. */
+static int parse(int argc, char **argv, arguments *a) {
+  static const struct option options[] = {
+      {"output", required_argument, NULL, 'o'},
+      {"define", required_argument, NULL, 'D'},
+      {"force", no_argument, NULL, FORCE},
+      {"quiet", no_argument, NULL, QUIET},
+      {"threads", required_argument, NULL, THREADS},
+      {"log", required_argument, NULL, LOG},
+      {NULL, 0, NULL, 0},
+  };
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, ":o:D:", options, NULL)) != -1;) {
+    long n;
+    switch (c) {
+      case 'o': a->output = optarg; break;
+      case 'D': a->overrides[a->n_overrides++] = optarg; break;
+      case FORCE: a->drive.force = true; break;
+      case QUIET: a->drive.quiet = true; break;
+      case LOG: a->drive.log = optarg; break;
+      case THREADS:
+        if (!app_number(optarg, 1, 4096, &n))
+          return app_misuse("run", "--threads %s is not a number of threads", optarg);
+        a->drive.threads = (int)n;
+        break;
+      case ':': return app_misuse("run", "%s needs a value", argv[optind - 1]);
+      default: return app_misuse("run", "unknown option %s", argv[optind - 1]);
+    }
+  }
+  if (optind >= argc) return app_misuse("run", "no deck is given");
+  if (optind + 1 < argc)
+    return app_misuse("run", "one deck is expected, \"%s\" is a second", argv[optind + 1]);
+  a->deck = argv[optind];
+  return 0;
+}
+
+/* NAME.h5 in the current folder for a deck .../NAME.cfg. */
+static char *default_output(const char *deck) {
+  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
+  size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+  return file_path("%.*s.h5", (int)length, name);
+}
+
+int app_run(int argc, char **argv) {
+  arguments a = {.overrides = calloc((size_t)argc + 1, sizeof *a.overrides)};
+  sd_messages *messages = sd_messages_new();
+  sd_model *model = NULL;
+  char *output = NULL, *again = NULL;
+  int status = a.overrides && messages ? parse(argc, argv, &a) : SD_ERROR_IO;
+  if (status == 0) {
+    output = a.output ? file_path("%s", a.output) : default_output(a.deck);
+    again = output ? file_path("resume %s", output) : NULL;
+    status = sd_deck_load(a.deck, a.n_overrides, a.overrides, &model, messages);
+    if (status != SD_OK) sd_messages_print(messages, stderr);
+  }
+  if (status == 0 && !again) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (status == 0) {
+    a.drive.result = output;
+    a.drive.again = again;
+    status = drive_run(model, &a.drive, messages);
+  }
+  free(output);
+  free(again);
+  free(a.overrides);
+  sd_model_free(model);
+  sd_messages_free(messages);
+  return status;
+}

@@ -1,0 +1,62 @@
+/* deck_diff.c: see deck_diff.h. Lines are taken off while they agree; where they do not, the nearest place at
+ * which they agree again is looked for. Full decks list their keys in a fixed order, so that is enough. */
+#include "run/deck_diff.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+enum { WINDOW = 200, MOST = 20 };
+
+static size_t length_of(const char *line) { return strcspn(line, "\n"); }
+
+static const char *next_of(const char *line) {
+  line += length_of(line);
+  return *line ? line + 1 : line;
+}
+
+static bool same(const char *a, const char *b) {
+  size_t n = length_of(a);
+  return *a && *b && n == length_of(b) && strncmp(a, b, n) == 0;
+}
+
+/* Lines skipped in a and in b until they agree again; the sum is the least. */
+static void resynchronise(const char *a, const char *b, int *skip_a, int *skip_b) {
+  *skip_a = *skip_b = WINDOW;
+  const char *at_a = a;
+  for (int i = 0; i < WINDOW && i < *skip_a + *skip_b && *at_a; i++, at_a = next_of(at_a)) {
+    const char *at_b = b;
+    for (int j = 0; i + j < *skip_a + *skip_b && j < WINDOW && *at_b; j++, at_b = next_of(at_b))
+      if (same(at_a, at_b)) {
+        *skip_a = i;
+        *skip_b = j;
+        break;
+      }
+  }
+}
+
+static const char *tell(const char *line, int count, const char *whose, int *told, sd_messages *messages) {
+  for (int k = 0; k < count && *line; k++, line = next_of(line)) {
+    size_t blank = strspn(line, " \t");
+    if ((*told)++ < MOST)
+      sd_fail(messages, SD_ERROR_USER, "%s: %.*s", whose,
+              (int)(length_of(line) - (blank < length_of(line) ? blank : 0)),
+              line + (blank < length_of(line) ? blank : 0));
+  }
+  return line;
+}
+
+void deck_diff(const char *before, const char *now, sd_messages *messages) {
+  int told = 0;
+  while (*before || *now) {
+    if (same(before, now)) {
+      before = next_of(before);
+      now = next_of(now);
+      continue;
+    }
+    int skip_before, skip_now;
+    resynchronise(before, now, &skip_before, &skip_now);
+    before = tell(before, skip_before, "the unfinished run has", &told, messages);
+    now = tell(now, skip_now, "this deck has         ", &told, messages);
+  }
+  if (told > MOST) sd_fail(messages, SD_ERROR_USER, "... and %d more lines", told - MOST);
+}

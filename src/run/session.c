@@ -1,0 +1,250 @@
+/* session.c: the loop of a run; see session.h. How a session begins is in session_begin.c. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include "run/session.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "io/file.h"
+#include "io/merge.h"
+#include "run/session_private.h"
+
+/* Steps are taken in chunks of about this much wall time, so that signals and progress do not wait. */
+static const double CHUNK_SECONDS = 0.05;
+static const double PROGRESS_SECONDS = 0.2;
+/* Rows beyond this are sealed at once: memory stays bounded whatever the cadence. */
+static const size_t MOST_BYTES = (size_t)64 << 20;
+
+double session_clock(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* --- cadence -------------------------------------------------------------------------------------- */
+
+/* Phase p covers the steps after start up to and including end. */
+typedef struct span {
+  size_t phase;
+  int64_t start, end;
+} span;
+
+/* The phase in which the step after `step` lies; of a finished run the last one. */
+static span span_at(const sd_model *model, int64_t step) {
+  span s = {0, 0, model->phases[0].steps};
+  while (step >= s.end && s.phase + 1 < model->n_phases) {
+    s.phase++;
+    s.start = s.end;
+    s.end += model->phases[s.phase].steps;
+  }
+  return s;
+}
+
+static bool hits(int64_t every, int64_t offset) { return every > 0 && offset % every == 0; }
+
+static unsigned phase_due(const sd_phase *phase, int64_t offset) {
+  return (hits(phase->series_every, offset) ? RECORD_SERIES : 0u) |
+         (hits(phase->frames_every, offset) ? RECORD_FRAMES : 0u) |
+         (hits(phase->contacts_every, offset) ? RECORD_CONTACTS : 0u);
+}
+
+unsigned session_due(const sd_model *model, int64_t step) {
+  /* both ends of a run are always recorded */
+  if (step == 0 || step == sd_model_steps(model)) return RECORD_ALL;
+  span now = span_at(model, step);
+  unsigned due = phase_due(&model->phases[now.phase], step - now.start);
+  /* the last step of a phase is step 0 of the next */
+  if (step == now.start && now.phase > 0) {
+    const sd_phase *before = &model->phases[now.phase - 1];
+    due |= phase_due(before, before->steps);
+  }
+  return due;
+}
+
+static int64_t next_of(int64_t every, int64_t offset, int64_t best) {
+  if (every <= 0) return best;
+  int64_t next = (offset / every + 1) * every;
+  return next < best ? next : best;
+}
+
+int64_t session_next(const sd_model *model, int64_t step) {
+  span now = span_at(model, step);
+  const sd_phase *phase = &model->phases[now.phase];
+  int64_t offset = step - now.start, next = phase->steps;
+  next = next_of(phase->series_every, offset, next);
+  next = next_of(phase->frames_every, offset, next);
+  next = next_of(phase->contacts_every, offset, next);
+  return now.start + next;
+}
+
+/* --- writing -------------------------------------------------------------------------------------- */
+
+static sd_status seal(session *s, sd_messages *messages) {
+  if (record_empty(&s->rows)) return SD_OK;
+  char *path = folder_part(s->parts_folder.path, s->parts + 1);
+  sd_status status = path ? record_seal(&s->rows, path, s->origin.run_id, messages)
+                          : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
+  if (status == SD_OK) s->parts++;
+  free(path);
+  return status;
+}
+
+/* Summary and provenance as of now. */
+static sd_status describe(session *s, const sd_state *state, const sd_energy *energy, sd_messages *messages) {
+  double now = session_clock();
+  s->origin.wall_seconds += now - s->wall_mark;
+  s->wall_mark = now;
+  double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
+  summary_free(&s->found);
+  s->has_found = false;
+  sd_status status = summary_collect(&s->found, s->model, state, energy, per_step, messages);
+  if (status == SD_OK)
+    status = provenance_refresh(&s->origin, sd_simulation_threads(s->simulation),
+                                sd_simulation_path(s->simulation), messages);
+  s->has_found = status == SD_OK;
+  return status;
+}
+
+/* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
+ * checkpoint on disk has its parts. */
+sd_status session_checkpoint(session *s, sd_messages *messages) {
+  const sd_state *state = sd_simulation_state(s->simulation);
+  sd_energy energy = sd_simulation_energy(s->simulation);
+  sd_status status = seal(s, messages);
+  if (status == SD_OK) status = describe(s, state, &energy, messages);
+  char *path = folder_checkpoint(s->parts_folder.path, state->step);
+  if (status == SD_OK && !path) status = sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  if (status == SD_OK) status = checkpoint_write(path, state, s->parts, &s->origin, &s->found, messages);
+  if (status == SD_OK) {
+    s->saved_step = state->step;
+    s->saved_at = session_clock();
+    status = folder_prune(&s->parts_folder, 2, messages);
+  }
+  free(path);
+  return status;
+}
+
+/* The state in which something went wrong, for inspection; the good checkpoints stay. */
+static void keep_emergency(session *s, sd_messages *messages) {
+  const sd_state *state = sd_simulation_state(s->simulation);
+  sd_energy energy = sd_simulation_energy(s->simulation);
+  char *path = folder_emergency(s->parts_folder.path, state->step);
+  sd_status status = path ? describe(s, state, &energy, messages) : SD_ERROR_IO;
+  if (status == SD_OK) status = checkpoint_write(path, state, s->parts, &s->origin, &s->found, messages);
+  if (status == SD_OK)
+    sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64,
+            state->step, path, s->saved_step);
+  free(path);
+}
+
+sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
+  if (what == 0) return SD_OK;
+  const sd_state *state = sd_simulation_state(s->simulation);
+  sd_energy energy = sd_simulation_energy(s->simulation);
+  return record_sample(&s->rows, what, state, &energy, messages);
+}
+
+/* --- loop ----------------------------------------------------------------------------------------- */
+
+static bool stopped(const session *s) { return s->options.stop && *s->options.stop; }
+
+static void report(session *s, bool always) {
+  if (!s->options.progress) return;
+  double now = session_clock(), passed = now - s->told_at;
+  span phase = span_at(s->model, s->step);
+  bool finished = sd_simulation_finished(s->simulation);
+  bool new_phase = !finished && (int64_t)phase.phase != s->told_phase;
+  if (!always && !new_phase && passed < PROGRESS_SECONDS) return;
+
+  /* an average over the last few seconds */
+  if (passed > 0 && s->step > s->told_step) {
+    double rate = (double)(s->step - s->told_step) / passed, weight = passed < 3 ? passed / 3 : 1;
+    s->rate = s->rate > 0 ? s->rate + weight * (rate - s->rate) : rate;
+  }
+  sd_simulation_state(s->simulation);
+  sd_energy energy = sd_simulation_energy(s->simulation);
+  const char *name = s->model->phases[phase.phase].name;
+  session_progress progress = {.step = s->step,
+                               .steps = s->steps,
+                               .time = (double)s->step * s->model->dt,
+                               .phase = !finished && name ? name : "",
+                               .new_phase = new_phase,
+                               .rate = s->rate,
+                               .seconds_left = s->rate > 0 ? (double)(s->steps - s->step) / s->rate : NAN,
+                               .energy = &energy};
+  s->options.progress(s->options.user, &progress);
+  s->told_at = now;
+  s->told_step = s->step;
+  if (!finished) s->told_phase = (int64_t)phase.phase;
+}
+
+/* One chunk; its length follows the speed that was seen. */
+static sd_status advance(session *s, sd_messages *messages) {
+  int64_t n = session_next(s->model, s->step) - s->step;
+  if (n > s->chunk) n = s->chunk;
+  double start = session_clock();
+  sd_status status = sd_simulation_advance(s->simulation, n, messages);
+  double took = session_clock() - start;
+  s->origin.step_seconds += took;
+  if (status != SD_OK) return status;
+  s->step += n;
+  if (took > 2 * CHUNK_SECONDS && s->chunk > 1)
+    s->chunk = s->chunk / 2;
+  else if (took < CHUNK_SECONDS / 2 && n == s->chunk && s->chunk < INT64_MAX / 4)
+    s->chunk *= 2;
+  return SD_OK;
+}
+
+static sd_status run_steps(session *s, sd_messages *messages) {
+  sd_status status = SD_OK;
+  while (status == SD_OK && s->step < s->steps) {
+    if (stopped(s)) {
+      status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
+      return status == SD_OK ? SD_INTERRUPTED : status;
+    }
+    status = advance(s, messages);
+    if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
+    if (status == SD_OK) status = session_sample(s, session_due(s->model, s->step), messages);
+    if (status == SD_OK && record_bytes(&s->rows) > MOST_BYTES) status = seal(s, messages);
+    if (status == SD_OK) report(s, false);
+    if (status == SD_OK && s->step < s->steps &&
+        session_clock() - s->saved_at >= s->model->checkpoint_seconds)
+      status = session_checkpoint(s, messages);
+  }
+  return status;
+}
+
+/* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
+static sd_status finish(session *s, sd_messages *messages) {
+  sd_status status = s->saved_step == s->steps && s->has_found ? SD_OK : session_checkpoint(s, messages);
+  if (status != SD_OK) return status;
+  merge_job job = {.result = s->options.result,
+                   .folder = s->parts_folder.path,
+                   .parts = s->parts,
+                   .layout = &s->rows,
+                   .model = s->model,
+                   .state = sd_simulation_state(s->simulation),
+                   .origin = &s->origin,
+                   .found = &s->found,
+                   .stop = s->options.stop};
+  status = merge_parts(&job, messages);
+  if (status == SD_OK) status = folder_remove(&s->parts_folder, messages);
+  return status;
+}
+
+sd_status session_run(session *s, sd_messages *messages) {
+  if (s->was_finished) return SD_OK;
+  s->told_at = session_clock();
+  report(s, true);
+  sd_status status = run_steps(s, messages);
+  if (status == SD_OK) report(s, true);
+  if (status == SD_OK) status = finish(s, messages);
+  if (status == SD_ERROR_IO && s->saved_step >= 0)
+    sd_fail(messages, SD_ERROR_IO,
+            "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);
+  return status;
+}

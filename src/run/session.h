@@ -1,0 +1,52 @@
+/* session.h: one process's share in a run: from a deck, or from the last checkpoint, to the finished result.
+ *
+ * A run that was stopped or killed continues where its last checkpoint stands; what comes out does not depend
+ * on how often that happened, because rows are taken at steps that the deck fixes, and because sampling,
+ * sealing and checkpoints only read the state. Nothing is printed: progress goes to a function of the caller's.
+ */
+#ifndef SLIPDISK_RUN_SESSION_H
+#define SLIPDISK_RUN_SESSION_H
+
+#include <signal.h>
+
+#include "io/provenance.h"
+#include "io/summary.h"
+#include "slipdisk/simulation.h"
+
+typedef struct session session;
+
+typedef struct session_progress {
+  int64_t step, steps; /* done, of all phases */
+  double time;         /* of the model */
+  const char *phase;   /* name; "" when finished */
+  bool new_phase;      /* first report of this phase */
+  double rate;         /* steps per second of wall time, lately; 0: not known yet */
+  double seconds_left; /* of wall time; NAN: not known */
+  const sd_energy *energy;
+} session_progress;
+
+typedef struct session_options {
+  const char *result; /* path of the file to be made */
+  int threads;        /* 0: chosen from the system's size */
+  bool force;         /* start over, whatever is there; an old result stays until the new one replaces it */
+  const volatile sig_atomic_t *stop; /* may be NULL; when it becomes true the run stops at a checkpoint */
+  void (*progress)(void *user, const session_progress *progress); /* may be NULL; about 5 times a second */
+  void *user;
+} session_options;
+
+/* Finds out what is there, locks it, and gets ready to run. The model must outlive the session.
+ * SD_ERROR_USER: the result is finished already, belongs to another deck (the message lists the lines that
+ * differ), or is being written by another process. */
+sd_status session_open(const sd_model *model, const session_options *options, session **out,
+                       sd_messages *messages);
+/* Runs to the end and merges. SD_INTERRUPTED: stopped at a checkpoint; SD_ERROR_NUMERIC: the state is kept as
+ * emergency-<step>.h5; SD_ERROR_IO: the last checkpoint is still good. In all three a new session continues. */
+sd_status session_run(session *s, sd_messages *messages);
+void session_close(session *s);
+
+int64_t session_began(const session *s);     /* step at which this session began */
+bool session_was_finished(const session *s); /* only left-overs were there: session_run has nothing to do */
+const summary *session_summary(const session *s); /* as of the last checkpoint; NULL before the first */
+const provenance *session_provenance(const session *s);
+
+#endif

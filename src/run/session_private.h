@@ -1,0 +1,37 @@
+/* session_private.h: what session.c and session_begin.c share. */
+#ifndef SLIPDISK_RUN_SESSION_PRIVATE_H
+#define SLIPDISK_RUN_SESSION_PRIVATE_H
+
+#include "io/checkpoint.h"
+#include "io/folder.h"
+#include "io/record.h"
+#include "run/session.h"
+
+struct session {
+  const sd_model *model;
+  session_options options; /* its strings are ours */
+  char *result;
+  sd_simulation *simulation;
+  folder parts_folder; /* lock < 0: not open */
+  record rows;
+  provenance origin;
+  summary found;
+  bool has_found;
+  bool was_finished;
+  bool fresh;                             /* nothing to continue was found */
+  int64_t parts;                          /* sealed */
+  int64_t began, step, steps, saved_step; /* saved_step -1: no checkpoint yet */
+  int64_t chunk;
+  double saved_at, wall_mark;
+  double told_at, rate; /* progress */
+  int64_t told_step, told_phase;
+};
+
+double session_clock(void); /* seconds, monotonic */
+/* What is to be recorded when `step` steps are done, and the next step at which something may be. */
+unsigned session_due(const sd_model *model, int64_t step);
+int64_t session_next(const sd_model *model, int64_t step);
+sd_status session_sample(session *s, unsigned what, sd_messages *messages);
+sd_status session_checkpoint(session *s, sd_messages *messages);
+
+#endif
