@@ -131,6 +131,8 @@ void deck_override(deck *d, const char *argument) {
     deck_fail_place(d, place, "expected path=value, such as gravity.tilt=0.1");
     return;
   }
+  size_t n = (size_t)(equals - argument);
+  while (n && isspace((unsigned char)argument[n - 1])) n--;
   const deck_node *value = value_of(d, equals + 1, place);
-  if (value) set(d, d->root, deck_copy(d, argument, (size_t)(equals - argument)), value, place);
+  if (value) set(d, d->root, deck_copy(d, argument, n), value, place);
 }

@@ -1,0 +1,236 @@
+/* check.c: slipdisk check DECK: is the deck right, what does it say in full, and how long will it run?
+ *
+ * What it prints is a deck again: the full one, followed by the findings as comments.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "app/app.h"
+#include "io/deck_keys.h"
+#include "slipdisk/deck.h"
+#include "slipdisk/simulation.h"
+#include "slipdisk/theory.h"
+
+/* A shorter period than this many steps is not resolved. */
+enum { FEWEST_STEPS = 20 };
+static const double probe_seconds = 0.2;
+
+static const char usage[] =
+    "usage: slipdisk check DECK [-D path=value]... [--brief] [--no-probe]\n"
+    "       slipdisk check --keys\n"
+    "\n"
+    "Checks a deck and prints it in full, with all defaults, and what follows from it: numbers of disks,\n"
+    "walls and contacts, the time step against the shortest contact period, restitution of each pair of\n"
+    "materials, speed and length of the run.\n"
+    "  -D path=value  set a key, as in -D gravity.tilt=0.1 or -D 'motions[*].amplitude=1e-4'\n"
+    "  --brief        leave the full deck out\n"
+    "  --no-probe     do not measure the speed\n"
+    "  --keys         print the tables of all keys, and nothing else\n";
+
+typedef struct options {
+  const char *deck;
+  const char **overrides;
+  size_t n_overrides;
+  bool brief, probe, keys, help;
+} options;
+
+/* --- findings ------------------------------------------------------------------------------------------------ */
+
+static double seconds(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void print_duration(double s) {
+  if (s < 120)
+    printf("%.3g s", s);
+  else if (s < 7200)
+    printf("%.3g min", s / 60);
+  else if (s < 48 * 3600)
+    printf("%.3g h", s / 3600);
+  else
+    printf("%.3g days", s / 86400);
+}
+
+static void print_counts(const sd_model *m) {
+  printf("# disks       %zu: %zu free, %zu fixed or moved\n", m->n_disks, m->n_free, m->n_disks - m->n_free);
+  if (m->n_walls) printf("# walls       %zu\n", m->n_walls);
+  for (size_t k = 0; k < m->n_groups; k++) {
+    size_t n = 0;
+    for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].group == (int)k;
+    printf("# group       \"%s\": %zu disks\n", m->groups[k], n);
+  }
+}
+
+static void print_phases(const sd_model *m) {
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_phase *p = &m->phases[k];
+    size_t on = 0;
+    for (size_t j = 0; j < m->n_motions; j++) on += p->active[j];
+    printf("# phase       %s%s%lld steps, time %g, %zu of %zu prescribed signals on%s\n", p->name ? p->name : "",
+           p->name ? ": " : "", (long long)p->steps, (double)p->steps * m->dt, on, m->n_motions,
+           p->measure ? ", measured" : "");
+  }
+}
+
+static void print_time_step(const sd_model *m, sd_messages *messages) {
+  uint32_t disk = 0;
+  double period = sd_model_shortest_period(m, &disk);
+  char name[96];
+  if (!isfinite(period)) {
+    printf("# time step   %g; no disk is free to move in a contact\n", m->dt);
+    return;
+  }
+  printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
+         sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
+  if (m->dt > period / FEWEST_STEPS)
+    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less", m->dt,
+            FEWEST_STEPS, period, period / 100);
+}
+
+static int by_size(const void *a, const void *b) {
+  double p = *(const double *)a, q = *(const double *)b;
+  return p < q ? -1 : p > q;
+}
+
+/* Median mass of the free disks of a material; 0: there is none. */
+static double typical_mass(const sd_model *m, int material) {
+  double *mass = malloc((m->n_disks ? m->n_disks : 1) * sizeof *mass), middle = 0;
+  size_t n = 0;
+  for (size_t i = 0; mass && i < m->n_disks; i++)
+    if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;
+  if (n) {
+    qsort(mass, n, sizeof *mass, by_size);
+    middle = mass[n / 2];
+  }
+  free(mass);
+  return middle;
+}
+
+/* Is there a wall, or a disk that nothing pushes, of this material? */
+static bool has_still(const sd_model *m, int material) {
+  for (size_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].material == material) return true;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (m->disks[i].material == material && m->disks[i].driven) return true;
+  return false;
+}
+
+static size_t count_free(const sd_model *m, int material) {
+  size_t n = 0;
+  for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].material == material && !m->disks[i].driven;
+  return n;
+}
+
+static void print_one_restitution(const sd_model *m, int a, int b, double mass, const char *what) {
+  const sd_contact_law *law = sd_model_law(m, a, b);
+  printf("# restitution \"%s\" on \"%s\": e = %.4f (%s, effective mass %.4g)\n", m->materials[a].name,
+         m->materials[b].name, sd_restitution(law->k_n, law->gamma_n, mass).restitution, what, mass);
+}
+
+static void print_restitution(const sd_model *m) {
+  for (int a = 0; a < (int)m->n_materials; a++)
+    for (int b = a; b < (int)m->n_materials; b++) {
+      double ma = typical_mass(m, a), mb = typical_mass(m, b);
+      if (sd_model_law(m, a, b)->k_n <= 0) continue;
+      size_t enough = a == b ? 2 : 1;
+      if (count_free(m, a) >= enough && count_free(m, b) >= enough)
+        print_one_restitution(m, a, b, ma * mb / (ma + mb), "two free disks");
+      if (ma > 0 && has_still(m, b)) print_one_restitution(m, a, b, ma, "a free disk on a fixed body");
+      if (a != b && mb > 0 && has_still(m, a)) print_one_restitution(m, b, a, mb, "a free disk on a fixed body");
+    }
+}
+
+/* Runs the deck for a moment, the beginning of it at least. */
+static sd_status probe(const sd_model *m, sd_messages *messages) {
+  sd_simulation *s = NULL;
+  sd_status status = sd_simulation_new(m, 0, &s, messages);
+  if (status != SD_OK) return status;
+  size_t contacts = sd_simulation_state(s)->n_contacts;
+  printf("# contacts    %zu at the start\n", contacts);
+  int64_t done = 0, chunk = 16;
+  double start = seconds(), spent = 0;
+  while (status == SD_OK && !sd_simulation_finished(s) && spent < probe_seconds) {
+    status = sd_simulation_advance(s, chunk, messages);
+    done = sd_simulation_state(s)->step;
+    spent = seconds() - start;
+    if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
+  }
+  if (status == SD_OK && done > 0 && spent > 0) {
+    double speed = (double)done / spent, whole = (double)sd_model_steps(m) / speed;
+    printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld steps\n", speed,
+           sd_simulation_threads(s), sd_simulation_threads(s) == 1 ? "" : "s", sd_simulation_path(s), (long long)done);
+    printf("# run time    about ");
+    print_duration(whole);
+    printf(" for %lld steps\n", (long long)sd_model_steps(m));
+  }
+  sd_simulation_free(s);
+  return status;
+}
+
+static sd_status check(const options *o, sd_messages *messages) {
+  sd_model *m = NULL;
+  sd_status status = sd_deck_load(o->deck, o->n_overrides, o->overrides, &m, messages);
+  if (status != SD_OK) return status;
+  if (!o->brief) printf("%s\n", m->deck_full);
+  printf("# deck        %s%s%s\n", o->deck, m->title && *m->title ? ": " : "", m->title ? m->title : "");
+  print_counts(m);
+  print_phases(m);
+  print_time_step(m, messages);
+  print_restitution(m);
+  if (o->probe) status = probe(m, messages);
+  sd_model_free(m);
+  return status;
+}
+
+/* --- command line ---------------------------------------------------------------------------------------------- */
+
+static sd_status read_options(int argc, char **argv, options *o, sd_messages *messages) {
+  o->probe = true;
+  for (int k = 1; k < argc; k++) {
+    const char *a = argv[k];
+    if (strncmp(a, "-D", 2) == 0) {
+      const char *value = a[2] ? a + 2 : k + 1 < argc ? argv[++k] : NULL;
+      if (!value) return sd_fail(messages, SD_ERROR_USER, "-D: expected path=value after it");
+      o->overrides[o->n_overrides++] = value;
+    } else if (strcmp(a, "--brief") == 0) {
+      o->brief = true;
+    } else if (strcmp(a, "--no-probe") == 0) {
+      o->probe = false;
+    } else if (strcmp(a, "--keys") == 0) {
+      o->keys = true;
+    } else if (strcmp(a, "--help") == 0 || strcmp(a, "-h") == 0) {
+      o->help = true;
+    } else if (a[0] == '-') {
+      return sd_fail(messages, SD_ERROR_USER, "%s: unknown option; see slipdisk check --help", a);
+    } else if (o->deck) {
+      return sd_fail(messages, SD_ERROR_USER, "%s: expected one deck only", a);
+    } else {
+      o->deck = a;
+    }
+  }
+  if (!o->deck && !o->keys && !o->help) return sd_fail(messages, SD_ERROR_USER, "expected a deck; see slipdisk check --help");
+  return SD_OK;
+}
+
+int app_check(int argc, char **argv) {
+  sd_messages *messages = sd_messages_new();
+  options o = {.overrides = calloc((size_t)argc + 1, sizeof *o.overrides)};
+  sd_status status = SD_ERROR_IO;
+  if (messages && o.overrides) status = read_options(argc, argv, &o, messages);
+  if (status == SD_OK && o.help)
+    fputs(usage, stdout);
+  else if (status == SD_OK && o.keys)
+    deck_keys_print(stdout);
+  else if (status == SD_OK)
+    status = check(&o, messages);
+  fflush(stdout);
+  sd_messages_print(messages, stderr);
+  sd_messages_free(messages);
+  free(o.overrides);
+  return (int)status;
+}
