@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "physics/kernels.h"
+#include "physics/motion.h"
 #include "physics/neighbours.h"
 #include "physics/walls.h"
 
@@ -203,6 +204,7 @@ static void bring_back(engine *e, uint32_t i) {
   w->y0[i] += shift[1];
   s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
   s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
+  motion_came_back(e, i);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
     if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;

@@ -140,6 +140,8 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   w->dt = e->model->dt;
+  w->per_dt = 1.0 / w->dt;
+  w->half_dt2 = 0.5 * w->dt * w->dt;
   w->conservative = e->model->variant == SD_CONSERVATIVE;
   w->kernels = kernels_choose();
   fill_laws(e->model, w);
@@ -186,14 +188,13 @@ void engine_free(engine *e) {
 sd_status engine_start(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
-  double half_dt2 = 0.5 * w->dt * w->dt;
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
   sd_status status = contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
   contacts_gather(e, 0, s->n_bodies);
   for (size_t i = 0; i < s->n_free; i++) {
-    s->x2[i] = half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);
-    s->y2[i] = half_dt2 * ((s->force_y[i] + w->constant_y[i]) * w->inverse_mass_y[i]);
-    s->theta2[i] = half_dt2 * ((s->torque[i] + w->constant_torque[i]) * w->inverse_inertia[i]);
+    s->x2[i] = w->half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);
+    s->y2[i] = w->half_dt2 * ((s->force_y[i] + w->constant_y[i]) * w->inverse_mass_y[i]);
+    s->theta2[i] = w->half_dt2 * ((s->torque[i] + w->constant_torque[i]) * w->inverse_inertia[i]);
   }
   sd_energy now = energy_of(e);
   s->energy_start =

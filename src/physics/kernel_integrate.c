@@ -15,109 +15,80 @@
 #define GEAR5 (1.0 / 60.0)
 
 typedef struct columns {
-  double *restrict q, *restrict v, *restrict q2, *restrict q3, *restrict q4, *restrict q5;
-  const double *restrict force, *restrict constant, *restrict inverse;
+  double *q, *v, *q2, *q3, *q4, *q5;
+  const double *force, *constant, *inverse;
 } columns;
 
-static columns coordinate(engine *e, int c) {
-  sd_state *s = e->state;
-  const work *w = &e->work;
-  if (c == SD_X)
-    return (columns){s->x, s->vx, s->x2, s->x3, s->x4, s->x5, s->force_x, w->constant_x, w->inverse_mass_x};
-  if (c == SD_Y)
-    return (columns){s->y, s->vy, s->y2, s->y3, s->y4, s->y5, s->force_y, w->constant_y, w->inverse_mass_y};
-  return (columns){s->theta, s->omega,  s->theta2,          s->theta3,         s->theta4, s->theta5,
-                   s->torque, w->constant_torque, w->inverse_inertia};
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#include "physics/integrate_pass.h"
+#undef LANE_WIDTH
+#define LANE_WIDTH VECTOR_WIDTH
+#include "base/lane.h"
+#include "physics/integrate_pass.h"
+
+/* The whole vectors of [begin, end), then single lanes. */
+#define FOR_LANES(vector, single)                                   \
+  do {                                                              \
+    size_t i = begin;                                               \
+    for (; i + VECTOR_WIDTH <= end; i += VECTOR_WIDTH) vector;      \
+    for (; i < end; i++) single;                                    \
+  } while (0)
+
+/* pass(columns, i, a, b) over all three coordinates. */
+#define FOR_COORDINATES(pass, a, b)                                                                           \
+  do {                                                                                                        \
+    const sd_state *s = e->state;                                                                             \
+    const work *w = &e->work;                                                                                 \
+    const columns x = {s->x,  s->vx, s->x2,      s->x3,         s->x4,                                        \
+                       s->x5, s->force_x, w->constant_x, w->inverse_mass_x};                                  \
+    const columns y = {s->y,  s->vy, s->y2,      s->y3,         s->y4,                                        \
+                       s->y5, s->force_y, w->constant_y, w->inverse_mass_y};                                  \
+    const columns theta = {s->theta,  s->omega,  s->theta2,          s->theta3,         s->theta4,            \
+                           s->theta5, s->torque, w->constant_torque, w->inverse_inertia};                     \
+    FOR_LANES(LANE(pass)(&x, i, a, b), LANE_PASTE(pass, 1)(&x, i, a, b));                                     \
+    FOR_LANES(LANE(pass)(&y, i, a, b), LANE_PASTE(pass, 1)(&y, i, a, b));                                     \
+    FOR_LANES(LANE(pass)(&theta, i, a, b), LANE_PASTE(pass, 1)(&theta, i, a, b));                             \
+  } while (0)
+
+LANE_INLINE void note_stale(const engine *e, thread_work *mine, size_t begin, size_t end) {
+  int stale = 0;
+  FOR_LANES(stale |= LANE(stale)(e, i), stale |= stale_w1(e, i));
+  mine->stale = stale != 0;
 }
 
-/* A comparison that a coordinate which is not a number also fails. */
-static inline bool stale(const engine *e, size_t begin, size_t end) {
-  const double *x = e->state->x, *y = e->state->y, *x0 = e->work.x0, *y0 = e->work.y0;
-  double limit = e->work.moved_limit2;
-  int far = 0;
-  for (size_t i = begin; i < end; i++) {
-    double dx = x[i] - x0[i], dy = y[i] - y0[i];
-    far |= !(dx * dx + dy * dy <= limit);
-  }
-  return far;
-}
-
-static void note_returns(engine *e, thread_work *mine, size_t begin, size_t end) {
-  const sd_state *s = e->state;
-  const work *w = &e->work;
+/* Disks whose angle or position must return into its range. */
+LANE_INLINE void note_returns(engine *e, thread_work *mine, size_t begin, size_t end) {
   int out = 0;
-  for (size_t i = begin; i < end; i++) {
-    out |= (s->theta[i] > 4.0) | (s->theta[i] < -4.0);
-    out |= (s->x[i] < w->lower[0]) | (s->x[i] >= w->upper[0]);
-    out |= (s->y[i] < w->lower[1]) | (s->y[i] >= w->upper[1]);
-  }
+  FOR_LANES(out |= LANE(out_of_range)(e, i), out |= out_of_range_w1(e, i));
   for (size_t i = begin; out && i < end; i++)
-    if (s->theta[i] > 4.0 || s->theta[i] < -4.0 || s->x[i] < w->lower[0] || s->x[i] >= w->upper[0] ||
-        s->y[i] < w->lower[1] || s->y[i] >= w->upper[1])
-      event_add(&mine->returns, (uint32_t)i, 0.0);
+    if (out_of_range_w1(e, i)) event_add(&mine->returns, (uint32_t)i, 0.0);
 }
 
 static void gear_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  double dt = e->work.dt, per_dt = 1.0 / dt;
-  for (int c = 0; c < SD_COORDINATES; c++) {
-    columns k = coordinate(e, c);
-    for (size_t i = begin; i < end; i++) {
-      double q1 = k.v[i] * dt, q2 = k.q2[i], q3 = k.q3[i], q4 = k.q4[i], q5 = k.q5[i];
-      k.q[i] += q1 + (q2 + (q3 + (q4 + q5)));
-      k.v[i] += (2.0 * q2 + (3.0 * q3 + (4.0 * q4 + 5.0 * q5))) * per_dt;
-      k.q2[i] = q2 + (3.0 * q3 + (6.0 * q4 + 10.0 * q5));
-      k.q3[i] = q3 + (4.0 * q4 + 10.0 * q5);
-      k.q4[i] = q4 + 5.0 * q5;
-    }
-  }
-  mine->stale = stale(e, begin, end);
+  FOR_COORDINATES(gear_predict, e->work.dt, e->work.per_dt);
+  note_stale(e, mine, begin, end);
 }
 
 static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  double dt = e->work.dt, per_dt = 1.0 / dt, half_dt2 = 0.5 * dt * dt;
-  for (int c = 0; c < SD_COORDINATES; c++) {
-    columns k = coordinate(e, c);
-    for (size_t i = begin; i < end; i++) {
-      double error = half_dt2 * ((k.force[i] + k.constant[i]) * k.inverse[i]) - k.q2[i];
-      k.q[i] += GEAR0 * error;
-      k.v[i] += GEAR1 * per_dt * error;
-      k.q2[i] += error;
-      k.q3[i] += GEAR3 * error;
-      k.q4[i] += GEAR4 * error;
-      k.q5[i] += GEAR5 * error;
-    }
-  }
+  FOR_COORDINATES(gear_correct, e->work.half_dt2, e->work.per_dt);
   note_returns(e, mine, begin, end);
 }
 
 static void verlet_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  double dt = e->work.dt, per_dt = 1.0 / dt;
-  for (int c = 0; c < SD_COORDINATES; c++) {
-    columns k = coordinate(e, c);
-    for (size_t i = begin; i < end; i++) {
-      k.q[i] += k.v[i] * dt + k.q2[i];
-      k.v[i] += 2.0 * per_dt * k.q2[i];
-    }
-  }
-  mine->stale = stale(e, begin, end);
+  FOR_COORDINATES(verlet_predict, e->work.dt, e->work.per_dt);
+  note_stale(e, mine, begin, end);
 }
 
 static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  double dt = e->work.dt, per_dt = 1.0 / dt, half_dt2 = 0.5 * dt * dt;
-  for (int c = 0; c < SD_COORDINATES; c++) {
-    columns k = coordinate(e, c);
-    for (size_t i = begin; i < end; i++) {
-      double q2 = half_dt2 * ((k.force[i] + k.constant[i]) * k.inverse[i]);
-      k.v[i] += per_dt * (q2 - k.q2[i]);
-      k.q2[i] = q2;
-    }
-  }
+  FOR_COORDINATES(verlet_correct, e->work.half_dt2, e->work.per_dt);
   note_returns(e, mine, begin, end);
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                                    double *a, double *b);
+extern void KERNEL(kernel_oscillate)(oscillators *g, size_t n);
 extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 extern const kernels KERNEL(kernels);
 
@@ -127,5 +98,6 @@ const kernels KERNEL(kernels) = {
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
     .normals = KERNEL(kernel_normals),
+    .oscillate = KERNEL(kernel_oscillate),
     .sine_cosine = KERNEL(kernel_sine_cosine),
 };

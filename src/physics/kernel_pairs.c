@@ -1,7 +1,7 @@
 /* kernel_pairs.c: forces and commits of all candidate pairs; compiled once per instruction set.
  *
- * Round pairs (disks, round walls) go through whole vectors and a tail of single lanes, pieces of straight
- * walls one by one.
+ * Round pairs (disks, round walls) go through whole vectors, then by two (the 3-disk system has two) and
+ * one, pieces of straight walls one by one.
  */
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
@@ -12,6 +12,13 @@
 #include "physics/law.h"
 #include "physics/pair_pass.h"
 #undef LANE_WIDTH
+#if VECTOR_WIDTH > 2
+#define LANE_WIDTH 2
+#include "base/lane.h"
+#include "physics/law.h"
+#include "physics/pair_pass.h"
+#undef LANE_WIDTH
+#endif
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "physics/law.h"
@@ -62,9 +69,22 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
-void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
+LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
   size_t n_round = e->work.pairs.n_round, at = begin, round_end = end < n_round ? end : n_round;
   for (; at + VECTOR_WIDTH <= round_end; at += VECTOR_WIDTH) LANE(round_pass)(e, mine, at, pass);
+#if VECTOR_WIDTH > 2
+  for (; at + 2 <= round_end; at += 2) round_pass_w2(e, mine, at, pass);
+#endif
   for (; at < round_end; at++) round_pass_w1(e, mine, at, pass);
   for (; at < end; at++) segment_pass(e, mine, at, pass);
+}
+
+/* One copy for each kind of pass, so that what it does not do costs nothing. */
+void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
+  if (pass == PASS_FORCE)
+    all_pairs(e, mine, begin, end, PASS_FORCE);
+  else if (pass == PASS_COMMIT)
+    all_pairs(e, mine, begin, end, PASS_COMMIT);
+  else
+    all_pairs(e, mine, begin, end, PASS_FORCE | PASS_COMMIT);
 }

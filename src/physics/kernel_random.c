@@ -11,15 +11,17 @@
 #include "base/lane.h"
 #include "base/vmath.h"
 
+/* Words are the low halves of 64-bit lanes; what stands above them is not cleared on the way, because the
+ * multiplication does not see it. */
 LANE_INLINE void philox(LANE(bits) word[4], uint64_t key) {
   uint32_t k0 = (uint32_t)key, k1 = (uint32_t)(key >> 32);
   const LANE(bits) m0 = LANE(splat_bits)(0xD2511F53u), m1 = LANE(splat_bits)(0xCD9E8D57u);
   for (int round = 0; round < 10; round++) {
     LANE(bits) p0 = LANE(multiply32)(m0, word[0]), p1 = LANE(multiply32)(m1, word[2]);
     word[0] = (p1 >> 32) ^ word[1] ^ k0;
-    word[1] = p1 & 0xffffffffu;
+    word[1] = p1;
     word[2] = (p0 >> 32) ^ word[3] ^ k1;
-    word[3] = p0 & 0xffffffffu;
+    word[3] = p0;
     k0 += 0x9E3779B9u;
     k1 += 0xBB67AE85u;
   }
@@ -27,13 +29,14 @@ LANE_INLINE void philox(LANE(bits) word[4], uint64_t key) {
 
 /* 64 bits -> uniform in (0, 1): 52 bits and half a unit. */
 LANE_INLINE LANE(real) uniform(LANE(bits) high, LANE(bits) low) {
-  LANE(bits) b = (high << 32) | low;
+  LANE(bits) b = (high << 32) | (low & 0xffffffffu);
   return LANE(as_real)((b >> 12) | 0x3ff0000000000000u) - (1.0 - 0x1p-53);
 }
 
 void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                             double *a, double *b);
 void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
+void KERNEL(kernel_oscillate)(oscillators *g, size_t n);
 
 void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                             double *a, double *b) {
@@ -48,6 +51,32 @@ void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, in
     LANE(sine_cosine)(v, &s, &c);
     LANE(store)(a + k, r * c);
     LANE(store)(b + k, r * s);
+  }
+}
+
+LANE_INLINE LANE(real) column(double (*row)[OSCILLATOR_DRAWS], size_t k) {
+  LANE(real) a;
+  for (int l = 0; l < LANE_WIDTH; l++) a[l] = row[l][k];
+  return a;
+}
+
+LANE_INLINE void set_column(double (*row)[OSCILLATOR_DRAWS], size_t k, LANE(real) a) {
+  for (int l = 0; l < LANE_WIDTH; l++) row[l][k] = a[l];
+}
+
+void KERNEL(kernel_oscillate)(oscillators *g, size_t n) {
+  for (size_t l = 0; l < g->count; l += LANE_WIDTH) {
+    LANE(real) uu = LANE(load)(g->uu + l), uv = LANE(load)(g->uv + l), vu = LANE(load)(g->vu + l);
+    LANE(real) vv = LANE(load)(g->vv + l), nu = LANE(load)(g->noise_u + l), nvu = LANE(load)(g->noise_vu + l);
+    LANE(real) nvv = LANE(load)(g->noise_vv + l), u = column(g->u + l, 1), v = column(g->v + l, 1);
+    for (size_t k = 0; k < n; k++) {
+      LANE(real) a = column(g->normal1 + l, k), b = column(g->normal2 + l, k);
+      LANE(real) next = uu * u + (uv * v + nu * a);
+      v = vv * v + (vu * u + (nvu * a + nvv * b));
+      u = next;
+      set_column(g->u + l, k + 2, u);
+      set_column(g->v + l, k + 2, v);
+    }
   }
 }
 

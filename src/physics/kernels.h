@@ -12,6 +12,17 @@ enum { PASS_FORCE = 1, PASS_COMMIT = 2 };
 
 enum { RANDOM_STEP = 0, RANDOM_START = 1 }; /* purposes of a stream's draws */
 
+/* Random motions that are advanced together, one per lane (eq. 52; random.h). */
+enum { OSCILLATORS = 8, OSCILLATOR_DRAWS = 80 };
+typedef struct oscillators {
+  size_t count;
+  size_t motion[OSCILLATORS];
+  double uu[OSCILLATORS], uv[OSCILLATORS], vu[OSCILLATORS], vv[OSCILLATORS]; /* propagator */
+  double noise_u[OSCILLATORS], noise_vu[OSCILLATORS], noise_vv[OSCILLATORS]; /* Cholesky factor */
+  double u[OSCILLATORS][OSCILLATOR_DRAWS], v[OSCILLATORS][OSCILLATOR_DRAWS]; /* at consecutive draws */
+  double normal1[OSCILLATORS][OSCILLATOR_DRAWS], normal2[OSCILLATORS][OSCILLATOR_DRAWS];
+} oscillators;
+
 typedef struct kernels {
   const char *name;
   /* Pairs [begin, end) in one pass; begin is a multiple of 8. */
@@ -23,6 +34,8 @@ typedef struct kernels {
    * n is rounded up to a multiple of 8 (room for that must be there). */
   void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n, double *a,
                   double *b);
+  /* From draws 0 and 1 on, n more of each oscillator. */
+  void (*oscillate)(oscillators *g, size_t n);
   /* sin and cos of 2 pi t[k]; the same rounding of n. */
   void (*sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 } kernels;

@@ -8,13 +8,12 @@
  *   tau  = -k_t zeta
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, arc = R_a th_a +
- * R_b th_b, turned = angle from e to n. |turned| stays below LAW_TURNED_MAX because the contact is
- * re-based when it exceeds LAW_REBASE, so a short series of asin(e x n) is exact to rounding.
+ * R_b th_b, turned = angle from e to n. The contact is re-based after a step in which |sin(turned)| exceeds
+ * LAW_REBASE, so a short series of asin(e x n) is exact to rounding.
  */
 #ifndef LAW_COMMON
 #define LAW_COMMON
-#define LAW_REBASE 0.03125
-#define LAW_TURNED_MAX 0.5
+#define LAW_REBASE 0.015625
 #endif
 
 typedef struct LANE(law_constants) {
@@ -55,16 +54,15 @@ LANE_INLINE LANE(law_output) LANE(law)(const LANE(law_input) *in, const LANE(law
   out.delta = LANE(select)(out.touching, delta, zero);
 
   /* normal force: never pulls */
-  LANE(real) approach = in->dvx * out.nx + in->dvy * out.ny;
+  LANE(real) approach = (in->dvx * in->dx + in->dvy * in->dy) * out.inverse_r;
   LANE(real) force = LANE(most)(k->k_n * out.delta - k->gamma_n * approach, zero);
   out.force = LANE(select)(out.touching, force, zero);
 
-  /* angle since the reference direction: asin series to s^13 */
-  LANE(real) s = in->ex * out.ny - in->ey * out.nx, z = s * s, z2 = z * z;
-  LANE(real) low = (z * (3.0 / 40.0) + 1.0 / 6.0) + z2 * (z * (35.0 / 1152.0) + 15.0 / 336.0);
-  LANE(real) high = z * (231.0 / 13312.0) + 63.0 / 2816.0;
+  /* angle since the reference direction: asin series to s^9, exact to rounding up to twice LAW_REBASE */
+  LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * out.inverse_r, z = s * s;
   out.sine = s;
-  out.turned = s + s * (z * (low + z2 * z2 * high));
+  out.turned =
+      s + (s * z) * (((3.0 / 40.0) * z + 1.0 / 6.0) + (z * z) * ((35.0 / 1152.0) * z + 15.0 / 336.0));
 
   /* skin: stretch, and Amonton's cap */
   LANE(real) zeta = (in->arc - in->sum * out.turned) - in->star;

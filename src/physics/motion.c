@@ -14,29 +14,35 @@
 /* One signal: MOTION_BATCH values of u, du/dt, and what u lost to rounding. */
 typedef struct signal {
   double u[MOTION_BATCH], v[MOTION_BATCH], low[MOTION_BATCH];
-  random_step random;
-  /* random: oscillator at draws base, base + 1, ... (draw k falls on step start + k * interval) */
-  double draw_u[MOTION_BATCH + 2], draw_v[MOTION_BATCH + 2];
+  /* random: oscillator at draws base, base + 1, ... (draw k falls on step start + k * interval), in a group */
+  double *draw_u, *draw_v;
   int64_t base;
   gsl_spline *spline;
   gsl_interp_accel *accel;
 } signal;
 
-/* A prescribed coordinate with the signals that are added to it. */
+/* A prescribed coordinate: the signals that are added to it, and its values over the batch. */
 typedef struct placed {
   uint32_t slot;
   int coordinate;
-  size_t first, count; /* in terms */
-  double moved, force; /* by the last step; force of the contacts before it */
+  size_t first, count;      /* in terms */
+  double *at, *speed;       /* in the state */
+  const double *force;      /* of the contacts, in the state */
+  double moved, force_before; /* by the last step */
+  double value[MOTION_BATCH], velocity[MOTION_BATCH];
 } placed;
 
 struct motions {
   signal *signals;      /* [n_motions] */
+  size_t n_groups;
+  oscillators *groups;  /* random motions, eight by eight */
+  random_step *random;  /* [n_motions] */
   int64_t first;        /* step of the batch's first value */
   size_t n_placed;
   placed *places;
   uint32_t *terms;      /* motion numbers */
   bool moves_walls;
+  bool quiet;           /* nothing in this batch can make the lists stale or leave its range */
 };
 
 /* --- kinds ------------------------------------------------------------------------------------------- */
@@ -91,32 +97,19 @@ static void fill_parabolic(batch *b) {
   }
 }
 
-/* The draws up to the one after the batch's last step, then a value per step. Between draws: the cubic that
- * matches displacement and velocity at both ends, with its own derivative as velocity. */
+/* A value per step from the draws. Between draws: the cubic that matches displacement and velocity at both
+ * ends, with its own derivative as velocity. */
 static void fill_random(batch *b) {
   signal *s = b->signal;
-  int64_t m = b->motion->interval, low = (b->local - 1) / m, high = (b->local + MOTION_BATCH - 1) / m + 1;
-  /* keep what is known: draws low and low + 1 */
-  int64_t shift = low - s->base;
-  for (int k = 0; k < 2; k++) {
-    s->draw_u[k] = s->draw_u[k + shift];
-    s->draw_v[k] = s->draw_v[k + shift];
-  }
-  s->base = low;
-  double g1[MOTION_BATCH + 8], g2[MOTION_BATCH + 8];
-  size_t n = (size_t)(high - low - 1);
-  int64_t start = b->e->state->motion_start[b->motion - b->e->model->motions];
-  b->e->work.kernels->normals(b->e->model->seed, b->motion->stream, RANDOM_STEP, start + low + 2, n, g1, g2);
-  const random_step *r = &s->random;
-  for (size_t k = 0; k < n; k++) {
-    double u = s->draw_u[k + 1], v = s->draw_v[k + 1];
-    s->draw_u[k + 2] = r->propagator[0][0] * u + r->propagator[0][1] * v + r->cholesky[0] * g1[k];
-    s->draw_v[k + 2] =
-        r->propagator[1][0] * u + r->propagator[1][1] * v + r->cholesky[1] * g1[k] + r->cholesky[2] * g2[k];
+  int64_t m = b->motion->interval;
+  if (m == 1) {
+    memcpy(s->u, s->draw_u + (b->local - s->base), sizeof s->u);
+    memcpy(s->v, s->draw_v + (b->local - s->base), sizeof s->v);
+    return;
   }
   double h = (double)m * b->e->work.dt;
   for (int k = 0; k < MOTION_BATCH; k++) {
-    int64_t at = (b->local + k) / m - low, rest = (b->local + k) % m;
+    int64_t at = (b->local + k) / m - s->base, rest = (b->local + k) % m;
     double u0 = s->draw_u[at], v0 = s->draw_v[at];
     s->u[k] = u0;
     s->v[k] = v0;
@@ -167,14 +160,93 @@ static void fade_in(batch *b) {
   }
 }
 
+static bool in_range(const engine *e, int coordinate, double at) {
+  if (coordinate == SD_THETA) return at >= -4.0 && at <= 4.0;
+  return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
+}
+
+/* Sums a coordinate's signals; turn and images are taken off before the small parts are added. */
+static void fill_place(engine *e, placed *p) {
+  const motions *q = e->work.motions;
+  const sd_state *s = e->state;
+  uint32_t i = p->slot;
+  double off = p->coordinate == SD_X   ? s->image_x[i] * e->work.length[0]
+               : p->coordinate == SD_Y ? s->image_y[i] * e->work.length[1]
+                                       : s->turn[i];
+  const double *base = p->coordinate == SD_X ? s->base_x : p->coordinate == SD_Y ? s->base_y : s->base_theta;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double u = 0.0, v = 0.0, low = 0.0;
+    for (size_t t = p->first; t < p->first + p->count; t++) {
+      const signal *g = &q->signals[q->terms[t]];
+      u += g->u[k];
+      v += g->v[k];
+      low += g->low[k];
+    }
+    p->value[k] = ((u - off) + base[i]) + low;
+    p->velocity[k] = v;
+  }
+}
+
+/* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
+ * again for walls, which also swing. */
+static bool place_is_quiet(const engine *e, const placed *p) {
+  const work *w = &e->work;
+  const sd_state *s = e->state;
+  bool wall = p->slot >= s->n_disks;
+  double from = p->coordinate == SD_X   ? w->x0[p->slot]
+                : p->coordinate == SD_Y ? w->y0[p->slot]
+                                        : w->theta0[p->slot] - s->turn[p->slot];
+  double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
+  double most = (wall ? 0.04 : 0.12) * w->moved_limit2;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double way = (p->value[k] - from) * arm;
+    if (!(way * way <= most) || !in_range(e, p->coordinate, p->value[k])) return false;
+  }
+  return true;
+}
+
+/* New draws of every running random motion, up to the one after the batch's last step. */
+static void draw_ahead(engine *e, int64_t first) {
+  motions *q = e->work.motions;
+  for (size_t n = 0; n < q->n_groups; n++) {
+    oscillators *g = &q->groups[n];
+    size_t most = 0;
+    for (size_t l = 0; l < g->count; l++) {
+      size_t k = g->motion[l];
+      const sd_motion *motion = &e->model->motions[k];
+      signal *s = &q->signals[k];
+      int64_t start = e->state->motion_start[k], m = motion->interval;
+      if (start < 0) continue;
+      /* keep the two draws around the step before the batch */
+      int64_t low = (first - start - 1) / m, high = (first - start + MOTION_BATCH - 1) / m + 1;
+      for (int64_t two = 0; two < 2; two++) {
+        s->draw_u[two] = s->draw_u[two + low - s->base];
+        s->draw_v[two] = s->draw_v[two + low - s->base];
+      }
+      s->base = low;
+      size_t needed = (size_t)(high - low - 1);
+      if (needed > most) most = needed;
+      e->work.kernels->normals(e->model->seed, motion->stream, RANDOM_STEP, start + low + 2, needed, g->normal1[l],
+                               g->normal2[l]);
+    }
+    e->work.kernels->oscillate(g, most);
+  }
+}
+
 static void fill(engine *e, int64_t first) {
   motions *q = e->work.motions;
+  draw_ahead(e, first);
   q->first = first;
   for (size_t k = 0; k < e->model->n_motions; k++) {
     if (e->state->motion_start[k] < 0) continue;
     batch b = {e, &e->model->motions[k], &q->signals[k], first - e->state->motion_start[k]};
     motion_kinds[b.motion->kind].fill(&b);
     if (b.motion->ramp > 0.0) fade_in(&b);
+  }
+  q->quiet = true;
+  for (size_t k = 0; k < q->n_placed; k++) {
+    fill_place(e, &q->places[k]);
+    q->quiet = q->quiet && place_is_quiet(e, &q->places[k]);
   }
 }
 
@@ -191,6 +263,26 @@ static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages
   return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table", m->name ? m->name : "?");
 }
 
+static void join_group(engine *e, size_t k) {
+  motions *q = e->work.motions;
+  const sd_motion *m = &e->model->motions[k];
+  if (q->n_groups == 0 || q->groups[q->n_groups - 1].count == OSCILLATORS) q->n_groups++;
+  oscillators *g = &q->groups[q->n_groups - 1];
+  size_t l = g->count++;
+  random_step r = random_step_new(m->omega, m->damping, m->amplitude, (double)m->interval * e->model->dt);
+  q->random[k] = r;
+  g->motion[l] = k;
+  g->uu[l] = r.propagator[0][0];
+  g->uv[l] = r.propagator[0][1];
+  g->vu[l] = r.propagator[1][0];
+  g->vv[l] = r.propagator[1][1];
+  g->noise_u[l] = r.cholesky[0];
+  g->noise_vu[l] = r.cholesky[1];
+  g->noise_vv[l] = r.cholesky[2];
+  q->signals[k].draw_u = g->u[l];
+  q->signals[k].draw_v = g->v[l];
+}
+
 sd_status motion_new(engine *e, sd_messages *messages) {
   const sd_model *m = e->model;
   motions *q = calloc(1, sizeof *q);
@@ -201,14 +293,15 @@ sd_status motion_new(engine *e, sd_messages *messages) {
     q->signals = calloc(m->n_motions + 1, sizeof *q->signals);
     q->places = calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
     q->terms = calloc(terms + 1, sizeof *q->terms);
+    q->groups = calloc(m->n_motions / OSCILLATORS + 1, sizeof *q->groups);
+    q->random = calloc(m->n_motions + 1, sizeof *q->random);
   }
-  if (!q || !q->signals || !q->places || !q->terms)
+  if (!q || !q->signals || !q->places || !q->terms || !q->groups || !q->random)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
     signal *s = &q->signals[k];
-    if (motion->kind == SD_MOTION_RANDOM)
-      s->random = random_step_new(motion->omega, motion->damping, motion->amplitude, (double)motion->interval * m->dt);
+    if (motion->kind == SD_MOTION_RANDOM) join_group(e, k);
     if (motion->kind == SD_MOTION_TABLE && spline_new(s, motion, messages) != SD_OK) return SD_ERROR_USER;
   }
   return SD_OK;
@@ -224,8 +317,24 @@ void motion_free(engine *e) {
   free(q->signals);
   free(q->places);
   free(q->terms);
+  free(q->groups);
+  free(q->random);
   free(q);
   e->work.motions = NULL;
+}
+
+static void place_new(engine *e, placed *p, size_t c, size_t first, size_t count) {
+  sd_state *s = e->state;
+  double *at[] = {s->x, s->y, s->theta}, *speed[] = {s->vx, s->vy, s->omega};
+  double *force[] = {s->force_x, s->force_y, s->torque};
+  size_t slot = c / 3, k = c % 3;
+  p->slot = (uint32_t)slot;
+  p->coordinate = (int)k;
+  p->first = first;
+  p->count = count;
+  p->at = at[k] + slot;
+  p->speed = speed[k] + slot;
+  p->force = force[k] + slot;
 }
 
 /* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
@@ -251,7 +360,7 @@ static sd_status list_places(engine *e) {
     }
     for (size_t c = 0; pass == 0 && c < n; c++) {
       if (!count[c]) continue;
-      q->places[q->n_placed++] = (placed){(uint32_t)(c / 3), (int)(c % 3), terms, count[c], 0.0, 0.0};
+      place_new(e, &q->places[q->n_placed++], c, terms, count[c]);
       at[c] = terms;
       terms += count[c];
     }
@@ -295,7 +404,7 @@ static void rest(engine *e, uint32_t slot, int coordinate) {
 /* A random signal begins in its stationary law; its first step is drawn too. */
 static void start_random(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
-  const random_step *r = &e->work.motions->signals[k].random;
+  const random_step *r = &e->work.motions->random[k];
   sd_state *s = e->state;
   double a[8], b[8];
   e->work.kernels->normals(e->model->seed, m->stream, RANDOM_START, s->step, 1, a, b);
@@ -303,8 +412,10 @@ static void start_random(engine *e, size_t k) {
   s->motion_u0[k] = u;
   s->motion_v0[k] = v;
   e->work.kernels->normals(e->model->seed, m->stream, RANDOM_STEP, s->step + 1, 1, a, b);
-  s->motion_u1[k] = r->propagator[0][0] * u + r->propagator[0][1] * v + r->cholesky[0] * a[0];
-  s->motion_v1[k] = r->propagator[1][0] * u + r->propagator[1][1] * v + r->cholesky[1] * a[0] + r->cholesky[2] * b[0];
+  /* as the kernel sums it */
+  s->motion_u1[k] = r->propagator[0][0] * u + (r->propagator[0][1] * v + r->cholesky[0] * a[0]);
+  s->motion_v1[k] =
+      r->propagator[1][1] * v + (r->propagator[1][0] * u + (r->cholesky[1] * a[0] + r->cholesky[2] * b[0]));
 }
 
 sd_status motion_begin_phase(engine *e) {
@@ -339,7 +450,7 @@ sd_status motion_resume(engine *e) {
   motions *q = e->work.motions;
   const sd_state *s = e->state;
   for (size_t k = 0; k < e->model->n_motions; k++) {
-    if (s->motion_start[k] < 0) continue;
+    if (s->motion_start[k] < 0 || e->model->motions[k].kind != SD_MOTION_RANDOM) continue;
     signal *g = &q->signals[k];
     g->base = (s->step - s->motion_start[k]) / e->model->motions[k].interval;
     g->draw_u[0] = s->motion_u0[k];
@@ -370,61 +481,38 @@ bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; 
 
 void motion_place(engine *e, thread_work *mine) {
   motions *q = e->work.motions;
-  sd_state *s = e->state;
-  const work *w = &e->work;
-  int64_t at = s->step + 1 - q->first;
-  if (at < 0 || at >= MOTION_BATCH) {
+  const sd_state *s = e->state;
+  int64_t k = s->step + 1 - q->first;
+  if (k < 0 || k >= MOTION_BATCH) {
     fill(e, s->step + 1);
-    at = 0;
+    k = 0;
   }
-  bool stale = false;
-  for (size_t k = 0; k < q->n_placed; k++) {
-    placed *p = &q->places[k];
-    double u = 0.0, v = 0.0, low = 0.0;
-    for (size_t t = p->first; t < p->first + p->count; t++) {
-      const signal *g = &q->signals[q->terms[t]];
-      u += g->u[at];
-      v += g->v[at];
-      low += g->low[at];
-    }
-    uint32_t i = p->slot;
-    double before, after;
-    bool out;
-    if (p->coordinate == SD_THETA) {
-      before = s->theta[i];
-      after = s->theta[i] = ((u - s->turn[i]) + s->base_theta[i]) + low;
-      s->omega[i] = v;
-      p->force = s->torque[i];
-      out = after > 4.0 || after < -4.0;
-    } else if (p->coordinate == SD_X) {
-      before = s->x[i];
-      after = s->x[i] = ((u - s->image_x[i] * w->length[0]) + s->base_x[i]) + low;
-      s->vx[i] = v;
-      p->force = s->force_x[i];
-      out = after < w->lower[0] || after >= w->upper[0];
-    } else {
-      before = s->y[i];
-      after = s->y[i] = ((u - s->image_y[i] * w->length[1]) + s->base_y[i]) + low;
-      s->vy[i] = v;
-      p->force = s->force_y[i];
-      out = after < w->lower[1] || after >= w->upper[1];
-    }
-    p->moved = after - before;
-    stale |= neighbours_moved(e, i);
+  for (placed *p = q->places; p < q->places + q->n_placed; p++) {
+    double after = p->value[k];
+    p->moved = after - *p->at;
+    p->force_before = *p->force;
+    *p->at = after;
+    *p->speed = p->velocity[k];
+  }
+  if (q->quiet) return;
+  for (const placed *p = q->places; p < q->places + q->n_placed; p++) {
+    if (neighbours_moved(e, p->slot)) mine->stale = true;
     /* free disks with a prescribed coordinate are looked at by the corrector */
-    if (out && i >= s->n_free) event_add(&mine->returns, i, 0.0);
+    if (p->slot >= s->n_free && !in_range(e, p->coordinate, *p->at)) event_add(&mine->returns, p->slot, 0.0);
   }
-  if (stale) mine->stale = true;
+}
+
+void motion_came_back(engine *e, uint32_t slot) {
+  motions *q = e->work.motions;
+  bool known = q->first >= 0 && e->state->step + 1 - q->first < MOTION_BATCH;
+  for (size_t k = 0; known && k < q->n_placed; k++)
+    if (q->places[k].slot == slot) fill_place(e, &q->places[k]);
 }
 
 void motion_work(engine *e) {
   const motions *q = e->work.motions;
-  sd_state *s = e->state;
   double done = 0.0;
-  for (size_t k = 0; k < q->n_placed; k++) {
-    const placed *p = &q->places[k];
-    const double *force = p->coordinate == SD_X ? s->force_x : p->coordinate == SD_Y ? s->force_y : s->torque;
-    done -= 0.5 * (p->force + force[p->slot]) * p->moved;
-  }
-  s->work_driven += done;
+  for (const placed *p = q->places; p < q->places + q->n_placed; p++)
+    done += (p->force_before + *p->force) * p->moved;
+  e->state->work_driven -= 0.5 * done;
 }

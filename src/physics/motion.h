@@ -22,6 +22,8 @@ sd_status motion_resume(engine *e);
 void motion_place(engine *e, thread_work *mine);
 /* Books the work that the placed bodies did in this step: trapezoid of the contact forces, which must be new. */
 void motion_work(engine *e);
+/* The turn or image of a body changed: the values computed ahead follow. */
+void motion_came_back(engine *e, uint32_t slot);
 /* Brings the oscillators in the state to the step that is completed. */
 void motion_store(engine *e);
 /* True when some wall has a running motion. */

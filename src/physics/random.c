@@ -6,20 +6,22 @@
 
 /* Response g(t) to a unit kick of the velocity, and its derivative. */
 static void kick(double omega, double c, double t, double *g, double *dg) {
-  double decay = exp(-c * omega * t), w2 = omega * omega * (1.0 - c * c), x, ratio, cosine;
-  if (w2 > 0.0) {
-    double w = sqrt(w2);
-    x = w * t;
-    ratio = x < 1e-4 ? t * (1.0 - x * x / 6.0) : sin(x) / w;
-    cosine = cos(x);
-  } else {
-    double w = sqrt(-w2);
-    x = w * t;
-    ratio = x < 1e-4 ? t * (1.0 + x * x / 6.0) : sinh(x) / w;
-    cosine = cosh(x);
+  double w2 = omega * omega * (1.0 - c * c), w = sqrt(fabs(w2)), x = w * t, ratio, cosine;
+  double decay = exp(-c * omega * t);
+  if (x < 1e-4) { /* sin x / w and sinh x / w, also at critical damping */
+    double sign = w2 > 0.0 ? -1.0 : 1.0;
+    ratio = decay * t * (1.0 + sign * x * x / 6.0);
+    cosine = decay * (1.0 + sign * x * x / 2.0);
+  } else if (w2 > 0.0) {
+    ratio = decay * sin(x) / w;
+    cosine = decay * cos(x);
+  } else { /* each exponential with its own decay, so that neither overflows */
+    double slow = exp((w - c * omega) * t), fast = exp(-(w + c * omega) * t);
+    ratio = 0.5 * (slow - fast) / w;
+    cosine = 0.5 * (slow + fast);
   }
-  *g = decay * ratio;
-  *dg = decay * (cosine - c * omega * ratio);
+  *g = ratio;
+  *dg = cosine - c * omega * ratio;
 }
 
 random_step random_step_new(double omega, double c, double rms, double h) {

@@ -76,7 +76,7 @@ typedef struct kernels kernels;   /* kernels.h */
 
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
-  double dt;
+  double dt, per_dt, half_dt2;
   bool conservative, periodic[2];
   double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
   law_row *laws;
