@@ -44,8 +44,7 @@ static void bad(const char *text, const char *words) {
   fail();
 }
 
-#define HEAD                                                                                                  \
-  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"
+#define HEAD "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"
 #define DISK "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; } );\n"
 
 static const char *const three =
@@ -53,15 +52,19 @@ static const char *const three =
     "gravity = { g = 10; tilt = \"30 deg\"; };\n"
     "materials = ( { name = \"m\"; k_n = 10; k_t = 5; gamma_n = 1; mu = 0.25; } );\n"
     "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; group = \"g\"; },\n"
-    "  { name = \"b\"; x = 3; y = 0; theta = \"pi/2\"; radius = 1; density = 1; group = \"g\"; fixed = true; },\n"
-    "  { x = 6; y = 1; omega = \"2 pi\"; radius = 0.5; mass = 1; locked = [\"x\"]; force = (1, 2); torque = 3; } );\n"
+    "  { name = \"b\"; x = 3; y = 0; theta = \"pi/2\"; radius = 1; density = 1; group = \"g\"; fixed = true; "
+    "},\n"
+    "  { x = 6; y = 1; omega = \"2 pi\"; radius = 0.5; mass = 1; locked = [\"x\"]; force = (1, 2); torque = "
+    "3; } );\n"
     "walls = ( { name = \"w\"; type = \"segment\"; points = ( (0, -2), (4, -2) ); } );\n"
     "forces = ( { disk = [\"a\", 2]; force = (1, 1); } );\n"
     "locks = ( { group = \"g\"; coordinates = \"theta\"; } );\n"
-    "motions = ( { name = \"r\"; disk = [\"b\", \"a\"]; coordinate = [\"x\", \"y\"]; type = \"random\"; amplitude = 0.1;\n"
+    "motions = ( { name = \"r\"; disk = [\"b\", \"a\"]; coordinate = [\"x\", \"y\"]; type = \"random\"; "
+    "amplitude = 0.1;\n"
     "              omega = \"20 pi\"; },\n"
     "  { group = \"g\"; coordinate = \"x\"; type = \"random\"; amplitude = 0.1; frequency = 2; },\n"
-    "  { wall = \"w\"; coordinate = \"theta\"; type = \"table\"; times = (0, 1, 2); values = (0, 0.5, 0); periodic = true; } );\n"
+    "  { wall = \"w\"; coordinate = \"theta\"; type = \"table\"; times = (0, 1, 2); values = (0, 0.5, 0); "
+    "periodic = true; } );\n"
     "measure = { sliding = ( { disk = 2; partners = [\"a\", \"w\"]; } ); };\n";
 
 static void test_values(void **state) {
@@ -96,10 +99,12 @@ static void test_values(void **state) {
 /* The stream of a motion does not depend on what else the deck moves. */
 static void test_streams(void **state) {
   (void)state;
-  const char *one = HEAD DISK "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; } );";
-  const char *two = HEAD DISK "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"random\"; amplitude = 1; frequency = 1; },"
-                              "{ disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; },"
-                              "{ disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; } );";
+  const char *one = HEAD DISK
+      "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; } );";
+  const char *two = HEAD DISK
+      "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"random\"; amplitude = 1; frequency = 1; },"
+      "{ disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; },"
+      "{ disk = \"a\"; coordinate = \"y\"; type = \"random\"; amplitude = 1; frequency = 1; } );";
   sd_model *a = good(one), *b = good(two);
   assert_int_equal(a->motions[0].stream, b->motions[1].stream);
   assert_int_not_equal(b->motions[1].stream, b->motions[2].stream);
@@ -144,30 +149,43 @@ static void test_form(void **state) {
 
 static void test_overlaps(void **state) {
   (void)state;
-  const char *same = HEAD "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = (\n(0, 0), (5, 5),\n(0, 0)); } );";
+  const char *same = HEAD "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = (\n(0, 0), "
+                          "(5, 5),\n(0, 0)); } );";
   bad(same, "test.cfg:4: disk 2 and disk 0 have the same centre");
-  const char *deep = HEAD "disk_rows = ( { columns = [\"x\", \"y\", \"radius\"]; mass = 1; rows = ((0, 0, 10), (0, 10.2, 1)); } );";
+  const char *deep = HEAD "disk_rows = ( { columns = [\"x\", \"y\", \"radius\"]; mass = 1; rows = ((0, 0, "
+                          "10), (0, 10.2, 1)); } );";
   bad(deep, "overlap by 0.8");
-  bad(HEAD DISK "walls = ( { name = \"w\"; type = \"line\"; points = ((0, 0.2), (1, 0.2)); } );", "disk \"a\" sits 0.8 deep in wall \"w\"");
-  bad(HEAD "box = { x = (0, 20); periodic = \"x\"; };"
-           "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = ((0.1, 0), (19.9, 0)); } );", "overlap by 1.8");
-  bad(HEAD "box = { x = (0, 20); periodic = \"x\"; };" DISK "disk_rows = ( { columns = [\"x\"]; y = 9; radius = 1; mass = 1; rows = ((-1), (25)); } );",
+  bad(HEAD DISK "walls = ( { name = \"w\"; type = \"line\"; points = ((0, 0.2), (1, 0.2)); } );",
+      "disk \"a\" sits 0.8 deep in wall \"w\"");
+  bad(HEAD
+      "box = { x = (0, 20); periodic = \"x\"; };"
+      "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = ((0.1, 0), (19.9, 0)); } );",
+      "overlap by 1.8");
+  bad(HEAD "box = { x = (0, 20); periodic = \"x\"; };" DISK
+           "disk_rows = ( { columns = [\"x\"]; y = 9; radius = 1; mass = 1; rows = ((-1), (25)); } );",
       "outside the periodic box");
   /* two fixed ones may overlap */
-  sd_model_free(good(HEAD "disk_rows = ( { columns = [\"x\"]; y = 0; radius = 1; mass = 1; fixed = true; rows = ((0), (0.1)); } );"));
+  sd_model_free(good(HEAD "disk_rows = ( { columns = [\"x\"]; y = 0; radius = 1; mass = 1; fixed = true; "
+                          "rows = ((0), (0.1)); } );"));
 }
 
 static void test_laws(void **state) {
   (void)state;
   bad("dt = 1e-3; steps = 1; materials = ( { name = \"a\"; k_n = 1; }, { name = \"b\"; k_n = 1; } );"
-      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; radius = 1; mass = 1; material = \"b\"; } );",
+      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; radius = 1; mass "
+      "= 1; material = \"b\"; } );",
       "materials \"a\" and \"b\" can touch");
 }
 
 static void test_overrides(void **state) {
   (void)state;
-  const char *const overrides[] = {"gravity.tilt=0.02 pi", "motions[*].ramp=0.5", "motions.r.amplitude=7", "steps=5e9",
-                                   "disks.[1].mass=4",     "integrator=verlet",   "seed = 12"};
+  const char *const overrides[] = {"gravity.tilt=0.02 pi",
+                                   "motions[*].ramp=0.5",
+                                   "motions.r.amplitude=7",
+                                   "steps=5e9",
+                                   "disks.[1].mass=4",
+                                   "integrator=verlet",
+                                   "seed = 12"};
   sd_model *m = load(three, sizeof overrides / sizeof *overrides, overrides);
   if (!m) sd_messages_print(messages, stderr);
   assert_non_null(m);
@@ -211,10 +229,12 @@ static void test_files(void **state) {
   h5_put(file, "/grains", SD_F64, 2, (size_t[]){2, 3}, xyr, false);
   h5_attr_texts(file, "/grains", "columns", 3, columns);
   assert_int_equal(h5_save(file, path, NULL, NULL), SD_OK);
-  const char *deck = write_file("deck.cfg", HEAD
-      "disk_files = ( { file = \"disks.csv\"; mass = 1; columns = [\"x\", \"y\", \"radius = r\", \"name\"]; },\n"
-      "  { file = \"disks.h5\"; dataset = \"/grains\"; density = 1; } );\n"
-      "motions = ( { disk = \"q\"; coordinate = \"x\"; type = \"table\"; file = \"wave.csv\"; factor = 2; } );\n");
+  const char *deck =
+      write_file("deck.cfg", HEAD "disk_files = ( { file = \"disks.csv\"; mass = 1; columns = [\"x\", \"y\", "
+                                  "\"radius = r\", \"name\"]; },\n"
+                                  "  { file = \"disks.h5\"; dataset = \"/grains\"; density = 1; } );\n"
+                                  "motions = ( { disk = \"q\"; coordinate = \"x\"; type = \"table\"; file = "
+                                  "\"wave.csv\"; factor = 2; } );\n");
   sd_messages_free(messages);
   messages = sd_messages_new();
   sd_model *m, *again;
@@ -224,10 +244,12 @@ static void test_files(void **state) {
   assert_int_equal(m->n_disks, 4);
   assert_true(m->disks[1].radius == 0.25 && m->disks[1].position[1] == 5 && m->disks[3].position[0] == 12);
   assert_string_equal(m->disks[1].name, "q");
-  assert_true(m->motions[0].n_table == 3 && m->motions[0].table_value[1] == 1 && m->motions[0].amplitude == 2);
+  assert_true(m->motions[0].n_table == 3 && m->motions[0].table_value[1] == 1 &&
+              m->motions[0].amplitude == 2);
   /* the echo needs no files */
   assert_int_equal(sd_deck_load_text(m->deck_full, "elsewhere/deck.cfg", 0, NULL, &again, messages), SD_OK);
-  assert_true(again->n_disks == 4 && again->disks[3].mass == m->disks[3].mass && again->motions[0].n_table == 3);
+  assert_true(again->n_disks == 4 && again->disks[3].mass == m->disks[3].mass &&
+              again->motions[0].n_table == 3);
   sd_model_free(again);
   sd_model_free(m);
   /* messages name the included file, and the lines after it are still right */
@@ -239,6 +261,17 @@ static void test_files(void **state) {
     rest |= strstr(sd_messages_text(messages, k), "with.cfg:4: sede = 1") != NULL;
   }
   assert_true(part && rest);
+  /* the deck as it is kept in results holds what was included */
+  sd_messages_free(messages);
+  messages = sd_messages_new();
+  write_file("part.cfg", "skin = 0.5;");
+  deck = write_file("with.cfg", HEAD "  @include \"part.cfg\" # why\n" DISK);
+  assert_int_equal(sd_deck_load(deck, 0, NULL, &m, messages), SD_OK);
+  assert_int_equal(sd_deck_load_text(m->deck_text, "elsewhere/with.cfg", 0, NULL, &again, messages), SD_OK);
+  assert_true(m->skin == 0.5 && again->skin == 0.5);
+  assert_string_equal(m->deck_text, again->deck_text);
+  sd_model_free(again);
+  sd_model_free(m);
 }
 
 /* --- the decks that ship --------------------------------------------------------------------------------------- */
@@ -251,9 +284,11 @@ static void same_motions(const sd_model *a, const sd_model *b) {
   assert_int_equal(a->n_motions, b->n_motions);
   for (size_t k = 0; k < a->n_motions; k++) {
     const sd_motion *p = &a->motions[k], *q = &b->motions[k];
-    assert_true(p->kind == q->kind && p->coordinate == q->coordinate && p->stream == q->stream && p->n_bodies == q->n_bodies);
+    assert_true(p->kind == q->kind && p->coordinate == q->coordinate && p->stream == q->stream &&
+                p->n_bodies == q->n_bodies);
     assert_memory_equal(p->bodies, q->bodies, p->n_bodies * sizeof *p->bodies);
-    assert_true(p->amplitude == q->amplitude && p->omega == q->omega && p->phase == q->phase && p->velocity == q->velocity);
+    assert_true(p->amplitude == q->amplitude && p->omega == q->omega && p->phase == q->phase &&
+                p->velocity == q->velocity);
     assert_true(p->damping == q->damping && p->interval == q->interval && p->ramp == q->ramp);
   }
 }
@@ -270,7 +305,8 @@ static void same_model(const sd_model *a, const sd_model *b) {
     assert_memory_equal(p.velocity, q.velocity, sizeof p.velocity);
     assert_memory_equal(p.force, q.force, sizeof p.force);
     assert_true(p.radius == q.radius && p.mass == q.mass && p.inertia == q.inertia && p.driven == q.driven);
-    assert_true(p.material == q.material && p.group == q.group && !memcmp(p.locked, q.locked, sizeof p.locked));
+    assert_true(p.material == q.material && p.group == q.group &&
+                !memcmp(p.locked, q.locked, sizeof p.locked));
   }
   assert_int_equal(a->n_walls, b->n_walls);
   assert_int_equal(a->n_segments, b->n_segments);
@@ -328,7 +364,8 @@ static int set_up(void **state) {
 
 static int tear_down(void **state) {
   (void)state;
-  static const char *const names[] = {"disks.csv", "wave.csv", "part.cfg", "disks.h5", "deck.cfg", "with.cfg", "three.cfg"};
+  static const char *const names[] = {"disks.csv", "wave.csv", "part.cfg", "disks.h5",
+                                      "deck.cfg",  "with.cfg", "three.cfg"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
     char path[256];
     snprintf(path, sizeof path, "%s/%s", folder, names[k]);
@@ -340,9 +377,9 @@ static int tear_down(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_values),   cmocka_unit_test(test_streams), cmocka_unit_test(test_numbers),
-      cmocka_unit_test(test_form),     cmocka_unit_test(test_overlaps), cmocka_unit_test(test_laws),
-      cmocka_unit_test(test_overrides), cmocka_unit_test(test_files),  cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_values),    cmocka_unit_test(test_streams),  cmocka_unit_test(test_numbers),
+      cmocka_unit_test(test_form),      cmocka_unit_test(test_overlaps), cmocka_unit_test(test_laws),
+      cmocka_unit_test(test_overrides), cmocka_unit_test(test_files),    cmocka_unit_test(test_round_trip),
       cmocka_unit_test(test_shipped),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -39,15 +39,38 @@ static void read_damaged(const char *text) {
 }
 
 static void damage(char *text, size_t n) {
-  static const char *const pieces[] = {"{", "}", "(", ")", "[", "\"", "/*", "=", ";", ",", "@include \"x\"\n", "1e999",
-                                       "-", "99999999999999999999", "true", "*", "name", "\\", "0x", "."};
+  static const char *const pieces[] = {"{",
+                                       "}",
+                                       "(",
+                                       ")",
+                                       "[",
+                                       "\"",
+                                       "/*",
+                                       "=",
+                                       ";",
+                                       ",",
+                                       "@include \"x\"\n",
+                                       "1e999",
+                                       "-",
+                                       "99999999999999999999",
+                                       "true",
+                                       "*",
+                                       "name",
+                                       "\\",
+                                       "0x",
+                                       "."};
   for (size_t k = 0, times = 1 + below(4); k < times && n > 1; k++) {
     size_t at = below(n), piece = below(sizeof pieces / sizeof *pieces), length = strlen(pieces[piece]);
     switch (below(5)) {
-      case 0: text[n = at] = 0; break;                                 /* cut */
-      case 1: text[at] = (char)(1 + below(255)); break;                /* another byte */
-      case 2: memmove(text + at, text + at + 1, n - at); n--; break;   /* a byte less */
-      case 3: if (at + length < n) memcpy(text + at, pieces[piece], length); break;
+      case 0: text[n = at] = 0; break;                  /* cut */
+      case 1: text[at] = (char)(1 + below(255)); break; /* another byte */
+      case 2:
+        memmove(text + at, text + at + 1, n - at);
+        n--;
+        break; /* a byte less */
+      case 3:
+        if (at + length < n) memcpy(text + at, pieces[piece], length);
+        break;
       default: text[at] = text[below(n)]; break;
     }
   }

@@ -85,7 +85,8 @@ static void test_examples(void **state) {
   char folder[] = "/tmp/slipdisk-doc-XXXXXX", csv[64];
   assert_non_null(mkdtemp(folder));
   snprintf(csv, sizeof csv, "%s/grains.csv", folder);
-  char *doc = read_all(SLIPDISK_SOURCE_DIR "/docs/deck.md"), *block[4], *p = strstr(doc, "## Three worked examples\n");
+  char *doc = read_all(SLIPDISK_SOURCE_DIR "/docs/deck.md"), *block[4],
+       *p = strstr(doc, "## Three worked examples\n");
   assert_non_null(p);
   for (int k = 0; k < 4; k++) {
     block[k] = strchr(strstr(p, "\n```") + 1, '\n') + 1;
@@ -117,7 +118,8 @@ static void test_messages(void **state) {
   const char *folder = SLIPDISK_SOURCE_DIR "/tests/decks/";
   sd_messages *messages = sd_messages_new();
   sd_model *m;
-  assert_int_equal(sd_deck_load(SLIPDISK_SOURCE_DIR "/tests/decks/many.cfg", 0, NULL, &m, messages), SD_ERROR_USER);
+  assert_int_equal(sd_deck_load(SLIPDISK_SOURCE_DIR "/tests/decks/many.cfg", 0, NULL, &m, messages),
+                   SD_ERROR_USER);
   assert_null(m);
   char *expected = read_all(SLIPDISK_SOURCE_DIR "/tests/decks/many.expected"), *line = expected;
   for (size_t k = 0; k < sd_messages_count(messages); k++) {

@@ -71,9 +71,9 @@ static void print_phases(const sd_model *m) {
     const sd_phase *p = &m->phases[k];
     size_t on = 0;
     for (size_t j = 0; j < m->n_motions; j++) on += p->active[j];
-    printf("# phase       %s%s%lld steps, time %g, %zu of %zu prescribed signals on%s\n", p->name ? p->name : "",
-           p->name ? ": " : "", (long long)p->steps, (double)p->steps * m->dt, on, m->n_motions,
-           p->measure ? ", measured" : "");
+    printf("# phase       %s%s%lld steps, time %g, %zu of %zu prescribed signals on%s\n",
+           p->name ? p->name : "", p->name ? ": " : "", (long long)p->steps, (double)p->steps * m->dt, on,
+           m->n_motions, p->measure ? ", measured" : "");
   }
 }
 
@@ -88,8 +88,8 @@ static void print_time_step(const sd_model *m, sd_messages *messages) {
   printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
          sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
   if (m->dt > period / FEWEST_STEPS)
-    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less", m->dt,
-            FEWEST_STEPS, period, period / 100);
+    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less",
+            m->dt, FEWEST_STEPS, period, period / 100);
 }
 
 static int by_size(const void *a, const void *b) {
@@ -141,7 +141,8 @@ static void print_restitution(const sd_model *m) {
       if (count_free(m, a) >= enough && count_free(m, b) >= enough)
         print_one_restitution(m, a, b, ma * mb / (ma + mb), "two free disks");
       if (ma > 0 && has_still(m, b)) print_one_restitution(m, a, b, ma, "a free disk on a fixed body");
-      if (a != b && mb > 0 && has_still(m, a)) print_one_restitution(m, b, a, mb, "a free disk on a fixed body");
+      if (a != b && mb > 0 && has_still(m, a))
+        print_one_restitution(m, b, a, mb, "a free disk on a fixed body");
     }
 }
 
@@ -162,8 +163,9 @@ static sd_status probe(const sd_model *m, sd_messages *messages) {
   }
   if (status == SD_OK && done > 0 && spent > 0) {
     double speed = (double)done / spent, whole = (double)sd_model_steps(m) / speed;
-    printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld steps\n", speed,
-           sd_simulation_threads(s), sd_simulation_threads(s) == 1 ? "" : "s", sd_simulation_path(s), (long long)done);
+    printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld steps\n",
+           speed, sd_simulation_threads(s), sd_simulation_threads(s) == 1 ? "" : "s", sd_simulation_path(s),
+           (long long)done);
     printf("# run time    about ");
     print_duration(whole);
     printf(" for %lld steps\n", (long long)sd_model_steps(m));
@@ -213,7 +215,8 @@ static sd_status read_options(int argc, char **argv, options *o, sd_messages *me
       o->deck = a;
     }
   }
-  if (!o->deck && !o->keys && !o->help) return sd_fail(messages, SD_ERROR_USER, "expected a deck; see slipdisk check --help");
+  if (!o->deck && !o->keys && !o->help)
+    return sd_fail(messages, SD_ERROR_USER, "expected a deck; see slipdisk check --help");
   return SD_OK;
 }
 

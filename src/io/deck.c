@@ -108,8 +108,8 @@ static sd_status load(deck *d, const char *text, size_t n_overrides, const char 
   return finish(d);
 }
 
-sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides, const char *const *overrides,
-                            sd_model **out, sd_messages *messages) {
+sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
+                            const char *const *overrides, sd_model **out, sd_messages *messages) {
   *out = NULL;
   deck *d = calloc(1, sizeof *d);
   if (!d) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);

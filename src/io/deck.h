@@ -64,12 +64,12 @@ typedef struct deck_name {
 typedef struct deck_chunk deck_chunk;
 
 typedef struct deck {
-  const char *path;  /* of the deck, as given */
+  const char *path; /* of the deck, as given */
   sd_messages *messages;
-  size_t reported;   /* errors of this deck so far */
+  size_t reported; /* errors of this deck so far */
   deck_chunk *memory;
   jmp_buf out_of_memory;
-  void *library;     /* libconfig's tree while it is alive; see deck_parse.c */
+  void *library; /* libconfig's tree while it is alive; see deck_parse.c */
   deck_node *root;
   sd_model *model;
 
@@ -79,7 +79,7 @@ typedef struct deck {
   deck_name *disk_names; /* sorted by name */
   size_t n_disk_names;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
-  unsigned char *held;   /* bit k: coordinate k is prescribed by a motion */
+  unsigned char *held;              /* bit k: coordinate k is prescribed by a motion */
 
   /* which entry of `motions` a motion of the model came from */
   size_t *motion_entry;
@@ -88,12 +88,12 @@ typedef struct deck {
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 
-void *deck_alloc(deck *d, size_t n, size_t size);        /* zeroed, from the arena */
-char *deck_copy(deck *d, const char *text, size_t n);    /* n bytes and a final zero, from the arena */
+void *deck_alloc(deck *d, size_t n, size_t size);     /* zeroed, from the arena */
+char *deck_copy(deck *d, const char *text, size_t n); /* n bytes and a final zero, from the arena */
 char *deck_format(deck *d, const char *format, ...) SD_PRINTF(2, 3);
-void *deck_keep(deck *d, size_t n, size_t size);         /* zeroed, from malloc: for the model */
+void *deck_keep(deck *d, size_t n, size_t size);            /* zeroed, from malloc: for the model */
 void *deck_grow(deck *d, void *old, size_t n, size_t size); /* realloc for the model */
-char *deck_keep_text(deck *d, const char *text);         /* for the model; NULL stays NULL */
+char *deck_keep_text(deck *d, const char *text);            /* for the model; NULL stays NULL */
 void deck_memory_free(deck *d);
 
 deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place);
@@ -115,11 +115,11 @@ void deck_report_rest(deck *d);
 /* --- deck_scan.c -------------------------------------------------------------------------------------- */
 
 typedef struct deck_text {
-  char *raw;            /* as read, included files put in place; NULL unless there are any */
-  char *clean;          /* for libconfig */
+  char *raw;   /* as read, included files put in place; NULL unless there are any */
+  char *clean; /* for libconfig */
   size_t n_lines;
-  deck_place *line;     /* [n_lines]: where line k+1 of clean comes from */
-  bool broken;          /* not worth parsing */
+  deck_place *line; /* [n_lines]: where line k+1 of clean comes from */
+  bool broken;      /* not worth parsing */
 } deck_text;
 
 /* Goes through the text and reports what libconfig would pass over or misread. override: text is that of
@@ -171,8 +171,8 @@ typedef struct deck_bodies {
   size_t n, capacity;
   uint32_t *body;
   bool shared;
-  int group;   /* the group, when exactly one was named and nothing else; else -1 */
-  bool given;  /* any of the keys is there */
+  int group;  /* the group, when exactly one was named and nothing else; else -1 */
+  bool given; /* any of the keys is there */
 } deck_bodies;
 
 struct deck_group;

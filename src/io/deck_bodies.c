@@ -76,7 +76,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
       *body = (uint32_t)node->value.integer + (disks ? 0 : (uint32_t)m->n_disks);
       return true;
     }
-    deck_fail(d, node, "no %s has this number; expected 0 to %lld", disks ? "disk" : "wall", (long long)n - 1);
+    deck_fail(d, node, "no %s has this number; expected 0 to %lld", disks ? "disk" : "wall",
+              (long long)n - 1);
     return false;
   }
   if (node->type != DECK_STRING) {
@@ -87,8 +88,10 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
   if (disks && disk_by_name(d, name, body)) return true;
   if (walls && wall_by_name(d, name, body)) return true;
   deck_guess guess = deck_guess_start(name);
-  for (size_t k = 0; disks && k < d->n_disk_names && k < MOST_GUESSES; k++) deck_guess_add(&guess, d->disk_names[k].name);
-  for (size_t w = 0; walls && w < m->n_walls && w < MOST_GUESSES; w++) deck_guess_add(&guess, m->walls[w].name);
+  for (size_t k = 0; disks && k < d->n_disk_names && k < MOST_GUESSES; k++)
+    deck_guess_add(&guess, d->disk_names[k].name);
+  for (size_t w = 0; walls && w < m->n_walls && w < MOST_GUESSES; w++)
+    deck_guess_add(&guess, m->walls[w].name);
   deck_fail(d, node, "no %s is called that%s", what, maybe(d, guess));
   return false;
 }
@@ -134,7 +137,8 @@ static int by_number(const void *a, const void *b) {
 
 deck_bodies deck_select(deck *d, deck_group *g, bool walls) {
   deck_bodies list = {.group = -1};
-  deck_node *disk = deck_get(g, "disk"), *group = deck_get(g, "group"), *wall = walls ? deck_get(g, "wall") : NULL;
+  deck_node *disk = deck_get(g, "disk"), *group = deck_get(g, "group"),
+            *wall = walls ? deck_get(g, "wall") : NULL;
   uint32_t body;
   for (size_t k = 0; k < deck_each_count(disk); k++)
     if (find_body(d, deck_each(disk, k), true, false, &body)) add(d, &list, body);
@@ -146,14 +150,16 @@ deck_bodies deck_select(deck *d, deck_group *g, bool walls) {
   if (disk || wall || deck_each_count(group) != 1) list.group = -1;
   size_t named = deck_each_count(disk) + deck_each_count(group) + deck_each_count(wall);
   if (named == 0)
-    deck_fail_key(d, g->node, "disk", "missing: it names no disk; expected disk, group%s", walls ? " or wall" : " or both");
+    deck_fail_key(d, g->node, "disk", "missing: it names no disk; expected disk, group%s",
+                  walls ? " or wall" : " or both");
   /* a body that is named twice would feel a force, or move, twice */
   if (list.n) qsort(list.body, list.n, sizeof *list.body, by_number);
   size_t kept = 0;
   for (size_t k = 0; k < list.n; k++) {
     if (kept && list.body[kept - 1] == list.body[k]) {
       char name[80];
-      deck_fail(d, g->node, "%s is named twice", sd_model_body_name(d->model, list.body[k], name, sizeof name));
+      deck_fail(d, g->node, "%s is named twice",
+                sd_model_body_name(d->model, list.body[k], name, sizeof name));
       continue;
     }
     list.body[kept++] = list.body[k];

@@ -19,9 +19,9 @@ typedef struct values {
   int material;
   unsigned locked;
   double force[3];
-  const deck_node *node;         /* for messages; NULL when the disk comes from a file */
+  const deck_node *node; /* for messages; NULL when the disk comes from a file */
   deck_place place;
-  bool broken;                   /* the common values have errors: rows are not checked again */
+  bool broken; /* the common values have errors: rows are not checked again */
 } values;
 
 /* --- one disk ------------------------------------------------------------------------------------------- */
@@ -38,16 +38,19 @@ static void check_values(deck *d, const values *v) {
   static const int required[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
   bool single = v->node && v->node->table == &deck_disks; /* then the getters have reported */
   for (int k = 0; k < 3 && !single; k++)
-    if (isnan(x[required[k]])) fail_value(d, v, deck_column_names[required[k]], "missing: neither a column nor a common value");
+    if (isnan(x[required[k]]))
+      fail_value(d, v, deck_column_names[required[k]], "missing: neither a column nor a common value");
   bool mass = !isnan(x[COLUMN_MASS]), density = !isnan(x[COLUMN_DENSITY]);
   bool tried = v->node && (deck_child(v->node, "mass") || deck_child(v->node, "density"));
   if (!mass && !density && !tried) fail_value(d, v, "mass", "missing: expected mass or density > 0");
   if (mass && density) fail_value(d, v, "density", "given together with mass; expected one of them");
-  bool moving = fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0; /* NAN: reported */
+  bool moving =
+      fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0; /* NAN: reported */
   if (x[COLUMN_FIXED] != 0 && moving)
     fail_value(d, v, "fixed", "a fixed disk cannot have a velocity; a motion of type \"velocity\" moves it");
   for (int c = 0; c < 3; c++)
-    if ((v->locked >> c & 1) && fabs(x[COLUMN_VX + c]) > 0) fail_value(d, v, "locked", "a locked coordinate cannot have a velocity");
+    if ((v->locked >> c & 1) && fabs(x[COLUMN_VX + c]) > 0)
+      fail_value(d, v, "locked", "a locked coordinate cannot have a velocity");
 }
 
 static int group_number(deck *d, const char *name) {
@@ -80,7 +83,8 @@ static void add_disk(deck *d, const values *v) {
   sd_disk disk = {.position = {x[COLUMN_X], x[COLUMN_Y], x[COLUMN_THETA]},
                   .velocity = {x[COLUMN_VX], x[COLUMN_VY], x[COLUMN_OMEGA]},
                   .radius = radius,
-                  .mass = isnan(x[COLUMN_MASS]) ? x[COLUMN_DENSITY] * 3.14159265358979323846 * radius * radius : x[COLUMN_MASS],
+                  .mass = isnan(x[COLUMN_MASS]) ? x[COLUMN_DENSITY] * 3.14159265358979323846 * radius * radius
+                                                : x[COLUMN_MASS],
                   .inertia = x[COLUMN_INERTIA],
                   .force = {v->force[0], v->force[1], v->force[2]},
                   .material = v->material,
@@ -104,7 +108,8 @@ static bool has_column(const deck_columns *t, int column) {
 static bool common(deck_group *g, const deck_columns *t, int column) {
   if (!has_column(t, column)) return true;
   if (deck_given(g, deck_column_names[column]))
-    deck_fail_key(g->d, g->node, deck_column_names[column], "given here and as a column; expected one of them");
+    deck_fail_key(g->d, g->node, deck_column_names[column],
+                  "given here and as a column; expected one of them");
   return false;
 }
 
@@ -153,7 +158,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
       v.group = text;
     } else {
       v.material = text ? deck_material(d, NULL, text) : -1;
-      if (v.material < 0) fail_value(d, &v, "material", deck_format(d, "no material is called \"%s\"", text ? text : ""));
+      if (v.material < 0)
+        fail_value(d, &v, "material", deck_format(d, "no material is called \"%s\"", text ? text : ""));
     }
   }
   add_disk(d, &v);
@@ -189,9 +195,11 @@ void deck_read_disks(deck *d) {
   for (size_t k = 0; list && k < list->n; k++) read_table(d, list->child[k], &deck_disk_rows);
   list = deck_groups(d, d->root, "disk_files");
   d->file_tables = deck_alloc(d, list ? list->n : 0, sizeof(deck_columns));
-  for (size_t k = 0; list && k < list->n; k++) d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
+  for (size_t k = 0; list && k < list->n; k++)
+    d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
   if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files"))
-    deck_fail_key(d, d->root, "disks", "missing: expected at least one disk, in disks, disk_rows or disk_files");
+    deck_fail_key(d, d->root, "disks",
+                  "missing: expected at least one disk, in disks, disk_rows or disk_files");
   deck_index_names(d);
 }
 

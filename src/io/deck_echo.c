@@ -85,7 +85,8 @@ static void put_value(printer *p, const deck_node *node, int indent) {
     put(p, " }");
     return;
   }
-  bool rows = node->n && (node->child[0]->type == DECK_GROUP || (node->child[0]->type == DECK_LIST && node->n > 4));
+  bool rows =
+      node->n && (node->child[0]->type == DECK_GROUP || (node->child[0]->type == DECK_LIST && node->n > 4));
   put(p, "(");
   for (size_t k = 0; k < node->n; k++) {
     if (k) put(p, ",");

@@ -20,11 +20,13 @@
 static const deck_key top_keys[] = {
     {"title", TEXT, "\"\"", NULL, "one line about this run"},
     {"seed", INTEGER(DECK_NOT_NEGATIVE, "-"), "1", NULL, "seed of all random streams"},
-    {"integrator", CHOICE, "\"gear5\"", "gear5 verlet", "Gear predictor-corrector of fifth order, or velocity Verlet"},
+    {"integrator", CHOICE, "\"gear5\"", "gear5 verlet",
+     "Gear predictor-corrector of fifth order, or velocity Verlet"},
     {"dt", NUMBER(DECK_POSITIVE, "time"), "required", NULL, "time step"},
     {"contact_variant", CHOICE, "\"paper\"", "paper conservative",
      "tangential force on the centres: tau (paper), or tau (R_a+R_b)/r, which conserves energy"},
-    {"skin", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL, "margin of the neighbour list; 0: chosen from the radii"},
+    {"skin", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
+     "margin of the neighbour list; 0: chosen from the radii"},
     {"max_overlap", NUMBER(DECK_UP_TO_1, "-"), "0.5", NULL,
      "a run stops when an overlap exceeds this fraction of the smaller radius"},
     {"checkpoint", NUMBER(DECK_POSITIVE, "s"), "60.0", NULL, "wall time between checkpoints"},
@@ -54,60 +56,67 @@ static const deck_key gravity_keys[] = {
 TABLE(deck_gravity, "gravity", true, "Gravity; without this group there is none.", gravity_keys);
 
 static const deck_key box_keys[] = {
-    {"x", DECK_KEY_NUMBERS, DECK_ANY, "length", "-", NULL, "[lower, upper] edge; required when periodic in x"},
-    {"y", DECK_KEY_NUMBERS, DECK_ANY, "length", "-", NULL, "[lower, upper] edge; required when periodic in y"},
-    {"periodic", CHOICE, "\"none\"", "none x y xy", "directions in which the box repeats; its edges are no walls"},
+    {"x", DECK_KEY_NUMBERS, DECK_ANY, "length", "-", NULL,
+     "[lower, upper] edge; required when periodic in x"},
+    {"y", DECK_KEY_NUMBERS, DECK_ANY, "length", "-", NULL,
+     "[lower, upper] edge; required when periodic in y"},
+    {"periodic", CHOICE, "\"none\"", "none x y xy",
+     "directions in which the box repeats; its edges are no walls"},
 };
 TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
 
-#define LAW                                                                                                    \
-  {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL, "normal stiffness"},                        \
-      {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the skin"},                \
-      {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity"},            \
+#define LAW                                                                                                  \
+  {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL, "normal stiffness"},                      \
+      {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the skin"},              \
+      {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity"},          \
       {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)"},
 
 static const deck_key material_keys[] = {
-    {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"},
-    LAW
-};
-TABLE(deck_materials, "materials", false, "A material, with the law of its contacts with itself.", material_keys);
+    {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"}, LAW};
+TABLE(deck_materials, "materials", false, "A material, with the law of its contacts with itself.",
+      material_keys);
 
-static const deck_key pair_keys[] = {
-    {"materials", NAMES, "required", NULL, "the names of the two materials"},
-    LAW
-};
+static const deck_key pair_keys[] = {{"materials", NAMES, "required", NULL, "the names of the two materials"},
+                                     LAW};
 TABLE(deck_pairs, "material_pairs", false, "The law of contacts between two different materials.", pair_keys);
 
 /* place, radius: "required" for a single disk, "-" where columns give them */
-#define DISK(place)                                                                                            \
-  {"x", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                                       \
-      {"y", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                                   \
-      {"theta", ANGLE("rad"), "0.0", NULL, "angle at the start"},                                              \
-      {"vx", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},                           \
-      {"vy", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},                           \
-      {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},                              \
-      {"radius", NUMBER(DECK_POSITIVE, "length"), place, NULL, "radius"},                                      \
-      {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass; either this or density"},                      \
-      {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL, "mass per area: mass = density pi R^2"},  \
-      {"inertia", NUMBER(DECK_NOT_NEGATIVE, "mass length^2"), "0.0", NULL, "moment of inertia; 0: m R^2/2"},   \
-      {"material", TEXT, "(the only one)", NULL, "name of the material; may be left out when there is one only"}, \
-      {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},                              \
-      {"fixed", BOOL, "false", NULL, "held still, or moved by motions only, whatever pushes"},                 \
-      {"locked", COORDINATES, "()", NULL, "coordinates that never change"},                                    \
-      {"force", DECK_KEY_NUMBERS, DECK_ANY, "force", "(0.0, 0.0)", NULL, "constant force (f_x, f_y) on the centre"}, \
+#define DISK(place)                                                                                          \
+  {"x", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                                     \
+      {"y", NUMBER(DECK_ANY, "length"), place, NULL, "centre at the start"},                                 \
+      {"theta", ANGLE("rad"), "0.0", NULL, "angle at the start"},                                            \
+      {"vx", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},                         \
+      {"vy", NUMBER(DECK_ANY, "length/time"), "0.0", NULL, "velocity at the start"},                         \
+      {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},                            \
+      {"radius", NUMBER(DECK_POSITIVE, "length"), place, NULL, "radius"},                                    \
+      {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass; either this or density"},                    \
+      {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL,                                         \
+       "mass per area: mass = density pi R^2"},                                                              \
+      {"inertia", NUMBER(DECK_NOT_NEGATIVE, "mass length^2"), "0.0", NULL, "moment of inertia; 0: m R^2/2"}, \
+      {"material", TEXT, "(the only one)", NULL,                                                             \
+       "name of the material; may be left out when there is one only"},                                      \
+      {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},                            \
+      {"fixed", BOOL, "false", NULL, "held still, or moved by motions only, whatever pushes"},               \
+      {"locked", COORDINATES, "()", NULL, "coordinates that never change"},                                  \
+      {"force",                                                                                              \
+       DECK_KEY_NUMBERS,                                                                                     \
+       DECK_ANY,                                                                                             \
+       "force",                                                                                              \
+       "(0.0, 0.0)",                                                                                         \
+       NULL,                                                                                                 \
+       "constant force (f_x, f_y) on the centre"},                                                           \
       {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque"},
 
-static const deck_key disk_keys[] = {
-    {"name", TEXT, "-", NULL, "name by which other groups refer to it"},
-    DISK("required")
-};
+static const deck_key disk_keys[] = {{"name", TEXT, "-", NULL, "name by which other groups refer to it"},
+                                     DISK("required")};
 TABLE(deck_disks, "disks", false, "One disk.", disk_keys);
 
 static const deck_key row_keys[] = {
-    {"columns", NAMES, "required", NULL, "keys of `disks` that the rows give, in order (not locked, force or torque)"},
-    {"rows", DECK_KEY_ROWS, DECK_ANY, "-", "required", NULL, "a list of values for each disk, in the order of the columns"},
-    DISK("-")
-};
+    {"columns", NAMES, "required", NULL,
+     "keys of `disks` that the rows give, in order (not locked, force or torque)"},
+    {"rows", DECK_KEY_ROWS, DECK_ANY, "-", "required", NULL,
+     "a list of values for each disk, in the order of the columns"},
+    DISK("-")};
 TABLE(deck_disk_rows, "disk_rows", false,
       "Many disks, a row each; keys of `disks` that are not columns hold for all rows.", row_keys);
 
@@ -117,15 +126,15 @@ static const deck_key file_keys[] = {
     {"dataset", TEXT, "-", NULL, "HDF5: the dataset"},
     {"columns", NAMES, "(all of a CSV file; x, y, radius of HDF5)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
-    DISK("-")
-};
+    DISK("-")};
 TABLE(deck_disk_files, "disk_files", false,
       "Many disks from a file; keys of `disks` that are not columns hold for all rows.", file_keys);
 
 static const deck_key force_keys[] = {
     {"disk", BODIES, "-", NULL, "disks, by name or number"},
     {"group", NAMES, "-", NULL, "groups of disks"},
-    {"force", DECK_KEY_NUMBERS, DECK_ANY, "force", "(0.0, 0.0)", NULL, "constant force (f_x, f_y), added on each disk"},
+    {"force", DECK_KEY_NUMBERS, DECK_ANY, "force", "(0.0, 0.0)", NULL,
+     "constant force (f_x, f_y), added on each disk"},
     {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque, added on each disk"},
 };
 TABLE(deck_forces, "forces", false, "A constant force on disks, besides gravity.", force_keys);
@@ -140,9 +149,11 @@ TABLE(deck_locks, "locks", false, "Coordinates of disks that never change, whate
 static const deck_key wall_keys[] = {
     {"name", TEXT, "-", NULL, "name by which other groups refer to it"},
     {"type", CHOICE, "required", "line segment polyline circle", "shape, see below"},
-    {"material", TEXT, "(the only one)", NULL, "name of the material; may be left out when there is one only"},
+    {"material", TEXT, "(the only one)", NULL,
+     "name of the material; may be left out when there is one only"},
     {"points", DECK_KEY_POINTS, DECK_ANY, "length", "-", NULL, "list of (x, y)"},
-    {"pivot", DECK_KEY_NUMBERS, DECK_ANY, "length", "(mean of the points)", NULL, "(x, y) about which it turns"},
+    {"pivot", DECK_KEY_NUMBERS, DECK_ANY, "length", "(mean of the points)", NULL,
+     "(x, y) about which it turns"},
     {"closed", BOOL, "false", NULL, "polyline: join the last point to the first"},
     {"center", DECK_KEY_NUMBERS, DECK_ANY, "length", "-", NULL, "circle: (x, y)"},
     {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "circle: radius"},
@@ -163,8 +174,10 @@ static const deck_key motion_keys[] = {
     {"disk", BODIES, "-", NULL, "disks, by name or number"},
     {"group", NAMES, "-", NULL, "groups of disks"},
     {"wall", BODIES, "-", NULL, "walls, by name or number"},
-    {"coordinate", COORDINATES, "required", NULL, "what moves; theta of a group turns each disk about its own centre"},
-    {"type", CHOICE, "required", "fixed velocity harmonic parabolic random table", "kind of motion, see below"},
+    {"coordinate", COORDINATES, "required", NULL,
+     "what moves; theta of a group turns each disk about its own centre"},
+    {"type", CHOICE, "required", "fixed velocity harmonic parabolic random table",
+     "kind of motion, see below"},
     {"amplitude", ANGLE("length or rad"), "-", NULL, "amplitude; random: rms displacement"},
     {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL, "cycles per time; either this or omega"},
     {"omega", ANGLE("rad/time"), "-", NULL, "angular frequency, > 0"},
@@ -183,26 +196,32 @@ static const deck_key motion_keys[] = {
     {"periodic", BOOL, "false", NULL, "table: repeat it; the last value must equal the first"},
 };
 TABLE(deck_motions, "motions", false,
-      "A prescribed displacement u(t), added to one or more coordinates of each body it names. Several motions on "
+      "A prescribed displacement u(t), added to one or more coordinates of each body it names. Several "
+      "motions on "
       "the same coordinate add up. t counts from the moment the motion is switched on.",
       motion_keys);
 
 const deck_shape deck_motion_kinds[] = {
     {"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
     {"velocity", SD_MOTION_VELOCITY, "velocity* ramp", "u = v t"},
-    {"harmonic", SD_MOTION_HARMONIC, "amplitude* frequency/omega* phase ramp", "u = A sin(w t + phi) (eq. 20)"},
+    {"harmonic", SD_MOTION_HARMONIC, "amplitude* frequency/omega* phase ramp",
+     "u = A sin(w t + phi) (eq. 20)"},
     {"parabolic", SD_MOTION_PARABOLIC, "amplitude* frequency/omega* phase ramp",
      "the same, each half wave replaced by a parabola (eq. 21)"},
     {"random", SD_MOTION_RANDOM, "amplitude* frequency/omega* damping interval independent ramp",
      "u'' + 2 c w u' + w^2 u = white noise, of rms displacement A (eq. 52)"},
-    {"table", SD_MOTION_TABLE, "file/times* columns values factor periodic ramp", "natural cubic spline through a table"},
+    {"table", SD_MOTION_TABLE, "file/times* columns values factor periodic ramp",
+     "natural cubic spline through a table"},
 };
 const size_t deck_motion_kind_count = COUNT(deck_motion_kinds);
 
-#define CADENCE(series, frames, contacts)                                                                        \
-  {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), series, NULL, "steps between rows of the time series; 0: none"}, \
-      {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), frames, NULL, "steps between stored frames of all bodies; 0: none"}, \
-      {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), contacts, NULL, "steps between stored contact tables; 0: none"},
+#define CADENCE(series, frames, contacts)                                                                    \
+  {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), series, NULL,                                              \
+   "steps between rows of the time series; 0: none"},                                                        \
+      {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), frames, NULL,                                          \
+       "steps between stored frames of all bodies; 0: none"},                                                \
+      {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), contacts, NULL,                                      \
+       "steps between stored contact tables; 0: none"},
 
 static const deck_key phase_keys[] = {
     {"name", TEXT, "-", NULL, "name in messages and results"},
@@ -210,14 +229,12 @@ static const deck_key phase_keys[] = {
     {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "length as a time, rounded to whole steps"},
     {"motions", BODIES, "(all)", NULL, "motions that are on, by name or number; () for none"},
     {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered"},
-    CADENCE("(as in output)", "(as in output)", "(as in output)")
-};
+    CADENCE("(as in output)", "(as in output)", "(as in output)")};
 TABLE(deck_phases, "phases", false, "A part of the run.", phase_keys);
 
-static const deck_key output_keys[] = {
-    CADENCE("(a thousandth of each phase)", "0", "0")
-};
-TABLE(deck_output, "output", true, "How often results are stored, where a phase does not say otherwise.", output_keys);
+static const deck_key output_keys[] = {CADENCE("(a thousandth of each phase)", "0", "0")};
+TABLE(deck_output, "output", true, "How often results are stored, where a phase does not say otherwise.",
+      output_keys);
 
 static const deck_key measure_keys[] = {
     {"rotation", BODIES, "(all free disks when at most 16, else none)", NULL,
@@ -228,13 +245,16 @@ TABLE(deck_measure, "measure", true, "What is measured, in the phases that measu
 
 static const deck_key sliding_keys[] = {
     {"disk", BODIES, "required", NULL, "the disk, by name or number"},
-    {"partners", BODIES, "required", NULL, "the two disks or walls that it touches, first and second sign of S++"},
+    {"partners", BODIES, "required", NULL,
+     "the two disks or walls that it touches, first and second sign of S++"},
 };
-TABLE(deck_sliding, "measure.sliding", false, "A disk and the two partners whose contacts are watched.", sliding_keys);
+TABLE(deck_sliding, "measure.sliding", false, "A disk and the two partners whose contacts are watched.",
+      sliding_keys);
 
 const deck_table *const deck_tables[] = {
-    &deck_top,   &deck_gravity, &deck_box,   &deck_materials, &deck_pairs,  &deck_disks,  &deck_disk_rows, &deck_disk_files,
-    &deck_forces, &deck_locks,  &deck_walls, &deck_motions,   &deck_phases, &deck_output, &deck_measure,   &deck_sliding,
+    &deck_top,       &deck_gravity,    &deck_box,     &deck_materials, &deck_pairs, &deck_disks,
+    &deck_disk_rows, &deck_disk_files, &deck_forces,  &deck_locks,     &deck_walls, &deck_motions,
+    &deck_phases,    &deck_output,     &deck_measure, &deck_sliding,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 
@@ -247,9 +267,10 @@ const deck_key *deck_key_find(const deck_table *table, const char *name) {
 }
 
 const char *deck_kind_text(deck_kind kind) {
-  static const char *const text[] = {"true or false", "integer", "number", "angle", "text", "choice", "numbers",
-                                     "points", "name(s)", "name(s) or number(s)", "coordinate(s)", "rows", "group",
-                                     "list of groups"};
+  static const char *const text[] = {
+      "true or false", "integer", "number", "angle",         "text",
+      "choice",        "numbers", "points", "name(s)",       "name(s) or number(s)",
+      "coordinate(s)", "rows",    "group",  "list of groups"};
   return text[kind];
 }
 
@@ -286,7 +307,8 @@ static size_t edit_distance(const char *a, const char *b) {
     for (size_t j = 1; j <= n; j++) {
       size_t same = a[i - 1] == b[j - 1] ? 0 : 1;
       now[j] = least(least(up[j] + 1, now[j - 1] + 1), up[j - 1] + same);
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) now[j] = least(now[j], up2[j - 2] + 1);
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        now[j] = least(now[j], up2[j - 2] + 1);
     }
   }
   return row[m % 3][n];
@@ -309,20 +331,22 @@ void deck_guess_add(deck_guess *guess, const char *candidate) {
 static void print_shapes(FILE *out, const char *heading, const deck_shape *shape, size_t n) {
   fprintf(out, "| %s | keys | meaning |\n|---|---|---|\n", heading);
   for (size_t k = 0; k < n; k++)
-    fprintf(out, "| `\"%s\"` | %s | %s |\n", shape[k].name, *shape[k].keys ? shape[k].keys : "-", shape[k].meaning);
+    fprintf(out, "| `\"%s\"` | %s | %s |\n", shape[k].name, *shape[k].keys ? shape[k].keys : "-",
+            shape[k].meaning);
   fprintf(out, "\n");
 }
 
 void deck_keys_print(FILE *out) {
   for (size_t t = 0; t < deck_table_count; t++) {
     const deck_table *table = deck_tables[t];
-    fprintf(out, "### %s\n\n%s\n\n| key | type | range | unit | default | meaning |\n|---|---|---|---|---|---|\n",
+    fprintf(out,
+            "### %s\n\n%s\n\n| key | type | range | unit | default | meaning |\n|---|---|---|---|---|---|\n",
             table->name, table->meaning);
     for (size_t k = 0; k < table->n; k++) {
       const deck_key *key = &table->key[k];
       const char *range = key->kind == DECK_KEY_CHOICE ? key->choices : deck_range_text(key->range);
-      fprintf(out, "| `%s` | %s | %s | %s | %s | %s |\n", key->name, deck_kind_text(key->kind), *range ? range : "-",
-              key->unit, key->initial, key->meaning);
+      fprintf(out, "| `%s` | %s | %s | %s | %s | %s |\n", key->name, deck_kind_text(key->kind),
+              *range ? range : "-", key->unit, key->initial, key->meaning);
     }
     fprintf(out, "\n");
     if (table == &deck_walls) print_shapes(out, "wall type", deck_wall_kinds, deck_wall_kind_count);

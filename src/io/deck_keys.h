@@ -16,7 +16,7 @@ typedef enum deck_kind {
   DECK_KEY_BOOL,
   DECK_KEY_INTEGER,
   DECK_KEY_NUMBER,
-  DECK_KEY_ANGLE,       /* a number of radians, or "0.04 pi", "7.2 deg" */
+  DECK_KEY_ANGLE, /* a number of radians, or "0.04 pi", "7.2 deg" */
   DECK_KEY_TEXT,
   DECK_KEY_CHOICE,
   DECK_KEY_NUMBERS,     /* list of numbers */
@@ -26,10 +26,16 @@ typedef enum deck_kind {
   DECK_KEY_COORDINATES, /* "x", "y", "theta" or a list of them */
   DECK_KEY_ROWS,        /* list of lists of values */
   DECK_KEY_GROUP,
-  DECK_KEY_GROUPS       /* list of groups */
+  DECK_KEY_GROUPS /* list of groups */
 } deck_kind;
 
-typedef enum deck_range { DECK_ANY, DECK_POSITIVE, DECK_NOT_NEGATIVE, DECK_AT_LEAST_1, DECK_UP_TO_1 } deck_range;
+typedef enum deck_range {
+  DECK_ANY,
+  DECK_POSITIVE,
+  DECK_NOT_NEGATIVE,
+  DECK_AT_LEAST_1,
+  DECK_UP_TO_1
+} deck_range;
 
 /* initial: the default as it would stand in a deck; "required"; "-": absent unless given; or "(words)" where
  * it depends on other keys. */
@@ -44,16 +50,16 @@ typedef struct deck_key {
 } deck_key;
 
 typedef struct deck_table {
-  const char *name;    /* as in the deck: "motions", "measure.sliding" */
+  const char *name; /* as in the deck: "motions", "measure.sliding" */
   const char *meaning;
-  bool one;            /* { } and not a list of them */
+  bool one; /* { } and not a list of them */
   size_t n;
   const deck_key *key;
 } deck_table;
 
-extern const deck_table deck_top, deck_gravity, deck_box, deck_materials, deck_pairs, deck_disks, deck_disk_rows,
-    deck_disk_files, deck_forces, deck_locks, deck_walls, deck_motions, deck_phases, deck_output, deck_measure,
-    deck_sliding;
+extern const deck_table deck_top, deck_gravity, deck_box, deck_materials, deck_pairs, deck_disks,
+    deck_disk_rows, deck_disk_files, deck_forces, deck_locks, deck_walls, deck_motions, deck_phases,
+    deck_output, deck_measure, deck_sliding;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
 

@@ -62,7 +62,8 @@ void deck_read_materials(deck *d) {
     deck_group g;
     if (!deck_enter(d, list->child[k], &deck_materials, &g)) continue;
     const char *name = deck_text_of(&g, "name");
-    if (name && deck_material(d, NULL, name) >= 0) deck_fail_key(d, g.node, "name", "two materials have this name");
+    if (name && deck_material(d, NULL, name) >= 0)
+      deck_fail_key(d, g.node, "name", "two materials have this name");
     if (name && !*name) deck_fail_key(d, g.node, "name", "expected a name that is not empty");
     m->laws[k * n + k] = read_law(&g);
     if (!name) continue;
@@ -94,9 +95,10 @@ void deck_check_laws(deck *d) {
     for (size_t b = a + 1; b < n; b++) {
       bool touch = (is_free[a] && used[b]) || (is_free[b] && used[a]);
       if (touch && m->laws[a * n + b].k_n == 0)
-        deck_fail_key(d, d->root, "material_pairs",
-                      "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", \"%s\"); k_n = ...; }",
-                      m->materials[a].name, m->materials[b].name, m->materials[a].name, m->materials[b].name);
+        deck_fail_key(
+            d, d->root, "material_pairs",
+            "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", \"%s\"); k_n = ...; }",
+            m->materials[a].name, m->materials[b].name, m->materials[a].name, m->materials[b].name);
     }
 }
 
@@ -122,7 +124,8 @@ static void read_points(deck_group *g, sd_wall *wall) {
     }
     for (size_t c = 0; c < 2; c++) deck_value_number(d, point->child[c], false, &wall->points[k][c]);
     const double *now = wall->points[k], *before = k ? wall->points[k - 1] : NULL;
-    if (before && now[0] == before[0] && now[1] == before[1]) deck_fail(d, point, "the same as the point before");
+    if (before && now[0] == before[0] && now[1] == before[1])
+      deck_fail(d, point, "the same as the point before");
   }
   const double *first = wall->points[0], *last = wall->points[list->n - 1];
   if (wall->closed && list->n < 3) deck_fail(d, list, "a closed polyline needs three points or more");
@@ -149,7 +152,8 @@ static void read_wall(deck *d, deck_node *node, sd_wall *wall) {
   if (d->model->n_materials == 1) deck_default_text(&g, "material", d->model->materials[0].name);
   const char *material = deck_text_of(&g, "material");
   if (material) wall->material = deck_material(d, deck_get(&g, "material"), material);
-  if (!deck_get(&g, "material")) deck_fail_key(d, node, "material", "missing: expected the name of a material");
+  if (!deck_get(&g, "material"))
+    deck_fail_key(d, node, "material", "missing: expected the name of a material");
   int kind = deck_choice(&g, "type");
   if (kind < 0) return;
   deck_check_shape(&g, &deck_wall_kinds[kind], deck_wall_kinds, deck_wall_kind_count);

@@ -84,11 +84,13 @@ static void read_table(deck_group *g, sd_motion *motion) {
   motion->periodic = deck_bool(g, "periodic");
   motion->amplitude = deck_number(g, "factor");
   if (from_file) {
-    if (deck_given(g, "values")) deck_fail_key(d, g->node, "values", "given together with file; expected one of them");
+    if (deck_given(g, "values"))
+      deck_fail_key(d, g->node, "values", "given together with file; expected one of them");
     n = read_table_file(g, &time, &value);
   } else {
     n = read_list(d, at, &time);
-    if (!deck_get(g, "values")) deck_fail_key(d, g->node, "values", "missing: expected a value for each of times");
+    if (!deck_get(g, "values"))
+      deck_fail_key(d, g->node, "values", "missing: expected a value for each of times");
     if (read_list(d, deck_get(g, "values"), &value) != n && d->reported == before)
       deck_fail_key(d, g->node, "values", "expected as many values as times (%zu)", n);
   }
@@ -100,7 +102,8 @@ static void read_table(deck_group *g, sd_motion *motion) {
       break;
     }
   if (motion->periodic && n && value[0] != value[n - 1])
-    deck_fail_key(d, g->node, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1], value[0]);
+    deck_fail_key(d, g->node, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1],
+                  value[0]);
   if (d->reported > before) return;
   motion->n_table = n;
   motion->table_time = time; /* in the arena; each motion of the model gets its own copy */
@@ -110,7 +113,8 @@ static void read_table(deck_group *g, sd_motion *motion) {
 
 /* --- into the model ---------------------------------------------------------------------------------------- */
 
-static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, size_t n, const uint32_t *bodies) {
+static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, size_t n,
+                 const uint32_t *bodies) {
   sd_model *m = d->model;
   if (m->n_motions == d->motion_capacity) {
     size_t capacity = 2 * d->motion_capacity + 32;
@@ -141,7 +145,8 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
     if (bodies[b] < m->n_disks) d->held[bodies[b]] |= (unsigned char)(1u << coordinate);
 }
 
-static uint32_t stream_number(deck *d, const deck_node *node, streams *s, int thing, size_t index, int coordinate) {
+static uint32_t stream_number(deck *d, const deck_node *node, streams *s, int thing, size_t index,
+                              int coordinate) {
   if (index >= INDICES) {
     deck_fail(d, node, "random motions reach disks and walls up to number %d only", INDICES - 1);
     return 0;
@@ -155,8 +160,8 @@ static uint32_t stream_number(deck *d, const deck_node *node, streams *s, int th
   return (uint32_t)index << 8 | ordinal << 4 | (unsigned)coordinate << 2 | (unsigned)thing;
 }
 
-static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies, unsigned mask,
-                        streams *s) {
+static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
+                        unsigned mask, streams *s) {
   size_t n_disks = d->model->n_disks;
   deck_default_bool(g, "independent", !bodies->shared);
   bool independent = deck_bool(g, "independent");
@@ -172,7 +177,8 @@ static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
     for (size_t b = 0; b < bodies->n; b++) {
       uint32_t body = bodies->body[b];
       bool disk = body < n_disks;
-      motion->stream = stream_number(d, g->node, s, disk ? THING_DISK : THING_WALL, disk ? body : body - n_disks, c);
+      motion->stream =
+          stream_number(d, g->node, s, disk ? THING_DISK : THING_WALL, disk ? body : body - n_disks, c);
       push(d, motion, entry, c, 1, &body);
     }
   }
@@ -185,7 +191,10 @@ static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsign
     for (int c = 0; c < 3; c++) {
       if (!(mask >> c & 1) || !(disk->locked[c] || fabs(disk->velocity[c]) > 0)) continue;
       char name[80];
-      deck_fail_key(d, g->node, "coordinate", "%s of %s is %s, and cannot be moved too", c == 0 ? "x" : c == 1 ? "y" : "theta",
+      deck_fail_key(d, g->node, "coordinate", "%s of %s is %s, and cannot be moved too",
+                    c == 0   ? "x"
+                    : c == 1 ? "y"
+                             : "theta",
                     sd_model_body_name(d->model, bodies->body[b], name, sizeof name),
                     disk->locked[c] ? "locked" : "given a velocity of its own");
     }
@@ -216,7 +225,8 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
       motion.amplitude = deck_number(&g, "amplitude");
       motion.omega = read_omega(&g);
     }
-    if (motion.kind == SD_MOTION_HARMONIC || motion.kind == SD_MOTION_PARABOLIC) motion.phase = deck_number(&g, "phase");
+    if (motion.kind == SD_MOTION_HARMONIC || motion.kind == SD_MOTION_PARABOLIC)
+      motion.phase = deck_number(&g, "phase");
     if (motion.kind == SD_MOTION_RANDOM) {
       motion.damping = deck_number(&g, "damping");
       motion.interval = deck_integer(&g, "interval");

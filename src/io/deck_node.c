@@ -201,5 +201,6 @@ void deck_fail_place(deck *d, deck_place place, const char *format, ...) {
 
 void deck_report_rest(deck *d) {
   if (d->reported > MOST_MESSAGES)
-    sd_fail(d->messages, SD_ERROR_USER, "%s: %zu more errors like these", d->path, d->reported - MOST_MESSAGES);
+    sd_fail(d->messages, SD_ERROR_USER, "%s: %zu more errors like these", d->path,
+            d->reported - MOST_MESSAGES);
 }

@@ -14,7 +14,7 @@ enum { NONE = -1 };
 typedef struct grid {
   deck *d;
   const sd_model *m;
-  size_t n_cells;   /* of the hash table, a power of two */
+  size_t n_cells; /* of the hash table, a power of two */
   int64_t *head, *next;
   double cell;
   double length[2]; /* of the box, 0: open */
@@ -36,7 +36,9 @@ static size_t hash(const grid *g, int64_t i, int64_t j) {
 }
 
 /* Far away all cells are one: correct, if slow. */
-static int64_t cell_of(const grid *g, double x) { return (int64_t)fmax(-1e15, fmin(1e15, floor(x / g->cell))); }
+static int64_t cell_of(const grid *g, double x) {
+  return (int64_t)fmax(-1e15, fmin(1e15, floor(x / g->cell)));
+}
 
 static const char *name_of(const grid *g, size_t i, char text[96]) {
   return sd_model_body_name(g->m, (uint32_t)i, text, 96);
@@ -53,15 +55,18 @@ static void check_pair(const grid *g, size_t i, size_t j, double x, double y) {
   char one[96], two[96];
   size_t later = i > j ? i : j, earlier = i > j ? j : i;
   if (r == 0)
-    deck_fail_place(g->d, g->d->disk_place[later], "%s and %s have the same centre", name_of(g, later, one), name_of(g, earlier, two));
+    deck_fail_place(g->d, g->d->disk_place[later], "%s and %s have the same centre", name_of(g, later, one),
+                    name_of(g, earlier, two));
   else
-    deck_fail_place(g->d, g->d->disk_place[later], "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g",
+    deck_fail_place(g->d, g->d->disk_place[later],
+                    "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g",
                     name_of(g, later, one), name_of(g, earlier, two), overlap, g->m->max_overlap, smaller);
 }
 
 static void check_around(const grid *g, size_t i, double x, double y) {
   double reach = 2 * g->m->disks[i].radius;
-  int64_t low[2] = {cell_of(g, x - reach), cell_of(g, y - reach)}, high[2] = {cell_of(g, x + reach), cell_of(g, y + reach)};
+  int64_t low[2] = {cell_of(g, x - reach), cell_of(g, y - reach)},
+          high[2] = {cell_of(g, x + reach), cell_of(g, y + reach)};
   double cells = (double)(high[0] - low[0] + 1) * (double)(high[1] - low[1] + 1);
   if (cells > (double)g->m->n_disks) {
     for (size_t j = 0; j < g->m->n_disks; j++)
@@ -106,7 +111,8 @@ static void check_disks(deck *d) {
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *disk = &m->disks[i];
     if (!sound(disk)) continue;
-    size_t slot = hash(&g, cell_of(&g, wrapped(&g, disk->position[0], 0)), cell_of(&g, wrapped(&g, disk->position[1], 1)));
+    size_t slot = hash(&g, cell_of(&g, wrapped(&g, disk->position[0], 0)),
+                       cell_of(&g, wrapped(&g, disk->position[1], 1)));
     g.next[i] = g.head[slot];
     g.head[slot] = (int64_t)i;
   }
@@ -117,8 +123,10 @@ static void check_disks(deck *d) {
     /* images only where the disk reaches over an edge of the box */
     for (int p = -1; p <= 1; p++)
       for (int q = -1; q <= 1; q++) {
-        bool over_x = p == 0 || (g.length[0] > 0 && (p < 0 ? x + reach > m->upper[0] : x - reach < m->lower[0]));
-        bool over_y = q == 0 || (g.length[1] > 0 && (q < 0 ? y + reach > m->upper[1] : y - reach < m->lower[1]));
+        bool over_x =
+            p == 0 || (g.length[0] > 0 && (p < 0 ? x + reach > m->upper[0] : x - reach < m->lower[0]));
+        bool over_y =
+            q == 0 || (g.length[1] > 0 && (q < 0 ? y + reach > m->upper[1] : y - reach < m->lower[1]));
         if (over_x && over_y) check_around(&g, i, x + p * g.length[0], y + q * g.length[1]);
       }
   }
@@ -131,10 +139,13 @@ static void check_inside(deck *d) {
   for (size_t i = 0; i < m->n_disks; i++)
     for (int c = 0; c < 2; c++) {
       double x = m->disks[i].position[c];
-      if (!m->periodic[c] || isnan(x) || !(m->upper[c] > m->lower[c]) || (x >= m->lower[c] && x < m->upper[c])) continue;
+      if (!m->periodic[c] || isnan(x) || !(m->upper[c] > m->lower[c]) ||
+          (x >= m->lower[c] && x < m->upper[c]))
+        continue;
       char name[96];
       deck_fail_place(d, d->disk_place[i], "%s: %c = %g lies outside the periodic box from %g to %g",
-                      sd_model_body_name(m, (uint32_t)i, name, sizeof name), "xy"[c], x, m->lower[c], m->upper[c]);
+                      sd_model_body_name(m, (uint32_t)i, name, sizeof name), "xy"[c], x, m -> lower[c],
+                      m -> upper[c]);
     }
 }
 
@@ -153,8 +164,9 @@ static double depth_in_wall(const sd_wall *wall, const sd_disk *disk) {
   }
   double nearest = HUGE_VAL;
   for (size_t k = 0; k + 1 < wall->n_points + (wall->closed ? 1 : 0); k++)
-    nearest = fmin(nearest, distance_to_piece(disk->position, wall->points[k], wall->points[(k + 1) % wall->n_points],
-                                              wall->kind == SD_WALL_LINE));
+    nearest =
+        fmin(nearest, distance_to_piece(disk->position, wall->points[k],
+                                        wall->points[(k + 1) % wall->n_points], wall->kind == SD_WALL_LINE));
   return disk->radius - nearest;
 }
 
@@ -167,9 +179,10 @@ static void check_walls(deck *d) {
       double depth = depth_in_wall(&m->walls[w], disk);
       if (!(depth > m->max_overlap * disk->radius)) continue;
       char one[96], two[96];
-      deck_fail_place(d, d->disk_place[i], "%s sits %g deep in %s, more than max_overlap = %g of its radius %g",
-                      sd_model_body_name(m, (uint32_t)i, one, sizeof one), depth,
-                      sd_model_body_name(m, (uint32_t)(m->n_disks + w), two, sizeof two), m->max_overlap, disk->radius);
+      deck_fail_place(
+          d, d->disk_place[i], "%s sits %g deep in %s, more than max_overlap = %g of its radius %g",
+          sd_model_body_name(m, (uint32_t)i, one, sizeof one), depth,
+          sd_model_body_name(m, (uint32_t)(m->n_disks + w), two, sizeof two), m->max_overlap, disk->radius);
     }
 }
 

@@ -16,7 +16,9 @@
 /* Of these only one may be given: setting one takes the others away. */
 static const char *const alternatives[][2] = {{"steps", "time"}, {"frequency", "omega"}, {"mass", "density"}};
 
-static bool same_word(const char *word, size_t n, const char *text) { return strlen(text) == n && !memcmp(word, text, n); }
+static bool same_word(const char *word, size_t n, const char *text) {
+  return strlen(text) == n && !memcmp(word, text, n);
+}
 
 /* The value as a deck would read it, else as a text: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. */
 static deck_node *value_of(deck *d, const char *text, deck_place place) {
@@ -58,7 +60,8 @@ static deck_node *element(deck *d, deck_node *list, const char *word, size_t n, 
     if (name && name->type == DECK_STRING) deck_guess_add(&guess, name->value.text);
   }
   deck_fail_place(d, place, "%s has no entry named \"%s\"%s%s%s", deck_node_path(d, list), guess.word,
-                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "", guess.best ? "\"?" : "");
+                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "",
+                  guess.best ? "\"?" : "");
   return NULL;
 }
 
@@ -75,15 +78,17 @@ static deck_node *step(deck *d, deck_node *at, const char **p, deck_place place)
     *p = end + 1;
     if (at->type == DECK_LIST && k < at->n) return at->child[k];
     deck_fail_place(d, place, "%s has %s", *deck_node_path(d, at) ? deck_node_path(d, at) : "the deck",
-                    at->type != DECK_LIST ? "no entries [ ]" : deck_format(d, "entries [0] to [%zd] only", (ssize_t)at->n - 1));
+                    at->type != DECK_LIST ? "no entries [ ]"
+                                          : deck_format(d, "entries [0] to [%zd] only", (ssize_t)at->n - 1));
     return NULL;
   }
   size_t n = strcspn(*p, ".[");
   const char *word = *p;
   *p += n;
   if (n == 0 || (at->type != DECK_GROUP && at->type != DECK_LIST)) {
-    deck_fail_place(d, place, n == 0 ? "expected path=value, such as gravity.tilt=0.1" : "%s is a value and has no keys",
-                    deck_node_path(d, at));
+    deck_fail_place(
+        d, place, n == 0 ? "expected path=value, such as gravity.tilt=0.1" : "%s is a value and has no keys",
+        deck_node_path(d, at));
     return NULL;
   }
   if (at->type == DECK_LIST) return element(d, at, word, n, place);
@@ -107,7 +112,8 @@ static void set(deck *d, deck_node *at, const char *p, const deck_node *value, d
   while (*p) {
     if (strncmp(p, "[*]", 3) == 0 || strncmp(p, ".[*]", 4) == 0) {
       if (at->type != DECK_LIST) deck_fail_place(d, place, "%s is no list", deck_node_path(d, at));
-      for (size_t k = 0; at->type == DECK_LIST && k < at->n; k++) set(d, at->child[k], strchr(p, ']') + 1, value, place);
+      for (size_t k = 0; at->type == DECK_LIST && k < at->n; k++)
+        set(d, at->child[k], strchr(p, ']') + 1, value, place);
       return;
     }
     at = step(d, at, &p, place);

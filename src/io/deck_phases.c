@@ -48,8 +48,8 @@ static bool find_motion(deck *d, const deck_node *node, size_t *entry) {
     if (strcmp(name->value.text, guess.word) == 0) return true;
     deck_guess_add(&guess, name->value.text);
   }
-  deck_fail(d, node, "no motion is called that%s%s%s", guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "",
-            guess.best ? "\"?" : "");
+  deck_fail(d, node, "no motion is called that%s%s%s", guess.best ? "; did you mean \"" : "",
+            guess.best ? guess.best : "", guess.best ? "\"?" : "");
   return false;
 }
 
@@ -88,7 +88,8 @@ static void read_active(deck_group *g, sd_phase *phase) {
 
 /* --- cadences ------------------------------------------------------------------------------------------------ */
 
-static void read_cadence(deck_group *g, deck_group *output, const char *key, int64_t otherwise, int64_t *every) {
+static void read_cadence(deck_group *g, deck_group *output, const char *key, int64_t otherwise,
+                         int64_t *every) {
   int64_t usual = deck_get(output, key) ? deck_integer(output, key) : otherwise;
   deck_default_integer(g, key, usual);
   *every = deck_integer(g, key);
@@ -137,7 +138,8 @@ void deck_read_phases(deck *d) {
   for (size_t k = 0; k < list->n; k++) {
     deck_group g;
     m->n_phases = k + 1;
-    if (deck_enter(d, list->child[k], &deck_phases, &g)) read_phase(&g, &output, &m->phases[k], k + 1 == list->n);
+    if (deck_enter(d, list->child[k], &deck_phases, &g))
+      read_phase(&g, &output, &m->phases[k], k + 1 == list->n);
   }
 }
 
@@ -188,12 +190,14 @@ static void read_sliding(deck *d, deck_node *node) {
   if (!partners || partners->type != DECK_LIST || partners->n != 2)
     deck_fail_key(d, node, "partners", "expected two disks or walls (\"a\", \"b\")");
   if (!disk || !deck_find_body(d, disk, false, &watch.disk)) return;
-  if (deck_is_driven(d, watch.disk)) deck_fail(d, disk, "this disk is fixed or moved by motions; expected a free one");
+  if (deck_is_driven(d, watch.disk))
+    deck_fail(d, disk, "this disk is fixed or moved by motions; expected a free one");
   if (!partners || partners->type != DECK_LIST || partners->n != 2) return;
   bool found = deck_find_body(d, partners->child[0], true, &watch.partner[0]);
   if (!deck_find_body(d, partners->child[1], true, &watch.partner[1]) || !found) return;
   if (watch.partner[0] == watch.partner[1]) deck_fail(d, partners, "expected two different ones");
-  if (watch.partner[0] == watch.disk || watch.partner[1] == watch.disk) deck_fail(d, partners, "a disk does not touch itself");
+  if (watch.partner[0] == watch.disk || watch.partner[1] == watch.disk)
+    deck_fail(d, partners, "a disk does not touch itself");
   m->slides = deck_grow(d, m->slides, m->n_slides + 1, sizeof *m->slides);
   m->slides[m->n_slides++] = watch;
 }

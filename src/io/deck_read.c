@@ -19,8 +19,8 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     if (deck_key_find(table, child->name)) continue;
     deck_guess guess = deck_guess_start(child->name);
     for (size_t j = 0; j < table->n; j++) deck_guess_add(&guess, table->key[j].name);
-    deck_fail(d, child, "unknown key%s%s%s", table == &deck_top ? "" : " of ", table == &deck_top ? "" : table->name,
-              hint(d, guess.best));
+    deck_fail(d, child, "unknown key%s%s%s", table == &deck_top ? "" : " of ",
+              table == &deck_top ? "" : table->name, hint(d, guess.best));
   }
 }
 
@@ -220,7 +220,8 @@ int64_t deck_integer(deck_group *g, const char *name) {
       node->value.integer = (int64_t)x;
     }
   }
-  if (node->type == DECK_INT && deck_in_range(key->range, (double)node->value.integer)) return node->value.integer;
+  if (node->type == DECK_INT && deck_in_range(key->range, (double)node->value.integer))
+    return node->value.integer;
   deck_fail(g->d, node, "expected a whole number%s%s", key->range ? " " : "", deck_range_text(key->range));
   return key->range == DECK_AT_LEAST_1;
 }
@@ -320,7 +321,8 @@ static void check_alternatives(deck_group *g, const deck_shape *shape, char *wor
   }
   const deck_key *key = deck_key_find(g->table, first);
   if (required && !seen)
-    deck_fail_key(g->d, g->node, text, "missing: type \"%s\" needs it (%s)", shape->name, key ? key->meaning : "");
+    deck_fail_key(g->d, g->node, text, "missing: type \"%s\" needs it (%s)", shape->name,
+                  key ? key->meaning : "");
 }
 
 void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *all, size_t n_all) {

@@ -24,15 +24,16 @@ bool deck_enter_one(deck *d, deck_node *parent, const char *key, const deck_tabl
 /* The list of groups parent.key; NULL when there is none. */
 deck_node *deck_groups(deck *d, deck_node *parent, const char *key);
 
-bool deck_given(const deck_group *g, const char *key); /* written by the user */
+bool deck_given(const deck_group *g, const char *key);     /* written by the user */
 deck_node *deck_get(const deck_group *g, const char *key); /* NULL: not there */
 
 bool deck_bool(deck_group *g, const char *key);
 int64_t deck_integer(deck_group *g, const char *key);
-double deck_number(deck_group *g, const char *key);    /* also angles; NAN when left out and without default */
+double deck_number(deck_group *g, const char *key); /* also angles; NAN when left out and without default */
 const char *deck_text_of(deck_group *g, const char *key); /* NULL when left out and without default */
-int deck_choice(deck_group *g, const char *key);       /* number of the word; -1: left out, or reported */
-bool deck_pair(deck_group *g, const char *key, double pair[2]); /* two numbers; false: left out, or reported */
+int deck_choice(deck_group *g, const char *key);          /* number of the word; -1: left out, or reported */
+bool deck_pair(deck_group *g, const char *key,
+               double pair[2]); /* two numbers; false: left out, or reported */
 
 /* Put a value in that was left out: for defaults that depend on other keys. No-ops when it is there. */
 void deck_default_bool(deck_group *g, const char *key, bool value);

@@ -11,8 +11,9 @@
 #include "io/deck_rows.h"
 #include "io/h5.h"
 
-const char *const deck_column_names[COLUMN_KINDS] = {"x",    "y",       "theta",   "vx",    "vy",   "omega",    "radius",
-                                                     "mass", "density", "inertia", "fixed", "name", "material", "group"};
+const char *const deck_column_names[COLUMN_KINDS] = {"x",     "y",      "theta",    "vx",      "vy",
+                                                     "omega", "radius", "mass",     "density", "inertia",
+                                                     "fixed", "name",   "material", "group"};
 
 int deck_column(const char *name) {
   for (int k = 0; k < COLUMN_KINDS; k++)
@@ -23,7 +24,8 @@ int deck_column(const char *name) {
 /* --- the key `columns` ---------------------------------------------------------------------------------- */
 
 /* "radius", or "radius = diameter column of the file" */
-static void add_column(deck *d, deck_columns *table, const char *text, const deck_node *node, deck_place place) {
+static void add_column(deck *d, deck_columns *table, const char *text, const deck_node *node,
+                       deck_place place) {
   const char *equals = strchr(text, '=');
   size_t n = equals ? (size_t)(equals - text) : strlen(text);
   while (n && isspace((unsigned char)text[n - 1])) n--;
@@ -34,8 +36,10 @@ static void add_column(deck *d, deck_columns *table, const char *text, const dec
   if (column < 0) {
     deck_guess guess = deck_guess_start(name);
     for (int k = 0; k < COLUMN_KINDS; k++) deck_guess_add(&guess, deck_column_names[k]);
-    wrong = guess.best ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", name, guess.best)
-                       : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", name);
+    wrong =
+        guess.best
+            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", name, guess.best)
+            : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", name);
   }
   for (size_t k = 0; k < table->n_columns && !wrong; k++)
     if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);
@@ -48,7 +52,8 @@ static void add_column(deck *d, deck_columns *table, const char *text, const dec
 
 void deck_columns_read(deck_group *g, deck_columns *table) {
   deck_node *list = deck_get(g, "columns");
-  if (!list && g->table == &deck_disk_rows) deck_fail_key(g->d, g->node, "columns", "missing: expected (\"x\", \"y\", \"radius\") or the like");
+  if (!list && g->table == &deck_disk_rows)
+    deck_fail_key(g->d, g->node, "columns", "missing: expected (\"x\", \"y\", \"radius\") or the like");
   for (size_t k = 0; k < deck_each_count(list); k++) {
     deck_node *node = deck_each(list, k);
     if (node->type == DECK_STRING)
@@ -184,13 +189,15 @@ static size_t csv_find_reported(const csv *in, const char *name) {
   deck_guess guess = deck_guess_start(name);
   for (size_t j = 0; j < in->n_fields; j++) deck_guess_add(&guess, in->field[j]);
   deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names%s%s%s", name,
-                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "", guess.best ? "\"?" : "");
+                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "",
+                  guess.best ? "\"?" : "");
   return SIZE_MAX;
 }
 
 static bool csv_row_is_whole(const csv *in, size_t n) {
   if (in->n_fields == n) return true;
-  deck_fail_place(in->d, in->here, "%zu values; expected %zu, one per name in the first line", in->n_fields, n);
+  deck_fail_place(in->d, in->here, "%zu values; expected %zu, one per name in the first line", in->n_fields,
+                  n);
   return false;
 }
 
@@ -205,7 +212,8 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
       add_column(d, t, in.field[k], NULL, in.here);
       whole &= t->n_columns > before;
     }
-  for (size_t c = 0; c < t->n_columns; c++) whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
+  for (size_t c = 0; c < t->n_columns; c++)
+    whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
   while (whole && csv_line(&in)) {
     if (!csv_row_is_whole(&in, n)) continue;
     add_row(d, t, in.here);

@@ -6,9 +6,22 @@
 
 /* What a column can hold: first numbers, then texts. */
 enum {
-  COLUMN_X, COLUMN_Y, COLUMN_THETA, COLUMN_VX, COLUMN_VY, COLUMN_OMEGA, COLUMN_RADIUS, COLUMN_MASS, COLUMN_DENSITY,
-  COLUMN_INERTIA, COLUMN_FIXED, COLUMN_NUMBERS,
-  COLUMN_NAME = COLUMN_NUMBERS, COLUMN_MATERIAL, COLUMN_GROUP, COLUMN_KINDS
+  COLUMN_X,
+  COLUMN_Y,
+  COLUMN_THETA,
+  COLUMN_VX,
+  COLUMN_VY,
+  COLUMN_OMEGA,
+  COLUMN_RADIUS,
+  COLUMN_MASS,
+  COLUMN_DENSITY,
+  COLUMN_INERTIA,
+  COLUMN_FIXED,
+  COLUMN_NUMBERS,
+  COLUMN_NAME = COLUMN_NUMBERS,
+  COLUMN_MATERIAL,
+  COLUMN_GROUP,
+  COLUMN_KINDS
 };
 extern const char *const deck_column_names[COLUMN_KINDS];
 int deck_column(const char *name); /* -1: none */
@@ -17,7 +30,7 @@ typedef struct deck_columns {
   size_t n_columns, n_rows, capacity;
   int column[COLUMN_KINDS];
   const char *source[COLUMN_KINDS]; /* name in the file */
-  double *number;    /* [n_rows * n_columns], NAN where a text stands */
+  double *number;                   /* [n_rows * n_columns], NAN where a text stands */
   const char **text; /* the same, NULL where a number stands; NULL when there is no text column */
   deck_place *place; /* [n_rows] */
 } deck_columns;

@@ -38,10 +38,10 @@ typedef struct key {
 typedef struct level {
   char open;
   deck_place place;
-  bool value; /* in a group: a = was read, its value has not come yet */
+  bool value;       /* in a group: a = was read, its value has not come yet */
   const char *name; /* in a group: of the key being read */
   size_t length;
-  size_t index;     /* in a list: of the element being read */
+  size_t index; /* in a list: of the element being read */
   key *keys;
   size_t n_keys, key_capacity;
 } level;
@@ -184,7 +184,8 @@ static void emit_integer(scanner *s, const char *token, int base) {
   errno = 0;
   long long x = strtoll(token, NULL, base);
   if (errno == ERANGE) {
-    deck_fail_place(s->d, s->here, "%s%s: integer beyond 64 bits; expected at most %lld", path(s), token, INT64_MAX + 0LL);
+    deck_fail_place(s->d, s->here, "%s%s: integer beyond 64 bits; expected at most %lld", path(s), token,
+                    INT64_MAX + 0LL);
     x = 1;
   }
   bool wide = x > INT32_MAX || x < INT32_MIN;
@@ -275,7 +276,8 @@ static void scan_word(scanner *s) {
   }
   /* read on as if the quotes were there, so that later mistakes are found too */
   if (!s->override)
-    deck_fail_place(s->d, s->here, "%s%.*s: a text needs quotes: \"%.*s\"", path(s), (int)n, name, (int)n, name);
+    deck_fail_place(s->d, s->here, "%s%.*s: a text needs quotes: \"%.*s\"", path(s), (int)n, name, (int)n,
+                    name);
   s->broken |= s->override;
   emit_text(s, deck_format(s->d, "\"%.*s\"", (int)n, name));
 }
@@ -329,7 +331,8 @@ static void include_file(scanner *s) {
   deck_place here = s->here;
   char *text = NULL;
   if (s->includes >= MOST_INCLUDES) {
-    deck_fail_place(s->d, s->here, "@include \"%s\": more than %d files inside each other", name, MOST_INCLUDES);
+    deck_fail_place(s->d, s->here, "@include \"%s\": more than %d files inside each other", name,
+                    MOST_INCLUDES);
     s->broken = true;
   } else if (!(text = deck_read_file(s->d, file, s->here, "@include"))) {
     s->broken = true;

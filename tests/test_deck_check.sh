@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# test_deck_check.sh: `slipdisk check` on the decks that ship, on decks with mistakes, and on its own output.
+set -euo pipefail
+source_dir=${SLIPDISK_SOURCE_DIR:-$(cd "$(dirname "$0")/.." && pwd)}
+program=${SLIPDISK_PROGRAM:-$source_dir/build/release/slipdisk}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+fail() {
+  echo "FAILED: $*" >&2
+  exit 1
+}
+
+# status WANTED COMMAND...: the exit status must be WANTED; output in $work/out and $work/err
+status() {
+  local wanted=$1 got=0
+  shift
+  "$@" >"$work/out" 2>"$work/err" || got=$?
+  [[ $got == "$wanted" ]] || { cat "$work/err" >&2; fail "status $got, expected $wanted: $*"; }
+}
+
+for deck in "$source_dir"/inputs/*/*.cfg; do
+  status 0 "$program" check "$deck" --brief
+  [[ ! -s $work/err ]] || { cat "$work/err" >&2; fail "messages about $deck"; }
+  grep -q '^# run time ' "$work/out" || fail "no run time for $deck"
+done
+
+# the output is a deck, and says the same when it is checked
+status 0 "$program" check "$source_dir/inputs/three_disk/async.cfg" --no-probe -D 'gravity.tilt=0.02 pi'
+cp "$work/out" "$work/full.cfg"
+grep -q 'tilt = "0.02 pi"' "$work/full.cfg" || fail "-D has no effect"
+status 0 "$program" check "$work/full.cfg" --no-probe
+diff <(sed 's/  # default//; /^# deck /d' "$work/full.cfg") <(sed 's/  # default//; /^# deck /d' "$work/out") ||
+  fail "the full deck is not read as it was written"
+
+status 2 "$program" check "$source_dir/tests/decks/many.cfg"
+[[ $(wc -l <"$work/err") == $(wc -l <"$source_dir/tests/decks/many.expected") ]] || fail "not every mistake is reported"
+status 2 "$program" check "$source_dir/inputs/epo/symmetric.cfg" -D gravty.g=1
+grep -q 'did you mean "gravity"' "$work/err" || fail "no suggestion"
+status 2 "$program" check
+status 4 "$program" check "$work/nothing.cfg"
+
+# dt against the shortest period is a warning, not an error
+status 0 "$program" check "$source_dir/inputs/epo/symmetric.cfg" --no-probe --brief -D dt=2e-4
+grep -q '^warning: dt = 0.0002' "$work/err" || fail "no warning about dt"
+status 0 "$program" check --keys
+echo "ok"
