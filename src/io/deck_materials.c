@@ -123,8 +123,8 @@ static void read_points(deck_group *g, sd_wall *wall) {
       continue;
     }
     for (size_t c = 0; c < 2; c++) deck_value_number(d, point->child[c], false, &wall->points[k][c]);
-    const double *now = wall->points[k], *before = k ? wall->points[k - 1] : NULL;
-    if (before && now[0] == before[0] && now[1] == before[1])
+    const double *now = wall->points[k], *before = wall->points[k ? k - 1 : 0];
+    if (k > 0 && now[0] == before[0] && now[1] == before[1])
       deck_fail(d, point, "the same as the point before");
   }
   const double *first = wall->points[0], *last = wall->points[list->n - 1];

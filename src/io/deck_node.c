@@ -37,14 +37,18 @@ char *deck_copy(deck *d, const char *text, size_t n) {
   return copy;
 }
 
+static char *words(deck *d, const char *format, va_list args) {
+  char *text = NULL;
+  if (vasprintf(&text, format, args) < 0) longjmp(d->out_of_memory, 1);
+  char *copy = deck_copy(d, text, strlen(text));
+  free(text);
+  return copy;
+}
+
 char *deck_format(deck *d, const char *format, ...) {
-  va_list args, again;
+  va_list args;
   va_start(args, format);
-  va_copy(again, args);
-  int n = vsnprintf(NULL, 0, format, again);
-  va_end(again);
-  char *text = deck_alloc(d, n < 0 ? 1 : (size_t)n + 1, 1);
-  if (n >= 0) vsnprintf(text, (size_t)n + 1, format, args);
+  char *text = words(d, format, args);
   va_end(args);
   return text;
 }
@@ -57,7 +61,7 @@ void *deck_keep(deck *d, size_t n, size_t size) {
 
 void *deck_grow(deck *d, void *old, size_t n, size_t size) {
   if (size && n > SIZE_MAX / 4 / size) longjmp(d->out_of_memory, 1);
-  void *p = realloc(old, n * size);
+  void *p = realloc(old, n && size ? n * size : 1);
   if (!p) longjmp(d->out_of_memory, 1);
   return p;
 }
@@ -149,16 +153,6 @@ const char *deck_node_value(deck *d, const deck_node *node) {
 }
 
 /* --- messages ------------------------------------------------------------------------------------------- */
-
-static char *words(deck *d, const char *format, va_list args) {
-  va_list again;
-  va_copy(again, args);
-  int n = vsnprintf(NULL, 0, format, again);
-  va_end(again);
-  char *text = deck_alloc(d, n < 0 ? 1 : (size_t)n + 1, 1);
-  if (n >= 0) vsnprintf(text, (size_t)n + 1, format, args);
-  return text;
-}
 
 static void report(deck *d, deck_place place, const char *head, const char *text) {
   if (d->reported++ >= MOST_MESSAGES) return;
