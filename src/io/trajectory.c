@@ -131,7 +131,7 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const sd_model *
   for (size_t k = 0; k < n; k++) {
     const sd_contact_law *law =
         sd_model_law(model, material_of(model, state->contact_a[k]), material_of(model, state->contact_b[k]));
-    tau[k] = law->k_t * -state->contact_stretch[k];
+    tau[k] = 0.0 - law->k_t * state->contact_stretch[k]; /* no -0 */
   }
   table_commit(rows, n);
   return SD_OK;

@@ -1,0 +1,329 @@
+/* test_checkpoint.c: a state survives its way through a file in every bit, and a run that went that way
+ * continues as one that did not; damaged files are told from good ones; tables are read from HDF5. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "io/checkpoint.h"
+#include "io/file.h"
+#include "io/folder.h"
+#include "run/deck_diff.h"
+#include "slipdisk/deck.h"
+
+static char folder_name[] = "/tmp/slipdisk-checkpoint-XXXXXX";
+static char path[128];
+
+static int make_folder(void **unused) {
+  (void)unused;
+  if (!mkdtemp(folder_name)) return -1;
+  snprintf(path, sizeof path, "%s/file.h5", folder_name);
+  return 0;
+}
+
+static int remove_folder(void **unused) {
+  (void)unused;
+  unlink(path);
+  return rmdir(folder_name);
+}
+
+static void check(sd_status status, sd_messages *messages) {
+  if (status != SD_OK) sd_messages_print(messages, stderr);
+  assert_int_equal(status, SD_OK);
+}
+
+/* --- through a file ------------------------------------------------------------------------------- */
+
+static void write_state(sd_simulation *simulation, sd_messages *messages) {
+  const sd_model *model = sd_simulation_model(simulation);
+  const sd_state *state = sd_simulation_state(simulation);
+  sd_energy energy = sd_simulation_energy(simulation);
+  provenance origin;
+  summary found;
+  check(provenance_new(&origin, model, messages), messages);
+  check(provenance_refresh(&origin, 1, sd_simulation_path(simulation), messages), messages);
+  check(summary_collect(&found, model, state, &energy, NAN, messages), messages);
+  check(checkpoint_write(path, state, 3, &origin, &found, messages), messages);
+  summary_free(&found);
+  provenance_free(&origin);
+}
+
+static sd_state *read_state(const sd_model *model, sd_messages *messages) {
+  h5_file *file;
+  sd_state *state;
+  check(h5_open_sealed(path, &file, messages), messages);
+  assert_int_equal(checkpoint_get_parts(file), 3);
+  check(checkpoint_get_state(file, model, &state, messages), messages);
+  h5_close(file, NULL);
+  return state;
+}
+
+/* Steps until the total, stopping at steps that share no factor with any cadence. */
+static void run_interrupted(const sd_model *model, int64_t total, int64_t every, sd_state **out,
+                            sd_messages *messages) {
+  sd_simulation *simulation;
+  check(sd_simulation_new(model, 1, &simulation, messages), messages);
+  for (int64_t done = 0; done < total;) {
+    int64_t n = total - done < every ? total - done : every;
+    check(sd_simulation_advance(simulation, n, messages), messages);
+    done += n;
+    write_state(simulation, messages);
+    sd_state *state = read_state(model, messages);
+    const sd_field *field = sd_state_difference(state, sd_simulation_state(simulation));
+    if (field) fail_msg("column %s changes on its way through a file", field->name);
+    sd_simulation_free(simulation);
+    check(sd_simulation_resume(model, state, 1, &simulation, messages), messages);
+  }
+  write_state(simulation, messages);
+  *out = read_state(model, messages);
+  sd_simulation_free(simulation);
+}
+
+static void compare_runs(const char *deck, const char *integrator, const char *variant) {
+  char name[512], first[64], second[64];
+  snprintf(name, sizeof name, "%s/inputs/%s", SLIPDISK_SOURCE_DIR, deck);
+  snprintf(first, sizeof first, "integrator=%s", integrator);
+  snprintf(second, sizeof second, "contact_variant=%s", variant);
+  const char *overrides[] = {first, second};
+  sd_messages *messages = sd_messages_new();
+  sd_model *model;
+  check(sd_deck_load(name, 2, overrides, &model, messages), messages);
+  int64_t total = model->n_disks > 20 ? 2003 : 20011;
+  if (total > sd_model_steps(model)) total = sd_model_steps(model);
+
+  sd_simulation *whole;
+  check(sd_simulation_new(model, 1, &whole, messages), messages);
+  check(sd_simulation_advance(whole, total, messages), messages);
+  sd_state *state;
+  run_interrupted(model, total, total / 7, &state, messages);
+  const sd_field *field = sd_state_difference(state, sd_simulation_state(whole));
+  if (field)
+    fail_msg("%s, %s, %s: column %s depends on the interruptions", deck, integrator, variant, field->name);
+  assert_true(sd_state_hash(state) == sd_state_hash(sd_simulation_state(whole)));
+  sd_state_free(state);
+  sd_simulation_free(whole);
+  sd_model_free(model);
+  sd_messages_free(messages);
+}
+
+static void test_every_deck(void **unused) {
+  (void)unused;
+  static const char *const decks[] = {
+      "three_disk/random.cfg",    "three_disk/sync.cfg", "three_disk/async.cfg", "three_disk/steady.cfg",
+      "three_disk/frozen.cfg",    "epo/symmetric.cfg",   "epo/asymmetric.cfg",   "collisions/two_disks.cfg",
+      "collisions/disk_wall.cfg", "walls/drum.cfg",      "walls/hopper.cfg",     "packing/heap.cfg"};
+  for (size_t k = 0; k < sizeof decks / sizeof *decks; k++)
+    for (int i = 0; i < 4; i++)
+      compare_runs(decks[k], i & 1 ? "verlet" : "gear5", i & 2 ? "conservative" : "paper");
+}
+
+/* Looking at a simulation changes nothing. */
+static void test_reading_is_free(void **unused) {
+  (void)unused;
+  char name[512];
+  snprintf(name, sizeof name, "%s/inputs/three_disk/random.cfg", SLIPDISK_SOURCE_DIR);
+  sd_messages *messages = sd_messages_new();
+  sd_model *model;
+  check(sd_deck_load(name, 0, NULL, &model, messages), messages);
+  sd_simulation *one, *two;
+  check(sd_simulation_new(model, 1, &one, messages), messages);
+  check(sd_simulation_new(model, 1, &two, messages), messages);
+  check(sd_simulation_advance(one, 30000, messages), messages);
+  for (int k = 0; k < 300; k++) {
+    check(sd_simulation_advance(two, 100, messages), messages);
+    if (k % 3 == 0) write_state(two, messages);
+    if (k % 3 == 1) sd_simulation_state(two);
+    if (k % 3 == 2) sd_simulation_energy(two);
+  }
+  assert_null(sd_state_difference(sd_simulation_state(one), sd_simulation_state(two)));
+  sd_simulation_free(one);
+  sd_simulation_free(two);
+  sd_model_free(model);
+  sd_messages_free(messages);
+}
+
+/* --- damage --------------------------------------------------------------------------------------- */
+
+static void test_damage_is_found(void **unused) {
+  (void)unused;
+  sd_messages *messages = sd_messages_new();
+  h5_file *file;
+  double data[1000];
+  size_t n = 1000;
+  for (size_t k = 0; k < n; k++) data[k] = (double)k;
+  check(h5_new(&file, messages), messages);
+  h5_put(file, "/a/b", SD_F64, 1, &n, data, false);
+  check(h5_save(file, path, NULL, messages), messages);
+  unsigned char *bytes;
+  size_t size;
+  check(file_read(path, SIZE_MAX, &bytes, &size, messages), messages);
+  for (size_t at = 0; at < size; at += 97) {
+    bytes[at] ^= 4;
+    file_piece piece = {bytes, size};
+    check(file_write_atomic(path, 1, &piece, messages), messages);
+    assert_int_equal(h5_open_sealed(path, &file, NULL), SD_ERROR_IO);
+    bytes[at] ^= 4;
+  }
+  const size_t lengths[] = {0, 1, 23, 24, 25, size - 1, size / 2};
+  for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
+    file_piece piece = {bytes, lengths[k]};
+    check(file_write_atomic(path, 1, &piece, messages), messages);
+    assert_int_equal(h5_open_sealed(path, &file, NULL), SD_ERROR_IO);
+  }
+  free(bytes);
+  assert_int_equal(h5_open_sealed("/nonexistent/x", &file, NULL), SD_ERROR_IO);
+  assert_int_equal(h5_open(path, &file, NULL), SD_ERROR_IO);
+  sd_messages_free(messages);
+}
+
+static void test_errors_are_told_once(void **unused) {
+  (void)unused;
+  sd_messages *messages = sd_messages_new();
+  h5_file *file;
+  size_t n = 2;
+  double data[2] = {1, 2};
+  check(h5_new(&file, messages), messages);
+  h5_put(file, "/a", SD_F64, 1, &n, data, false);
+  h5_put(file, "/a", SD_F64, 1, &n, data, false); /* there already */
+  h5_put(file, "/a/b", SD_F64, 1, &n, data, false);
+  assert_true(h5_failed(file));
+  assert_int_equal(h5_save(file, path, NULL, messages), SD_ERROR_IO);
+  assert_int_equal(sd_messages_errors(messages), 1);
+  file_piece piece = {"x", 1};
+  assert_int_equal(file_write_atomic("/nonexistent/x", 1, &piece, messages), SD_ERROR_IO);
+  assert_int_equal(file_write_atomic("/dev/null/x", 1, &piece, messages), SD_ERROR_IO);
+  sd_messages_free(messages);
+}
+
+/* --- round trips of the small things --------------------------------------------------------------- */
+
+static void test_h5_round_trip(void **unused) {
+  (void)unused;
+  sd_messages *messages = sd_messages_new();
+  h5_file *file;
+  size_t dims[3] = {500, 7, 2}, none = 0;
+  int32_t *data = calloc(7000, sizeof *data), *back = calloc(7000, sizeof *back);
+  for (int k = 0; k < 7000; k++) data[k] = k * k;
+  check(h5_new(&file, messages), messages);
+  h5_put(file, "/deep/er/data", SD_I32, 3, dims, data, true);
+  h5_put(file, "/empty", SD_F64, 1, &none, NULL, true);
+  h5_put_text(file, "/text", "Größe\nline");
+  h5_put_text(file, "/nothing", "");
+  h5_attr_f64(file, "/text", "x", 0.1);
+  h5_attr_text(file, "/", "note", "hello");
+  h5_make(file, "/rows", SD_I32, 3, dims, true);
+  for (size_t k = 0; k < 500; k += 13)
+    h5_put_rows(file, "/rows", SD_I32, k, k + 13 > 500 ? 500 - k : 13, data + 14 * k);
+  check(h5_save(file, path, NULL, messages), messages);
+
+  check(h5_open_sealed(path, &file, messages), messages);
+  check(h5_get(file, "/deep/er/data", SD_I32, 7000, back, messages), messages);
+  assert_memory_equal(data, back, 7000 * sizeof *data);
+  memset(back, 0, 7000 * sizeof *back);
+  check(h5_get(file, "/rows", SD_I32, 7000, back, messages), messages);
+  assert_memory_equal(data, back, 7000 * sizeof *data);
+  char *text = h5_get_text(file, "/text");
+  assert_string_equal(text, "Größe\nline");
+  free(text);
+  text = h5_get_text(file, "/nothing");
+  assert_string_equal(text, "");
+  free(text);
+  text = h5_get_attr_text(file, "/", "note");
+  assert_string_equal(text, "hello");
+  free(text);
+  assert_true(h5_get_attr_f64(file, "/text", "x", 0) == 0.1);
+  assert_int_equal(h5_get_attr_i64(file, "/text", "y", 17), 17);
+  assert_null(h5_get_text(file, "/deep/none"));
+  assert_int_equal(h5_get(file, "/empty", SD_F64, 0, NULL, messages), SD_OK);
+  assert_int_equal(h5_get(file, "/empty", SD_F64, 3, back, NULL), SD_ERROR_IO);
+  assert_int_equal(h5_get_rows(file, "/rows", SD_I32, 499, 2, back, NULL), SD_ERROR_IO);
+  h5_close(file, NULL);
+  free(data);
+  free(back);
+  sd_messages_free(messages);
+}
+
+/* Columns of a group, of a matrix with names, and of the last frame of an H5MD file. */
+static void test_tables(void **unused) {
+  (void)unused;
+  sd_messages *messages = sd_messages_new();
+  h5_file *file;
+  size_t three = 3, frames[3] = {2, 3, 2}, matrix[2] = {3, 2};
+  const double x[3] = {1, 2, 3}, position[12] = {0, 0, 0, 0, 0, 0, 1, 4, 2, 5, 3, 6};
+  const int32_t radius[3] = {7, 8, 9};
+  const char *const names[2] = {"radius", "x"};
+  check(h5_new(&file, messages), messages);
+  h5_put(file, "/group/x", SD_F64, 1, &three, x, false);
+  h5_put(file, "/group/radius", SD_I32, 1, &three, radius, false);
+  h5_put(file, "/matrix", SD_F64, 2, matrix, position + 6, false);
+  h5_put(file, "/named", SD_F64, 2, matrix, position + 6, false);
+  h5_attr_texts(file, "/named", "columns", 2, names);
+  h5_put(file, "/particles/disks/position/value", SD_F64, 3, frames, position, false);
+  h5_put(file, "/particles/disks/radius", SD_I32, 1, &three, radius, false);
+  check(h5_save(file, path, NULL, messages), messages);
+
+  const char *const columns[2] = {"x", "radius"}, *const both[3] = {"x", "y", "radius"};
+  double *values;
+  size_t n;
+  check(h5_read_table(path, "/group", 2, columns, &values, &n, messages), messages);
+  assert_int_equal(n, 3);
+  assert_true(values[0] == 1 && values[1] == 7 && values[4] == 3 && values[5] == 9);
+  free(values);
+  check(h5_read_table(path, "/matrix", 2, columns, &values, &n, messages), messages);
+  assert_true(n == 3 && values[0] == 1 && values[1] == 4 && values[5] == 6);
+  free(values);
+  check(h5_read_table(path, "named", 2, columns, &values, &n, messages), messages);
+  assert_true(n == 3 && values[0] == 4 && values[1] == 1 && values[5] == 3);
+  free(values);
+  check(h5_read_table(path, "/particles/disks", 3, both, &values, &n, messages), messages);
+  assert_true(n == 3 && values[0] == 1 && values[1] == 4 && values[2] == 7 && values[7] == 6);
+  free(values);
+
+  const char *const wrong[3] = {"x", "width", "height"};
+  assert_int_equal(h5_read_table(path, "/group", 3, wrong, &values, &n, messages), SD_ERROR_USER);
+  assert_int_equal(sd_messages_errors(messages), 2); /* each missing column */
+  assert_null(values);
+  assert_int_equal(h5_read_table(path, "/named", 3, wrong, &values, &n, NULL), SD_ERROR_USER);
+  assert_int_equal(h5_read_table(path, "/nowhere", 2, columns, &values, &n, NULL), SD_ERROR_USER);
+  assert_int_equal(h5_read_table("/nonexistent", "/x", 2, columns, &values, &n, NULL), SD_ERROR_IO);
+  sd_messages_free(messages);
+}
+
+static void test_deck_diff(void **unused) {
+  (void)unused;
+  sd_messages *messages = sd_messages_new();
+  deck_diff("a = 1;\nb = 2;\nc = 3;\n", "a = 1;\nb = 5;\nc = 3;\nd = 4;\n", messages);
+  assert_int_equal(sd_messages_errors(messages), 3);
+  assert_non_null(strstr(sd_messages_text(messages, 0), "b = 2;"));
+  assert_non_null(strstr(sd_messages_text(messages, 1), "b = 5;"));
+  assert_non_null(strstr(sd_messages_text(messages, 2), "d = 4;"));
+  sd_messages_free(messages);
+  messages = sd_messages_new();
+  deck_diff("a\n\nb\n", "a\n\nb\n", messages);
+  deck_diff("", "", messages);
+  assert_int_equal(sd_messages_count(messages), 0);
+  deck_diff("", "a\n", messages);
+  deck_diff("\n\na", "", messages);
+  assert_true(sd_messages_errors(messages) >= 2);
+  sd_messages_free(messages);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_every_deck),      cmocka_unit_test(test_reading_is_free),
+      cmocka_unit_test(test_damage_is_found), cmocka_unit_test(test_errors_are_told_once),
+      cmocka_unit_test(test_h5_round_trip),   cmocka_unit_test(test_tables),
+      cmocka_unit_test(test_deck_diff),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

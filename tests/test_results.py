@@ -1,0 +1,418 @@
+"""The finished file, and what `run`, `resume` and `info` do with what is already there."""
+import json
+import os
+import pathlib
+import resource
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+import numpy
+
+from results_common import (CONTACTS, FRAMES, MEASURE, SERIES, SETTLE, assert_same, deck_arguments, run, start, steps_for,
+                            wait_for)
+
+SECONDS = 3  # of a run that is to be interrupted
+
+
+def long_deck(checkpoint=0.1):
+    steps = steps_for(SECONDS)
+    return deck_arguments(measure=steps, series=steps // 200, frames=steps // 200, checkpoint=checkpoint)
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-results-"))
+        self.result = self.folder / "r.h5"
+        self.parts = self.folder / "r.h5.parts"
+
+    def tearDown(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def run_ok(self, *words):
+        status, out, err = run(*words)
+        self.assertEqual(status, 0, err)
+        return out, err
+
+    def checkpoints(self):
+        found = [int(p.stem.split("-")[1]) for p in self.parts.glob("checkpoint-*.h5")]
+        return sorted(found, reverse=True)
+
+    def started(self, *words):
+        """A run that has written a checkpoint beyond step 0."""
+        process = start("run", *words, "-o", self.result)
+        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0 or process.poll() is not None)
+        self.assertIsNone(process.poll(), "the run was over before it could be interrupted")
+        return process
+
+    def stop(self, process, number=signal.SIGTERM):
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+        return process.returncode, out, err
+
+
+class Layout(Folder):
+    """H5MD 1.1 as h5py sees it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.where = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-results-"))
+        cls.path = cls.where / "a.h5"
+        cls.status, cls.out, cls.err = run("run", *deck_arguments(), "-o", cls.path)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.where)
+
+    def setUp(self):
+        super().setUp()
+        self.assertEqual(self.status, 0, self.err)
+        self.file = h5py.File(self.path)
+
+    def tearDown(self):
+        self.file.close()
+        super().tearDown()
+
+    def test_h5md(self):
+        h5md = self.file["h5md"]
+        self.assertEqual(list(h5md.attrs["version"]), [1, 1])
+        self.assertTrue(h5md["author"].attrs["name"])
+        self.assertEqual(h5md["creator"].attrs["name"], b"slipdisk")
+        box = self.file["particles/disks/box"]
+        self.assertEqual(box.attrs["dimension"], 2)
+        self.assertEqual([b.decode() for b in box.attrs["boundary"]], ["none", "none"])
+        self.assertEqual(box["edges"].shape, (2,))
+
+    def test_elements_share_their_clock(self):
+        disks = self.file["particles/disks"]
+        for name in "velocity", "image", "angle", "angular_velocity":
+            self.assertEqual(disks[name]["step"], disks["position/step"])
+            self.assertEqual(disks[name]["time"], disks["position/time"])
+        for name, item in self.file["observables"].items():
+            if isinstance(item, h5py.Group):
+                self.assertEqual(item["step"], self.file["observables/work/step"], name)
+                self.assertEqual(item["value"].shape[0], item["step"].shape[0], name)
+
+    def test_rows_are_where_the_deck_wants_them(self):
+        end = SETTLE + MEASURE
+        self.assertEqual(list(self.file["observables/work/step"][()]),
+                         sorted({0, end} | set(range(0, SETTLE + 1, 1000)) | set(range(SETTLE, end + 1, SERIES))))
+        self.assertEqual(list(self.file["particles/disks/position/step"][()]),
+                         sorted({0, end} | set(range(SETTLE, end + 1, FRAMES))))
+        self.assertEqual(list(self.file["contacts/step"][()]),
+                         sorted({0, end} | set(range(SETTLE, end + 1, CONTACTS))))
+        numpy.testing.assert_allclose(self.file["observables/work/time"][()],
+                                      1e-6 * self.file["observables/work/step"][()], rtol=1e-15)
+
+    def test_frames(self):
+        disks = self.file["particles/disks"]
+        n = disks["position/step"].shape[0]
+        self.assertEqual(disks["position/value"].shape, (n, 3, 2))
+        self.assertEqual(disks["angle/value"].shape, (n, 3))
+        self.assertEqual(list(disks["id"][()]), [0, 1, 2])
+        numpy.testing.assert_array_equal(disks["radius"][()], [1, 1, 1])
+        state = self.file["state"]
+        order = numpy.argsort(state["id"][()])
+        numpy.testing.assert_array_equal(disks["position/value"][-1][:, 0], state["x"][()][order])
+        numpy.testing.assert_array_equal(disks["angle/value"][-1], (state["turn"][()] + state["theta"][()])[order])
+
+    def test_contacts(self):
+        contacts = self.file["contacts"]
+        first, count = contacts["first"][()], contacts["count"][()]
+        numpy.testing.assert_array_equal(first, numpy.cumsum(count) - count)
+        self.assertEqual(contacts["a"].shape[0], count.sum())
+        k_n, k_t, mu = 1e3, 1e6, 0.1
+        force, tau = contacts["force"][()], contacts["tau"][()]
+        numpy.testing.assert_allclose(tau, -k_t * contacts["stretch"][()], rtol=1e-12)
+        self.assertTrue((abs(tau) <= mu * force * (1 + 1e-12)).all())
+        sliding = contacts["sliding"][()]
+        self.assertTrue((numpy.sign(tau[sliding != 0]) == sliding[sliding != 0]).all())
+        self.assertTrue((force[count[0]:] > 0.01 * k_n * contacts["overlap"][()][count[0]:]).all())
+
+    def test_energy_budget_closes(self):
+        o = {name: item["value"][()] for name, item in self.file["observables"].items()
+             if isinstance(item, h5py.Group)}
+        residual = (o["kinetic_translation"] + o["kinetic_rotation"] + o["elastic_normal"] + o["elastic_skin"] +
+                    o["external"] - o["start"] - o["work"] - o["variant"] + o["viscous"] + o["friction"] +
+                    o["opening"])
+        numpy.testing.assert_allclose(residual, o["residual"], atol=1e-12)
+
+    def test_every_column_has_a_unit(self):
+        missing = []
+        for name in "observables", "particles", "contacts", "state":
+            self.file[name].visititems(lambda path, item: missing.append(path) if isinstance(item, h5py.Dataset) and
+                                       "unit" not in item.attrs and not path.endswith(("name", "watched_disks"))
+                                       else None)
+        self.assertEqual(missing, [])
+
+    def test_provenance(self):
+        p = self.file["parameters"]
+        self.assertIn(b"three disks", p["deck_text"][()])
+        self.assertIn(b"phases.measure.steps", p["deck_overrides"][()])
+        for key in "version", "revision", "compiler", "hdf5", "gsl", "host", "started", "run_id", "cpu_path":
+            self.assertTrue(p.attrs[key], key)
+        self.assertEqual(p.attrs["seed"], 1)
+        self.assertEqual(p.attrs["sessions"], 1)
+        self.assertGreater(p.attrs["wall_seconds"], 0)
+
+    def test_report(self):
+        for words in "t_g Omega", "S++", "energy budget", "residual", "ns per step", str(self.path):
+            self.assertIn(words, self.out)
+
+    def test_info(self):
+        out, _ = self.run_ok("info", "--json", self.path)
+        info = json.loads(out)
+        self.assertTrue(info["finished"])
+        self.assertEqual(info["step"], SETTLE + MEASURE)
+        self.assertEqual(info["rotation"][0]["name"], "upper")
+        self.assertAlmostEqual(sum(info["sliding"][0][c] for c in ("S++", "S+-", "S-+", "S--", "stick", "open")), 1)
+        self.assertEqual(info["energy"]["residual"], self.file["summary/energy"].attrs["residual"])
+        self.assertIn("/contacts/tau", [d["path"] for d in info["datasets"]])
+        out, _ = self.run_ok("info", self.path)
+        self.assertIn("finished", out)
+        out, _ = self.run_ok("info", "--deck", self.path)
+        self.assertEqual(out.encode(), self.file["parameters/deck_text"][()])
+
+    def test_no_leftovers(self):
+        self.assertEqual([p.name for p in self.where.iterdir()], ["a.h5"])
+
+
+class Again(Folder):
+    def test_finished_is_not_overwritten(self):
+        words = ["run", *deck_arguments(measure=20000), "-o", self.result]
+        self.run_ok(*words)
+        before = self.result.read_bytes()
+        status, _, err = run(*words)
+        self.assertEqual(status, 2)
+        self.assertIn("--force", err)
+        self.assertEqual(self.result.read_bytes(), before)
+        self.run_ok("resume", self.result)
+        self.run_ok(*words, "--force")
+        with h5py.File(self.result) as file:
+            self.assertNotIn(file["parameters"].attrs["run_id"], before)
+        self.assertEqual([p.name for p in self.folder.iterdir()], ["r.h5"])
+
+    def test_foreign_file_is_not_overwritten(self):
+        self.result.write_text("a letter\n")
+        status, _, err = run("run", *deck_arguments(), "-o", self.result)
+        self.assertEqual(status, 2, err)
+        self.assertEqual(self.result.read_text(), "a letter\n")
+        self.assertFalse(self.parts.exists())
+
+    def test_default_name(self):
+        status, _, err = run("run", *deck_arguments(measure=1000), cwd=self.folder)
+        self.assertEqual(status, 0, err)
+        self.assertTrue((self.folder / "random.h5").is_file())
+
+    def test_quiet(self):
+        out, err = self.run_ok("run", *deck_arguments(measure=1000), "-o", self.result, "--quiet")
+        self.assertEqual(out + err, "")
+
+    def test_log(self):
+        log = self.folder / "log"
+        self.run_ok("run", *deck_arguments(measure=1000), "-o", self.result, "--quiet", "--log", log)
+        self.assertIn("energy budget", log.read_text())
+
+    def test_mistakes(self):
+        for words in (["run"], ["run", "a", "b"], ["run", "--frobnicate", "a"], ["run", "a", "--threads", "0"],
+                      ["run", "none.cfg"], ["resume", "none.h5"], ["info", "none.h5"], ["info"], ["fly"], []):
+            status, _, err = run(*words)
+            self.assertIn(status, (2, 4) if words == ["run", "none.cfg"] else (2,), words)
+            self.assertTrue(err, words)
+
+    def test_numerical_error(self):
+        status, _, err = run("run", *deck_arguments(), "-D", "max_overlap=1e-4", "-o", self.result)
+        self.assertEqual(status, 3, err)
+        self.assertTrue(list(self.parts.glob("emergency-*.h5")), err)
+        self.assertTrue(self.checkpoints())
+        self.assertFalse(self.result.exists())
+        self.run_ok("info", self.parts)
+        emergency = list(self.parts.glob("emergency-*.h5"))[0]
+        self.run_ok("info", emergency)
+
+
+class Stopped(Folder):
+    """An interrupted run goes on as if nothing had been."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.where = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-results-"))
+        cls.whole = cls.where / "whole.h5"
+        cls.words = long_deck()
+        status, _, err = run("run", *cls.words, "-o", cls.whole)
+        assert status == 0, err
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.where)
+
+    def test_signals(self):
+        process = self.started(*self.words)
+        for number in signal.SIGINT, signal.SIGTERM, signal.SIGUSR1:
+            status, _, err = self.stop(process, number)
+            self.assertEqual(status, 75, err)
+            self.assertIn("continue with", err)
+            self.assertEqual(len(self.checkpoints()), 2)
+            process = start("run", *self.words, "-o", self.result)
+            wait_for(lambda: (self.parts / "lock").exists())
+            wait_for(lambda c=self.checkpoints(): self.checkpoints() > c)
+        status, _, err = self.stop(process)
+        self.assertEqual(status, 75, err)
+        info = json.loads(self.run_ok("info", "--json", self.result)[0])
+        self.assertFalse(info["finished"])
+        self.assertGreater(info["step"], 0)
+        self.assertEqual(info["provenance"]["sessions"], 4)
+        self.run_ok("info", self.parts)
+        self.run_ok("resume", self.parts / f"checkpoint-{self.checkpoints()[0]}.h5")
+        assert_same(self, self.result, self.whole)
+        self.assertFalse(self.parts.exists())
+
+    def test_two_processes(self):
+        process = self.started(*self.words)
+        status, _, err = run("run", *self.words, "-o", self.result)
+        self.assertEqual(status, 2)
+        self.assertIn("another process", err)
+        status, _, err = run("run", *self.words, "--force", "-o", self.result)
+        self.assertEqual(status, 2)
+        out, err = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 0, err)
+        assert_same(self, self.result, self.whole)
+
+    def test_another_deck(self):
+        process = self.started(*self.words)
+        self.stop(process)
+        before = self.checkpoints()
+        status, _, err = run("run", *self.words, "-D", "seed=7", "-o", self.result)
+        self.assertEqual(status, 2)
+        self.assertIn("seed = 7", err)
+        self.assertIn("seed = 1", err)
+        self.assertEqual(self.checkpoints(), before)
+
+    def test_damaged_checkpoint(self):
+        process = self.started(*self.words)
+        self.stop(process)
+        newest = self.parts / f"checkpoint-{self.checkpoints()[0]}.h5"
+        data = bytearray(newest.read_bytes())
+        data[len(data) // 2] ^= 1
+        newest.write_bytes(data)
+        out, err = self.run_ok("run", *self.words, "-o", self.result)
+        self.assertIn("damaged", err)
+        assert_same(self, self.result, self.whole)
+
+    def test_truncated_checkpoint(self):
+        process = self.started(*self.words)
+        self.stop(process)
+        newest = self.parts / f"checkpoint-{self.checkpoints()[0]}.h5"
+        newest.write_bytes(newest.read_bytes()[:5000])
+        self.run_ok("resume", self.result)
+        assert_same(self, self.result, self.whole)
+
+    def test_force_over_unfinished(self):
+        process = self.started(*self.words)
+        self.stop(process)
+        self.run_ok("run", *deck_arguments(measure=1000), "--force", "-o", self.result)
+        self.assertFalse(self.parts.exists())
+
+    def test_forced_run_keeps_the_old_result_until_it_is_done(self):
+        self.run_ok("run", *deck_arguments(measure=1000), "-o", self.result)
+        before = self.result.read_bytes()
+        process = start("run", *self.words, "--force", "-o", self.result)
+        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0)
+        self.stop(process)
+        self.assertEqual(self.result.read_bytes(), before)
+        self.run_ok("run", *self.words, "-o", self.result)
+        assert_same(self, self.result, self.whole)
+
+    def test_kill_between_result_and_removal(self):
+        process = self.started(*self.words)
+        self.stop(process)
+        copy = self.folder / "copy"
+        shutil.copytree(self.parts, copy)
+        self.run_ok("run", *self.words, "-o", self.result)
+        copy.rename(self.parts)
+        _, err = self.run_ok("run", *self.words, "-o", self.result)
+        self.assertIn("finished already", err)
+        self.assertFalse(self.parts.exists())
+
+
+def limit_file_size(size):
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+
+class Full(Folder):
+    """When the disk is full nothing that was written is lost."""
+
+    def whole(self, words):
+        path = self.folder / "whole.h5"
+        self.run_ok("run", *words, "-o", path)
+        return path
+
+    def test_file_size_limit(self):
+        words = deck_arguments(measure=3000000, series=100, frames=100, checkpoint=0.1)
+        whole = self.whole(words)
+        # parts fit, the merged file does not; and then not even the parts
+        for size, what in (whole.stat().st_size * 2 // 3, "r.h5"), (150000, "r.h5.parts"):
+            status, _, err = run("run", *words, "-o", self.result, preexec_fn=limit_file_size(size))
+            self.assertEqual(status, 4, err)
+            self.assertIn(what, err)
+            self.assertFalse(self.result.exists())
+            self.assertEqual(list(self.folder.rglob("*.tmp")), [])
+            if what == "r.h5":
+                self.run_ok("run", *words, "-o", self.result)
+                assert_same(self, self.result, whole)
+                self.result.unlink()
+        self.run_ok("run", *words, "-o", self.result)
+        assert_same(self, self.result, whole)
+
+    def test_full_disk(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        words = deck_arguments(measure=3000000, series=100, frames=100, checkpoint=0.1)
+        whole = self.whole(words)
+        small = self.folder / "small"
+        small.mkdir()
+        size = whole.stat().st_size
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size * 3 // 2}", "tmpfs", small]).returncode:
+            self.skipTest("mounting is not allowed here")
+        try:
+            result = small / "r.h5"
+            status, _, err = run("run", *words, "-o", result)
+            self.assertEqual(status, 4, err)
+            self.assertIn("No space left", err)
+            self.assertFalse(result.exists())
+            moved = self.folder / "r.h5.parts"
+            shutil.copytree(small / "r.h5.parts", moved)
+        finally:
+            subprocess.run(["umount", small])
+        self.run_ok("run", *words, "-o", self.folder / "r.h5")
+        assert_same(self, self.folder / "r.h5", whole)
+
+    def test_no_permission(self):
+        status, _, err = run("run", *deck_arguments(), "-o", "/proc/nothing.h5")
+        self.assertEqual(status, 4, err)
+        self.assertIn("/proc/nothing.h5", err)
+
+    def test_damaged_part(self):
+        words = long_deck()
+        process = self.started(*words)
+        self.stop(process)
+        part = self.parts / "part-000002.h5"
+        data = bytearray(part.read_bytes())
+        data[len(data) // 3] ^= 8
+        part.write_bytes(data)
+        status, _, err = run("run", *words, "-o", self.result)
+        self.assertEqual(status, 4)
+        self.assertIn("part-000002.h5 is damaged", err)
+        part.unlink()
+        _, err = self.run_ok("run", *words, "-o", self.result)
+        self.assertIn("missing", err)
+        with h5py.File(self.result) as file:
+            steps = file["observables/work/step"][()]
+            self.assertTrue((numpy.diff(steps) > 0).all())
+
+
+if __name__ == "__main__":
+    unittest.main()
