@@ -99,7 +99,8 @@ static void print_text(const facts *f, const place *p) {
     const char *path = json_string_value(json_object_get(set, "path"));
     const char *last = strrchr(path, '/');
     /* the state's columns, and the clock of each element, would be most of the list */
-    if (strncmp(path, "/state/", 7) == 0 || strcmp(last, "/step") == 0 || strcmp(last, "/time") == 0) continue;
+    if (strncmp(path, "/state/", 7) == 0 || strcmp(last, "/step") == 0 || strcmp(last, "/time") == 0)
+      continue;
     printf("  %-46s %-8s", path, json_string_value(json_object_get(set, "type")));
     const json_t *shape = json_object_get(set, "shape");
     for (size_t k = 0; k < json_array_size(shape); k++)

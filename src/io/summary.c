@@ -25,7 +25,8 @@ static sd_status allocate(summary *s, sd_messages *messages) {
 /* The name that the deck gives, else "disk 17". */
 static char *name_of(const sd_model *model, uint32_t body) {
   char text[80];
-  const char *own = body < model->n_disks ? model->disks[body].name : model->walls[body - model->n_disks].name;
+  const char *own =
+      body < model->n_disks ? model->disks[body].name : model->walls[body - model->n_disks].name;
   if (own && *own) return file_path("%s", own);
   return file_path("%s", sd_model_body_name(model, body, text, sizeof text));
 }
