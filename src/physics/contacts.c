@@ -1,4 +1,4 @@
-/* contacts.c: gathering, rare events, store and load; see contacts.h. */
+/* contacts.c: rare events, store and load; see contacts.h. */
 #include "physics/contacts.h"
 
 #include <math.h>
@@ -12,52 +12,6 @@
 #define LANE_WIDTH 1
 #include "base/lane.h"
 #include "physics/law.h"
-
-/* --- gathering --------------------------------------------------------------------------------------- */
-
-void contacts_gather(engine *e, size_t begin, size_t end) {
-  sd_state *s = e->state;
-  const pairs *p = &e->work.pairs;
-  const incidence *n = &e->work.incidence;
-  for (size_t i = begin; i < end; i++) {
-    double fx = 0.0, fy = 0.0, tau = 0.0, lever = 0.0;
-    bool straight = s->radius[i] == 0.0;
-    for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
-      size_t k = n->entry[at] / 2;
-      double sign = n->entry[at] & 1 ? 1.0 : -1.0;
-      fx += sign * p->fx[k];
-      fy += sign * p->fy[k];
-      tau += p->tau[k];
-      if (straight) { /* -tau R_a, and the force's arm from the pivot to the disk's centre */
-        double rx = s->x[p->a[k]] - s->x[i], ry = s->y[p->a[k]] - s->y[i];
-        lever += rx * p->fy[k] - ry * p->fx[k] - p->tau[k] * s->radius[p->a[k]];
-      }
-    }
-    s->force_x[i] = fx;
-    s->force_y[i] = fy;
-    s->torque[i] = straight ? lever : tau * s->radius[i];
-  }
-}
-
-void contacts_book_losses(engine *e, size_t begin, size_t end) {
-  sd_state *s = e->state;
-  const pairs *p = &e->work.pairs;
-  const incidence *n = &e->work.incidence;
-  for (size_t i = begin; i < end; i++) {
-    double viscous = 0.0, friction = 0.0, gain = 0.0;
-    for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
-      size_t k = n->entry[at] / 2;
-      int32_t other = n->entry[at] & 1 ? p->a[k] : p->b[k];
-      double share = (size_t)other < s->n_free ? 0.5 : 1.0;
-      viscous += share * p->loss_viscous[k];
-      friction += share * p->loss_friction[k];
-      gain += share * p->gain[k];
-    }
-    s->loss_viscous[i] += viscous;
-    s->loss_friction[i] += friction;
-    s->gain_variant[i] += gain;
-  }
-}
 
 /* --- rare events ------------------------------------------------------------------------------------- */
 

@@ -4,13 +4,6 @@
 
 #include "physics/work.h"
 
-/* Sums the contacts of each body [begin, end) into force_x, force_y, torque, in order of the partners' keys.
- * The torque of a straight wall is about its pivot. */
-void contacts_gather(engine *e, size_t begin, size_t end);
-/* Adds the step's losses of each free disk [begin, end): half of a contact's, the whole where the other
- * side is a wall or prescribed. */
-void contacts_book_losses(engine *e, size_t begin, size_t end);
-
 /* After a commit: books what contacts dropped when they opened, hands memory on where a disk passes from
  * one piece of a wall to the next, renews reference directions, brings angles and positions back into
  * range. Serial; the order does not depend on the threads. SD_ERROR_NUMERIC: overlap beyond the limit. */

@@ -93,6 +93,16 @@ static void fill_constants(const engine *e) {
     }
 }
 
+static void fill_columns(const sd_state *s, work *w) {
+  w->columns[SD_X] = (columns){.q = s->x, .v = s->vx, .q2 = s->x2, .q3 = s->x3, .q4 = s->x4, .q5 = s->x5,
+                               .force = s->force_x, .constant = w->constant_x, .inverse = w->inverse_mass_x};
+  w->columns[SD_Y] = (columns){.q = s->y, .v = s->vy, .q2 = s->y2, .q3 = s->y3, .q4 = s->y4, .q5 = s->y5,
+                               .force = s->force_y, .constant = w->constant_y, .inverse = w->inverse_mass_y};
+  w->columns[SD_THETA] = (columns){.q = s->theta, .v = s->omega, .q2 = s->theta2, .q3 = s->theta3, .q4 = s->theta4,
+                                   .q5 = s->theta5, .force = s->torque, .constant = w->constant_torque,
+                                   .inverse = w->inverse_inertia};
+}
+
 static void fill_box(const sd_model *m, work *w) {
   for (int c = 0; c < 2; c++) {
     w->periodic[c] = m->periodic[c];
@@ -145,6 +155,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   w->conservative = e->model->variant == SD_CONSERVATIVE;
   w->kernels = kernels_choose();
   fill_laws(e->model, w);
+  fill_columns(e->state, w);
   fill_box(e->model, w);
   fill_skin(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
@@ -190,7 +201,7 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   work *w = &e->work;
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
   sd_status status = contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
-  contacts_gather(e, 0, s->n_bodies);
+  w->kernels->gather(e, 0, s->n_bodies);
   for (size_t i = 0; i < s->n_free; i++) {
     s->x2[i] = w->half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);
     s->y2[i] = w->half_dt2 * ((s->force_y[i] + w->constant_y[i]) * w->inverse_mass_y[i]);

@@ -14,11 +14,6 @@
 #define GEAR4 (1.0 / 6.0)
 #define GEAR5 (1.0 / 60.0)
 
-typedef struct columns {
-  double *q, *v, *q2, *q3, *q4, *q5;
-  const double *force, *constant, *inverse;
-} columns;
-
 #define LANE_WIDTH 1
 #include "base/lane.h"
 #include "physics/integrate_pass.h"
@@ -35,21 +30,16 @@ typedef struct columns {
     for (; i < end; i++) single;                                    \
   } while (0)
 
-/* pass(columns, i, a, b) over all three coordinates. */
-#define FOR_COORDINATES(pass, a, b)                                                                           \
-  do {                                                                                                        \
-    const sd_state *s = e->state;                                                                             \
-    const work *w = &e->work;                                                                                 \
-    const columns x = {s->x,  s->vx, s->x2,      s->x3,         s->x4,                                        \
-                       s->x5, s->force_x, w->constant_x, w->inverse_mass_x};                                  \
-    const columns y = {s->y,  s->vy, s->y2,      s->y3,         s->y4,                                        \
-                       s->y5, s->force_y, w->constant_y, w->inverse_mass_y};                                  \
-    const columns theta = {s->theta,  s->omega,  s->theta2,          s->theta3,         s->theta4,            \
-                           s->theta5, s->torque, w->constant_torque, w->inverse_inertia};                     \
-    FOR_LANES(LANE(pass)(&x, i, a, b), LANE_PASTE(pass, 1)(&x, i, a, b));                                     \
-    FOR_LANES(LANE(pass)(&y, i, a, b), LANE_PASTE(pass, 1)(&y, i, a, b));                                     \
-    FOR_LANES(LANE(pass)(&theta, i, a, b), LANE_PASTE(pass, 1)(&theta, i, a, b));                             \
-  } while (0)
+/* A function of its own for one coordinate: few columns at a time, so that they stay in registers. */
+#define COORDINATE_PASS(pass)                                                                            \
+  static __attribute__((noinline)) void pass##_range(const columns *k, size_t begin, size_t end, double a, \
+                                                     double b) {                                         \
+    FOR_LANES(LANE(pass)(k, i, a, b), LANE_PASTE(pass, 1)(k, i, a, b));                                  \
+  }
+COORDINATE_PASS(gear_predict)
+COORDINATE_PASS(gear_correct)
+COORDINATE_PASS(verlet_predict)
+COORDINATE_PASS(verlet_correct)
 
 LANE_INLINE void note_stale(const engine *e, thread_work *mine, size_t begin, size_t end) {
   int stale = 0;
@@ -66,26 +56,32 @@ LANE_INLINE void note_returns(engine *e, thread_work *mine, size_t begin, size_t
 }
 
 static void gear_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  FOR_COORDINATES(gear_predict, e->work.dt, e->work.per_dt);
+  for (int c = 0; c < SD_COORDINATES; c++)
+    gear_predict_range(&e->work.columns[c], begin, end, e->work.dt, e->work.per_dt);
   note_stale(e, mine, begin, end);
 }
 
 static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  FOR_COORDINATES(gear_correct, e->work.half_dt2, e->work.per_dt);
+  for (int c = 0; c < SD_COORDINATES; c++)
+    gear_correct_range(&e->work.columns[c], begin, end, e->work.half_dt2, e->work.per_dt);
   note_returns(e, mine, begin, end);
 }
 
 static void verlet_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  FOR_COORDINATES(verlet_predict, e->work.dt, e->work.per_dt);
+  for (int c = 0; c < SD_COORDINATES; c++)
+    verlet_predict_range(&e->work.columns[c], begin, end, e->work.dt, e->work.per_dt);
   note_stale(e, mine, begin, end);
 }
 
 static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  FOR_COORDINATES(verlet_correct, e->work.half_dt2, e->work.per_dt);
+  for (int c = 0; c < SD_COORDINATES; c++)
+    verlet_correct_range(&e->work.columns[c], begin, end, e->work.half_dt2, e->work.per_dt);
   note_returns(e, mine, begin, end);
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
+extern void KERNEL(kernel_losses)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                                    double *a, double *b);
 extern void KERNEL(kernel_oscillate)(oscillators *g, size_t n);
@@ -95,6 +91,8 @@ extern const kernels KERNEL(kernels);
 const kernels KERNEL(kernels) = {
     .name = KERNEL_NAME(SD_PATH),
     .pairs = KERNEL(kernel_pairs),
+    .gather = KERNEL(kernel_gather),
+    .losses = KERNEL(kernel_losses),
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
     .normals = KERNEL(kernel_normals),

@@ -174,17 +174,16 @@ static void fill_place(engine *e, placed *p) {
                : p->coordinate == SD_Y ? s->image_y[i] * e->work.length[1]
                                        : s->turn[i];
   const double *base = p->coordinate == SD_X ? s->base_x : p->coordinate == SD_Y ? s->base_y : s->base_theta;
-  for (int k = 0; k < MOTION_BATCH; k++) {
-    double u = 0.0, v = 0.0, low = 0.0;
-    for (size_t t = p->first; t < p->first + p->count; t++) {
-      const signal *g = &q->signals[q->terms[t]];
-      u += g->u[k];
-      v += g->v[k];
-      low += g->low[k];
-    }
-    p->value[k] = ((u - off) + base[i]) + low;
-    p->velocity[k] = v;
+  const double rest = base[i];
+  double low[MOTION_BATCH] = {0.0};
+  for (int k = 0; k < MOTION_BATCH; k++) p->value[k] = p->velocity[k] = 0.0;
+  for (size_t t = p->first; t < p->first + p->count; t++) {
+    const signal *g = &q->signals[q->terms[t]];
+    for (int k = 0; k < MOTION_BATCH; k++) p->value[k] += g->u[k];
+    for (int k = 0; k < MOTION_BATCH; k++) p->velocity[k] += g->v[k];
+    for (int k = 0; k < MOTION_BATCH; k++) low[k] += g->low[k];
   }
+  for (int k = 0; k < MOTION_BATCH; k++) p->value[k] = ((p->value[k] - off) + rest) + low[k];
 }
 
 /* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
@@ -197,12 +196,14 @@ static bool place_is_quiet(const engine *e, const placed *p) {
                 : p->coordinate == SD_Y ? w->y0[p->slot]
                                         : w->theta0[p->slot] - s->turn[p->slot];
   double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
-  double most = (wall ? 0.04 : 0.12) * w->moved_limit2;
-  for (int k = 0; k < MOTION_BATCH; k++) {
-    double way = (p->value[k] - from) * arm;
-    if (!(way * way <= most) || !in_range(e, p->coordinate, p->value[k])) return false;
+  double most = (wall ? 0.04 : 0.12) * w->moved_limit2, least_value = p->value[0], most_value = p->value[0];
+  for (int k = 1; k < MOTION_BATCH; k++) {
+    least_value = p->value[k] < least_value ? p->value[k] : least_value;
+    most_value = p->value[k] > most_value ? p->value[k] : most_value;
   }
-  return true;
+  double down = (least_value - from) * arm, up = (most_value - from) * arm;
+  return down * down <= most && up * up <= most && in_range(e, p->coordinate, least_value) &&
+         in_range(e, p->coordinate, most_value);
 }
 
 /* New draws of every running random motion, up to the one after the batch's last step. */

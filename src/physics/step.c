@@ -56,7 +56,7 @@ void step_once(engine *e, const team *t) {
    * so lambda* is committed at once. */
   k->pairs(e, mine, pair, pairs_end, one_pass ? PASS_FORCE | PASS_COMMIT : PASS_FORCE);
   team_wait(t);
-  contacts_gather(e, body, bodies_end);
+  k->gather(e, body, bodies_end);
   team_wait(t);
   if (first) motion_work(e);
   k->correct[e->model->integrator](e, mine, disk, disks_end);
@@ -67,7 +67,7 @@ void step_once(engine *e, const team *t) {
     k->pairs(e, mine, pair, pairs_end, PASS_COMMIT);
     team_wait(t);
   }
-  contacts_book_losses(e, disk, disks_end);
+  k->losses(e, disk, disks_end);
   team_wait(t);
   if (first) {
     if (any_event(w)) w->status = contacts_events(e, w->messages);

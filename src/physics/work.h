@@ -62,6 +62,12 @@ typedef struct event_list {
   bool failed;             /* no memory */
 } event_list;
 
+/* Where one coordinate of the free disks stands in the state, and what pushes it; engine_build. */
+typedef struct columns {
+  double *q, *v, *q2, *q3, *q4, *q5;
+  const double *force, *constant, *inverse;
+} columns;
+
 enum { WORK_MAX_THREADS = 64 };
 
 /* Per thread, cache lines of its own. */
@@ -83,6 +89,7 @@ typedef struct work {
   bool one_law;
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
+  columns columns[SD_COORDINATES];
   uint32_t *slot;        /* [n_bodies] slot of a body number */
   const kernels *kernels;
   int n_threads;
