@@ -1,4 +1,5 @@
 /* run.c: slipdisk run DECK. */
+#include <assert.h>
 #include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,6 +67,7 @@ int app_run(int argc, char **argv) {
   char *output = NULL, *again = NULL;
   int status = a.overrides && messages ? parse(argc, argv, &a) : SD_ERROR_IO;
   if (status == 0) {
+    assert(a.deck);
     output = a.output ? file_path("%s", a.output) : default_output(a.deck);
     again = output ? file_path("resume %s", output) : NULL;
     status = sd_deck_load(a.deck, a.n_overrides, a.overrides, &model, messages);

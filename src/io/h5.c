@@ -23,8 +23,7 @@ static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
 void h5_quiet(void) {
   static bool asked;
   /* must come before the library starts: at exit it would write to files that have failed */
-  if (!asked) H5dont_atexit();
-  asked = true;
+  if (!__atomic_exchange_n(&asked, true, __ATOMIC_RELAXED)) H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
 
@@ -69,7 +68,8 @@ static sd_status allocate(const char *path, h5_file **out, sd_messages *messages
   if (*out && ((*out)->path = file_path("%s", path))) return SD_OK;
   free(*out);
   *out = NULL;
-  return sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
+  sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
+  return SD_ERROR_IO;
 }
 
 static void release(h5_file *file) {
