@@ -28,6 +28,7 @@ typedef struct placed {
   size_t first, count;      /* in terms */
   double *at, *speed;       /* in the state */
   const double *force;      /* of the contacts, in the state */
+  double last;              /* after the last step: the predictor moves free disks before they are placed */
   double moved, force_before; /* by the last step */
   double value[MOTION_BATCH], velocity[MOTION_BATCH];
 } placed;
@@ -334,6 +335,7 @@ static void place_new(engine *e, placed *p, size_t c, size_t first, size_t count
   p->first = first;
   p->count = count;
   p->at = at[k] + slot;
+  p->last = *p->at;
   p->speed = speed[k] + slot;
   p->force = force[k] + slot;
 }
@@ -490,9 +492,9 @@ void motion_place(engine *e, thread_work *mine) {
   }
   for (placed *p = q->places; p < q->places + q->n_placed; p++) {
     double after = p->value[k];
-    p->moved = after - *p->at;
+    p->moved = after - p->last;
     p->force_before = *p->force;
-    *p->at = after;
+    *p->at = p->last = after;
     *p->speed = p->velocity[k];
   }
   if (q->quiet) return;
@@ -506,8 +508,11 @@ void motion_place(engine *e, thread_work *mine) {
 void motion_came_back(engine *e, uint32_t slot) {
   motions *q = e->work.motions;
   bool known = q->first >= 0 && e->state->step + 1 - q->first < MOTION_BATCH;
-  for (size_t k = 0; known && k < q->n_placed; k++)
-    if (q->places[k].slot == slot) fill_place(e, &q->places[k]);
+  for (size_t k = 0; k < q->n_placed; k++) {
+    if (q->places[k].slot != slot) continue;
+    q->places[k].last = *q->places[k].at;
+    if (known) fill_place(e, &q->places[k]);
+  }
 }
 
 void motion_work(engine *e) {
