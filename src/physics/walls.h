@@ -24,6 +24,9 @@ static inline nearest_point walls_nearest(const placed_segment *g, double x, dou
   q.arc = g->arc + on;
   q.side = g->tx * ry - g->ty * rx >= 0.0 ? 1.0 : -1.0;
   q.flat = on == u;
+  /* a joint is touched from the outer side of the bend only, however sharp it is */
+  double bend = g->px * g->ty - g->py * g->tx;
+  if (u < 0.0 && !q.flat && bend != 0.0) q.side = bend > 0.0 ? -1.0 : 1.0;
   q.crossed = false;
   q.active = q.flat || (u > g->length ? g->end_cap : rx * g->px + ry * g->py > 0.0);
   return q;
