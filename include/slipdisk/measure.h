@@ -25,10 +25,10 @@ SD_API sd_mean sd_mean_of(const double *x, size_t n, bool transient);
 
 typedef struct sd_rotation {
   uint32_t disk;
-  double omega, error;      /* mean angular velocity over what was kept, rad/time */
+  double omega, error;         /* mean angular velocity over what was kept, rad/time */
   double scaled, scaled_error; /* times t_g = sqrt(2 R/g); NAN without gravity */
-  double transient, measured; /* discarded and total measured time */
-  double turned;            /* angle turned over the whole measured time, rad */
+  double transient, measured;  /* discarded and total measured time */
+  double turned;               /* angle turned over the whole measured time, rad */
   bool converged;
 } sd_rotation;
 
@@ -37,8 +37,8 @@ SD_API sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, 
 
 typedef struct sd_slide {
   uint32_t disk, partner[2];
-  double pp, pm, mp, mm;  /* S++, S+-, S-+, S--: fractions of the measured steps */
-  double stick, open;     /* at least one stuck and none open; at least one open */
+  double pp, pm, mp, mm; /* S++, S+-, S-+, S--: fractions of the measured steps */
+  double stick, open;    /* at least one stuck and none open; at least one open */
   double contact_positive[2], contact_negative[2], contact_stuck[2], contact_open[2];
   double force_min[2];
   int64_t openings[2];

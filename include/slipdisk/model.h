@@ -34,15 +34,15 @@ typedef struct sd_material {
 } sd_material;
 
 typedef struct sd_disk {
-  char *name; /* may be NULL */
-  double position[3]; /* x, y, theta at the start */
-  double velocity[3]; /* vx, vy, omega */
+  char *name;                   /* may be NULL */
+  double position[3];           /* x, y, theta at the start */
+  double velocity[3];           /* vx, vy, omega */
   double radius, mass, inertia; /* inertia 0 means m R^2/2 */
-  double force[3];    /* constant body force and torque, gravity not included */
-  int material;       /* index into materials */
-  int group;          /* index into groups, -1: none */
-  bool locked[3];     /* this coordinate never changes, whatever pushes (velocity must be 0) */
-  bool driven;        /* all three coordinates are prescribed: fixed, or by the motions that name it */
+  double force[3];              /* constant body force and torque, gravity not included */
+  int material;                 /* index into materials */
+  int group;                    /* index into groups, -1: none */
+  bool locked[3];               /* this coordinate never changes, whatever pushes (velocity must be 0) */
+  bool driven; /* all three coordinates are prescribed: fixed, or by the motions that name it */
 } sd_disk;
 
 typedef enum sd_wall_kind { SD_WALL_LINE, SD_WALL_SEGMENT, SD_WALL_POLYLINE, SD_WALL_CIRCLE } sd_wall_kind;
@@ -54,12 +54,12 @@ typedef struct sd_wall {
   char *name;
   sd_wall_kind kind;
   int material;
-  double pivot[2];       /* the point about which it turns, and whose x, y a motion moves */
+  double pivot[2]; /* the point about which it turns, and whose x, y a motion moves */
   size_t n_points;
-  double (*points)[2];   /* absolute coordinates at the start */
-  bool closed;           /* polyline: the last vertex is joined to the first */
-  double radius;         /* circle: > 0 */
-  bool inside;           /* circle: disks live inside (a drum) */
+  double (*points)[2]; /* absolute coordinates at the start */
+  bool closed;         /* polyline: the last vertex is joined to the first */
+  double radius;       /* circle: > 0 */
+  bool inside;         /* circle: disks live inside (a drum) */
 } sd_wall;
 
 typedef enum sd_motion_kind {
@@ -76,36 +76,36 @@ typedef enum sd_motion_kind {
 typedef struct sd_motion {
   char *name;
   sd_motion_kind kind;
-  int coordinate;        /* SD_X, SD_Y, SD_THETA */
+  int coordinate; /* SD_X, SD_Y, SD_THETA */
   size_t n_bodies;
-  uint32_t *bodies;      /* body numbers */
-  double amplitude;      /* harmonic, parabolic: A; random: rms displacement; table: factor */
-  double omega;          /* rad/time: w */
-  double phase;          /* rad: phi */
-  double velocity;       /* constant velocity: v */
-  double damping;        /* random: c */
-  int64_t interval;      /* random: steps between draws, >= 1 (h = interval dt) */
-  double ramp;           /* time over which the motion is faded in, 0: at once */
-  uint32_t stream;       /* random: stream number, unique per independent signal */
+  uint32_t *bodies; /* body numbers */
+  double amplitude; /* harmonic, parabolic: A; random: rms displacement; table: factor */
+  double omega;     /* rad/time: w */
+  double phase;     /* rad: phi */
+  double velocity;  /* constant velocity: v */
+  double damping;   /* random: c */
+  int64_t interval; /* random: steps between draws, >= 1 (h = interval dt) */
+  double ramp;      /* time over which the motion is faded in, 0: at once */
+  uint32_t stream;  /* random: stream number, unique per independent signal */
   size_t n_table;
   double *table_time, *table_value; /* table: time increasing; held constant beyond its ends ... */
-  bool periodic;         /* ... or repeated: value[0] == value[n-1] */
+  bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
 } sd_motion;
 
 typedef struct sd_phase {
   char *name;
-  int64_t steps;         /* >= 1 */
-  bool *active;          /* [n_motions] */
-  bool measure;          /* statistics are gathered in this phase */
-  int64_t series_every;  /* steps between rows of the time series, 0: none */
-  int64_t frames_every;  /* steps between stored frames of all bodies, 0: none */
+  int64_t steps;          /* >= 1 */
+  bool *active;           /* [n_motions] */
+  bool measure;           /* statistics are gathered in this phase */
+  int64_t series_every;   /* steps between rows of the time series, 0: none */
+  int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
   int64_t contacts_every; /* steps between stored contact tables, 0: none */
 } sd_phase;
 
 /* A disk and two partners: the configuration of sliding of its two contacts is counted every step. */
 typedef struct sd_slide_watch {
   uint32_t disk;
-  uint32_t partner[2];   /* body numbers */
+  uint32_t partner[2]; /* body numbers */
 } sd_slide_watch;
 
 /* --- derived by sd_model_finish ------------------------------------------------------------------- */
@@ -128,15 +128,15 @@ typedef struct sd_model {
   sd_integrator integrator;
   sd_variant variant;
   double dt;
-  double skin;            /* Verlet-list skin, length; 0: chosen from the radii */
-  double max_overlap;     /* a run stops when an overlap exceeds this fraction of the smaller radius */
-  double gravity[2];      /* acceleration vector: -g (sin tilt, cos tilt) */
+  double skin;               /* Verlet-list skin, length; 0: chosen from the radii */
+  double max_overlap;        /* a run stops when an overlap exceeds this fraction of the smaller radius */
+  double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
   double lower[2], upper[2]; /* box; only read along periodic directions */
   bool periodic[2];
 
   size_t n_materials;
   sd_material *materials;
-  sd_contact_law *laws;   /* [n_materials * n_materials], symmetric; k_n <= 0: pair not given */
+  sd_contact_law *laws; /* [n_materials * n_materials], symmetric; k_n <= 0: pair not given */
   size_t n_groups;
   char **groups;
   size_t n_disks;
@@ -148,22 +148,22 @@ typedef struct sd_model {
   size_t n_phases;
   sd_phase *phases;
 
-  size_t n_rotations;     /* disks whose mean angular velocity is measured */
+  size_t n_rotations; /* disks whose mean angular velocity is measured */
   uint32_t *rotations;
   size_t n_slides;
   sd_slide_watch *slides;
   double checkpoint_seconds; /* wall time between checkpoints, > 0 */
 
   /* text that goes into every result file */
-  char *deck_path;        /* as given; "" when built by hand */
-  char *deck_text;        /* as read */
-  char *deck_overrides;   /* one "path=value" per line */
-  char *deck_full;        /* the deck with all defaults, canonical form */
+  char *deck_path;      /* as given; "" when built by hand */
+  char *deck_text;      /* as read */
+  char *deck_overrides; /* one "path=value" per line */
+  char *deck_full;      /* the deck with all defaults, canonical form */
 
   /* derived */
   size_t n_segments;
   sd_segment *segments;
-  size_t n_free;          /* disks that are not driven */
+  size_t n_free; /* disks that are not driven */
 } sd_model;
 
 /* An empty model with defaults (Gear 5, paper variant, open box). */

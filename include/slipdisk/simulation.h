@@ -13,13 +13,13 @@ typedef struct sd_simulation sd_simulation;
 typedef struct sd_energy {
   double kinetic_translation, kinetic_rotation; /* of coordinates that are neither driven nor locked */
   double elastic_normal, elastic_skin;
-  double external; /* potential of gravity and constant body forces */
-  double start;    /* the sum of the above at step 0 */
-  double work;     /* done by prescribed bodies and coordinates */
-  double variant;  /* put in by the paper's variant of the tangential force */
+  double external;                   /* potential of gravity and constant body forces */
+  double start;                      /* the sum of the above at step 0 */
+  double work;                       /* done by prescribed bodies and coordinates */
+  double variant;                    /* put in by the paper's variant of the tangential force */
   double viscous, friction, opening; /* lost */
   double residual;
-  double scale;    /* |work| + losses: what the residual is compared with */
+  double scale; /* |work| + losses: what the residual is compared with */
 } sd_energy;
 
 /* Starts a simulation at step 0 of a finished model. The model must outlive it.

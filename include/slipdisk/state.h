@@ -20,15 +20,15 @@ typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
 
 /* How many elements a column has. */
 typedef enum sd_extent {
-  SD_PER_RUN,      /* 1 */
-  SD_PER_BODY,     /* disks and walls */
-  SD_PER_FREE,     /* free disks */
-  SD_PER_CONTACT,  /* closed contacts */
+  SD_PER_RUN,     /* 1 */
+  SD_PER_BODY,    /* disks and walls */
+  SD_PER_FREE,    /* free disks */
+  SD_PER_CONTACT, /* closed contacts */
   SD_PER_MOTION,
-  SD_PER_ROTATION, /* watched disks */
-  SD_PER_ROTATION_BIN, /* watched disks * SD_BINS, row by row */
-  SD_PER_SLIDE,    /* watched pairs of contacts */
-  SD_PER_SLIDE_COUNT, /* watched pairs * 16 */
+  SD_PER_ROTATION,      /* watched disks */
+  SD_PER_ROTATION_BIN,  /* watched disks * SD_BINS, row by row */
+  SD_PER_SLIDE,         /* watched pairs of contacts */
+  SD_PER_SLIDE_COUNT,   /* watched pairs * 16 */
   SD_PER_SLIDE_CONTACT, /* watched pairs * 2 */
   SD_EXTENTS
 } sd_extent;
@@ -56,7 +56,7 @@ typedef struct sd_state {
   size_t n_motions, n_rotations, n_slides;
 
   /* per body */
-  uint32_t *id;        /* body number of model.h */
+  uint32_t *id; /* body number of model.h */
   double *x, *y, *theta, *turn;
   double *vx, *vy, *omega;
   int32_t *image_x, *image_y;
@@ -74,28 +74,28 @@ typedef struct sd_state {
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
   /* per closed contact, ordered by (lower slot, partner) */
-  uint32_t *contact_a;   /* body number of the disk */
-  uint32_t *contact_b;   /* body number of the partner disk or wall */
-  uint32_t *contact_part; /* straight piece of the wall (feature number), 0 for round bodies */
-  double *contact_lambda; /* lambda*, measured from the reference direction */
+  uint32_t *contact_a;             /* body number of the disk */
+  uint32_t *contact_b;             /* body number of the partner disk or wall */
+  uint32_t *contact_part;          /* straight piece of the wall (feature number), 0 for round bodies */
+  double *contact_lambda;          /* lambda*, measured from the reference direction */
   double *contact_ex, *contact_ey; /* reference direction: unit vector */
-  double *contact_side;  /* +1, -1: side of a straight wall; 0: round */
-  double *contact_force; /* normal force */
+  double *contact_side;            /* +1, -1: side of a straight wall; 0: round */
+  double *contact_force;           /* normal force */
   double *contact_overlap;
   double *contact_stretch; /* lambda - lambda* */
   double *contact_turned;  /* angle from the reference direction */
   int32_t *contact_slide;  /* 0 stuck, +1/-1 sliding with that sign of torque */
 
   /* per motion */
-  int64_t *motion_start;   /* step at which it was switched on, -1: off */
+  int64_t *motion_start;                                 /* step at which it was switched on, -1: off */
   double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw */
 
   /* statistics of the measured phases */
-  double *rotation_start; /* angle when measuring began */
-  double *rotation_bin;   /* angle turned in each full bin */
-  double *rotation_last;  /* angle at the last bin's end */
-  double *rotation_stop;  /* angle when a measured phase ended: what is turned until the next is left out */
-  int64_t *slide_count;   /* steps in configuration 4 * (first contact) + (second contact) */
+  double *rotation_start;  /* angle when measuring began */
+  double *rotation_bin;    /* angle turned in each full bin */
+  double *rotation_last;   /* angle at the last bin's end */
+  double *rotation_stop;   /* angle when a measured phase ended: what is turned until the next is left out */
+  int64_t *slide_count;    /* steps in configuration 4 * (first contact) + (second contact) */
   double *slide_force_min; /* smallest normal force, 0 when the contact opened */
   int64_t *slide_openings; /* times the contact opened */
   int32_t *slide_was_open; /* at the last step */
@@ -105,8 +105,8 @@ typedef struct sd_field {
   const char *name;
   sd_type type;
   sd_extent extent;
-  size_t offset;      /* of the pointer (or, per run, of the value) in sd_state */
-  const char *unit;   /* in terms of length, mass, time */
+  size_t offset;    /* of the pointer (or, per run, of the value) in sd_state */
+  const char *unit; /* in terms of length, mass, time */
   const char *meaning;
 } sd_field;
 

@@ -66,7 +66,7 @@ LANE_INLINE LANE(real) LANE(load)(const double *p) {
   return a;
 }
 LANE_INLINE void LANE(store)(double *p, LANE(real) a) { memcpy(p, &a, sizeof a); }
-LANE_INLINE LANE(mask) LANE(not)(LANE(mask) m) { return ~m; }
+LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) { return ~m; }
 LANE_INLINE int LANE(any)(LANE(mask) m) {
   int64_t any = m[0];
   for (int k = 1; k < LANE_WIDTH; k++) any |= m[k];

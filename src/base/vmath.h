@@ -17,17 +17,18 @@ LANE_INLINE LANE(real) LANE(logarithm)(LANE(real) a) {
   LANE(real) f = m - 1.0;
   LANE(real) s = f / (f + 2.0), z = s * s, w = z * z;
   LANE(real) even = w * (w * (w * 0.15313837699209373 + 0.22222198432149784) + 0.3999999999940942);
-  LANE(real) odd = z * (w * (w * (w * 0.14798198605116586 + 0.1818357216161805) + 0.28571428743662391) +
-                        0.6666666666666735);
+  LANE(real)
+  odd = z *
+        (w * (w * (w * 0.14798198605116586 + 0.1818357216161805) + 0.28571428743662391) + 0.6666666666666735);
   LANE(real) half = f * f * 0.5;
   return k * 6.93147180369123816490e-01 -
          ((half - (s * (half + (even + odd)) + k * 1.90821492927058770002e-10)) - f);
 }
 
 /* sin and cos of 2 pi t for |t| < 2^50. */
-LANE_INLINE void LANE(sine_cosine)(LANE(real) t, LANE(real) *sine, LANE(real) *cosine) {
-  t = t - LANE(nearest)(t);                    /* [-1/2, 1/2] */
-  LANE(real) q = LANE(nearest)(t * 4.0);       /* quarter turn */
+LANE_INLINE void LANE(sine_cosine)(LANE(real) t, LANE(real) * sine, LANE(real) * cosine) {
+  t = t - LANE(nearest)(t);                                /* [-1/2, 1/2] */
+  LANE(real) q = LANE(nearest)(t * 4.0);                   /* quarter turn */
   LANE(real) y = (t - q * 0.25) * 6.283185307179586476925; /* [-pi/4, pi/4] */
   LANE(real) z = y * y;
   LANE(real) s = z * 1.58969099521155010221e-10 + -2.50507602534068634195e-08;

@@ -139,7 +139,8 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
     const sd_wall *wall = &m->walls[w];
     sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
     if (wall->kind == SD_WALL_CIRCLE) {
-      if (!(wall->radius > 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
+      if (!(wall->radius > 0.0))
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
       continue;
     }
     size_t least = 2;
@@ -175,7 +176,8 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
           break;
         }
       if (q->periodic && q->n_table && q->table_value[0] != q->table_value[q->n_table - 1])
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: periodic, so the last value must equal the first", name);
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: periodic, so the last value must equal the first",
+                name);
     }
   }
 }
@@ -203,8 +205,10 @@ static void check_laws(const sd_model *m, sd_messages *msg) {
       if (a == b && count[a] < 2) continue;
       const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
       if (!(law->k_n > 0.0))
-        sd_fail(msg, SD_ERROR_USER, "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
-                m->materials[a].name ? m->materials[a].name : "?", m->materials[b].name ? m->materials[b].name : "?");
+        sd_fail(msg, SD_ERROR_USER,
+                "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+                m->materials[a].name ? m->materials[a].name : "?",
+                m->materials[b].name ? m->materials[b].name : "?");
     }
   free(free_disk);
   free(any);
@@ -213,7 +217,8 @@ static void check_laws(const sd_model *m, sd_messages *msg) {
 
 static void check_watches(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_rotations; k++)
-    if (m->rotations[k] >= m->n_disks) sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
+    if (m->rotations[k] >= m->n_disks)
+      sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
   for (size_t k = 0; k < m->n_slides; k++) {
     const sd_slide_watch *s = &m->slides[k];
     if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))

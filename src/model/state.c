@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COLUMN(name, type, extent, unit, meaning) {#name, type, extent, offsetof(sd_state, name), unit, meaning}
+#define COLUMN(name, type, extent, unit, meaning)                                                            \
+  { #name, type, extent, offsetof(sd_state, name), unit, meaning }
 
 const sd_field sd_fields[] = {
     COLUMN(step, SD_I64, SD_PER_RUN, "1", "steps completed since the start"),
@@ -58,7 +59,8 @@ const sd_field sd_fields[] = {
     COLUMN(contact_a, SD_U32, SD_PER_CONTACT, "1", "body number of the first disk"),
     COLUMN(contact_b, SD_U32, SD_PER_CONTACT, "1", "body number of the second disk or wall"),
     COLUMN(contact_part, SD_U32, SD_PER_CONTACT, "1", "straight piece of the wall"),
-    COLUMN(contact_lambda, SD_F64, SD_PER_CONTACT, "length", "lambda* from the reference direction (eq. tau)"),
+    COLUMN(contact_lambda, SD_F64, SD_PER_CONTACT, "length",
+           "lambda* from the reference direction (eq. tau)"),
     COLUMN(contact_ex, SD_F64, SD_PER_CONTACT, "1", "reference direction, x"),
     COLUMN(contact_ey, SD_F64, SD_PER_CONTACT, "1", "reference direction, y"),
     COLUMN(contact_side, SD_F64, SD_PER_CONTACT, "1", "side of a straight wall, 0: round"),
@@ -113,7 +115,9 @@ void *sd_field_data(const sd_state *s, const sd_field *f) {
   return f->extent == SD_PER_RUN ? (void *)at : *(void **)(void *)at;
 }
 
-static void **field_pointer(sd_state *s, const sd_field *f) { return (void **)(void *)((char *)s + f->offset); }
+static void **field_pointer(sd_state *s, const sd_field *f) {
+  return (void **)(void *)((char *)s + f->offset);
+}
 
 /* Columns are padded to whole 64-byte vectors, and zero. */
 static void *column_new(size_t n, sd_type type) {

@@ -122,7 +122,8 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
                  "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
                  "is dt too large, or k_n too small?",
                  (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
-                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), p->overlap[k], e->model->max_overlap, least);
+                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), p->overlap[k],
+                 e->model->max_overlap, least);
 }
 
 static bool begun(const pairs *p, const event *v) {
@@ -148,8 +149,10 @@ static void bring_back(engine *e, uint32_t i) {
   pairs *p = &w->pairs;
   double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
   double shift[2] = {0.0, 0.0};
-  if (s->x[i] < w->lower[0] || s->x[i] >= w->upper[0]) shift[0] = s->x[i] < w->lower[0] ? w->length[0] : -w->length[0];
-  if (s->y[i] < w->lower[1] || s->y[i] >= w->upper[1]) shift[1] = s->y[i] < w->lower[1] ? w->length[1] : -w->length[1];
+  if (s->x[i] < w->lower[0] || s->x[i] >= w->upper[0])
+    shift[0] = s->x[i] < w->lower[0] ? w->length[0] : -w->length[0];
+  if (s->y[i] < w->lower[1] || s->y[i] >= w->upper[1])
+    shift[1] = s->y[i] < w->lower[1] ? w->length[1] : -w->length[1];
   s->theta[i] -= turn;
   s->turn[i] += turn;
   s->x[i] += shift[0];
@@ -163,9 +166,10 @@ static void bring_back(engine *e, uint32_t i) {
     size_t k = w->incidence.entry[at] / 2;
     if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
     p->star[k] -= s->radius[i] * turn;
-    if (k >= p->n_round && i < s->n_free) {
+    if (k >= p->n_round) { /* the arc length of the nearest point changes, with the disk or with the wall */
       const placed_segment *g = &w->segments[p->part[k]];
-      p->star[k] += p->side[k] * (shift[0] * g->tx + shift[1] * g->ty);
+      double way = shift[0] * g->tx + shift[1] * g->ty;
+      p->star[k] += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
     }
   }
 }
@@ -178,7 +182,8 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
     if (list->failed || w->threads[t].returns.failed)
       return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
     for (size_t n = 0; n < list->count; n++)
-      if (list->item[n].index >= w->pairs.n_round && begun(&w->pairs, &list->item[n])) hand_over(e, list->item[n].index);
+      if (list->item[n].index >= w->pairs.n_round && begun(&w->pairs, &list->item[n]))
+        hand_over(e, list->item[n].index);
   }
   for (int t = 0; t < w->n_threads; t++)
     for (size_t n = 0; n < w->threads[t].events.count; n++) {

@@ -39,7 +39,8 @@ sd_energy energy_of(const engine *e) {
   }
   sum.start = e->state->energy_start;
   sum.work = e->state->work_driven;
-  double now = sum.kinetic_translation + sum.kinetic_rotation + sum.elastic_normal + sum.elastic_skin + sum.external;
+  double now =
+      sum.kinetic_translation + sum.kinetic_rotation + sum.elastic_normal + sum.elastic_skin + sum.external;
   sum.residual = (now - sum.start) - (sum.work + sum.variant) + (sum.viscous + sum.friction + sum.opening);
   sum.scale = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening);
   return sum;

@@ -7,6 +7,7 @@
 
 #include "physics/contacts.h"
 #include "physics/energy.h"
+#include "physics/few.h"
 #include "physics/kernels.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
@@ -94,12 +95,32 @@ static void fill_constants(const engine *e) {
 }
 
 static void fill_columns(const sd_state *s, work *w) {
-  w->columns[SD_X] = (columns){.q = s->x, .v = s->vx, .q2 = s->x2, .q3 = s->x3, .q4 = s->x4, .q5 = s->x5,
-                               .force = s->force_x, .constant = w->constant_x, .inverse = w->inverse_mass_x};
-  w->columns[SD_Y] = (columns){.q = s->y, .v = s->vy, .q2 = s->y2, .q3 = s->y3, .q4 = s->y4, .q5 = s->y5,
-                               .force = s->force_y, .constant = w->constant_y, .inverse = w->inverse_mass_y};
-  w->columns[SD_THETA] = (columns){.q = s->theta, .v = s->omega, .q2 = s->theta2, .q3 = s->theta3, .q4 = s->theta4,
-                                   .q5 = s->theta5, .force = s->torque, .constant = w->constant_torque,
+  w->columns[SD_X] = (columns){.q = s->x,
+                               .v = s->vx,
+                               .q2 = s->x2,
+                               .q3 = s->x3,
+                               .q4 = s->x4,
+                               .q5 = s->x5,
+                               .force = s->force_x,
+                               .constant = w->constant_x,
+                               .inverse = w->inverse_mass_x};
+  w->columns[SD_Y] = (columns){.q = s->y,
+                               .v = s->vy,
+                               .q2 = s->y2,
+                               .q3 = s->y3,
+                               .q4 = s->y4,
+                               .q5 = s->y5,
+                               .force = s->force_y,
+                               .constant = w->constant_y,
+                               .inverse = w->inverse_mass_y};
+  w->columns[SD_THETA] = (columns){.q = s->theta,
+                                   .v = s->omega,
+                                   .q2 = s->theta2,
+                                   .q3 = s->theta3,
+                                   .q4 = s->theta4,
+                                   .q5 = s->theta5,
+                                   .force = s->torque,
+                                   .constant = w->constant_torque,
                                    .inverse = w->inverse_inertia};
 }
 
@@ -165,11 +186,14 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   walls_place(e);
   if (status == SD_OK) status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);
+  if (status == SD_OK && few_new(e) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   return status;
 }
 
 void engine_free(engine *e) {
   work *w = &e->work;
+  few_free(e);
   motion_free(e);
   neighbours_free(e);
   for (int t = 0; w->threads && t < w->n_threads; t++) {
@@ -200,7 +224,8 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
-  sd_status status = contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
+  sd_status status =
+      contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
   w->kernels->gather(e, 0, s->n_bodies);
   for (size_t i = 0; i < s->n_free; i++) {
     s->x2[i] = w->half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);

@@ -1,18 +1,7 @@
 /* kernel_integrate.c: predictor and corrector of both integrators; compiled once per instruction set.
- *
- * Gear, fifth order, Nordsieck form for second-order equations (physics.md 4): column k holds dt^k/k! times
- * the k-th derivative; velocities are kept as such. Velocity Verlet uses column 2 only; its forces see the
- * velocity predicted with the old acceleration.
  */
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
-
-/* 3/16 because the forces depend on velocity (Allen & Tildesley, Computer Simulation of Liquids, app. E). */
-#define GEAR0 (3.0 / 16.0)
-#define GEAR1 (251.0 / 360.0)
-#define GEAR3 (11.0 / 18.0)
-#define GEAR4 (1.0 / 6.0)
-#define GEAR5 (1.0 / 60.0)
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
@@ -23,18 +12,18 @@
 #include "physics/integrate_pass.h"
 
 /* The whole vectors of [begin, end), then single lanes. */
-#define FOR_LANES(vector, single)                                   \
-  do {                                                              \
-    size_t i = begin;                                               \
-    for (; i + VECTOR_WIDTH <= end; i += VECTOR_WIDTH) vector;      \
-    for (; i < end; i++) single;                                    \
+#define FOR_LANES(vector, single)                                                                            \
+  do {                                                                                                       \
+    size_t i = begin;                                                                                        \
+    for (; i + VECTOR_WIDTH <= end; i += VECTOR_WIDTH) vector;                                               \
+    for (; i < end; i++) single;                                                                             \
   } while (0)
 
 /* A function of its own for one coordinate: few columns at a time, so that they stay in registers. */
-#define COORDINATE_PASS(pass)                                                                            \
-  static __attribute__((noinline)) void pass##_range(const columns *k, size_t begin, size_t end, double a, \
-                                                     double b) {                                         \
-    FOR_LANES(LANE(pass)(k, i, a, b), LANE_PASTE(pass, 1)(k, i, a, b));                                  \
+#define COORDINATE_PASS(pass)                                                                                \
+  static __attribute__((noinline)) void pass##_range(const columns *k, size_t begin, size_t end, double a,   \
+                                                     double b) {                                             \
+    FOR_LANES(LANE(pass)(k, i, a, b), LANE_PASTE(pass, 1)(k, i, a, b));                                      \
   }
 COORDINATE_PASS(gear_predict)
 COORDINATE_PASS(gear_correct)
@@ -80,6 +69,7 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+extern void KERNEL(kernel_few_step)(engine *e);
 extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_losses)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
@@ -91,6 +81,7 @@ extern const kernels KERNEL(kernels);
 const kernels KERNEL(kernels) = {
     .name = KERNEL_NAME(SD_PATH),
     .pairs = KERNEL(kernel_pairs),
+    .few_step = KERNEL(kernel_few_step),
     .gather = KERNEL(kernel_gather),
     .losses = KERNEL(kernel_losses),
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},

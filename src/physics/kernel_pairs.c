@@ -70,12 +70,14 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
 LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
+  const sd_state *s = e->state;
+  const pair_view view = {s->x, s->y, s->theta, s->vx, s->vy, s->radius, e->work.pairs.a, e->work.pairs.b};
   size_t n_round = e->work.pairs.n_round, at = begin, round_end = end < n_round ? end : n_round;
-  for (; at + VECTOR_WIDTH <= round_end; at += VECTOR_WIDTH) LANE(round_pass)(e, mine, at, pass);
+  for (; at + VECTOR_WIDTH <= round_end; at += VECTOR_WIDTH) LANE(round_pass)(e, mine, &view, at, pass);
 #if VECTOR_WIDTH > 2
-  for (; at + 2 <= round_end; at += 2) round_pass_w2(e, mine, at, pass);
+  for (; at + 2 <= round_end; at += 2) round_pass_w2(e, mine, &view, at, pass);
 #endif
-  for (; at < round_end; at++) round_pass_w1(e, mine, at, pass);
+  for (; at < round_end; at++) round_pass_w1(e, mine, &view, at, pass);
   for (; at < end; at++) segment_pass(e, mine, at, pass);
 }
 

@@ -14,8 +14,8 @@ extern const kernels kernels_avx512;
 
 const kernels *kernels_named(const char *name) {
 #ifdef SD_HAVE_AVX512
-  if (strcmp(name, "avx512") == 0 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl"))
+  if (strcmp(name, "avx512") == 0 && __builtin_cpu_supports("avx512f") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
     return &kernels_avx512;
 #endif
 #ifdef SD_HAVE_AVX2

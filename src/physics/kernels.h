@@ -13,7 +13,7 @@ enum { PASS_FORCE = 1, PASS_COMMIT = 2 };
 enum { RANDOM_STEP = 0, RANDOM_START = 1 }; /* purposes of a stream's draws */
 
 /* Random motions that are advanced together, one per lane (eq. 52; random.h). */
-enum { OSCILLATORS = 8, OSCILLATOR_DRAWS = 80 };
+enum { OSCILLATORS = 8, OSCILLATOR_DRAWS = 80 /* a batch and two, and rounding */ };
 typedef struct oscillators {
   size_t count;
   size_t motion[OSCILLATORS];
@@ -36,13 +36,15 @@ typedef struct kernels {
   /* Free disks [begin, end), by sd_integrator. */
   void (*predict[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
+  /* One whole step of few disks; few.h. */
+  void (*few_step)(engine *e);
   /* n pairs of independent standard normal numbers: draw first + k of a stream in a[k], b[k].
-   * n is rounded up to a multiple of 8 (room for that must be there). */
+   * n is rounded up to a multiple of 16 (room for that must be there). */
   void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n, double *a,
                   double *b);
   /* From draws 0 and 1 on, n more of each oscillator. */
   void (*oscillate)(oscillators *g, size_t n);
-  /* sin and cos of 2 pi t[k]; the same rounding of n. */
+  /* sin and cos of 2 pi t[k]; n is rounded up to a multiple of 8. */
   void (*sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 } kernels;
 

@@ -21,26 +21,26 @@ typedef struct LANE(law_constants) {
 } LANE(law_constants);
 
 typedef struct LANE(law_input) {
-  LANE(real) dx, dy;   /* from a to b */
-  LANE(real) dvx, dvy; /* velocity of b's surface point relative to a's centre */
-  LANE(real) sum;      /* R_a + R_b; negative inside a round container */
-  LANE(real) arc;      /* lambda but for the turning of the contact line */
+  LANE(real) dx, dy;       /* from a to b */
+  LANE(real) dvx, dvy;     /* velocity of b's surface point relative to a's centre */
+  LANE(real) sum;          /* R_a + R_b; negative inside a round container */
+  LANE(real) arc;          /* lambda but for the turning of the contact line */
   LANE(real) star, ex, ey; /* memory: lambda*, reference direction (0, 0) when open */
-  LANE(mask) active;   /* false: cannot touch here (another piece of the wall does) */
+  LANE(mask) active;       /* false: cannot touch here (another piece of the wall does) */
 } LANE(law_input);
 
 typedef struct LANE(law_output) {
-  LANE(real) nx, ny;      /* unit vector from a to b's surface */
-  LANE(real) inverse_r;   /* 1/r, r signed as sum */
-  LANE(real) delta;       /* overlap, 0 when not touching */
-  LANE(real) force;       /* F_n */
-  LANE(real) stretch;     /* zeta after the cap */
-  LANE(real) slip;        /* what the cap took off zeta */
+  LANE(real) nx, ny;       /* unit vector from a to b's surface */
+  LANE(real) inverse_r;    /* 1/r, r signed as sum */
+  LANE(real) delta;        /* overlap, 0 when not touching */
+  LANE(real) force;        /* F_n */
+  LANE(real) stretch;      /* zeta after the cap */
+  LANE(real) slip;         /* what the cap took off zeta */
   LANE(real) turned, sine; /* angle and sine from e to n */
   LANE(mask) touching, closed;
 } LANE(law_output);
 
-LANE_INLINE LANE(law_output) LANE(law)(const LANE(law_input) *in, const LANE(law_constants) *k) {
+LANE_INLINE LANE(law_output) LANE(law)(const LANE(law_input) * in, const LANE(law_constants) * k) {
   LANE(law_output) out;
   /* geometry; the floor under r^2 only keeps a centre on a centre finite */
   LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));

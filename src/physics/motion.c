@@ -21,29 +21,17 @@ typedef struct signal {
   gsl_interp_accel *accel;
 } signal;
 
-/* A prescribed coordinate: the signals that are added to it, and its values over the batch. */
-typedef struct placed {
-  uint32_t slot;
-  int coordinate;
-  size_t first, count;      /* in terms */
-  double *at, *speed;       /* in the state */
-  const double *force;      /* of the contacts, in the state */
-  double last;              /* after the last step: the predictor moves free disks before they are placed */
-  double moved, force_before; /* by the last step */
-  double value[MOTION_BATCH], velocity[MOTION_BATCH];
-} placed;
-
 struct motions {
-  signal *signals;      /* [n_motions] */
+  signal *signals; /* [n_motions] */
   size_t n_groups;
-  oscillators *groups;  /* random motions, eight by eight */
-  random_step *random;  /* [n_motions] */
-  int64_t first;        /* step of the batch's first value */
+  oscillators *groups; /* random motions, eight by eight */
+  random_step *random; /* [n_motions] */
+  int64_t first;       /* step of the batch's first value */
   size_t n_placed;
   placed *places;
-  uint32_t *terms;      /* motion numbers */
+  uint32_t *terms; /* motion numbers */
   bool moves_walls;
-  bool quiet;           /* nothing in this batch can make the lists stale or leave its range */
+  bool quiet; /* nothing in this batch can make the lists stale or leave its range */
 };
 
 /* --- kinds ------------------------------------------------------------------------------------------- */
@@ -52,7 +40,7 @@ typedef struct batch {
   const engine *e;
   const sd_motion *motion;
   signal *signal;
-  int64_t local;        /* steps since the motion was switched on, of the batch's first value */
+  int64_t local; /* steps since the motion was switched on, of the batch's first value */
 } batch;
 
 /* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 2, trap 4). */
@@ -128,7 +116,7 @@ static void fill_table(batch *b) {
   for (int k = 0; k < MOTION_BATCH; k++) {
     double t = (double)(b->local + k) * b->e->work.dt;
     if (m->periodic) t = from + (t - from) - span * floor((t - from) / span);
-    bool beyond = t < from || t > to;
+    bool beyond = !m->periodic && (t < from || t > to);
     double at = t < from ? from : t > to ? to : t, u = 0.0, v = 0.0;
     gsl_spline_eval_e(b->signal->spline, at, b->signal->accel, &u);
     if (!beyond) gsl_spline_eval_deriv_e(b->signal->spline, at, b->signal->accel, &v);
@@ -143,8 +131,10 @@ typedef struct motion_kind {
 } motion_kind;
 
 static const motion_kind motion_kinds[SD_MOTION_KINDS] = {
-    [SD_MOTION_VELOCITY] = {"velocity", fill_velocity},    [SD_MOTION_HARMONIC] = {"harmonic", fill_harmonic},
-    [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic}, [SD_MOTION_RANDOM] = {"random", fill_random},
+    [SD_MOTION_VELOCITY] = {"velocity", fill_velocity},
+    [SD_MOTION_HARMONIC] = {"harmonic", fill_harmonic},
+    [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic},
+    [SD_MOTION_RANDOM] = {"random", fill_random},
     [SD_MOTION_TABLE] = {"table", fill_table},
 };
 
@@ -228,8 +218,8 @@ static void draw_ahead(engine *e, int64_t first) {
       s->base = low;
       size_t needed = (size_t)(high - low - 1);
       if (needed > most) most = needed;
-      e->work.kernels->normals(e->model->seed, motion->stream, RANDOM_STEP, start + low + 2, needed, g->normal1[l],
-                               g->normal2[l]);
+      e->work.kernels->normals(e->model->seed, motion->stream, RANDOM_STEP, start + low + 2, needed,
+                               g->normal1[l], g->normal2[l]);
     }
     e->work.kernels->oscillate(g, most);
   }
@@ -262,7 +252,8 @@ static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages
   int bad = !s->spline || !s->accel || gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
   gsl_set_error_handler(handler);
   if (!bad) return SD_OK;
-  return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table", m->name ? m->name : "?");
+  return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table",
+                 m->name ? m->name : "?");
 }
 
 static void join_group(engine *e, size_t k) {
@@ -293,7 +284,8 @@ sd_status motion_new(engine *e, sd_messages *messages) {
   for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
   if (q) {
     q->signals = calloc(m->n_motions + 1, sizeof *q->signals);
-    q->places = calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
+    q->places =
+        calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
     q->terms = calloc(terms + 1, sizeof *q->terms);
     q->groups = calloc(m->n_motions / OSCILLATORS + 1, sizeof *q->groups);
     q->random = calloc(m->n_motions + 1, sizeof *q->random);
@@ -409,7 +401,7 @@ static void start_random(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   const random_step *r = &e->work.motions->random[k];
   sd_state *s = e->state;
-  double a[8], b[8];
+  double a[16], b[16];
   e->work.kernels->normals(e->model->seed, m->stream, RANDOM_START, s->step, 1, a, b);
   double u = m->amplitude * a[0], v = m->omega * m->amplitude * b[0];
   s->motion_u0[k] = u;
@@ -482,14 +474,24 @@ void motion_store(engine *e) {
 
 bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
 
+int64_t motion_index(const engine *e) { return e->state->step + 1 - e->work.motions->first; }
+
+placed *motion_places(engine *e, size_t *n) {
+  *n = e->work.motions->n_placed;
+  return e->work.motions->places;
+}
+
+bool motion_ahead(engine *e) {
+  int64_t k = motion_index(e);
+  if (k < 0 || k >= MOTION_BATCH) fill(e, e->state->step + 1);
+  return e->work.motions->quiet;
+}
+
 void motion_place(engine *e, thread_work *mine) {
   motions *q = e->work.motions;
   const sd_state *s = e->state;
-  int64_t k = s->step + 1 - q->first;
-  if (k < 0 || k >= MOTION_BATCH) {
-    fill(e, s->step + 1);
-    k = 0;
-  }
+  motion_ahead(e);
+  int64_t k = motion_index(e);
   for (placed *p = q->places; p < q->places + q->n_placed; p++) {
     double after = p->value[k];
     p->moved = after - p->last;

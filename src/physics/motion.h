@@ -10,6 +10,18 @@
 
 enum { MOTION_BATCH = 64 };
 
+/* A prescribed coordinate: the signals that are added to it, and its values over the batch. */
+typedef struct placed {
+  uint32_t slot;
+  int coordinate;
+  size_t first, count;        /* in the list of terms */
+  double *at, *speed;         /* in the state */
+  const double *force;        /* of the contacts, in the state */
+  double last;                /* after the last step: the predictor moves free disks before they are placed */
+  double moved, force_before; /* by the last step */
+  double value[MOTION_BATCH], velocity[MOTION_BATCH];
+} placed;
+
 /* Tables for the model's motions; what is running follows from the state. */
 sd_status motion_new(engine *e, sd_messages *messages);
 void motion_free(engine *e);
@@ -22,6 +34,12 @@ sd_status motion_resume(engine *e);
 void motion_place(engine *e, thread_work *mine);
 /* Books the work that the placed bodies did in this step: trapezoid of the contact forces, which must be new. */
 void motion_work(engine *e);
+/* Computes ahead when the batch is used up. True: in this batch no prescribed body can make the lists stale
+ * or leave its range, so placing is nothing but copying value[motion_index] and velocity. */
+bool motion_ahead(engine *e);
+/* Of the next step in the batch. */
+int64_t motion_index(const engine *e);
+placed *motion_places(engine *e, size_t *n);
 /* The turn or image of a body changed: the values computed ahead follow. */
 void motion_came_back(engine *e, uint32_t slot);
 /* Brings the oscillators in the state to the step that is completed. */

@@ -15,9 +15,9 @@ static int32_t **whole_columns(pairs *p, size_t k) {
 }
 
 static double **real_columns(pairs *p, size_t k) {
-  double **column[] = {&p->star,    &p->ex,     &p->ey,    &p->side, &p->force, &p->overlap,      &p->stretch,
-                       &p->turned,  &p->slide,  &p->fx,    &p->fy,   &p->tau,   &p->loss_viscous, &p->loss_friction,
-                       &p->gain};
+  double **column[] = {&p->star,    &p->ex,      &p->ey,           &p->side,          &p->force,
+                       &p->overlap, &p->stretch, &p->turned,       &p->slide,         &p->fx,
+                       &p->fy,      &p->tau,     &p->loss_viscous, &p->loss_friction, &p->gain};
   return k < sizeof column / sizeof *column ? column[k] : NULL;
 }
 
@@ -127,7 +127,8 @@ static sd_status grid_fill(const engine *e, grid *g) {
   if (!g->start || !g->disks) return SD_ERROR_IO;
   for (size_t i = 0; i < s->n_disks; i++) g->start[cell_index(g, s->x[i], s->y[i]) + 2]++;
   for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
-  for (size_t i = 0; i < s->n_disks; i++) g->disks[g->start[cell_index(g, s->x[i], s->y[i]) + 1]++] = (uint32_t)i;
+  for (size_t i = 0; i < s->n_disks; i++)
+    g->disks[g->start[cell_index(g, s->x[i], s->y[i]) + 1]++] = (uint32_t)i;
   return SD_OK;
 }
 
@@ -234,8 +235,8 @@ static void carry_memory(const engine *e, pairs *from, pairs *to, size_t from_be
   for (size_t n = to_begin; n < to_end; n++) {
     while (k < from_end &&
            (from->a[k] < to->a[n] ||
-            (from->a[k] == to->a[n] && (id[from->b[k]] < id[to->b[n]] ||
-                                        (from->b[k] == to->b[n] && from->part[k] < to->part[n])))))
+            (from->a[k] == to->a[n] &&
+             (id[from->b[k]] < id[to->b[n]] || (from->b[k] == to->b[n] && from->part[k] < to->part[n])))))
       k++;
     if (k == from_end) return;
     if (from->a[k] != to->a[n] || from->b[k] != to->b[n] || from->part[k] != to->part[n]) continue;
@@ -292,8 +293,8 @@ static void find_watched(engine *e) {
     for (size_t at = n->start[d]; at < n->start[d + 1]; at++) {
       size_t pair = n->entry[at] / 2;
       if (p->a[pair] + p->b[pair] == d + q && (p->a[pair] == d || p->b[pair] == d)) {
-        /* several pieces of one wall: the one that is closed */
-        if (e->work.watched[k] < 0 || p->ex[pair] != 0.0 || p->ey[pair] != 0.0) e->work.watched[k] = (int64_t)pair;
+        /* of several pieces of one wall the first: they follow one another, and which is closed changes */
+        if (e->work.watched[k] < 0 || (int64_t)pair < e->work.watched[k]) e->work.watched[k] = (int64_t)pair;
       }
     }
   }
@@ -306,9 +307,10 @@ static sd_status check_finite(const engine *e, sd_messages *messages) {
   for (size_t i = 0; i < s->n_bodies; i++) {
     if (isfinite(s->x[i]) && isfinite(s->y[i]) && isfinite(s->theta[i])) continue;
     char name[96];
-    return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; is dt too large?",
-                   (long long)s->step + 1, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i], s->y[i],
-                   s->theta[i]);
+    return sd_fail(messages, SD_ERROR_NUMERIC,
+                   "step %lld: %s is at (%g, %g), angle %g: not finite; is dt too large?",
+                   (long long)s->step + 1, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i],
+                   s->y[i], s->theta[i]);
   }
   return SD_OK;
 }
@@ -358,7 +360,8 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
   *old = *next;
   *next = swap;
 
-  if (list_incidence(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
+  if (list_incidence(e) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
   find_watched(e);
   note_poses(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;

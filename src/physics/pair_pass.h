@@ -33,8 +33,8 @@ LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *la
 }
 
 /* Forces on b: F_n n - scale tau t, with t = (-n_y, n_x). */
-LANE_INLINE void LANE(store_force)(pairs *p, size_t at, const LANE(law_output) *out,
-                                   const LANE(law_constants) *k, LANE(real) scale) {
+LANE_INLINE void LANE(store_force)(pairs *p, size_t at, const LANE(law_output) * out,
+                                   const LANE(law_constants) * k, LANE(real) scale) {
   LANE(real) tau = -(k->k_t * out->stretch), push = tau * scale;
   LANE(store)(p->fx + at, out->force * out->nx + push * out->ny);
   LANE(store)(p->fy + at, out->force * out->ny - push * out->nx);
@@ -42,8 +42,8 @@ LANE_INLINE void LANE(store_force)(pairs *p, size_t at, const LANE(law_output) *
 }
 
 /* variant: the paper's tangential force does work that is not the skin's; conservative: none. */
-LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE(law_input) *in,
-                              const LANE(law_output) *out, const LANE(law_constants) *k, LANE(real) limit,
+LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE(law_input) * in,
+                              const LANE(law_output) * out, const LANE(law_constants) * k, LANE(real) limit,
                               LANE(mask) variant) {
   LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
   LANE(real) force = LANE(load)(p->force + at), overlap = LANE(load)(p->overlap + at);
@@ -51,8 +51,8 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
   LANE(mask) was_open = in->ex * in->ex + in->ey * in->ey < 0.5;
 
   /* losses of this step */
-  LANE(real) viscous = half * ((force - k->k_n * overlap) + (out->force - k->k_n * out->delta)) *
-                       (out->delta - overlap);
+  LANE(real)
+  viscous = half * ((force - k->k_n * overlap) + (out->force - k->k_n * out->delta)) * (out->delta - overlap);
   LANE(real) friction = half * k->k_t * (stretch + out->stretch) * out->slip;
   LANE(real) gain = half * -k->k_t * (stretch * overlap + out->stretch * out->delta) * (out->turned - turned);
   LANE(store)(p->loss_viscous + at, LANE(select)(out->touching, viscous, zero));
@@ -72,7 +72,7 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
   LANE(store)(p->slide + at, LANE(select)(out->slip == 0.0, zero, slide));
 
   /* rare cases, treated one by one after the pass */
-  LANE(mask) opened = LANE(not)(was_open | out->touching);
+  LANE(mask) opened = LANE(not )(was_open | out->touching);
   LANE(mask) far = out->closed & ((out->sine > LAW_REBASE) | (out->sine < -LAW_REBASE));
   LANE(mask) deep = out->delta > limit, begun = was_open & out->touching;
   LANE(mask) rare = opened | far | deep | begun;
@@ -85,15 +85,15 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
   for (int l = 0; l < LANE_WIDTH; l++) {
     if (!LANE(lane_is)(rare, l)) continue;
     event *v = event_add(&mine->events, (uint32_t)at + (uint32_t)l, LANE(lane_is)(opened, l) ? drop[l] : 0.0);
-    if (v) v->star = memory[0][l], v->ex = memory[1][l], v->ey = memory[2][l], v->side = p->side[at + (size_t)l];
+    if (v)
+      v->star = memory[0][l], v->ex = memory[1][l], v->ey = memory[2][l], v->side = p->side[at + (size_t)l];
   }
 }
 
-LANE_INLINE void LANE(round_pass)(engine *e, thread_work *mine, size_t at, int pass) {
-  const sd_state *s = e->state;
+LANE_INLINE void LANE(round_pass)(engine *e, thread_work *mine, const pair_view *s, size_t at, int pass) {
   work *w = &e->work;
   pairs *p = &w->pairs;
-  const int32_t *a = p->a + at, *b = p->b + at;
+  const int32_t *a = s->a + at, *b = s->b + at;
   LANE(law_input) in;
   in.dx = LANE(gather)(s->x, b) - LANE(gather)(s->x, a);
   in.dy = LANE(gather)(s->y, b) - LANE(gather)(s->y, a);

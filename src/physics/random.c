@@ -38,7 +38,8 @@ random_step random_step_new(double omega, double c, double rms, double h) {
   enum { POINTS = 16 };
   gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
-  double span = fmin(h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
+  double span =
+      fmin(h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
   int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
   for (int k = 0; table && k < panels; k++)
     for (size_t p = 0; p < POINTS; p++) {

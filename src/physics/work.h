@@ -24,18 +24,24 @@ typedef struct law_row {
  * rebuilds; the others are written by the function named. */
 typedef struct pairs {
   size_t count, n_round, capacity;
-  int32_t *a, *b;          /* slots; neighbours_build */
-  int32_t *part;           /* straight piece; neighbours_build */
-  int32_t *law;            /* row of the law table; neighbours_build */
-  double *star, *ex, *ey, *side;                        /* M */
-  double *force, *overlap, *stretch, *turned, *slide;   /* M, slide as 0, +1, -1 */
-  double *fx, *fy, *tau;   /* force on b, and tau; pairs kernels, force pass */
-  double *loss_viscous, *loss_friction, *gain;          /* of this step; pairs kernels, commit pass */
+  int32_t *a, *b;                                     /* slots; neighbours_build */
+  int32_t *part;                                      /* straight piece; neighbours_build */
+  int32_t *law;                                       /* row of the law table; neighbours_build */
+  double *star, *ex, *ey, *side;                      /* M */
+  double *force, *overlap, *stretch, *turned, *slide; /* M, slide as 0, +1, -1 */
+  double *fx, *fy, *tau;                              /* force on b, and tau; pairs kernels, force pass */
+  double *loss_viscous, *loss_friction, *gain;        /* of this step; pairs kernels, commit pass */
 } pairs;
+
+/* Where a pass over round pairs finds their bodies: columns, and each pair's two places in them. */
+typedef struct pair_view {
+  const double *x, *y, *theta, *vx, *vy, *radius;
+  const int32_t *a, *b;
+} pair_view;
 
 /* The contacts of each body in order of the partner's key: entry = 2 * pair + (1 if the body is b). */
 typedef struct incidence {
-  size_t *start;           /* [n_bodies + 1] */
+  size_t *start; /* [n_bodies + 1] */
   uint32_t *entry;
   size_t capacity;
 } incidence;
@@ -43,7 +49,7 @@ typedef struct incidence {
 /* A straight piece of a wall in space; walls_place. */
 typedef struct placed_segment {
   double x, y, tx, ty, length, px, py; /* start, tangent, length, tangent of the piece before */
-  double backwards;        /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
+  double backwards; /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
   double arc;
   bool end_cap;
 } placed_segment;
@@ -59,7 +65,7 @@ typedef struct event {
 typedef struct event_list {
   event *item;
   size_t count, capacity;
-  bool failed;             /* no memory */
+  bool failed; /* no memory */
 } event_list;
 
 /* Where one coordinate of the free disks stands in the state, and what pushes it; engine_build. */
@@ -77,8 +83,9 @@ typedef struct thread_work {
   event_list returns;      /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
 
-typedef struct motions motions;   /* motion.h */
-typedef struct kernels kernels;   /* kernels.h */
+typedef struct motions motions; /* motion.h */
+typedef struct few few;         /* few.h */
+typedef struct kernels kernels; /* kernels.h */
 
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
@@ -90,23 +97,24 @@ typedef struct work {
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
   columns columns[SD_COORDINATES];
-  uint32_t *slot;        /* [n_bodies] slot of a body number */
+  uint32_t *slot; /* [n_bodies] slot of a body number */
   const kernels *kernels;
   int n_threads;
 
   /* lists; neighbours_build */
-  pairs pairs, spare;      /* spare: room for the next build */
+  pairs pairs, spare; /* spare: room for the next build */
   incidence incidence;
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
-  double *x0, *y0, *theta0; /* [n_bodies] poses when the lists were built */
-  double *reach;            /* [n_walls] largest distance from the pivot that matters when the wall turns */
-  int64_t builds;           /* how often */
-  placed_segment *segments; /* walls_place */
-  int64_t *watched;         /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
+  double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built */
+  double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
+  int64_t builds;            /* how often */
+  placed_segment *segments;  /* walls_place */
+  int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
   motions *motions;
-  thread_work *threads;     /* [n_threads] */
-  sd_status status;         /* of the step that is being done; set by one thread, read by all after a wait */
+  few *few;             /* NULL: the general step only */
+  thread_work *threads; /* [n_threads] */
+  sd_status status;     /* of the step that is being done; set by one thread, read by all after a wait */
   sd_messages *messages;
 } work;
 

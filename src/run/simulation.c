@@ -10,6 +10,7 @@
 #include "physics/contacts.h"
 #include "physics/energy.h"
 #include "physics/engine.h"
+#include "physics/few.h"
 #include "physics/kernels.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
@@ -99,8 +100,32 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
   }
 }
 
+/* Few disks: the whole step in one call where it can be, the general one where not. */
+static void advance_few(engine *e, int64_t n, bool measure) {
+  const team alone = {0, 1};
+  if (few_load(e) != SD_OK) {
+    e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the system");
+    return;
+  }
+  for (int64_t k = 0; k < n && e->work.status == SD_OK; k++) {
+    if (few_ready(e)) {
+      e->work.kernels->few_step(e);
+    } else {
+      few_store(e);
+      step_once(e, &alone);
+      if (few_load(e) != SD_OK) e->work.status = SD_ERROR_IO;
+    }
+    if (measure && e->work.status == SD_OK) watch_step(e);
+  }
+  few_store(e);
+}
+
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
+  if (e->work.few) {
+    advance_few(e, n, measure);
+    return;
+  }
   if (threads == 1) {
     advance_member(e, &(team){0, 1}, n, measure);
     return;
@@ -108,7 +133,7 @@ static void advance_team(engine *e, int64_t n, bool measure) {
 #ifdef _OPENMP
 #pragma omp parallel num_threads(threads)
   {
-    team t = {omp_get_thread_num(), threads};
+    team t = {omp_get_thread_num(), omp_get_num_threads()}; /* may be fewer than asked for */
     advance_member(e, &t, n, measure);
   }
 #endif

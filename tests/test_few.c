@@ -1,0 +1,78 @@
+/* test_few.c: the one-call step of few disks gives the bits of the general step.
+ *
+ * A run with two threads takes the general step, one with one thread the other; both cross the ends of
+ * motion batches, phases, openings, new reference directions and angles that return into range.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+
+#include "slipdisk/deck.h"
+#include "slipdisk/simulation.h"
+
+static sd_simulation *start(const char *deck, const char *const *overrides, size_t n, int threads,
+                            sd_model **model) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/inputs/%s", SLIPDISK_SOURCE_DIR, deck);
+  sd_messages *m = sd_messages_new();
+  sd_simulation *sim = NULL;
+  if (sd_deck_load(path, n, overrides, model, m) != SD_OK ||
+      sd_simulation_new(*model, threads, &sim, m) != SD_OK)
+    sd_messages_print(m, stderr);
+  sd_messages_free(m);
+  assert_non_null(sim);
+  return sim;
+}
+
+static void compare(const char *deck, const char *integrator, const char *const *more, size_t n_more,
+                    int64_t steps) {
+  const char *overrides[8] = {integrator};
+  for (size_t k = 0; k < n_more; k++) overrides[k + 1] = more[k];
+  sd_model *model[2];
+  sd_simulation *sim[2];
+  for (int k = 0; k < 2; k++) {
+    sim[k] = start(deck, overrides, n_more + 1, k + 1, &model[k]);
+    assert_int_equal(sd_simulation_threads(sim[k]), k + 1);
+    assert_int_equal(sd_simulation_advance(sim[k], steps, NULL), SD_OK);
+  }
+  const sd_field *f = sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
+  if (f) fail_msg("%s, %s: %s differs", deck, integrator, f->name);
+  for (int k = 0; k < 2; k++) {
+    sd_simulation_free(sim[k]);
+    sd_model_free(model[k]);
+  }
+}
+
+static const char *const integrators[] = {"integrator=gear5", "integrator=verlet"};
+
+static void three_disks(void **state) {
+  (void)state;
+  const char *decks[] = {"three_disk/random.cfg", "three_disk/sync.cfg",   "three_disk/async.cfg",
+                         "three_disk/steady.cfg", "three_disk/frozen.cfg", "three_disk/weak.cfg"};
+  for (size_t d = 0; d < sizeof decks / sizeof *decks; d++)
+    for (size_t k = 0; k < 2; k++) compare(decks[d], integrators[k], NULL, 0, 700);
+}
+
+/* Large steps and strong drive: bounces, short phases, large angles. */
+static void rough(void **state) {
+  (void)state;
+  const char *more[] = {"dt=1e-5", "motions[*].amplitude=2e-2", "phases[0].steps=1234"};
+  for (size_t k = 0; k < 2; k++) compare("three_disk/random.cfg", integrators[k], more, 3, 4000);
+  const char *turn[] = {"dt=2e-5"};
+  for (size_t k = 0; k < 2; k++) compare("three_disk/steady.cfg", integrators[k], turn, 1, 4000);
+}
+
+static void collision(void **state) {
+  (void)state;
+  for (size_t k = 0; k < 2; k++) compare("collisions/two_disks.cfg", integrators[k], NULL, 0, 3000);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(three_disks), cmocka_unit_test(rough),
+                                     cmocka_unit_test(collision)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
