@@ -99,9 +99,14 @@ static void hand_over(engine *e, size_t k) {
   p->ey[k] = v->ey;
   p->side[k] = v->side;
   v->opening = 0.0; /* the skin's energy goes along */
-  double viscous = p->loss_viscous[k];
+  /* the losses of this step are those of one contact, from the piece it left to this one */
+  p->force[k] = v->force;
+  p->overlap[k] = v->overlap;
+  p->stretch[k] = v->stretch;
+  double viscous = p->loss_viscous[k], friction = p->loss_friction[k]; /* as booked already */
   e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
-  p->loss_viscous[k] = viscous;
+  e->state->loss_viscous[p->a[k]] += p->loss_viscous[k] - viscous;
+  e->state->loss_friction[p->a[k]] += p->loss_friction[k] - friction;
 }
 
 static void book_opening(engine *e, size_t k, double energy) {

@@ -77,16 +77,20 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
   LANE(mask) deep = out->delta > limit, begun = was_open & out->touching;
   LANE(mask) rare = opened | far | deep | begun;
   if (!LANE(any)(rare)) return;
-  double drop[LANE_WIDTH], memory[3][LANE_WIDTH];
+  double drop[LANE_WIDTH], memory[6][LANE_WIDTH];
   LANE(store)(drop, viscous + half * k->k_t * stretch * stretch);
   LANE(store)(memory[0], in->star);
   LANE(store)(memory[1], in->ex);
   LANE(store)(memory[2], in->ey);
+  LANE(store)(memory[3], force);
+  LANE(store)(memory[4], overlap);
+  LANE(store)(memory[5], stretch);
   for (int l = 0; l < LANE_WIDTH; l++) {
     if (!LANE(lane_is)(rare, l)) continue;
     event *v = event_add(&mine->events, (uint32_t)at + (uint32_t)l, LANE(lane_is)(opened, l) ? drop[l] : 0.0);
     if (v)
       v->star = memory[0][l], v->ex = memory[1][l], v->ey = memory[2][l], v->side = p->side[at + (size_t)l];
+    if (v) v->force = memory[3][l], v->overlap = memory[4][l], v->stretch = memory[5][l];
   }
 }
 

@@ -60,6 +60,7 @@ typedef struct event {
   uint32_t index; /* of the pair, or the disk's slot */
   double opening;
   double star, ex, ey, side; /* what a pair remembered before the pass */
+  double force, overlap, stretch;
 } event;
 
 typedef struct event_list {
