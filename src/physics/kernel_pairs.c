@@ -60,7 +60,7 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
   /* the force that derives from the skin's energy, in both variants: the paper has no walls */
   if (pass & PASS_FORCE) store_force_w1(p, at, &out, &k, q.flat ? 1.0 : in.sum * out.inverse_r);
   if (pass & PASS_COMMIT) {
-    commit_w1(p, mine, at, &in, &out, &k, e->model->max_overlap * in.sum, 0);
+    commit_w1(p, mine, at, &in, &out, &k, e->model->max_overlap * in.sum, 0, w->dt);
     p->side[at] = out.touching ? q.side : 0.0;
     /* it went around a free end */
     if (out.closed && q.crossed) event_add(&mine->events, (uint32_t)at, 0.0);

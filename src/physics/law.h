@@ -33,6 +33,7 @@ typedef struct LANE(law_output) {
   LANE(real) nx, ny;       /* unit vector from a to b's surface */
   LANE(real) inverse_r;    /* 1/r, r signed as sum */
   LANE(real) delta;        /* overlap, 0 when not touching */
+  LANE(real) approach;     /* u_n, separation positive */
   LANE(real) force;        /* F_n */
   LANE(real) stretch;      /* zeta after the cap */
   LANE(real) slip;         /* what the cap took off zeta */
@@ -54,8 +55,8 @@ LANE_INLINE LANE(law_output) LANE(law)(const LANE(law_input) * in, const LANE(la
   out.delta = LANE(select)(out.touching, delta, zero);
 
   /* normal force: never pulls */
-  LANE(real) approach = (in->dvx * in->dx + in->dvy * in->dy) * out.inverse_r;
-  LANE(real) force = LANE(most)(k->k_n * out.delta - k->gamma_n * approach, zero);
+  out.approach = (in->dvx * in->dx + in->dvy * in->dy) * out.inverse_r;
+  LANE(real) force = LANE(most)(k->k_n * out.delta - k->gamma_n * out.approach, zero);
   out.force = LANE(select)(out.touching, force, zero);
 
   /* angle since the reference direction: asin series to s^9, exact to rounding up to twice LAW_REBASE */

@@ -1,6 +1,7 @@
 /* neighbours.c: cell grid, candidate pairs, incidence; see neighbours.h. */
 #include "physics/neighbours.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 /* --- room for pairs ---------------------------------------------------------------------------------- */
 
 static int32_t **whole_columns(pairs *p, size_t k) {
+  assert(p);
   int32_t **column[] = {&p->a, &p->b, &p->part, &p->law};
   return k < sizeof column / sizeof *column ? column[k] : NULL;
 }
@@ -33,11 +35,9 @@ static void pairs_free(pairs *p) {
   *p = (pairs){0};
 }
 
-/* Fresh room for the real columns of count pairs, all zero. */
-static sd_status pairs_clear(pairs *p, size_t count) {
+static void pairs_clear(pairs *p, size_t count) {
   double **real;
   for (size_t k = 0; (real = real_columns(p, k)); k++) memset(*real, 0, count * sizeof(double));
-  return SD_OK;
 }
 
 static sd_status pairs_reserve(pairs *p, size_t count) {
@@ -123,7 +123,7 @@ static sd_status grid_fill(const engine *e, grid *g) {
   const sd_state *s = e->state;
   size_t cells = (size_t)(g->cells[0] * g->cells[1]);
   g->start = calloc(cells + 2, sizeof *g->start);
-  g->disks = malloc(s->n_disks * sizeof *g->disks);
+  g->disks = malloc((s->n_disks + 1) * sizeof *g->disks);
   if (!g->start || !g->disks) return SD_ERROR_IO;
   for (size_t i = 0; i < s->n_disks; i++) g->start[cell_index(g, s->x[i], s->y[i]) + 2]++;
   for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
@@ -187,9 +187,13 @@ static void sort_by_id(const uint32_t *id, uint32_t *list, size_t n) {
 /* Round walls: a disk is near when its overlap is above -skin; inside a drum the signed distance counts. */
 static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
   const sd_state *s = e->state;
-  double r = hypot(s->x[b] - s->x[i], s->y[b] - s->y[i]), sum = s->radius[i] + s->radius[b];
+  const work *w = &e->work;
+  double dx = s->x[b] - s->x[i], dy = s->y[b] - s->y[i], sum = s->radius[i] + s->radius[b];
+  if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
+  if (w->periodic[1]) dy -= w->length[1] * nearbyint(dy * w->inverse_length[1]);
+  double r = hypot(dx, dy);
   if (s->radius[b] < 0.0) r = -r;
-  return sum - r > -e->work.skin;
+  return sum - r > -w->skin;
 }
 
 static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {

@@ -44,15 +44,19 @@ LANE_INLINE void LANE(store_force)(pairs *p, size_t at, const LANE(law_output) *
 /* variant: the paper's tangential force does work that is not the skin's; conservative: none. */
 LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE(law_input) * in,
                               const LANE(law_output) * out, const LANE(law_constants) * k, LANE(real) limit,
-                              LANE(mask) variant) {
+                              LANE(mask) variant, double dt) {
   LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
   LANE(real) force = LANE(load)(p->force + at), overlap = LANE(load)(p->overlap + at);
   LANE(real) stretch = LANE(load)(p->stretch + at), turned = LANE(load)(p->turned + at);
   LANE(mask) was_open = in->ex * in->ex + in->ey * in->ey < 0.5;
 
-  /* losses of this step */
+  /* Losses of this step. Where a contact began or opened, the force worked over the whole way of the step,
+   * not only over the part of it on which the disks overlapped. */
+  LANE(real) rise = out->delta - overlap;
+  LANE(real) way = LANE(select)(out->closed, zero, -(out->approach * dt) - rise);
   LANE(real)
-  viscous = half * ((force - k->k_n * overlap) + (out->force - k->k_n * out->delta)) * (out->delta - overlap);
+  viscous = half * ((force - k->k_n * overlap) + (out->force - k->k_n * out->delta)) * rise +
+            half * (force + out->force) * way;
   LANE(real) friction = half * k->k_t * (stretch + out->stretch) * out->slip;
   LANE(real) gain = half * -k->k_t * (stretch * overlap + out->stretch * out->delta) * (out->turned - turned);
   LANE(store)(p->loss_viscous + at, LANE(select)(out->touching, viscous, zero));
@@ -123,6 +127,6 @@ LANE_INLINE void LANE(round_pass)(engine *e, thread_work *mine, const pair_view 
     LANE(real) smaller = LANE(least)(ra, LANE(most)(rb, -rb));
     LANE(mask) variant = in.active;
     if (w->conservative) variant = variant ^ variant;
-    LANE(commit)(p, mine, at, &in, &out, &k, e->model->max_overlap * smaller, variant);
+    LANE(commit)(p, mine, at, &in, &out, &k, e->model->max_overlap * smaller, variant, w->dt);
   }
 }

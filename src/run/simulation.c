@@ -1,6 +1,7 @@
 /* simulation.c: phases, threads, and the way in and out of a running system; see slipdisk/simulation.h. */
 #include "slipdisk/simulation.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #ifdef _OPENMP
 #include <omp.h>
@@ -60,6 +61,7 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
   engine_fill_state(model, state);
   sd_status status = sd_simulation_resume(model, state, threads, out, messages);
   if (status != SD_OK) return status;
+  assert(*out);
   engine *e = &(*out)->engine;
   status = begin_phase(e, messages);
   if (status == SD_OK) status = engine_start(e, messages);
