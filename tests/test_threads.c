@@ -1,0 +1,139 @@
+/* test_threads.c: any number of threads gives the same bits. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "deck_runs.h"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+/* n disks in a shaken, tilted box with a turning knob; periodic in x or not. */
+static sd_model *packing(int n, int wide, const char *integrator, bool periodic) {
+  text t = {0};
+  double width = 0.042 * wide + 0.02;
+  text_add(&t, "dt = 2e-5; seed = 5; integrator = \"%s\"; gravity = { g = 9.81; tilt = 0.05; };\n",
+           integrator);
+  if (periodic) text_add(&t, "box = { x = (0, %g); periodic = \"x\"; };\n", width);
+  text_add(&t, "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 1; mu = 0.5; } );\n"
+               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
+  add_lattice(&t, n, wide, 0.03, 0.028, 0.0405, 0.02, 21);
+  text_add(
+      &t,
+      "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; points = ((0, 4), (0, 0), (%g, 0), (%g, "
+      "4)); },\n"
+      "{ name = \"knob\"; type = \"circle\"; center = (%g, -0.02); radius = 0.03; side = \"outside\"; } );\n",
+      width, width, 0.5 * width);
+  text_add(&t,
+           "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
+           "frequency = 80; },\n"
+           "{ wall = \"knob\"; coordinate = (\"y\", \"theta\"); type = \"random\"; amplitude = 1e-3; "
+           "frequency = 90; } );\n"
+           "phases = ( { steps = 100; }, { steps = 100000; measure = true; } );\n"
+           "measure = { rotation = (0, %d); sliding = ( { disk = 0; partners = (\"box\", 1); } ); };\n",
+           n - 1);
+  sd_model *model = model_of(t.s);
+  free(t.s);
+  return model;
+}
+
+static void compare(const sd_model *model, int steps, const int *threads, int n, bool lively,
+                    const char *what) {
+  sd_state *one = NULL;
+  for (int k = 0; k < n; k++) {
+    sd_simulation *sim = begin_run(model, threads[k]);
+    assert_int_equal(sd_simulation_threads(sim), threads[k]);
+    advance(sim, steps);
+    const sd_state *s = sd_simulation_state(sim);
+    if (k == 0) {
+      sd_energy e = sd_simulation_energy(sim);
+      one = copy_of(model, s);
+      print_message("  %s: %zu contacts, %lld builds, friction %.2g, opening %.2g\n", what, s->n_contacts,
+                    (long long)engine_of(sim)->work.builds, e.friction, e.opening);
+      if (lively) assert_true(e.friction > 0 && e.opening > 0);
+    } else
+      same_states(one, s, what);
+    sd_simulation_free(sim);
+  }
+  sd_state_free(one);
+}
+
+static void large_packings_do_not_depend_on_the_threads(void **unused) {
+  (void)unused;
+  const int threads[] = {1, 2, 3, 4};
+  for (int c = 0; c < 2; c++) {
+    sd_model *model = packing(3000 - c, 75, c ? "verlet" : "gear5", c);
+    compare(model, 400, threads, 4, true, c ? "2999 disks, verlet, periodic" : "3000 disks, gear5");
+    sd_model_free(model);
+  }
+}
+
+static void small_packings_do_not_depend_on_the_threads(void **unused) {
+  (void)unused;
+  const int threads[] = {1, 2, 5}, sizes[] = {2, 3, 7, 8, 9, 17};
+  for (int c = 0; c < 12; c++) {
+    sd_model *model = packing(sizes[c / 2], 9, c & 1 ? "verlet" : "gear5", false);
+    compare(model, 2000, threads, 3, sizes[c / 2] > 6, "a few disks");
+    sd_model_free(model);
+  }
+}
+
+/* Fewer threads than asked for, as inside a parallel region or under a limit: all disks are moved all the same. */
+static void fewer_threads_than_asked_for_do_all_the_work(void **unused) {
+  (void)unused;
+#ifdef _OPENMP
+  sd_model *model = packing(61, 9, "gear5", false);
+  sd_simulation *one = begin_run(model, 1), *many = begin_run(model, 4);
+  advance(one, 400);
+  omp_set_max_active_levels(1);
+  sd_status status = SD_OK;
+#pragma omp parallel num_threads(2)
+  {
+#pragma omp master
+    status = sd_simulation_advance(many, 400, NULL);
+  }
+  assert_int_equal(status, SD_OK);
+  same_states(sd_simulation_state(one), sd_simulation_state(many), "inside a parallel region");
+  sd_simulation_free(one);
+  sd_simulation_free(many);
+  sd_model_free(model);
+#endif
+}
+
+/* Resumed on another number of threads, again and again. */
+static void threads_may_change_on_the_way(void **unused) {
+  (void)unused;
+  sd_model *model = packing(301, 25, "gear5", false);
+  sd_simulation *a = begin_run(model, 1), *b = begin_run(model, 3);
+  for (int k = 0; k < 6; k++) {
+    advance(a, 60);
+    advance(b, 60);
+    b = go_on_from_copy(b, 1 + k % 4);
+  }
+  same_states(sd_simulation_state(a), sd_simulation_state(b), "threads that change");
+  sd_simulation_free(a);
+  sd_simulation_free(b);
+  sd_model_free(model);
+}
+
+int main(int argc, char **argv) {
+  (void)argc;
+  /* there may be fewer cores than threads: no spinning, which the library must know before it starts */
+  if (!getenv("OMP_WAIT_POLICY")) {
+    setenv("OMP_WAIT_POLICY", "passive", 1);
+    execv("/proc/self/exe", argv);
+  }
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(large_packings_do_not_depend_on_the_threads),
+      cmocka_unit_test(small_packings_do_not_depend_on_the_threads),
+      cmocka_unit_test(fewer_threads_than_asked_for_do_all_the_work),
+      cmocka_unit_test(threads_may_change_on_the_way),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
