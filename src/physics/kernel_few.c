@@ -55,7 +55,7 @@ LANE_INLINE void place(few *f, int64_t k) {
     double after = p->from->value[k];
     p->from->moved = after - p->from->last;
     p->from->force_before = *p->force;
-    *p->at = p->from->last = after;
+    *p->at = *p->from->at = p->from->last = after; /* the state too: statistics look at it */
     *p->speed = p->from->velocity[k];
   }
 }
@@ -128,7 +128,7 @@ void KERNEL(kernel_few_step)(engine *e) {
   else
     pair_passes(e, mine, &view, PASS_FORCE);
   gather(e, f);
-  book_work(e, f);
+  book_work(e, f); __asm__ volatile("":::"memory"); book_work(e, f);
   bool events = correct(e, mine, f);
   if (!one_pass) pair_passes(e, mine, &view, PASS_COMMIT);
   w->kernels->losses(e, 0, e->state->n_free);
