@@ -167,6 +167,7 @@ static void bring_back(engine *e, uint32_t i) {
   s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
   s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
   motion_came_back(e, i);
+  if (i >= s->n_disks) walls_place(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
     if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
