@@ -128,7 +128,7 @@ void KERNEL(kernel_few_step)(engine *e) {
   else
     pair_passes(e, mine, &view, PASS_FORCE);
   gather(e, f);
-  book_work(e, f); __asm__ volatile("":::"memory"); book_work(e, f);
+  book_work(e, f);
   bool events = correct(e, mine, f);
   if (!one_pass) pair_passes(e, mine, &view, PASS_COMMIT);
   w->kernels->losses(e, 0, e->state->n_free);
