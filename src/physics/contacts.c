@@ -103,7 +103,7 @@ static void hand_over(engine *e, size_t k) {
   p->force[k] = v->force;
   p->overlap[k] = v->overlap;
   p->stretch[k] = v->stretch;
-  double viscous = p->loss_viscous[k], friction = p->loss_friction[k]; /* as booked already */
+  double viscous = p->loss_viscous[k], friction = p->loss_friction[k];   /* as booked already */
   e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
   e->state->loss_viscous[p->a[k]] += p->loss_viscous[k] - viscous;
   e->state->loss_friction[p->a[k]] += p->loss_friction[k] - friction;

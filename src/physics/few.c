@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "physics/contacts.h"
+#include "physics/kernels.h"
 #include "physics/neighbours.h"
 
 sd_status few_new(engine *e) {
@@ -118,15 +119,41 @@ void few_store(engine *e) {
 
 bool few_ready(engine *e) { return motion_ahead(e) && e->work.few->builds == e->work.builds; }
 
-sd_status few_rebuild(engine *e) {
+/* The rows hold trial coordinates, the pending commit wants the corrected ones: it gets them for a while. */
+static void finish_before(engine *e, few_measure *measure) {
+  few *f = e->work.few;
+  few_rows q, v;
+  memcpy(q, f->q, sizeof q);
+  memcpy(v, f->v, sizeof v);
+  memcpy(f->q, f->q_before, sizeof q);
+  memcpy(f->v, f->v_before, sizeof v);
+  e->work.kernels->few_finish(e, measure);
+  memcpy(f->q, q, sizeof q);
+  memcpy(f->v, v, sizeof v);
+}
+
+sd_status few_rebuild(engine *e, few_measure *measure) {
+  if (e->work.few->pending) finish_before(e, measure);
+  if (e->work.status != SD_OK) return e->work.status;
   few_store(e);
   sd_status status = neighbours_build(e, e->work.messages);
   return status == SD_OK && list_pairs(e) != SD_OK ? SD_ERROR_IO : status;
 }
 
+/* The step that the events belong to is complete: its coordinates are the ones before the trial, if any. */
 sd_status few_events(engine *e) {
-  few_store(e);
+  few *f = e->work.few;
+  sd_state *s = e->state;
+  double(*q)[4] = f->pending ? f->q_before : f->q;
+  for (size_t i = 0; i < s->n_bodies; i++) {
+    s->x[i] = q[i][SD_X];
+    s->y[i] = q[i][SD_Y];
+    s->theta[i] = q[i][SD_THETA];
+  }
+  bool returns = e->work.threads[0].returns.count != 0;
+  s->step--; /* messages and motions count from the step that is being taken */
   sd_status status = contacts_events(e, e->work.messages);
-  if (status == SD_OK && few_load(e) != SD_OK) status = SD_ERROR_IO;
+  s->step++;
+  for (size_t i = 0; returns && i < s->n_bodies; i++) f->q[i][SD_THETA] = s->theta[i]; /* the box is open */
   return status;
 }

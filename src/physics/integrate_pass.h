@@ -59,8 +59,7 @@ LANE_INLINE int LANE(stale)(const engine *e, size_t i) {
 LANE_INLINE int LANE(out_of_range)(const engine *e, size_t i) {
   const work *w = &e->work;
   LANE(real)
-  x = LANE(load)(e->state->x + i),
-  y = LANE(load)(e->state->y + i), th = LANE(load)(e->state->theta + i);
+  x = LANE(load)(e->state->x + i), y = LANE(load)(e->state->y + i), th = LANE(load)(e->state->theta + i);
   LANE(mask) out = (th > 4.0) | (th < -4.0);
   if (w->periodic[0]) out = out | (x < w->lower[0]) | (x >= w->upper[0]);
   if (w->periodic[1]) out = out | (y < w->lower[1]) | (y >= w->upper[1]);

@@ -1,6 +1,8 @@
 /* kernel_few.c: one step of few disks (few.h), the same statements as step.c in one function; compiled once
  * per instruction set.
  */
+#include <string.h>
+
 #include "physics/few.h"
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
@@ -55,7 +57,7 @@ LANE_INLINE void place(few *f, int64_t k) {
     double after = p->from->value[k];
     p->from->moved = after - p->from->last;
     p->from->force_before = *p->force;
-    *p->at = *p->from->at = p->from->last = after; /* the state too: statistics look at it */
+    *p->at = p->from->last = after;
     *p->speed = p->from->velocity[k];
   }
 }
@@ -88,6 +90,8 @@ LANE_INLINE void book_work(engine *e, const few *f) {
   double done = 0.0;
   for (const few_place *p = f->places; p < f->places + f->n_places; p++)
     done += (p->from->force_before + *p->force) * p->from->moved;
+  /* statistics look at the state */
+  for (const few_place *p = f->places; p < f->places + f->n_places; p++) *p->from->at = p->from->last;
   e->state->work_driven -= 0.5 * done;
 }
 
@@ -109,29 +113,80 @@ LANE_INLINE bool correct(engine *e, thread_work *mine, few *f) {
   return out;
 }
 
-void KERNEL(kernel_few_step)(engine *e);
+LANE_INLINE pair_view view_of(const few *f, few_rows q, few_rows v) {
+  return (pair_view){q[0], q[0] + SD_Y, q[0] + SD_THETA, v[0], v[0] + SD_Y, f->radius[0], f->a, f->b};
+}
 
-void KERNEL(kernel_few_step)(engine *e) {
+/* What follows a commit: losses, rare events, statistics of a measured step. */
+LANE_INLINE bool committed(engine *e, few_measure *measure) {
+  work *w = &e->work;
+  bool events = w->threads[0].events.count || w->threads[0].returns.count;
+  w->kernels->losses(e, 0, e->state->n_free);
+  if (events) w->status = few_events(e);
+  if (measure && w->status == SD_OK) measure(e);
+  return events;
+}
+
+void KERNEL(kernel_few_step)(engine *e, few_measure *measure);
+void KERNEL(kernel_few_finish)(engine *e, few_measure *measure);
+
+/* Writes the history of the last step from where its corrected coordinates still stand. */
+void KERNEL(kernel_few_finish)(engine *e, few_measure *measure) {
+  few *f = e->work.few;
+  if (!f->pending) return;
+  f->pending = false;
+  const pair_view now = view_of(f, f->q, f->v);
+  pair_passes(e, &e->work.threads[0], &now, PASS_COMMIT);
+  committed(e, measure);
+}
+
+/* The commit of the last step and the forces of this one, side by side: neither waits for the other's square
+ * root and division. Rare events change the memory that the forces have read: then these are done again. */
+LANE_INLINE void commit_and_force(engine *e, few *f, few_measure *measure) {
+  thread_work *mine = &e->work.threads[0];
+  const pair_view before = view_of(f, f->q_before, f->v_before), now = view_of(f, f->q, f->v);
+  size_t at = 0, n = e->work.pairs.count;
+  for (; at + 2 <= n; at += 2) {
+    round_pass_w2(e, mine, &before, at, PASS_COMMIT);
+    round_pass_w2(e, mine, &now, at, PASS_FORCE);
+  }
+  if (at < n) {
+    round_pass_w1(e, mine, &before, at, PASS_COMMIT);
+    round_pass_w1(e, mine, &now, at, PASS_FORCE);
+  }
+  if (committed(e, measure) && e->work.status == SD_OK) pair_passes(e, mine, &now, PASS_FORCE);
+}
+
+void KERNEL(kernel_few_step)(engine *e, few_measure *measure) {
   work *w = &e->work;
   few *f = w->few;
   thread_work *mine = &w->threads[0];
   const bool one_pass = e->model->integrator == SD_VERLET;
 
+  if (f->pending)
+    for (size_t i = 0; i < e->state->n_bodies; i++) {
+      memcpy(f->q_before[i], f->q[i], sizeof f->q[i]);
+      memcpy(f->v_before[i], f->v[i], sizeof f->v[i]);
+    }
   bool stale = predict(e, f);
   place(f, motion_index(e));
-  if (stale && (w->status = few_rebuild(e)) != SD_OK) return;
+  if (stale && (w->status = few_rebuild(e, measure)) != SD_OK) return;
 
-  const pair_view view = {
-      f->q[0], f->q[0] + SD_Y, f->q[0] + SD_THETA, f->v[0], f->v[0] + SD_Y, f->radius[0], f->a, f->b};
+  const pair_view now = view_of(f, f->q, f->v);
   if (one_pass)
-    pair_passes(e, mine, &view, PASS_FORCE | PASS_COMMIT);
+    pair_passes(e, mine, &now, PASS_FORCE | PASS_COMMIT);
+  else if (f->pending)
+    commit_and_force(e, f, measure);
   else
-    pair_passes(e, mine, &view, PASS_FORCE);
+    pair_passes(e, mine, &now, PASS_FORCE);
+  if (w->status != SD_OK) return;
   gather(e, f);
   book_work(e, f);
-  bool events = correct(e, mine, f);
-  if (!one_pass) pair_passes(e, mine, &view, PASS_COMMIT);
-  w->kernels->losses(e, 0, e->state->n_free);
-  if (events || mine->events.count) w->status = few_events(e);
+  f->pending = !one_pass;
+  bool returns = correct(e, mine, f);
   e->state->step++;
+  if (one_pass)
+    committed(e, measure);
+  else if (returns) /* it changes the coordinates that the next step starts from */
+    KERNEL(kernel_few_finish)(e, measure);
 }

@@ -50,13 +50,13 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
   LANE(real) stretch = LANE(load)(p->stretch + at), turned = LANE(load)(p->turned + at);
   LANE(mask) was_open = in->ex * in->ex + in->ey * in->ey < 0.5;
 
-  /* Losses of this step. Where a contact began or opened, the force worked over the whole way of the step,
-   * not only over the part of it on which the disks overlapped. */
+  /* Losses of this step. The force with which a contact begins worked over the whole way of the step, not
+   * only over the part of it on which the disks overlapped. */
   LANE(real) rise = out->delta - overlap;
-  LANE(real) way = LANE(select)(out->closed, zero, -(out->approach * dt) - rise);
+  LANE(real) way = LANE(select)(was_open, -(out->approach * dt) - rise, zero);
   LANE(real)
   viscous = half * ((force - k->k_n * overlap) + (out->force - k->k_n * out->delta)) * rise +
-            half * (force + out->force) * way;
+            half * out->force * way;
   LANE(real) friction = half * k->k_t * (stretch + out->stretch) * out->slip;
   LANE(real) gain = half * -k->k_t * (stretch * overlap + out->stretch * out->delta) * (out->turned - turned);
   LANE(store)(p->loss_viscous + at, LANE(select)(out->touching, viscous, zero));

@@ -86,7 +86,9 @@ typedef struct thread_work {
 
 typedef struct motions motions; /* motion.h */
 typedef struct few few;         /* few.h */
-typedef struct kernels kernels; /* kernels.h */
+typedef struct engine engine;
+typedef void few_measure(engine *e); /* called when a step's history is written; NULL: not measured */
+typedef struct kernels kernels;      /* kernels.h */
 
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
@@ -123,10 +125,10 @@ typedef struct work {
 event *event_add(event_list *list, uint32_t index, double opening);
 
 /* One system. The physics below run/ works on this. */
-typedef struct engine {
+struct engine {
   const sd_model *model;
   sd_state *state;
   work work;
-} engine;
+};
 
 #endif

@@ -7,6 +7,7 @@
 #include <omp.h>
 #endif
 
+#include "base/subnormal.h"
 #include "measure/watch.h"
 #include "physics/contacts.h"
 #include "physics/energy.h"
@@ -105,38 +106,46 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
 /* Few disks: the whole step in one call where it can be, the general one where not. */
 static void advance_few(engine *e, int64_t n, bool measure) {
   const team alone = {0, 1};
+  const kernels *k = e->work.kernels;
+  few_measure *each = measure ? watch_step : NULL;
   if (few_load(e) != SD_OK) {
     e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the system");
     return;
   }
-  for (int64_t k = 0; k < n && e->work.status == SD_OK; k++) {
+  for (int64_t done = 0; done < n && e->work.status == SD_OK; done++) {
     if (few_ready(e)) {
-      e->work.kernels->few_step(e);
-    } else {
-      few_store(e);
-      step_once(e, &alone);
-      if (few_load(e) != SD_OK) e->work.status = SD_ERROR_IO;
+      k->few_step(e, each);
+      continue;
     }
-    if (measure && e->work.status == SD_OK) watch_step(e);
+    k->few_finish(e, each);
+    few_store(e);
+    if (e->work.status != SD_OK) return;
+    step_once(e, &alone);
+    if (each && e->work.status == SD_OK) each(e);
+    if (few_load(e) != SD_OK) e->work.status = SD_ERROR_IO;
   }
+  if (e->work.status == SD_OK) k->few_finish(e, each);
   few_store(e);
 }
 
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
-  if (e->work.few) {
-    advance_few(e, n, measure);
-    return;
-  }
   if (threads == 1) {
-    advance_member(e, &(team){0, 1}, n, measure);
+    unsigned mode = subnormal_off();
+    if (e->work.few)
+      advance_few(e, n, measure);
+    else
+      advance_member(e, &(team){0, 1}, n, measure);
+    subnormal_restore(mode);
     return;
   }
 #ifdef _OPENMP
 #pragma omp parallel num_threads(threads)
   {
     team t = {omp_get_thread_num(), omp_get_num_threads()}; /* may be fewer than asked for */
+    unsigned mode = subnormal_off();
     advance_member(e, &t, n, measure);
+    subnormal_restore(mode);
   }
 #endif
 }
