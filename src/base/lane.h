@@ -78,8 +78,10 @@ LANE_INLINE LANE(real) LANE(as_real)(LANE(bits) a) { return (LANE(real))a; }
 
 #if LANE_WIDTH == 8 && defined(__AVX512F__)
 LANE_INLINE real_w8 root_w8(real_w8 a) { return (real_w8)_mm512_sqrt_pd((__m512d)a); }
+/* Eight loads: on processors that take a gather instruction apart these are faster, on others as fast. */
 LANE_INLINE real_w8 gather_w8(const double *p, const int32_t *index) {
-  return (real_w8)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)(const void *)index), p, 8);
+  return (real_w8){p[index[0]], p[index[1]], p[index[2]], p[index[3]],
+                   p[index[4]], p[index[5]], p[index[6]], p[index[7]]};
 }
 LANE_INLINE bits_w8 multiply32_w8(bits_w8 a, bits_w8 b) {
   return (bits_w8)_mm512_mul_epu32((__m512i)a, (__m512i)b);
