@@ -8,19 +8,25 @@ static double angle_of(const engine *e, size_t k) {
   return e->state->theta[slot] + e->state->turn[slot];
 }
 
-/* Contact k (two per watch) as it is now, and its normal force: of several closed pieces of one wall, the one
- * that presses most. */
+/* Of several closed pieces of one wall, the one that presses most. */
+static int64_t pressed_piece(const pairs *p, int64_t first) {
+  int64_t pressed = first;
+  for (size_t at = (size_t)first; at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
+    if (p->force[at] > p->force[pressed] || (p->ex[pressed] == 0.0 && p->ey[pressed] == 0.0))
+      pressed = (int64_t)at;
+  return pressed;
+}
+
+/* Contact k (two per watch) as it is now, and its normal force. */
 static int contact_now(const engine *e, size_t k, double *force) {
   const pairs *p = &e->work.pairs;
-  int64_t first = e->work.watched[k], pressed = -1;
+  int64_t at = e->work.watched[k];
   *force = 0.0;
-  if (first < 0) return SD_OPEN;
-  for (size_t at = (size_t)first; at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
-    if ((p->ex[at] != 0.0 || p->ey[at] != 0.0) && (pressed < 0 || p->force[at] > p->force[pressed]))
-      pressed = (int64_t)at;
-  if (pressed < 0) return SD_OPEN;
-  *force = p->force[pressed];
-  return p->slide[pressed] > 0.0 ? SD_SLIDE_POSITIVE : p->slide[pressed] < 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
+  if (at < 0) return SD_OPEN;
+  if ((size_t)at >= p->n_round) at = pressed_piece(p, at);
+  if (p->ex[at] == 0.0 && p->ey[at] == 0.0) return SD_OPEN;
+  *force = p->force[at];
+  return p->slide[at] > 0.0 ? SD_SLIDE_POSITIVE : p->slide[at] < 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
 void watch_begin(engine *e) {

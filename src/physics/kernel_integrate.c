@@ -76,6 +76,7 @@ extern void KERNEL(kernel_losses)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                                    double *a, double *b);
 extern void KERNEL(kernel_oscillate)(oscillators *g, size_t n);
+extern void KERNEL(kernel_place)(place_batch *b, size_t n);
 extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 extern const kernels KERNEL(kernels);
 
@@ -90,5 +91,6 @@ const kernels KERNEL(kernels) = {
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
     .normals = KERNEL(kernel_normals),
     .oscillate = KERNEL(kernel_oscillate),
+    .place = KERNEL(kernel_place),
     .sine_cosine = KERNEL(kernel_sine_cosine),
 };

@@ -23,6 +23,16 @@ typedef struct oscillators {
   double normal1[OSCILLATORS][OSCILLATOR_DRAWS], normal2[OSCILLATORS][OSCILLATOR_DRAWS];
 } oscillators;
 
+/* A prescribed coordinate over n steps: each signal is n values of u, n of du/dt, n of what u lost to
+ * rounding. Kernel place fills value, velocity and the range of the values. */
+typedef struct place_batch {
+  const double *const *signals;
+  size_t n_signals;
+  double off, base; /* value = ((sum of u - off) + base) + what was lost */
+  double *value, *velocity;
+  double low, high;
+} place_batch;
+
 typedef struct kernels {
   const char *name;
   /* Pairs [begin, end) in one pass; begin is a multiple of 8. */
@@ -45,6 +55,8 @@ typedef struct kernels {
                   double *b);
   /* From draws 0 and 1 on, n more of each oscillator. */
   void (*oscillate)(oscillators *g, size_t n);
+  /* n is a multiple of 8. */
+  void (*place)(place_batch *b, size_t n);
   /* sin and cos of 2 pi t[k]; n is rounded up to a multiple of 8. */
   void (*sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 } kernels;

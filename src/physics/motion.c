@@ -11,7 +11,7 @@
 #include "physics/neighbours.h"
 #include "physics/random.h"
 
-/* One signal: MOTION_BATCH values of u, du/dt, and what u lost to rounding. */
+/* One signal: MOTION_BATCH values of u, du/dt, and what u lost to rounding, one behind the other. */
 typedef struct signal {
   double u[MOTION_BATCH], v[MOTION_BATCH], low[MOTION_BATCH];
   /* random: oscillator at draws base, base + 1, ... (draw k falls on step start + k * interval), in a group */
@@ -29,7 +29,7 @@ struct motions {
   int64_t first;       /* step of the batch's first value */
   size_t n_placed;
   placed *places;
-  uint32_t *terms; /* motion numbers */
+  const double **terms; /* signals: u, v, low */
   bool moves_walls;
   bool quiet; /* nothing in this batch can make the lists stale or leave its range */
 };
@@ -156,7 +156,7 @@ static bool in_range(const engine *e, int coordinate, double at) {
   return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
 }
 
-/* Sums a coordinate's signals; turn and images are taken off before the small parts are added. */
+/* Sums a coordinate's signals. */
 static void fill_place(engine *e, placed *p) {
   const motions *q = e->work.motions;
   const sd_state *s = e->state;
@@ -165,16 +165,10 @@ static void fill_place(engine *e, placed *p) {
                : p->coordinate == SD_Y ? s->image_y[i] * e->work.length[1]
                                        : s->turn[i];
   const double *base = p->coordinate == SD_X ? s->base_x : p->coordinate == SD_Y ? s->base_y : s->base_theta;
-  const double rest = base[i];
-  double low[MOTION_BATCH] = {0.0};
-  for (int k = 0; k < MOTION_BATCH; k++) p->value[k] = p->velocity[k] = 0.0;
-  for (size_t t = p->first; t < p->first + p->count; t++) {
-    const signal *g = &q->signals[q->terms[t]];
-    for (int k = 0; k < MOTION_BATCH; k++) p->value[k] += g->u[k];
-    for (int k = 0; k < MOTION_BATCH; k++) p->velocity[k] += g->v[k];
-    for (int k = 0; k < MOTION_BATCH; k++) low[k] += g->low[k];
-  }
-  for (int k = 0; k < MOTION_BATCH; k++) p->value[k] = ((p->value[k] - off) + rest) + low[k];
+  place_batch b = {q->terms + p->first, p->count, off, base[i], p->value, p->velocity, 0.0, 0.0};
+  e->work.kernels->place(&b, MOTION_BATCH);
+  p->low = b.low;
+  p->high = b.high;
 }
 
 /* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
@@ -187,14 +181,10 @@ static bool place_is_quiet(const engine *e, const placed *p) {
                 : p->coordinate == SD_Y ? w->y0[p->slot]
                                         : w->theta0[p->slot] - s->turn[p->slot];
   double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
-  double most = (wall ? 0.04 : 0.12) * w->moved_limit2, least_value = p->value[0], most_value = p->value[0];
-  for (int k = 1; k < MOTION_BATCH; k++) {
-    least_value = p->value[k] < least_value ? p->value[k] : least_value;
-    most_value = p->value[k] > most_value ? p->value[k] : most_value;
-  }
-  double down = (least_value - from) * arm, up = (most_value - from) * arm;
-  return down * down <= most && up * up <= most && in_range(e, p->coordinate, least_value) &&
-         in_range(e, p->coordinate, most_value);
+  double most = (wall ? 0.04 : 0.12) * w->moved_limit2;
+  double down = (p->low - from) * arm, up = (p->high - from) * arm;
+  return down * down <= most && up * up <= most && in_range(e, p->coordinate, p->low) &&
+         in_range(e, p->coordinate, p->high);
 }
 
 /* New draws of every running random motion, up to the one after the batch's last step. */
@@ -350,7 +340,7 @@ static sd_status list_places(engine *e) {
         if (pass == 0)
           count[c]++;
         else
-          q->terms[at[c]++] = (uint32_t)k;
+          q->terms[at[c]++] = q->signals[k].u;
       }
     }
     for (size_t c = 0; pass == 0 && c < n; c++) {

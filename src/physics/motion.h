@@ -19,6 +19,7 @@ typedef struct placed {
   const double *force;        /* of the contacts, in the state */
   double last;                /* after the last step: the predictor moves free disks before they are placed */
   double moved, force_before; /* by the last step */
+  double low, high;           /* least and largest value of the batch */
   double value[MOTION_BATCH], velocity[MOTION_BATCH];
 } placed;
 

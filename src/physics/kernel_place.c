@@ -1,0 +1,38 @@
+/* kernel_place.c: values of a prescribed coordinate over a batch, from its signals; compiled once per
+ * instruction set.
+ */
+#include "physics/kernel_path.h"
+#include "physics/kernels.h"
+
+#define LANE_WIDTH VECTOR_WIDTH
+#include "base/lane.h"
+
+void KERNEL(kernel_place)(place_batch *b, size_t n);
+
+/* Turn and images are taken off before the small parts are added. */
+void KERNEL(kernel_place)(place_batch *b, size_t n) {
+  LANE(real) low = LANE(splat)(HUGE_VAL), high = LANE(splat)(-HUGE_VAL);
+  for (size_t k = 0; k < n; k += LANE_WIDTH) {
+    LANE(real) u = LANE(splat)(0.0), v = LANE(splat)(0.0), rest = LANE(splat)(0.0);
+    for (size_t t = 0; t < b->n_signals; t++) {
+      const double *signal = b->signals[t] + k;
+      u = u + LANE(load)(signal);
+      v = v + LANE(load)(signal + n);
+      rest = rest + LANE(load)(signal + 2 * n);
+    }
+    u = ((u - b->off) + b->base) + rest;
+    LANE(store)(b->value + k, u);
+    LANE(store)(b->velocity + k, v);
+    low = LANE(least)(u, low);
+    high = LANE(most)(u, high);
+  }
+  double lows[LANE_WIDTH], highs[LANE_WIDTH];
+  LANE(store)(lows, low);
+  LANE(store)(highs, high);
+  b->low = lows[0];
+  b->high = highs[0];
+  for (int l = 1; l < LANE_WIDTH; l++) {
+    b->low = lows[l] < b->low ? lows[l] : b->low;
+    b->high = highs[l] > b->high ? highs[l] : b->high;
+  }
+}
