@@ -69,21 +69,26 @@ static void close_bin(engine *e) {
   if (++s->bins == SD_BINS) halve_bins(s);
 }
 
+static void count_slides(engine *e, size_t k) {
+  sd_state *s = e->state;
+  int now[2];
+  for (size_t side = 0; side < 2; side++) {
+    double force;
+    size_t c = 2 * k + side;
+    now[side] = contact_now(e, c, &force);
+    if (force < s->slide_force_min[c]) s->slide_force_min[c] = force;
+    int open = now[side] == SD_OPEN;
+    if (open == s->slide_was_open[c]) continue;
+    s->slide_openings[c] += open;
+    s->slide_was_open[c] = open;
+  }
+  s->slide_count[16 * k + 4 * (size_t)now[0] + (size_t)now[1]]++;
+}
+
 void watch_step(engine *e) {
   sd_state *s = e->state;
   s->measured++;
-  for (size_t k = 0; k < s->n_slides; k++) {
-    int now[2];
-    for (size_t side = 0; side < 2; side++) {
-      double force;
-      size_t c = 2 * k + side;
-      now[side] = contact_now(e, c, &force);
-      if (force < s->slide_force_min[c]) s->slide_force_min[c] = force;
-      int open = now[side] == SD_OPEN;
-      s->slide_openings[c] += open && !s->slide_was_open[c];
-      s->slide_was_open[c] = open;
-    }
-    s->slide_count[16 * k + 4 * (size_t)now[0] + (size_t)now[1]]++;
-  }
-  if (s->n_rotations && s->measured % s->bin_steps == 0) close_bin(e);
+  for (size_t k = 0; k < s->n_slides; k++) count_slides(e, k);
+  /* bin_steps is a power of two */
+  if (s->n_rotations && (s->measured & (s->bin_steps - 1)) == 0) close_bin(e);
 }
