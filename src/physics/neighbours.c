@@ -144,11 +144,27 @@ static bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
   return dx * dx + dy * dy < reach * reach;
 }
 
-/* Partners of free disk i in higher slots, unordered. */
-static size_t partners_of(const engine *e, const grid *g, uint32_t i, uint32_t **list, size_t *capacity) {
+typedef struct partners {
+  uint32_t *slot;
+  size_t n, capacity;
+} partners;
+
+static sd_status partners_add(partners *p, uint32_t j) {
+  if (p->n == p->capacity) {
+    size_t capacity = 2 * (p->capacity + 8);
+    uint32_t *more = realloc(p->slot, capacity * sizeof *more);
+    if (!more) return SD_ERROR_IO;
+    p->slot = more;
+    p->capacity = capacity;
+  }
+  p->slot[p->n++] = j;
+  return SD_OK;
+}
+
+/* Adds the partners of free disk i in higher slots, unordered. */
+static sd_status find_partners(const engine *e, const grid *g, uint32_t i, partners *found) {
   const sd_state *s = e->state;
   int64_t cx = cell_of(g, 0, s->x[i]), cy = cell_of(g, 1, s->y[i]);
-  size_t n = 0;
   for (int64_t v = cy - 1; v <= cy + 1; v++) {
     int64_t row = v;
     if (e->work.periodic[1] && g->cells[1] >= 3) row = (v + g->cells[1]) % g->cells[1];
@@ -160,18 +176,11 @@ static size_t partners_of(const engine *e, const grid *g, uint32_t i, uint32_t *
       size_t c = (size_t)(row * g->cells[0] + column);
       for (uint32_t k = g->start[c]; k < g->start[c + 1]; k++) {
         uint32_t j = g->disks[k];
-        if (j <= i || !near(e, i, j, e->work.skin)) continue;
-        if (n == *capacity) {
-          uint32_t *more = realloc(*list, 2 * (*capacity + 8) * sizeof **list);
-          if (!more) return SIZE_MAX;
-          *list = more;
-          *capacity = 2 * (*capacity + 8);
-        }
-        (*list)[n++] = j;
+        if (j > i && near(e, i, j, e->work.skin) && partners_add(found, j) != SD_OK) return SD_ERROR_IO;
       }
     }
   }
-  return n;
+  return SD_OK;
 }
 
 /* Few and nearly in order: insertion by permanent id. */
@@ -201,33 +210,70 @@ static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
   return hypot(q.dx, q.dy) < e->state->radius[i] + e->work.skin;
 }
 
+/* Closed contacts stay candidates until a commit opens them, however far one step took their bodies: what
+ * they drop is booked there, whatever the skin. The old list is ordered by the first disk, so that its pairs
+ * of disk i follow those of i - 1. */
+typedef struct closed_before {
+  size_t from, to; /* pairs of the present disk */
+} closed_before;
+
+static void next_disk(const pairs *old, size_t end, uint32_t i, closed_before *c) {
+  c->from = c->to;
+  while (c->to < end && old->a[c->to] == (int32_t)i) c->to++;
+}
+
+static bool closed(const pairs *old, size_t k) { return old->ex[k] != 0.0 || old->ey[k] != 0.0; }
+
+static bool was_closed(const pairs *old, const closed_before *c, uint32_t b, size_t part) {
+  for (size_t k = c->from; k < c->to; k++)
+    if (old->b[k] == (int32_t)b && old->part[k] == (int32_t)part) return closed(old, k);
+  return false;
+}
+
+static sd_status add_closed(const engine *e, const closed_before *c, uint32_t i, partners *found) {
+  const pairs *old = &e->work.pairs;
+  for (size_t k = c->from; k < c->to; k++) {
+    uint32_t j = (uint32_t)old->b[k];
+    if (!closed(old, k) || j >= e->state->n_disks || near(e, i, j, e->work.skin)) continue;
+    if (partners_add(found, j) != SD_OK) return SD_ERROR_IO;
+  }
+  return SD_OK;
+}
+
 static sd_status push_round(const engine *e, const grid *g, pairs *p) {
   const sd_state *s = e->state;
-  uint32_t *list = NULL;
-  size_t capacity = 0, n = 0;
+  const pairs *old = &e->work.pairs;
+  partners found = {0};
+  closed_before before = {0};
   sd_status status = SD_OK;
   for (uint32_t i = 0; i < s->n_free && status == SD_OK; i++) {
-    n = partners_of(e, g, i, &list, &capacity);
-    if (n == SIZE_MAX) {
-      status = SD_ERROR_IO;
-      break;
-    }
-    sort_by_id(s->id, list, n);
-    for (size_t k = 0; k < n && status == SD_OK; k++) status = pairs_push(p, i, list[k], 0);
+    found.n = 0;
+    next_disk(old, old->n_round, i, &before);
+    status = find_partners(e, g, i, &found);
+    if (status == SD_OK) status = add_closed(e, &before, i, &found);
+    sort_by_id(s->id, found.slot, found.n);
+    for (size_t k = 0; k < found.n && status == SD_OK; k++) status = pairs_push(p, i, found.slot[k], 0);
     for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies && status == SD_OK; b++)
-      if (s->radius[b] != 0.0 && near_round_wall(e, i, b)) status = pairs_push(p, i, b, 0);
+      if (s->radius[b] != 0.0 && (near_round_wall(e, i, b) || was_closed(old, &before, b, 0)))
+        status = pairs_push(p, i, b, 0);
   }
-  free(list);
+  free(found.slot);
   return status;
 }
 
 static sd_status push_pieces(const engine *e, pairs *p) {
+  const pairs *old = &e->work.pairs;
+  closed_before before = {.to = old->n_round};
   sd_status status = SD_OK;
   if (e->model->n_segments == 0) return SD_OK;
-  for (uint32_t i = 0; i < e->state->n_free; i++)
-    for (size_t k = 0; k < e->model->n_segments && status == SD_OK; k++)
-      if (near_piece(e, i, &e->work.segments[k]))
-        status = pairs_push(p, i, e->work.slot[e->model->segments[k].body], k);
+  for (uint32_t i = 0; i < e->state->n_free; i++) {
+    next_disk(old, old->count, i, &before);
+    for (size_t k = 0; k < e->model->n_segments && status == SD_OK; k++) {
+      uint32_t b = e->work.slot[e->model->segments[k].body];
+      if (near_piece(e, i, &e->work.segments[k]) || was_closed(old, &before, b, k))
+        status = pairs_push(p, i, b, k);
+    }
+  }
   return status;
 }
 

@@ -1,6 +1,7 @@
 /* neighbours.h: cell grid and Verlet list of candidate pairs.
  *
- * The list holds every pair nearer than the skin; it is rebuilt when a body has moved almost half the skin.
+ * The list holds every pair nearer than the skin, and every closed contact; it is rebuilt when a body has
+ * moved almost half the skin.
  * Contact memory is carried over. A rebuild changes no bit of what follows: sums run in the order of
  * permanent ids, and a candidate that is open adds zero.
  */
