@@ -77,7 +77,7 @@ static event *left_next_piece(engine *e, size_t k) {
     for (size_t n = 0; n < e->work.threads[t].events.count; n++) {
       event *v = &e->work.threads[t].events.item[n];
       bool opened = v->index >= p->n_round && p->ex[v->index] == 0.0 && p->ey[v->index] == 0.0;
-      if (!opened || p->a[v->index] != p->a[k] || v->opening == 0.0) continue;
+      if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
       int64_t there = p->part[v->index];
       if (pieces[there].next == here || pieces[here].next == there) return v;
     }
@@ -98,7 +98,7 @@ static void hand_over(engine *e, size_t k) {
   p->ex[k] = v->ex;
   p->ey[k] = v->ey;
   p->side[k] = v->side;
-  v->opening = 0.0; /* the skin's energy goes along */
+  v->handed = true; /* the energy goes along */
   /* the losses of this step are those of one contact, from the piece it left to this one */
   p->force[k] = v->force;
   p->overlap[k] = v->overlap;
@@ -140,7 +140,7 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   const pairs *p = &e->work.pairs;
   size_t k = v->index;
   if (p->ex[k] == 0.0 && p->ey[k] == 0.0) {
-    if (v->opening != 0.0) book_opening(e, k, v->opening);
+    if (!v->handed) book_opening(e, k, v->opening);
     return SD_OK;
   }
   if (!begun(p, v)) rebase(e, k);

@@ -63,7 +63,8 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
     commit_w1(p, mine, at, &in, &out, &k, e->model->max_overlap * in.sum, 0, w->dt);
     p->side[at] = out.touching ? q.side : 0.0;
     /* it went around a free end */
-    if (out.closed && q.crossed) event_add(&mine->events, (uint32_t)at, 0.0);
+    event *v = out.closed && q.crossed ? event_add(&mine->events, (uint32_t)at, 0.0) : NULL;
+    if (v) v->ex = p->ex[at], v->ey = p->ey[at];
   }
 }
 

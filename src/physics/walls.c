@@ -20,6 +20,13 @@ void walls_place(engine *e) {
         .backwards = from->length < HUGE_VAL ? 0.0 : -HUGE_VAL,
         .arc = from->arc,
         .end_cap = from->end_cap,
+        .joined = from->next >= 0,
     };
+  }
+  for (size_t k = 0; k < e->model->n_segments; k++) {
+    placed_segment *g = &e->work.segments[k];
+    if (!g->joined) continue;
+    g->end_x = e->work.segments[e->model->segments[k].next].x;
+    g->end_y = e->work.segments[e->model->segments[k].next].y;
   }
 }

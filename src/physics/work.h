@@ -49,9 +49,10 @@ typedef struct incidence {
 /* A straight piece of a wall in space; walls_place. */
 typedef struct placed_segment {
   double x, y, tx, ty, length, px, py; /* start, tangent, length, tangent of the piece before */
+  double end_x, end_y;                 /* start of the piece that follows; joined */
   double backwards; /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
   double arc;
-  bool end_cap;
+  bool end_cap, joined;
 } placed_segment;
 
 /* Pairs that need a rare, serial treatment after the commit pass: contacts that opened (with the energy they
@@ -61,6 +62,7 @@ typedef struct event {
   double opening;
   double star, ex, ey, side; /* what a pair remembered before the pass */
   double force, overlap, stretch;
+  bool handed; /* opened: the memory went to the next piece of the wall */
 } event;
 
 typedef struct event_list {
