@@ -246,13 +246,14 @@ static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages
                  m->name ? m->name : "?");
 }
 
-static void join_group(engine *e, size_t k) {
+static sd_status join_group(engine *e, size_t k) {
   motions *q = e->work.motions;
   const sd_motion *m = &e->model->motions[k];
   if (q->n_groups == 0 || q->groups[q->n_groups - 1].count == OSCILLATORS) q->n_groups++;
   oscillators *g = &q->groups[q->n_groups - 1];
   size_t l = g->count++;
   random_step r = random_step_new(m->omega, m->damping, m->amplitude, (double)m->interval * e->model->dt);
+  if (isnan(r.cholesky[0])) return SD_ERROR_IO;
   q->random[k] = r;
   g->motion[l] = k;
   g->uu[l] = r.propagator[0][0];
@@ -264,6 +265,7 @@ static void join_group(engine *e, size_t k) {
   g->noise_vv[l] = r.cholesky[2];
   q->signals[k].draw_u = g->u[l];
   q->signals[k].draw_v = g->v[l];
+  return SD_OK;
 }
 
 sd_status motion_new(engine *e, sd_messages *messages) {
@@ -285,7 +287,8 @@ sd_status motion_new(engine *e, sd_messages *messages) {
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
     signal *s = &q->signals[k];
-    if (motion->kind == SD_MOTION_RANDOM) join_group(e, k);
+    if (motion->kind == SD_MOTION_RANDOM && join_group(e, k) != SD_OK)
+      return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
     if (motion->kind == SD_MOTION_TABLE && spline_new(s, motion, messages) != SD_OK) return SD_ERROR_USER;
   }
   return SD_OK;
@@ -360,15 +363,12 @@ static double *base_of(sd_state *s, int coordinate) {
   return coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta;
 }
 
-/* Does another running motion add to the same coordinate of the same body? */
-static bool still_moved(const engine *e, uint32_t body, int coordinate) {
-  for (size_t k = 0; k < e->model->n_motions; k++) {
-    const sd_motion *m = &e->model->motions[k];
-    if (e->state->motion_start[k] < 0 || m->coordinate != coordinate) continue;
-    for (size_t b = 0; b < m->n_bodies; b++)
-      if (m->bodies[b] == body) return true;
-  }
-  return false;
+/* How many running motions add to each coordinate of each body (by 3 slot + coordinate): counts motion k in
+ * (by = 1) or out (by = -1). */
+static void count_mover(const engine *e, int32_t *movers, size_t k, int by) {
+  const sd_motion *m = &e->model->motions[k];
+  for (size_t b = 0; b < m->n_bodies; b++)
+    movers[3 * (size_t)e->work.slot[m->bodies[b]] + (size_t)m->coordinate] += by;
 }
 
 /* Stands still where the base and the images say. */
@@ -403,31 +403,45 @@ static void start_random(engine *e, size_t k) {
       r->propagator[1][1] * v + (r->propagator[1][0] * u + (r->cholesky[1] * a[0] + r->cholesky[2] * b[0]));
 }
 
+/* The last value stays in the base; a motion that never took a step displaced nothing. What no other motion
+ * moves comes to rest. */
+static void switch_off(engine *e, int32_t *movers, size_t k) {
+  const sd_motion *m = &e->model->motions[k];
+  const motions *q = e->work.motions;
+  sd_state *s = e->state;
+  double *base = base_of(s, m->coordinate);
+  if (q->first >= 0 && s->step >= q->first)
+    for (size_t b = 0; b < m->n_bodies; b++)
+      base[e->work.slot[m->bodies[b]]] += q->signals[k].u[s->step - q->first];
+  s->motion_start[k] = -1;
+  count_mover(e, movers, k, -1);
+  for (size_t b = 0; b < m->n_bodies; b++) {
+    uint32_t slot = e->work.slot[m->bodies[b]];
+    if (movers[3 * (size_t)slot + (size_t)m->coordinate] == 0) rest(e, slot, m->coordinate);
+  }
+}
+
+static void switch_on(engine *e, int32_t *movers, size_t k) {
+  e->state->motion_start[k] = e->state->step;
+  count_mover(e, movers, k, 1);
+  if (e->model->motions[k].kind == SD_MOTION_RANDOM) start_random(e, k);
+}
+
 sd_status motion_begin_phase(engine *e) {
   const sd_model *m = e->model;
-  sd_state *s = e->state;
-  motions *q = e->work.motions;
+  const sd_state *s = e->state;
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
+  int32_t *movers = calloc(3 * s->n_bodies, sizeof *movers);
+  if (!movers) return SD_ERROR_IO;
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (s->motion_start[k] >= 0) count_mover(e, movers, k, 1);
   for (size_t k = 0; k < m->n_motions; k++) {
-    const sd_motion *motion = &m->motions[k];
     bool on = s->motion_start[k] >= 0;
-    if (on && !active[k]) {
-      /* the last value stays in the base; a motion that never took a step displaced nothing */
-      if (q->first >= 0 && s->step >= q->first)
-        for (size_t b = 0; b < motion->n_bodies; b++) {
-          uint32_t slot = e->work.slot[motion->bodies[b]];
-          base_of(s, motion->coordinate)[slot] += q->signals[k].u[s->step - q->first];
-        }
-      s->motion_start[k] = -1;
-      for (size_t b = 0; b < motion->n_bodies; b++)
-        if (!still_moved(e, motion->bodies[b], motion->coordinate))
-          rest(e, e->work.slot[motion->bodies[b]], motion->coordinate);
-    } else if (!on && active[k]) {
-      s->motion_start[k] = s->step;
-      if (motion->kind == SD_MOTION_RANDOM) start_random(e, k);
-    }
+    if (on && !active[k]) switch_off(e, movers, k);
+    if (!on && active[k]) switch_on(e, movers, k);
   }
+  free(movers);
   return motion_resume(e);
 }
 

@@ -1,6 +1,7 @@
 /* random.c: propagator and noise of the random vibration; see random.h. */
 #include "physics/random.h"
 
+#include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
 #include <math.h>
 
@@ -36,12 +37,18 @@ random_step random_step_new(double omega, double c, double rms, double h) {
 
   /* covariance = 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt, in panels short against every time scale */
   enum { POINTS = 16 };
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);
+  gsl_set_error_handler(handler);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
   double span =
       fmin(h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c))); /* beyond it, nothing is left */
   int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
-  for (int k = 0; table && k < panels; k++)
+  if (!table) {
+    step.cholesky[0] = step.cholesky[1] = step.cholesky[2] = NAN;
+    return step;
+  }
+  for (int k = 0; k < panels; k++)
     for (size_t p = 0; p < POINTS; p++) {
       double t, weight;
       gsl_integration_glfixed_point(span * k / panels, span * (k + 1) / panels, p, &t, &weight, table);
