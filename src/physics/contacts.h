@@ -9,6 +9,15 @@
  * range. Serial; the order does not depend on the threads. SD_ERROR_NUMERIC: overlap beyond the limit. */
 sd_status contacts_events(engine *e, sd_messages *messages);
 
+/* Is there anything for it to do? Lost memory counts. */
+static inline bool contacts_any_event(const work *w) {
+  for (int t = 0; t < w->n_threads; t++) {
+    const event_list *events = &w->threads[t].events, *returns = &w->threads[t].returns;
+    if (events->count || returns->count || events->failed || returns->failed) return true;
+  }
+  return false;
+}
+
 /* Closed contacts from the live pairs into the state's columns, and back into empty pairs. */
 sd_status contacts_store(engine *e);
 void contacts_load(engine *e);

@@ -119,7 +119,8 @@ void few_store(engine *e) {
 
 bool few_ready(engine *e) { return motion_ahead(e) && e->work.few->builds == e->work.builds; }
 
-/* The rows hold trial coordinates, the pending commit wants the corrected ones: it gets them for a while. */
+/* The rows hold trial coordinates, the pending commit wants the corrected ones: it gets them for a while; for
+ * good when the step that they belong to went wrong. */
 static void finish_before(engine *e, few_measure *measure) {
   few *f = e->work.few;
   few_rows q, v;
@@ -128,6 +129,7 @@ static void finish_before(engine *e, few_measure *measure) {
   memcpy(f->q, f->q_before, sizeof q);
   memcpy(f->v, f->v_before, sizeof v);
   e->work.kernels->few_finish(e, measure);
+  if (e->work.status != SD_OK) return;
   memcpy(f->q, q, sizeof q);
   memcpy(f->v, v, sizeof v);
 }
@@ -137,7 +139,9 @@ sd_status few_rebuild(engine *e, few_measure *measure) {
   if (e->work.status != SD_OK) return e->work.status;
   few_store(e);
   sd_status status = neighbours_build(e, e->work.messages);
-  return status == SD_OK && list_pairs(e) != SD_OK ? SD_ERROR_IO : status;
+  if (status == SD_OK && list_pairs(e) != SD_OK)
+    status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the list of neighbours");
+  return status;
 }
 
 /* The step that the events belong to is complete: its coordinates are the ones before the trial, if any. */
@@ -154,6 +158,10 @@ sd_status few_events(engine *e) {
   s->step--; /* messages and motions count from the step that is being taken */
   sd_status status = contacts_events(e, e->work.messages);
   s->step++;
+  if (status != SD_OK && f->pending) { /* the run ends here: back from the trial coordinates */
+    memcpy(f->q, f->q_before, sizeof f->q);
+    memcpy(f->v, f->v_before, sizeof f->v);
+  }
   for (size_t i = 0; returns && i < s->n_bodies; i++) f->q[i][SD_THETA] = s->theta[i]; /* the box is open */
   return status;
 }

@@ -3,6 +3,7 @@
  */
 #include <string.h>
 
+#include "physics/contacts.h"
 #include "physics/few.h"
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
@@ -120,7 +121,7 @@ LANE_INLINE pair_view view_of(const few *f, few_rows q, few_rows v) {
 /* What follows a commit: losses, rare events, statistics of a measured step. */
 LANE_INLINE bool committed(engine *e, few_measure *measure) {
   work *w = &e->work;
-  bool events = w->threads[0].events.count || w->threads[0].returns.count;
+  bool events = contacts_any_event(w);
   w->kernels->losses(e, 0, e->state->n_free);
   if (events) w->status = few_events(e);
   if (measure && w->status == SD_OK) measure(e);

@@ -19,12 +19,6 @@ static bool any_stale(const work *w) {
   return stale;
 }
 
-static bool any_event(const work *w) {
-  size_t events = 0;
-  for (int k = 0; k < w->n_threads; k++) events += w->threads[k].events.count + w->threads[k].returns.count;
-  return events != 0;
-}
-
 void step_once(engine *e, const team *t) {
   work *w = &e->work;
   const kernels *k = w->kernels;
@@ -70,7 +64,7 @@ void step_once(engine *e, const team *t) {
   k->losses(e, disk, disks_end);
   team_wait(t);
   if (first) {
-    if (any_event(w)) w->status = contacts_events(e, w->messages);
+    if (contacts_any_event(w)) w->status = contacts_events(e, w->messages);
     e->state->step++;
   }
 }

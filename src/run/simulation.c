@@ -103,15 +103,18 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
   }
 }
 
+static void load_few(engine *e) {
+  if (few_load(e) != SD_OK)
+    e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the system");
+}
+
 /* Few disks: the whole step in one call where it can be, the general one where not. */
 static void advance_few(engine *e, int64_t n, bool measure) {
   const team alone = {0, 1};
   const kernels *k = e->work.kernels;
   few_measure *each = measure ? watch_step : NULL;
-  if (few_load(e) != SD_OK) {
-    e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the system");
-    return;
-  }
+  load_few(e);
+  if (e->work.status != SD_OK) return;
   for (int64_t done = 0; done < n && e->work.status == SD_OK; done++) {
     if (few_ready(e)) {
       k->few_step(e, each);
@@ -121,8 +124,9 @@ static void advance_few(engine *e, int64_t n, bool measure) {
     few_store(e);
     if (e->work.status != SD_OK) return;
     step_once(e, &alone);
-    if (each && e->work.status == SD_OK) each(e);
-    if (few_load(e) != SD_OK) e->work.status = SD_ERROR_IO;
+    if (e->work.status != SD_OK) return;
+    if (each) each(e);
+    load_few(e);
   }
   if (e->work.status == SD_OK) k->few_finish(e, each);
   few_store(e);
