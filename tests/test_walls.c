@@ -499,6 +499,42 @@ static void disk_rolls_in_a_turning_drum(void **unused) {
   system_end(s);
 }
 
+/* --- walls that cannot be ---------------------------------------------------------------------------- */
+
+static void expect(sd_model *m, const char *error) {
+  m->phases = calloc(1, sizeof *m->phases);
+  m->n_phases = 1;
+  m->phases[0] = (sd_phase){.steps = 1, .active = calloc(1, sizeof(bool))};
+  sd_messages *messages = sd_messages_new();
+  assert_int_equal(sd_model_finish(m, messages), error ? SD_ERROR_USER : SD_OK);
+  if (error && !strstr(sd_messages_text(messages, 0), error)) fail_msg("%s", sd_messages_text(messages, 0));
+  sd_messages_free(messages);
+  sd_model_free(m);
+}
+
+static void walls_that_cannot_be_are_refused(void **unused) {
+  (void)unused;
+  for (int c = 0; c < 8; c++) {
+    sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-4, joint_laws[0]);
+    system_disk(m, 0, 0, 0.5, 1);
+    if (c < 4) { /* in a periodic box the nearest image must be the only one */
+      m->periodic[0] = true;
+      m->lower[0] = -3, m->upper[0] = 3;
+      system_circle(m, 0, 4, c < 2 ? 2.4 : 2.9, c % 2);
+      expect(m, c == 2 ? "the periodic box must be wider than 6.8" : NULL);
+    } else if (c < 6) {
+      m->disks[0].driven = c == 5;
+      system_circle(m, 0.05, 0, 0.49, true);
+      expect(m, c == 4 ? "of radius 0.5, does not fit into it" : NULL);
+    } else {
+      size_t w =
+          system_straight(m, SD_WALL_POLYLINE, 4, (const double[4][2]){{2, 0}, {3, 0}, {3, 1}, {2, 0}});
+      m->walls[w].closed = c == 7;
+      expect(m, c == 7 ? "points 3 and 0 coincide" : NULL);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(disk_led_around_polygons),
@@ -508,6 +544,7 @@ int main(void) {
       cmocka_unit_test(joints_on_the_way_are_not_felt),
       cmocka_unit_test(sliding_turns_into_rolling),
       cmocka_unit_test(disk_goes_down_a_slope),
+      cmocka_unit_test(walls_that_cannot_be_are_refused),
       cmocka_unit_test(drum_drags_a_disk_to_the_angle_of_friction),
       cmocka_unit_test(disk_rolls_in_a_turning_drum),
   };

@@ -138,6 +138,8 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
   for (uint32_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
     sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
+      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
     if (wall->kind == SD_WALL_CIRCLE) {
       if (!(wall->radius > 0.0))
         sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
@@ -149,9 +151,11 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
               wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
       continue;
     }
-    for (size_t k = 0; k + 1 < wall->n_points; k++)
-      if (wall->points[k][0] == wall->points[k + 1][0] && wall->points[k][1] == wall->points[k + 1][1])
-        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, k + 1);
+    for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
+      size_t next = (k + 1) % wall->n_points;
+      if (wall->points[k][0] == wall->points[next][0] && wall->points[k][1] == wall->points[next][1])
+        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
+    }
   }
 }
 
@@ -183,36 +187,37 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
 }
 
 /* Laws must exist for every pair of materials that can meet: at least one side has a free disk. */
-static void check_laws(const sd_model *m, sd_messages *msg) {
-  if (!m->n_materials) return;
+static sd_status check_laws(const sd_model *m, sd_messages *msg) {
   bool *free_disk = calloc(m->n_materials, sizeof(bool)), *any = calloc(m->n_materials, sizeof(bool));
   size_t *count = calloc(m->n_materials, sizeof *count);
-  for (size_t i = 0; free_disk && any && count && i < m->n_disks; i++) {
+  sd_status status =
+      free_disk && any && count ? SD_OK : sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
+  for (size_t i = 0; status == SD_OK && i < m->n_disks; i++) {
     int a = m->disks[i].material;
-    if (a < 0 || (size_t)a >= m->n_materials) continue;
     any[a] = true;
     if (!m->disks[i].driven) free_disk[a] = true;
     count[a]++;
   }
-  for (size_t w = 0; any && w < m->n_walls; w++)
-    if (m->walls[w].material >= 0 && (size_t)m->walls[w].material < m->n_materials) {
-      any[m->walls[w].material] = true;
-      if (count) count[m->walls[w].material]++;
-    }
-  for (size_t a = 0; free_disk && any && count && a < m->n_materials; a++)
-    for (size_t b = a; b < m->n_materials; b++) {
+  for (size_t w = 0; status == SD_OK && w < m->n_walls; w++) {
+    any[m->walls[w].material] = true;
+    count[m->walls[w].material]++;
+  }
+  const size_t n = status == SD_OK ? m->n_materials : 0;
+  for (size_t a = 0; a < n; a++)
+    for (size_t b = a; b < n; b++) {
       if (!any[a] || !any[b] || !(free_disk[a] || free_disk[b])) continue;
       if (a == b && count[a] < 2) continue;
       const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
       if (!(law->k_n > 0.0))
-        sd_fail(msg, SD_ERROR_USER,
-                "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
-                m->materials[a].name ? m->materials[a].name : "?",
-                m->materials[b].name ? m->materials[b].name : "?");
+        status = sd_fail(msg, SD_ERROR_USER,
+                         "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+                         m->materials[a].name ? m->materials[a].name : "?",
+                         m->materials[b].name ? m->materials[b].name : "?");
     }
   free(free_disk);
   free(any);
   free(count);
+  return status;
 }
 
 static void check_watches(const sd_model *m, sd_messages *msg) {
@@ -250,28 +255,52 @@ static void check_box(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* Round walls, too, must be met in one image only. */
+static void check_round_walls(const sd_model *m, sd_messages *msg) {
+  char name[96], disk[96];
+  double largest = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (!m->disks[i].driven) largest = fmax(largest, m->disks[i].radius);
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    if (wall->kind != SD_WALL_CIRCLE) continue;
+    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    double reach = wall->inside ? wall->radius : wall->radius + largest;
+    for (int c = 0; c < 2; c++)
+      if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
+                name, wall->radius, 2.0 * reach);
+    for (uint32_t i = 0; wall->inside && i < m->n_disks; i++)
+      if (!m->disks[i].driven && m->disks[i].radius >= wall->radius)
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
+                wall->radius, sd_model_body_name(m, i, disk, sizeof disk), m->disks[i].radius);
+  }
+}
+
 /* --- derived tables ---------------------------------------------------------------------------------- */
 
 /* A disk whose three coordinates are all prescribed or locked needs no integration: it is driven. */
-static void derive_driven(sd_model *m) {
+static sd_status derive_driven(sd_model *m) {
   unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
-  for (size_t i = 0; held && i < m->n_disks; i++)
+  if (!held) return SD_ERROR_IO;
+  for (size_t i = 0; i < m->n_disks; i++)
     for (int c = 0; c < 3; c++)
       if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
-  for (size_t k = 0; held && k < m->n_motions; k++)
+  for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
       if (m->motions[k].interval < 1) m->motions[k].interval = 1;
       if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
     }
   m->n_free = 0;
-  for (size_t i = 0; held && i < m->n_disks; i++) {
+  for (size_t i = 0; i < m->n_disks; i++) {
     sd_disk *d = &m->disks[i];
     if (held[i] == 7) d->driven = true;
     if (!d->driven) m->n_free++;
     if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
   }
   free(held);
+  return SD_OK;
 }
 
 static size_t wall_pieces(const sd_wall *w) {
@@ -330,13 +359,11 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_box(m, own);
   check_watches(m, own);
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
-  if (status == SD_OK) {
-    derive_driven(m);
-    check_laws(m, own);
-    if (sd_messages_errors(own) > before) status = SD_ERROR_USER;
-  }
-  if (status == SD_OK && derive_segments(m) != SD_OK)
-    status = sd_fail(own, SD_ERROR_IO, "out of memory for the walls' pieces");
+  if (status == SD_OK && (derive_driven(m) != SD_OK || derive_segments(m) != SD_OK))
+    status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
+  if (status == SD_OK) status = check_laws(m, own);
+  if (status == SD_OK) check_round_walls(m, own);
+  if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (own != msg) sd_messages_free(own);
   return status;
 }

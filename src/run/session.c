@@ -83,6 +83,12 @@ int64_t session_next(const sd_model *model, int64_t step) {
 
 /* --- writing -------------------------------------------------------------------------------------- */
 
+static const sd_state *present_state(session *s, sd_messages *messages) {
+  const sd_state *state = sd_simulation_state(s->simulation);
+  if (!state) sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
+  return state;
+}
+
 static sd_status seal(session *s, sd_messages *messages) {
   if (record_empty(&s->rows)) return SD_OK;
   char *path = folder_part(s->parts_folder.path, s->parts + 1);
@@ -112,7 +118,8 @@ static sd_status describe(session *s, const sd_state *state, const sd_energy *en
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
  * checkpoint on disk has its parts. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
-  const sd_state *state = sd_simulation_state(s->simulation);
+  const sd_state *state = present_state(s, messages);
+  if (!state) return SD_ERROR_IO;
   sd_energy energy = sd_simulation_energy(s->simulation);
   sd_status status = seal(s, messages);
   if (status == SD_OK) status = describe(s, state, &energy, messages);
@@ -130,7 +137,8 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
 
 /* The state in which something went wrong, for inspection; the good checkpoints stay. */
 static void keep_emergency(session *s, sd_messages *messages) {
-  const sd_state *state = sd_simulation_state(s->simulation);
+  const sd_state *state = present_state(s, messages);
+  if (!state) return;
   sd_energy energy = sd_simulation_energy(s->simulation);
   char *path = folder_emergency(s->parts_folder.path, state->step);
   sd_status status = path ? describe(s, state, &energy, messages) : SD_ERROR_IO;
@@ -143,7 +151,8 @@ static void keep_emergency(session *s, sd_messages *messages) {
 
 sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   if (what == 0) return SD_OK;
-  const sd_state *state = sd_simulation_state(s->simulation);
+  const sd_state *state = present_state(s, messages);
+  if (!state) return SD_ERROR_IO;
   sd_energy energy = sd_simulation_energy(s->simulation);
   return record_sample(&s->rows, what, state, &energy, messages);
 }
@@ -165,7 +174,6 @@ static void report(session *s, bool always) {
     double rate = (double)(s->step - s->told_step) / passed, weight = passed < 3 ? passed / 3 : 1;
     s->rate = s->rate > 0 ? s->rate + weight * (rate - s->rate) : rate;
   }
-  sd_simulation_state(s->simulation);
   sd_energy energy = sd_simulation_energy(s->simulation);
   const char *name = s->model->phases[phase.phase].name;
   session_progress progress = {.step = s->step,
@@ -222,12 +230,14 @@ static sd_status run_steps(session *s, sd_messages *messages) {
 static sd_status finish(session *s, sd_messages *messages) {
   sd_status status = s->saved_step == s->steps && s->has_found ? SD_OK : session_checkpoint(s, messages);
   if (status != SD_OK) return status;
+  const sd_state *state = present_state(s, messages);
+  if (!state) return SD_ERROR_IO;
   merge_job job = {.result = s->options.result,
                    .folder = s->parts_folder.path,
                    .parts = s->parts,
                    .layout = &s->rows,
                    .model = s->model,
-                   .state = sd_simulation_state(s->simulation),
+                   .state = state,
                    .origin = &s->origin,
                    .found = &s->found,
                    .stop = s->options.stop};
