@@ -38,7 +38,7 @@ status 2 "$program" check "$source_dir/tests/decks/many.cfg"
 status 2 "$program" check "$source_dir/inputs/epo/symmetric.cfg" -D gravty.g=1
 grep -q 'did you mean "gravity"' "$work/err" || fail "no suggestion"
 status 2 "$program" check
-status 4 "$program" check "$work/nothing.cfg"
+status 2 "$program" check "$work/nothing.cfg"
 
 # dt against the shortest period is a warning, not an error
 status 0 "$program" check "$source_dir/inputs/epo/symmetric.cfg" --no-probe --brief -D dt=2e-4

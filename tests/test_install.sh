@@ -42,7 +42,7 @@ PKG_CONFIG_PATH=$(dirname "$(find "$work/prefix" -name slipdisk.pc)")
 library=$(dirname "$PKG_CONFIG_PATH")
 export PKG_CONFIG_PATH
 # shellcheck disable=SC2046 # words are meant to be split
-"${CC:-cc}" "$work/main.c" $(pkg-config --define-variable=prefix="$work/prefix" --cflags --libs slipdisk) \
+"${CC:-cc}" "$work/main.c" $(pkg-config --cflags --libs slipdisk) \
   -o "$work/consumer"
 LD_LIBRARY_PATH="$library" "$work/consumer"
 echo "pkg-config: ok"

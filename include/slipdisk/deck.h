@@ -6,7 +6,7 @@
 
 /* Reads, checks and finishes the deck at path; overrides are "path=value" strings as after -D.
  * Every mistake is one message "file:line: key = value: what was expected (did you mean ...)".
- * Returns SD_ERROR_USER when there is any (and *out NULL), SD_ERROR_IO when the file cannot be read. */
+ * Returns SD_ERROR_USER when there is any (and *out NULL), SD_ERROR_IO when the file is there and cannot be read. */
 SD_API sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,
                               sd_model **out, sd_messages *messages);
 

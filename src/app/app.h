@@ -3,6 +3,7 @@
 #ifndef SLIPDISK_APP_APP_H
 #define SLIPDISK_APP_APP_H
 
+#include <getopt.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -54,5 +55,7 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
 bool app_number(const char *text, long least, long most, long *out);
 /* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
+/* The same for an option that is none of these, with the nearest of them. */
+int app_unknown_option(const char *command, const struct option *options, const char *given);
 
 #endif

@@ -4,6 +4,7 @@
 #endif
 #include <errno.h>
 #include <inttypes.h>
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,10 +43,11 @@ typedef struct teller {
   FILE *screen; /* NULL: quiet */
   bool terminal, line_open;
   FILE *log;
-  double told_at; /* plain lines */
+  double began, told_at; /* plain lines */
 } teller;
 
-static const double PLAIN_SECONDS = 30;
+/* Plain lines come often at first, then each after a quarter of the time so far. */
+static const double PLAIN_FIRST = 3, PLAIN_LAST = 60;
 
 static double clock_now(void) {
   struct timespec t;
@@ -88,7 +90,8 @@ static void show(void *user, const session_progress *p) {
   describe(p, text, sizeof text);
   if (t->screen && t->terminal) show_line(t, text);
   double now = clock_now();
-  if (!p->new_phase && p->step < p->steps && now - t->told_at < PLAIN_SECONDS) return;
+  double wait = fmin(fmax((now - t->began) / 4, PLAIN_FIRST), PLAIN_LAST);
+  if (!p->new_phase && p->step < p->steps && now - t->told_at < wait) return;
   t->told_at = now;
   if (t->screen && !t->terminal) fprintf(t->screen, "%s\n", text);
   if (t->log) {
@@ -116,16 +119,19 @@ static void tell_result(FILE *out, const session *s, const char *result) {
 }
 
 static void tell_stop(teller *t, const drive_options *options, const session *s) {
-  if (!t->screen) return;
-  end_line(t);
+  if (t->screen) end_line(t);
   const summary *found = session_summary(s);
-  if (found)
-    fprintf(t->screen, "stopped at step %" PRId64 " of %" PRId64 " (%.1f %%), everything is saved\n",
-            found->step, found->steps,
-            100.0 * (double)found->step / (double)(found->steps > 0 ? found->steps : 1));
-  else
-    fprintf(t->screen, "stopped, everything is saved\n");
-  fprintf(t->screen, "continue with: slipdisk %s\n", options->again);
+  FILE *outs[2] = {t->screen, t->log};
+  for (int k = 0; k < 2; k++) {
+    if (!outs[k]) continue;
+    if (found)
+      fprintf(outs[k], "stopped at step %" PRId64 " of %" PRId64 " (%.1f %%), everything is saved\n",
+              found->step, found->steps,
+              100.0 * (double)found->step / (double)(found->steps > 0 ? found->steps : 1));
+    else
+      fprintf(outs[k], "stopped, everything is saved\n");
+    fprintf(outs[k], "continue with: slipdisk %s\n", options->again);
+  }
 }
 
 static void tell_start(teller *t, const drive_options *options, const session *s) {
@@ -171,8 +177,11 @@ static int run_session(const sd_model *model, const drive_options *options, tell
 
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
   catch_signals();
-  teller t = {
-      .screen = options->quiet ? NULL : stderr, .terminal = isatty(STDERR_FILENO), .told_at = clock_now()};
+  double now = clock_now();
+  teller t = {.screen = options->quiet ? NULL : stderr,
+              .terminal = isatty(STDERR_FILENO),
+              .began = now,
+              .told_at = now};
   if (options->log && !(t.log = fopen(options->log, "a"))) {
     fprintf(stderr, "error: cannot write %s: %s\n", options->log, strerror(errno));
     return SD_ERROR_IO;

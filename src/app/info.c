@@ -1,6 +1,5 @@
 /* info.c: slipdisk info FILE: what a run has found. Only attributes and small datasets are read, so the size
  * of the file does not matter. */
-#include <getopt.h>
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
@@ -73,9 +72,9 @@ static void print_text(const facts *f, const place *p) {
   if (f->finished)
     printf(", finished\n");
   else
-    printf(", NOT finished: step %" PRId64 " of %" PRId64 " (%.1f %%)%s%s, %" PRId64 " parts\n", s->step,
+    printf(", NOT finished: step %" PRId64 " of %" PRId64 " (%.1f %%)%s%s, %" PRId64 " part%s\n", s->step,
            s->steps, 100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
-           *s->phase_name ? " in phase " : "", s->phase_name, f->parts);
+           *s->phase_name ? " in phase " : "", s->phase_name, f->parts, f->parts == 1 ? "" : "s");
   if (f->finished && file_is_folder(p->folder))
     printf("a newer run of it is not finished: slipdisk info %s\n", p->folder);
   printf("%" PRId64 " disks, %" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n",
@@ -191,7 +190,7 @@ int app_info(int argc, char **argv) {
   bool json = false, deck = false;
   opterr = 0;
   for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-    if (c != JSON && c != DECK) return app_misuse("info", "unknown option %s", argv[optind - 1]);
+    if (c != JSON && c != DECK) return app_unknown_option("info", options, argv[optind - 1]);
     *(c == JSON ? &json : &deck) = true;
   }
   if (optind + 1 != argc) return app_misuse("info", "one result is expected");

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "io/deck_keys.h"
 #include "version.h"
 
 static const char help[] =
@@ -46,6 +47,15 @@ int app_misuse(const char *command, const char *format, ...) {
   return SD_ERROR_USER;
 }
 
+int app_unknown_option(const char *command, const struct option *options, const char *given) {
+  char word[64];
+  snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
+  deck_guess guess = deck_guess_start(word + strspn(word, "-"));
+  for (; options->name; options++) deck_guess_add(&guess, options->name);
+  if (guess.best) return app_misuse(command, "unknown option %s, did you mean --%s?", given, guess.best);
+  return app_misuse(command, "unknown option %s", given);
+}
+
 static int app_version(int argc, char **argv) {
   (void)argc, (void)argv;
   printf("slipdisk %s (%s), %s\n", SD_VERSION, SD_GIT_REVISION, SD_COMPILER);
@@ -67,6 +77,13 @@ static const struct command {
     {"--version", app_version}, {"--help", app_help},   {"-h", app_help},
 };
 
+/* check has a page of its own. */
+static bool wants_help(int argc, char **argv) {
+  for (int k = 2; k < argc && strcmp(argv[k], "--") != 0; k++)
+    if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) return strcmp(argv[1], "check") != 0;
+  return false;
+}
+
 int main(int argc, char **argv) {
   if (argc < 2) {
     fputs(help, stderr);
@@ -74,7 +91,7 @@ int main(int argc, char **argv) {
   }
   for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
     if (strcmp(argv[1], commands[k].name) == 0) {
-      int status = commands[k].main(argc - 1, argv + 1);
+      int status = wants_help(argc, argv) ? app_help(argc, argv) : commands[k].main(argc - 1, argv + 1);
       /* results may have been printed into a full disk */
       if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
         fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
@@ -82,6 +99,10 @@ int main(int argc, char **argv) {
       }
       return status;
     }
-  fprintf(stderr, "slipdisk: there is no command \"%s\"; see slipdisk help\n", argv[1]);
+  deck_guess guess = deck_guess_start(argv[1]);
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) deck_guess_add(&guess, commands[k].name);
+  fprintf(stderr, "slipdisk: there is no command \"%s\"; ", argv[1]);
+  if (guess.best) fprintf(stderr, "did you mean \"%s\"? ", guess.best);
+  fprintf(stderr, "See slipdisk help\n");
   return SD_ERROR_USER;
 }

@@ -28,6 +28,9 @@ sd_status place_find(place *p, const char *name, sd_messages *messages) {
   }
   p->folder = p->result ? file_path("%s.parts", p->result) : NULL;
   if (!p->folder) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (file_is_folder(p->result) && !file_is_folder(p->folder))
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s is a folder: name a result, its folder RESULT.parts or a checkpoint in it", p->result);
   if (file_exists(p->result) || file_is_folder(p->folder)) return SD_OK;
   return sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s", p->result,
                  p->folder);

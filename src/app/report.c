@@ -88,11 +88,11 @@ void report_summary(FILE *out, const summary *found) {
 }
 
 void report_cost(FILE *out, const summary *found, const provenance *origin) {
-  char wall[40];
-  fprintf(out,
-          "\n%" PRId64 " of %" PRId64 " steps, time %.9g, wall time %s, %.4g ns per step, %" PRId64
-          " thread%s (%s)\n",
+  char wall[40], cost[40] = "";
+  if (isfinite(found->step_nanoseconds)) /* it is not before the first step */
+    snprintf(cost, sizeof cost, "%.4g ns per step, ", found->step_nanoseconds);
+  fprintf(out, "\n%" PRId64 " of %" PRId64 " steps, time %.9g, wall time %s, %s%" PRId64 " thread%s (%s)\n",
           found->step, found->steps, (double)found->step * found->dt,
-          report_duration(origin->wall_seconds, wall, sizeof wall), found->step_nanoseconds, origin->threads,
+          report_duration(origin->wall_seconds, wall, sizeof wall), cost, origin->threads,
           origin->threads == 1 ? "" : "s", origin->cpu_path);
 }

@@ -1,5 +1,4 @@
 /* resume.c: slipdisk resume FILE: the deck comes from the checkpoint. */
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -29,7 +28,7 @@ static int parse(int argc, char **argv, const char **name, drive_options *drive)
         drive->threads = (int)n;
         break;
       case ':': return app_misuse("resume", "%s needs a value", argv[optind - 1]);
-      default: return app_misuse("resume", "unknown option %s", argv[optind - 1]);
+      default: return app_unknown_option("resume", options, argv[optind - 1]);
     }
   }
   if (optind + 1 != argc) return app_misuse("resume", "one result is expected");

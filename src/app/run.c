@@ -1,6 +1,5 @@
 /* run.c: slipdisk run DECK. */
 #include <assert.h>
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,7 +42,7 @@ static int parse(int argc, char **argv, arguments *a) {
         a->drive.threads = (int)n;
         break;
       case ':': return app_misuse("run", "%s needs a value", argv[optind - 1]);
-      default: return app_misuse("run", "unknown option %s", argv[optind - 1]);
+      default: return app_unknown_option("run", options, argv[optind - 1]);
     }
   }
   if (optind >= argc) return app_misuse("run", "no deck is given");

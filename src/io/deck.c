@@ -163,7 +163,11 @@ sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *
   *out = NULL;
   size_t n;
   char *text = read_whole(path, &n);
-  if (!text) return sd_fail(messages, SD_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
+  if (!text) {
+    bool mistyped = errno == ENOENT || errno == ENOTDIR || errno == EISDIR;
+    return sd_fail(messages, mistyped ? SD_ERROR_USER : SD_ERROR_IO, "%s: cannot be read: %s", path,
+                   strerror(errno));
+  }
   sd_status status;
   if (strlen(text) != n)
     status = sd_fail(messages, SD_ERROR_USER, "%s: not a text file (it holds a zero byte)", path);

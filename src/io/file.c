@@ -182,7 +182,19 @@ uint64_t file_size(const char *path) {
 sd_status file_make_folder(const char *path, sd_messages *messages) {
   if (mkdir(path, 0777) == 0) return file_sync_folder(path, messages);
   if (errno == EEXIST && file_is_folder(path)) return SD_OK;
-  return fail(messages, "make folder", path);
+  int error = errno;
+  sd_status status;
+  const char *slash = strrchr(path, '/');
+  char *above =
+      error == ENOENT && slash && slash > path ? file_path("%.*s", (int)(slash - path), path) : NULL;
+  if (above && !file_exists(above)) {
+    status = sd_fail(messages, SD_ERROR_USER, "there is no folder %s: make it, or name another place", above);
+  } else {
+    errno = error;
+    status = fail(messages, "make folder", path);
+  }
+  free(above);
+  return status;
 }
 
 sd_status file_remove(const char *path, sd_messages *messages) {

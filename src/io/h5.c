@@ -139,8 +139,11 @@ sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
   H5Pclose(access);
   if ((*out)->id >= 0) return SD_OK;
   char reason[200];
-  status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path,
-                   h5_reason(reason, sizeof reason));
+  h5_reason(reason, sizeof reason);
+  if (H5Fis_hdf5(path) == 0)
+    status = sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
+  else
+    status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
   release(*out);
   *out = NULL;
   return status;

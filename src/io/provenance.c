@@ -22,8 +22,8 @@
 
 const provenance_text provenance_texts[] = {
     TEXT(title),    TEXT(run_id),   TEXT(deck_path), TEXT(directory), TEXT(version),
-    TEXT(revision), TEXT(compiler), TEXT(hdf5),      TEXT(gsl),       TEXT(cpu_path),
-    TEXT(author),   TEXT(host),     TEXT(started),   TEXT(ended),
+    TEXT(revision), TEXT(compiler), TEXT(hdf5),      TEXT(gsl),       TEXT(libconfig),
+    TEXT(cpu_path), TEXT(author),   TEXT(host),      TEXT(started),   TEXT(ended),
 };
 const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
 
@@ -123,6 +123,7 @@ sd_status provenance_refresh(provenance *p, int threads, const char *cpu_path, s
                {&p->compiler, SD_COMPILER},
                {&p->hdf5, h5_version(hdf5, sizeof hdf5)},
                {&p->gsl, GSL_VERSION},
+               {&p->libconfig, SD_LIBCONFIG_VERSION},
                {&p->cpu_path, cpu_path}};
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)

@@ -11,7 +11,7 @@ typedef struct provenance {
   char *directory; /* in which the run was started: deck_path may be relative to it */
   char *title;
   char *author, *host, *started, *ended; /* times are UTC, ISO 8601 */
-  char *version, *revision, *compiler, *hdf5, *gsl, *cpu_path;
+  char *version, *revision, *compiler, *hdf5, *gsl, *libconfig, *cpu_path;
   int64_t seed;
   int64_t threads;
   int64_t sessions;    /* times the run was started or continued */

@@ -2,21 +2,47 @@
  * which they agree again is looked for. Full decks list their keys in a fixed order, so that is enough. */
 #include "run/deck_diff.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 enum { WINDOW = 200, MOST = 20 };
 
 static size_t length_of(const char *line) { return strcspn(line, "\n"); }
 
+/* How often a run is saved is not part of what is run. */
+static const char *past_ignored(const char *line) {
+  static const char ignored[] = "checkpoint = ";
+  while (strncmp(line, ignored, sizeof ignored - 1) == 0) {
+    line += length_of(line);
+    if (*line) line++;
+  }
+  return line;
+}
+
 static const char *next_of(const char *line) {
   line += length_of(line);
-  return *line ? line + 1 : line;
+  return past_ignored(*line ? line + 1 : line);
+}
+
+/* Without the remark that a value is the default: it makes no difference who wrote it. */
+static size_t said(const char *line) {
+  static const char remark[] = "  # default";
+  size_t n = length_of(line), tail = sizeof remark - 1;
+  return n >= tail && strncmp(line + n - tail, remark, tail) == 0 ? n - tail : n;
 }
 
 static bool same(const char *a, const char *b) {
-  size_t n = length_of(a);
-  return *a && *b && n == length_of(b) && strncmp(a, b, n) == 0;
+  size_t n = said(a);
+  return *a && *b && n == said(b) && strncmp(a, b, n) == 0;
+}
+
+bool deck_same(const char *before, const char *now) {
+  before = past_ignored(before);
+  now = past_ignored(now);
+  while (same(before, now)) {
+    before = next_of(before);
+    now = next_of(now);
+  }
+  return !*before && !*now;
 }
 
 /* Lines skipped in a and in b until they agree again; the sum is the least. */
@@ -47,6 +73,8 @@ static const char *tell(const char *line, int count, const char *whose, int *tol
 
 void deck_diff(const char *before, const char *now, sd_messages *messages) {
   int told = 0;
+  before = past_ignored(before);
+  now = past_ignored(now);
   while (*before || *now) {
     if (same(before, now)) {
       before = next_of(before);

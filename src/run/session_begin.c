@@ -26,7 +26,7 @@ static sd_status refuse_finished(const session *s, sd_messages *messages) {
 static sd_status check_deck(const session *s, const provenance *origin, const sd_state *state,
                             sd_messages *messages) {
   const char *full = s->model->deck_full ? s->model->deck_full : "";
-  if (strcmp(origin->deck_full, full) != 0) {
+  if (!deck_same(origin->deck_full, full)) {
     sd_fail(messages, SD_ERROR_USER,
             "%s is an unfinished run of another deck (started %s); --force starts over, -o writes elsewhere",
             s->result, origin->started);
