@@ -135,12 +135,17 @@ static void test_numbers(void **state) {
 static void test_form(void **state) {
   (void)state;
   bad(HEAD "/* never closed\n\n" DISK, "test.cfg:2: the comment that begins here");
-  bad(HEAD "title = \"open;\n" DISK, "test.cfg:");
+  bad(HEAD "title = \"open;\n" DISK, "test.cfg:2: title = the text \"open; is not closed");
+  assert_int_equal(sd_messages_errors(messages), 1);
+  bad("disks = ( { name = \"a; x = 0; },\n { name = \"b\"; } );\n", "is not closed");
+  assert_int_equal(sd_messages_errors(messages), 1);
   bad(HEAD DISK "gravity = { g = 1;", "test.cfg:3: the { of this line is never closed");
   bad(HEAD DISK "gravity = { g = 1; );", "where { of line 3");
   bad(HEAD DISK "skin = 1;\nskin = 2;\nskin = 3;", "test.cfg:5: skin: key given twice; first on line 3");
   assert_int_equal(sd_messages_errors(messages), 2);
   bad(HEAD DISK "gravty = { g = 1; };", "did you mean \"gravity\"?");
+  bad(HEAD DISK "gravity = { G = 1; };", "did you mean \"g\"?");
+  bad(HEAD DISK "gravity = { strength = 1; };", "unknown key of gravity; expected g or tilt");
   bad(HEAD DISK "@include \"nothing.cfg\"\n", "nothing.cfg");
   bad(HEAD DISK "skin = ;", "test.cfg:3:");
   bad("", "missing");
@@ -164,6 +169,12 @@ static void test_overlaps(void **state) {
   bad(HEAD "box = { x = (0, 20); periodic = \"x\"; };" DISK
            "disk_rows = ( { columns = [\"x\"]; y = 9; radius = 1; mass = 1; rows = ((-1), (25)); } );",
       "outside the periodic box");
+  bad(HEAD "box = { x = (0, 4); periodic = \"x\"; }; disk_rows = ( { columns = [\"x\"]; y = 0; radius = 0.1; "
+           "mass = 1; rows = ((5), (6), (7), (8), (9), (10), (11), (12), (13), (14), (15)); } );",
+      "3 more coordinates lie outside the periodic box");
+  /* a file that cannot be read is one mistake, not one per disk that it should have given */
+  bad(HEAD "disk_files = ( { file = \"nothing.csv\"; mass = 1; } ); measure = { rotation = 3; };",
+      "rotation = 3: no disk has this number; expected none (not all disks could be read, see above)");
   /* two fixed ones may overlap */
   sd_model_free(good(HEAD "disk_rows = ( { columns = [\"x\"]; y = 0; radius = 1; mass = 1; fixed = true; "
                           "rows = ((0), (0.1)); } );"));

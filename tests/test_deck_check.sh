@@ -37,6 +37,8 @@ status 2 "$program" check "$source_dir/tests/decks/many.cfg"
 [[ $(wc -l <"$work/err") == $(wc -l <"$source_dir/tests/decks/many.expected") ]] || fail "not every mistake is reported"
 status 2 "$program" check "$source_dir/inputs/epo/symmetric.cfg" -D gravty.g=1
 grep -q 'did you mean "gravity"' "$work/err" || fail "no suggestion"
+status 2 "$program" check "$source_dir/inputs/epo/symmetric.cfg" -D phases.0.steps=1
+grep -q 'did you mean phases\[0\]' "$work/err" || fail "no hint to [ ]"
 status 2 "$program" check
 status 2 "$program" check "$work/nothing.cfg"
 

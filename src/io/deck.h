@@ -79,6 +79,7 @@ typedef struct deck {
   deck_name *disk_names; /* sorted by name */
   size_t n_disk_names;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
+  bool disks_missing;               /* some could not be read */
   unsigned char *held;              /* bit k: coordinate k is prescribed by a motion */
 
   /* which entry of `motions` a motion of the model came from */

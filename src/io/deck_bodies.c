@@ -39,6 +39,11 @@ static const char *maybe(deck *d, deck_guess guess) {
   return guess.best ? deck_format(d, "; did you mean \"%s\"?", guess.best) : "";
 }
 
+/* A name or a number that is not found may be that of a disk which a mistake further up has kept out. */
+static const char *remark(const deck *d) {
+  return d->disks_missing ? " (not all disks could be read, see above)" : "";
+}
+
 static bool disk_by_name(const deck *d, const char *name, uint32_t *body) {
   size_t low = 0, high = d->n_disk_names;
   while (low < high) {
@@ -76,8 +81,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
       *body = (uint32_t)node->value.integer + (disks ? 0 : (uint32_t)m->n_disks);
       return true;
     }
-    deck_fail(d, node, "no %s has this number; expected 0 to %lld", disks ? "disk" : "wall",
-              (long long)n - 1);
+    deck_fail(d, node, "no %s has this number; expected %s%s", disks ? "disk" : "wall",
+              n ? deck_format(d, "0 to %zu", n - 1) : "none", disks ? remark(d) : "");
     return false;
   }
   if (node->type != DECK_STRING) {
@@ -92,7 +97,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
     deck_guess_add(&guess, d->disk_names[k].name);
   for (size_t w = 0; walls && w < m->n_walls && w < MOST_GUESSES; w++)
     deck_guess_add(&guess, m->walls[w].name);
-  deck_fail(d, node, "no %s is called that%s", what, maybe(d, guess));
+  deck_fail(d, node, "no %s is called that%s%s", what, maybe(d, guess),
+            disks && !guess.best ? remark(d) : "");
   return false;
 }
 
@@ -127,7 +133,7 @@ static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
       if (m->disks[i].group == (int)k) add(d, list, (uint32_t)i);
     return;
   }
-  deck_fail(d, node, "no group of disks is called that%s", maybe(d, guess));
+  deck_fail(d, node, "no group of disks is called that%s%s", maybe(d, guess), guess.best ? "" : remark(d));
 }
 
 static int by_number(const void *a, const void *b) {

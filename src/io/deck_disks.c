@@ -176,6 +176,7 @@ static deck_columns read_table(deck *d, deck_node *node, const deck_table *table
     deck_columns_from_rows(&g, &t);
   else
     deck_columns_from_file(&g, &t);
+  d->disks_missing |= d->reported > before;
   values v = read_common(&g, &t);
   v.broken = d->reported > before;
   for (size_t r = 0; r < t.n_rows; r++) add_row_disk(d, &t, r, v);

@@ -1,4 +1,5 @@
 /* deck_keys.c: the tables of all keys, and the search for the nearest valid name. See deck_keys.h. */
+#include <ctype.h>
 #include <string.h>
 
 #include "io/deck_keys.h"
@@ -305,7 +306,7 @@ static size_t edit_distance(const char *a, const char *b) {
     size_t *now = row[i % 3], *up = row[(i + 2) % 3], *up2 = row[(i + 1) % 3];
     now[0] = i;
     for (size_t j = 1; j <= n; j++) {
-      size_t same = a[i - 1] == b[j - 1] ? 0 : 1;
+      size_t same = tolower((unsigned char)a[i - 1]) == tolower((unsigned char)b[j - 1]) ? 0 : 1;
       now[j] = least(least(up[j] + 1, now[j - 1] + 1), up[j - 1] + same);
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
         now[j] = least(now[j], up2[j - 2] + 1);

@@ -9,7 +9,8 @@
 
 #include "io/deck.h"
 
-enum { NONE = -1 };
+/* Of one kind of mistake so many are told, the others are counted: one wrong number can move all disks. */
+enum { NONE = -1, MOST_ALIKE = 8 };
 
 typedef struct grid {
   deck *d;
@@ -18,7 +19,13 @@ typedef struct grid {
   int64_t *head, *next;
   double cell;
   double length[2]; /* of the box, 0: open */
+  size_t *found;
 } grid;
+
+static void tell_rest(deck *d, size_t found, const char *what) {
+  if (found > MOST_ALIKE)
+    deck_fail_place(d, (deck_place){d->path, 0}, "%zu more %s", found - MOST_ALIKE, what);
+}
 
 static bool sound(const sd_disk *disk) {
   return isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0;
@@ -52,6 +59,7 @@ static void check_pair(const grid *g, size_t i, size_t j, double x, double y) {
   double overlap = a->radius + b->radius - r, smaller = b->radius;
   bool still = deck_is_driven(g->d, i) && deck_is_driven(g->d, j);
   if (r > 0 && (still || overlap <= g->m->max_overlap * smaller)) return;
+  if ((*g->found)++ >= MOST_ALIKE) return;
   char one[96], two[96];
   size_t later = i > j ? i : j, earlier = i > j ? j : i;
   if (r == 0)
@@ -100,8 +108,8 @@ static double median_diameter(deck *d, size_t *n) {
 
 static void check_disks(deck *d) {
   const sd_model *m = d->model;
-  size_t n;
-  grid g = {.d = d, .m = m, .n_cells = 16, .cell = median_diameter(d, &n)};
+  size_t n, found = 0;
+  grid g = {.d = d, .m = m, .n_cells = 16, .cell = median_diameter(d, &n), .found = &found};
   for (int c = 0; c < 2; c++)
     if (m->periodic[c] && m->upper[c] > m->lower[c]) g.length[c] = m->upper[c] - m->lower[c];
   while (g.n_cells < 2 * m->n_disks) g.n_cells *= 2;
@@ -130,23 +138,27 @@ static void check_disks(deck *d) {
         if (over_x && over_y) check_around(&g, i, x + p * g.length[0], y + q * g.length[1]);
       }
   }
+  tell_rest(d, found, "pairs of disks overlap too much");
 }
 
 /* --- box and walls --------------------------------------------------------------------------------------- */
 
 static void check_inside(deck *d) {
   const sd_model *m = d->model;
+  size_t found = 0;
   for (size_t i = 0; i < m->n_disks; i++)
     for (int c = 0; c < 2; c++) {
       double x = m->disks[i].position[c];
       if (!m->periodic[c] || isnan(x) || !(m->upper[c] > m->lower[c]) ||
           (x >= m->lower[c] && x < m->upper[c]))
         continue;
+      if (found++ >= MOST_ALIKE) continue;
       char name[96];
       deck_fail_place(d, d->disk_place[i], "%s: %c = %g lies outside the periodic box from %g to %g",
                       sd_model_body_name(m, (uint32_t)i, name, sizeof name), "xy"[c], x, m -> lower[c],
                       m -> upper[c]);
     }
+  tell_rest(d, found, "coordinates lie outside the periodic box");
 }
 
 static double distance_to_piece(const double *p, const double *a, const double *b, bool endless) {
@@ -172,18 +184,21 @@ static double depth_in_wall(const sd_wall *wall, const sd_disk *disk) {
 
 static void check_walls(deck *d) {
   const sd_model *m = d->model;
+  size_t found = 0;
   for (size_t w = 0; w < m->n_walls; w++)
     for (size_t i = 0; i < m->n_disks; i++) {
       const sd_disk *disk = &m->disks[i];
       if (!sound(disk) || deck_is_driven(d, i)) continue;
       double depth = depth_in_wall(&m->walls[w], disk);
       if (!(depth > m->max_overlap * disk->radius)) continue;
+      if (found++ >= MOST_ALIKE) continue;
       char one[96], two[96];
       deck_fail_place(
           d, d->disk_place[i], "%s sits %g deep in %s, more than max_overlap = %g of its radius %g",
           sd_model_body_name(m, (uint32_t)i, one, sizeof one), depth,
           sd_model_body_name(m, (uint32_t)(m->n_disks + w), two, sizeof two), m->max_overlap, disk->radius);
     }
+  tell_rest(d, found, "disks sit too deep in a wall");
 }
 
 void deck_check_overlaps(deck *d) {

@@ -59,9 +59,12 @@ static deck_node *element(deck *d, deck_node *list, const char *word, size_t n, 
     const deck_node *name = deck_child(list->child[k], "name");
     if (name && name->type == DECK_STRING) deck_guess_add(&guess, name->value.text);
   }
-  deck_fail_place(d, place, "%s has no entry named \"%s\"%s%s%s", deck_node_path(d, list), guess.word,
-                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "",
-                  guess.best ? "\"?" : "");
+  const char *hint = "", *above = deck_node_path(d, list);
+  if (strspn(guess.word, "0123456789") == n)
+    hint = deck_format(d, "; did you mean %s[%s]?", above, guess.word);
+  else if (guess.best)
+    hint = deck_format(d, "; did you mean \"%s\"?", guess.best);
+  deck_fail_place(d, place, "%s has no entry named \"%s\"%s", above, guess.word, hint);
   return NULL;
 }
 

@@ -13,6 +13,15 @@ static const char *hint(deck *d, const char *best) {
   return best ? deck_format(d, "; did you mean \"%s\"?", best) : "";
 }
 
+/* "; expected g or tilt" for a table of few keys, "" for a longer one. */
+static const char *keys_of(deck *d, const deck_table *table) {
+  enum { FEW = 8 };
+  const char *text = "; expected ";
+  for (size_t k = 0; k < table->n; k++)
+    text = deck_format(d, "%s%s%s", text, k == 0 ? "" : k + 1 < table->n ? ", " : " or ", table->key[k].name);
+  return table->n <= FEW ? text : "";
+}
+
 static void check_keys(deck *d, deck_node *node, const deck_table *table) {
   for (size_t k = 0; k < node->n; k++) {
     deck_node *child = node->child[k];
@@ -20,7 +29,7 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     deck_guess guess = deck_guess_start(child->name);
     for (size_t j = 0; j < table->n; j++) deck_guess_add(&guess, table->key[j].name);
     deck_fail(d, child, "unknown key%s%s%s", table == &deck_top ? "" : " of ",
-              table == &deck_top ? "" : table->name, hint(d, guess.best));
+              table == &deck_top ? "" : table->name, guess.best ? hint(d, guess.best) : keys_of(d, table));
   }
 }
 

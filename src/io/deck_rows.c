@@ -175,11 +175,12 @@ static size_t csv_find(const csv *in, const char *name) {
   return SIZE_MAX;
 }
 
-static bool csv_number(const csv *in, const char *text, double *x) {
+static bool csv_number(const csv *in, const char *column, const char *text, double *x) {
   char *end;
   *x = strtod(text, &end);
   if (end != text && !*end && isfinite(*x)) return true;
-  deck_fail_place(in->d, in->here, "%s: expected a number", *text ? text : "empty field");
+  deck_fail_place(in->d, in->here, "%s = %s: expected a number", column, *text ? text : "(empty)");
+  *x = NAN;
   return false;
 }
 
@@ -188,9 +189,16 @@ static size_t csv_find_reported(const csv *in, const char *name) {
   if (k != SIZE_MAX) return k;
   deck_guess guess = deck_guess_start(name);
   for (size_t j = 0; j < in->n_fields; j++) deck_guess_add(&guess, in->field[j]);
-  deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names%s%s%s", name,
-                  guess.best ? "; did you mean \"" : "", guess.best ? guess.best : "",
-                  guess.best ? "\"?" : "");
+  if (guess.best) {
+    deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?", name,
+                    guess.best);
+    return SIZE_MAX;
+  }
+  const char *found = "";
+  for (size_t j = 0; j < in->n_fields && j < 8; j++)
+    found = deck_format(in->d, "%s%s\"%s\"", found, j ? ", " : "", in->field[j]);
+  deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; found %s%s", name, found,
+                  in->n_fields > 8 ? ", ..." : "");
   return SIZE_MAX;
 }
 
@@ -221,7 +229,7 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = NAN;
       if (t->column[c] < COLUMN_NUMBERS)
-        csv_number(&in, in.field[from[c]], &t->number[at]);
+        csv_number(&in, t->source[c], in.field[from[c]], &t->number[at]);
       else if (*in.field[from[c]])
         t->text[at] = in.field[from[c]];
     }
@@ -243,7 +251,7 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
       if (rows) memcpy(out[k], old, rows * sizeof(double));
     }
     if (rows == capacity) capacity = 2 * capacity + 64;
-    for (int k = 0; k < 2; k++) csv_number(&in, in.field[from[k]], &out[k][rows]);
+    for (int k = 0; k < 2; k++) csv_number(&in, names[k], in.field[from[k]], &out[k][rows]);
     rows++;
   }
   *a = out[0];

@@ -5,7 +5,7 @@
  *   1e400        read as infinity          -> error
  *   10kg, 1.2.3  read as two tokens        -> error
  *   / * ...      unterminated comment      -> error at its first line
- *   "...         unterminated string       -> error at its first line
+ *   "...         string over a line end    -> error: most likely a quote was forgotten
  *   [0, 10.5]    arrays of one type only   -> written as a list, whose elements may differ
  *   a = 1; a = 2 stops at the first        -> all reported, with the line of the first
  *   @include     lines counted per file    -> put in place here, each line remembering where it is from
@@ -56,6 +56,7 @@ typedef struct scanner {
   int includes; /* files open around this one */
   int repeated;
   bool override, included, broken;
+  bool torn;     /* a text was not closed: brackets may have gone with it */
   const char *p; /* current text */
   const char *start;
   deck_place here;
@@ -135,18 +136,13 @@ static void skip_comment(scanner *s) {
 static void scan_string(scanner *s) {
   deck_place start = s->here;
   const char *from = s->p++;
-  while (*s->p && *s->p != '"') {
-    if (*s->p == '\\' && s->p[1]) s->p++;
-    if (*s->p == '\n') {
-      emit(s, from, (size_t)(s->p - from));
-      newline(s);
-      from = s->p + 1;
-    }
-    s->p++;
-  }
-  if (!*s->p) {
-    deck_fail_place(s->d, start, "the text that begins here with \" is never closed");
-    s->broken = true;
+  while (*s->p && *s->p != '"' && *s->p != '\n') s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
+  if (*s->p != '"') {
+    /* what follows is read as if a quote stood here: one that is forgotten does not turn the deck inside out */
+    deck_fail_place(s->d, start, "%sthe text %.*s is not closed with \" on this line", path(s),
+                    (int)(s->p - from > 60 ? 60 : s->p - from), from);
+    s->broken = s->torn = true;
+    top(s)->value = false;
     return;
   }
   s->p++;
@@ -300,9 +296,9 @@ static void close_bracket(scanner *s) {
   char c = *s->p++, open = top(s)->open;
   char wanted = open == '{' ? '}' : open == '(' ? ')' : ']';
   if (open == 0 || c != wanted) {
-    if (open == 0)
+    if (open == 0 && !s->torn)
       deck_fail_place(s->d, s->here, "%c closes nothing", c);
-    else
+    else if (!s->torn)
       deck_fail_place(s->d, s->here, "%c found where %c of line %d should be closed with %c", c, open,
                       top(s)->place.line, wanted);
     s->broken = true;
