@@ -304,6 +304,28 @@ class Stopped(Folder):
         self.assertNotIn("checkpoint = ", err)
         self.assertEqual(self.checkpoints(), before)
 
+    def test_another_table(self):
+        """A motion's table is too long to stand in the full deck: that its file has changed is seen all the same."""
+        deck, table = self.folder / "table.cfg", self.folder / "table.csv"
+        deck.write_text("""dt = 1e-5; time = 1e6; checkpoint = 0.1;
+            materials = ( { name = "m"; k_n = 1e4; k_t = 0; gamma_n = 0; mu = 0; } );
+            disks = ( { name = "a"; x = 0; y = 0; radius = 1; mass = 1; fixed = true; },
+                      { name = "b"; x = 3; y = 0; radius = 1; mass = 1; } );
+            motions = ( { disk = "a"; coordinate = "x"; type = "table"; file = "table.csv"; } );""")
+        rows = [f"{0.001 * k},{0.01 * (k % 7)}" for k in range(2000)]
+        table.write_text("\n".join(["time,value", *rows, ""]))
+        self.stop(self.started(deck))
+        before = self.checkpoints()
+        table.write_text("\n".join(["time,value", *rows[:-1], "1.999,0.5", ""]))
+        status, _, err = run("run", deck, "-o", self.result)
+        self.assertEqual(status, 2)
+        self.assertIn("a file that the deck names", err)
+        self.assertEqual(self.checkpoints(), before)
+        table.write_text("\n".join(["time,value", *rows, ""]))
+        process = start("run", deck, "-o", self.result)
+        wait_for(lambda: self.checkpoints() > before or process.poll() is not None)
+        self.assertEqual(self.stop(process)[0], 75)
+
     def test_same_deck_said_otherwise(self):
         """How often a run is saved is no difference, nor is a default that is written out."""
         process = self.started(*self.words)

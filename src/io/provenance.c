@@ -83,8 +83,25 @@ static void author_of(char *text, size_t size) {
     snprintf(text, size, "%s", found->pw_name);
 }
 
+int64_t provenance_inputs(const sd_model *model) {
+  uint64_t sum = FILE_SUM;
+  for (size_t k = 0; k < model->n_disks; k++) {
+    const sd_disk *d = &model->disks[k];
+    const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};
+    const int32_t whole[] = {d->material, d->group, d->locked[0], d->locked[1], d->locked[2], d->driven};
+    sum = file_sum(file_sum(sum, real, sizeof real), whole, sizeof whole);
+  }
+  for (size_t k = 0; k < model->n_motions; k++) {
+    const sd_motion *m = &model->motions[k];
+    if (!m->n_table) continue;
+    sum = file_sum(sum, m->table_time, m->n_table * sizeof *m->table_time);
+    sum = file_sum(sum, m->table_value, m->n_table * sizeof *m->table_value);
+  }
+  return sum ? (int64_t)sum : 1;
+}
+
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages) {
-  *p = (provenance){.seed = (int64_t)model->seed};
+  *p = (provenance){.seed = (int64_t)model->seed, .inputs = provenance_inputs(model)};
   char id[33], time[32], author[256], directory[4096];
   make_run_id(id);
   now(time, sizeof time);
@@ -155,6 +172,7 @@ void provenance_write(const provenance *p, h5_file *file) {
     free(path);
   }
   h5_attr_i64(file, "/parameters", "seed", p->seed);
+  h5_attr_i64(file, "/parameters", "inputs", p->inputs);
   h5_attr_i64(file, "/parameters", "threads", p->threads);
   h5_attr_i64(file, "/parameters", "sessions", p->sessions);
   h5_attr_f64(file, "/parameters", "wall_seconds", p->wall_seconds);
@@ -177,6 +195,7 @@ sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messa
     free(path);
   }
   p->seed = h5_get_attr_i64(file, "/parameters", "seed", 0);
+  p->inputs = h5_get_attr_i64(file, "/parameters", "inputs", 0);
   p->threads = h5_get_attr_i64(file, "/parameters", "threads", 0);
   p->sessions = h5_get_attr_i64(file, "/parameters", "sessions", 0);
   p->wall_seconds = h5_get_attr_f64(file, "/parameters", "wall_seconds", 0);

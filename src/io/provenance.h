@@ -13,12 +13,16 @@ typedef struct provenance {
   char *author, *host, *started, *ended; /* times are UTC, ISO 8601 */
   char *version, *revision, *compiler, *hdf5, *gsl, *libconfig, *cpu_path;
   int64_t seed;
+  int64_t inputs; /* provenance_inputs of the model; 0: not known */
   int64_t threads;
   int64_t sessions;    /* times the run was started or continued */
   double wall_seconds; /* of all sessions, as far as they reached a checkpoint */
   double step_seconds; /* of these, spent advancing */
 } provenance;
 
+/* A number that stands for what a model may have from files and the full deck does not spell out: constants
+ * of the disks, and tables of the motions. Never 0. */
+int64_t provenance_inputs(const sd_model *model);
 /* Of a run that starts now. provenance_free also when it fails. */
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages);
 /* Brings machine, versions and threads up to this process; cpu_path as sd_simulation_path says. */

@@ -42,6 +42,12 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
                    "disk %u is not the one that %s was started with: a file that the deck names has changed",
                    body, s->result);
   }
+  if (state && origin->inputs != 0 && origin->inputs != provenance_inputs(s->model))
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "a file that the deck names, of disks or of a motion's table, is not the one that %s was started "
+        "with; --force starts over, -o writes elsewhere",
+        s->result);
   return SD_OK;
 }
 
