@@ -173,6 +173,54 @@ static void transients_are_found(void **unused) {
   assert_false(sd_mean_of(x, N, true).converged);
 }
 
+/* What looks like a transient in a stationary record is chance. */
+static void stationary_records_keep_their_start(void **unused) {
+  (void)unused;
+  enum { SEEDS = 400 };
+  const double rho[] = {0, 0.6, 0.9, 0.967};
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  for (size_t c = 0; c < 4; c++) {
+    double cut = 0, discarded = 0;
+    for (int seed = 0; seed < SEEDS; seed++) {
+      autoregressive(random, N, rho[c]);
+      sd_mean mean = sd_mean_of(x, N, true);
+      cut += (mean.discarded > 0) / (double)SEEDS;
+      discarded += (double)mean.discarded / N / SEEDS;
+    }
+    print_message("  rho %5.3f: cut %.3f, discarded %.4f\n", rho[c], cut, discarded);
+    between(cut, 0, 0.12, "cut");
+    between(discarded, 0, 0.03, "discarded");
+  }
+  gsl_rng_free(random);
+}
+
+/* Slow or weak relaxations under noise: found, or in the error bar. */
+static void slow_transients_are_covered(void **unused) {
+  (void)unused;
+  enum { SEEDS = 200 };
+  const struct {
+    double height, time, least, most_converged;
+  } cases[] = {{1, 150, 0.58, 1}, {1, 400, 0.55, 1}, {10, 400, 0.56, 1}, {10, 800, 0, 0.1}};
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  for (size_t c = 0; c < 4; c++) {
+    int one = 0, two = 0, converged = 0;
+    for (int seed = 0; seed < SEEDS; seed++) {
+      autoregressive(random, N, 0.6);
+      for (size_t k = 0; k < N; k++) x[k] += cases[c].height * exp(-(double)k / cases[c].time);
+      sd_mean mean = sd_mean_of(x, N, true);
+      one += fabs(mean.mean - 5) < mean.error;
+      two += fabs(mean.mean - 5) < 2 * mean.error;
+      converged += mean.converged;
+    }
+    print_message("  %2g exp(-k/%g): of %d within one error %d, two %d, converged %d\n", cases[c].height,
+                  cases[c].time, SEEDS, one, two, converged);
+    between(one, cases[c].least * SEEDS, SEEDS, "within one error");
+    between(two, 0.85 * SEEDS, SEEDS, "within two errors");
+    between(converged, 0, cases[c].most_converged * SEEDS, "converged");
+  }
+  gsl_rng_free(random);
+}
+
 /* --- from a state ---------------------------------------------------------------------------------------- */
 
 static void rotation_of_a_state(void **unused) {
@@ -214,6 +262,68 @@ static void rotation_of_a_state(void **unused) {
   a = sd_rotation_of(&model, &state, 0);
   assert_true(isnan(a.omega) && isnan(a.error) && !a.converged);
   free(bins);
+}
+
+/* Rotation of a disk whose rate, in bins of unit time, is 3 + height exp(-t/time) + ripple cos(2 pi t/period). */
+static sd_rotation driven(size_t bins, double height, double time, double period, const sd_motion *motions,
+                          size_t n_motions) {
+  static double record[SD_BINS];
+  const double ripple = 5, w = 2 * M_PI / period;
+  for (size_t k = 0; k < bins; k++) {
+    double t = (double)k;
+    record[k] = 3 + height * time * exp(-t / time) * (1 - exp(-1 / time)) +
+                ripple * (sin(w * (t + 1) + 0.4) - sin(w * t + 0.4)) / w;
+  }
+  bool active[2] = {true, true};
+  double zero = 0;
+  sd_disk disk = {.radius = 1};
+  uint32_t watched = 0;
+  sd_phase phase = {.active = active, .measure = true};
+  sd_motion copies[2] = {motions[0], motions[n_motions - 1]};
+  sd_model model = {.dt = 0.01,
+                    .n_disks = 1,
+                    .disks = &disk,
+                    .n_rotations = 1,
+                    .rotations = &watched,
+                    .n_motions = n_motions,
+                    .motions = copies,
+                    .n_phases = 1,
+                    .phases = &phase};
+  sd_state state = {.measured = (int64_t)bins * 100,
+                    .bin_steps = 100,
+                    .bins = (int64_t)bins,
+                    .n_rotations = 1,
+                    .rotation_bin = record,
+                    .rotation_start = &zero,
+                    .rotation_last = &zero};
+  return sd_rotation_of(&model, &state, 0);
+}
+
+static void ripples_of_a_drive_fall_out(void **unused) {
+  (void)unused;
+  const double periods[] = {0.37, 1, 2.7, 12.207, 97.656};
+  for (size_t p = 0; p < 5; p++) {
+    sd_motion wave[2] = {{.kind = SD_MOTION_PARABOLIC, .omega = 2 * M_PI / periods[p]}};
+    /* relaxations of a fiftieth, a seventeenth and a third of the record */
+    sd_rotation fast = driven(2441, 2, 50, periods[p], wave, 1),
+                slow = driven(2441, -2, 144, periods[p], wave, 1);
+    sd_rotation slowest = driven(2441, 2, 800, periods[p], wave, 1);
+    between(fabs(fast.omega - 3), 0, 2 * fast.error, "fast");
+    between(fabs(slow.omega - 3), 0, 2 * slow.error, "slow");
+    between(fast.error, 0, 3e-4, "error, fast");
+    between(slow.error, 0, 2e-3, "error, slow");
+    assert_true(fast.converged && slow.converged && !slowest.converged);
+    between(fabs(slowest.omega - 3), 0, 2 * slowest.error, "slowest");
+  }
+
+  /* periods of 2 and 3 have the common one of 6; a random one has none */
+  sd_motion two[2] = {{.kind = SD_MOTION_HARMONIC, .omega = M_PI},
+                      {.kind = SD_MOTION_HARMONIC, .omega = 2 * M_PI / 3}};
+  between(driven(2441, 2, 50, 6, two, 2).error, 0, 1e-4, "error, common period");
+  two[1].kind = SD_MOTION_RANDOM;
+  between(driven(2441, 2, 50, 6.1, two, 2).error, 1e-4, 1, "error, no period");
+  /* three periods say nothing */
+  assert_false(driven(290, 0, 50, 97, two, 1).converged);
 }
 
 static void sliding_of_a_state(void **unused) {
@@ -258,7 +368,10 @@ int main(void) {
       cmocka_unit_test(short_records_have_none_either),
       cmocka_unit_test(periodic_records_have_small_errors),
       cmocka_unit_test(transients_are_found),
+      cmocka_unit_test(stationary_records_keep_their_start),
+      cmocka_unit_test(slow_transients_are_covered),
       cmocka_unit_test(rotation_of_a_state),
+      cmocka_unit_test(ripples_of_a_drive_fall_out),
       cmocka_unit_test(sliding_of_a_state),
   };
   return cmocka_run_group_tests_name("mean", tests, NULL, NULL);

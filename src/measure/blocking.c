@@ -11,7 +11,8 @@
  *
  * A periodic drive makes records that anticorrelate: err_B goes on falling as 1/sqrt(B) behind the rule's B.
  * So a larger B (with 16 blocks or more) is taken when its error is less by more than chance would have it,
- * three standard deviations of an error estimated from that many blocks.
+ * three standard deviations of an error estimated from that many blocks. What is picked for being low is low by
+ * chance as well: one standard deviation is put back.
  */
 #include "measure/blocking.h"
 
@@ -63,8 +64,9 @@ blocking blocking_error(const double *x, size_t n) {
   for (; result.plateau && n / b >= FEWEST_FALLING; b = larger(b)) {
     double error = error_of_blocks(x, n, b, room);
     size_t blocks = n / b;
-    if (error >= base * (1 - 3 / sqrt(2 * (double)blocks))) continue;
-    chosen = error;
+    double scatter = 1 / sqrt(2 * (double)blocks);
+    if (error >= base * (1 - 3 * scatter)) continue;
+    chosen = error * (1 + scatter);
     chosen_b = b;
   }
   free(room);

@@ -16,10 +16,24 @@ blocking blocking_error(const double *x, size_t n);
 
 typedef struct transient {
   size_t length; /* samples to discard at the start */
+  double tail;   /* bias that it is likely to leave in the mean of the rest */
   bool inside;   /* it ends before half the record */
-  bool quiet;    /* what follows is steady to a thousandth of it, by the naive error */
+  bool quiet;    /* what follows is steady to a hundredth of the whole, by the naive error */
 } transient;
 
 transient transient_of(const double *x, size_t n);
+
+/* From here on, in sigmas, a drift is cut off or put into the error bar; and it spoils convergence. */
+enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
+
+/* What goes on changing in a record. */
+typedef struct drift {
+  double sigmas; /* difference of the first quarter's mean and the rest's, in its errors */
+  double half;   /* half the difference of the means of the halves: the bias left by a short relaxation */
+  double ratio;  /* difference of the last two quarters over that of the first two, >= 0 */
+} drift;
+
+/* error: that of the mean of x[0..n). */
+drift drift_of(const double *x, size_t n, double error);
 
 #endif

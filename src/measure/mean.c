@@ -1,9 +1,18 @@
 /* mean.c: means with error bars, of records and of what a state has gathered. */
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "measure/blocking.h"
 #include "slipdisk/measure.h"
+
+/* What a drift adds to the error. Without noise: exp(-t/T) has a mean of half the difference of its halves times
+ * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
+static double systematic(drift left, bool plateau, bool quiet) {
+  double u = fmin(left.ratio, 0.75);
+  if (quiet && !plateau) return left.half * (1 + u) / (1 - u);
+  return plateau && !(left.sigmas > DRIFT_SEEN) ? 0 : left.half;
+}
 
 sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   sd_mean mean = {.mean = NAN, .error = NAN, .correlation = NAN};
@@ -14,10 +23,84 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.mean = gsl_stats_mean(x + start.length, 1, mean.used);
 
   blocking error = blocking_error(x + start.length, mean.used);
-  mean.error = error.error;
+  drift left = drift_of(x + start.length, mean.used, error.error);
   mean.correlation = error.correlation;
+  mean.error = hypot(error.error, hypot(start.tail, systematic(left, error.plateau, start.quiet)));
   /* a relaxation without noise has no plateau, and needs none once little of it is left */
-  mean.converged = start.inside && isfinite(error.error) && (error.plateau || start.quiet);
+  bool over = (error.plateau && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
+  mean.converged = start.inside && isfinite(error.error) && over;
+  return mean;
+}
+
+/* --- a periodic drive -------------------------------------------------------------------------------------- */
+
+/* The common period of all motions of the measured phases, 0: there is none. */
+static double period_of(const sd_model *model) {
+  enum { MOST = 16 };
+  double each[MOST];
+  size_t n = 0;
+  for (size_t m = 0; m < model->n_motions; m++) {
+    const sd_motion *motion = &model->motions[m];
+    bool used = false;
+    for (size_t p = 0; p < model->n_phases; p++)
+      used |= model->phases[p].measure && model->phases[p].active[m];
+    if (!used) continue;
+    bool wave = motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC;
+    bool table = motion->kind == SD_MOTION_TABLE && motion->periodic;
+    if (!(wave || table) || n == MOST) return 0;
+    each[n++] = wave ? 2 * M_PI / fabs(motion->omega)
+                     : motion->table_time[motion->n_table - 1] - motion->table_time[0];
+  }
+  for (int turns = 1; n > 0 && turns <= MOST; turns++) {
+    bool common = true;
+    for (size_t m = 0; m < n && common; m++) {
+      double part = turns * each[0] / each[m];
+      common = part > 0.5 && fabs(part - round(part)) < 1e-6 * part;
+    }
+    if (common) return turns * each[0];
+  }
+  return 0;
+}
+
+/* Integral from 0 to u of a triangle over [0, 2] with area 1. */
+static double triangle(double u) {
+  if (u <= 0) return 0;
+  return u < 1 ? u * u / 2 : u < 2 ? 1 - (2 - u) * (2 - u) / 2 : 1;
+}
+
+/* Running means of x[0..n) from the triangle over two widths, `stride` apart, all that fit, up to the end. The
+ * triangle is the mean over one width of what is turned in one width: a ripple of that period falls out
+ * wherever the bins' edges lie. Returns how many; y: room for them. */
+static size_t windows(const double *x, size_t n, double width, double stride, double *y) {
+  size_t count = (size_t)(((double)n - 2 * width) / stride) + 1;
+  for (size_t k = 0; k < count; k++) {
+    double from = fmax(0, (double)n - 2 * width - (double)(count - 1 - k) * stride);
+    size_t end = (size_t)fmin((double)n, ceil(from + 2 * width));
+    y[k] = 0;
+    for (size_t b = (size_t)from; b < end; b++)
+      y[k] += x[b] * (triangle(((double)(b + 1) - from) / width) - triangle(((double)b - from) / width));
+  }
+  return count;
+}
+
+/* sd_mean_of a record with a ripple of the given period, in samples. */
+static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
+  enum { NARROWEST = 8, ENOUGH = 64 };
+  double width = period * ceil(NARROWEST / period), length = (double)n;
+  /* with few windows they overlap more */
+  double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
+  double *y = length >= 4 * width && stride >= 1 ? malloc(n * sizeof *y) : NULL;
+  if (!y) {
+    sd_mean mean = sd_mean_of(x, n, true);
+    mean.converged = false; /* too few periods to tell */
+    return mean;
+  }
+  size_t count = windows(x, n, width, stride, y);
+  sd_mean mean = sd_mean_of(y, count, true);
+  free(y);
+  mean.correlation *= stride;
+  mean.discarded = (size_t)fmin(length, (double)mean.discarded * stride);
+  mean.used = n - mean.discarded;
   return mean;
 }
 
@@ -28,7 +111,9 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
   double t_g = gravity > 0 ? sqrt(2 * model->disks[disk].radius / gravity) : NAN;
   size_t bins = state->bins > 0 ? (size_t)state->bins : 0;
 
-  sd_mean mean = sd_mean_of(state->rotation_bin + k * SD_BINS, bins, true);
+  const double *record = state->rotation_bin + k * SD_BINS;
+  double period = period_of(model) / bin;
+  sd_mean mean = period > 0 ? mean_of_ripple(record, bins, period) : sd_mean_of(record, bins, true);
   return (sd_rotation){
       .disk = disk,
       .omega = mean.mean * scale,

@@ -8,9 +8,20 @@
  * half is searched, as the statistic is erratic near the end; a minimum at the edge means that no stationary
  * part was found.
  *
+ * A stationary record has such a minimum too, wherever chance put it, and a cut there selects: what is left has
+ * less scatter than the whole, so that its error bar is too small. So a cut counts only if what it takes away
+ * differs from the rest: the mean of the first part, or of its first half, quarter or eighth, by more than
+ * `distinct` errors of the difference, from blocking on the rest.
+ *
+ * What is left of a relaxation behind such a cut is of the size of the noise of the batches, but adds up. It is
+ * told in two ways: from the decay within what is cut off (tail_of), and from the means of the first quarter and
+ * the rest of what is kept (drift_of). While the first is more than half the error bar or the second more than
+ * two of its own, a sixteenth of the record is cut off as well, up to half of it. What is still left belongs in
+ * the error bar.
+ *
  * A record without noise that relaxes for ever (a deterministic drive) has no minimum before the edge, and what
- * is left of it never looks stationary. So the search ends where the naive error has fallen to a thousandth of
- * that of the whole record, and such a rest is called quiet.
+ * is left of it never looks stationary. It is called quiet when the naive error falls to a hundredth of that of
+ * the whole record; the search ends at a thousandth of this.
  */
 #include <float.h>
 #include <gsl/gsl_rstat.h>
@@ -20,8 +31,8 @@
 
 #include "measure/blocking.h"
 
-enum { SMALLEST = 5, FEWEST_BATCHES = 64 };
-static const double enough = 1e-3;
+enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16 };
+static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;
 
 /* Square of the naive error for truncations 0 .. last batches, of m. */
 static bool naive(const double *x, size_t batch, size_t m, size_t last, double *square) {
@@ -42,6 +53,58 @@ static bool naive(const double *x, size_t batch, size_t m, size_t last, double *
   return true;
 }
 
+/* Is x[0..d), or the start of it, unlike x[d..n)? */
+static bool stands_out(const double *x, size_t d, size_t n) {
+  double rest = gsl_stats_mean(x + d, 1, n - d), error = blocking_error(x + d, n - d).error;
+  size_t part = d;
+  for (int k = 0; k < PARTS && part > 0; k++, part /= 2) {
+    double sigma = error * sqrt(1 + (double)(n - d) / (double)part);
+    /* without an error bar there is nothing against the cut */
+    if (!(fabs(gsl_stats_mean(x, 1, part) - rest) <= distinct * sigma)) return true;
+  }
+  return false;
+}
+
+drift drift_of(const double *x, size_t n, double error) {
+  size_t quarter = n / 4;
+  drift result = {.ratio = 0};
+  if (quarter == 0) return result;
+  double q[4];
+  for (size_t k = 0; k < 4; k++) q[k] = gsl_stats_mean(x + (n - (4 - k) * quarter), 1, quarter);
+  double fall = fabs(q[0] - (q[1] + q[2] + q[3]) / 3);
+  bool rounding = fall <= 8 * DBL_EPSILON * fabs(q[3]);
+  result.sigmas = rounding ? 0 : fall / (error * sqrt(4 + 4. / 3));
+  result.half = fabs(q[0] + q[1] - q[2] - q[3]) / 4;
+  result.ratio = (q[2] - q[3]) / (q[0] - q[1]);
+  if (!(result.ratio > 0)) result.ratio = 0;
+  return result;
+}
+
+/* Bias that the rest of a relaxation over x[0..d) leaves in the mean of x[d..n): its mean excess in two halves goes
+ * on as a geometric series. */
+static double tail_of(const double *x, size_t d, size_t n) {
+  size_t half = d / 2;
+  if (half == 0) return 0;
+  double rest = gsl_stats_mean(x + d, 1, n - d);
+  double first = gsl_stats_mean(x, 1, half) - rest, second = gsl_stats_mean(x + (d - half), 1, half) - rest;
+  double ratio = fmin(second / first, 0.75);
+  return ratio > 0 ? fabs(second) * ratio / (1 - ratio) * (double)half / (double)(n - d) : 0;
+}
+
+/* Lengthens a cut while something of the relaxation is seen behind it. */
+static void cut_drift(const double *x, size_t n, transient *found) {
+  for (size_t step = n / STEPS;; found->length += step) {
+    const double *rest = x + found->length;
+    size_t kept = n - found->length;
+    double error = blocking_error(rest, kept).error;
+    found->tail = tail_of(x, found->length, n);
+    if (!(found->tail > error / 2 || drift_of(rest, kept, error).sigmas > DRIFT_SEEN)) return;
+    if (step > 0 && found->length + step <= n / 2) continue;
+    found->inside &= found->tail <= error;
+    return;
+  }
+}
+
 transient transient_of(const double *x, size_t n) {
   size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
   if (batch < SMALLEST) batch = SMALLEST;
@@ -53,10 +116,15 @@ transient transient_of(const double *x, size_t n) {
     free(square);
     return (transient){.inside = false};
   }
-  double goal = enough * enough * square[0];
+  double whole = square[0], goal = enough * enough * whole;
   for (size_t d = 1; d <= last && square[best] > goal; d++)
     if (square[d] < square[best]) best = d;
-  bool quiet = square[best] <= goal;
+  bool quiet = square[best] <= quiet_at * quiet_at * whole;
   free(square);
-  return (transient){.length = best == 0 ? 0 : start + best * batch, .inside = best < last, .quiet = quiet};
+  transient found = {
+      .length = best == 0 ? 0 : start + best * batch, .inside = best < last || quiet, .quiet = quiet};
+  if (quiet) return found;
+  if (found.length > 0 && !stands_out(x, found.length, n)) found = (transient){.inside = true};
+  cut_drift(x, n, &found);
+  return found;
 }
