@@ -44,6 +44,7 @@ SD_API bool sd_simulation_finished(const sd_simulation *simulation);
 SD_API sd_energy sd_simulation_energy(const sd_simulation *simulation);
 /* Angle turned since the start of the deck, rad (turn + theta). */
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);
+/* Where a body (number as in the deck: disks, then walls) stands in the state's columns. */
 SD_API uint32_t sd_simulation_slot(const sd_simulation *simulation, uint32_t body);
 /* Throws away all that can be recomputed and builds it anew; changes not one bit of what follows. */
 SD_API sd_status sd_simulation_rebuild(sd_simulation *simulation, sd_messages *messages);

@@ -52,7 +52,7 @@ int app_unknown_option(const char *command, const struct option *options, const 
   snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
   deck_guess guess = deck_guess_start(word + strspn(word, "-"));
   for (; options->name; options++) deck_guess_add(&guess, options->name);
-  if (guess.best) return app_misuse(command, "unknown option %s, did you mean --%s?", given, guess.best);
+  if (guess.best) return app_misuse(command, "unknown option %s (did you mean --%s?)", given, guess.best);
   return app_misuse(command, "unknown option %s", given);
 }
 
