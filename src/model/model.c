@@ -186,38 +186,36 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* Who is made of a material. */
+typedef struct material_use {
+  size_t count; /* disks and walls */
+  bool free_disk;
+} material_use;
+
+static void check_pair_of_materials(const sd_model *m, const material_use *use, size_t a, size_t b,
+                                    sd_messages *msg) {
+  if (!use[a].count || !use[b].count || !(use[a].free_disk || use[b].free_disk)) return;
+  if (a == b && use[a].count < 2) return;
+  if (sd_model_law(m, (int)a, (int)b)->k_n > 0.0) return;
+  sd_fail(
+      msg, SD_ERROR_USER, "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+      m->materials[a].name ? m->materials[a].name : "?", m->materials[b].name ? m->materials[b].name : "?");
+}
+
 /* Laws must exist for every pair of materials that can meet: at least one side has a free disk. */
 static sd_status check_laws(const sd_model *m, sd_messages *msg) {
-  bool *free_disk = calloc(m->n_materials, sizeof(bool)), *any = calloc(m->n_materials, sizeof(bool));
-  size_t *count = calloc(m->n_materials, sizeof *count);
-  sd_status status =
-      free_disk && any && count ? SD_OK : sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
-  for (size_t i = 0; status == SD_OK && i < m->n_disks; i++) {
-    int a = m->disks[i].material;
-    any[a] = true;
-    if (!m->disks[i].driven) free_disk[a] = true;
-    count[a]++;
+  material_use *use = calloc(m->n_materials + 1, sizeof *use);
+  if (!use) return sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
+  for (size_t i = 0; i < m->n_disks; i++) {
+    use[m->disks[i].material].count++;
+    if (!m->disks[i].driven) use[m->disks[i].material].free_disk = true;
   }
-  for (size_t w = 0; status == SD_OK && w < m->n_walls; w++) {
-    any[m->walls[w].material] = true;
-    count[m->walls[w].material]++;
-  }
-  const size_t n = status == SD_OK ? m->n_materials : 0;
-  for (size_t a = 0; a < n; a++)
-    for (size_t b = a; b < n; b++) {
-      if (!any[a] || !any[b] || !(free_disk[a] || free_disk[b])) continue;
-      if (a == b && count[a] < 2) continue;
-      const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
-      if (!(law->k_n > 0.0))
-        status = sd_fail(msg, SD_ERROR_USER,
-                         "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
-                         m->materials[a].name ? m->materials[a].name : "?",
-                         m->materials[b].name ? m->materials[b].name : "?");
-    }
-  free(free_disk);
-  free(any);
-  free(count);
-  return status;
+  for (size_t w = 0; w < m->n_walls; w++) use[m->walls[w].material].count++;
+  size_t before = sd_messages_errors(msg);
+  for (size_t a = 0; a < m->n_materials; a++)
+    for (size_t b = a; b < m->n_materials; b++) check_pair_of_materials(m, use, a, b, msg);
+  free(use);
+  return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
 
 static void check_watches(const sd_model *m, sd_messages *msg) {
