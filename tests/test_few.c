@@ -11,6 +11,7 @@
 #include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
+#include <string.h>
 
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
@@ -112,9 +113,30 @@ static void an_overlap_ends_both_alike(void **state) {
   }
 }
 
+/* A pose that is lost in the last step of all has no rebuild after it that would notice. */
+static void not_finite(void **state) {
+  (void)state;
+  const char *deck =
+      "dt = 1.0; steps = 1; materials = ({ name = \"m\"; k_n = 1.0; k_t = 1.0; gamma_n = 0; mu = 0; });"
+      "disks = ({ name = \"lost\"; x = 0; y = 0; radius = 1; mass = 1e-300; force = [1e300, 0.0]; });";
+  for (size_t k = 0; k < 2; k++) {
+    sd_messages *m = sd_messages_new();
+    sd_model *model = NULL;
+    sd_simulation *sim = NULL;
+    if (sd_deck_load_text(deck, "deck", 1, &integrators[k], &model, m) != SD_OK) sd_messages_print(m, stderr);
+    assert_non_null(model);
+    assert_int_equal(sd_simulation_new(model, 1, &sim, m), SD_OK);
+    assert_int_equal(sd_simulation_advance(sim, 1, m), SD_ERROR_NUMERIC);
+    assert_non_null(strstr(sd_messages_text(m, 0), "step 1: disk \"lost\""));
+    sd_simulation_free(sim);
+    sd_model_free(model);
+    sd_messages_free(m);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(three_disks), cmocka_unit_test(rough),
-                                     cmocka_unit_test(collision),
-                                     cmocka_unit_test(an_overlap_ends_both_alike)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(three_disks), cmocka_unit_test(rough), cmocka_unit_test(collision),
+      cmocka_unit_test(an_overlap_ends_both_alike), cmocka_unit_test(not_finite)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

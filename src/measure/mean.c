@@ -89,7 +89,7 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   double width = period * ceil(NARROWEST / period), length = (double)n;
   /* with few windows they overlap more */
   double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
-  double *y = length >= 4 * width && stride >= 1 ? malloc(n * sizeof *y) : NULL;
+  double *y = length >= 4 * width && stride >= 1 ? malloc((n + 1) * sizeof *y) : NULL;
   if (!y) {
     sd_mean mean = sd_mean_of(x, n, true);
     mean.converged = false; /* too few periods to tell */

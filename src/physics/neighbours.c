@@ -352,15 +352,14 @@ static void find_watched(engine *e) {
 
 /* --- build ------------------------------------------------------------------------------------------- */
 
-static sd_status check_finite(const engine *e, sd_messages *messages) {
+sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages) {
   const sd_state *s = e->state;
   for (size_t i = 0; i < s->n_bodies; i++) {
     if (isfinite(s->x[i]) && isfinite(s->y[i]) && isfinite(s->theta[i])) continue;
     char name[96];
     return sd_fail(messages, SD_ERROR_NUMERIC,
-                   "step %lld: %s is at (%g, %g), angle %g: not finite; is dt too large?",
-                   (long long)s->step + 1, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i],
-                   s->y[i], s->theta[i]);
+                   "step %lld: %s is at (%g, %g), angle %g: not finite; is dt too large?", (long long)step,
+                   sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i], s->y[i], s->theta[i]);
   }
   return SD_OK;
 }
@@ -382,7 +381,7 @@ static void note_poses(engine *e) {
 sd_status neighbours_build(engine *e, sd_messages *messages) {
   const sd_state *s = e->state;
   work *w = &e->work;
-  if (check_finite(e, messages) != SD_OK) return SD_ERROR_NUMERIC;
+  if (neighbours_check_finite(e, s->step + 1, messages) != SD_OK) return SD_ERROR_NUMERIC;
   double largest = 0.0;
   for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
   grid g = {0};

@@ -14,6 +14,8 @@
  * is not finite (SD_ERROR_NUMERIC), no memory (SD_ERROR_IO). */
 sd_status neighbours_build(engine *e, sd_messages *messages);
 void neighbours_free(engine *e);
+/* SD_ERROR_NUMERIC when a pose is not finite; step is the one that the message names. */
+sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages);
 
 /* Key of a pair's second side, in which the sums are ordered: permanent id of a disk or round wall, then
  * the pieces of straight walls. */

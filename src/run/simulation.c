@@ -180,7 +180,8 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
     if (e->work.status != SD_OK) return e->work.status;
     if (s->phase_step == phase->steps && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
   }
-  return SD_OK;
+  /* the lists look at every pose before they are rebuilt; what came after is looked at here */
+  return neighbours_check_finite(e, s->step, messages);
 }
 
 const sd_model *sd_simulation_model(const sd_simulation *sim) { return sim->engine.model; }
