@@ -14,8 +14,6 @@
 #include "slipdisk/simulation.h"
 #include "slipdisk/theory.h"
 
-/* A shorter period than this many steps is not resolved. */
-enum { FEWEST_STEPS = 20 };
 static const double probe_seconds = 0.2;
 
 static const char usage[] =
@@ -87,9 +85,7 @@ static void print_time_step(const sd_model *m, sd_messages *messages) {
   }
   printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
          sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
-  if (m->dt > period / FEWEST_STEPS)
-    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less",
-            m->dt, FEWEST_STEPS, period, period / 100);
+  report_time_step(m, messages);
 }
 
 static int by_size(const void *a, const void *b) {

@@ -70,6 +70,11 @@ static void report_slides(FILE *out, const summary *found) {
   if (n < found->n_slides) fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }
 
+/* Steps per shortest contact period below which a run is warned of, and the residual of the energy budget,
+ * relative to work and losses, above which its result is. */
+enum { FEWEST_STEPS = 20 };
+static const double LARGEST_RESIDUAL = 0.01;
+
 static void report_energy(FILE *out, const sd_energy *e) {
   fprintf(out, "\nenergy budget\n");
   for (size_t k = 0; k < series_energy_count; k++) {
@@ -79,6 +84,15 @@ static void report_energy(FILE *out, const sd_energy *e) {
       fprintf(out, "   (%.2g of |work| + losses)", e->residual / e->scale);
     fputc('\n', out);
   }
+  if (e->scale > 0 && fabs(e->residual) > LARGEST_RESIDUAL * e->scale)
+    fprintf(out, "  the budget does not close: a smaller dt is needed\n");
+}
+
+void report_time_step(const sd_model *m, sd_messages *messages) {
+  double period = sd_model_shortest_period(m, NULL);
+  if (m->dt > period / FEWEST_STEPS)
+    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less",
+            m->dt, FEWEST_STEPS, period, period / 100);
 }
 
 void report_summary(FILE *out, const summary *found) {
