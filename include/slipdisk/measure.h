@@ -17,7 +17,7 @@ typedef struct sd_mean {
   double correlation; /* integrated correlation time, in samples (0.5 for independent ones) */
   size_t used;        /* samples used */
   size_t discarded;   /* samples discarded at the start as transient */
-  bool converged;     /* the blocking curve has a plateau, and the transient ended before half the record */
+  bool converged;     /* the blocking curve has a plateau, and no drift is left: docs/physics.md 9 */
 } sd_mean;
 
 /* n samples x[0..n). transient: look for one and discard it. */
