@@ -16,7 +16,7 @@
 enum { DAMAGES = 60 };
 
 /* libconfig 1.5 itself loses the string it was reading at a syntax error. */
-const char *__lsan_default_suppressions(void);
+__attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) { return "leak:libconfig\n"; }
 
 /* xorshift: the same damages every time */
