@@ -1,0 +1,53 @@
+/* deck_sweep.h: the points that the group `sweep` of a deck asks for.
+ *
+ * A point is the deck with some keys set, exactly as -D would set them, and a seed of its own. Points are
+ * told apart by what they set and not by their number: when values or replicas are added to a deck later,
+ * the points that it had keep their names, their seeds and hence their results.
+ */
+#ifndef SLIPDISK_IO_DECK_SWEEP_H
+#define SLIPDISK_IO_DECK_SWEEP_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "slipdisk/model.h"
+
+typedef struct sweep_parameter {
+  char *name; /* column of the table of results */
+  char *path; /* what it sets; several are joined by a blank */
+  bool text;  /* values are no numbers */
+} sweep_parameter;
+
+typedef struct sweep_point {
+  char *name; /* "tilt=0.04pi,eps=1e-4,r=2"; the result is NAME.h5 */
+  size_t n_overrides;
+  char **overrides; /* "path=value", the seed among them; without those of the command line */
+  double *values;   /* [n_parameters]; an angle in rad; NAN: a text, or not set by this point */
+  char **texts;     /* [n_parameters], as in the deck; "": not set by this point */
+  int64_t replica;  /* from 0 */
+  int64_t seed;
+  size_t set; /* points with the same set differ in the replica only; sets count from 0 */
+} sweep_point;
+
+typedef struct deck_sweep {
+  char *deck_path, *deck_text;
+  size_t n_overrides; /* of the command line */
+  char **overrides;
+  size_t n_parameters, n_points, n_sets;
+  sweep_parameter *parameters;
+  sweep_point *points;
+  size_t n_collect; /* 0: everything */
+  char **collect;
+} deck_sweep;
+
+/* Reads the group `sweep` of the deck at path (checked in full by deck_sweep_model only). A deck without one
+ * has one point, the deck itself. SD_ERROR_USER: mistakes, each with its line; deck_sweep_free also then. */
+sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
+                          sd_messages *messages);
+void deck_sweep_free(deck_sweep *s);
+
+/* The model of one point; its messages are those of the deck's loader. */
+sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages);
+
+#endif
