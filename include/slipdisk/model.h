@@ -153,6 +153,7 @@ typedef struct sd_model {
   size_t n_slides;
   sd_slide_watch *slides;
   double checkpoint_seconds; /* wall time between checkpoints, > 0 */
+  size_t sweep_points; /* points that the deck's group `sweep` asks for; this model is the deck itself */
 
   /* text that goes into every result file */
   char *deck_path;      /* as given; "" when built by hand */

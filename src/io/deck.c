@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/deck_grid.h"
 #include "io/deck_read.h"
 #include "slipdisk/deck.h"
 
@@ -53,6 +54,13 @@ static void read_box(deck *d) {
   }
 }
 
+/* Checked here; its points are made by deck_sweep.c. The model is that of the deck as it stands. */
+static void read_sweep(deck *d) {
+  deck_grids all = deck_read_grids(d);
+  for (size_t k = 0; k < all.n; k++) d->model->sweep_points += deck_grid_points(&all.grid[k]);
+  deck_remove(d->root, deck_child(d->root, "sweep"));
+}
+
 /* The order matters: motions speak of bodies, phases of motions. */
 static void read_all(deck *d) {
   read_run(d);
@@ -66,6 +74,7 @@ static void read_all(deck *d) {
   deck_read_motions(d);
   deck_read_phases(d);
   deck_read_measure(d);
+  read_sweep(d);
   deck_check_laws(d);
   deck_check_overlaps(d);
 }
@@ -94,40 +103,68 @@ static sd_status finish(deck *d) {
   return SD_OK;
 }
 
-static sd_status load(deck *d, const char *text, size_t n_overrides, const char *const *overrides) {
-  deck_text scanned = deck_scan(d, text, (deck_place){d->path, 1}, false);
+/* What deck_open was given, and what to do with it. */
+typedef struct task {
+  const char *text;
+  size_t n_overrides;
+  const char *const *overrides;
+  deck_use *use;
+  void *user;
+} task;
+
+static sd_status open_and_use(deck *d, const task *t) {
+  deck_text scanned = deck_scan(d, t->text, (deck_place){d->path, 1}, false);
   if (!scanned.broken) d->root = deck_parse(d, &scanned);
   if (!d->root) return SD_ERROR_USER;
-  for (size_t k = 0; k < n_overrides; k++) deck_override(d, overrides[k]);
-  d->model = sd_model_new();
-  if (!d->model) longjmp(d->out_of_memory, 1);
-  d->model->deck_path = deck_keep_text(d, d->path);
-  d->model->deck_text = deck_keep_text(d, scanned.raw ? scanned.raw : text);
-  d->model->deck_overrides = join_overrides(d, n_overrides, overrides);
-  read_all(d);
-  return finish(d);
+  d->text = scanned.raw ? scanned.raw : t->text;
+  for (size_t k = 0; k < t->n_overrides; k++) deck_override(d, t->overrides[k]);
+  return t->use(d, t->user);
 }
 
-sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
-                            const char *const *overrides, sd_model **out, sd_messages *messages) {
-  *out = NULL;
+sd_status deck_open(const char *text, const char *path, size_t n_overrides, const char *const *overrides,
+                    deck_use *use, void *user, sd_messages *messages) {
   deck *d = calloc(1, sizeof *d);
   if (!d) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   d->path = path;
   d->messages = messages;
+  task t = {text, n_overrides, overrides, use, user};
   sd_status status;
   if (setjmp(d->out_of_memory) == 0)
-    status = load(d, text, n_overrides, overrides);
+    status = open_and_use(d, &t);
   else
     status = sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   deck_report_rest(d);
-  if (status == SD_OK)
-    *out = d->model;
-  else
-    sd_model_free(d->model);
+  if (status != SD_OK) sd_model_free(d->model);
   deck_parse_free(d);
   deck_memory_free(d);
   free(d);
+  return status;
+}
+
+typedef struct model_task {
+  size_t n_overrides;
+  const char *const *overrides;
+  sd_model *model;
+} model_task;
+
+static sd_status make_model(deck *d, void *user) {
+  model_task *t = user;
+  d->model = sd_model_new();
+  if (!d->model) longjmp(d->out_of_memory, 1);
+  d->model->deck_path = deck_keep_text(d, d->path);
+  d->model->deck_text = deck_keep_text(d, d->text);
+  d->model->deck_overrides = join_overrides(d, t->n_overrides, t->overrides);
+  read_all(d);
+  sd_status status = finish(d);
+  t->model = status == SD_OK ? d->model : NULL;
+  return status;
+}
+
+sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
+                            const char *const *overrides, sd_model **out, sd_messages *messages) {
+  model_task t = {n_overrides, overrides, NULL};
+  sd_status status = deck_open(text, path, n_overrides, overrides, make_model, &t, messages);
+  *out = t.model;
   return status;
 }
 
@@ -158,21 +195,28 @@ static char *read_whole(const char *path, size_t *n) {
   return text;
 }
 
-sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
-                       sd_messages *messages) {
-  *out = NULL;
+char *deck_file_text(const char *path, sd_messages *messages, sd_status *status) {
   size_t n;
   char *text = read_whole(path, &n);
+  *status = SD_OK;
   if (!text) {
     bool mistyped = errno == ENOENT || errno == ENOTDIR || errno == EISDIR;
-    return sd_fail(messages, mistyped ? SD_ERROR_USER : SD_ERROR_IO, "%s: cannot be read: %s", path,
-                   strerror(errno));
+    *status = sd_fail(messages, mistyped ? SD_ERROR_USER : SD_ERROR_IO, "%s: cannot be read: %s", path,
+                      strerror(errno));
+  } else if (strlen(text) != n) {
+    *status = sd_fail(messages, SD_ERROR_USER, "%s: not a text file (it holds a zero byte)", path);
+    free(text);
+    text = NULL;
   }
+  return text;
+}
+
+sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
+                       sd_messages *messages) {
   sd_status status;
-  if (strlen(text) != n)
-    status = sd_fail(messages, SD_ERROR_USER, "%s: not a text file (it holds a zero byte)", path);
-  else
-    status = sd_deck_load_text(text, path, n_overrides, overrides, out, messages);
+  char *text = deck_file_text(path, messages, &status);
+  *out = NULL;
+  if (text) status = sd_deck_load_text(text, path, n_overrides, overrides, out, messages);
   free(text);
   return status;
 }

@@ -71,7 +71,8 @@ typedef struct deck {
   jmp_buf out_of_memory;
   void *library; /* libconfig's tree while it is alive; see deck_parse.c */
   deck_node *root;
-  sd_model *model;
+  const char *text; /* as read, included files put in place */
+  sd_model *model;  /* NULL when only the tree is wanted */
 
   /* one entry per disk of the model */
   deck_place *disk_place;
@@ -86,6 +87,16 @@ typedef struct deck {
   size_t *motion_entry;
   size_t motion_capacity;
 } deck;
+
+/* --- deck.c ------------------------------------------------------------------------------------------- */
+
+/* Scans and parses the text, applies the overrides, and hands the tree to use; frees all but what use has kept.
+ * When use fails, or memory runs out in it, d->model is freed too. */
+typedef sd_status deck_use(deck *d, void *user);
+sd_status deck_open(const char *text, const char *path, size_t n_overrides, const char *const *overrides,
+                    deck_use *use, void *user, sd_messages *messages);
+/* The text of the deck at path, to be freed; NULL: reported, and why in status. */
+char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 

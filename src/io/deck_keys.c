@@ -47,6 +47,7 @@ static const deck_key top_keys[] = {
     {"phases", GROUPS, "-", NULL, "parts of the run, one after the other"},
     {"output", GROUP, "-", NULL, "how often results are stored"},
     {"measure", GROUP, "-", NULL, "what is measured"},
+    {"sweep", GROUPS, "-", NULL, "points that `slipdisk sweep` runs: this deck with some keys set"},
 };
 TABLE(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys);
 
@@ -252,10 +253,32 @@ static const deck_key sliding_keys[] = {
 TABLE(deck_sliding, "measure.sliding", false, "A disk and the two partners whose contacts are watched.",
       sliding_keys);
 
+static const deck_key sweep_keys[] = {
+    {"parameters", GROUPS, "-", NULL, "what is varied"},
+    {"replicas", INTEGER(DECK_AT_LEAST_1, "-"), "1", NULL,
+     "runs of each set of values, with different seeds"},
+    {"collect", NAMES, "(all)", NULL, "columns of the table of results; * stands for any letters"},
+};
+TABLE(
+    deck_sweeps, "sweep", false,
+    "A grid of points. `sweep = { ... }` without a list is one grid; of several, equal points are run once.",
+    sweep_keys);
+
+static const deck_key sweep_parameter_keys[] = {
+    {"path", NAMES, "required", NULL, "the key that is set, as after -D; several are set to the same value"},
+    {"name", TEXT, "(last word of the path)", NULL, "name in the table and in file names"},
+    {"values", DECK_KEY_VALUES, DECK_ANY, "-", "-", NULL, "list of values"},
+    {"linspace", DECK_KEY_NUMBERS, DECK_ANY, "-", "-", NULL, "(first, last, count): evenly spaced"},
+    {"logspace", DECK_KEY_NUMBERS, DECK_ANY, "-", "-", NULL,
+     "(first, last, count): evenly spaced logarithms"},
+    {"zip", TEXT, "-", NULL, "parameters with the same word here advance together; all others are crossed"},
+};
+TABLE(deck_sweep_parameters, "sweep.parameters", false, "A parameter and its values.", sweep_parameter_keys);
+
 const deck_table *const deck_tables[] = {
-    &deck_top,       &deck_gravity,    &deck_box,     &deck_materials, &deck_pairs, &deck_disks,
-    &deck_disk_rows, &deck_disk_files, &deck_forces,  &deck_locks,     &deck_walls, &deck_motions,
-    &deck_phases,    &deck_output,     &deck_measure, &deck_sliding,
+    &deck_top,       &deck_gravity,    &deck_box,     &deck_materials, &deck_pairs,  &deck_disks,
+    &deck_disk_rows, &deck_disk_files, &deck_forces,  &deck_locks,     &deck_walls,  &deck_motions,
+    &deck_phases,    &deck_output,     &deck_measure, &deck_sliding,   &deck_sweeps, &deck_sweep_parameters,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 
@@ -268,10 +291,9 @@ const deck_key *deck_key_find(const deck_table *table, const char *name) {
 }
 
 const char *deck_kind_text(deck_kind kind) {
-  static const char *const text[] = {
-      "true or false", "integer", "number", "angle",         "text",
-      "choice",        "numbers", "points", "name(s)",       "name(s) or number(s)",
-      "coordinate(s)", "rows",    "group",  "list of groups"};
+  static const char *const text[] = {"true or false", "integer", "number", "angle",   "text",
+                                     "choice",        "numbers", "points", "name(s)", "name(s) or number(s)",
+                                     "coordinate(s)", "rows",    "values", "group",   "list of groups"};
   return text[kind];
 }
 

@@ -25,6 +25,7 @@ typedef enum deck_kind {
   DECK_KEY_BODIES,      /* one name or number, or a list of them */
   DECK_KEY_COORDINATES, /* "x", "y", "theta" or a list of them */
   DECK_KEY_ROWS,        /* list of lists of values */
+  DECK_KEY_VALUES,      /* list of values of any kind */
   DECK_KEY_GROUP,
   DECK_KEY_GROUPS /* list of groups */
 } deck_kind;
@@ -59,7 +60,7 @@ typedef struct deck_table {
 
 extern const deck_table deck_top, deck_gravity, deck_box, deck_materials, deck_pairs, deck_disks,
     deck_disk_rows, deck_disk_files, deck_forces, deck_locks, deck_walls, deck_motions, deck_phases,
-    deck_output, deck_measure, deck_sliding;
+    deck_output, deck_measure, deck_sliding, deck_sweeps, deck_sweep_parameters;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
 
