@@ -1,0 +1,281 @@
+/* comm.c: ranks over MPI, or one rank; see comm.h.
+ *
+ * Ranks talk to rank 0 only, in words of 64 bits, all with one tag, so that they arrive in order:
+ *
+ *   to rank 0:    ASK -> a task or NONE        STOP, LEAVE (in comm_queue_end, STOP may follow), END (last)
+ *   from rank 0:  STOP                         END (all have left) -> END
+ *
+ * Both last words are END, so that none of a queue's words meets the next queue.
+ */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include <assert.h>
+#include <stdlib.h>
+#include <time.h>
+
+#ifdef SD_HAVE_MPI
+#include <mpi.h>
+#endif
+
+#include "base/comm.h"
+
+enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
+
+static struct {
+  bool begun;
+  int rank, size;
+} comm = {.size = 1};
+
+int comm_rank(void) { return comm.rank; }
+int comm_size(void) { return comm.size; }
+
+/* Sleeps longer and longer, from 20 us to 5 ms. */
+static void rest(long *ns) {
+  *ns = *ns == 0 ? 20000 : *ns < 2500000 ? 2 * *ns : 5000000;
+  struct timespec t = {.tv_nsec = *ns};
+  nanosleep(&t, NULL);
+}
+
+/* How many processes the launcher says it started; 0: it says nothing. */
+static int launched(void) {
+  static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    const char *text = getenv(names[k]);
+    if (text) return (int)strtol(text, NULL, 10);
+  }
+  return 0;
+}
+
+static sd_status check_launcher(sd_messages *messages) {
+  if (comm.size > 1 || launched() <= 1) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER,
+                 "%d processes were started together, but this program %s; expected a build with "
+                 "-DSLIPDISK_MPI=ON, for the MPI whose mpirun or srun starts it, or a single process",
+                 launched(),
+#ifdef SD_HAVE_MPI
+                 "was built for another MPI"
+#else
+                 "was built without MPI"
+#endif
+  );
+}
+
+/* --- over MPI ------------------------------------------------------------------------------------- */
+#ifdef SD_HAVE_MPI
+
+/* Words that may be under way from one rank to another at the same time; each needs a place of its own. */
+enum { ANSWER, SIGNAL, FAREWELL, PLACES };
+
+typedef struct letter {
+  int64_t word;
+  MPI_Request request;
+} letter;
+
+static MPI_Comm ranks; /* our own, apart from other users of MPI in the process */
+static letter (*letters)[PLACES];
+
+static sd_status start(sd_messages *messages) {
+  int given;
+  if (MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &given) != MPI_SUCCESS)
+    return sd_fail(messages, SD_ERROR_IO, "MPI does not start");
+  if (given < MPI_THREAD_FUNNELED) {
+    MPI_Finalize();
+    return sd_fail(messages, SD_ERROR_IO, "this MPI does not allow threads (MPI_THREAD_FUNNELED)");
+  }
+  MPI_Comm_dup(MPI_COMM_WORLD, &ranks);
+  MPI_Comm_rank(ranks, &comm.rank);
+  MPI_Comm_size(ranks, &comm.size);
+  letters = malloc((size_t)comm.size * sizeof *letters);
+  if (!letters) {
+    MPI_Abort(ranks, SD_ERROR_IO); /* the others would wait for ever */
+    return sd_fail(messages, SD_ERROR_IO, "no memory");
+  }
+  for (int k = 0; k < comm.size; k++)
+    for (int place = 0; place < PLACES; place++) letters[k][place].request = MPI_REQUEST_NULL;
+  return SD_OK;
+}
+
+static void finish(void) {
+  free(letters);
+  letters = NULL;
+  MPI_Comm_free(&ranks);
+  MPI_Finalize();
+}
+
+static void await(MPI_Request *request) {
+  int done = 0;
+  for (long ns = 0; MPI_Test(request, &done, MPI_STATUS_IGNORE), !done;) rest(&ns);
+}
+
+static void post(int to, int place, int64_t word) {
+  letter *l = &letters[to][place];
+  await(&l->request);
+  l->word = word;
+  MPI_Isend(&l->word, 1, MPI_INT64_T, to, 0, ranks, &l->request);
+}
+
+static void settle_post(void) {
+  for (int k = 0; k < comm.size; k++)
+    for (int place = 0; place < PLACES; place++) await(&letters[k][place].request);
+}
+
+static bool receive(int *from, int64_t *word) {
+  int there;
+  MPI_Status status;
+  MPI_Iprobe(MPI_ANY_SOURCE, 0, ranks, &there, &status);
+  if (!there) return false;
+  *from = status.MPI_SOURCE;
+  MPI_Recv(word, 1, MPI_INT64_T, *from, 0, ranks, MPI_STATUS_IGNORE);
+  return true;
+}
+
+static int largest(int value) {
+  int most = value;
+  MPI_Request request;
+  MPI_Iallreduce(&value, &most, 1, MPI_INT, MPI_MAX, ranks, &request);
+  await(&request);
+  return most;
+}
+
+static void end_all(int status) { MPI_Abort(ranks, status); }
+
+/* --- one rank ------------------------------------------------------------------------------------- */
+#else
+
+enum { ANSWER, SIGNAL, FAREWELL };
+
+static sd_status start(sd_messages *messages) {
+  (void)messages;
+  return SD_OK;
+}
+static void finish(void) {}
+static void post(int to, int place, int64_t word) { (void)to, (void)place, (void)word; }
+static void settle_post(void) {}
+static bool receive(int *from, int64_t *word) {
+  *from = 0;
+  *word = NONE;
+  return false;
+}
+static int largest(int value) { return value; }
+static void end_all(int status) { (void)status; }
+
+#endif
+
+/* --- ranks ---------------------------------------------------------------------------------------- */
+
+sd_status comm_begin(sd_messages *messages) {
+  assert(!comm.begun);
+  sd_status status = start(messages);
+  if (status != SD_OK) return status;
+  status = check_launcher(messages);
+  comm.begun = true;
+  if (status != SD_OK) comm_end();
+  return status;
+}
+
+void comm_end(void) {
+  if (!comm.begun) return;
+  comm_max(0); /* MPI_Finalize would spin */
+  finish();
+  comm.begun = false;
+  comm.rank = 0;
+  comm.size = 1;
+}
+
+int comm_max(int value) { return comm.size > 1 ? largest(value) : value; }
+
+void comm_abort(int status) {
+  if (comm.size > 1) end_all(status);
+}
+
+/* --- queue ---------------------------------------------------------------------------------------- */
+
+void comm_queue_begin(comm_queue *q, int64_t n, volatile sig_atomic_t *stop) {
+  *q = (comm_queue){.n = n, .stop = stop};
+}
+
+/* Stops this rank, and passes the stop on. */
+static void halt(comm_queue *q) {
+  if (q->stopped) return;
+  q->stopped = true;
+  if (q->stop) *q->stop = 1;
+  if (q->ended) return;
+  if (comm.rank > 0) post(0, SIGNAL, STOP);
+  for (int to = 1; comm.rank == 0 && to < comm.size; to++) post(to, SIGNAL, STOP);
+}
+
+static void look_for_stop(comm_queue *q) {
+  if (q->stop && *q->stop) halt(q);
+}
+
+static int64_t take(comm_queue *q) { return q->stopped || q->next >= q->n ? NONE : q->next++; }
+
+/* Rank 0: what the others say. */
+static void hear(comm_queue *q, int from, int64_t word) {
+  switch (word) {
+    case ASK: post(from, ANSWER, take(q)); break;
+    case STOP: halt(q); break;
+    case LEAVE: q->away++; break;
+    default: assert(word == END); q->away--;
+  }
+}
+
+void comm_serve(comm_queue *q) {
+  if (comm.size == 1) {
+    look_for_stop(q);
+    return;
+  }
+  int from;
+  int64_t word;
+  while (receive(&from, &word)) {
+    if (comm.rank == 0) {
+      hear(q, from, word);
+    } else {
+      assert(word == STOP);
+      halt(q);
+    }
+  }
+  look_for_stop(q);
+}
+
+/* Others than rank 0: its next word that is no STOP. */
+static int64_t root_word(comm_queue *q) {
+  int from;
+  int64_t word;
+  for (long ns = 0;; rest(&ns)) {
+    look_for_stop(q);
+    while (receive(&from, &word)) {
+      if (word != STOP) return word;
+      halt(q);
+    }
+  }
+}
+
+int64_t comm_next(comm_queue *q) {
+  comm_serve(q);
+  if (q->stopped) return -1;
+  if (comm.rank == 0) return take(q);
+  post(0, ANSWER, ASK);
+  int64_t task = root_word(q);
+  /* a task that was under way when the stop came is not begun */
+  return q->stopped ? -1 : task;
+}
+
+void comm_queue_end(comm_queue *q) {
+  look_for_stop(q);
+  if (comm.size == 1) return;
+  if (comm.rank > 0) {
+    post(0, FAREWELL, LEAVE);
+    int64_t word = root_word(q);
+    assert(word == END);
+    q->ended = true;
+    post(0, FAREWELL, word);
+  } else {
+    for (long ns = 0; comm_serve(q), q->away < comm.size - 1;) rest(&ns);
+    q->ended = true;
+    for (int to = 1; to < comm.size; to++) post(to, FAREWELL, END);
+    for (long ns = 0; comm_serve(q), q->away > 0;) rest(&ns);
+  }
+  settle_post();
+}
