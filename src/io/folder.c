@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "io/file.h"
@@ -40,6 +41,7 @@ static bool is_still_there(int fd, const char *path) {
 }
 
 static sd_status take_lock(folder *f, const char *lock, sd_messages *messages) {
+  int busy = 0;
   for (int attempt = 0; attempt < 100; attempt++) {
     sd_status status = file_make_folder(f->path, messages);
     if (status != SD_OK) return status;
@@ -49,6 +51,11 @@ static sd_status take_lock(folder *f, const char *lock, sd_messages *messages) {
     if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
       int error = errno;
       close(fd);
+      /* whoever only looks whether it is locked (folder_is_locked) holds it for a moment */
+      if (error == EWOULDBLOCK && busy++ < 4) {
+        nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+        continue;
+      }
       if (error == EWOULDBLOCK)
         return sd_fail(messages, SD_ERROR_USER, "another process is writing this result (%s is locked)",
                        lock);
@@ -71,6 +78,15 @@ sd_status folder_open(const char *path, folder *out, sd_messages *messages) {
   free(lock);
   if (status != SD_OK) folder_close(out);
   return status;
+}
+
+bool folder_is_locked(const char *path) {
+  char *lock = file_path("%s/lock", path);
+  int fd = lock ? open(lock, O_RDONLY | O_CLOEXEC) : -1;
+  bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (fd >= 0) close(fd);
+  free(lock);
+  return locked;
 }
 
 void folder_close(folder *f) {

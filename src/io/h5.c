@@ -337,6 +337,33 @@ void h5_put_text(h5_file *file, const char *path, const char *text) {
   H5Tclose(type);
 }
 
+/* Texts side by side, each filled up to the length of the longest; to be freed. */
+static char *dense_texts(h5_file *file, const char *path, size_t n, const char *const *texts,
+                         size_t *longest) {
+  *longest = 1;
+  for (size_t k = 0; k < n; k++)
+    if (texts[k] && strlen(texts[k]) > *longest) *longest = strlen(texts[k]);
+  char *all = calloc(n + 1, *longest);
+  check(file, all != NULL, path);
+  for (size_t k = 0; all && k < n; k++)
+    if (texts[k]) memcpy(all + k * *longest, texts[k], strlen(texts[k]));
+  return all;
+}
+
+void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *texts) {
+  if (file->failed) return;
+  size_t longest;
+  char *all = dense_texts(file, path, n, texts, &longest);
+  if (!all) return;
+  hid_t type = text_type(longest), set = make(file, path, type, 1, &n, false, false);
+  if (set >= 0) {
+    if (n > 0) check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
+    H5Dclose(set);
+  }
+  H5Tclose(type);
+  free(all);
+}
+
 static void write_attr(h5_file *file, const char *path, const char *name, hid_t type, hid_t space,
                        const void *data) {
   hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
@@ -365,15 +392,9 @@ void h5_attr_text(h5_file *file, const char *path, const char *name, const char 
 
 void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, const char *const *texts) {
   if (file->failed || n == 0) return;
-  size_t longest = 1;
-  for (size_t k = 0; k < n; k++)
-    if (strlen(texts[k]) > longest) longest = strlen(texts[k]);
-  char *all = calloc(n, longest);
-  if (!all) {
-    check(file, false, path);
-    return;
-  }
-  for (size_t k = 0; k < n; k++) memcpy(all + k * longest, texts[k], strlen(texts[k]));
+  size_t longest;
+  char *all = dense_texts(file, path, n, texts, &longest);
+  if (!all) return;
   hsize_t extent = n;
   hid_t type = text_type(longest), space = H5Screate_simple(1, &extent, NULL);
   write_attr(file, path, name, type, space, all);

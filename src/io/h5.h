@@ -46,6 +46,8 @@ void h5_group(h5_file *file, const char *path);
 void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
             bool compress);
 void h5_put_text(h5_file *file, const char *path, const char *text); /* NULL counts as "" */
+/* n strings of equal storage length; NULL counts as "". */
+void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *texts);
 /* Attribute of n elements; n = 0: a scalar. */
 void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data);
 void h5_attr_text(h5_file *file, const char *path, const char *name, const char *text);

@@ -1,0 +1,176 @@
+/* sheet.c: see sheet.h. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* open_memstream */
+#endif
+#include "run/sheet.h"
+
+#include <fnmatch.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/file.h"
+
+sheet_column *sheet_find(const sheet *s, const char *name) {
+  for (size_t k = 0; k < s->n_columns; k++)
+    if (strcmp(s->columns[k].name, name) == 0) return &s->columns[k];
+  return NULL;
+}
+
+static bool allocate(sheet_column *c, size_t n) {
+  c->number = c->kind == SHEET_NUMBER ? calloc(n + 1, sizeof *c->number) : NULL;
+  c->integer = c->kind == SHEET_INTEGER ? calloc(n + 1, sizeof *c->integer) : NULL;
+  c->text = c->kind == SHEET_TEXT ? calloc(n + 1, sizeof *c->text) : NULL;
+  for (size_t k = 0; c->number && k < n; k++) c->number[k] = NAN;
+  for (size_t k = 0; c->integer && k < n; k++) c->integer[k] = SHEET_EMPTY;
+  return c->number || c->integer || c->text;
+}
+
+/* NULL: no memory, which is remembered; or a column of this name holds something else. */
+static sheet_column *column(sheet *s, sheet_kind kind, const char *name, const char *unit,
+                            const char *meaning) {
+  sheet_column *c = sheet_find(s, name);
+  if (c) return c->kind == kind ? c : NULL;
+  sheet_column *grown = realloc(s->columns, (s->n_columns + 1) * sizeof *grown);
+  if (grown) s->columns = grown;
+  sheet_column made = {.name = file_path("%s", name), .kind = kind, .unit = unit, .meaning = meaning};
+  if (!grown || !made.name || !allocate(&made, s->n_rows)) {
+    free(made.name);
+    s->failed = true;
+    return NULL;
+  }
+  s->columns[s->n_columns] = made;
+  return &s->columns[s->n_columns++];
+}
+
+void sheet_number(sheet *s, size_t row, const char *name, const char *unit, const char *meaning, double x) {
+  sheet_column *c = column(s, SHEET_NUMBER, name, unit, meaning);
+  if (c) c->number[row] = x;
+}
+
+void sheet_integer(sheet *s, size_t row, const char *name, const char *meaning, int64_t x) {
+  sheet_column *c = column(s, SHEET_INTEGER, name, "1", meaning);
+  if (c) c->integer[row] = x;
+}
+
+void sheet_text(sheet *s, size_t row, const char *name, const char *meaning, const char *text) {
+  sheet_column *c = column(s, SHEET_TEXT, name, "", meaning);
+  if (!c) return;
+  free(c->text[row]);
+  c->text[row] = file_path("%s", text);
+  if (!c->text[row]) s->failed = true;
+}
+
+void sheet_keep_all(sheet *s) {
+  for (size_t k = 0; k < s->n_columns; k++) s->columns[k].always = true;
+}
+
+static void column_free(sheet_column *c, size_t n) {
+  for (size_t k = 0; c->text && k < n; k++) free(c->text[k]);
+  free(c->text);
+  free(c->number);
+  free(c->integer);
+  free(c->name);
+}
+
+void sheet_collect(sheet *s, size_t n, const char *const *patterns, sd_messages *messages) {
+  if (n == 0) return;
+  for (size_t p = 0; p < n; p++) {
+    bool any = false;
+    for (size_t k = 0; k < s->n_columns; k++) any = any || fnmatch(patterns[p], s->columns[k].name, 0) == 0;
+    if (!any) sd_warn(messages, "collect: \"%s\" is no column of the table", patterns[p]);
+  }
+  size_t kept = 0;
+  for (size_t k = 0; k < s->n_columns; k++) {
+    bool keep = s->columns[k].always;
+    for (size_t p = 0; p < n; p++) keep = keep || fnmatch(patterns[p], s->columns[k].name, 0) == 0;
+    if (keep)
+      s->columns[kept++] = s->columns[k];
+    else
+      column_free(&s->columns[k], s->n_rows);
+  }
+  s->n_columns = kept;
+}
+
+void sheet_free(sheet *s) {
+  for (size_t k = 0; k < s->n_columns; k++) column_free(&s->columns[k], s->n_rows);
+  free(s->columns);
+  *s = (sheet){0};
+}
+
+/* --- CSV --------------------------------------------------------------------------------------------------- */
+
+static void put_text(FILE *out, const char *text) {
+  if (!strpbrk(text, ",\"\r\n")) {
+    fputs(text, out);
+    return;
+  }
+  fputc('"', out);
+  for (const char *c = text; *c; c++) fprintf(out, *c == '"' ? "\"\"" : "%c", *c);
+  fputc('"', out);
+}
+
+static void put_number(FILE *out, double x) {
+  char text[40];
+  if (isnan(x)) return;
+  for (int digits = 6; digits <= 17; digits++) {
+    snprintf(text, sizeof text, "%.*g", digits, x);
+    if (strtod(text, NULL) == x) break;
+  }
+  fputs(text, out);
+}
+
+static void put_cell(FILE *out, const sheet_column *c, size_t row) {
+  if (c->kind == SHEET_NUMBER) put_number(out, c->number[row]);
+  if (c->kind == SHEET_INTEGER && c->integer[row] != SHEET_EMPTY) fprintf(out, "%" PRId64, c->integer[row]);
+  if (c->kind == SHEET_TEXT && c->text[row]) put_text(out, c->text[row]);
+}
+
+sd_status sheet_write_csv(const sheet *s, const char *path, sd_messages *messages) {
+  char *text = NULL;
+  size_t size = 0;
+  FILE *out = s->failed ? NULL : open_memstream(&text, &size);
+  if (!out) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  for (size_t k = 0; k < s->n_columns; k++) {
+    if (k > 0) fputc(',', out);
+    put_text(out, s->columns[k].name);
+  }
+  fputc('\n', out);
+  for (size_t row = 0; row < s->n_rows; row++) {
+    for (size_t k = 0; k < s->n_columns; k++) {
+      if (k > 0) fputc(',', out);
+      put_cell(out, &s->columns[k], row);
+    }
+    fputc('\n', out);
+  }
+  bool good = fclose(out) == 0;
+  file_piece piece = {text, size};
+  sd_status status = good ? file_write_atomic(path, 1, &piece, messages)
+                          : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  free(text);
+  return status;
+}
+
+/* --- HDF5 -------------------------------------------------------------------------------------------------- */
+
+void sheet_write_h5(const sheet *s, h5_file *file, const char *group) {
+  h5_group(file, group);
+  for (size_t k = 0; k < s->n_columns; k++) {
+    const sheet_column *c = &s->columns[k];
+    char *path = file_path("%s/%s", group, c->name);
+    int64_t *integer = calloc(s->n_rows + 1, sizeof *integer);
+    for (size_t row = 0; integer && c->integer && row < s->n_rows; row++)
+      integer[row] = c->integer[row] == SHEET_EMPTY ? -1 : c->integer[row];
+    if (path && integer) {
+      if (c->kind == SHEET_NUMBER) h5_put(file, path, SD_F64, 1, &s->n_rows, c->number, false);
+      if (c->kind == SHEET_INTEGER) h5_put(file, path, SD_I64, 1, &s->n_rows, integer, false);
+      if (c->kind == SHEET_TEXT) h5_put_texts(file, path, s->n_rows, (const char *const *)c->text);
+      if (*c->unit) h5_attr_text(file, path, "unit", c->unit);
+      h5_attr_text(file, path, "description", c->meaning);
+    }
+    free(integer);
+    free(path);
+  }
+}

@@ -1,0 +1,74 @@
+/* sweep.h: the points of a deck's sweep in a folder: what is there, one point at a time, and the table of results.
+ *
+ *   FOLDER/points/NAME.h5        result of a point, as of `run` (NAME.h5.parts while it is not finished)
+ *   FOLDER/points/NAME.failed    why a point failed; goes away when it is run again
+ *   FOLDER/table.csv, table.h5   a row per point, finished or not
+ *   FOLDER/means.csv             a row per set of values: means over its replicas
+ *
+ * The folder is all that processes share: any number of them, on any number of machines, may run points of the same
+ * sweep at the same time, since a point is locked while it is run. Nothing here prints or starts processes.
+ */
+#ifndef SLIPDISK_RUN_SWEEP_H
+#define SLIPDISK_RUN_SWEEP_H
+
+#include "io/deck_sweep.h"
+#include "run/session.h"
+
+typedef struct sweep {
+  deck_sweep deck;
+  char *folder; /* NULL: none yet */
+} sweep;
+
+/* Reads the deck's sweep; the folder need not exist. sweep_close also when it fails. */
+sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
+                     const char *folder, sd_messages *messages);
+void sweep_close(sweep *s);
+/* Loads the model of the first point of each set. SD_ERROR_USER with the mistakes, each once, when any has one;
+ * *usable counts the sets without; steps[point] (may be NULL) is the length of each point, 0: it has mistakes. */
+sd_status sweep_check(const sweep *s, size_t *usable, int64_t *steps, sd_messages *messages);
+/* Makes the folders. */
+sd_status sweep_prepare(const sweep *s, sd_messages *messages);
+
+typedef enum sweep_status {
+  SWEEP_WAITING, /* nothing there */
+  SWEEP_RUNNING, /* some process holds its lock */
+  SWEEP_STOPPED, /* begun, and nobody is running it */
+  SWEEP_DONE,
+  SWEEP_FAILED,
+  SWEEP_OTHER, /* a result is there, of a deck that says something else */
+  SWEEP_STATUSES
+} sweep_status;
+extern const char *const sweep_status_names[SWEEP_STATUSES];
+
+/* What the folder knows of a point. */
+typedef struct sweep_result {
+  sweep_status status;
+  bool has_found;
+  summary found;   /* finished: at the end; else as of the last checkpoint */
+  double residual; /* of the energy budget, over work and losses */
+  char *message;   /* failed: why, lines joined by "; ". "" else */
+} sweep_result;
+sd_status sweep_look(const sweep *s, size_t point, sweep_result *result, sd_messages *messages);
+void sweep_result_free(sweep_result *result);
+/* The status only, without reading results; SWEEP_OTHER counts as done. */
+sweep_status sweep_peek(const sweep *s, size_t point);
+
+typedef struct sweep_options {
+  int threads;
+  bool force; /* run finished points again */
+  const volatile sig_atomic_t *stop;
+  void (*progress)(void *user, const session_progress *progress); /* may be NULL */
+  void *user;
+} sweep_options;
+
+/* Runs a point, or continues it. A finished one, and one that another process runs, are left alone (SD_OK; *status
+ * says which). On an error its messages are kept in NAME.failed too. SD_INTERRUPTED: stopped at a checkpoint. */
+sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
+                    sd_messages *messages);
+/* Keeps in NAME.failed why the process that ran a point did not come to its end. */
+void sweep_note_failure(const sweep *s, size_t point, const char *text);
+
+/* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. */
+sd_status sweep_write_tables(const sweep *s, sd_messages *messages);
+
+#endif
