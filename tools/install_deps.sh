@@ -2,18 +2,23 @@
 # Installs what slipdisk needs on Debian or Ubuntu, and only what is missing.
 #   tools/install_deps.sh           to build and run
 #   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need
-# Needs root (or sudo) only when something is missing.
+#   tools/install_deps.sh --mpi     also Open MPI, for builds with -DSLIPDISK_MPI=ON
+# Both may be given. Needs root (or sudo) only when something is missing.
 set -euo pipefail
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
           libgsl-dev libhdf5-dev libconfig-dev libjansson-dev librandom123-dev)
-case "${1:-}" in
-  "") ;;
-  --tests)
-    packages+=(git binutils libcmocka-dev clang clang-format-14 clang-tidy-14 libomp-dev
-               python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools) ;;
-  *) sed -n '2,5s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
-esac
+tests=no
+for option in "$@"; do
+  case "$option" in
+    --tests)
+      tests=yes
+      packages+=(git binutils libcmocka-dev clang clang-format-14 clang-tidy-14 libomp-dev
+                 python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools) ;;
+    --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
+    *) sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+  esac
+done
 
 if ! command -v dpkg-query >/dev/null; then
   echo "This is not Debian or Ubuntu. Install the equivalents of these packages yourself:" >&2
@@ -41,14 +46,14 @@ find_missing() {
     if [ "$package" = pkg-config ] && command -v pkg-config >/dev/null; then continue; fi
     installed "$package" || missing+=("$package")
   done
-  if [ "${1:-}" = --tests ]; then
+  if [ "$tests" = yes ]; then
     local runtime
     runtime=$(clang_runtime)
     installed "$runtime" || missing+=("$runtime")
   fi
 }
 
-find_missing "$@"
+find_missing
 if [ ${#missing[@]} -eq 0 ]; then
   echo "Packages: all ${#packages[@]} are installed."
   exit 0
@@ -66,7 +71,7 @@ fi
 echo "Packages to install: ${missing[*]}"
 # env: sudo drops the variable otherwise.
 "${as_root[@]}" apt-get update -q
-find_missing "$@" # the name of clang's runtime is known for sure only now
+find_missing # the name of clang's runtime is known for sure only now
 if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"; then
   echo "These packages could not be installed: ${missing[*]}" >&2
   exit 1

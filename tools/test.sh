@@ -3,11 +3,12 @@
 #   1. packages             4. sanitizers (dev preset): build and tests
 #   2. formatting           5. clang: build without warnings
 #   3. lint                 6. release build with gcc: all tests
+#                           7. build with MPI: the tests that start several ranks
 # With CI=true the tests labelled "slow" run as well; they have 25 minutes.
 #
 #   tools/test.sh           everything
 #   tools/test.sh --quick   packages and the release build's tests only
-#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release slow
+#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release mpi slow
 # Stops at the first part that fails. Run it as often as you like.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -44,13 +45,17 @@ part() {
     slow) say "Slow tests of the release build"
       build release
       ctest --preset slow -j "$jobs" --stop-time "$(date -d '+25 minutes' +%H:%M:%S)" ;;
-    *) sed -n '2,12s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    mpi) say "Tests of the build with MPI"
+      tools/install_deps.sh --mpi
+      build mpi
+      ctest --preset mpi -L mpi ;;
+    *) sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac
 }
 
 parts=("$@")
 if [ $# -eq 0 ]; then
-  parts=(packages format lint dev clang release)
+  parts=(packages format lint dev clang release mpi)
   if [ "${CI:-}" = true ] && compgen -G 'tests/slow_*' >/dev/null; then parts+=(slow); fi
 elif [ "$1" = --quick ]; then
   parts=(packages release)

@@ -37,28 +37,30 @@ static void rest(long *ns) {
   nanosleep(&t, NULL);
 }
 
-/* How many processes the launcher says it started; 0: it says nothing. */
-static int launched(void) {
+/* A launcher that started several processes tells each of them how many; else 0 and no name. */
+static int launched(const char **name) {
   static const char *const names[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-    const char *text = getenv(names[k]);
+    const char *text = getenv(*name = names[k]);
     if (text) return (int)strtol(text, NULL, 10);
   }
   return 0;
 }
 
 static sd_status check_launcher(sd_messages *messages) {
-  if (comm.size > 1 || launched() <= 1) return SD_OK;
-  return sd_fail(messages, SD_ERROR_USER,
-                 "%d processes were started together, but this program %s; expected a build with "
-                 "-DSLIPDISK_MPI=ON, for the MPI whose mpirun or srun starts it, or a single process",
-                 launched(),
+  const char *name;
+  int count = launched(&name);
+  if (comm.size > 1 || count <= 1) return SD_OK;
 #ifdef SD_HAVE_MPI
-                 "was built for another MPI"
+  const char *built = "for another MPI than the one that started it";
 #else
-                 "was built without MPI"
+  const char *built = "without MPI";
 #endif
-  );
+  return sd_fail(
+      messages, SD_ERROR_USER,
+      "%s = %d: so many processes were started together, but this program was built %s and cannot find "
+      "the others; expected one process, or a build with -DSLIPDISK_MPI=ON",
+      name, count, built);
 }
 
 /* --- over MPI ------------------------------------------------------------------------------------- */
@@ -222,10 +224,8 @@ static void hear(comm_queue *q, int from, int64_t word) {
 }
 
 void comm_serve(comm_queue *q) {
-  if (comm.size == 1) {
-    look_for_stop(q);
-    return;
-  }
+  look_for_stop(q);
+  if (comm.size == 1) return;
   int from;
   int64_t word;
   while (receive(&from, &word)) {
@@ -236,7 +236,6 @@ void comm_serve(comm_queue *q) {
       halt(q);
     }
   }
-  look_for_stop(q);
 }
 
 /* Others than rank 0: its next word that is no STOP. */

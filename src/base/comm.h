@@ -13,8 +13,8 @@
  *     for (int64_t task; (task = comm_next(&queue)) >= 0;) { work on it, comm_serve(&queue) now and then }
  *     comm_queue_end(&queue);
  *
- * Stopping. When *stop becomes true on any rank (a signal), no rank gets another task, and *stop is set to 1 on
- * all others from within comm_serve, comm_next or comm_queue_end: a signal to one rank stops the whole job.
+ * Stopping. When *stop becomes true on a rank (a signal), it gets no other task, and the others hear of it in
+ * comm_serve, comm_next or comm_queue_end, which set their *stop to 1: a signal to one rank stops the whole job.
  *
  * Invariants: no task is given out twice, and all are given out when nobody stops and some rank asks until there
  * is none; after comm_queue_end no message is under way. Waits sleep, they do not spin. When a rank dies the
