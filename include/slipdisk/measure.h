@@ -35,6 +35,22 @@ typedef struct sd_rotation {
 /* k-th watched disk. Before the first full bin, omega and error are NAN. */
 SD_API sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t k);
 
+/* How far a record is from the error bar that the deck's `until` asks for. */
+typedef struct sd_goal {
+  double value, error; /* of the observable: rad/time, or rad when it is scaled; NAN: not known yet */
+  double goal;         /* the error bar asked for; a relative one follows |value| */
+  double measured;     /* time */
+  bool converged;      /* of sd_rotation */
+  bool reached;        /* error <= goal and converged: the last phase ends when it is looked at now */
+} sd_goal;
+
+/* The goal of model->until (which must be asked) in a state: a function of these two alone, so that a run ends
+ * at the same step however often it was stopped and whatever the number of threads. */
+SD_API sd_goal sd_goal_of(const sd_model *model, const sd_state *state);
+/* The next step of the last phase, after `step` of its steps, at which it is looked at: the first look is at
+ * until.least, each further one about 5 % later (physics.md 9), the last at the phase's end. */
+SD_API int64_t sd_goal_look(const sd_model *model, int64_t step);
+
 typedef struct sd_slide {
   uint32_t disk, partner[2];
   double pp, pm, mp, mm; /* S++, S+-, S-+, S--: fractions of the measured steps */

@@ -102,6 +102,18 @@ typedef struct sd_phase {
   int64_t contacts_every; /* steps between stored contact tables, 0: none */
 } sd_phase;
 
+/* When the last phase ends: not before `least` of its steps, then at the first look at which the error bar of
+ * a mean angular velocity is small enough (sd_goal_of, sd_goal_look in measure.h), after all its steps in any
+ * case. */
+typedef struct sd_until {
+  bool asked;      /* false: the last phase has all its steps */
+  int64_t least;   /* 1 ... steps of the last phase */
+  size_t rotation; /* which of the model's rotations */
+  bool scaled;     /* t_g Omega instead of Omega */
+  double error;    /* error bar to be reached, in the unit of the observable; 0: given as */
+  double relative; /* a fraction of |mean| */
+} sd_until;
+
 /* A disk and two partners: the configuration of sliding of its two contacts is counted every step. */
 typedef struct sd_slide_watch {
   uint32_t disk;
@@ -152,6 +164,7 @@ typedef struct sd_model {
   uint32_t *rotations;
   size_t n_slides;
   sd_slide_watch *slides;
+  sd_until until;
   double checkpoint_seconds; /* wall time between checkpoints, > 0 */
   size_t sweep_points; /* points that the deck's group `sweep` asks for; this model is the deck itself */
 
@@ -180,7 +193,8 @@ SD_API size_t sd_model_bodies(const sd_model *model); /* n_disks + n_walls */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
 SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);
-SD_API int64_t sd_model_steps(const sd_model *model); /* of all phases */
+/* Of all phases; with `until` it is the most that there can be. */
+SD_API int64_t sd_model_steps(const sd_model *model);
 
 /* The least of 2 pi/omega over pairs of touching materials: normal spring, skin with rotation, per disk.
  * sd_model_shortest_period writes which disk it is (may be NULL). */

@@ -2,6 +2,7 @@
 #ifndef SLIPDISK_SIMULATION_H
 #define SLIPDISK_SIMULATION_H
 
+#include "slipdisk/measure.h"
 #include "slipdisk/model.h"
 #include "slipdisk/state.h"
 
@@ -31,7 +32,8 @@ SD_API sd_status sd_simulation_resume(const sd_model *model, sd_state *state, in
                                       sd_simulation **out, sd_messages *messages);
 SD_API void sd_simulation_free(sd_simulation *simulation);
 
-/* Advances by n steps; crosses the ends of phases by itself and stops at the end of the last.
+/* Advances by n steps; crosses the ends of phases by itself and stops at the end of the last (with `until` it
+ * ends when the goal is reached: sd_until in model.h).
  * SD_ERROR_NUMERIC: a value is not finite or an overlap is beyond the limit; the message says which
  * disks and which step, and the state is the one at which it was found. */
 SD_API sd_status sd_simulation_advance(sd_simulation *simulation, int64_t n, sd_messages *messages);
@@ -41,6 +43,8 @@ SD_API const sd_model *sd_simulation_model(const sd_simulation *simulation);
 SD_API const sd_state *sd_simulation_state(sd_simulation *simulation);
 SD_API double sd_simulation_time(const sd_simulation *simulation); /* step * dt */
 SD_API bool sd_simulation_finished(const sd_simulation *simulation);
+/* How far the run is from the goal of `until`, which the model must have. */
+SD_API sd_goal sd_simulation_goal(const sd_simulation *simulation);
 SD_API sd_energy sd_simulation_energy(const sd_simulation *simulation);
 /* Angle turned since the start of the deck, rad (turn + theta). */
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);

@@ -73,6 +73,10 @@ static void print_phases(const sd_model *m) {
            p->name ? p->name : "", p->name ? ": " : "", (long long)p->steps, (double)p->steps * m->dt, on,
            m->n_motions, p->measure ? ", measured" : "");
   }
+  const sd_until *u = &m->until;
+  if (u->asked)
+    printf("#             at most; it ends after %lld steps, time %g, or later, with the goal of `until`\n",
+           (long long)u->least, (double)u->least * m->dt);
 }
 
 static void print_time_step(const sd_model *m, sd_messages *messages) {
@@ -164,7 +168,7 @@ static sd_status probe(const sd_model *m, sd_messages *messages) {
            (long long)done);
     printf("# run time    about ");
     print_duration(whole);
-    printf(" for %lld steps\n", (long long)sd_model_steps(m));
+    printf(" for %s%lld steps\n", m->until.asked ? "at most " : "", (long long)sd_model_steps(m));
   }
   sd_simulation_free(s);
   return status;

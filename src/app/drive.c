@@ -56,18 +56,20 @@ static double clock_now(void) {
 }
 
 static void describe(const session_progress *p, char *text, size_t size) {
-  char left[40], rate[40] = "-";
+  char left[40], rate[40] = "-", goal[60] = "";
   if (p->rate >= 1e6)
     snprintf(rate, sizeof rate, "%.3gM", p->rate * 1e-6);
   else if (p->rate >= 1e3)
     snprintf(rate, sizeof rate, "%.3gk", p->rate * 1e-3);
   else if (p->rate > 0)
     snprintf(rate, sizeof rate, "%.3g", p->rate);
+  if (p->goal && isfinite(p->goal->error))
+    snprintf(goal, sizeof goal, "  error %.2g of %.2g", p->goal->error, p->goal->goal);
   snprintf(text, size,
-           "%s%sstep %" PRId64 "/%" PRId64 "  time %.6g  %.1f %%  %s steps/s  ETA %s  residual %.1e",
+           "%s%sstep %" PRId64 "/%" PRId64 "  time %.6g  %.1f %%  %s steps/s  ETA %s%s  residual %.1e",
            p->phase, *p->phase ? ": " : "", p->step, p->steps, p->time,
-           100.0 * (double)p->step / (double)(p->steps > 0 ? p->steps : 1), rate,
-           report_duration(p->seconds_left, left, sizeof left), p->energy->residual);
+           100.0 * (double)p->step / (double)(p->expected > 0 ? p->expected : 1), rate,
+           report_duration(p->seconds_left, left, sizeof left), goal, p->energy->residual);
 }
 
 static void show_line(teller *t, const char *text) {
@@ -91,7 +93,7 @@ static void show(void *user, const session_progress *p) {
   if (t->screen && t->terminal) show_line(t, text);
   double now = clock_now();
   double wait = fmin(fmax((now - t->began) / 4, PLAIN_FIRST), PLAIN_LAST);
-  if (!p->new_phase && p->step < p->steps && now - t->told_at < wait) return;
+  if (!p->new_phase && p->step < p->expected && now - t->told_at < wait) return;
   t->told_at = now;
   if (t->screen && !t->terminal) fprintf(t->screen, "%s\n", text);
   if (t->log) {
@@ -125,8 +127,8 @@ static void tell_stop(teller *t, const drive_options *options, const session *s)
   for (int k = 0; k < 2; k++) {
     if (!outs[k]) continue;
     if (found)
-      fprintf(outs[k], "stopped at step %" PRId64 " of %" PRId64 " (%.1f %%), everything is saved\n",
-              found->step, found->steps,
+      fprintf(outs[k], "stopped at step %" PRId64 " %s %" PRId64 " (%.1f %%), everything is saved\n",
+              found->step, report_of(found), found->steps,
               100.0 * (double)found->step / (double)(found->steps > 0 ? found->steps : 1));
     else
       fprintf(outs[k], "stopped, everything is saved\n");

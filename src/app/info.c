@@ -72,8 +72,8 @@ static void print_text(const facts *f, const place *p) {
   if (f->finished)
     printf(", finished\n");
   else
-    printf(", NOT finished: step %" PRId64 " of %" PRId64 " (%.1f %%)%s%s, %" PRId64 " part%s\n", s->step,
-           s->steps, 100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
+    printf(", NOT finished: step %" PRId64 " %s %" PRId64 " (%.1f %%)%s%s, %" PRId64 " part%s\n", s->step,
+           report_of(s), s->steps, 100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
            *s->phase_name ? " in phase " : "", s->phase_name, f->parts, f->parts == 1 ? "" : "s");
   if (f->finished && file_is_folder(p->folder))
     printf("a newer run of it is not finished: slipdisk info %s\n", p->folder);
@@ -147,6 +147,15 @@ static json_t *slide_json(const summary *s) {
   return list;
 }
 
+static json_t *until_json(const summary *s) {
+  if (!s->has_until) return json_null();
+  const sd_goal *g = &s->goal;
+  return json_pack("{s:s, s:o, s:o, s:o, s:o, s:b, s:b, s:o}", "observable", s->observable, "value",
+                   real(g->value), "error", real(g->error), "goal", real(g->goal), "relative",
+                   real(s->relative), "converged", (int)g->converged, "reached", (int)(s->until_step >= 0),
+                   "step", s->until_step >= 0 ? json_integer(s->until_step) : json_null());
+}
+
 static json_t *provenance_json(const provenance *p) {
   json_t *object = json_object();
   for (size_t k = 0; k < provenance_text_count; k++)
@@ -166,14 +175,15 @@ static int print_json(const facts *f) {
   for (size_t k = 0; k < series_energy_count; k++)
     json_object_set_new(energy, series_energies[k].name, real(series_energy_value(&s->energy, k)));
   json_t *root = json_pack(
-      "{s:s, s:b, s:I, s:I, s:o, s:o, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:O}",
+      "{s:s, s:b, s:I, s:I, s:o, s:o, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, "
+      "s:O}",
       "file", f->path, "finished", (int)f->finished, "step", (json_int_t)s->step, "steps",
       (json_int_t)s->steps, "time", real((double)s->step * s->dt), "dt", real(s->dt), "phase",
       (json_int_t)s->phase, "phases", (json_int_t)s->phases, "phase_name", s->phase_name, "measured_steps",
       (json_int_t)s->measured, "measured", real((double)s->measured * s->dt), "disks", (json_int_t)s->disks,
       "walls", (json_int_t)s->walls, "contacts", (json_int_t)s->contacts, "step_nanoseconds",
-      real(s->step_nanoseconds), "rotation", rotation_json(s), "sliding", slide_json(s), "energy", energy,
-      "provenance", provenance_json(&f->origin), "datasets", f->datasets);
+      real(s->step_nanoseconds), "rotation", rotation_json(s), "until", until_json(s), "sliding",
+      slide_json(s), "energy", energy, "provenance", provenance_json(&f->origin), "datasets", f->datasets);
   int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : SD_ERROR_IO;
   putchar('\n');
   json_decref(root);

@@ -54,6 +54,23 @@ static void report_rotations(FILE *out, const summary *found) {
   if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
 }
 
+static void report_until(FILE *out, const summary *found) {
+  if (!found->has_until) return;
+  const sd_goal *g = &found->goal;
+  fprintf(out, "\nuntil the error of %s is ", found->observable);
+  if (isfinite(found->relative))
+    fprintf(out, "%.4g of it, %.3g: ", found->relative, g->goal);
+  else
+    fprintf(out, "%.3g: ", g->goal);
+  if (found->until_step >= 0) {
+    fprintf(out, "reached at step %" PRId64 " with %.3g\n", found->until_step, g->error);
+    return;
+  }
+  fprintf(out, "%s", found->phase == found->phases ? "NOT reached" : "not yet reached");
+  if (isfinite(g->error)) fprintf(out, ", it is %.3g%s", g->error, g->converged ? "" : " and not reliable");
+  fputc('\n', out);
+}
+
 static void report_slides(FILE *out, const summary *found) {
   if (found->n_slides == 0) return;
   fprintf(out, "\nsliding configurations  %7s %7s %7s %7s %7s %7s\n", "S++", "S+-", "S-+", "S--", "stick",
@@ -97,16 +114,19 @@ void report_time_step(const sd_model *m, sd_messages *messages) {
 
 void report_summary(FILE *out, const summary *found) {
   report_rotations(out, found);
+  report_until(out, found);
   report_slides(out, found);
   report_energy(out, &found->energy);
 }
+
+const char *report_of(const summary *found) { return found->has_until ? "of at most" : "of"; }
 
 void report_cost(FILE *out, const summary *found, const provenance *origin) {
   char wall[40], cost[40] = "";
   if (isfinite(found->step_nanoseconds)) /* it is not before the first step */
     snprintf(cost, sizeof cost, "%.4g ns per step, ", found->step_nanoseconds);
-  fprintf(out, "\n%" PRId64 " of %" PRId64 " steps, time %.9g, wall time %s, %s%" PRId64 " thread%s (%s)\n",
-          found->step, found->steps, (double)found->step * found->dt,
+  fprintf(out, "\n%" PRId64 " %s %" PRId64 " steps, time %.9g, wall time %s, %s%" PRId64 " thread%s (%s)\n",
+          found->step, report_of(found), found->steps, (double)found->step * found->dt,
           report_duration(origin->wall_seconds, wall, sizeof wall), cost, origin->threads,
           origin->threads == 1 ? "" : "s", origin->cpu_path);
 }

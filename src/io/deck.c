@@ -74,6 +74,7 @@ static void read_all(deck *d) {
   deck_read_motions(d);
   deck_read_phases(d);
   deck_read_measure(d);
+  deck_read_until(d);
   read_sweep(d);
   deck_check_laws(d);
   deck_check_overlaps(d);

@@ -169,6 +169,7 @@ void deck_read_locks(deck *d);
 void deck_read_motions(deck *d);
 void deck_read_phases(deck *d);
 void deck_read_measure(deck *d);
+void deck_read_until(deck *d); /* call when phases and measure are read */
 void deck_check_overlaps(deck *d);
 
 /* Number of the material of that name, -1 (reported at node) when there is none. */

@@ -47,6 +47,7 @@ static const deck_key top_keys[] = {
     {"phases", GROUPS, "-", NULL, "parts of the run, one after the other"},
     {"output", GROUP, "-", NULL, "how often results are stored"},
     {"measure", GROUP, "-", NULL, "what is measured"},
+    {"until", GROUP, "-", NULL, "error bar at which the last phase ends"},
     {"sweep", GROUPS, "-", NULL, "points that `slipdisk sweep` runs: this deck with some keys set"},
 };
 TABLE(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys);
@@ -253,6 +254,18 @@ static const deck_key sliding_keys[] = {
 TABLE(deck_sliding, "measure.sliding", false, "A disk and the two partners whose contacts are watched.",
       sliding_keys);
 
+static const deck_key until_keys[] = {
+    {"observable", TEXT, "(omega of the first watched disk)", NULL,
+     "\"NAME.omega\" or \"NAME.scaled\": Omega or t_g Omega of a watched disk, by name or number"},
+    {"error", NUMBER(DECK_POSITIVE, "rad/time or rad"), "-", NULL,
+     "standard error to be reached; either this or relative"},
+    {"relative", NUMBER(DECK_POSITIVE, "-"), "-", NULL, "standard error as a fraction of the size of the mean"},
+    {"max_time", NUMBER(DECK_POSITIVE, "time"), "required", NULL,
+     "the last phase ends after this time at the latest, goal reached or not"},
+};
+TABLE(deck_until, "until", true,
+      "The last phase goes on beyond its own length until an error bar is small enough.", until_keys);
+
 static const deck_key sweep_keys[] = {
     {"parameters", GROUPS, "-", NULL, "what is varied"},
     {"replicas", INTEGER(DECK_AT_LEAST_1, "-"), "1", NULL,
@@ -276,9 +289,10 @@ static const deck_key sweep_parameter_keys[] = {
 TABLE(deck_sweep_parameters, "sweep.parameters", false, "A parameter and its values.", sweep_parameter_keys);
 
 const deck_table *const deck_tables[] = {
-    &deck_top,       &deck_gravity,    &deck_box,     &deck_materials, &deck_pairs,  &deck_disks,
-    &deck_disk_rows, &deck_disk_files, &deck_forces,  &deck_locks,     &deck_walls,  &deck_motions,
-    &deck_phases,    &deck_output,     &deck_measure, &deck_sliding,   &deck_sweeps, &deck_sweep_parameters,
+    &deck_top,     &deck_gravity,   &deck_box,        &deck_materials,        &deck_pairs,
+    &deck_disks,   &deck_disk_rows, &deck_disk_files, &deck_forces,           &deck_locks,
+    &deck_walls,   &deck_motions,   &deck_phases,     &deck_output,           &deck_measure,
+    &deck_sliding, &deck_until,     &deck_sweeps,     &deck_sweep_parameters,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 

@@ -14,7 +14,8 @@
 #include "io/deck_keys.h"
 
 /* Of these only one may be given: setting one takes the others away. */
-static const char *const alternatives[][2] = {{"steps", "time"}, {"frequency", "omega"}, {"mass", "density"}};
+static const char *const alternatives[][2] = {
+    {"steps", "time"}, {"frequency", "omega"}, {"mass", "density"}, {"error", "relative"}};
 
 static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);

@@ -31,6 +31,21 @@ static char *name_of(const sd_model *model, uint32_t body) {
   return file_path("%s", sd_model_body_name(model, body, text, sizeof text));
 }
 
+static sd_status collect_until(summary *s, const sd_model *model, const sd_state *state,
+                               sd_messages *messages) {
+  const sd_until *u = &model->until;
+  s->has_until = u->asked;
+  s->until_step = -1;
+  if (!u->asked) return SD_OK;
+  uint32_t disk = model->rotations[u->rotation];
+  const char *name = model->disks[disk].name, *what = u->scaled ? "scaled" : "omega";
+  s->observable = name ? file_path("%s.%s", name, what) : file_path("%u.%s", disk, what);
+  s->relative = u->relative > 0 ? u->relative : NAN;
+  s->goal = sd_goal_of(model, state);
+  if (s->goal.reached && s->phase == s->phases) s->until_step = s->step;
+  return s->observable ? SD_OK : no_memory(messages);
+}
+
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
                           double step_nanoseconds, sd_messages *messages) {
   *s = (summary){.step = state->step,
@@ -65,7 +80,7 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
     for (size_t p = 0; p < 2; p++) s->slide_names[3 * k + 1 + p] = name_of(model, watch->partner[p]);
     for (size_t p = 0; p < 3; p++) named = named && s->slide_names[3 * k + p];
   }
-  return named ? SD_OK : no_memory(messages);
+  return named ? collect_until(s, model, state, messages) : no_memory(messages);
 }
 
 void summary_free(summary *s) {
@@ -76,6 +91,7 @@ void summary_free(summary *s) {
   free(s->rotations);
   free(s->slides);
   free(s->phase_name);
+  free(s->observable);
   *s = (summary){0};
 }
 
@@ -200,6 +216,47 @@ static sd_status read_names(const h5_file *file, const char *path, size_t n, cha
   return status;
 }
 
+/* --- until ---------------------------------------------------------------------------------------- */
+
+static const struct real {
+  const char *name;
+  size_t offset;
+} until_reals[] = {
+    {"value", offsetof(summary, goal.value)},       {"error", offsetof(summary, goal.error)},
+    {"goal", offsetof(summary, goal.goal)},         {"relative", offsetof(summary, relative)},
+    {"measured", offsetof(summary, goal.measured)},
+};
+enum { UNTIL_REALS = sizeof until_reals / sizeof *until_reals };
+
+static void write_until(const summary *s, h5_file *file) {
+  if (!s->has_until) return;
+  h5_group(file, "/summary/until");
+  h5_attr_text(file, "/summary/until", "observable", s->observable);
+  for (size_t k = 0; k < UNTIL_REALS; k++) {
+    double value;
+    memcpy(&value, (const char *)s + until_reals[k].offset, sizeof value);
+    h5_attr_f64(file, "/summary/until", until_reals[k].name, value);
+  }
+  h5_attr_i64(file, "/summary/until", "converged", s->goal.converged);
+  h5_attr_i64(file, "/summary/until", "reached", s->until_step >= 0);
+  h5_attr_i64(file, "/summary/until", "step", s->until_step);
+}
+
+static sd_status read_until(summary *s, const h5_file *file, sd_messages *messages) {
+  s->has_until = h5_exists(file, "/summary/until");
+  s->until_step = -1;
+  if (!s->has_until) return SD_OK;
+  for (size_t k = 0; k < UNTIL_REALS; k++) {
+    double value = h5_get_attr_f64(file, "/summary/until", until_reals[k].name, NAN);
+    memcpy((char *)s + until_reals[k].offset, &value, sizeof value);
+  }
+  s->goal.converged = h5_get_attr_i64(file, "/summary/until", "converged", 0) != 0;
+  s->goal.reached = s->goal.converged && s->goal.error <= s->goal.goal;
+  s->until_step = h5_get_attr_i64(file, "/summary/until", "step", -1);
+  s->observable = h5_get_attr_text(file, "/summary/until", "observable");
+  return s->observable ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+}
+
 /* --- whole ---------------------------------------------------------------------------------------- */
 
 static const struct fact {
@@ -240,6 +297,7 @@ void summary_write(const summary *s, h5_file *file) {
                 s->n_slides);
   write_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names);
   h5_attr_i64(file, "/summary/slide", "count", (int64_t)s->n_slides);
+  write_until(s, file);
 }
 
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
@@ -280,5 +338,6 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
     status = read_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names, messages);
   if (status == SD_OK)
     status = read_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names, messages);
+  if (status == SD_OK) status = read_until(s, file, messages);
   return status;
 }

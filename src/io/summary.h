@@ -9,7 +9,7 @@
 #include "slipdisk/simulation.h"
 
 typedef struct summary {
-  int64_t step, steps; /* done, of all phases */
+  int64_t step, steps; /* done, of all phases; with `until` steps is the most */
   double dt;
   int64_t phase, phases; /* index, number */
   char *phase_name;      /* "" when finished */
@@ -22,6 +22,11 @@ typedef struct summary {
   sd_slide *slides;
   char **rotation_names; /* [n_rotations] */
   char **slide_names;    /* [3 n_slides]: disk, first and second partner */
+  bool has_until;        /* the deck has `until`, and what follows */
+  char *observable;      /* "upper.omega" */
+  double relative;       /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
+  sd_goal goal;
+  int64_t until_step; /* at which the run ended because its goal was reached; -1: it was not, or not yet */
 } summary;
 
 /* summary_free also when it fails. */

@@ -231,6 +231,22 @@ static void check_watches(const sd_model *m, sd_messages *msg) {
   }
 }
 
+static void check_until(const sd_model *m, sd_messages *msg) {
+  const sd_until *u = &m->until;
+  if (!u->asked || m->n_phases == 0) return;
+  const sd_phase *last = &m->phases[m->n_phases - 1];
+  if (u->rotation >= m->n_rotations)
+    sd_fail(msg, SD_ERROR_USER, "until.observable: expected a disk that measure.rotation watches");
+  if (!(u->error >= 0.0) || !(u->relative >= 0.0) || (u->error > 0.0) == (u->relative > 0.0))
+    sd_fail(msg, SD_ERROR_USER, "until: expected either error > 0 or relative > 0");
+  if (u->scaled && m->gravity[0] == 0.0 && m->gravity[1] == 0.0)
+    sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
+  if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
+  if (u->least < 1 || u->least > last->steps)
+    sd_fail(msg, SD_ERROR_USER, "until: expected 1 to %lld steps at least, the length of the last phase",
+            (long long)last->steps);
+}
+
 static void check_box(const sd_model *m, sd_messages *msg) {
   double largest = 0.0;
   for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
@@ -356,6 +372,7 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_motions(m, own);
   check_box(m, own);
   check_watches(m, own);
+  check_until(m, own);
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
   if (status == SD_OK && (derive_driven(m) != SD_OK || derive_segments(m) != SD_OK))
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");

@@ -71,10 +71,16 @@ static int64_t next_of(int64_t every, int64_t offset, int64_t best) {
   return next < best ? next : best;
 }
 
+static bool has_goal(const sd_model *model, span now) {
+  return model->until.asked && now.phase + 1 == model->n_phases;
+}
+
 int64_t session_next(const sd_model *model, int64_t step) {
   span now = span_at(model, step);
   const sd_phase *phase = &model->phases[now.phase];
-  int64_t offset = step - now.start, next = phase->steps;
+  int64_t offset = step - now.start;
+  /* where the last phase may end a row is due */
+  int64_t next = has_goal(model, now) ? sd_goal_look(model, offset) : phase->steps;
   next = next_of(phase->series_every, offset, next);
   next = next_of(phase->frames_every, offset, next);
   next = next_of(phase->contacts_every, offset, next);
@@ -161,6 +167,18 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
 
 static bool stopped(const session *s) { return s->options.stop && *s->options.stop; }
 
+/* Errors fall with the root of the length; nothing ends before the next look. */
+static int64_t expected_end(const session *s, span phase, const sd_goal *goal) {
+  const sd_model *m = s->model;
+  if (sd_simulation_finished(s->simulation)) return s->step;
+  if (!goal) return m->until.asked ? s->steps - m->phases[m->n_phases - 1].steps + m->until.least : s->steps;
+  double ratio = goal->error / goal->goal;
+  double more = goal->measured / m->dt * (ratio * ratio - 1);
+  int64_t look = phase.start + sd_goal_look(m, s->step - phase.start);
+  if (!(more < (double)(s->steps - s->step))) return s->steps; /* NAN too */
+  return s->step + (int64_t)more > look ? s->step + (int64_t)more : look;
+}
+
 static void report(session *s, bool always) {
   if (!s->options.progress) return;
   double now = session_clock(), passed = now - s->told_at;
@@ -176,14 +194,19 @@ static void report(session *s, bool always) {
   }
   sd_energy energy = sd_simulation_energy(s->simulation);
   const char *name = s->model->phases[phase.phase].name;
+  bool asked = has_goal(s->model, phase);
+  sd_goal goal = asked ? sd_simulation_goal(s->simulation) : (sd_goal){0};
+  int64_t expected = expected_end(s, phase, asked ? &goal : NULL);
   session_progress progress = {.step = s->step,
                                .steps = s->steps,
+                               .expected = expected,
                                .time = (double)s->step * s->model->dt,
                                .phase = !finished && name ? name : "",
                                .new_phase = new_phase,
                                .rate = s->rate,
-                               .seconds_left = s->rate > 0 ? (double)(s->steps - s->step) / s->rate : NAN,
-                               .energy = &energy};
+                               .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
+                               .energy = &energy,
+                               .goal = asked ? &goal : NULL};
   s->options.progress(s->options.user, &progress);
   s->told_at = now;
   s->told_step = s->step;
@@ -207,19 +230,24 @@ static sd_status advance(session *s, sd_messages *messages) {
   return SD_OK;
 }
 
+/* What is to be recorded now: both ends of a run in any case. */
+static unsigned to_record(const session *s) {
+  return sd_simulation_finished(s->simulation) ? RECORD_ALL : session_due(s->model, s->step);
+}
+
 static sd_status run_steps(session *s, sd_messages *messages) {
   sd_status status = SD_OK;
-  while (status == SD_OK && s->step < s->steps) {
+  while (status == SD_OK && !sd_simulation_finished(s->simulation)) {
     if (stopped(s)) {
       status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
       return status == SD_OK ? SD_INTERRUPTED : status;
     }
     status = advance(s, messages);
     if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
-    if (status == SD_OK) status = session_sample(s, session_due(s->model, s->step), messages);
+    if (status == SD_OK) status = session_sample(s, to_record(s), messages);
     if (status == SD_OK && record_bytes(&s->rows) > MOST_BYTES) status = seal(s, messages);
     if (status == SD_OK) report(s, false);
-    if (status == SD_OK && s->step < s->steps &&
+    if (status == SD_OK && !sd_simulation_finished(s->simulation) &&
         session_clock() - s->saved_at >= s->model->checkpoint_seconds)
       status = session_checkpoint(s, messages);
   }
@@ -228,7 +256,7 @@ static sd_status run_steps(session *s, sd_messages *messages) {
 
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
 static sd_status finish(session *s, sd_messages *messages) {
-  sd_status status = s->saved_step == s->steps && s->has_found ? SD_OK : session_checkpoint(s, messages);
+  sd_status status = s->saved_step == s->step && s->has_found ? SD_OK : session_checkpoint(s, messages);
   if (status != SD_OK) return status;
   const sd_state *state = present_state(s, messages);
   if (!state) return SD_ERROR_IO;
@@ -246,6 +274,20 @@ static sd_status finish(session *s, sd_messages *messages) {
   return status;
 }
 
+/* A run that ends without its goal is a finished run, but not what was hoped for. */
+static void warn_of_goal(const session *s, sd_messages *messages) {
+  const summary *f = &s->found;
+  if (!f->has_until || f->until_step >= 0) return;
+  if (!isfinite(f->goal.error))
+    sd_warn(messages,
+            "max_time came before the goal of until: the record of %s is too short for an error bar",
+            f->observable);
+  else
+    sd_warn(messages,
+            "max_time came before the goal of until: the error bar of %s is %.3g%s, asked for is %.3g",
+            f->observable, f->goal.error, f->goal.converged ? "" : " and not reliable", f->goal.goal);
+}
+
 sd_status session_run(session *s, sd_messages *messages) {
   if (s->was_finished) return SD_OK;
   s->told_at = session_clock();
@@ -253,6 +295,7 @@ sd_status session_run(session *s, sd_messages *messages) {
   sd_status status = run_steps(s, messages);
   if (status == SD_OK) report(s, true);
   if (status == SD_OK) status = finish(s, messages);
+  if (status == SD_OK) warn_of_goal(s, messages);
   if (status == SD_ERROR_IO && s->saved_step >= 0)
     sd_fail(messages, SD_ERROR_IO,
             "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);

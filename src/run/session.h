@@ -16,13 +16,15 @@
 typedef struct session session;
 
 typedef struct session_progress {
-  int64_t step, steps; /* done, of all phases */
+  int64_t step, steps; /* done, of all phases; with `until` steps is the most */
+  int64_t expected;    /* steps at which the run will probably end */
   double time;         /* of the model */
   const char *phase;   /* name; "" when finished */
   bool new_phase;      /* first report of this phase */
   double rate;         /* steps per second of wall time, lately; 0: not known yet */
   double seconds_left; /* of wall time; NAN: not known */
   const sd_energy *energy;
+  const sd_goal *goal; /* of `until`; NULL: none, or the last phase has not begun */
 } session_progress;
 
 typedef struct session_options {
@@ -39,7 +41,7 @@ typedef struct session_options {
  * differ), or is being written by another process. */
 sd_status session_open(const sd_model *model, const session_options *options, session **out,
                        sd_messages *messages);
-/* Runs to the end and merges. SD_INTERRUPTED: stopped at a checkpoint; SD_ERROR_NUMERIC: the state is kept as
+/* Runs to the end and merges; warns when `until` had to be given up. SD_INTERRUPTED: stopped at a checkpoint; SD_ERROR_NUMERIC: the state is kept as
  * emergency-<step>.h5; SD_ERROR_IO: the last checkpoint is still good. In all three a new session continues. */
 sd_status session_run(session *s, sd_messages *messages);
 void session_close(session *s);

@@ -28,7 +28,8 @@ struct session {
 };
 
 double session_clock(void); /* seconds, monotonic */
-/* What is to be recorded when `step` steps are done, and the next step at which something may be. */
+/* What is to be recorded when `step` steps are done, and the next step at which something may be. That a run has
+ * ended before all its steps (`until`) is not known to them. */
 unsigned session_due(const sd_model *model, int64_t step);
 int64_t session_next(const sd_model *model, int64_t step);
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);

@@ -166,19 +166,35 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   return status;
 }
 
+static bool may_end_early(const engine *e) {
+  return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
+}
+
+/* How many steps the running phase has when it ends, or when it is next asked whether it does. */
+static int64_t next_stop(const engine *e) {
+  return may_end_early(e) ? sd_goal_look(e->model, e->state->phase_step)
+                          : e->model->phases[e->state->phase].steps;
+}
+
+/* stop: where next_stop was. */
+static bool phase_is_over(const engine *e, int64_t stop) {
+  const sd_state *s = e->state;
+  if (s->phase_step < stop) return false;
+  return stop == e->model->phases[s->phase].steps || sd_goal_of(e->model, s).reached;
+}
+
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
   e->work.messages = messages;
   e->work.status = SD_OK;
   while (n > 0 && s->phase < (int64_t)e->model->n_phases) {
-    const sd_phase *phase = &e->model->phases[s->phase];
-    int64_t left = phase->steps - s->phase_step, now = n < left ? n : left, from = s->step;
-    advance_team(e, now, phase->measure);
+    int64_t stop = next_stop(e), left = stop - s->phase_step, now = n < left ? n : left, from = s->step;
+    advance_team(e, now, e->model->phases[s->phase].measure);
     s->phase_step += s->step - from;
     n -= s->step - from;
     if (e->work.status != SD_OK) return e->work.status;
-    if (s->phase_step == phase->steps && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
+    if (phase_is_over(e, stop) && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */
   return neighbours_check_finite(e, s->step, messages);
@@ -197,6 +213,10 @@ double sd_simulation_time(const sd_simulation *sim) {
 
 bool sd_simulation_finished(const sd_simulation *sim) {
   return sim->engine.state->phase >= (int64_t)sim->engine.model->n_phases;
+}
+
+sd_goal sd_simulation_goal(const sd_simulation *sim) {
+  return sd_goal_of(sim->engine.model, sim->engine.state);
 }
 
 sd_energy sd_simulation_energy(const sd_simulation *sim) { return energy_of(&sim->engine); }
