@@ -4,6 +4,7 @@
 #define SLIPDISK_APP_APP_H
 
 #include <getopt.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -16,6 +17,12 @@ int app_run(int argc, char **argv);
 int app_resume(int argc, char **argv);
 int app_check(int argc, char **argv);
 int app_info(int argc, char **argv);
+int app_theory(int argc, char **argv);
+int app_sweep(int argc, char **argv);
+
+/* --- signals.c --------------------------------------------------------------------------------------- */
+extern volatile sig_atomic_t app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
+void app_catch_signals(void);
 
 /* --- drive.c: a run, from a model to the exit status ------------------------------------------------ */
 typedef struct drive_options {
@@ -24,6 +31,8 @@ typedef struct drive_options {
   const char *log;   /* file for progress lines, or NULL */
   int threads;
   bool force, quiet;
+  void (*failed)(void *user, const sd_messages *messages); /* may be NULL; told why a run failed */
+  void *user;
 } drive_options;
 
 /* messages: of the loader, printed first. Takes neither over. */

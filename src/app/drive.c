@@ -5,7 +5,6 @@
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -15,27 +14,6 @@
 #include "app/app.h"
 #include "io/file.h"
 #include "run/session.h"
-
-/* --- signals -------------------------------------------------------------------------------------- */
-
-static volatile sig_atomic_t stop_asked;
-
-static void ask_stop(int number) { stop_asked = number; }
-
-static void catch_signals(void) {
-  struct sigaction action = {.sa_handler = ask_stop, .sa_flags = SA_RESTART};
-  sigemptyset(&action.sa_mask);
-  const int stops[] = {SIGINT, SIGTERM, SIGUSR1};
-  for (size_t k = 0; k < sizeof stops / sizeof *stops; k++) sigaction(stops[k], &action, NULL);
-  /* a closed terminal stops a run like Ctrl-C, but not under nohup */
-  struct sigaction before;
-  if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, NULL);
-  /* a file-size limit and a reader that went away are errors of a write, not the end of the process */
-  struct sigaction ignore = {.sa_handler = SIG_IGN};
-  sigemptyset(&ignore.sa_mask);
-  sigaction(SIGXFSZ, &ignore, NULL);
-  sigaction(SIGPIPE, &ignore, NULL);
-}
 
 /* --- progress ------------------------------------------------------------------------------------- */
 
@@ -155,18 +133,22 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   session_options how = {.result = options->result,
                          .threads = options->threads,
                          .force = options->force,
-                         .stop = &stop_asked,
+                         .stop = &app_stop,
                          .progress = show,
                          .user = t};
   session *s;
   report_time_step(model, messages);
   sd_status status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);
-  if (status != SD_OK) return status;
+  if (status != SD_OK) {
+    if (options->failed) options->failed(options->user, messages);
+    return status;
+  }
   tell_start(t, options, s);
   sd_messages *later = sd_messages_new();
   status = session_run(s, later);
   tell_messages(t, later);
+  if (status != SD_OK && status != SD_INTERRUPTED && options->failed) options->failed(options->user, later);
   sd_messages_free(later);
   if (status == SD_INTERRUPTED) tell_stop(t, options, s);
   if (status == SD_OK && t->screen) {
@@ -179,7 +161,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
 }
 
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
-  catch_signals();
+  app_catch_signals();
   double now = clock_now();
   teller t = {.screen = options->quiet ? NULL : stderr,
               .terminal = isatty(STDERR_FILENO),

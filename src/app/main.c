@@ -20,8 +20,19 @@ static const char help[] =
     "      checkpoint in it. The deck is not needed.\n"
     "  slipdisk check DECK [-D path=value]...\n"
     "      Reads a deck, reports every mistake, prints it with all defaults, and estimates the run time.\n"
+    "  slipdisk sweep DECK [-j N] [-o FOLDER] [-D path=value]... [--force] [--quiet] [--threads N]\n"
+    "      Runs all points of the deck's group `sweep`, N at a time, into FOLDER (by default NAME.sweep), "
+    "and\n"
+    "      writes a table of the results. Given again it continues; points that failed are tried again.\n"
+    "      Under mpirun (in a build with MPI) the ranks share the points. Instead of running all:\n"
+    "        --status  how far it is      --list  all points, with their numbers    --count  how many\n"
+    "        --point K  runs point K only --table  writes the table only\n"
     "  slipdisk info FILE [--json] [--deck]\n"
     "      What a run has found, finished or not. --json: for programs. --deck: the deck it was run from.\n"
+    "  slipdisk theory DECK [-D path=value]... [--json] [--wave FILE] [--csv FILE]\n"
+    "      What theory says of a disk on two turning supports: torques, periodic states, mean rotation.\n"
+    "      --json: for programs. --wave: the curves of one period. --csv: a row per set of the sweep.\n"
+    "      A FILE of - is the standard output.\n"
     "  slipdisk version\n"
     "  slipdisk help\n"
     "\n"
@@ -72,8 +83,8 @@ static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
 } commands[] = {
-    {"run", app_run},           {"resume", app_resume}, {"check", app_check},
-    {"info", app_info},         {"help", app_help},     {"version", app_version},
+    {"run", app_run},           {"resume", app_resume}, {"check", app_check}, {"info", app_info},
+    {"theory", app_theory},     {"sweep", app_sweep},   {"help", app_help},   {"version", app_version},
     {"--version", app_version}, {"--help", app_help},   {"-h", app_help},
 };
 

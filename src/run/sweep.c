@@ -201,22 +201,31 @@ void sweep_result_free(sweep_result *r) {
 
 /* --- running ----------------------------------------------------------------------------------------------- */
 
-void sweep_note_failure(const sweep *s, size_t point, const char *text) {
+void sweep_note(const sweep *s, size_t point, const char *text) {
   char *path = point_path(s, point, ".failed");
-  file_piece piece = {text, strlen(text)};
-  if (path) file_write_atomic(path, 1, &piece, NULL);
+  file_piece piece = {text, text ? strlen(text) : 0};
+  if (path && text)
+    file_write_atomic(path, 1, &piece, NULL);
+  else if (path && file_exists(path))
+    file_remove(path, NULL);
   free(path);
 }
 
-static void note_messages(const sweep *s, size_t point, const sd_messages *messages) {
+void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages) {
   char *text = file_path("%s", "");
   for (size_t k = 0; text && k < sd_messages_count(messages); k++) {
     char *longer = file_path("%s%s\n", text, sd_messages_text(messages, k));
     free(text);
     text = longer;
   }
-  if (text) sweep_note_failure(s, point, text);
+  if (text) sweep_note(s, point, text);
   free(text);
+}
+
+sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result, sd_messages *messages) {
+  *model = NULL;
+  *result = point_path(s, point, ".h5");
+  return *result ? deck_sweep_model(&s->deck, point, model, messages) : no_memory(messages);
 }
 
 static sd_status run_session(const sd_model *model, const char *result, const sweep_options *options,
@@ -254,22 +263,20 @@ sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, 
   *status = sweep_peek(s, point);
   if (*status == SWEEP_DONE && !options->force) return leave_finished(s, point, status, messages);
   if (*status == SWEEP_RUNNING) return SD_OK;
-  char *result = point_path(s, point, ".h5"), *note = point_path(s, point, ".failed");
-  sd_model *model = NULL;
-  sd_status ran = result && note ? SD_OK : no_memory(messages);
-  if (ran == SD_OK) ran = deck_sweep_model(&s->deck, point, &model, messages);
+  char *result;
+  sd_model *model;
+  sd_status ran = sweep_load(s, point, &model, &result, messages);
   if (ran == SD_OK) ran = run_session(model, result, options, messages);
   sd_model_free(model);
+  free(result);
   *status = ran == SD_OK ? SWEEP_DONE : ran == SD_INTERRUPTED ? SWEEP_STOPPED : SWEEP_FAILED;
-  if (*status == SWEEP_FAILED && sweep_peek(s, point) == SWEEP_RUNNING) {
+  if (*status != SWEEP_FAILED) {
+    sweep_note(s, point, NULL);
+  } else if (sweep_peek(s, point) == SWEEP_RUNNING) {
     *status = SWEEP_RUNNING; /* another process was faster */
     ran = SD_OK;
-  } else if (*status == SWEEP_FAILED) {
-    note_messages(s, point, messages);
-  } else if (note && file_exists(note)) {
-    file_remove(note, NULL);
+  } else {
+    sweep_note_messages(s, point, messages);
   }
-  free(result);
-  free(note);
   return ran;
 }

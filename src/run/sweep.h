@@ -65,8 +65,11 @@ typedef struct sweep_options {
  * says which). On an error its messages are kept in NAME.failed too. SD_INTERRUPTED: stopped at a checkpoint. */
 sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
                     sd_messages *messages);
-/* Keeps in NAME.failed why the process that ran a point did not come to its end. */
-void sweep_note_failure(const sweep *s, size_t point, const char *text);
+/* The model of a point and where its result goes (to be freed), for those who run it themselves. */
+sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result, sd_messages *messages);
+/* Keeps in NAME.failed why a point did not come to its end; NULL: it did, and the file goes. */
+void sweep_note(const sweep *s, size_t point, const char *text);
+void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);
 
 /* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. */
 sd_status sweep_write_tables(const sweep *s, sd_messages *messages);

@@ -1,0 +1,25 @@
+/* sweep.h: what sweep.c and sweep_run.c share. */
+#ifndef SLIPDISK_APP_SWEEP_H
+#define SLIPDISK_APP_SWEEP_H
+
+#include "run/sweep.h"
+
+typedef struct sweep_command {
+  const char *deck, *output;
+  size_t n_overrides;
+  const char **overrides;
+  long workers; /* 0: not given: this process, or the ranks of an MPI job */
+  long point;   /* -1: all */
+  int threads;
+  bool force, quiet, status, list, table, count;
+} sweep_command;
+
+/* "upper: Omega = -3.5e-04 +- 1.7e-05"; "" when nothing is watched. In text[size]. */
+const char *sweep_finding(const sweep_result *r, char *text, size_t size);
+
+/* Runs what is not done yet: here or in the ranks of an MPI job, or (workers > 0) in processes of its own. */
+int sweep_run_all(const sweep *s, const sweep_command *c);
+/* Runs one point, with progress and final tables as of `run`. */
+int sweep_run_one(const sweep *s, const sweep_command *c);
+
+#endif
