@@ -121,6 +121,9 @@ SD_API double sd_sliding_omega(const sd_sliding *solution, double t);
 /* Angular velocity at which support i (0, 1) drives the upper disk: -theta_i'(t) R_i/R. */
 SD_API double sd_sliding_support(const sd_three_disk *disk, const sd_drive *drive, int i, double t);
 
+/* theta_i(t) itself, (20) or (21). */
+SD_API double sd_sliding_angle(const sd_drive *drive, int i, double t);
+
 /* --- closed forms that tests compare with ------------------------------------------------------------ */
 
 typedef struct sd_collision {

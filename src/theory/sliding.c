@@ -257,6 +257,13 @@ double sd_sliding_support(const sd_three_disk *disk, const sd_drive *drive, int 
   return sliding_wave(&y, i, drive->omega * t) * drive->omega;
 }
 
+double sd_sliding_angle(const sd_drive *drive, int i, double t) {
+  sliding_system y = {.waveform = drive->waveform, .n = 2};
+  y.amplitude[i] = drive->amplitude[i];
+  y.phase[i] = drive->phase[i];
+  return -sliding_turned(&y, i, -drive->phase[i], drive->omega * t); /* theta = 0 at phase 0 */
+}
+
 double sd_sliding_omega(const sd_sliding *solution, double t) {
   double in = t - solution->period * floor(t / solution->period);
   size_t k = solution->n_pieces - 1;
