@@ -15,7 +15,8 @@
 
 /* Of these only one may be given: setting one takes the others away. */
 static const char *const alternatives[][2] = {
-    {"steps", "time"}, {"frequency", "omega"}, {"mass", "density"}, {"error", "relative"}};
+    {"steps", "time"},      {"frequency", "omega"}, {"mass", "density"},     {"error", "relative"},
+    {"values", "linspace"}, {"values", "logspace"}, {"linspace", "logspace"}};
 
 static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);
