@@ -172,6 +172,128 @@ static void async_small_tilt_slope(void **unused) {
   near(sd_async_first_order(&d, 0.04, w_b) / (0.04 * w_b), -0.0500, 5e-5, "(35) at 0.04 pi");
 }
 
+/* (21) and (22) as they are printed, in the interval of the print. */
+static void parabola_and_its_velocity_are_the_print(void **unused) {
+  (void)unused;
+  sd_three_disk d = paper(0.1);
+  sd_drive drive = turning(SD_PARABOLA, 0.3, 0);
+  double a = 0.3, pi2 = M_PI * M_PI;
+  for (double t = -0.0499; t < 0.05; t += 0.0007) {
+    double side = t < 0 ? 1 : -1;
+    near(sd_sliding_angle(&drive, 0, t), side * 4 * a * w_b * w_b / pi2 * t * t + 4 * a * w_b / M_PI * t,
+         1e-14, "(21)");
+    near(sd_sliding_support(&d, &drive, 0, t), -side * 8 * a * w_b * w_b / pi2 * t - 4 * a * w_b / M_PI,
+         1e-12, "(22)");
+    for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++) {
+      drive = turning((sd_waveform)shape, 0.3, 1.3);
+      drive.support_radius[1] = 1.7;
+      double h = 1e-7,
+             rate = (sd_sliding_angle(&drive, 1, t + h) - sd_sliding_angle(&drive, 1, t - h)) / (2 * h);
+      near(-1.7 * rate, sd_sliding_support(&d, &drive, 1, t), 2e-4, "velocity");
+    }
+    drive = turning(SD_PARABOLA, 0.3, 0);
+  }
+}
+
+/* Times from the print's (25), (43) against the corners of the periodic solution, from the weakest drive of permanent
+ * sliding on; Omega(t) of (28) between them; below the weakest drive contacts stick. */
+static void transition_times_of_supports_in_phase(void **unused) {
+  (void)unused;
+  for (double half = 0.3; half < 1.2; half += 0.2)
+    for (double tilt = -0.4 * half; tilt < 0.41 * half; tilt += 0.2 * half)
+      for (double strength = 1.001; strength < 1e5; strength *= 6) {
+        sd_three_disk d = {tilt, half, 0.15, 2, 0.8, 0.3};
+        double plus = sd_tep_torque(&d, 1, 1), minus = sd_tep_torque(&d, -1, -1);
+        double weakest = fmax(plus, -minus) * M_PI * M_PI / (8 * d.inertia * w_b * w_b);
+        sd_drive drive = turning(SD_PARABOLA, strength * weakest, 0);
+        drive.support_radius[0] = drive.support_radius[1] = d.radius;
+        sd_sliding out;
+        sd_sync s = sd_sync_parabola(&d, strength * weakest, w_b);
+        assert_int_equal(sd_sliding_solve(&d, &drive, &out, NULL), SD_OK);
+        assert_true(out.permanent && s.permanent);
+        /* t1 lies before t = 0, in the half period in which the support's velocity falls */
+        assert_int_equal(out.n_pieces, 3);
+        near(out.pieces[1].start, s.t2, 1e-12, "t2");
+        near(out.pieces[2].start, s.t1 + out.period, 1e-12, "t1");
+        assert_int_equal(out.pieces[1].sign[0], 1);
+        assert_int_equal(out.pieces[2].sign[0], -1);
+        double scale = strength * weakest * w_b;
+        for (double t = s.t1; t < s.t1 + out.period; t += out.period / 57) {
+          double from = t < s.t2 ? s.t1 : s.t2, torque = t < s.t2 ? minus : plus;
+          double omega = sd_sliding_support(&d, &drive, 0, from) + torque * (t - from) / d.inertia;
+          near(sd_sliding_omega(&out, t), omega, 1e-11 * scale, "(28)");
+        }
+        drive.amplitude[0] = drive.amplitude[1] = weakest / strength;
+        assert_int_equal(sd_sliding_solve(&d, &drive, &out, NULL), SD_OK);
+        assert_false(out.permanent || sd_sync_parabola(&d, weakest / strength, w_b).permanent);
+      }
+}
+
+/* The cycle of (32)-(34), S-- S-+ S++ S+-, is that of a weak drive; of a strong one it is S++ S+- S++ S-+.
+ * At small tilt they meet where T++/(I slope) = mu cot theta_h, the slope being that of the supports' velocity. */
+static void cycle_of_supports_in_opposite_phases(void **unused) {
+  (void)unused;
+  for (double half = 0.3; half < 1.3; half += 0.2)
+    for (double mu = 0.02; mu < 0.25; mu *= 2)
+      for (int weak = 0; weak < 2; weak++) {
+        sd_three_disk d = {1e-6, half, mu, 2, 0.8, 0.3};
+        double border = sd_tep_torque(&d, 1, 1) * M_PI * M_PI / (8 * d.inertia * w_b * w_b) * tan(half) / mu;
+        double amplitude = border * (weak ? 0.99 : 1.01);
+        sd_drive drive = turning(SD_PARABOLA, amplitude, M_PI);
+        drive.support_radius[0] = drive.support_radius[1] = d.radius;
+        sd_sliding out;
+        assert_int_equal(sd_sliding_solve(&d, &drive, &out, NULL), SD_OK);
+        assert_true(out.permanent);
+        /* from t = 0, support 1 at its least: S-+, around a quarter period S++, then S+-, the other crossing, S-+ */
+        assert_int_equal(out.n_pieces, 5);
+        const int expected[5][2] = {{-1, 1}, {1, 1}, {1, -1}, {weak ? -1 : 1, weak ? -1 : 1}, {-1, 1}};
+        /* support met at the corner before: (32), (33) for the weak drive */
+        const int met[5] = {-1, 0, 1, weak ? 0 : 1, weak ? 1 : 0};
+        for (int k = 0; k < 5; k++) {
+          const sd_sliding_piece *p = &out.pieces[k];
+          assert_memory_equal(p->sign, expected[k], sizeof expected[k]);
+          near(p->acceleration, sd_tep_torque(&d, p->sign[0], p->sign[1]) / d.inertia, 1e-12, "(34)");
+          if (met[k] < 0) continue;
+          near(p->omega, sd_sliding_support(&d, &drive, met[k], p->start), 1e-12 * amplitude * w_b,
+               "(32), (33)");
+        }
+        assert_true((out.duration[SD_MM] > 0) == weak);
+      }
+}
+
+/* (35) is the slope at zero tilt in both cycles, whatever the drive; for the sine it is pi^2/8 of this. Without tilt the
+ * durations depend, for strong drive, on the phase alone. */
+static void small_tilt_whatever_the_drive(void **unused) {
+  (void)unused;
+  sd_sliding out;
+  for (double tilt = 1e-4; tilt > 5e-7; tilt /= 10) /* what is left is of the next order in the tilt */
+    for (double half = 0.3; half < 1.3; half += 0.3)
+      for (double mu = 0.02; mu < 0.25; mu *= 3)
+        for (double ratio = 0.7; ratio > 1e-3; ratio /= 3) { /* torque/(I slope) */
+          for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++) {
+            sd_three_disk d = {tilt, half, mu, 2, 0.8, 0.3};
+            double slope = shape == SD_SINE ? 1 : 8 / (M_PI * M_PI);
+            double amplitude = sd_tep_torque(&d, 1, 1) / (ratio * slope * d.inertia * w_b * w_b);
+            sd_drive drive = turning((sd_waveform)shape, amplitude, M_PI);
+            drive.support_radius[0] = drive.support_radius[1] = d.radius;
+            assert_int_equal(sd_sliding_solve(&d, &drive, &out, NULL), SD_OK);
+            assert_true(out.permanent);
+            double first =
+                sd_async_first_order(&d, amplitude, w_b) * (shape == SD_SINE ? M_PI * M_PI / 8 : 1);
+            near(out.mean / first, 1, 10 * tilt, "slope");
+          }
+        }
+  for (double phase = 0; phase <= M_PI; phase += M_PI / 8) {
+    sd_three_disk d = paper(0);
+    sd_drive drive = turning(SD_SINE, 40, phase);
+    assert_int_equal(sd_sliding_solve(&d, &drive, &out, NULL), SD_OK);
+    for (int k = 0; k < 4; k++) {
+      double part = k == SD_PP || k == SD_MM ? (1 - phase / M_PI) / 2 : phase / (2 * M_PI);
+      near(out.duration[k], part * out.period, 2e-6 * out.period, "no tilt");
+    }
+  }
+}
+
 /* Direct integration of I dOmega/dt = T(signs) by Euler steps, from rest to the periodic state. */
 static double integrated(const sd_three_disk *d, const sd_drive *drive, int periods, double duration[4]) {
   enum { STEPS = 20000 };
@@ -390,6 +512,10 @@ int main(void) {
       cmocka_unit_test(sync_parabola_is_exact),
       cmocka_unit_test(sync_sine_closed_form_and_limit),
       cmocka_unit_test(async_small_tilt_slope),
+      cmocka_unit_test(parabola_and_its_velocity_are_the_print),
+      cmocka_unit_test(transition_times_of_supports_in_phase),
+      cmocka_unit_test(cycle_of_supports_in_opposite_phases),
+      cmocka_unit_test(small_tilt_whatever_the_drive),
       cmocka_unit_test(periodic_solution_is_where_time_stepping_ends),
       cmocka_unit_test(weak_and_uneven_drives_stick_as_time_stepping_does),
       cmocka_unit_test(solution_is_consistent_and_symmetric),
