@@ -237,7 +237,7 @@ static void stop_once(int from, double delay, int64_t n, int64_t quick) {
  * idle since there are fewer tasks than ranks. */
 static void a_stop_reaches_all(void **unused) {
   (void)unused;
-  const double delays[] = {0, 1e-4, 1e-3, 0.01, 0.05};
+  const double delays[] = {0, 1e-4, 0.003, 0.03};
   for (int from = -1; from < comm_size(); from++)
     for (size_t k = 0; k < sizeof delays / sizeof *delays; k++) {
       stop_once(from, delays[k], TASKS, 100);
@@ -251,8 +251,8 @@ static void a_stop_reaches_all(void **unused) {
 static void a_stop_near_the_end(void **unused) {
   (void)unused;
   for (int from = -1; from < comm_size(); from++)
-    for (int k = 1; k <= 8; k++) {
-      stop_once(from, 12e-4 * k, 30, 30);
+    for (int k = 1; k <= 6; k++) {
+      stop_once(from, 16e-4 * k, 30, 30);
       alarm_in(0);
     }
 }

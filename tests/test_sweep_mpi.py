@@ -1,0 +1,185 @@
+"""A sweep over the ranks of an MPI job: the results of one process, also when it is stopped or killed on the way.
+
+mpirun passes USR1 on, and the job ends with status 75. On TERM (and INT) it passes TERM on, kills what is left after
+a second, and ends with a status of its own: no more is asked of it here than that nothing is lost.
+"""
+import csv
+import fcntl
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+import h5py
+import numpy
+
+from results_common import DECK, PROGRAM, assert_same, datasets, run, steps_for, wait_for
+
+MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
+POINTS, TIMING = 6, {"ns_per_step"}
+
+
+def children(pid):
+    """Processes whose parent this is."""
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            words = stat.read_text().rpartition(")")[2].split()
+        except OSError:  # gone meanwhile
+            continue
+        if int(words[1]) == pid:
+            found.append(int(stat.parent.name))
+    return sorted(found)
+
+
+def is_locked(path):
+    try:
+        with open(path) as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except BlockingIOError:
+        return True
+    return False
+
+
+def is_alive(pid):
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+class Sweep(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.top = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-sweep-mpi-"))
+        cls.deck = cls.top / "tilts.cfg"
+        cls.deck.write_text(f"""@include "{DECK}"
+            sweep = {{ parameters = ( {{ path = "gravity.tilt"; values = (0, "0.02 pi", "0.04 pi"); }} );
+                       replicas = {POINTS // 3}; }};""")
+        cls.steps = steps_for(1)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.top)
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.top)) / "sweep"
+
+    def prepare(self, part):
+        """Points that take about `part` seconds each, and what one process makes of them."""
+        self.words = ["sweep", str(self.deck), "-D", "phases.settle.steps=20000", "-D",
+                      f"phases.measure.steps={round(self.steps * part / 1000) * 1000}", "-D", "checkpoint=0.05"]
+        self.reference = self.folder.parent / "reference"
+        status, _, err = run(*self.words, "-j", 1, "-o", self.reference)
+        self.assertEqual(status, 0, err)
+
+    def start(self, ranks, *more):
+        self.log = open(self.folder.parent / "log", "a+")
+        self.addCleanup(self.log.close)
+        return subprocess.Popen([*MPIEXEC, "-n", str(ranks), PROGRAM, *self.words, "-o", str(self.folder), *more],
+                                stdout=self.log, stderr=self.log)
+
+    def said(self):
+        return (self.folder.parent / "log").read_text()
+
+    def finish(self, ranks, status=0, *more):
+        self.assertEqual(self.start(ranks, *more).wait(timeout=200), status, self.said())
+
+    def ranks_at_work(self, process, ranks):
+        """Their process ids, once each runs a point."""
+        def at_work():
+            self.assertIsNone(process.poll(), f"ended too soon\n{self.said()}")
+            locks = self.folder.glob("points/*.parts/lock")
+            return len(children(process.pid)) == ranks and sum(is_locked(path) for path in locks) == ranks
+
+        wait_for(at_work)
+        return children(process.pid)
+
+    def results(self, folder=None):
+        return sorted(path.name for path in (folder or self.folder).glob("points/*"))
+
+    def assert_complete(self):
+        """All results, and the tables but for what was measured with a clock, are those of one process."""
+        self.assertEqual(self.results(), self.results(self.reference))
+        self.assertEqual(len(self.results()), POINTS)
+        for name in self.results():
+            assert_same(self, self.folder / "points" / name, self.reference / "points" / name)
+        for name in ("table.csv", "means.csv"):
+            with open(self.folder / name, newline="") as one, open(self.reference / name, newline="") as two:
+                a, b = list(csv.DictReader(one)), list(csv.DictReader(two))
+            self.assertEqual(len(a), POINTS if name == "table.csv" else 3)
+            for row in (*a, *b):
+                for column in TIMING & row.keys():
+                    row[column] = "time"
+            self.assertEqual(a, b)
+        with h5py.File(self.folder / "table.h5") as one, h5py.File(self.reference / "table.h5") as two:
+            a, b = datasets(one), datasets(two)
+        self.assertEqual(a.keys(), b.keys())
+        for path in a:
+            if pathlib.PurePath(path).name not in TIMING:
+                self.assertEqual(numpy.asarray(a[path]).tobytes(), numpy.asarray(b[path]).tobytes(), path)
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), sorted(
+            p.name for p in self.reference.iterdir()))
+
+    def test_same_results_on_any_number_of_ranks(self):
+        self.prepare(0.2)
+        for ranks in (2, 4):
+            with self.subTest(ranks=ranks):
+                self.finish(ranks)
+                self.assert_complete()
+                if ranks == 2:  # finished already: nothing happens
+                    self.finish(ranks)
+                    self.assert_complete()
+                shutil.rmtree(self.folder)
+
+    def interrupt(self, how, status=None):
+        """how(launcher, ranks) ends a job of two ranks that are at work; status None: any but 0."""
+        process = self.start(2)
+        ranks = self.ranks_at_work(process, 2)
+        how(process.pid, ranks)
+        found = process.wait(timeout=60)
+        if status is None:
+            self.assertNotEqual(found, 0, self.said())
+        else:
+            self.assertEqual(found, status, self.said())
+        wait_for(lambda: not any(is_alive(pid) for pid in ranks))
+        self.assertLess(len(list(self.folder.glob("points/*.h5"))), POINTS)
+
+    def test_interrupted_in_every_way(self):
+        self.prepare(1)
+        self.interrupt(lambda launcher, ranks: os.kill(launcher, signal.SIGUSR1), 75)
+        # one rank hears of it, all stop
+        self.interrupt(lambda launcher, ranks: os.kill(ranks[0], signal.SIGTERM), 75)
+        self.interrupt(lambda launcher, ranks: os.kill(ranks[1], signal.SIGUSR1), 75)
+        self.interrupt(lambda launcher, ranks: os.kill(launcher, signal.SIGTERM))
+        self.interrupt(lambda launcher, ranks: os.kill(ranks[1], signal.SIGKILL))
+        chance = random.Random(1)
+
+        def kill_all(launcher, ranks):
+            time.sleep(chance.uniform(0, 0.1))
+            for pid in (launcher, *ranks):
+                os.kill(pid, signal.SIGKILL)
+
+        for _ in range(2):
+            self.interrupt(kill_all)
+        self.finish(2)
+        self.assert_complete()
+
+    def test_a_point_fails(self):
+        """Its limit to overlaps is too low: the others are done, and the status is 3."""
+        self.words = ["sweep", str(self.deck), "-D", "phases.settle.steps=20000", "-D", "phases.measure.steps=50000"]
+        limits = "sweep.parameters=({ path = \"max_overlap\"; values = (0.5, 0.25, 1e-12, 0.125); })"
+        self.finish(5, 3, "-D", limits, "-D", "sweep.replicas=1")
+        self.assertEqual(len(list(self.folder.glob("points/*.h5"))), 3, self.said())
+        self.assertEqual(len(list(self.folder.glob("points/*.failed"))), 1, self.said())
+
+
+if __name__ == "__main__":
+    unittest.main()
