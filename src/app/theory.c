@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "app/app.h"
 #include "app/theory.h"
@@ -63,17 +64,29 @@ static sd_status table_open(table *t, sd_messages *messages) {
   return t->out ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory");
 }
 
+/* Into what is no file of its own: a device, a pipe, the standard output (path NULL). */
+static sd_status pour(const table *t, const char *path, sd_messages *messages) {
+  FILE *out = path ? fopen(path, "w") : stdout;
+  bool good = out && fwrite(t->text, 1, t->size, out) == t->size && fflush(out) == 0;
+  int why = errno;
+  if (path && out) fclose(out);
+  if (good) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "cannot write to %s: %s", path ? path : "the standard output",
+                 strerror(why));
+}
+
 /* Writes it to path, "-" being the standard output, unless something has failed already. */
 static sd_status table_close(table *t, const char *path, sd_status status, sd_messages *messages) {
   if (!t->out) return status;
   if (fclose(t->out) != 0 && status == SD_OK) status = sd_fail(messages, SD_ERROR_IO, "no memory");
-  if (status == SD_OK && strcmp(path, "-") == 0) {
-    if (fwrite(t->text, 1, t->size, stdout) != t->size)
-      status = sd_fail(messages, SD_ERROR_IO, "cannot write to the standard output: %s", strerror(errno));
-  } else if (status == SD_OK) {
-    file_piece piece = {t->text, t->size};
+  struct stat what;
+  file_piece piece = {t->text, t->size};
+  if (status == SD_OK && strcmp(path, "-") == 0)
+    status = pour(t, NULL, messages);
+  else if (status == SD_OK && stat(path, &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode))
+    status = pour(t, path, messages);
+  else if (status == SD_OK)
     status = file_write_atomic(path, 1, &piece, messages);
-  }
   free(t->text);
   return status;
 }

@@ -7,7 +7,7 @@
 
 /* A labelled line: "  theta_T              0.125664   (0.04 pi)". */
 static void line(FILE *out, const char *label, double value, const char *note) {
-  fprintf(out, "  %-34s %14.8g%s%s\n", label, value, *note ? "   " : "", note);
+  fprintf(out, "  %-34s %14.8g%s%s\n", label, value + 0.0, *note ? "   " : "", note); /* no -0 */
 }
 
 static void angle_line(FILE *out, const char *label, double value) {
@@ -169,9 +169,8 @@ static void print_formulas(FILE *out, const theory_case *c, const theory_result 
              "limit of strong drive");
   }
   velocity(out, c, r, "balance of torques", r->limit, "limit of strong drive");
-  if (r->solved)
-    velocity(out, c, r, "periodic solution", r->solution.mean,
-             r->solution.permanent ? "exact for permanent sliding" : "contacts stick at times");
+  velocity(out, c, r, "periodic solution", r->solution.mean,
+           r->solution.permanent ? "exact for permanent sliding" : "contacts stick at times");
 }
 
 static void print_solution(FILE *out, const sd_sliding *s) {
@@ -208,8 +207,12 @@ void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theor
     case THEORY_RANDOM: print_random(out, c, r); break;
     case THEORY_PERIODIC:
       print_drive(out, c, r);
-      print_formulas(out, c, r);
-      if (r->solved) print_solution(out, &r->solution);
+      if (r->solved) {
+        print_formulas(out, c, r);
+        print_solution(out, &r->solution);
+      } else {
+        fprintf(out, "\nno periodic state: see the message\n");
+      }
       break;
   }
 }

@@ -59,11 +59,11 @@ static sd_status solve_periodic(const theory_case *c, theory_result *r, sd_messa
     if (r->relation != THEORY_IN_PHASE || !r->even || k == SD_PP || k == SD_MM)
       largest = fmax(largest, fabs(r->torque[k]));
   r->ratio = largest / (c->disk.inertia * r->amplitude * d->omega * d->omega);
-  solve_closed(c, r);
   sd_status status = sd_sliding_solve(&c->disk, d, &r->solution, messages);
   r->solved = status == SD_OK;
-  if (r->solved) status = sd_sliding_limit(&c->disk, d, &r->limit, messages);
-  return status;
+  if (status) return status; /* where a configuration has no equilibrium no formula holds */
+  solve_closed(c, r);
+  return sd_sliding_limit(&c->disk, d, &r->limit, messages);
 }
 
 sd_status theory_case_solve(const theory_case *c, theory_result *r, sd_messages *messages) {
