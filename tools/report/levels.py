@@ -1,0 +1,102 @@
+"""What is run at which level: the one table to change.
+
+A sweep is a deck of inputs/paper; the deck as it stands is the level "full". `points` thins out or extends the
+sweep (it changes which points there are, not what a point is), `keys` change the points themselves. Results of
+points whose deck is unchanged lie in a folder that levels share, so that --full goes on from the default.
+"""
+import dataclasses
+
+LEVELS = ("quick", "default", "full")
+DESCRIPTIONS = {
+    "quick": "a coarse look: large time steps, short runs, few points. Error bars are four times those of the paper's "
+             "length, and slow transients may not be over",
+    "default": "random vibration at the paper's length (5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup>) at a part "
+               "of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at four points at "
+               "the paper's length",
+    "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Plan:
+    keys: dict    # -D of every point
+    points: dict  # -D of the group sweep
+
+
+
+COARSE = {"dt": 2e-5, "phases.measure.time": 100}        # random
+COARSE_TURN = {"dt": 2e-5, "phases.measure.time": 30}    # periodic
+TURN = {"dt": 1e-5, "phases.measure.time": 60}           # 17 relaxation times at Theta_b = 0.1, dt shown to be enough
+FEW_EPS = {"sweep[0].parameters.eps_b.values": "(2e-5, 4e-5, 6e-5, 8e-5, 1e-4)",
+           "sweep[1].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)",
+           "sweep[1].parameters.tilt.values": '(0, "0.01 pi", "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi", "0.1 pi")'}
+FEWER_EPS = {**FEW_EPS, "sweep[0].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)"}
+LONG = {"sweep.parameters.theta_b.values": "(0.04, 0.1)", "sweep.parameters.tilt.values": '("0.04 pi")'}
+FEW_TILTS = {"sweep.parameters.tilt.values": '(0, "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi")'}
+NO_FINE = "(2e-5, 1e-5, 5e-6)"
+
+# name: (deck, {level: plan}); without a level it is not run there. Cheap ones first.
+SWEEPS = {
+    "sync": ("sync.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN, {}), "full": Plan({}, {})}),
+    "async": ("async.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN, {}), "full": Plan({}, {})}),
+    "phase": ("phase.cfg", {"quick": Plan(COARSE_TURN, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
+    "waveform": ("waveform.cfg", {"quick": Plan(COARSE_TURN, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
+    "frequency": ("frequency.cfg", {"quick": Plan(COARSE_TURN, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
+    "step_turning": ("step_turning.cfg", {
+        "quick": Plan({"phases.measure.time": 30}, {"sweep.parameters.dt.values": NO_FINE}),
+        "default": Plan({}, {}), "full": Plan({}, {})}),
+    "seeds": ("seeds.cfg", {"quick": Plan(COARSE, {}), "default": Plan({}, {}), "full": Plan({}, {"sweep.replicas": 32})}),
+    "interval": ("interval.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 1}), "default": Plan({}, {}),
+                                  "full": Plan({}, {"sweep.replicas": 8})}),
+    "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
+    "step": ("step.cfg", {
+        "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
+        "default": Plan({}, {}), "full": Plan({}, {"sweep.parameters.noise.values": "(1, 2, 3, 4)"})}),
+    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, FEW_EPS), "full": Plan({}, {})}),
+    "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),    # at level full these are among the points of "sync"
+    "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
+}
+
+# Single runs: name: (deck, {level: keys}, {keys at all levels}). Frames and contact tables are dense, so they are short.
+_FINE = {"dt": 1e-6, "phases.rest.time": 40, "phases.measure.time": 0.2, "phases.measure.frames": 100,
+         "phases.measure.contacts": 100}
+_ROUGH = {"dt": 1e-5, "phases.rest.time": 20, "phases.measure.time": 0.2, "phases.measure.frames": 10,
+          "phases.measure.contacts": 10}
+_WAVE = {"quick": _ROUGH, "default": _FINE, "full": _FINE}
+# The first 20 time units (200 periods) are over before anything is stored: the start's own drift has died out.
+_OSCILLATOR = {"phases.rest.motions": "(0)", "phases.rest.time": 20, "phases.measure.time": 5,
+               "phases.measure.frames": 200, "phases.measure.contacts": 200}
+
+
+def _in_phase(theta_b, wave="parabolic"):
+    return {"phases.rest.motions": "(0)", "motions[*].amplitude": theta_b, "motions[*].type": wave}
+
+
+def _opposite(theta_b, wave="parabolic"):
+    return {"phases.rest.motions": "(0, 1)", "motions[*].amplitude": theta_b, "motions[*].type": wave}
+
+
+WEAK_DRIVE, STRONG_DRIVE = 0.002, 0.04  # Theta_b of figures sync and async
+SOFT = {"materials[0].k_t": 20}  # elastic branches as long as the excursions
+_ROUGH_EPO = {"dt": 1e-5, "phases.measure.frames": 20, "phases.measure.contacts": 20}
+_EPO = {"quick": _ROUGH_EPO, "default": {}, "full": {}}
+RUNS = {
+    "epo_symmetric": ("epo/symmetric.cfg", _EPO, _OSCILLATOR),
+    "epo_asymmetric": ("epo/asymmetric.cfg", _EPO, _OSCILLATOR),
+    "epo_soft_symmetric": ("epo/symmetric.cfg", _EPO, {**_OSCILLATOR, **SOFT}),
+    "epo_soft_asymmetric": ("epo/asymmetric.cfg", _EPO, {**_OSCILLATOR, **SOFT}),
+    "sync_weak": ("three_disk/sync.cfg", _WAVE, _in_phase(WEAK_DRIVE)),
+    "sync_strong": ("three_disk/sync.cfg", _WAVE, _in_phase(STRONG_DRIVE)),
+    "sync_sine": ("three_disk/sync.cfg", _WAVE, _in_phase(STRONG_DRIVE, "harmonic")),
+    "async_weak": ("three_disk/async.cfg", _WAVE, _opposite(WEAK_DRIVE)),
+    "async_strong": ("three_disk/async.cfg", _WAVE, _opposite(STRONG_DRIVE)),
+    "async_sine": ("three_disk/async.cfg", _WAVE, _opposite(STRONG_DRIVE, "harmonic")),
+    "frozen": ("three_disk/frozen.cfg", {"quick": {"dt": 1e-5, "phases.settle.time": 10, "phases.measure.time": 10},
+                                         "default": {"phases.settle.time": 10}, "full": {"phases.settle.time": 10}}, {}),
+    "weak": ("three_disk/weak.cfg", {"quick": {"dt": 1e-5, "phases.settle.time": 2, "phases.measure.time": 10},
+                                     "default": {}, "full": {}}, {}),
+    **{f"steady_{name}": ("three_disk/steady.cfg",
+                          {"quick": {"dt": 1e-5, "phases.settle.time": 3, "phases.measure.time": 1}, "default": {}, "full": {}},
+                          {"motions.left.velocity": left, "motions.right.velocity": right})
+       for name, left, right in (("pp", -1, -1), ("pm", -1, 1), ("mp", 1, -1), ("mm", 1, 1))},
+}

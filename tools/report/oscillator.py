@@ -1,0 +1,160 @@
+"""The elasto-plastic oscillator: force against displacement, and what becomes of the position (fig. epo-force)."""
+import math
+import re
+
+import h5py
+import numpy as np
+
+from .page import Figure, Numbers, Section
+from .style import BLACK, COLOURS, GREY, figure, legend_above, zero_line
+from .verdict import SURE, Claim, decide, missing, number, within, OPEN
+
+PLACE = "section 4, fig. epo-force"
+
+
+class Oscillator:
+    """A disk that cannot turn, on a wall that is shaken along itself; x is that of the disk seen from the wall."""
+
+    def __init__(self, path):
+        with h5py.File(path) as file:
+            deck = file["parameters/deck_full"][()].decode()
+            frames, contacts = file["particles/disks/position"], file["contacts"]
+            time, block = frames["time"][:], frames["value"][:, 0, 0]
+            wall = file["particles/walls/position/value"][:, 0, 0]
+            moment = contacts["time"][:][contacts["count"][:] == 1]  # one contact: with the wall
+            tau, sliding, weight = contacts["tau"][:], contacts["sliding"][:], contacts["force"][:]
+        self.push = float(re.search(r"\bforce = \(([^,)]+),", deck).group(1))
+        self.mu = float(re.search(r"\bmu = ([^;]+);", deck).group(1))
+        self.amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
+        self.omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
+        k = np.searchsorted(time, moment - 1e-9)
+        self.time, self.place, self.x = time[k], block[k], block[k] - wall[k]
+        self.force = tau + self.push  # of contact and constant force together, along the wall
+        self.sliding, self.weight = sliding, float(np.median(weight))
+        last = self.time > self.time[-1] - 4.9  # dense data only, not the frame of step 0
+        for name in ("time", "place", "x", "force", "sliding"):
+            setattr(self, name, getattr(self, name)[last])
+        self.limits = (-self.mu * self.weight + self.push, self.mu * self.weight + self.push)
+
+    def drift(self):
+        """(velocity over whole periods, its error from the scatter of ten parts)."""
+        period = 2 * math.pi / self.omega
+        step = (self.time[-1] - self.time[0]) / (len(self.time) - 1)
+        per = round(period / step)
+        marks = self.place[::per]
+        speed = np.diff(marks) / (per * step)
+        parts = speed[:len(speed) // 10 * 10].reshape(10, -1).mean(axis=1)
+        return float(speed.mean()), float(parts.std(ddof=1) / math.sqrt(10))
+
+    def permanent(self):
+        """Drift when the elastic phase lasts no time and A w^2 is far above mu g (docs/validation.md)."""
+        return self.amplitude * self.omega * math.sin(math.pi / 2 * self.push / (self.mu * self.weight))
+
+
+def loop(axes, o, title):
+    period = 2 * math.pi / o.omega
+    first = o.time > o.time[-1] - 4 * period
+    x, force = o.x[first], o.force[first]
+    x = 100 * (x - x[0])
+    axes.plot(x, force, color=COLOURS[0], lw=1.0)
+    for k, (limit, name) in enumerate(zip(o.limits, ("F_1", "F_2"))):
+        axes.axhline(limit, color=GREY, lw=0.8, ls="--")
+        axes.annotate(f"${name}={limit:+.2f}$", (1, limit), xycoords=("axes fraction", "data"), textcoords="offset points",
+                      xytext=(-4, -11 if k == 0 else 4), ha="right", fontsize=10, color=BLACK)
+    zero_line(axes)
+    ends = np.nonzero(np.diff(o.sliding[first]))[0]
+    for begin, end in list(zip(ends[:-1], ends[1:]))[-5:-1]:  # a period: two elastic branches, two of sliding
+        k, width = (begin + end) // 2, max(2, (end - begin) // 10)
+        axes.annotate("", (x[k + width], force[k + width]), (x[k - width], force[k - width]),
+                      arrowprops={"arrowstyle": "-|>,head_width=0.22,head_length=0.45", "color": COLOURS[0], "lw": 0.8})
+    axes.set_ylim(-0.165, 0.165)
+    axes.set_title(title)
+    axes.set_xlabel("displacement from the wall $100\\,x/R$")
+    axes.set_ylabel("force $F/mg$")
+
+
+def sections(results):
+    out = Section(
+        "epo-force", "Elasto-plastic oscillator (figs. epo, epo-force)",
+        "A disk that cannot turn, pressed by its weight on a wall that is shaken along itself (harmonically, amplitude 0.01, "
+        "&omega; = 20&pi;): the contact is a spring of stiffness <i>k<sub>t</sub></i> in series with a slip joint. A constant force "
+        "<i>f</i> = 0.02 along the wall shifts the limits to <i>F</i><sub>1</sub> = &minus;&mu;<i>mg</i> + <i>f</i> and "
+        "<i>F</i><sub>2</sub> = &mu;<i>mg</i> + <i>f</i>. Decks <code>inputs/epo/symmetric.cfg</code>, <code>asymmetric.cfg</code>; the loops "
+        "use a softer skin (<i>k<sub>t</sub></i> = 20), whose elastic branches can be seen. The first 20 time units are discarded.")
+    names = ("epo_symmetric", "epo_asymmetric", "epo_soft_symmetric", "epo_soft_asymmetric")
+    paths = {name: results.run(name) for name in names}
+    out.missing += [f"{name}: not run yet" for name, path in paths.items() if not path]
+    found = {name: Oscillator(path) for name, path in paths.items() if path}
+    picture, axes = figure(2, 2, height=5.6)
+    for k, kind in enumerate(("symmetric", "asymmetric")):
+        soft, stiff = found.get(f"epo_soft_{kind}"), found.get(f"epo_{kind}")
+        if soft:
+            loop(axes[0, k], soft, "$|F_1|=|F_2|$" if kind == "symmetric" else "$|F_1|<|F_2|$")
+        below, unit = axes[1, k], (1000 if kind == "symmetric" else 1)
+        for n, (o, label) in enumerate(((stiff, "$k_t=10^6$"), (soft, "$k_t=20$"))):
+            if o:
+                below.plot(o.time - o.time[0], unit * (o.place - o.place[0]), color=COLOURS[n], lw=0.8, label=label)
+        if stiff and stiff.push:
+            time = np.array([0, stiff.time[-1] - stiff.time[0]])
+            below.plot(time, unit * stiff.permanent() * time, color=BLACK, ls=":", lw=1.4, label="theory")
+        zero_line(below)
+        below.set_xlabel("time $t$")
+        below.set_ylabel("position $1000\\,x/R$" if unit > 1 else "position $x/R$")
+        if stiff or soft:
+            legend_above(below, 3)
+    axes[1, 0].set_ylim(-2.5, 2.5)
+    out.figures.append(Figure(
+        "epo-force", picture,
+        "Above: force on the disk (contact and constant force) against its displacement from the wall, four periods. The force is "
+        "linear in the displacement between the limits <i>F</i><sub>1</sub> and <i>F</i><sub>2</sub>, and constant while the joint slides. "
+        "Below: position against time (mind the scale on the left), with the drift of permanent sliding. Left: equal limits; right: unequal ones.",
+        "Force-displacement loops and positions of the elasto-plastic oscillator with equal and unequal limits"))
+    out.claims, rows = claims(found)
+    out.tables.append(Numbers("Oscillator", ["run", "<i>f</i>", "<i>F</i><sub>1</sub>", "<i>F</i><sub>2</sub>", "least force", "largest force",
+                                             "sliding (fraction)", "drift velocity", "error", "permanent sliding"], rows))
+    return [out]
+
+
+def claims(found):
+    symmetric, asymmetric = found.get("epo_symmetric"), found.get("epo_asymmetric")
+    soft = found.get("epo_soft_asymmetric")
+    out = []
+    text = "The force changes linearly with the displacement until a limit is reached, and is constant while the joint slides."
+    if soft:
+        stuck = soft.sliding == 0
+        both = stuck[1:] & stuck[:-1]
+        slope = np.diff(soft.force)[both] / np.diff(soft.x)[both]
+        low, high = soft.force.min(), soft.force.max()
+        excess = max(abs(low - soft.limits[0]), abs(high - soft.limits[1])) / (soft.limits[1] - soft.limits[0])
+        spread = float(np.std(slope))
+        out.append(decide(text, bool(excess < 1e-3 and spread < 0.01 * abs(slope.mean())),
+                          f"slope while stuck {number(slope.mean(), digits=5)} (spread {number(spread)}; "
+                          f"&minus;<i>k<sub>t</sub></i> = &minus;20), extremes {number(low, digits=4)} and {number(high, digits=4)}; limits {number(soft.limits[0], digits=4)} and "
+                          f"{number(soft.limits[1], digits=4)}", PLACE))
+    else:
+        out.append(missing(text, PLACE))
+    text = "Equal limits: no systematic drift."
+    scale = symmetric.amplitude * symmetric.omega if symmetric else math.nan
+    if symmetric:
+        v, _ = symmetric.drift()
+        out.append(decide(text, abs(v) < 1e-3 * scale, f"drift {number(v)}, {number(abs(v) / scale)} of the wall's top speed "
+                                                        "(counted as none below 10<sup>&minus;3</sup>)", PLACE))
+    else:
+        out.append(missing(text, PLACE))
+    text = "Unequal limits: the oscillator drifts in the direction whose limit is smaller."
+    if asymmetric:
+        v, e = asymmetric.drift()
+        direction = 1 if abs(asymmetric.limits[0]) < abs(asymmetric.limits[1]) else -1
+        known = abs(v) > SURE * e
+        out.append(Claim(text, OPEN, "", PLACE) if not known else
+                   decide(text, v * direction > 0, f"drift {number(v, e)} with <i>F</i><sub>1</sub> = {number(asymmetric.limits[0])}, "
+                          f"<i>F</i><sub>2</sub> = {number(asymmetric.limits[1])}", PLACE))
+        out.append(within("Its drift is that of permanent sliding, <i>A</i>&omega; sin(&pi;<i>f</i>/2&mu;<i>mg</i>).", v, asymmetric.permanent(), 0.01, "", e))
+    else:
+        out.append(missing(text, PLACE))
+    rows = []
+    for name, o in found.items():
+        v, e = o.drift()
+        rows.append([name, o.push, *o.limits, float(o.force.min()), float(o.force.max()), float(np.mean(o.sliding != 0)), v, e,
+                     o.permanent()])
+    return out, rows

@@ -1,0 +1,168 @@
+"""Calls of the program: single runs, sweeps, theory curves. What is finished is not run again."""
+import concurrent.futures
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+
+from . import levels
+from .data import Table
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+STOPPED = 75  # exit status of a run that a signal stopped
+
+
+class Stopped(Exception):
+    """Interrupted: the same command continues."""
+
+
+def overrides(keys):
+    words = []
+    for path, value in keys.items():
+        words += ["-D", f"{path}={value}"]
+    return words
+
+
+class Results:
+    """The results of one level in a folder, made or only looked at."""
+
+    def __init__(self, folder, level="default", program="slipdisk", jobs=1, dry=False, strict=False, say=print):
+        self.folder, self.level, self.program, self.jobs = folder, level, program, jobs
+        self.dry = dry        # only look at what is there
+        self.strict = strict  # a figure that fails is an error
+        self.say = say
+        self.failed = []  # messages about what did not work
+        self.tables = {}
+        os.makedirs(folder, exist_ok=True)
+
+    # --- single runs ---------------------------------------------------------------------------------------
+    def _run_folder(self):
+        return os.path.join(self.folder, "runs" if self.level != "quick" else "runs-quick")
+
+    def _run_path(self, name):
+        return os.path.join(self._run_folder(), name + ".h5")
+
+    def run(self, name):
+        """Path of a finished run, or None."""
+        path = self._run_path(name)
+        return path if os.path.exists(path) else None
+
+    def info(self, name):
+        """What `slipdisk info --json` says of a run, or None."""
+        if not self.run(name):
+            return None
+        found = subprocess.run([self.program, "info", self.run(name), "--json"], capture_output=True, text=True, check=False)
+        return json.loads(found.stdout) if found.returncode == 0 else None
+
+    def _make_run(self, name):
+        deck, by_level, keys = levels.RUNS[name]
+        path = self._run_path(name)
+        words = [self.program, "run", os.path.join(ROOT, "inputs", deck), "-o", path, "--quiet",
+                 *overrides({**keys, **by_level[self.level]})]
+        note = path[:-3] + ".txt"
+        text = shlex.join([os.path.basename(words[0]), "run", "inputs/" + deck, *words[6:]])
+        known = os.path.exists(note) and open(note).read().strip() == text
+        if known and os.path.exists(path):
+            return
+        with open(note, "w") as file:
+            file.write(text + "\n")
+        self._call(words + ([] if known else ["--force"]), name)
+
+    # --- sweeps -----------------------------------------------------------------------------------------------
+    def sweep_folder(self, name):
+        deck, plans = levels.SWEEPS[name]
+        base = deck[:-len(".cfg")]
+        if self.level in plans and plans[self.level].keys:
+            base += "-" + self.level
+        return os.path.join(self.folder, base)
+
+    def _sweep_words(self, name):
+        deck, plans = levels.SWEEPS[name]
+        plan = plans[self.level]
+        return [self.program, "sweep", os.path.join(ROOT, "inputs", "paper", deck), "-o", self.sweep_folder(name),
+                *overrides({**plan.keys, **plan.points})]
+
+    def has(self, name):
+        return self.level in levels.SWEEPS[name][1]
+
+    def sweep(self, name):
+        """Table of a sweep as far as it has got; empty when this level does not have it."""
+        if not self.has(name):
+            return Table()
+        if name not in self.tables:
+            self.tables[name] = self._table(name)
+        return self.tables[name]
+
+    def _table(self, name):
+        # Two sweeps of one level may share a folder: the table is made for the points of this one, and put aside.
+        kept = os.path.join(self.folder, "tables-" + self.level, name + ".csv")
+        made = os.path.join(self.sweep_folder(name), "table.csv")
+        done = subprocess.run([*self._sweep_words(name), "--table"], capture_output=True, text=True, check=False)
+        if done.returncode == 0 and os.path.exists(made):
+            os.makedirs(os.path.dirname(kept), exist_ok=True)
+            shutil.copyfile(made, kept)
+        elif done.returncode:
+            self.failed.append(f"table of {name}: {done.stderr.strip()}")
+        return Table.read(kept)
+
+    def _make_sweep(self, name):
+        self._call([*self._sweep_words(name), "-j", str(self.jobs)], name, quiet=False)
+
+    # --- theory -----------------------------------------------------------------------------------------------
+    def theory(self, name, deck, **keys):
+        """Table of `slipdisk theory` for a deck of inputs/ and further keys ("__" for dots); kept beside the results."""
+        return self._theory(name, deck, "--csv", {key.replace("__", "."): value for key, value in keys.items()})
+
+    def theory_wave(self, name, deck, keys):
+        return self._theory(name, deck, "--wave", keys)
+
+    def _theory(self, name, deck, option, keys):
+        folder = os.path.join(self.folder, "theory")
+        os.makedirs(folder, exist_ok=True)
+        path, note = os.path.join(folder, name + ".csv"), os.path.join(folder, name + ".txt")
+        words = [self.program, "theory", os.path.join(ROOT, "inputs", deck), option, path, *overrides(keys)]
+        text = shlex.join(["slipdisk", "theory", "inputs/" + deck, *words[5:]])
+        if not (os.path.exists(path) and os.path.exists(note) and open(note).read().strip() == text):
+            done = subprocess.run(words, capture_output=True, text=True, check=False)
+            if done.returncode:
+                self.failed.append(f"theory {name}: {done.stderr.strip() or done.stdout.strip()}")
+                return Table(source=path)
+            with open(note, "w") as file:
+                file.write(text + "\n")
+        return Table.read(path, finished_only=False)
+
+    # --- all of it ----------------------------------------------------------------------------------------------
+    def make(self, only=()):
+        """Runs what is not there yet. Raises Stopped when a signal arrives."""
+        if self.dry:
+            return
+        os.makedirs(self._run_folder(), exist_ok=True)
+        names = [name for name in levels.RUNS if not only or name in only]
+        begin = time.monotonic()
+        if names:
+            self.say(f"runs: {len(names)}")
+            with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+                for task in [pool.submit(self._make_run, name) for name in names]:
+                    task.result()
+        for name in levels.SWEEPS:
+            if (only and name not in only) or not self.has(name):
+                continue
+            self.say(f"sweep {name} (after {time.monotonic() - begin:.0f} s)")
+            self._make_sweep(name)
+
+    def _call(self, words, name, quiet=True):
+        done = subprocess.run(words, stdout=subprocess.PIPE if quiet else None, stderr=subprocess.PIPE if quiet else None,
+                              text=True, check=False)
+        if done.returncode in (STOPPED, -2, -15, 130):
+            raise Stopped(name)
+        if done.returncode:
+            message = f"{name}: exit status {done.returncode}" + (f": {done.stderr.strip()}" if quiet else "")
+            self.failed.append(message)
+            print(message, file=sys.stderr)
+
+    def provenance(self):
+        done = subprocess.run([self.program, "version"], capture_output=True, text=True, check=False)
+        return done.stdout.strip()

@@ -1,0 +1,226 @@
+"""Waveforms of the supports, and velocities over one period of the periodic state (figs. sine-parabola-approx, -async,
+sync, async)."""
+import math
+import re
+
+import h5py
+import numpy as np
+
+from . import levels
+from .page import Figure, Numbers, Section
+from .style import BLACK, COLOURS, GREY, figure, legend_above, legend_below, power, zero_line
+from .verdict import Claim, decide, missing, number, percent, OPEN
+
+NAMES = {(1, 1): "++", (1, -1): "+-", (-1, 1): "-+", (-1, -1): "--"}
+LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-": 4}}  # t_1 ... begin these
+
+
+class Wave:
+    """One period of a run with dense frames; velocities in units of Theta_b w_b, time in periods."""
+
+    def __init__(self, path):
+        with h5py.File(path) as file:
+            deck = file["parameters/deck_full"][()].decode()
+            disks = file["particles/disks"]
+            time, angle, spin = disks["angle/time"][:], disks["angle/value"][:], disks["angular_velocity/value"][:]
+        self.amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
+        self.omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
+        self.period = 2 * math.pi / self.omega
+        whole = math.ceil((time[-1] - 1.5 * self.period) / self.period - 1e-6)  # the last but one whole period
+        self.t = time / self.period - whole
+        inside = (self.t > -1e-6) & (self.t < 1 + 1e-6)
+        self.t, unit = self.t[inside], self.amplitude * self.omega
+        self.support = -spin[inside, 1:3].T / unit
+        self.upper = spin[inside, 0] / unit
+        self.angle = angle[inside, 1:3].T / self.amplitude
+        self.mean = float(np.trapz(self.upper, self.t) / (self.t[-1] - self.t[0]))
+
+
+def changes(t, support, upper):
+    """[(time, configuration that begins)] within one period, by linear interpolation of the crossings."""
+    sign = np.where(support > upper, 1, -1)
+    out = []
+    for k in np.nonzero((sign[:, 1:] != sign[:, :-1]).any(axis=0))[0]:
+        moments = []
+        for i in range(2):
+            a, b = support[i, k] - upper[k], support[i, k + 1] - upper[k + 1]
+            if sign[i, k] != sign[i, k + 1]:
+                moments.append(t[k] + (t[k + 1] - t[k]) * a / (a - b))
+        out.append((float(np.mean(moments)), NAMES[tuple(sign[:, k + 1])]))
+    return out
+
+
+def theory_wave(results, name):
+    deck, _, keys = levels.RUNS[name]
+    keys = {key: value for key, value in keys.items() if key.startswith("motions")}
+    table = results.theory_wave(f"wave-{name}", deck, keys)
+    if not table:
+        return None
+    t, upper = table.column("t"), table.column("Omega")
+    support = np.stack([table.column("support1"), table.column("support2")])
+    return t, support, upper
+
+
+def velocities(results, kind, out):
+    """Figure and claims of `sync` or `async`."""
+    picture, axes = figure(2, 2, height=5.6, legend=True, sharex=True)
+    rows, found = [], {}
+    for k, strength in enumerate(("weak", "strong")):
+        name = f"{kind}_{strength}"
+        path = results.run(name)
+        if not path:
+            out.missing.append(f"{name}: not run yet")
+            continue
+        wave = Wave(path)
+        theory = theory_wave(results, name)
+        above, below = axes[0, k], axes[1, k]
+        if kind == "sync":
+            above.plot(wave.t, wave.support[0], color=BLACK, lw=1.2, label="supports")
+        else:
+            above.plot(wave.t, wave.support[0], color=BLACK, lw=1.2, label="support 1")
+            above.plot(wave.t, wave.support[1], color=BLACK, lw=1.2, ls="--", label="support 2")
+        moments = changes(wave.t, wave.support, wave.upper)
+        for panel in (above, below):
+            panel.plot(wave.t, wave.upper, color="#9A9A9A", lw=2.6, label="upper disk", zorder=2)
+            if theory:
+                t, _, upper = theory
+                unit = wave.amplitude * wave.omega
+                panel.plot(t / wave.period, upper / unit, color=COLOURS[1], lw=1.1, ls="-", label="exact solution", zorder=3)
+            zero_line(panel)
+        for moment, configuration in moments:
+            for panel in (above, below):
+                panel.axvline(moment, color=GREY, lw=0.7, ls=":")
+        labels(above, below, kind, moments)
+        above.set_title(f"$\\Theta_b={power(wave.amplitude)}$", pad=18)
+        below.set_xlabel("time $t/T$")
+        values = [wave.upper] + ([theory[2] / (wave.amplitude * wave.omega)] if theory else [])
+        low, high = min(v.min() for v in values), max(v.max() for v in values)
+        below.set_ylim(low - 0.3 * (high - low), high + 0.15 * (high - low))
+        below.set_xlim(0, 1)
+        found[strength] = (wave, theory, moments)
+        rows += numbers(kind, wave, theory, moments)
+    axes[0, 0].set_ylabel(r"velocity $/\,\Theta_b\omega_b$")
+    axes[1, 0].set_ylabel(r"upper disk $\Omega/\Theta_b\omega_b$")
+    legend_below(picture, axes[0])
+    return picture, rows, found
+
+
+def labels(above, below, kind, moments):
+    """t_1 ... above the upper axes, the configurations at the bottom of the lower ones."""
+    shown = [(moment, LABELS[kind][name]) for moment, name in moments if name in LABELS[kind]]
+    for k, (moment, label) in enumerate(shown):
+        side = "center"
+        if k + 1 < len(shown) and shown[k + 1][0] - moment < 0.1:
+            side = "right"
+        elif k and moment - shown[k - 1][0] < 0.1:
+            side = "left"
+        above.text(moment, 1.02, f"$t_{label}$", transform=above.get_xaxis_transform(), ha=side, va="bottom")
+    edges = [0.0] + [moment for moment, _ in moments] + [1.0]
+    names = [moments[-1][1]] + [name for _, name in moments] if moments else []
+    for first, second, name in zip(edges[:-1], edges[1:], names):
+        if second - first > 0.1:
+            below.text((first + second) / 2, 0.03, "$S^{" + name + "}$", transform=below.get_xaxis_transform(), ha="center",
+                       va="bottom", color=GREY)
+
+
+def numbers(kind, wave, theory, moments):
+    rows = []
+    known = changes(theory[0] / wave.period, theory[1], theory[2]) if theory else []
+    for moment, configuration in moments:
+        same = [m for m, c in known if c == configuration]
+        label = LABELS[kind].get(configuration)
+        rows.append([f"{wave.amplitude:g}", f"<i>t</i><sub>{label}</sub>: S<sup>{configuration}</sup> begins", moment,
+                     min(same, key=lambda m: abs(m - moment)) if same else math.nan])
+    mean = float(np.trapz(theory[2], theory[0]) / (theory[0][-1] - theory[0][0]) / (wave.amplitude * wave.omega)) if theory else math.nan
+    rows.append([f"{wave.amplitude:g}", "mean of &Omega;/&Theta;<sub>b</sub>&omega;<sub>b</sub>", wave.mean, mean])
+    return rows
+
+
+def deviation(wave, theory):
+    """Largest distance of the two curves of the upper disk, in units of the exact solution's largest value."""
+    t, _, upper = theory
+    upper = upper / (wave.amplitude * wave.omega)
+    return float(np.abs(np.interp(wave.t, t / wave.period, upper) - wave.upper).max() / np.abs(upper).max())
+
+
+def waveform_section(results):
+    out = Section("waveforms", "Waveforms of the supports (figs. sine-parabola-approx, -async)",
+                  "Angles of the supports over one period, from runs of <code>inputs/three_disk/sync.cfg</code> and <code>async.cfg</code> "
+                  "with harmonic (20) and parabolic (21) motion.")
+    picture, axes = figure(2, 1, height=3.1, sharey=True)
+    rows, worst, ends = [], math.nan, math.nan
+    for k, (kind, title) in enumerate((("sync", "in phase"), ("async", "opposite phases"))):
+        paths = [results.run(f"{kind}_{wave}") for wave in ("sine", "strong")]
+        out.missing += [f"{kind}_{wave}: not run yet" for wave, path in zip(("sine", "strong"), paths) if not path]
+        if not all(paths):
+            continue
+        sine, parabola = Wave(paths[0]), Wave(paths[1])
+        for i in range(2 if kind == "async" else 1):
+            which = f" {i + 1}" if kind == "async" else "s"
+            axes[k].plot(sine.t, sine.angle[i], color=COLOURS[i], ls=":", lw=2, label=f"sine, support{which}")
+            axes[k].plot(parabola.t, parabola.angle[i], color=COLOURS[i], lw=1.1, label=f"parabola, support{which}")
+        zero_line(axes[k])
+        axes[k].set_xlim(0, 1)
+        axes[k].set_title(title, pad=42)
+        axes[k].set_xlabel("time $t/T$")
+        legend_above(axes[k], 2, fontsize=8.5)
+        marks = [int(np.argmin(np.abs(parabola.t - q))) for q in (0, 0.25, 0.5, 0.75, 1)]
+        gap = parabola.angle[0] - np.interp(parabola.t, sine.t, sine.angle[0])
+        worst = float(np.abs(gap).max())
+        ends = float(np.abs(gap[marks]).max())
+        rows += [[title, float(t), float(s), float(p)] for t, s, p in
+                 zip(parabola.t[::max(1, len(gap) // 40)], np.interp(parabola.t, sine.t, sine.angle[0])[::max(1, len(gap) // 40)],
+                     parabola.angle[0][::max(1, len(gap) // 40)])]
+    axes[0].set_ylabel(r"angle $\theta_i/\Theta_b$")
+    out.figures.append(Figure("waveforms", picture, "Angles of the supports: sine (dotted) and the parabolas that agree with it at zeros and "
+                              "extrema (solid). In opposite phases the right support's angle is minus the left one's.",
+                              "Sine and parabola waveforms of the supports over one period"))
+    text = "The parabolas agree with the sine at its zeros and extrema and are close to it in between."
+    out.claims.append(missing(text, "section 4.1, eq. (21)") if math.isnan(worst) else
+                      decide(text, ends < 1e-3 and worst < 0.1, f"largest difference at zeros and extrema {number(ends)}, anywhere {number(worst)} "
+                             "(of &Theta;<sub>b</sub>)", "section 4.1, eq. (21)"))
+    out.tables.append(Numbers("Left support", ["", "<i>t/T</i>", "sine", "parabola"], rows))
+    return out
+
+
+def sequence(moments):
+    """Configurations in the order in which they begin, from S-- (or the first) on."""
+    names = [c for _, c in moments]
+    start = names.index("--") if "--" in names else 0
+    return names[start:] + names[:start]
+
+
+def velocity_section(results, kind):
+    title = {"sync": "Velocities over one period, in phase (fig. sync)",
+             "async": "Velocities over one period, opposite phases (fig. async)"}[kind]
+    place = {"sync": "section 4.1, fig. sync", "async": "section 4.2, fig. async"}[kind]
+    out = Section(kind, title, "Surface velocities of the supports as the upper disk feels them, &minus;d&theta;<sub>i</sub>/d<i>t</i>, and angular velocity of the "
+                  "upper disk in the periodic state (after 20 or more time units, 200 periods), at a weak and a strong drive; parabola, "
+                  "&omega;<sub>b</sub> = 20&pi;, tilt 0.04&pi;. The exact solution is that of permanent sliding with the centre in its equilibrium at "
+                  "once. <i>t<sub>i</sub></i>: velocities meet, another sliding configuration begins.")
+    picture, rows, found = velocities(results, kind, out)
+    out.figures.append(Figure(kind, picture, "Above: velocities of supports (black) and upper disk (grey); below: the upper disk alone. "
+                              "Dotted: times at which velocities meet in the simulation.", f"Velocities over one period: {title}"))
+    out.tables.append(Numbers("Transition times and means", ["&Theta;<sub>b</sub>", "", "simulation", "exact solution"], rows))
+    expected = ["--", "++"] if kind == "sync" else ["--", "-+", "++", "+-"]
+    shown = ", ".join(f"S<sup>{c}</sup>" for c in expected)
+    for strength, drive in (("weak", levels.WEAK_DRIVE), ("strong", levels.STRONG_DRIVE)):
+        text = f"In a period the configurations follow each other as {shown} (&Theta;<sub>b</sub> = {drive:g})."
+        if strength in found:
+            names = sequence(found[strength][2])
+            out.claims.append(decide(text, names == expected, "found " + ", ".join(f"S<sup>{c}</sup>" for c in names), place))
+        else:
+            out.claims.append(missing(text, place))
+    text = "The velocity of the upper disk is piecewise straight and follows the solution of permanent sliding."
+    if all(s in found and found[s][1] for s in ("weak", "strong")):
+        gaps = {s: deviation(*found[s][:2]) for s in found}
+        told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the largest |&Omega;|"
+                         for s, g in gaps.items())
+        out.claims.append(decide(text, gaps["strong"] < 0.05, told + " (counted as equal up to 5 % at the strong drive)", place))
+    else:
+        out.claims.append(Claim(text, OPEN, "no data or no theory curve yet", place))
+    return out
+
+
+def sections(results):
+    return [waveform_section(results), velocity_section(results, "sync"), velocity_section(results, "async")]
