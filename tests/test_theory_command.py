@@ -407,8 +407,16 @@ class Refusals(Base):
         self.assertIn("standard output", theory(THREE / "sync.cfg", "--json", "--csv", "-", status=2).stderr)
         self.assertIn("nosuch", theory("nosuch.cfg", status=2).stderr)
         theory(THREE / "sync.cfg", "--csv", self.folder / "no/such/folder.csv", status=4)
-        self.assertEqual(theory(THREE / "sync.cfg", "--csv", "/dev/stdout").stdout.count("\n"), 2)
-        self.assertTrue(pathlib.Path("/dev/stdout").is_symlink())  # written into, not replaced
+        pipe = self.folder / "pipe"  # is written into, not replaced
+        os.mkfifo(pipe)
+        reader = subprocess.Popen(["cat", str(pipe)], stdout=subprocess.PIPE, text=True)
+        try:
+            theory(THREE / "sync.cfg", "--csv", pipe)
+            self.assertTrue(pipe.is_fifo())
+            self.assertEqual(reader.communicate(timeout=30)[0].count("\n"), 2)
+        finally:
+            reader.kill()
+            reader.wait()
         with open("/dev/full", "w") as full:
             done = subprocess.run([PROGRAM, "theory", str(THREE / "sync.cfg")], stdout=full, stderr=subprocess.PIPE)
         self.assertEqual(done.returncode, 4)
