@@ -188,6 +188,21 @@ static void ends_at_the_first_good_look(void **unused) {
   sd_model_free(model);
 }
 
+/* Pieces short and long, and up to a look exactly, each with a copy of the state; short ones on two threads. */
+static void in_pieces(const sd_model *model, const sd_state *end, bool threads) {
+  uint64_t seed = 11;
+  sd_simulation *sim = begin_run(model, 1);
+  int64_t start = sd_model_steps(model) - model->phases[1].steps;
+  for (int piece = 0; !sd_simulation_finished(sim); piece++) {
+    int64_t n = 1 + (int64_t)(next_bits(&seed) % (piece % 3 ? 9000 : 30)), done = step_of(sim);
+    if (piece % 5 == 0 && done >= start) n = sd_goal_look(model, done - start) - (done - start);
+    sim = go_on_from_copy(sim, threads && n < 300 ? 2 : 1);
+    advance(sim, n);
+  }
+  same_states(sd_simulation_state(sim), end, "in pieces");
+  sd_simulation_free(sim);
+}
+
 static void ends_at_the_same_step_in_pieces(void **unused) {
   (void)unused;
   text t = {0};
@@ -199,23 +214,16 @@ static void ends_at_the_same_step_in_pieces(void **unused) {
     assert_true(sd_goal_of(model, end).reached && end->step < sd_model_steps(model));
     print_message("  deck %d ends at step %lld of %lld\n", k, (long long)end->step,
                   (long long)sd_model_steps(model));
-    uint64_t seed = 11;
+    in_pieces(model, end, k == 1);
+
+    /* the last steps and the last look on two threads */
     sd_simulation *sim = begin_run(model, 1);
-    for (int piece = 0; !sd_simulation_finished(sim); piece++) {
-      /* short ones, long ones, and up to a look exactly */
-      int64_t n = 1 + (int64_t)(next_bits(&seed) % (piece % 3 ? 9000 : 30)), done = step_of(sim);
-      int64_t start = sd_model_steps(model) - model->phases[1].steps;
-      if (piece % 5 == 0 && done >= start) n = sd_goal_look(model, done - start) - (done - start);
-      advance(sim, n);
-      sim = go_on_from_copy(sim, k == 1 && piece % 3 == 0 ? 2 : 1);
-    }
-    same_states(sd_simulation_state(sim), end, "in pieces");
+    advance(sim, end->step - 100);
+    sim = go_on_from_copy(sim, 2);
+    advance(sim, INT64_MAX);
+    assert_true(sd_simulation_finished(sim));
+    same_states(sd_simulation_state(sim), end, "two threads");
     sd_simulation_free(sim);
-    if (k == 1) {
-      sd_state *other = whole_run(model, 2);
-      same_states(other, end, "threads");
-      sd_state_free(other);
-    }
     sd_state_free(end);
     sd_model_free(model);
   }
