@@ -48,8 +48,21 @@ static bool write_all(int fd, const unsigned char *bytes, size_t size) {
   return true;
 }
 
+bool file_is_special(const char *path) {
+  struct stat facts;
+  if (lstat(path, &facts) != 0) return false;
+  return !S_ISREG(facts.st_mode) && !S_ISLNK(facts.st_mode) && !S_ISDIR(facts.st_mode);
+}
+
+/* A rename would put a file in the place of a device or a pipe, and of /dev/null for everybody. */
+static sd_status check_replaceable(const char *path, sd_messages *messages) {
+  if (!file_is_special(path)) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
+}
+
 sd_status file_write_atomic(const char *path, size_t n_pieces, const file_piece *pieces,
                             sd_messages *messages) {
+  if (check_replaceable(path, messages) != SD_OK) return SD_ERROR_IO;
   char *temporary = file_path("%s.tmp", path);
   if (!temporary) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   int fd = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
@@ -100,6 +113,7 @@ sd_status file_sync_folder(const char *path, sd_messages *messages) {
 }
 
 sd_status file_commit(const char *temporary, const char *path, sd_messages *messages) {
+  if (check_replaceable(path, messages) != SD_OK) return SD_ERROR_IO;
   int fd = open(temporary, O_RDWR | O_CLOEXEC);
   if (fd < 0) return fail(messages, "open", temporary);
   struct stat facts;

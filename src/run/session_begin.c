@@ -153,6 +153,8 @@ static sd_status prepare(session *s, sd_messages *messages) {
     status = sd_fail(messages, SD_ERROR_IO, "no memory to start");
   else if (file_is_folder(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a folder, a result is a file", s->result);
+  else if (file_is_special(s->result))
+    status = sd_fail(messages, SD_ERROR_USER, "%s is a device or a pipe, a result is a file", s->result);
   else if (!s->options.force && file_exists(s->result) && !file_exists(parts))
     status = refuse_finished(s, messages);
   if (status == SD_OK) status = folder_open(parts, &s->parts_folder, messages);
