@@ -202,6 +202,14 @@ class Again(Folder):
         self.assertEqual(self.result.read_text(), "a letter\n")
         self.assertFalse(self.parts.exists())
 
+    def test_pipe_is_not_replaced(self):
+        os.mkfifo(self.result)
+        status, _, err = run("run", *deck_arguments(measure=1000), "--force", "-o", self.result)
+        self.assertEqual(status, 2)
+        self.assertIn("is a device or a pipe", err)
+        self.assertTrue(self.result.is_fifo())
+        self.assertFalse(self.parts.exists())
+
     def test_default_name(self):
         status, _, err = run("run", *deck_arguments(measure=1000), cwd=self.folder)
         self.assertEqual(status, 0, err)
