@@ -5,7 +5,7 @@
  *   to rank 0:    ASK -> a task or NONE        STOP, LEAVE (in comm_queue_end, STOP may follow), END (last)
  *   from rank 0:  STOP                         END (all have left) -> END
  *
- * Both last words are END, so that none of a queue's words meets the next queue.
+ * Both last words are END, and a barrier follows, so that none of a queue's words meets the next queue.
  */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -277,4 +277,5 @@ void comm_queue_end(comm_queue *q) {
     for (long ns = 0; comm_serve(q), q->away > 0;) rest(&ns);
   }
   settle_post();
+  comm_max(0); /* nobody begins the next queue while rank 0 still waits for the END of others in this one */
 }
