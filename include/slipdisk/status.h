@@ -43,6 +43,8 @@ SD_API size_t sd_messages_count(const sd_messages *m);               /* errors a
 SD_API const char *sd_messages_text(const sd_messages *m, size_t k); /* k-th line, without newline */
 /* Worst kind added: SD_OK when there is no error, else the first error's kind. */
 SD_API sd_status sd_messages_status(const sd_messages *m);
+/* Empties the list. */
+SD_API void sd_messages_clear(sd_messages *m);
 /* One line each, "error: " or "warning: " before it. */
 SD_API void sd_messages_print(const sd_messages *m, FILE *out);
 

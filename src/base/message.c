@@ -17,9 +17,14 @@ struct sd_messages {
 
 sd_messages *sd_messages_new(void) { return calloc(1, sizeof(sd_messages)); }
 
+void sd_messages_clear(sd_messages *m) {
+  for (size_t k = 0; m && k < m->count; k++) free(m->lines[k].text);
+  if (m) m->count = m->errors = 0;
+}
+
 void sd_messages_free(sd_messages *m) {
   if (!m) return;
-  for (size_t k = 0; k < m->count; k++) free(m->lines[k].text);
+  sd_messages_clear(m);
   free(m->lines);
   free(m);
 }

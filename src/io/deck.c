@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/deck_grid.h"
 #include "io/deck_read.h"
+#include "io/deck_sweep.h"
 #include "slipdisk/deck.h"
 
 /* --- the keys of the deck itself --------------------------------------------------------------------------- */
@@ -54,15 +54,14 @@ static void read_box(deck *d) {
   }
 }
 
-/* Checked here; its points are made by deck_sweep.c. The model is that of the deck as it stands. */
-static void read_sweep(deck *d) {
-  deck_grids all = deck_read_grids(d);
-  for (size_t k = 0; k < all.n; k++) d->model->sweep_points += deck_grid_points(&all.grid[k]);
+/* Checked and counted; the model is that of the deck as it stands. */
+static void read_sweep(deck *d, bool point) {
+  if (!point) d->model->sweep_points = deck_sweep_count(d);
   deck_remove(d->root, deck_child(d->root, "sweep"));
 }
 
 /* The order matters: motions speak of bodies, phases of motions. */
-static void read_all(deck *d) {
+static void read_all(deck *d, bool point) {
   read_run(d);
   read_gravity(d);
   read_box(d);
@@ -75,20 +74,20 @@ static void read_all(deck *d) {
   deck_read_phases(d);
   deck_read_measure(d);
   deck_read_until(d);
-  read_sweep(d);
+  read_sweep(d, point);
   deck_check_laws(d);
   deck_check_overlaps(d);
 }
 
 /* --- loading ------------------------------------------------------------------------------------------------ */
 
-static char *join_overrides(deck *d, size_t n, const char *const *overrides) {
+static char *join_settings(deck *d, size_t n, const deck_setting *settings) {
   size_t length = 0;
-  for (size_t k = 0; k < n; k++) length += strlen(overrides[k]) + 1;
+  for (size_t k = 0; k < n; k++) length += strlen(settings[k].text) + 1;
   char *text = deck_keep(d, length + 1, 1), *p = text;
   for (size_t k = 0; k < n; k++) {
-    size_t size = strlen(overrides[k]);
-    memcpy(p, overrides[k], size);
+    size_t size = strlen(settings[k].text);
+    memcpy(p, settings[k].text, size);
     p[size] = '\n';
     p += size + 1;
   }
@@ -107,8 +106,8 @@ static sd_status finish(deck *d) {
 /* What deck_open was given, and what to do with it. */
 typedef struct task {
   const char *text;
-  size_t n_overrides;
-  const char *const *overrides;
+  size_t n_settings;
+  const deck_setting *settings;
   deck_use *use;
   void *user;
 } task;
@@ -118,17 +117,17 @@ static sd_status open_and_use(deck *d, const task *t) {
   if (!scanned.broken) d->root = deck_parse(d, &scanned);
   if (!d->root) return SD_ERROR_USER;
   d->text = scanned.raw ? scanned.raw : t->text;
-  for (size_t k = 0; k < t->n_overrides; k++) deck_override(d, t->overrides[k]);
+  for (size_t k = 0; k < t->n_settings; k++) deck_override(d, &t->settings[k]);
   return t->use(d, t->user);
 }
 
-sd_status deck_open(const char *text, const char *path, size_t n_overrides, const char *const *overrides,
+sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     deck_use *use, void *user, sd_messages *messages) {
   deck *d = calloc(1, sizeof *d);
   if (!d) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   d->path = path;
   d->messages = messages;
-  task t = {text, n_overrides, overrides, use, user};
+  task t = {text, n_settings, settings, use, user};
   sd_status status;
   if (setjmp(d->out_of_memory) == 0)
     status = open_and_use(d, &t);
@@ -143,8 +142,9 @@ sd_status deck_open(const char *text, const char *path, size_t n_overrides, cons
 }
 
 typedef struct model_task {
-  size_t n_overrides;
-  const char *const *overrides;
+  size_t n_settings;
+  const deck_setting *settings;
+  bool point;
   sd_model *model;
 } model_task;
 
@@ -154,18 +154,29 @@ static sd_status make_model(deck *d, void *user) {
   if (!d->model) longjmp(d->out_of_memory, 1);
   d->model->deck_path = deck_keep_text(d, d->path);
   d->model->deck_text = deck_keep_text(d, d->text);
-  d->model->deck_overrides = join_overrides(d, t->n_overrides, t->overrides);
-  read_all(d);
+  d->model->deck_overrides = join_settings(d, t->n_settings, t->settings);
+  read_all(d, t->point);
   sd_status status = finish(d);
   t->model = status == SD_OK ? d->model : NULL;
   return status;
 }
 
+sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
+                    bool point, sd_model **out, sd_messages *messages) {
+  model_task t = {n_settings, settings, point, NULL};
+  sd_status status = deck_open(text, path, n_settings, settings, make_model, &t, messages);
+  *out = t.model;
+  return status;
+}
+
 sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
                             const char *const *overrides, sd_model **out, sd_messages *messages) {
-  model_task t = {n_overrides, overrides, NULL};
-  sd_status status = deck_open(text, path, n_overrides, overrides, make_model, &t, messages);
-  *out = t.model;
+  deck_setting *settings = calloc(n_overrides + 1, sizeof *settings);
+  *out = NULL;
+  if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  for (size_t k = 0; k < n_overrides; k++) settings[k].text = overrides[k];
+  sd_status status = deck_load(text, path, n_overrides, settings, false, out, messages);
+  free(settings);
   return status;
 }
 

@@ -3,7 +3,7 @@
  * A deck goes through five hands:
  *   deck_scan   text -> text that libconfig cannot misread (numbers, comments, repeated keys, includes)
  *   deck_parse  libconfig's tree -> our own tree of nodes, each knowing its file and line
- *   deck_override  -D path=value, applied to the tree
+ *   deck_override  path=value of -D, or of a point of a sweep, applied to the tree
  *   deck_read   typed getters; they follow the key tables of deck_keys and fill defaults into the tree
  *   deck_echo   the completed tree, printed as a deck again
  * deck_bodies, deck_rows, deck_motion and deck_phases turn groups of the tree into parts of a model.
@@ -21,11 +21,17 @@
 
 #include "slipdisk/model.h"
 
-/* Where something stands. An override has the file "-D path=value" and line 0. */
+/* Where something stands. What -D has set has the file "-D path=value" and line 0. */
 typedef struct deck_place {
   const char *file;
   int line;
 } deck_place;
+
+/* A key that is set from outside: by -D, or by a point of a sweep, whose values have a place in the deck. */
+typedef struct deck_setting {
+  const char *text; /* "path=value" */
+  deck_place place; /* file NULL: -D */
+} deck_setting;
 
 typedef enum deck_type {
   DECK_GROUP,
@@ -90,11 +96,14 @@ typedef struct deck {
 
 /* --- deck.c ------------------------------------------------------------------------------------------- */
 
-/* Scans and parses the text, applies the overrides, and hands the tree to use; frees all but what use has kept.
+/* Scans and parses the text, applies the settings, and hands the tree to use; frees all but what use has kept.
  * When use fails, or memory runs out in it, d->model is freed too. */
 typedef sd_status deck_use(deck *d, void *user);
-sd_status deck_open(const char *text, const char *path, size_t n_overrides, const char *const *overrides,
+sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     deck_use *use, void *user, sd_messages *messages);
+/* The model of a deck with these settings. point: it is a point of the deck's sweep, which is known to be right. */
+sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
+                    bool point, sd_model **out, sd_messages *messages);
 /* The text of the deck at path, to be freed; NULL: reported, and why in status. */
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
 
@@ -150,12 +159,14 @@ void deck_parse_free(deck *d);
 
 /* --- deck_override.c ---------------------------------------------------------------------------------- */
 
-void deck_override(deck *d, const char *argument);
+void deck_override(deck *d, const deck_setting *setting);
 
 /* --- deck_echo.c -------------------------------------------------------------------------------------- */
 
 /* The completed tree as a deck; from malloc. */
 char *deck_echo(deck *d);
+/* A value as a deck has it, on one line; in the arena. */
+const char *deck_value_text(deck *d, const deck_node *node);
 
 /* --- model parts --------------------------------------------------------------------------------------- */
 

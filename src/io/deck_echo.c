@@ -16,6 +16,7 @@ typedef struct printer {
   deck *d;
   char *text;
   size_t n, capacity, line; /* line: where the current line begins */
+  bool one_line;
 } printer;
 
 static void put(printer *p, const char *text) {
@@ -34,7 +35,8 @@ static void put(printer *p, const char *text) {
 }
 
 static void newline(printer *p, int indent) {
-  put(p, "\n");
+  put(p, p->one_line ? " " : "\n");
+  if (p->one_line) return;
   for (int k = 0; k < indent; k++) put(p, "  ");
 }
 
@@ -129,6 +131,12 @@ static void put_top(printer *p, const deck_node *child) {
   put(p, ";");
   if (child->defaulted) put(p, "  # default");
   put(p, "\n");
+}
+
+const char *deck_value_text(deck *d, const deck_node *node) {
+  printer p = {.d = d, .one_line = true};
+  put_value(&p, node, 0);
+  return p.text;
 }
 
 char *deck_echo(deck *d) {

@@ -6,8 +6,8 @@
 #include "io/deck.h"
 
 typedef struct grid_value {
-  const char *text;    /* as in the deck, without quotes */
-  const char *literal; /* as behind the = of -D */
+  const char *text;    /* as in the deck, without quotes; equal numbers have equal texts */
+  const char *literal; /* as behind the = of -D; the same */
   double number;       /* an angle in rad; NAN: no number */
   deck_place place;
 } grid_value;
@@ -29,6 +29,8 @@ typedef struct grid {
   size_t n_dimensions;
   size_t *length; /* [n_dimensions] */
   int64_t replicas;
+  bool seed_varies; /* a parameter sets the seed */
+  deck_node *node;
 } grid;
 
 typedef struct deck_grids {

@@ -1,4 +1,4 @@
-/* deck_override.c: -D path=value. See deck.h.
+/* deck_override.c: path=value, from -D or from a point of a sweep. See deck.h.
  *
  * The path is that of the messages: gravity.tilt, motions[0].amplitude; also motions.[0].amplitude as
  * libconfig writes it, and motions.left_x.amplitude for the entry whose name is left_x;
@@ -6,6 +6,8 @@
  * that are not there yet are made: the check of unknown keys finds the wrong ones later.
  */
 #include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/types.h>
@@ -14,16 +16,42 @@
 #include "io/deck_keys.h"
 
 /* Of these only one may be given: setting one takes the others away. */
-static const char *const alternatives[][2] = {
-    {"steps", "time"},      {"frequency", "omega"}, {"mass", "density"},     {"error", "relative"},
-    {"values", "linspace"}, {"values", "logspace"}, {"linspace", "logspace"}};
+enum { MOST_ALTERNATIVES = 3 };
+static const char *const alternatives[][MOST_ALTERNATIVES] = {{"steps", "time"},
+                                                              {"frequency", "omega"},
+                                                              {"mass", "density"},
+                                                              {"error", "relative"},
+                                                              {"values", "linspace", "logspace"}};
 
 static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);
 }
 
+/* What -D has set stands in the command line. */
+static deck_place place_of(deck *d, const deck_setting *s) {
+  return s->place.file ? s->place : (deck_place){deck_format(d, "-D %s", s->text), 0};
+}
+
+/* About the setting as a whole: "-D path=value: ...", or "file:line: path = value: ...". */
+static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRINTF(3, 4);
+static void fail(deck *d, const deck_setting *s, const char *format, ...) {
+  char *text = NULL;
+  va_list args;
+  va_start(args, format);
+  int n = vasprintf(&text, format, args);
+  va_end(args);
+  if (n < 0) longjmp(d->out_of_memory, 1);
+  const char *words = deck_copy(d, text, (size_t)n), *equals = strchr(s->text, '=');
+  free(text);
+  if (s->place.file && equals)
+    deck_fail_place(d, s->place, "%.*s = %s: %s", (int)(equals - s->text), s->text, equals + 1, words);
+  else
+    deck_fail_place(d, place_of(d, s), "%s", words);
+}
+
 /* The value as a deck would read it, else as a text: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. */
-static deck_node *value_of(deck *d, const char *text, deck_place place) {
+static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
+  deck_place place = place_of(d, s);
   while (isspace((unsigned char)*text)) text++;
   bool word = !strchr("([{\"", *text) || !*text;
   sd_messages *all = d->messages, *mine = sd_messages_new();
@@ -47,11 +75,11 @@ static deck_node *value_of(deck *d, const char *text, deck_place place) {
   char *end;
   strtod(text, &end);
   bool number = end != text && !*end;
-  deck_fail_place(d, place, number ? "the number is out of range" : "the value cannot be read");
+  fail(d, s, "%s", number ? "the number is out of range" : "the value cannot be read");
   return NULL;
 }
 
-static deck_node *element(deck *d, deck_node *list, const char *word, size_t n, deck_place place) {
+static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
   for (size_t k = 0; k < list->n; k++) {
     const deck_node *name = deck_child(list->child[k], "name");
     if (name && name->type == DECK_STRING && same_word(word, n, name->value.text)) return list->child[k];
@@ -66,42 +94,43 @@ static deck_node *element(deck *d, deck_node *list, const char *word, size_t n, 
     hint = deck_format(d, "; did you mean %s[%s]?", above, guess.word);
   else if (guess.best)
     hint = deck_format(d, "; did you mean \"%s\"?", guess.best);
-  deck_fail_place(d, place, "%s has no entry named \"%s\"%s", above, guess.word, hint);
+  fail(d, s, "%s has no entry named \"%s\"%s", above, guess.word, hint);
   return NULL;
 }
 
 /* One step of the path, "[3]" or "name"; *p goes behind it. NULL: reported. make: a key may be new. */
-static deck_node *step(deck *d, deck_node *at, const char **p, deck_place place) {
+static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char **p) {
   if (**p == '.') ++*p;
   if (**p == '[') {
     char *end;
     unsigned long k = strtoul(*p + 1, &end, 10);
     if (end == *p + 1 || *end != ']' || !isdigit((unsigned char)(*p)[1])) {
-      deck_fail_place(d, place, "expected a number in [ ]");
+      fail(d, s, "expected a number in [ ]");
       return NULL;
     }
     *p = end + 1;
     if (at->type == DECK_LIST && k < at->n) return at->child[k];
-    deck_fail_place(d, place, "%s has %s", *deck_node_path(d, at) ? deck_node_path(d, at) : "the deck",
-                    at->type != DECK_LIST ? "no entries [ ]"
-                                          : deck_format(d, "entries [0] to [%zd] only", (ssize_t)at->n - 1));
+    fail(d, s, "%s has %s", *deck_node_path(d, at) ? deck_node_path(d, at) : "the deck",
+         at->type != DECK_LIST ? "no entries [ ]"
+                               : deck_format(d, "entries [0] to [%zd] only", (ssize_t)at->n - 1));
     return NULL;
   }
   size_t n = strcspn(*p, ".[");
   const char *word = *p;
   *p += n;
   if (n == 0 || (at->type != DECK_GROUP && at->type != DECK_LIST)) {
-    deck_fail_place(
-        d, place, n == 0 ? "expected path=value, such as gravity.tilt=0.1" : "%s is a value and has no keys",
-        deck_node_path(d, at));
+    if (n == 0)
+      fail(d, s, "expected path=value, such as gravity.tilt=0.1");
+    else
+      fail(d, s, "%s is a value and has no keys", deck_node_path(d, at));
     return NULL;
   }
-  if (at->type == DECK_LIST) return element(d, at, word, n, place);
+  if (at->type == DECK_LIST) return element(d, s, at, word, n);
   deck_node *child = deck_child(at, deck_copy(d, word, n));
-  return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place);
+  return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place_of(d, s));
 }
 
-/* The value and its children come from the command line, wherever the node stands. */
+/* The value and its children come from the setting, wherever the node stands. */
 static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place place) {
   to->type = from->type;
   to->value = from->value;
@@ -113,37 +142,39 @@ static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place plac
   }
 }
 
-static void set(deck *d, deck_node *at, const char *p, const deck_node *value, deck_place place) {
+static void set(deck *d, const deck_setting *s, deck_node *at, const char *p, const deck_node *value) {
   while (*p) {
     if (strncmp(p, "[*]", 3) == 0 || strncmp(p, ".[*]", 4) == 0) {
-      if (at->type != DECK_LIST) deck_fail_place(d, place, "%s is no list", deck_node_path(d, at));
+      if (at->type != DECK_LIST) fail(d, s, "%s is no list", deck_node_path(d, at));
       for (size_t k = 0; at->type == DECK_LIST && k < at->n; k++)
-        set(d, at->child[k], strchr(p, ']') + 1, value, place);
+        set(d, s, at->child[k], strchr(p, ']') + 1, value);
       return;
     }
-    at = step(d, at, &p, place);
+    at = step(d, s, at, &p);
     if (!at) return;
     if (*p && !strchr(".[", *p)) {
-      deck_fail_place(d, place, "expected . or [ after ] in the path");
+      fail(d, s, "expected . or [ after ] in the path");
       return;
     }
   }
   for (size_t k = 0; at->name && k < sizeof alternatives / sizeof *alternatives; k++)
-    for (int side = 0; side < 2; side++)
-      if (strcmp(at->name, alternatives[k][side]) == 0)
-        deck_remove(at->parent, deck_child(at->parent, alternatives[k][1 - side]));
-  adopt(d, at, value, place);
+    for (size_t mine = 0; mine < MOST_ALTERNATIVES; mine++) {
+      if (!alternatives[k][mine] || strcmp(at->name, alternatives[k][mine]) != 0) continue;
+      for (size_t other = 0; other < MOST_ALTERNATIVES; other++)
+        if (other != mine && alternatives[k][other])
+          deck_remove(at->parent, deck_child(at->parent, alternatives[k][other]));
+    }
+  adopt(d, at, value, place_of(d, s));
 }
 
-void deck_override(deck *d, const char *argument) {
-  deck_place place = {deck_format(d, "-D %s", argument), 0};
-  const char *equals = strchr(argument, '=');
-  if (!equals || equals == argument) {
-    deck_fail_place(d, place, "expected path=value, such as gravity.tilt=0.1");
+void deck_override(deck *d, const deck_setting *setting) {
+  const char *text = setting->text, *equals = strchr(text, '=');
+  if (!equals || equals == text) {
+    fail(d, setting, "expected path=value, such as gravity.tilt=0.1");
     return;
   }
-  size_t n = (size_t)(equals - argument);
-  while (n && isspace((unsigned char)argument[n - 1])) n--;
-  const deck_node *value = value_of(d, equals + 1, place);
-  if (value) set(d, d->root, deck_copy(d, argument, n), value, place);
+  size_t n = (size_t)(equals - text);
+  while (n && isspace((unsigned char)text[n - 1])) n--;
+  const deck_node *value = value_of(d, setting, equals + 1);
+  if (value) set(d, setting, d->root, deck_copy(d, text, n), value);
 }

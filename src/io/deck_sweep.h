@@ -13,19 +13,28 @@
 
 #include "slipdisk/model.h"
 
+struct deck;
+
 typedef struct sweep_parameter {
   char *name; /* column of the table of results */
   char *path; /* what it sets; several are joined by a blank */
-  bool text;  /* values are no numbers */
+  bool text;  /* some of its values are no numbers */
 } sweep_parameter;
+
+/* Where a value stands in the sweep. */
+typedef struct sweep_place {
+  const char *file; /* one of the sweep's */
+  int line;
+} sweep_place;
 
 typedef struct sweep_point {
   char *name; /* "tilt=0.04pi,eps=1e-4,r=2"; the result is NAME.h5 */
   size_t n_overrides;
-  char **overrides; /* "path=value", the seed among them; without those of the command line */
-  double *values;   /* [n_parameters]; an angle in rad; NAN: a text, or not set by this point */
-  char **texts;     /* [n_parameters], as in the deck; "": not set by this point */
-  int64_t replica;  /* from 0 */
+  char **overrides;    /* "path=value", the seed among them; without those of the command line */
+  sweep_place *places; /* [n_overrides] */
+  double *values;      /* [n_parameters]; an angle in rad; NAN: a text, or not set by this point */
+  char **texts;        /* [n_parameters], as in the deck; "": not set by this point */
+  int64_t replica;     /* from 0 */
   int64_t seed;
   size_t set; /* points with the same set differ in the replica only; sets count from 0 */
 } sweep_point;
@@ -39,6 +48,9 @@ typedef struct deck_sweep {
   sweep_point *points;
   size_t n_collect; /* 0: everything */
   char **collect;
+  size_t n_files; /* in which the sweep stands: the deck, and what it includes */
+  char **files;
+  bool reads_files; /* the deck names files of disks or of motions: its text does not say everything */
 } deck_sweep;
 
 /* Reads the group `sweep` of the deck at path (checked in full by deck_sweep_model only). A deck without one
@@ -46,8 +58,11 @@ typedef struct deck_sweep {
 sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
                           sd_messages *messages);
 void deck_sweep_free(deck_sweep *s);
+/* Reads the group `sweep` of a deck that is being read, and counts its points; 0: it has none, or mistakes
+ * (reported). */
+size_t deck_sweep_count(struct deck *d);
 
-/* The model of one point; its messages are those of the deck's loader. */
+/* The model of one point; its messages are those of the deck's loader, with the places of the values in the sweep. */
 sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages);
 
 #endif

@@ -1,0 +1,396 @@
+/* test_sweep_deck.c: the group `sweep` of a deck: which points it asks for, their names and seeds. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "slipdisk/deck.h"
+#include "sweep_decks.h"
+
+static const deck_sweep *good_deck(const char *text) {
+  sd_status status = load(text, 0, NULL);
+  sd_messages_print(messages, stderr);
+  assert_int_equal(status, SD_OK);
+  /* names, numbers and sets belong together */
+  for (size_t k = 0; k < sweep_now.n_points; k++) {
+    assert_in_range(sweep_now.points[k].set, 0, sweep_now.n_sets - 1);
+    for (size_t j = 0; j < k; j++)
+      assert_string_not_equal(sweep_now.points[k].name, sweep_now.points[j].name);
+  }
+  return &sweep_now;
+}
+
+/* The points of `sweep = ...;`. */
+static const deck_sweep *good(const char *grids) {
+  char text[8000];
+  assert_in_range(snprintf(text, sizeof text, HEAD "sweep = %s;\n" TAIL, grids), 1, sizeof text - 1);
+  return good_deck(text);
+}
+
+static const sweep_point *point(const char *name) {
+  for (size_t k = 0; k < sweep_now.n_points; k++)
+    if (strcmp(sweep_now.points[k].name, name) == 0) return &sweep_now.points[k];
+  print_error("there is no point %s among\n", name);
+  for (size_t k = 0; k < sweep_now.n_points; k++) print_error("  %s\n", sweep_now.points[k].name);
+  fail();
+  return NULL;
+}
+
+/* The names of all points, in order. */
+static void names_are(const char *wanted) {
+  char names[8000] = "";
+  for (size_t k = 0; k < sweep_now.n_points; k++) {
+    strcat(names, k ? " " : "");
+    strcat(names, sweep_now.points[k].name);
+  }
+  assert_string_equal(names, wanted);
+}
+
+static sd_model *model_of(const char *name) {
+  sd_model *m = NULL;
+  sd_messages_clear(messages);
+  sd_status status = deck_sweep_model(&sweep_now, (size_t)(point(name) - sweep_now.points), &m, messages);
+  sd_messages_print(messages, stderr);
+  assert_int_equal(status, SD_OK);
+  assert_int_equal(m->sweep_points, 0);
+  return m;
+}
+
+/* --- points ------------------------------------------------------------------------------------------------ */
+
+static void test_crossed(void **state) {
+  (void)state;
+  const deck_sweep *s =
+      good("{ parameters = ( { path = \"gravity.tilt\"; values = (0, \"0.02 pi\", \"7.2 deg\"); },"
+           " { path = \"motions[*].amplitude\"; name = \"eps\"; values = (1e-5, 0.5, 2.0); } ); }");
+  names_are("tilt=0,eps=1e-05 tilt=0,eps=0.5 tilt=0,eps=2 tilt=0.02pi,eps=1e-05 tilt=0.02pi,eps=0.5 "
+            "tilt=0.02pi,eps=2 tilt=7.2deg,eps=1e-05 tilt=7.2deg,eps=0.5 tilt=7.2deg,eps=2");
+  assert_int_equal(s->n_sets, 9);
+  assert_int_equal(s->n_parameters, 2);
+  assert_string_equal(s->parameters[1].path, "motions[*].amplitude");
+  assert_false(s->parameters[0].text || s->parameters[1].text);
+  const sweep_point *p = point("tilt=7.2deg,eps=0.5");
+  assert_true(fabs(p->values[0] - 7.2 * M_PI / 180) < 1e-16 && p->values[1] == 0.5);
+  assert_string_equal(p->texts[0], "7.2 deg");
+  sd_model *m = model_of("tilt=7.2deg,eps=0.5");
+  assert_true(fabs(m->gravity[0] + 10 * sin(7.2 * M_PI / 180)) < 1e-15);
+  assert_true(m->motions[0].amplitude == 0.5 && m->motions[1].amplitude == 0.5);
+  assert_int_equal(m->seed, p->seed);
+  sd_model_free(m);
+}
+
+static void test_zipped(void **state) {
+  (void)state;
+  good("{ parameters = ( { path = \"dt\"; values = (1e-3, 2e-3); zip = \"t\"; },"
+       " { path = \"gravity.g\"; values = (1, 2); }, { path = \"steps\"; name = \"n\"; values = (20, 10); "
+       "zip = \"t\"; } ); }");
+  names_are("dt=0.001,g=1,n=20 dt=0.001,g=2,n=20 dt=0.002,g=1,n=10 dt=0.002,g=2,n=10");
+  sd_model *m = model_of("dt=0.002,g=2,n=10");
+  assert_true(m->dt == 2e-3 && m->phases[0].steps == 10 && m->gravity[1] == -2);
+  sd_model_free(m);
+}
+
+static void test_ranges(void **state) {
+  (void)state;
+  good("{ parameters = ( { path = \"gravity.g\"; linspace = (1, 2, 5); } ); }");
+  names_are("g=1 g=1.25 g=1.5 g=1.75 g=2");
+  good("{ parameters = ( { path = \"gravity.g\"; logspace = (1e-5, 1e-3, 5); } ); }");
+  names_are("g=1e-05 g=3.16227766017e-05 g=0.0001 g=0.000316227766017 g=0.001");
+  /* what the name says is what is set */
+  sd_model *m = model_of("g=3.16227766017e-05");
+  assert_true(m->gravity[1] == -3.16227766017e-05 &&
+              point("g=3.16227766017e-05")->values[0] == 3.16227766017e-05);
+  sd_model_free(m);
+  good("{ parameters = ( { path = \"gravity.tilt\"; linspace = (0, \"0.1 pi\", 3); } ); }");
+  names_are("tilt=0pi tilt=0.05pi tilt=0.1pi");
+  assert_true(fabs(point("tilt=0.05pi")->values[0] - 0.05 * M_PI) < 1e-16);
+  good("{ parameters = ( { path = \"gravity.tilt\"; linspace = (\"-9 deg\", \"9 deg\", 3); } ); }");
+  names_are("tilt=-9deg tilt=0deg tilt=9deg");
+  assert_true(fabs(point("tilt=9deg")->values[0] - M_PI / 20) < 1e-16);
+  /* two units: radians */
+  good("{ parameters = ( { path = \"gravity.tilt\"; linspace = (\"90 deg\", \"1 pi\", 2); } ); }");
+  names_are("tilt=1.57079632679 tilt=3.14159265359");
+  good("{ parameters = ( { path = \"gravity.tilt\"; logspace = (\"0.01 pi\", \"1 pi\", 3); } ); }");
+  names_are("tilt=0.01pi tilt=0.1pi tilt=1pi");
+  /* no rounding errors about 0, one value, downwards, negative */
+  good("{ parameters = ( { path = \"gravity.tilt\"; linspace = (-0.2, 0.4, 7); } ); }");
+  names_are("tilt=-0.2 tilt=-0.1 tilt=0 tilt=0.1 tilt=0.2 tilt=0.3 tilt=0.4");
+  good("{ parameters = ( { path = \"gravity.tilt\"; linspace = (3, 7, 1); } ); }");
+  names_are("tilt=3");
+  good("{ parameters = ( { path = \"gravity.tilt\"; logspace = (-100, -1, 3); } ); }");
+  names_are("tilt=-100 tilt=-10 tilt=-1");
+  good("{ parameters = ( { path = \"gravity.g\"; logspace = (1e-200, 1e200, 2); } ); }");
+  names_are("g=1e-200 g=1e+200");
+}
+
+static void test_paths(void **state) {
+  (void)state;
+  const deck_sweep *s =
+      good("{ parameters = ( { path = [\"disks.a.mass\", \"disks[1].mass\", \"motions.p.omega\"]; "
+           "values = (3, \"5\"); } ); }");
+  assert_string_equal(s->parameters[0].name, "mass");
+  assert_string_equal(s->parameters[0].path, "disks.a.mass disks[1].mass motions.p.omega");
+  sd_model *m = model_of("mass=3");
+  assert_true(m->disks[0].mass == 3 && m->disks[1].mass == 3 && m->motions[0].omega == 3 &&
+              m->motions[1].omega == 1);
+  sd_model_free(m);
+}
+
+/* Points that two grids have are run once, whatever they are called in the second. */
+static void test_union(void **state) {
+  (void)state;
+  const deck_sweep *s =
+      good("( { parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
+           "values = (0, \"1 deg\"); } ); },"
+           " { parameters = ( { path = \"gravity.tilt\"; values = (0.0, \"1deg\", 0.25); }, { path = "
+           "\"gravity.g\"; linspace = (2, 3, 2); } ); replicas = 2; },"
+           " { parameters = ( { path = \"skin\"; values = (0.5); } ); }, { } )");
+  names_are("g=1,tilt=0 g=1,tilt=1deg g=2,tilt=0 g=2,tilt=1deg "
+            "g=2,tilt=0,r=1 g=3,tilt=0 g=3,tilt=0,r=1 g=2,tilt=1deg,r=1 g=3,tilt=1deg g=3,tilt=1deg,r=1 "
+            "g=2,tilt=0.25 g=2,tilt=0.25,r=1 g=3,tilt=0.25 g=3,tilt=0.25,r=1 skin=0.5 base");
+  assert_int_equal(s->n_sets, 10);
+  assert_int_equal(point("g=2,tilt=0,r=1")->set, point("g=2,tilt=0")->set);
+  assert_int_equal(point("g=2,tilt=0,r=1")->replica, 1);
+  /* parameters that a grid does not have */
+  const sweep_point *p = point("skin=0.5");
+  assert_true(isnan(p->values[0]) && isnan(p->values[1]) && p->values[2] == 0.5);
+  assert_string_equal(p->texts[0], "");
+  assert_true(isnan(point("g=3,tilt=0.25")->values[2]));
+  assert_true(isnan(point("base")->values[0]));
+}
+
+/* 10, 10.0 and 1e1 are the same, and so are their seeds. */
+static void test_same_numbers(void **state) {
+  (void)state;
+  static const char *const ways[] = {"values = (10)",   "values = (10.0)",        "values = (1e1)",
+                                     "values = (1e+1)", "linspace = (10, 20, 1)", "logspace = (10.0, 1, 1)"};
+  int64_t seed = 0;
+  for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
+    char text[200];
+    snprintf(text, sizeof text, "{ parameters = ( { path = \"gravity.g\"; %s; } ); }", ways[k]);
+    good(text);
+    names_are("g=10");
+    if (k == 0) seed = point("g=10")->seed;
+    assert_int_equal(point("g=10")->seed, seed);
+  }
+  good("{ parameters = ( { path = \"steps\"; name = \"n\"; values = (2e6, 2000000, 5000000000, 5e9, 0x10); } "
+       "); }");
+  names_are("n=2000000 n=5000000000 n=16");
+  sd_model *m = model_of("n=5000000000");
+  assert_int_equal(m->phases[0].steps, 5000000000);
+  sd_model_free(m);
+}
+
+static void test_texts(void **state) {
+  (void)state;
+  const deck_sweep *s = good("{ parameters = ( { path = \"integrator\"; values = (\"gear5\", \"verlet\"); },"
+                             " { path = \"title\"; values = (\"a b\", \"ab\", \"a/b\", \"..\", \"say "
+                             "\\\"no\\\", or\\nnot\\\\\"); } ); }");
+  assert_int_equal(s->n_points, 10);
+  assert_true(s->parameters[0].text && s->parameters[1].text);
+  assert_string_equal(s->points[1].name, "integrator=gear5,title=ab");
+  assert_string_equal(s->points[3].name, "integrator=gear5,title=..");
+  for (size_t k = 0; k < s->n_points; k++) {
+    assert_null(strpbrk(s->points[k].name, "/ \"\n\\"));
+    for (size_t j = 0; j < s->points[k].n_overrides; j++)
+      assert_null(strchr(s->points[k].overrides[j], '\n'));
+  }
+  sd_model *m = model_of(s->points[4].name);
+  assert_string_equal(m->title, "say \"no\", or\nnot\\");
+  assert_int_equal(m->integrator, SD_GEAR5);
+  sd_model_free(m);
+  /* lists, truth, numbers beside texts */
+  s = good("{ parameters = ( { path = \"disks.b.locked\"; values = ((), (\"x\", \"y\")); }, { path = "
+           "\"disks.b.fixed\"; values = (true, false); }, { path = \"disks.b.y\"; name = \"y\"; values = (1, "
+           "2); } ); }");
+  assert_int_equal(s->n_points, 8);
+  assert_string_equal(s->points[0].texts[1], "true");
+  m = model_of(s->points[6].name);
+  assert_true(m->disks[1].locked[SD_X] && m->disks[1].locked[SD_Y] && !m->disks[1].locked[SD_THETA]);
+  assert_true(m->disks[1].position[1] == 1);
+  sd_model_free(m);
+  s = good("{ parameters = ( { path = \"motions.p.phase\"; values = (0, \"1 pi\"); }, { path = \"title\"; "
+           "values = "
+           "(1, \"one\"); } ); }" +
+           0);
+  assert_true(!s->parameters[0].text && s->parameters[1].text);
+}
+
+/* A deck with another thing in it has longer names than a file may have. */
+static void test_long_names(void **state) {
+  (void)state;
+  char text[4000] = "{ parameters = ( { path = \"title\"; values = (\"", *end = text + strlen(text);
+  memset(end, 'x', 300);
+  strcpy(end + 300, "y\", \"");
+  end += strlen(end);
+  memset(end, 'x', 300);
+  strcpy(end + 300, "z\"); } ); replicas = 2; }");
+  const deck_sweep *s = good(text);
+  assert_int_equal(s->n_points, 4);
+  for (size_t k = 0; k < 4; k++) assert_in_range(strlen(s->points[k].name), 100, 150);
+  /* replicas differ in the ending only */
+  assert_int_equal(strncmp(s->points[0].name, s->points[1].name, strlen(s->points[0].name)), 0);
+}
+
+static void test_without_sweep(void **state) {
+  (void)state;
+  const deck_sweep *s = good_deck(HEAD TAIL);
+  names_are("base");
+  assert_int_equal(s->n_points, 1);
+  assert_int_equal(s->points[0].n_overrides, 0);
+  assert_int_equal(s->points[0].seed, 5);
+  sd_model *m = model_of("base");
+  assert_int_equal(m->seed, 5);
+  sd_model_free(m);
+  s = good("( )");
+  assert_int_equal(s->n_points, 1);
+  /* replicas of the deck itself */
+  good("{ replicas = 3; }");
+  names_are("base r=1 r=2");
+  assert_int_equal(sweep_now.n_sets, 1);
+}
+
+static void test_names(void **state) {
+  (void)state;
+  const deck_sweep *s = good("{ parameters = ( { path = \"motions.p.amplitude\"; values = (1); }, { path = "
+                             "\"motions.q.amplitude\"; values "
+                             "= (1); }, { path = \"motions[0].omega\"; values = (1); }, { path = "
+                             "\"phases[0].steps\"; values = (10); }, { "
+                             "path = \"gravity.tilt\"; name = \"q\"; values = (0); } ); }");
+  static const char *const wanted[] = {"amplitude", "q.amplitude", "omega", "phases0.steps", "q"};
+  for (size_t k = 0; k < 5; k++) assert_string_equal(s->parameters[k].name, wanted[k]);
+}
+
+/* --- seeds ------------------------------------------------------------------------------------------------- */
+
+static void test_seeds(void **state) {
+  (void)state;
+  good("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, "
+       "1); } ); }");
+  int64_t seed = point("g=2,tilt=1")->seed;
+  /* it is what the model gets, and whatever it is it is a positive number that a double holds */
+  assert_in_range(seed, 1, INT64_C(1) << 53);
+  for (size_t k = 0; k < 4; k++)
+    for (size_t j = 0; j < k; j++) assert_int_not_equal(sweep_now.points[k].seed, sweep_now.points[j].seed);
+  static const char *const grown[] = {
+      /* more values, in another order; replicas; another grid, before and behind; names; zip */
+      "{ parameters = ( { path = \"gravity.g\"; values = (3, 2, 1.5, 1); }, { path = \"gravity.tilt\"; "
+      "values = (1, 0); } ); }",
+      "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, "
+      "1); } ); "
+      "replicas = 7; }",
+      "( { parameters = ( { path = \"skin\"; values = (1, 2); } ); }, { parameters = ( { path = "
+      "\"gravity.g\"; values = "
+      "(1, 2); }, { path = \"gravity.tilt\"; values = (0, 1); } ); }, { replicas = 2; } )",
+      "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); zip = \"a\"; }, { path = \"gravity.tilt\"; "
+      "values = (0, "
+      "1); zip = \"a\"; } ); collect = \"work\"; }",
+      "( { parameters = ( { path = \"seed\"; name = \"noise\"; values = (1, 2); } ); }, { parameters = ( { "
+      "path = "
+      "\"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, 1); } ); } )",
+  };
+  for (size_t k = 0; k < sizeof grown / sizeof *grown; k++) {
+    good(grown[k]);
+    assert_int_equal(point("g=2,tilt=1")->seed, seed);
+  }
+  /* all different, replicas too */
+  good("{ parameters = ( { path = \"gravity.g\"; linspace = (1, 2, 50); } ); replicas = 20; }");
+  assert_int_equal(sweep_now.n_points, 1000);
+  assert_int_equal(sweep_now.n_sets, 50);
+  for (size_t k = 0; k < 1000; k++)
+    for (size_t j = 0; j < k; j++) assert_int_not_equal(sweep_now.points[k].seed, sweep_now.points[j].seed);
+}
+
+/* Another seed of the deck gives other seeds to the points, however it is written. */
+static void test_base_seed(void **state) {
+  (void)state;
+#define GRID "sweep = { parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); };\n"
+  good_deck(HEAD GRID TAIL);
+  int64_t seed = point("g=2")->seed;
+  const char *const same[] = {"seed=5.0"}, *const other[] = {"seed=6"};
+  assert_int_equal(load(HEAD GRID TAIL, 1, same), SD_OK);
+  assert_int_equal(point("g=2")->seed, seed);
+  assert_int_equal(load(HEAD GRID TAIL, 1, other), SD_OK);
+  assert_int_not_equal(point("g=2")->seed, seed);
+  good_deck("dt = 1e-3; steps = 10; seed = 5.0;\n" GRID TAIL);
+  assert_int_equal(point("g=2")->seed, seed);
+  /* without a seed it is 1 */
+  good_deck("dt = 1e-3; steps = 10;\n" GRID TAIL);
+  seed = point("g=2")->seed;
+  good_deck("dt = 1e-3; steps = 10; seed = 1;\n" GRID TAIL);
+  assert_int_equal(point("g=2")->seed, seed);
+}
+
+static void test_swept_seed(void **state) {
+  (void)state;
+  good("{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (7, 8.0, 9007199254740993); }, { path "
+       "= "
+       "\"gravity.g\"; values = (1, 2); } ); }");
+  names_are("noise=7,g=1 noise=7,g=2 noise=8,g=1 noise=8,g=2 noise=9007199254740993,g=1 "
+            "noise=9007199254740993,g=2");
+  assert_int_equal(point("noise=8,g=2")->seed, 8);
+  sd_model *m = model_of("noise=9007199254740993,g=1");
+  assert_int_equal(m->seed, 9007199254740993);
+  assert_int_equal(point("noise=9007199254740993,g=1")->seed, 9007199254740993);
+  sd_model_free(m);
+}
+
+/* --- -D ------------------------------------------------------------------------------------------------------ */
+
+static void test_overrides(void **state) {
+  (void)state;
+  const char *const more[] = {"sweep.parameters[0].values=(4, 5)", "sweep.replicas=2", "gravity.tilt=0.5"};
+  assert_int_equal(
+      load(HEAD "sweep = { parameters = ( { path = \"gravity.g\"; linspace = (1, 2, 3); } ); };\n" TAIL, 3,
+           more),
+      SD_OK);
+  names_are("g=4 g=4,r=1 g=5 g=5,r=1");
+  sd_model *m = model_of("g=5,r=1");
+  assert_true(fabs(m->gravity[0] + 5 * sin(0.5)) < 1e-15);
+  assert_non_null(strstr(m->deck_overrides, "sweep.replicas=2\ngravity.tilt=0.5\ngravity.g=5\nseed="));
+  sd_model_free(m);
+  const char *const made[] = {"sweep.replicas=3"};
+  assert_int_equal(load(HEAD TAIL, 1, made), SD_OK);
+  names_are("base r=1 r=2");
+}
+
+/* Only what is run more than once counts: the model says how many points there are. */
+static void test_count(void **state) {
+  (void)state;
+  sd_model *m = NULL;
+  sd_messages_clear(messages);
+  assert_int_equal(
+      sd_deck_load_text(HEAD "sweep = ( { parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); }, { "
+                             "parameters = ( { path = \"gravity.g\"; values = (2, 3); } ); } );\n" TAIL,
+                        "test.cfg", 0, NULL, &m, messages),
+      SD_OK);
+  assert_int_equal(m->sweep_points, 3);
+  assert_true(m->gravity[1] == -10);
+  /* the full deck is one run */
+  assert_null(strstr(m->deck_full, "sweep"));
+  sd_model_free(m);
+  assert_int_equal(sd_deck_load_text(HEAD TAIL, "test.cfg", 0, NULL, &m, messages), SD_OK);
+  assert_int_equal(m->sweep_points, 0);
+  sd_model_free(m);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_crossed),       cmocka_unit_test(test_zipped),
+      cmocka_unit_test(test_ranges),        cmocka_unit_test(test_paths),
+      cmocka_unit_test(test_union),         cmocka_unit_test(test_same_numbers),
+      cmocka_unit_test(test_texts),         cmocka_unit_test(test_long_names),
+      cmocka_unit_test(test_without_sweep), cmocka_unit_test(test_names),
+      cmocka_unit_test(test_seeds),         cmocka_unit_test(test_base_seed),
+      cmocka_unit_test(test_swept_seed),    cmocka_unit_test(test_overrides),
+      cmocka_unit_test(test_count),
+  };
+  return cmocka_run_group_tests(tests, set_up, tear_down);
+}
