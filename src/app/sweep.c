@@ -8,6 +8,9 @@
 #include "app/sweep.h"
 #include "io/file.h"
 
+/* How long --table waits for another process that is writing the tables, s. */
+static const double TABLE_PATIENCE = 600;
+
 enum { FORCE = 256, QUIET, THREADS, STATUS, LIST, TABLE, COUNT, POINT };
 
 static int parse_number(const char *option, const char *text, long least, long most, long *out) {
@@ -84,7 +87,7 @@ static void print_point(const sweep *s, size_t k, const sweep_result *r) {
   if (r->has_found && r->status != SWEEP_DONE && r->status != SWEEP_OTHER && r->found.steps > 0)
     snprintf(part, sizeof part, " %.1f %%", 100.0 * (double)r->found.step / (double)r->found.steps);
   printf("%6zu  %-10s%-8s %s  %s\n", k, sweep_status_names[r->status], part, s->deck.points[k].name,
-         r->status == SWEEP_FAILED ? r->message : sweep_finding(r, finding, sizeof finding));
+         *r->message ? r->message : sweep_finding(r, finding, sizeof finding));
 }
 
 /* list: all points; else how many of each kind, and those that are neither done nor waiting. */
@@ -111,12 +114,73 @@ static sd_status print_points(const sweep *s, bool list, sd_messages *messages) 
   return SD_OK;
 }
 
+/* --- one point --------------------------------------------------------------------------------------------- */
+
+typedef struct note {
+  const sweep *s;
+  size_t point;
+} note;
+
+/* Why it failed; a point that another process runs has not failed. */
+static void keep_note(void *user, const sd_messages *messages) {
+  const note *n = user;
+  if (sweep_peek(n->s, n->point) != SWEEP_RUNNING) sweep_note_messages(n->s, n->point, messages);
+}
+
+/* Is there anything to run? Tells of a finished result, and refuses one of another deck. */
+static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done, sd_messages *messages) {
+  sweep_result r;
+  const char *name = s->deck.points[point].name;
+  sd_status status = sweep_look(s, point, &r, messages);
+  *done = r.status == SWEEP_DONE;
+  if (status == SD_OK && *done && !quiet) fprintf(stderr, "point %zu, %s, is done already\n", point, name);
+  if (status == SD_OK && (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED))
+    status =
+        sd_fail(messages, SD_ERROR_USER, "point %zu, %s, is there already: %s: %s; --force runs it again",
+                point, name, sweep_status_names[r.status], r.message);
+  sweep_result_free(&r);
+  return status;
+}
+
+static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages) {
+  size_t point = (size_t)c->point;
+  note n = {s, point};
+  bool done = false;
+  char *result = NULL, *again = NULL;
+  sd_model *model = NULL;
+  sd_status status = sweep_prepare(s, messages);
+  if (status == SD_OK && !c->force) status = look_first(s, point, c->quiet, &done, messages);
+  if (status == SD_OK && !done) {
+    status = sweep_load(s, point, &model, &result, messages);
+    if (status != SD_OK) sweep_note_messages(s, point, messages);
+  }
+  if (status == SD_OK && !done && !(again = file_path("resume %s", result)))
+    status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (status == SD_OK && !done) {
+    drive_options drive = {.result = result,
+                           .again = again,
+                           .threads = c->threads,
+                           .force = c->force,
+                           .quiet = c->quiet,
+                           .failed = keep_note,
+                           .user = &n};
+    status = drive_run(model, &drive, messages);
+    if (status == SD_OK || status == SD_INTERRUPTED) sweep_note(s, point, NULL);
+  } else {
+    sd_messages_print(messages, stderr);
+  }
+  sd_model_free(model);
+  free(result);
+  free(again);
+  return status;
+}
+
 /* --- command ----------------------------------------------------------------------------------------------- */
 
 static sd_status write_table(const sweep *s, sd_messages *messages) {
   if (!file_is_folder(s->folder))
     return sd_fail(messages, SD_ERROR_USER, "there is no folder %s: no point has been run yet", s->folder);
-  sd_status status = sweep_write_tables(s, messages);
+  sd_status status = sweep_write_tables(s, TABLE_PATIENCE, messages);
   if (status == SD_OK) printf("%s/table.csv, table.h5, means.csv\n", s->folder);
   return status;
 }
@@ -134,8 +198,9 @@ static int command(const sweep_command *c, const char *where, sd_messages *messa
   else if (status == SD_OK && c->table)
     status = write_table(&s, messages);
   sd_messages_print(messages, stderr);
+  sd_messages_clear(messages);
   if (status == SD_OK && !c->count && !c->status && !c->list && !c->table)
-    status = c->point >= 0 ? sweep_run_one(&s, c) : sweep_run_all(&s, c);
+    status = c->point >= 0 ? run_one(&s, c, messages) : sweep_run_all(&s, c);
   sweep_close(&s);
   return status;
 }

@@ -19,7 +19,5 @@ const char *sweep_finding(const sweep_result *r, char *text, size_t size);
 
 /* Runs what is not done yet: here or in the ranks of an MPI job, or (workers > 0) in processes of its own. */
 int sweep_run_all(const sweep *s, const sweep_command *c);
-/* Runs one point, with progress and final tables as of `run`. */
-int sweep_run_one(const sweep *s, const sweep_command *c);
 
 #endif

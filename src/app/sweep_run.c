@@ -1,9 +1,12 @@
 /* sweep_run.c: runs the points of a sweep.
  *
  * With -j N each point is run by a process of its own: what goes wrong in one, even a crash, does not touch the others.
- * Workers tell how far they are through shared memory, all else through the folder. Without -j points are run one after
- * the other here, or shared among the ranks of an MPI job. Ctrl-C and its like go to all workers; they stop
- * at checkpoints.
+ * Workers tell how far they are and what went wrong through shared memory, all else through the folder. Without -j
+ * points are run one after the other here, or shared among the ranks of an MPI job.
+ *
+ * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: a worker
+ * inherits app_stop, so one that came before the fork stops it too, and one that comes after is passed on. A
+ * worker whose parent is gone gets SIGTERM from the kernel.
  */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -23,13 +26,18 @@
 #include "app/app.h"
 #include "app/sweep.h"
 #include "base/comm.h"
+#include "io/file.h"
 
-static const double TABLE_SECONDS = 15; /* between tables while points are run */
+/* Between tables while points are run: at least so long, and a multiple of what the last ones took. */
+static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
+/* How long the last tables wait for another process that is writing them. */
+static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
 
-/* What a worker tells while it runs. */
+/* What a worker tells. */
 typedef struct slot {
   volatile double fraction; /* of its steps */
   volatile double began;    /* fraction at its first report; negative: none yet */
+  char text[1000];          /* its messages, a line each; to be read when it has ended */
 } slot;
 
 typedef struct worker {
@@ -38,25 +46,35 @@ typedef struct worker {
   double started;
 } worker;
 
+/* What became of a point in this call. SKIPPED: another process was running it when its turn came. */
+typedef enum attempt { UNTRIED, SKIPPED, TRIED } attempt;
+
 typedef struct crew {
   const sweep *s;
   const sweep_command *c;
-  int64_t *steps; /* [n_points] */
-  size_t done, failed, elsewhere, stopped, finished_here;
+  int64_t *steps;       /* [n_points] */
+  unsigned char *tried; /* [n_points], an attempt */
+  size_t done, failed, refused, elsewhere, left;
   int worst; /* exit status */
-  double began, tabled, drawn;
+  double began, tabled, table_cost, drawn;
   double steps_total, steps_done; /* of the points that this call runs */
-  bool terminal, line_open;
+  bool terminal, line_open, stars;
   size_t n_workers;
   worker *workers;
   slot *slots; /* [n_workers], shared */
   comm_queue *queue;
+  size_t n_warned, first_warned; /* sets of values with a warning, a point of the first */
+  char *warning;                 /* of the first */
 } crew;
 
 static double now_seconds(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void worsen(crew *w, int status) {
+  if (w->worst < status) w->worst = status;
 }
 
 /* --- screen ------------------------------------------------------------------------------------------------ */
@@ -66,21 +84,34 @@ static void clear_line(crew *w) {
   w->line_open = false;
 }
 
-/* A line that stays. */
-static void tell(crew *w, size_t point, const sweep_result *r, double seconds) {
+/* The lines of a worker, further in. */
+static void tell_lines(const char *text) {
+  for (size_t n; *text; text += n + (text[n] == '\n')) {
+    n = strcspn(text, "\n");
+    fprintf(stderr, "    %.*s\n", (int)n, text);
+  }
+}
+
+/* A line that stays. text: what was said by the one that ran the point. */
+static void tell(crew *w, size_t point, const sweep_result *r, const char *text, double seconds) {
   char finding[200], duration[40];
-  bool bad = r->status == SWEEP_FAILED || r->status == SWEEP_OTHER;
+  bool bad = r->status >= SWEEP_FAILED;
   if (w->c->quiet && !bad) return;
   clear_line(w);
-  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed, w->s->deck.n_points, point,
+  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->refused, w->s->deck.n_points, point,
           w->s->deck.points[point].name);
-  if (r->status == SWEEP_DONE)
-    fprintf(stderr, "%s  (%s)\n", sweep_finding(r, finding, sizeof finding),
+  if (r->status == SWEEP_DONE) {
+    sweep_finding(r, finding, sizeof finding);
+    w->stars = w->stars || strchr(finding, '*');
+    fprintf(stderr, "%s  (%s)\n", *finding ? finding : "done",
             report_duration(seconds, duration, sizeof duration));
-  else
-    fprintf(stderr, "%s%s%s\n", sweep_status_names[r->status], bad ? ": " : "",
-            r->status == SWEEP_OTHER ? "a result of another deck is there; --force runs the point again"
-                                     : r->message);
+    tell_lines(text);
+  } else if (bad) {
+    fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
+            r->status > SWEEP_FAILED ? "; --force runs the point again" : "");
+  } else {
+    fprintf(stderr, "%s\n", sweep_status_names[r->status]);
+  }
 }
 
 /* The line at the bottom of a terminal. */
@@ -109,46 +140,65 @@ static void draw(crew *w) {
 
 /* --- results ----------------------------------------------------------------------------------------------- */
 
-static void make_tables(crew *w, bool always) {
-  double now = now_seconds();
-  if (!always && now - w->tabled < TABLE_SECONDS) return;
+/* Those in between are left to another process that is writing them. */
+static void make_tables(crew *w, bool last) {
+  double start = now_seconds();
+  if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = sd_messages_new();
-  sd_status status = sweep_write_tables(w->s, messages);
-  if (always || status != SD_OK) {
+  sd_status status = sweep_write_tables(w->s, !last ? 0 : app_stop ? PATIENCE_STOPPED : PATIENCE, messages);
+  if (last || status == SD_ERROR_IO) {
     clear_line(w);
     sd_messages_print(messages, stderr);
+    worsen(w, status);
   }
-  if (status != SD_OK && w->worst < (int)status) w->worst = status;
   sd_messages_free(messages);
   w->tabled = now_seconds();
+  w->table_cost = w->tabled - start;
 }
 
-/* A point has been left: what does the folder say? status: of the process or call that ran it. */
-static void account(crew *w, size_t point, sd_status status, double seconds) {
+/* A point has been left: what does the folder say? status, text: of the process or call that ran it. */
+static void account(crew *w, size_t point, sd_status status, const char *text, const slot *ran,
+                    double seconds) {
   sweep_result r;
   sd_status looked = sweep_look(w->s, point, &r, NULL);
-  switch (r.status) {
-    case SWEEP_DONE: w->done++; break;
-    case SWEEP_RUNNING: w->elsewhere++; break;
-    case SWEEP_WAITING:
-    case SWEEP_STOPPED: w->stopped++; break;
-    default:
-      w->failed++;
-      if (w->worst < SD_ERROR_NUMERIC) w->worst = SD_ERROR_NUMERIC;
+  if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
+    /* not even the reason could be kept */
+    r.status = SWEEP_FAILED;
+    free(r.message);
+    r.message = file_path("%.*s", (int)strcspn(text, "\n"), text);
   }
-  w->finished_here += r.status == SWEEP_DONE;
-  w->steps_done += (double)w->steps[point];
-  if (status == SD_ERROR_IO || looked != SD_OK) w->worst = SD_ERROR_IO;
-  tell(w, point, &r, seconds);
+  double part = 1 - fmax(ran->began, 0);
+  w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
+  w->done += r.status == SWEEP_DONE;
+  w->failed += r.status == SWEEP_FAILED;
+  w->refused += r.status > SWEEP_FAILED;
+  if (r.status == SWEEP_FAILED) worsen(w, SD_ERROR_NUMERIC);
+  if (r.status > SWEEP_FAILED) worsen(w, SD_ERROR_USER);
+  if (status == SD_ERROR_IO || looked != SD_OK) worsen(w, SD_ERROR_IO);
+  if (r.status == SWEEP_RUNNING)
+    w->steps_total -= (double)w->steps[point];
+  else
+    w->steps_done += part * (double)w->steps[point];
+  if (r.message) tell(w, point, &r, text, seconds);
   sweep_result_free(&r);
   make_tables(w, false);
+}
+
+/* A line each, "error: " or "warning: " before it, as many as there is room for. */
+static void write_messages(const sd_messages *messages, char *text, size_t size) {
+  *text = 0;
+  FILE *out = fmemopen(text, size - 1, "w");
+  if (!out) return;
+  sd_messages_print(messages, out);
+  fclose(out);
+  text[size - 1] = 0;
 }
 
 /* --- processes --------------------------------------------------------------------------------------------- */
 
 static void tell_parent(void *user, const session_progress *p) {
   slot *mine = user;
-  mine->fraction = p->steps > 0 ? (double)p->step / (double)p->steps : 0;
+  mine->fraction = p->expected > 0 ? (double)p->step / (double)p->expected : 0;
   if (mine->began < 0) mine->began = mine->fraction;
 }
 
@@ -163,13 +213,14 @@ static void work(const crew *w, size_t point, slot *mine, pid_t parent) {
                            .user = mine};
   sd_messages *messages = sd_messages_new();
   sweep_status what;
-  _exit((int)sweep_run(w->s, point, &options, &what, messages));
+  sd_status status = messages ? sweep_run(w->s, point, &options, &what, messages) : SD_ERROR_IO;
+  write_messages(messages, mine->text, sizeof mine->text);
+  _exit((int)status);
 }
 
-/* False: no process could be started. */
+/* False with errno: no process could be started. */
 static bool start(crew *w, size_t k, size_t point) {
-  w->slots[k].fraction = 0;
-  w->slots[k].began = -1;
+  w->slots[k] = (slot){.began = -1};
   fflush(NULL);
   pid_t parent = getpid(), pid = fork();
   if (pid == 0) work(w, point, &w->slots[k], parent);
@@ -178,55 +229,78 @@ static bool start(crew *w, size_t k, size_t point) {
   return true;
 }
 
-static void finish(crew *w, worker *one, int ended) {
-  char text[120];
-  size_t point = one->point;
-  sd_status status = WIFEXITED(ended) ? (sd_status)WEXITSTATUS(ended) : SD_ERROR_NUMERIC;
-  if (WIFSIGNALED(ended) && !app_stop) {
-    snprintf(text, sizeof text, "the process that ran it was ended by signal %d (%s)\n", WTERMSIG(ended),
-             strsignal(WTERMSIG(ended)));
-    sweep_note(w->s, point, text);
-  }
-  one->pid = 0;
-  account(w, point, status, now_seconds() - one->started);
+static bool is_status(int status) {
+  return status == SD_OK || status == SD_ERROR_USER || status == SD_ERROR_NUMERIC || status == SD_ERROR_IO ||
+         status == SD_INTERRUPTED;
 }
 
-/* Takes up workers that have ended; the number still running. */
+static void finish(crew *w, size_t k, int ended) {
+  worker *one = &w->workers[k];
+  slot *mine = &w->slots[k];
+  sd_status status = SD_ERROR_NUMERIC;
+  char died[200] = "";
+  if (WIFEXITED(ended) && is_status(WEXITSTATUS(ended)))
+    status = (sd_status)WEXITSTATUS(ended);
+  else if (WIFSIGNALED(ended) && app_stop)
+    status = SD_INTERRUPTED;
+  else if (WIFSIGNALED(ended))
+    snprintf(died, sizeof died, "the process that ran it was ended by signal %d (%s)", WTERMSIG(ended),
+             strsignal(WTERMSIG(ended)));
+  else
+    snprintf(died, sizeof died, "the process that ran it ended with status %d", WEXITSTATUS(ended));
+  if (*died) sweep_note(w->s, one->point, died);
+  one->pid = 0;
+  account(w, one->point, status, *died ? died : mine->text, mine, now_seconds() - one->started);
+}
+
+/* Takes up workers that have ended; how many did. */
 static size_t reap(crew *w) {
-  size_t running = 0;
+  size_t n = 0;
   for (size_t k = 0; k < w->n_workers; k++) {
-    worker *one = &w->workers[k];
     int ended;
-    if (one->pid == 0) continue;
-    if (waitpid(one->pid, &ended, WNOHANG) == one->pid)
-      finish(w, one, ended);
-    else
-      running++;
+    if (w->workers[k].pid == 0 || waitpid(w->workers[k].pid, &ended, WNOHANG) != w->workers[k].pid) continue;
+    finish(w, k, ended);
+    n++;
   }
-  return running;
+  return n;
+}
+
+static size_t count_running(const crew *w) {
+  size_t n = 0;
+  for (size_t k = 0; k < w->n_workers; k++) n += w->workers[k].pid != 0;
+  return n;
+}
+
+static void pass_stop_on(crew *w, bool *told) {
+  for (size_t k = 0; k < w->n_workers && !*told; k++)
+    if (w->workers[k].pid > 0) kill(w->workers[k].pid, SIGTERM);
+  *told = true;
 }
 
 static void run_workers(crew *w, const size_t *todo, size_t n) {
-  size_t next = 0, running = 0;
+  size_t next = 0;
   bool told_to_stop = false;
+  long pause = 1000000; /* ns; grows to 20 ms while nothing happens */
   do {
-    for (size_t k = 0; k < w->n_workers && next < n && !app_stop; k++)
-      if (w->workers[k].pid == 0 && start(w, k, todo[next])) next++;
-    size_t before = running;
-    running = reap(w);
-    if (next < n && running == 0 && before == 0 && !app_stop) {
-      fprintf(stderr, "error: cannot start a process: %s\n", strerror(errno));
-      w->worst = SD_ERROR_IO;
+    int error = 0;
+    for (size_t k = 0; k < w->n_workers && next < n && !app_stop && !error; k++) {
+      if (w->workers[k].pid != 0) continue;
+      if (start(w, k, todo[next]))
+        next++;
+      else
+        error = errno;
+    }
+    if (error && count_running(w) == 0) {
+      clear_line(w);
+      fprintf(stderr, "error: cannot start a process: %s\n", strerror(error));
+      worsen(w, SD_ERROR_IO);
       return;
     }
-    if (app_stop && !told_to_stop) {
-      for (size_t k = 0; k < w->n_workers; k++)
-        if (w->workers[k].pid > 0) kill(w->workers[k].pid, SIGTERM);
-      told_to_stop = true;
-    }
+    if (app_stop) pass_stop_on(w, &told_to_stop);
     draw(w);
-    if (running > 0) nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
-  } while (running > 0 || (next < n && !app_stop));
+    pause = reap(w) > 0 ? 1000000 : pause < 10000000 ? 2 * pause : 20000000;
+    if (count_running(w) > 0) nanosleep(&(struct timespec){.tv_nsec = pause}, NULL);
+  } while (count_running(w) > 0 || (next < n && !app_stop));
 }
 
 /* --- here, or in ranks ------------------------------------------------------------------------------------- */
@@ -234,8 +308,7 @@ static void run_workers(crew *w, const size_t *todo, size_t n) {
 static void serve(void *user, const session_progress *p) {
   crew *w = user;
   comm_serve(w->queue);
-  w->slots[0].fraction = p->steps > 0 ? (double)p->step / (double)p->steps : 0;
-  if (w->slots[0].began < 0) w->slots[0].began = w->slots[0].fraction;
+  tell_parent(&w->slots[0], p);
   if (comm_size() == 1) draw(w);
 }
 
@@ -248,12 +321,15 @@ static void run_queue(crew *w, const size_t *todo, size_t n) {
         .threads = w->c->threads, .force = w->c->force, .stop = &app_stop, .progress = serve, .user = w};
     sd_messages *messages = sd_messages_new();
     sweep_status what;
+    slot *mine = &w->slots[0];
+    *mine = (slot){.began = -1};
     w->workers[0] = (worker){1, todo[k], now_seconds()};
-    w->slots[0] = (slot){0, -1};
     bool was_done = !w->c->force && sweep_peek(w->s, todo[k]) == SWEEP_DONE;
-    sd_status status = sweep_run(w->s, todo[k], &options, &what, messages);
+    sd_status status = messages ? sweep_run(w->s, todo[k], &options, &what, messages) : SD_ERROR_IO;
+    write_messages(messages, mine->text, sizeof mine->text);
     w->workers[0].pid = 0;
-    if (!was_done || status != SD_OK) account(w, todo[k], status, now_seconds() - w->workers[0].started);
+    if (!was_done || status != SD_OK)
+      account(w, todo[k], status, mine->text, mine, now_seconds() - w->workers[0].started);
     sd_messages_free(messages);
   }
   comm_queue_end(&queue);
@@ -261,7 +337,7 @@ static void run_queue(crew *w, const size_t *todo, size_t n) {
 
 /* --- all points -------------------------------------------------------------------------------------------- */
 
-/* Points to be run, in order; those that are done are counted, and those of another deck told. */
+/* Points to be run, in order; those that are done are counted, and those that are refused told. */
 static size_t find_todo(crew *w, size_t *todo) {
   size_t n = 0;
   for (size_t k = 0; k < w->s->deck.n_points; k++) {
@@ -269,10 +345,10 @@ static size_t find_todo(crew *w, size_t *todo) {
     if (!w->c->force) sweep_look(w->s, k, &r, NULL);
     if (r.status == SWEEP_DONE) {
       w->done++;
-    } else if (r.status == SWEEP_OTHER) {
-      w->failed++;
-      w->worst = SD_ERROR_USER;
-      if (comm_rank() == 0) tell(w, k, &r, 0);
+    } else if (r.status > SWEEP_FAILED) {
+      w->refused++;
+      worsen(w, SD_ERROR_USER);
+      tell(w, k, &r, "", 0);
     } else {
       todo[n++] = k;
       w->steps_total += (double)w->steps[k];
@@ -292,14 +368,50 @@ static size_t take_all(crew *w, size_t *todo) {
   return w->s->deck.n_points;
 }
 
+/* Points that another process was running and has left unfinished since. */
+static size_t find_abandoned(crew *w, size_t *todo) {
+  size_t n = 0;
+  for (size_t k = 0; k < w->s->deck.n_points; k++) {
+    sweep_status status = w->tried[k] == SKIPPED ? sweep_peek(w->s, k) : SWEEP_DONE;
+    if (status != SWEEP_WAITING && status != SWEEP_STOPPED) continue;
+    w->steps_total += (double)w->steps[k];
+    todo[n++] = k;
+  }
+  return n;
+}
+
+/* What the folder says in the end, also of what others did. When a signal came first, what was to be run (again) and
+ * was not is left. */
+static void count_all(crew *w) {
+  w->done = w->failed = w->elsewhere = w->left = 0;
+  for (size_t k = 0; k < w->s->deck.n_points; k++) {
+    sweep_status status = sweep_peek(w->s, k);
+    bool untried = app_stop && w->tried[k] == UNTRIED && (status == SWEEP_FAILED || w->c->force);
+    if (status == SWEEP_RUNNING)
+      w->elsewhere++;
+    else if (status == SWEEP_WAITING || status == SWEEP_STOPPED || untried)
+      w->left++;
+    else if (status == SWEEP_FAILED)
+      w->failed++;
+    else
+      w->done++;
+  }
+  /* refused ones have results, too */
+  w->done -= w->done < w->refused ? w->done : w->refused;
+  if (w->failed > 0) worsen(w, SD_ERROR_NUMERIC);
+}
+
 static void tell_end(crew *w) {
   clear_line(w);
   if (w->c->quiet) return;
+  if (w->stars) fprintf(stderr, "*: the error bar is not reliable yet\n");
   fprintf(stderr, "%zu of %zu points done", w->done, w->s->deck.n_points);
   if (w->failed) fprintf(stderr, ", %zu failed", w->failed);
+  if (w->refused) fprintf(stderr, ", %zu with a result that is not this deck's", w->refused);
   if (w->elsewhere) fprintf(stderr, ", %zu run by another process", w->elsewhere);
   fprintf(stderr, "; table: %s/table.csv\n", w->s->folder);
-  if (app_stop) fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
+  if (w->left && w->worst != SD_ERROR_IO)
+    fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
 }
 
 static int run_all(crew *w, size_t *todo) {
@@ -307,46 +419,64 @@ static int run_all(crew *w, size_t *todo) {
   size_t n = comm_size() > 1 ? take_all(w, todo) : find_todo(w, todo);
   if (first && !w->c->quiet)
     fprintf(stderr, "%s: %zu points, %zu done\n", w->s->folder, w->s->deck.n_points, w->done);
-  if (w->c->workers > 0)
-    run_workers(w, todo, n);
-  else
-    run_queue(w, todo, n);
-  /* ranks count what they did themselves: the folder knows the rest */
-  if (comm_size() > 1 && first) {
-    w->done = w->failed = w->elsewhere = 0;
-    for (size_t k = 0; k < w->s->deck.n_points; k++) {
-      sweep_status status = sweep_peek(w->s, k);
-      w->done += status == SWEEP_DONE;
-      w->failed += status == SWEEP_FAILED;
-    }
-  }
+  do {
+    if (w->c->workers > 0)
+      run_workers(w, todo, n);
+    else
+      run_queue(w, todo, n);
+    n = comm_size() > 1 || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
+  } while (n > 0);
   if (first) make_tables(w, true);
+  count_all(w);
   if (first) tell_end(w);
-  if (app_stop || w->stopped) return SD_INTERRUPTED;
-  return w->worst;
+  return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
+}
+
+/* Notes how long each set of values runs, and the warnings about time steps. */
+static void visit(void *user, size_t point, const sd_model *model) {
+  crew *w = user;
+  w->steps[point] = sd_model_steps(model);
+  sd_messages *mine = sd_messages_new();
+  report_time_step(model, mine);
+  if (sd_messages_count(mine) > 0 && w->n_warned++ == 0) {
+    w->first_warned = point;
+    w->warning = file_path("%s", sd_messages_text(mine, 0));
+  }
+  sd_messages_free(mine);
 }
 
 /* Mistakes of some points do not keep the others from being run. */
-static int check(const sweep *s, int64_t *steps) {
+static int check(crew *w) {
+  const sweep *s = w->s;
   sd_messages *messages = sd_messages_new();
   size_t usable;
-  int status = sweep_check(s, &usable, steps, messages);
+  int status = sweep_check(s, visit, w, &usable, messages);
+  /* points of one set are equally long */
+  int64_t *length = calloc(s->deck.n_sets + 1, sizeof *length);
+  for (size_t k = 0; length && k < s->deck.n_points; k++) {
+    if (w->steps[k] > 0) length[s->deck.points[k].set] = w->steps[k];
+    w->steps[k] = length[s->deck.points[k].set];
+  }
+  free(length);
   if (comm_rank() == 0) {
     sd_messages_print(messages, stderr);
+    if (w->warning && !w->c->quiet)
+      fprintf(stderr, "warning: %s (point %zu, %s; %zu of %zu sets of values)\n", w->warning, w->first_warned,
+              s->deck.points[w->first_warned].name, w->n_warned, s->deck.n_sets);
     if (status != SD_OK && usable > 0)
-      fprintf(stderr, "the points with these mistakes will fail; %zu of %zu sets of values are run\n", usable,
+      fprintf(stderr, "points with these mistakes will fail; %zu of %zu sets of values are run\n", usable,
               s->deck.n_sets);
   }
+  free(w->warning);
   sd_messages_free(messages);
   return usable > 0 ? SD_OK : status;
 }
 
 static int prepare_and_run(crew *w, size_t *todo) {
-  const sweep *s = w->s;
-  int status = check(s, w->steps);
+  int status = check(w);
   if (status != SD_OK) return status;
   sd_messages *messages = sd_messages_new();
-  status = sweep_prepare(s, messages);
+  status = sweep_prepare(w->s, messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   if (status != SD_OK && comm_size() > 1) comm_abort(status);
@@ -367,67 +497,24 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   w.began = w.tabled = now_seconds();
   w.workers = calloc(w.n_workers, sizeof *w.workers);
   w.steps = calloc(s->deck.n_points + 1, sizeof *w.steps);
+  w.tried = calloc(s->deck.n_points + 1, 1);
   size_t *todo = calloc(s->deck.n_points + 1, sizeof *todo);
   w.slots =
       mmap(NULL, w.n_workers * sizeof *w.slots, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  status = SD_ERROR_IO;
-  if (w.workers && w.steps && todo && w.slots != MAP_FAILED) status = prepare_and_run(&w, todo);
+  if (w.workers && w.steps && w.tried && todo && w.slots != MAP_FAILED) {
+    status = prepare_and_run(&w, todo);
+  } else {
+    fprintf(stderr, "error: no memory for the sweep\n");
+    status = SD_ERROR_IO;
+  }
   if (w.slots != MAP_FAILED) munmap(w.slots, w.n_workers * sizeof *w.slots);
   free(w.workers);
   free(w.steps);
+  free(w.tried);
   free(todo);
   if (c->workers == 0) {
     status = comm_max(status);
     comm_end();
   }
-  return status;
-}
-
-/* --- one point --------------------------------------------------------------------------------------------- */
-
-typedef struct note {
-  const sweep *s;
-  size_t point;
-} note;
-
-static void keep_note(void *user, const sd_messages *messages) {
-  const note *n = user;
-  if (sweep_peek(n->s, n->point) != SWEEP_RUNNING) sweep_note_messages(n->s, n->point, messages);
-}
-
-int sweep_run_one(const sweep *s, const sweep_command *c) {
-  size_t point = (size_t)c->point;
-  note n = {s, point};
-  sd_messages *messages = sd_messages_new();
-  char *result = NULL, again[40];
-  sd_model *model = NULL;
-  snprintf(again, sizeof again, "sweep ... --point %zu", point);
-  sd_status status = sweep_prepare(s, messages);
-  sweep_result r = {0};
-  if (status == SD_OK && !c->force) status = sweep_look(s, point, &r, messages);
-  bool done = status == SD_OK && !c->force && r.status == SWEEP_DONE;
-  sweep_result_free(&r);
-  if (status == SD_OK && !done) {
-    status = sweep_load(s, point, &model, &result, messages);
-    if (status != SD_OK) sweep_note_messages(s, point, messages);
-  }
-  if (done && !c->quiet)
-    fprintf(stderr, "point %zu, %s, is done already\n", point, s->deck.points[point].name);
-  if (status == SD_OK && !done) {
-    drive_options drive = {.result = result,
-                           .again = again,
-                           .threads = c->threads,
-                           .force = c->force,
-                           .quiet = c->quiet,
-                           .failed = keep_note,
-                           .user = &n};
-    status = drive_run(model, &drive, messages);
-    if (status == SD_OK || status == SD_INTERRUPTED) sweep_note(s, point, NULL);
-  } else {
-    sd_messages_print(messages, stderr);
-  }
-  sd_model_free(model);
-  free(result);
-  sd_messages_free(messages);
   return status;
 }

@@ -83,8 +83,8 @@ void deck_diff(const char *before, const char *now, sd_messages *messages) {
     }
     int skip_before, skip_now;
     resynchronise(before, now, &skip_before, &skip_now);
-    before = tell(before, skip_before, "the unfinished run has", &told, messages);
-    now = tell(now, skip_now, "this deck has         ", &told, messages);
+    before = tell(before, skip_before, "it has", &told, messages);
+    now = tell(now, skip_now, "this deck has", &told, messages);
   }
   if (told > MOST) sd_fail(messages, SD_ERROR_USER, "... and %d more lines", told - MOST);
 }

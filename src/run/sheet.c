@@ -155,15 +155,17 @@ sd_status sheet_write_csv(const sheet *s, const char *path, sd_messages *message
 
 /* --- HDF5 -------------------------------------------------------------------------------------------------- */
 
-void sheet_write_h5(const sheet *s, h5_file *file, const char *group) {
+bool sheet_write_h5(const sheet *s, h5_file *file, const char *group) {
+  bool good = true;
   h5_group(file, group);
-  for (size_t k = 0; k < s->n_columns; k++) {
+  for (size_t k = 0; k < s->n_columns && good; k++) {
     const sheet_column *c = &s->columns[k];
     char *path = file_path("%s/%s", group, c->name);
     int64_t *integer = calloc(s->n_rows + 1, sizeof *integer);
     for (size_t row = 0; integer && c->integer && row < s->n_rows; row++)
       integer[row] = c->integer[row] == SHEET_EMPTY ? -1 : c->integer[row];
-    if (path && integer) {
+    good = path && integer;
+    if (good) {
       if (c->kind == SHEET_NUMBER) h5_put(file, path, SD_F64, 1, &s->n_rows, c->number, false);
       if (c->kind == SHEET_INTEGER) h5_put(file, path, SD_I64, 1, &s->n_rows, integer, false);
       if (c->kind == SHEET_TEXT) h5_put_texts(file, path, s->n_rows, (const char *const *)c->text);
@@ -173,4 +175,5 @@ void sheet_write_h5(const sheet *s, h5_file *file, const char *group) {
     free(integer);
     free(path);
   }
+  return good;
 }

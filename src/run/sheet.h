@@ -40,7 +40,7 @@ void sheet_free(sheet *s);
 
 /* As CSV (RFC 4180, numbers to the last bit, empty cells where nothing is known). */
 sd_status sheet_write_csv(const sheet *s, const char *path, sd_messages *messages);
-/* As datasets of a group. An empty integer is -1 there. */
-void sheet_write_h5(const sheet *s, h5_file *file, const char *group);
+/* As datasets of a group. An empty integer is -1 there. False: no memory. */
+bool sheet_write_h5(const sheet *s, h5_file *file, const char *group);
 
 #endif

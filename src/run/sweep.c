@@ -10,8 +10,8 @@
 #include "io/folder.h"
 #include "run/deck_diff.h"
 
-const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "stopped",
-                                                        "done",    "failed",  "other deck"};
+const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "stopped",   "done",
+                                                        "failed",  "damaged", "other deck"};
 
 static sd_status no_memory(sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
@@ -32,41 +32,90 @@ void sweep_close(sweep *s) {
 
 /* --- checks ------------------------------------------------------------------------------------------------ */
 
-static bool told_already(const sd_messages *messages, const char *text) {
-  for (size_t k = 0; k < sd_messages_count(messages); k++)
-    if (strcmp(sd_messages_text(messages, k), text) == 0) return true;
-  return false;
+/* Mistakes of the deck itself come with every point, and those of a path with every value. */
+enum { MOST_MISTAKES = 40 };
+
+typedef struct mistake {
+  char *text;
+  size_t point, sets; /* the first that makes it, and how many do */
+} mistake;
+
+typedef struct mistakes {
+  size_t n, more; /* more: not kept */
+  mistake list[MOST_MISTAKES];
+} mistakes;
+
+/* Cuts "file:line: path = value: what is wrong" up; false: it has another form. */
+static bool cut(const char *text, const char **path, size_t *n, const char **wrong) {
+  const char *equals = strstr(text, " = ");
+  if (!equals) return false;
+  for (*path = equals; *path > text && (*path)[-1] != ' ';) --*path;
+  *n = (size_t)(equals - *path);
+  *wrong = strrchr(equals, ':');
+  return *wrong != NULL;
 }
 
-/* Mistakes of the deck itself come with every point: each is told once. */
-static void merge_messages(sd_messages *to, const sd_messages *from) {
-  for (size_t k = 0; k < sd_messages_count(from); k++) {
-    const char *text = sd_messages_text(from, k);
-    if (!told_already(to, text)) sd_fail(to, SD_ERROR_USER, "%s", text);
-  }
+/* The same is wrong with the same path, whatever the value. */
+static bool same_mistake(const char *a, const char *b) {
+  const char *path, *other, *wrong, *amiss;
+  size_t n, m;
+  if (!cut(a, &path, &n, &wrong) || !cut(b, &other, &m, &amiss)) return strcmp(a, b) == 0;
+  return n == m && strncmp(path, other, n) == 0 && strcmp(wrong, amiss) == 0;
 }
 
-sd_status sweep_check(const sweep *s, size_t *usable, int64_t *steps, sd_messages *messages) {
-  sd_status status = SD_OK;
-  *usable = 0;
-  for (size_t k = 0; k < s->deck.n_points; k++) {
-    const sweep_point *p = &s->deck.points[k];
-    if (k > 0 && p->set == p[-1].set) {
-      if (steps) steps[k] = steps[k - 1];
-      continue;
+static void note_mistake(mistakes *all, size_t point, const char *text) {
+  for (size_t k = 0; k < all->n; k++)
+    if (same_mistake(all->list[k].text, text)) {
+      all->list[k].sets++;
+      return;
     }
+  char *copy = all->n < MOST_MISTAKES ? file_path("%s", text) : NULL;
+  if (copy)
+    all->list[all->n++] = (mistake){copy, point, 1};
+  else
+    all->more++;
+}
+
+static void tell_mistakes(mistakes *all, const sweep *s, sd_messages *messages) {
+  for (size_t k = 0; k < all->n; k++) {
+    const mistake *m = &all->list[k];
+    if (m->sets >= s->deck.n_sets)
+      sd_fail(messages, SD_ERROR_USER, "%s", m->text);
+    else if (m->sets == 1)
+      sd_fail(messages, SD_ERROR_USER, "%s (point %zu, %s)", m->text, m->point,
+              s->deck.points[m->point].name);
+    else
+      sd_fail(messages, SD_ERROR_USER, "%s (point %zu, %s, and others: %zu of %zu sets of values)", m->text,
+              m->point, s->deck.points[m->point].name, m->sets, s->deck.n_sets);
+    free(m->text);
+  }
+  if (all->more > 0) sd_fail(messages, SD_ERROR_USER, "%zu more mistakes of other points", all->more);
+}
+
+sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *usable,
+                      sd_messages *messages) {
+  mistakes all = {0};
+  sd_status status = SD_OK;
+  unsigned char *seen = calloc(s->deck.n_sets + 1, 1);
+  *usable = 0;
+  if (!seen) return no_memory(messages);
+  for (size_t k = 0; k < s->deck.n_points && status != SD_ERROR_IO; k++) {
+    size_t set = s->deck.points[k].set;
+    if (seen[set]) continue;
+    seen[set] = 1;
     sd_messages *mine = sd_messages_new();
     sd_model *model;
     sd_status one = deck_sweep_model(&s->deck, k, &model, mine);
-    if (steps) steps[k] = one == SD_OK ? sd_model_steps(model) : 0;
-    if (one == SD_OK)
-      ++*usable;
-    else
-      status = one;
-    if (one != SD_OK) merge_messages(messages, mine);
+    if (one == SD_OK && visit) visit(user, k, model);
+    *usable += one == SD_OK;
+    if (one != SD_OK) status = one;
+    for (size_t m = 0; one != SD_OK && m < sd_messages_count(mine); m++)
+      note_mistake(&all, k, sd_messages_text(mine, m));
     sd_model_free(model);
     sd_messages_free(mine);
   }
+  free(seen);
+  tell_mistakes(&all, s, messages);
   return status;
 }
 
@@ -89,14 +138,16 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
        *failed = point_path(s, point, ".failed");
   sweep_status status = SWEEP_WAITING;
   if (result && parts && failed) {
-    /* during the merge, and after a kill in it, both are there for a moment: the result counts */
-    if (file_exists(result))
-      status = SWEEP_DONE;
-    else if (folder_is_locked(parts))
+    /* A result without parts is finished. Both are there at the end of the merge, after a kill there (the parts
+     * have to go), and when a finished point is run again. The parts vanish last, so they are looked for first. */
+    bool running = folder_is_locked(parts), begun = file_is_folder(parts);
+    if (running)
       status = SWEEP_RUNNING;
+    else if (file_exists(result) && !begun)
+      status = SWEEP_DONE;
     else if (file_exists(failed))
       status = SWEEP_FAILED;
-    else if (file_is_folder(parts))
+    else if (begun)
       status = SWEEP_STOPPED;
   }
   free(result);
@@ -105,28 +156,49 @@ sweep_status sweep_peek(const sweep *s, size_t point) {
   return status;
 }
 
-/* The deck and overrides that a point would be run with are those of the file, or at least say the same. */
-static sd_status compare_deck(const sweep *s, size_t point, const provenance *origin, bool *same,
-                              sd_messages *messages) {
+static bool same_text(const sweep *s, size_t point, const provenance *origin) {
   const sweep_point *p = &s->deck.points[point];
   const char *rest = origin->deck_overrides;
-  *same = strcmp(origin->deck_text, s->deck.deck_text) == 0;
-  for (size_t k = 0; *same && k < s->deck.n_overrides + p->n_overrides; k++) {
+  if (strcmp(origin->deck_text, s->deck.deck_text) != 0) return false;
+  for (size_t k = 0; k < s->deck.n_overrides + p->n_overrides; k++) {
     const char *text = k < s->deck.n_overrides ? s->deck.overrides[k] : p->overrides[k - s->deck.n_overrides];
     size_t n = strlen(text);
-    *same = strncmp(rest, text, n) == 0 && rest[n] == '\n';
-    rest += *same ? n + 1 : 0;
+    if (strncmp(rest, text, n) != 0 || rest[n] != '\n') return false;
+    rest += n + 1;
   }
-  if (*same && !*rest) return SD_OK;
-  /* another sweep block, comments, other words for the same: the full deck decides */
+  return !*rest;
+}
+
+static char *join(const sd_messages *messages, size_t most) {
+  char *text = file_path("%s", "");
+  for (size_t k = 0; text && k < sd_messages_count(messages) && k < most; k++) {
+    char *longer = file_path("%s%s%s", text, k ? "; " : "", sd_messages_text(messages, k));
+    free(text);
+    text = longer;
+  }
+  return text;
+}
+
+/* What a result says and what the point would be run with; NULL: they are the same. To be freed. */
+static char *deck_difference(const sweep *s, size_t point, const provenance *origin) {
+  enum { LINES = 4 };
+  /* what stands in other files is not in the text; the rest of the sweep, comments and other words for the same
+   * are: there the full deck decides */
+  if (!s->deck.reads_files && same_text(s, point, origin)) return NULL;
   sd_model *model;
   sd_messages *mine = sd_messages_new();
-  *same = deck_sweep_model(&s->deck, point, &model, mine) == SD_OK &&
-          deck_same(origin->deck_full, model->deck_full);
-  if (!*same && model && messages) deck_diff(origin->deck_full, model->deck_full, messages);
+  char *text = NULL;
+  if (deck_sweep_model(&s->deck, point, &model, mine) != SD_OK) {
+    text = join(mine, LINES);
+  } else if (!deck_same(origin->deck_full, model->deck_full)) {
+    deck_diff(origin->deck_full, model->deck_full, mine);
+    text = join(mine, LINES);
+  } else if (origin->inputs != 0 && origin->inputs != provenance_inputs(model)) {
+    text = file_path("a file that the deck names, of disks or of a motion's table, has changed");
+  }
   sd_model_free(model);
   sd_messages_free(mine);
-  return SD_OK;
+  return text;
 }
 
 /* Reads a finished result. */
@@ -135,19 +207,23 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   if (!path) return no_memory(messages);
   h5_file *file = NULL;
   provenance origin = {0};
-  bool same = false;
-  sd_status status = h5_open(path, &file, messages);
-  if (status == SD_OK) status = provenance_read(&origin, file, messages);
-  if (status == SD_OK) status = compare_deck(s, point, &origin, &same, NULL);
-  if (status == SD_OK && !same) r->status = SWEEP_OTHER;
-  if (status == SD_OK) {
-    status = summary_read(&r->found, file, messages);
-    r->has_found = status == SD_OK;
+  sd_messages *mine = sd_messages_new();
+  sd_status status = h5_open(path, &file, mine);
+  if (status == SD_OK) status = provenance_read(&origin, file, mine);
+  if (status == SD_OK) status = summary_read(&r->found, file, mine);
+  if (status != SD_OK) {
+    r->status = SWEEP_DAMAGED;
+    r->message = join(mine, 1);
+  } else {
+    r->has_found = true;
+    r->message = deck_difference(s, point, &origin);
+    if (r->message) r->status = SWEEP_OTHER;
   }
   provenance_free(&origin);
   h5_close(file, NULL);
+  sd_messages_free(mine);
   free(path);
-  return status;
+  return SD_OK;
 }
 
 /* Reads the newest checkpoint; without one there is nothing to tell, and it may vanish while we look. */
@@ -187,7 +263,8 @@ sd_status sweep_look(const sweep *s, size_t point, sweep_result *r, sd_messages 
   if (r->status == SWEEP_DONE) status = look_at_result(s, point, r, messages);
   if (r->status == SWEEP_RUNNING || r->status == SWEEP_STOPPED || r->status == SWEEP_FAILED)
     look_at_checkpoint(s, point, r);
-  r->message = r->status == SWEEP_FAILED ? read_failure(s, point) : file_path("%s", "");
+  if (r->status == SWEEP_FAILED) r->message = read_failure(s, point);
+  if (!r->message) r->message = file_path("%s", "");
   if (r->has_found && r->found.energy.scale > 0)
     r->residual = r->found.energy.residual / r->found.energy.scale;
   return status == SD_OK && !r->message ? no_memory(messages) : status;
@@ -245,38 +322,52 @@ static sd_status run_session(const sd_model *model, const char *result, const sw
   return status;
 }
 
-/* A finished result stays, unless it belongs to another deck: that is a mistake. */
+/* A finished result stays, unless it is none of this deck's: that is a mistake. */
 static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status, sd_messages *messages) {
   sweep_result r;
   sd_status looked = sweep_look(s, point, &r, messages);
   *status = r.status;
+  if (looked == SD_OK && (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED))
+    looked = sd_fail(messages, SD_ERROR_USER,
+                     "%s/points/%s.h5 %s (%s); --force runs the point again, -o writes elsewhere", s->folder,
+                     s->deck.points[point].name,
+                     r.status == SWEEP_OTHER ? "is the result of another deck" : "cannot be read", r.message);
   sweep_result_free(&r);
-  if (looked != SD_OK || *status != SWEEP_OTHER) return looked;
-  return sd_fail(
-      messages, SD_ERROR_USER,
-      "%s/points/%s.h5 is the result of another deck; --force runs the point again, -o writes elsewhere",
-      s->folder, s->deck.points[point].name);
+  return looked;
 }
 
-sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
-                    sd_messages *messages) {
+/* One attempt. *again: the session has not begun, perhaps because another process was faster. */
+static sd_status try_to_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
+                            bool *again, sd_messages *messages) {
+  *again = false;
   *status = sweep_peek(s, point);
   if (*status == SWEEP_DONE && !options->force) return leave_finished(s, point, status, messages);
   if (*status == SWEEP_RUNNING) return SD_OK;
   char *result;
   sd_model *model;
   sd_status ran = sweep_load(s, point, &model, &result, messages);
-  if (ran == SD_OK) ran = run_session(model, result, options, messages);
+  if (ran == SD_OK) {
+    ran = run_session(model, result, options, messages);
+    *again = ran == SD_ERROR_USER;
+  }
   sd_model_free(model);
   free(result);
   *status = ran == SD_OK ? SWEEP_DONE : ran == SD_INTERRUPTED ? SWEEP_STOPPED : SWEEP_FAILED;
-  if (*status != SWEEP_FAILED) {
-    sweep_note(s, point, NULL);
-  } else if (sweep_peek(s, point) == SWEEP_RUNNING) {
-    *status = SWEEP_RUNNING; /* another process was faster */
-    ran = SD_OK;
-  } else {
-    sweep_note_messages(s, point, messages);
-  }
   return ran;
+}
+
+sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
+                    sd_messages *messages) {
+  enum { ATTEMPTS = 3 };
+  for (int k = 1;; k++) {
+    bool again;
+    sd_status ran = try_to_run(s, point, options, status, &again, messages);
+    if (*status == SWEEP_DONE || *status == SWEEP_STOPPED) sweep_note(s, point, NULL);
+    if (*status != SWEEP_FAILED) return ran;
+    if (!again || k == ATTEMPTS) {
+      sweep_note_messages(s, point, messages);
+      return ran;
+    }
+    sd_messages_clear(messages);
+  }
 }

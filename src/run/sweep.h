@@ -23,19 +23,22 @@ typedef struct sweep {
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
                      const char *folder, sd_messages *messages);
 void sweep_close(sweep *s);
-/* Loads the model of the first point of each set. SD_ERROR_USER with the mistakes, each once, when any has one;
- * *usable counts the sets without; steps[point] (may be NULL) is the length of each point, 0: it has mistakes. */
-sd_status sweep_check(const sweep *s, size_t *usable, int64_t *steps, sd_messages *messages);
+/* Loads the model of the first point of each set and shows it to visit (may be NULL). SD_ERROR_USER with the
+ * mistakes, each once and with the points that make it, when any has one; *usable counts the sets without. */
+typedef void sweep_visitor(void *user, size_t point, const sd_model *model);
+sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *usable,
+                      sd_messages *messages);
 /* Makes the folders. */
 sd_status sweep_prepare(const sweep *s, sd_messages *messages);
 
 typedef enum sweep_status {
   SWEEP_WAITING, /* nothing there */
   SWEEP_RUNNING, /* some process holds its lock */
-  SWEEP_STOPPED, /* begun, and nobody is running it */
+  SWEEP_STOPPED, /* begun, and nobody is running it; an older result may be there, too */
   SWEEP_DONE,
   SWEEP_FAILED,
-  SWEEP_OTHER, /* a result is there, of a deck that says something else */
+  SWEEP_DAMAGED, /* a result is there that cannot be read */
+  SWEEP_OTHER,   /* a result is there, of a deck that says something else */
   SWEEP_STATUSES
 } sweep_status;
 extern const char *const sweep_status_names[SWEEP_STATUSES];
@@ -46,11 +49,12 @@ typedef struct sweep_result {
   bool has_found;
   summary found;   /* finished: at the end; else as of the last checkpoint */
   double residual; /* of the energy budget, over work and losses */
-  char *message;   /* failed: why, lines joined by "; ". "" else */
+  char *message;   /* failed, damaged, other deck: why, lines joined by "; ". "" else */
 } sweep_result;
+/* SD_ERROR_IO: no memory. */
 sd_status sweep_look(const sweep *s, size_t point, sweep_result *result, sd_messages *messages);
 void sweep_result_free(sweep_result *result);
-/* The status only, without reading results; SWEEP_OTHER counts as done. */
+/* The status only, without reading results: whatever result is there counts as done. */
 sweep_status sweep_peek(const sweep *s, size_t point);
 
 typedef struct sweep_options {
@@ -62,7 +66,8 @@ typedef struct sweep_options {
 } sweep_options;
 
 /* Runs a point, or continues it. A finished one, and one that another process runs, are left alone (SD_OK; *status
- * says which). On an error its messages are kept in NAME.failed too. SD_INTERRUPTED: stopped at a checkpoint. */
+ * says which); the result of another deck, or a damaged one, is SD_ERROR_USER. When a run fails its messages are
+ * kept in NAME.failed, too. SD_INTERRUPTED: stopped at a checkpoint. messages must be empty, and not NULL. */
 sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
                     sd_messages *messages);
 /* The model of a point and where its result goes (to be freed), for those who run it themselves. */
@@ -71,7 +76,8 @@ sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **resu
 void sweep_note(const sweep *s, size_t point, const char *text);
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);
 
-/* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. */
-sd_status sweep_write_tables(const sweep *s, sd_messages *messages);
+/* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. One process does so at a time:
+ * waits for another for so many seconds at most, after which it is SD_ERROR_USER. */
+sd_status sweep_write_tables(const sweep *s, double patience, sd_messages *messages);
 
 #endif

@@ -81,6 +81,9 @@ static void put_result(sheet *t, size_t row, const sweep_result *r) {
   sheet_number(t, row, "time", "time", "time of the model", (double)f->step * f->dt);
   for (size_t k = 0; k < f->n_rotations; k++) put_rotation(t, row, f->rotation_names[k], &f->rotations[k]);
   for (size_t k = 0; k < f->n_slides; k++) put_slide(t, row, &f->slide_names[3 * k], &f->slides[k]);
+  if (f->has_until)
+    sheet_number(t, row, "goal", "1", "1: ended with the goal of `until`; 0: at its max_time",
+                 f->until_step >= 0 ? 1 : 0);
   sheet_number(t, row, "residual", "1", "residual of the energy budget, over work and losses", r->residual);
   sheet_number(t, row, "work", "energy", "work done by prescribed motions", f->energy.work);
   sheet_number(t, row, "viscous", "energy", "lost in the normal dampers", f->energy.viscous);
@@ -97,8 +100,8 @@ static bool ends_in(const char *name, const char *ending) {
 
 /* Over the finished replicas of a set. */
 typedef struct pool {
-  double n, sum, squares,
-      errors; /* squares: of the distances from the mean; errors: of the error bars, squared */
+  double n, sum;
+  double squares, errors; /* of the distances from the mean; of the error bars */
 } pool;
 
 static void fill_pools(pool *p, const sweep *s, const sheet_column *c, const sheet_column *error) {
@@ -173,8 +176,10 @@ static sd_status write_h5(const sweep *s, const sheet *t, const sheet *m, const 
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
-  sheet_write_h5(t, file, "/points");
-  sheet_write_h5(m, file, "/means");
+  if (!sheet_write_h5(t, file, "/points") || !sheet_write_h5(m, file, "/means")) {
+    h5_close(file, NULL);
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
+  }
   h5_put_text(file, "/parameters/deck_text", s->deck.deck_text);
   char *lines = file_path("%s", "");
   for (size_t k = 0; lines && k < s->deck.n_overrides; k++) {
@@ -231,14 +236,13 @@ static sd_status make_tables(const sweep *s, sd_messages *messages) {
 }
 
 /* Of several processes one writes after the other, so that what stays is what the last one saw. */
-sd_status sweep_write_tables(const sweep *s, sd_messages *messages) {
-  enum { ATTEMPTS = 200 };
+sd_status sweep_write_tables(const sweep *s, double patience, sd_messages *messages) {
+  const double pause = 0.05;
   folder lock = {.lock = -1};
   sd_status status = SD_ERROR_USER;
-  for (int k = 0; k < ATTEMPTS && status == SD_ERROR_USER; k++) {
-    if (k > 0) nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
-    status = folder_open(s->folder, &lock, k + 1 < ATTEMPTS ? NULL : messages);
-  }
+  for (; (status = folder_open(s->folder, &lock, NULL)) == SD_ERROR_USER && patience > 0; patience -= pause)
+    nanosleep(&(struct timespec){.tv_nsec = (long)(pause * 1e9)}, NULL);
+  if (status != SD_OK) status = folder_open(s->folder, &lock, messages); /* and tell why */
   if (status != SD_OK) return status;
   status = make_tables(s, messages);
   folder_close(&lock);
