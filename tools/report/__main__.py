@@ -21,7 +21,8 @@ def options():
                                      "the figures of the paper into one HTML page. What is finished is not run again.")
     level = parser.add_mutually_exclusive_group()
     level.add_argument("--quick", dest="level", action="store_const", const="quick", help="coarse, under two minutes")
-    level.add_argument("--full", dest="level", action="store_const", const="full", help="the paper's whole campaign, hours")
+    level.add_argument("--full", dest="level", action="store_const", const="full",
+                       help="the paper's whole campaign, hours")
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "reproduce"), metavar="DIR",
                         help="where results and report go (build/reproduce)")
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count() or 1, metavar="N",
@@ -51,8 +52,9 @@ def draw(results, seconds=None, modules=MODULES):
                 raise
             results.failed.append(f"figures of {module.__name__}: {type(error).__name__}: {error}")
     claims = [claim for section in found for claim in section.claims]
-    found += statements.sections(results, claims)
-    counts = {word: sum(c.verdict == word for c in claims + found[-1].claims) for word in (YES, NO, OPEN)}
+    summary = statements.sections(results, claims)
+    counts = {word: sum(c.verdict == word for c in claims + summary[0].claims) for word in (YES, NO, OPEN)}
+    found = summary + found
     for section in found:
         page.add(section)
     page.write(TITLE, head(results, found, counts, seconds))
@@ -60,12 +62,12 @@ def draw(results, seconds=None, modules=MODULES):
 
 
 def head(results, sections, counts, seconds):
-    missing = [line for section in sections for line in section.missing]
-    lines = ["<p>Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk with "
-             "asymmetric supports</i>. All numbers are in the paper's units, <i>R</i> = <i>mg</i> = 1, <i>g</i> = 10; error bars are "
-             "single standard errors. Every verdict is computed from the numbers beside it.</p>",
-             f"<p><b>Level: {results.level}</b> &ndash; {levels.DESCRIPTIONS[results.level]}.</p>",
-             "<p>" + ", ".join(f"{counts[word]} {badge(word)}" for word in (YES, NO, OPEN)) + "</p>"]
+    missing = list(dict.fromkeys(line for section in sections for line in section.missing))
+    lines = ["<p>Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk "
+             "with asymmetric supports</i>. All numbers are in the paper's units, <i>R</i> = <i>mg</i> = 1, <i>g</i> "
+             "= 10; error bars are single standard errors. Every verdict is computed from the numbers beside it.</p>",
+             f"<p><b>Level: {results.level}</b> &ndash; {levels.DESCRIPTIONS[results.level]}.</p>", "<p>"
+             + ", ".join(f"{counts[word]} " f"{badge(word)}" for word in (YES, NO, OPEN)) + "</p>"]
     if missing:
         lines.append(missing_list(missing))
     if results.failed:
@@ -73,8 +75,9 @@ def head(results, sections, counts, seconds):
                      "".join(f"<li>{escape(line)}</li>" for line in results.failed) + "</ul></div>")
     made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
     took = f", runs took {seconds / 60:.1f} min on {results.jobs} core{'s' * (results.jobs > 1)}" if seconds else ""
-    lines.append(f'<p class="small">Drawn {made} UTC by {escape(results.provenance().splitlines()[0] if results.provenance() else "?")}'
-                 f" on {platform.machine()}{took}. The figures lie beside this page as PDF and PNG, the tables as CSV.</p>")
+    program = escape((results.provenance() or "?").splitlines()[0])
+    lines.append(f'<p class="small">Drawn {made} UTC by {program} on {platform.machine()}{took}. The figures lie '
+                 "beside this page as PDF and PNG, the tables as CSV.</p>")
     return "\n".join(lines)
 
 
@@ -84,19 +87,20 @@ def escape(text):
 
 def main():
     args = options()
-    signal.signal(signal.SIGTERM, lambda *_: (_ for _ in ()).throw(Stopped("signal")))
     results = Results(args.folder, args.level, args.program, args.jobs, dry=args.draw)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, results.stop)
     begin, status = time.monotonic(), 0
     try:
         results.make(args.only)
-    except (Stopped, KeyboardInterrupt):
+    except Stopped:
         status = STOPPED
         print("stopped; drawing what is there. The same command goes on.")
     path, counts = draw(results, None if args.draw else time.monotonic() - begin)
     print(f"{path}: " + ", ".join(f"{number} {word}" for word, number in counts.items()))
     for line in results.failed:
         print(line, file=sys.stderr)
-    sys.exit(status or (4 if results.failed else 0))
+    sys.exit(status or (3 if results.failed else 0))
 
 
 if __name__ == "__main__":

@@ -15,9 +15,11 @@ SCALE = 1e4
 
 
 def sections(results):
-    out = Section("convergence", "Convergence", "Random vibration (&epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt 0.04&pi;) at a fixed measured time: time step and integrator "
-                  "(decks <code>inputs/paper/step.cfg</code>, <code>step_turning.cfg</code>), steps between draws of the noise (<code>interval.cfg</code>), seeds "
-                  "(<code>seeds.cfg</code>). Another time step is another realisation of the noise, while the two integrators see the same one; turning supports have no "
+    out = Section("convergence", "Convergence", "Random vibration (&epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt "
+                  "0.04&pi;) at a fixed measured time: time step and integrator (decks "
+                  "<code>inputs/paper/step.cfg</code>, <code>step_turning.cfg</code>), steps between draws of the "
+                  "noise (<code>interval.cfg</code>), seeds (<code>seeds.cfg</code>). Another time step is another "
+                  "realisation of the noise, while the two integrators see the same one; turning supports have no "
                   "noise and show the step's own effect.", new=True)
     tables = {name: results.sweep(name) for name in ("step", "step_turning", "interval", "seeds")}
     out.missing = [line for table in tables.values() for line in table.missing]
@@ -31,11 +33,13 @@ def sections(results):
         panel.xaxis.set_minor_formatter(NullFormatter())
     for panel in (axes[0, 0], axes[1, 0], axes[1, 1]):
         panel.set_ylabel(r"$t_g\,\Omega\times10^{4}$")
-    out.figures.append(Figure("convergence", picture, "Random vibration against time step, noise interval and seed (points with error bars; grey: mean of the seeds with its error); "
-                              "turning supports: change of &Omega; relative to the smallest step.",
-                              "Convergence of the angular velocity in time step and noise interval, and its scatter over seeds"))
-    out.claims = [step_claim(tables["step"].joined()), integrator_claim(tables), turning_claim(tables["step_turning"].joined()),
-                  interval_claim(tables["interval"].joined()), seeds_claim(tables["seeds"])]
+    out.figures.append(Figure("convergence", picture, "Random vibration against time step, noise interval and seed "
+                              "(points with error bars; grey: mean of the seeds with its error); turning supports: "
+                              "change of &Omega; relative to the smallest step.", "Convergence of the angular velocity "
+                              "in time step and noise interval, and its scatter over seeds"))
+    out.claims = [step_claim(tables["step"].joined()), integrator_claim(tables),
+                  turning_claim(tables["step_turning"].joined()), interval_claim(tables["interval"].joined()),
+                  seeds_claim(tables["seeds"])]
     out.tables += [
         numbers("Time step, random vibration", tables["step"].joined(), ("dt", "integrator")),
         numbers("Time step, turning supports", tables["step_turning"].joined(), ("phase", "dt", "integrator")),
@@ -45,9 +49,12 @@ def sections(results):
 
 
 def numbers(title, table, names):
-    return Numbers(title, [*names, "&Omega;", "error", "<i>t<sub>g</sub></i>&Omega;", "transient", "residual", "ns per step"],
-                   [[*(row[n] for n in names), *(row[c] for c in ("upper.omega", "upper.omega_error", "upper.scaled", "upper.transient", "residual",
-                                                                  "ns_per_step"))] for row in table.rows])
+    return Numbers(title, [*names, "&Omega;", "error", "<i>t<sub>g</sub></i>&Omega;", "transient", "residual",
+                           "ns per step"], [[*(row[n] for n in names),
+                                             *(row[c]
+                                               for c in ("upper.omega", "upper.omega_error", "upper.scaled",
+                                                         "upper.transient", "residual", "ns_per_step"))]
+                                            for row in table.rows])
 
 
 def step(axes, table):
@@ -55,7 +62,8 @@ def step(axes, table):
         line = table.where(integrator=name).sorted("dt")
         if line:
             shift = 1 + 0.06 * (k - 0.5)
-            points(axes, shift * line.column("dt"), SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"), word, k, "os"[k], line="none")
+            points(axes, shift * line.column("dt"), SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"),
+                   word, k, "os"[k], line="none")
     axes.set_xscale("log")
     axes.set_title("random vibration", pad=38)
     axes.set_xlabel(r"time step $dt$")
@@ -77,8 +85,8 @@ def turning(axes, table):
         for n, (name, word) in enumerate(INTEGRATORS):
             dt, change = relative(table, phase, name)
             if len(dt):
-                axes.plot(dt * (1 + 0.08 * (n - 0.5)), 100 * np.abs(change), ls="none", marker="os^v"[2 * k + n], mfc="white", ms=5, color=COLOURS[2 * k + n],
-                          label=f"{title}, {word}")
+                axes.plot(dt * (1 + 0.08 * (n - 0.5)), 100 * np.abs(change), ls="none", marker="os^v"[2 * k + n],
+                          mfc="white", ms=5, color=COLOURS[2 * k + n], label=f"{title}, {word}")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_title("turning supports", pad=38)
@@ -91,7 +99,8 @@ def turning(axes, table):
 def interval(axes, table):
     line = table.sorted("interval")
     if line:
-        points(axes, line.column("interval"), SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"), "", 0, "o", line="none")
+        points(axes, line.column("interval"), SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"), "", 0,
+               "o", line="none")
     axes.set_xscale("log")
     axes.set_xlabel(r"noise interval $h/dt$")
 
@@ -116,12 +125,15 @@ def equal(text, table, what, note=""):
     mean = np.sum(value / error ** 2) / np.sum(1 / error ** 2)
     chi2, chance = chi_square((value - mean) / error, len(value) - 1)
     verdict = YES if chance > 0.01 else NO if chance < 1e-4 else OPEN
-    return Claim(text, verdict, f"{len(value)} {what}: &chi;&sup2; = {chi2:.1f} for {len(value) - 1} degrees (a chance of {100 * chance:.2g} %), mean "
-                 f"<i>t<sub>g</sub></i>&Omega; {number(mean, 1 / math.sqrt(np.sum(1 / error ** 2)))}, error bars {100 * float(np.median(error / abs(mean))):.0f} %{note}")
+    return Claim(text, verdict, f"{len(value)} {what}: &chi;&sup2; = {chi2:.1f} for {len(value) - 1} degrees (a chance "
+                 f"of {100 * chance:.2g} %), mean <i>t<sub>g</sub></i>&Omega; "
+                 f"{number(mean, 1 / math.sqrt(np.sum(1 / error ** 2)))}, error bars "
+                 f"{100 * float(np.median(error / abs(mean))):.0f} %{note}")
 
 
 def step_claim(table):
-    return equal("Random vibration: &Omega; does not depend on the time step within its error bars.", table.where(integrator="gear5"), "time steps, Gear")
+    return equal("Random vibration: &Omega; does not depend on the time step within its error bars.",
+                 table.where(integrator="gear5"), "time steps, Gear")
 
 
 def integrator_claim(tables):
@@ -134,7 +146,8 @@ def integrator_claim(tables):
                 gaps.append(abs(other[0]["upper.omega"] / row["upper.omega"] - 1))
     if not gaps:
         return missing(text)
-    return decide(text, max(gaps) < 1e-3, f"largest relative difference of {len(gaps)} pairs {number(max(gaps))} (counted as the same below 10<sup>&minus;3</sup>)")
+    return decide(text, max(gaps) < 1e-3, f"largest relative difference of {len(gaps)} pairs {number(max(gaps))} "
+                  "(counted as the same below 10<sup>&minus;3</sup>)")
 
 
 def turning_claim(table):
@@ -146,7 +159,8 @@ def turning_claim(table):
         if len(line) < 2 or not at or line.rows[0]["dt"] > 0.9e-5:
             continue
         gaps.append(at[0]["upper.omega"] / line.rows[0]["upper.omega"] - 1)
-        told.append(f"{title} {percent(gaps[-1], 3)} of &Omega; at {line.rows[0]['dt']:g} ({number(at[0]['upper.omega'] / (0.04 * OMEGA_B), digits=5)} "
+        told.append(f"{title} {percent(gaps[-1], 3)} of &Omega; at {line.rows[0]['dt']:g} "
+                    f"({number(at[0]['upper.omega'] / (0.04 * OMEGA_B), digits=5)} "
                     "&Theta;<sub>b</sub>&omega;<sub>b</sub>)")
     if not gaps:
         return missing(text)

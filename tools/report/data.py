@@ -28,16 +28,16 @@ class Table:
         self.rows, self.missing, self.source = list(rows), list(missing), source
 
     @classmethod
-    def read(cls, path, finished_only=True):
-        """A table.csv; points whose status is not "done" go to `missing`."""
+    def read(cls, path, finished_only=True, label=""):
+        """A table.csv; points whose status is not "done" go to `missing`, with the label before their names."""
         if not os.path.exists(path):
-            return cls(missing=[f"{os.path.basename(os.path.dirname(path)) or path}: all points (not run yet)"], source=path)
+            return cls(missing=[f"{label or path}: all points"], source=path)
         with open(path, newline="") as file:
             lines = [line for line in file if line.strip() and not line.startswith("#")]
         rows = [{key: _value(text) for key, text in row.items()} for row in csv.DictReader(lines)]
         missing = []
         if finished_only and rows and "status" in rows[0]:
-            missing = [f"{row['name']}: {row['status'] or 'not run yet'}" +
+            missing = [f"{label} {row['name']}: {row['status'] or 'not begun'}".strip() +
                        (f", {row['message']}" if row.get("message") else "") for row in rows if row["status"] != "done"]
             rows = [row for row in rows if row["status"] == "done"]
         return cls(rows, missing, path)
@@ -51,8 +51,8 @@ class Table:
     def where(self, **conditions):
         """Rows in which these columns have these values; a name's dots are written as double underscores."""
         wanted = {key.replace("__", "."): value for key, value in conditions.items()}
-        return Table([row for row in self.rows if all(key in row and same(row[key], value) for key, value in wanted.items())],
-                     [], self.source)
+        return Table([row for row in self.rows if all(key in row and same(row[key], value) for key,
+                                                      value in wanted.items())], [], self.source)
 
     def such(self, condition):
         return Table([row for row in self.rows if condition(row)], [], self.source)

@@ -49,7 +49,8 @@ def fit_quotient(x, y, error, start=None):
                 step[k] = 1e-6 * max(abs(c[k]), 1e-6)
                 jacobian[:, k] = ((quotient(x, c + step) - y) / error - rest) / step[k]
             normal = jacobian.T @ jacobian
-            change = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal) + 1e-30), -jacobian.T @ rest, rcond=None)[0]
+            change = np.linalg.lstsq(normal + damping * np.diag(np.diag(normal) + 1e-30), -jacobian.T @ rest,
+                                     rcond=None)[0]
             trial = (quotient(x, c + change) - y) / error
             if trial @ trial < rest @ rest:
                 gain = rest @ rest - trial @ trial
@@ -103,8 +104,8 @@ def extremum(x, y, error, samples=400, seed=1):
         places.append(place)
         inside += turning
     stretch = max(1.0, np.sqrt(chi2 / (len(x) - n)))
-    return Extremum(float(position * last), float(np.std(places) * last * stretch), float(shape(position, c)), inside / samples, form, n, chi2,
-                    len(x) - n, lambda v: shape(np.asarray(v, float) / last, c))
+    return Extremum(float(position * last), float(np.std(places) * last * stretch), float(shape(position, c)),
+                    inside / samples, form, n, chi2, len(x) - n, lambda v: shape(np.asarray(v, float) / last, c))
 
 
 def crossing(x, y, error=None, samples=1000, seed=1):

@@ -72,14 +72,17 @@ def draw(centre, radius, tilt, alpha):
         arrow(axes, contact, -0.62 * unit, COLOURS[0])
         arrow(axes, contact, 0.62 * side, COLOURS[2])
         off = np.array([-0.26, 0.02]) if k == 0 else np.array([0.2, 0.08])
-        axes.text(*(contact - 0.5 * unit + off), f"$n_{k + 1}$", color=COLOURS[0], fontsize=15, ha="center", va="center")
+        axes.text(*(contact - 0.5 * unit + off), f"$n_{k + 1}$", color=COLOURS[0], fontsize=15, ha="center",
+                  va="center")
         shift = np.array([-0.27, -0.11]) if k == 0 else np.array([0.17, -0.02])
         axes.text(*(contact + 0.62 * side + shift), f"$\\tau_{k + 1}$", color=COLOURS[2], fontsize=15,
                   ha="center", va="center")
         outer = line + radius[name] * turned(np.array([(-1) ** (k + 1), 0]), (-1) ** (k + 1) * 0.9)
         axes.plot(*np.stack([line, outer]).T, color=BLACK, lw=0.9)
-        axes.text(*((line + outer) / 2 + np.array([0.12 * (-1) ** k, 0.08])), "$R$", fontsize=14, ha="center", va="center")
-        axes.text(*(line + np.array([0.13 * (-1) ** (k + 1), -0.2])), f"support {k + 1}", fontsize=11, ha="center", va="center")
+        axes.text(*((line + outer) / 2 + np.array([0.12 * (-1) ** k, 0.08])), "$R$", fontsize=14, ha="center",
+                  va="center")
+        axes.text(*(line + np.array([0.13 * (-1) ** (k + 1), -0.2])), f"support {k + 1}", fontsize=11, ha="center",
+                  va="center")
 
     for k, (size, reach) in enumerate(((1.3, 0.8), (1.3, 0.8))):
         first, last = (-90 - math.degrees(alpha[0]), -90) if k == 0 else (-90, -90 + math.degrees(alpha[1]))
@@ -121,25 +124,27 @@ def sections(results):
         out.missing.append(f"{RUN}: not run yet")
         return [out]
     centre, radius, tilt, alpha = read(path)
-    out.figures.append(Figure(
-        "geometry", draw(centre, radius, tilt, alpha),
-        "Upper disk on its two supports. <i>n<sub>i</sub></i> and <i>&tau;<sub>i</sub></i>: normal force, and tangential "
-        "force in its positive sense, of support <i>i</i> on the upper disk; <i>&alpha;<sub>i</sub></i>: angle of the contact "
-        "line to the direction of gravity (dashed); dotted: bisector of the contact lines, at the tilt "
-        "<i>&theta;<sub>T</sub></i> to gravity; the angle between a contact line and the bisector is "
-        "<i>&theta;<sub>h</sub></i>. Positive angles are counter-clockwise.",
-        "Three disks: an upper one resting on two supports, with contact angles, forces, tilt and gravity labelled"))
+    out.figures.append(Figure("geometry", draw(centre, radius, tilt, alpha), "Upper disk on its two supports. "
+                              "<i>n<sub>i</sub></i> and <i>&tau;<sub>i</sub></i>: normal force, and tangential force "
+                              "in its positive sense, of support <i>i</i> on the upper disk; "
+                              "<i>&alpha;<sub>i</sub></i>: angle of the contact line to the direction of gravity "
+                              "(dashed); dotted: bisector of the contact lines, at the tilt "
+                              "<i>&theta;<sub>T</sub></i> to gravity; the angle between a contact line and the "
+                              "bisector is <i>&theta;<sub>h</sub></i>. Positive angles are counter-clockwise.",
+                              "Three disks: an upper " "one resting on two supports, with contact angles, forces, tilt "
+                              "and gravity labelled"))
     half, found = (alpha[0] + alpha[1]) / 2, (alpha[1] - alpha[0]) / 2
     place = "section 2"
-    out.claims += [
-        within("The contact lines make an angle &alpha;<sub>1</sub> + &alpha;<sub>2</sub> = &pi;/3.", alpha[0] + alpha[1], math.pi / 3, 1e-3, place),
-        within("The tilt is half the difference of the contact angles, (&alpha;<sub>2</sub> &minus; &alpha;<sub>1</sub>)/2.", found, tilt, 1e-3, place,
-               names=("from the positions", "deck's tilt of gravity")),
-    ]
+    out.claims += [within("The contact lines make an angle &alpha;<sub>1</sub> + &alpha;<sub>2</sub> = &pi;/3.",
+                          alpha[0] + alpha[1], math.pi / 3, 1e-3, place),
+                   within("The tilt is half the difference of " "the contact angles, " "(&alpha;<sub>2</sub> &minus; "
+                          "&alpha;<sub>1</sub>)/2.", found, tilt, 1e-3, place,
+                          names=("from the positions", "deck's tilt of gravity")),]
     rows = [[f"centre of the {name} disk, x, y", f"{r[0]:.6g}, {r[1]:.6g}"] for name, r in centre.items()]
     rows += [["radii", ", ".join(f"{r:g}" for r in radius.values())],
-             ["&alpha;<sub>1</sub>/&pi;, &alpha;<sub>2</sub>/&pi;", f"{alpha[0] / math.pi:.6f}, {alpha[1] / math.pi:.6f}"],
-             ["&theta;<sub>h</sub>/&pi;, &theta;<sub>T</sub>/&pi;", f"{half / math.pi:.6f}, {found / math.pi:.6f}"],
-             ["tilt of gravity in the deck/&pi;", number(tilt / math.pi)]]
+             ["&alpha;<sub>1</sub>/&pi;, " "&alpha;<sub>2</sub>/&pi;", f"{alpha[0] / math.pi:.6f}, "
+              f"{alpha[1] / math.pi:.6f}"], ["&theta;<sub>h</sub>/&pi;, &theta;<sub>T</sub>/&pi;",
+                                             f"{half / math.pi:.6f}, {found / math.pi:.6f}"],
+             ["tilt of gravity in the " "deck/&pi;", number(tilt / math.pi)]]
     out.tables.append(Numbers("Geometry", ["what", "value"], rows))
     return [out]

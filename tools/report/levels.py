@@ -8,21 +8,22 @@ import dataclasses
 
 LEVELS = ("quick", "default", "full")
 DESCRIPTIONS = {
-    "quick": "a coarse look: large time steps, short runs, few points. Error bars are four times those of the paper's "
-             "length, and slow transients may not be over",
-    "default": "random vibration at the paper's length (5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup>) at a part "
-               "of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at four points at "
-               "the paper's length",
+    "quick": "a coarse look: large time steps, short runs, few points. Error bars are more than twice those of the "
+             "paper's length, and slow transients may not be over",
+    "default": "random vibration at the paper's length (5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup>) at a "
+               "part of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at four "
+               "points at the paper's length",
     "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points",
 }
 
 
 @dataclasses.dataclass(frozen=True)
 class Plan:
-    keys: dict    # -D of every point
-    points: dict  # -D of the group sweep
+    keys: dict = dataclasses.field(default_factory=dict)    # -D of every point
+    points: dict = dataclasses.field(default_factory=dict)  # -D of the group sweep
 
 
+AS_IS = Plan()
 
 COARSE = {"dt": 2e-5, "phases.measure.time": 100}        # random
 COARSE_TURN = {"dt": 2e-5, "phases.measure.time": 30}    # periodic
@@ -37,27 +38,28 @@ NO_FINE = "(2e-5, 1e-5, 5e-6)"
 
 # name: (deck, {level: plan}); without a level it is not run there. Cheap ones first.
 SWEEPS = {
-    "sync": ("sync.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN, {}), "full": Plan({}, {})}),
-    "async": ("async.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN, {}), "full": Plan({}, {})}),
-    "phase": ("phase.cfg", {"quick": Plan(COARSE_TURN, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
-    "waveform": ("waveform.cfg", {"quick": Plan(COARSE_TURN, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
-    "frequency": ("frequency.cfg", {"quick": Plan(COARSE_TURN, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
+    "sync": ("sync.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
+    "async": ("async.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
+    "phase": ("phase.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
+    "waveform": ("waveform.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
+    "frequency": ("frequency.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "step_turning": ("step_turning.cfg", {
         "quick": Plan({"phases.measure.time": 30}, {"sweep.parameters.dt.values": NO_FINE}),
-        "default": Plan({}, {}), "full": Plan({}, {})}),
-    "seeds": ("seeds.cfg", {"quick": Plan(COARSE, {}), "default": Plan({}, {}), "full": Plan({}, {"sweep.replicas": 32})}),
-    "interval": ("interval.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 1}), "default": Plan({}, {}),
+        "default": AS_IS, "full": AS_IS}),
+    "seeds": ("seeds.cfg", {"quick": Plan(COARSE), "default": AS_IS,
+                            "full": Plan({}, {"sweep.replicas": 32})}),
+    "interval": ("interval.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 1}), "default": AS_IS,
                                   "full": Plan({}, {"sweep.replicas": 8})}),
-    "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE, {}), "default": Plan({}, {}), "full": Plan({}, {})}),
+    "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE), "default": AS_IS, "full": AS_IS}),
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
-        "default": Plan({}, {}), "full": Plan({}, {"sweep.parameters.noise.values": "(1, 2, 3, 4)"})}),
-    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, FEW_EPS), "full": Plan({}, {})}),
-    "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),    # at level full these are among the points of "sync"
+        "default": AS_IS, "full": Plan({}, {"sweep.parameters.noise.values": "(1, 2, 3, 4)"})}),
+    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, FEW_EPS), "full": AS_IS}),
+    "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),  # at level full these are among the points of "sync"
     "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
 }
 
-# Single runs: name: (deck, {level: keys}, {keys at all levels}). Frames and contact tables are dense, so they are short.
+# Single runs: name: (deck, {level: keys}, {keys at all levels}). Frames and contact tables are dense: they are short.
 _FINE = {"dt": 1e-6, "phases.rest.time": 40, "phases.measure.time": 0.2, "phases.measure.frames": 100,
          "phases.measure.contacts": 100}
 _ROUGH = {"dt": 1e-5, "phases.rest.time": 20, "phases.measure.time": 0.2, "phases.measure.frames": 10,
@@ -80,6 +82,17 @@ WEAK_DRIVE, STRONG_DRIVE = 0.002, 0.04  # Theta_b of figures sync and async
 SOFT = {"materials[0].k_t": 20}  # elastic branches as long as the excursions
 _ROUGH_EPO = {"dt": 1e-5, "phases.measure.frames": 20, "phases.measure.contacts": 20}
 _EPO = {"quick": _ROUGH_EPO, "default": {}, "full": {}}
+_SETTLED = {"phases.settle.time": 10}
+_FROZEN = {"quick": {"dt": 1e-5, "phases.settle.time": 10, "phases.measure.time": 10}, "default": _SETTLED,
+           "full": _SETTLED}
+_WEAK = {"quick": {"dt": 1e-5, "phases.settle.time": 2, "phases.measure.time": 10}, "default": {}, "full": {}}
+_STEADY = {"quick": {"dt": 1e-5, "phases.settle.time": 3, "phases.measure.time": 1}, "default": {}, "full": {}}
+
+
+def _steady(left, right):
+    return {"motions.left.velocity": left, "motions.right.velocity": right}
+
+
 RUNS = {
     "epo_symmetric": ("epo/symmetric.cfg", _EPO, _OSCILLATOR),
     "epo_asymmetric": ("epo/asymmetric.cfg", _EPO, _OSCILLATOR),
@@ -91,12 +104,10 @@ RUNS = {
     "async_weak": ("three_disk/async.cfg", _WAVE, _opposite(WEAK_DRIVE)),
     "async_strong": ("three_disk/async.cfg", _WAVE, _opposite(STRONG_DRIVE)),
     "async_sine": ("three_disk/async.cfg", _WAVE, _opposite(STRONG_DRIVE, "harmonic")),
-    "frozen": ("three_disk/frozen.cfg", {"quick": {"dt": 1e-5, "phases.settle.time": 10, "phases.measure.time": 10},
-                                         "default": {"phases.settle.time": 10}, "full": {"phases.settle.time": 10}}, {}),
-    "weak": ("three_disk/weak.cfg", {"quick": {"dt": 1e-5, "phases.settle.time": 2, "phases.measure.time": 10},
-                                     "default": {}, "full": {}}, {}),
-    **{f"steady_{name}": ("three_disk/steady.cfg",
-                          {"quick": {"dt": 1e-5, "phases.settle.time": 3, "phases.measure.time": 1}, "default": {}, "full": {}},
-                          {"motions.left.velocity": left, "motions.right.velocity": right})
-       for name, left, right in (("pp", -1, -1), ("pm", -1, 1), ("mp", 1, -1), ("mm", 1, 1))},
+    "frozen": ("three_disk/frozen.cfg", _FROZEN, {}),
+    "weak": ("three_disk/weak.cfg", _WEAK, {}),
+    "steady_pp": ("three_disk/steady.cfg", _STEADY, _steady(-1, -1)),
+    "steady_pm": ("three_disk/steady.cfg", _STEADY, _steady(-1, 1)),
+    "steady_mp": ("three_disk/steady.cfg", _STEADY, _steady(1, -1)),
+    "steady_mm": ("three_disk/steady.cfg", _STEADY, _steady(1, 1)),
 }

@@ -59,8 +59,9 @@ def loop(axes, o, title):
     axes.plot(x, force, color=COLOURS[0], lw=1.0)
     for k, (limit, name) in enumerate(zip(o.limits, ("F_1", "F_2"))):
         axes.axhline(limit, color=GREY, lw=0.8, ls="--")
-        axes.annotate(f"${name}={limit:+.2f}$", (1, limit), xycoords=("axes fraction", "data"), textcoords="offset points",
-                      xytext=(-4, -11 if k == 0 else 4), ha="right", fontsize=10, color=BLACK)
+        axes.annotate(f"${name}={limit:+.2f}$", (1, limit), xycoords=("axes fraction", "data"),
+                      textcoords="offset points", xytext=(-4, -11 if k == 0 else 4), ha="right", fontsize=10,
+                      color=BLACK)
     zero_line(axes)
     ends = np.nonzero(np.diff(o.sliding[first]))[0]
     for begin, end in list(zip(ends[:-1], ends[1:]))[-5:-1]:  # a period: two elastic branches, two of sliding
@@ -74,13 +75,14 @@ def loop(axes, o, title):
 
 
 def sections(results):
-    out = Section(
-        "epo-force", "Elasto-plastic oscillator (figs. epo, epo-force)",
-        "A disk that cannot turn, pressed by its weight on a wall that is shaken along itself (harmonically, amplitude 0.01, "
-        "&omega; = 20&pi;): the contact is a spring of stiffness <i>k<sub>t</sub></i> in series with a slip joint. A constant force "
-        "<i>f</i> = 0.02 along the wall shifts the limits to <i>F</i><sub>1</sub> = &minus;&mu;<i>mg</i> + <i>f</i> and "
-        "<i>F</i><sub>2</sub> = &mu;<i>mg</i> + <i>f</i>. Decks <code>inputs/epo/symmetric.cfg</code>, <code>asymmetric.cfg</code>; the loops "
-        "use a softer skin (<i>k<sub>t</sub></i> = 20), whose elastic branches can be seen. The first 20 time units are discarded.")
+    out = Section("epo-force", "Elasto-plastic oscillator (figs. epo, epo-force)", "A disk that cannot turn, pressed "
+                  "by its weight on a wall that is shaken along itself (harmonically, amplitude 0.01, &omega; = "
+                  "20&pi;): the contact is a spring of stiffness <i>k<sub>t</sub></i> in series with a slip joint. A "
+                  "constant force <i>f</i> = 0.02 along the wall shifts the limits to <i>F</i><sub>1</sub> = "
+                  "&minus;&mu;<i>mg</i> + <i>f</i> and <i>F</i><sub>2</sub> = &mu;<i>mg</i> + <i>f</i>. Decks "
+                  "<code>inputs/epo/symmetric.cfg</code>, <code>asymmetric.cfg</code>; the loops use a softer skin "
+                  "(<i>k<sub>t</sub></i> = 20), whose elastic branches can be seen. The first 20 time units are "
+                  "discarded.")
     names = ("epo_symmetric", "epo_asymmetric", "epo_soft_symmetric", "epo_soft_asymmetric")
     paths = {name: results.run(name) for name in names}
     out.missing += [f"{name}: not run yet" for name, path in paths.items() if not path]
@@ -103,15 +105,17 @@ def sections(results):
         if stiff or soft:
             legend_above(below, 3)
     axes[1, 0].set_ylim(-2.5, 2.5)
-    out.figures.append(Figure(
-        "epo-force", picture,
-        "Above: force on the disk (contact and constant force) against its displacement from the wall, four periods. The force is "
-        "linear in the displacement between the limits <i>F</i><sub>1</sub> and <i>F</i><sub>2</sub>, and constant while the joint slides. "
-        "Below: position against time (mind the scale on the left), with the drift of permanent sliding. Left: equal limits; right: unequal ones.",
-        "Force-displacement loops and positions of the elasto-plastic oscillator with equal and unequal limits"))
+    out.figures.append(Figure("epo-force", picture, "Above: force on the disk (contact and constant force) against its "
+                              "displacement from the wall, four periods. The force is linear in the displacement "
+                              "between the limits <i>F</i><sub>1</sub> and <i>F</i><sub>2</sub>, and constant while "
+                              "the joint slides. Below: position against time (mind the scale on the left), with the "
+                              "drift of permanent sliding. Left: equal limits; right: unequal ones.",
+                              "Force-displacement " "loops and positions of the elasto-plastic oscillator with equal "
+                              "and unequal limits"))
     out.claims, rows = claims(found)
-    out.tables.append(Numbers("Oscillator", ["run", "<i>f</i>", "<i>F</i><sub>1</sub>", "<i>F</i><sub>2</sub>", "least force", "largest force",
-                                             "sliding (fraction)", "drift velocity", "error", "permanent sliding"], rows))
+    out.tables.append(Numbers("Oscillator", ["run", "<i>f</i>", "<i>F</i><sub>1</sub>", "<i>F</i><sub>2</sub>",
+                                             "least force", "largest force", "sliding (fraction)", "drift velocity",
+                                             "error", "permanent sliding"], rows))
     return [out]
 
 
@@ -119,7 +123,8 @@ def claims(found):
     symmetric, asymmetric = found.get("epo_symmetric"), found.get("epo_asymmetric")
     soft = found.get("epo_soft_asymmetric")
     out = []
-    text = "The force changes linearly with the displacement until a limit is reached, and is constant while the joint slides."
+    text = ("The force changes linearly with the displacement until a limit is reached, and is constant while the "
+            "joint slides.")
     if soft:
         stuck = soft.sliding == 0
         both = stuck[1:] & stuck[:-1]
@@ -127,18 +132,18 @@ def claims(found):
         low, high = soft.force.min(), soft.force.max()
         excess = max(abs(low - soft.limits[0]), abs(high - soft.limits[1])) / (soft.limits[1] - soft.limits[0])
         spread = float(np.std(slope))
-        out.append(decide(text, bool(excess < 1e-3 and spread < 0.01 * abs(slope.mean())),
-                          f"slope while stuck {number(slope.mean(), digits=5)} (spread {number(spread)}; "
-                          f"&minus;<i>k<sub>t</sub></i> = &minus;20), extremes {number(low, digits=4)} and {number(high, digits=4)}; limits {number(soft.limits[0], digits=4)} and "
-                          f"{number(soft.limits[1], digits=4)}", PLACE))
+        out.append(decide(text, bool(excess < 1e-3 and spread < 0.01 * abs(slope.mean())), "slope while stuck "
+                          f"{number(slope.mean(), digits=5)} (spread {number(spread)}; &minus;<i>k<sub>t</sub></i> = "
+                          f"&minus;20), extremes {number(low, digits=4)} and {number(high, digits=4)}; limits "
+                          f"{number(soft.limits[0], digits=4)} and {number(soft.limits[1], digits=4)}", PLACE))
     else:
         out.append(missing(text, PLACE))
     text = "Equal limits: no systematic drift."
     scale = symmetric.amplitude * symmetric.omega if symmetric else math.nan
     if symmetric:
         v, _ = symmetric.drift()
-        out.append(decide(text, abs(v) < 1e-3 * scale, f"drift {number(v)}, {number(abs(v) / scale)} of the wall's top speed "
-                                                        "(counted as none below 10<sup>&minus;3</sup>)", PLACE))
+        out.append(decide(text, abs(v) < 1e-3 * scale, f"drift {number(v)}, {number(abs(v) / scale)} of the wall's top "
+                          "speed (counted as none below 10<sup>&minus;3</sup>)", PLACE))
     else:
         out.append(missing(text, PLACE))
     text = "Unequal limits: the oscillator drifts in the direction whose limit is smaller."
@@ -146,15 +151,17 @@ def claims(found):
         v, e = asymmetric.drift()
         direction = 1 if abs(asymmetric.limits[0]) < abs(asymmetric.limits[1]) else -1
         known = abs(v) > SURE * e
-        out.append(Claim(text, OPEN, "", PLACE) if not known else
-                   decide(text, v * direction > 0, f"drift {number(v, e)} with <i>F</i><sub>1</sub> = {number(asymmetric.limits[0])}, "
-                          f"<i>F</i><sub>2</sub> = {number(asymmetric.limits[1])}", PLACE))
-        out.append(within("Its drift is that of permanent sliding, <i>A</i>&omega; sin(&pi;<i>f</i>/2&mu;<i>mg</i>).", v, asymmetric.permanent(), 0.01, "", e))
+        out.append(Claim(text, OPEN, "", PLACE) if not known
+                   else decide(text, v * direction > 0, f"drift {number(v, e)} " "with <i>F</i><sub>1</sub> = "
+                               f"{number(asymmetric.limits[0])}, " "<i>F</i><sub>2</sub> = "
+                               f"{number(asymmetric.limits[1])}", PLACE))
+        out.append(within("Its drift is that of permanent sliding, <i>A</i>&omega; sin(&pi;<i>f</i>/2&mu;<i>mg</i>).",
+                          v, asymmetric.permanent(), 0.01, "", e))
     else:
         out.append(missing(text, PLACE))
     rows = []
     for name, o in found.items():
         v, e = o.drift()
-        rows.append([name, o.push, *o.limits, float(o.force.min()), float(o.force.max()), float(np.mean(o.sliding != 0)), v, e,
-                     o.permanent()])
+        rows.append([name, o.push, *o.limits, float(o.force.min()), float(o.force.max()),
+                     float(np.mean(o.sliding != 0)), v, e, o.permanent()])
     return out, rows

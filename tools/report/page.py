@@ -26,6 +26,7 @@ class Numbers:
     title: str
     columns: list
     rows: list
+    shown: bool = False  # without being asked for
 
 
 @dataclasses.dataclass
@@ -50,15 +51,17 @@ figure { margin: 1rem 0; }
 figure img { width: 100%; height: auto; display: block; }
 figcaption { font-size: .92rem; color: #333; margin-top: .3rem; }
 .scroll { overflow-x: auto; }
-table { border-collapse: collapse; font: 13px/1.35 system-ui, sans-serif; font-variant-numeric: tabular-nums; margin: .5rem 0; }
+table { border-collapse: collapse; font: 13px/1.35 system-ui, sans-serif; font-variant-numeric: tabular-nums;
+        margin: .5rem 0; }
 th, td { border-bottom: 1px solid #ddd; padding: .2rem .55rem; text-align: left; vertical-align: top; }
 th { border-bottom: 1.5px solid #666; }
 td.n { text-align: right; white-space: nowrap; }
 ul.claims { list-style: none; padding: 0; }
 ul.claims li { margin: .6rem 0; padding-left: .8rem; border-left: 4px solid #999; }
-ul.claims li.yes { border-color: #1b7837; } ul.claims li.no { border-color: #b2182b; } ul.claims li.open { border-color: #b8860b; }
-.verdict { font: 600 .8rem/1.4 system-ui, sans-serif; padding: 0 .4rem; border-radius: .2rem; color: #fff; background: #777;
-           white-space: nowrap; }
+ul.claims li.yes { border-color: #1b7837; } ul.claims li.no { border-color: #b2182b; }
+ul.claims li.open { border-color: #b8860b; }
+.verdict { font: 600 .8rem/1.4 system-ui, sans-serif; padding: 0 .4rem; border-radius: .2rem; color: #fff;
+           background: #777; white-space: nowrap; }
 .verdict.yes { background: #1b7837; } .verdict.no { background: #b2182b; } .verdict.open { background: #8a6508; }
 .numbers { display: block; font-size: .9rem; color: #333; }
 .place, .small { font-size: .85rem; color: #555; }
@@ -97,7 +100,8 @@ def csv_of(table):
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow([plain(name) for name in table.columns])
     for row in table.rows:
-        writer.writerow([plain(v) if isinstance(v, str) else "" if v is None or v != v else repr(float(v)) for v in row])
+        writer.writerow([plain(v) if isinstance(v, str) else "" if v is None or v != v else repr(float(v))
+                         for v in row])
     return out.getvalue()
 
 
@@ -107,7 +111,8 @@ def html_table(columns, rows):
     for row in rows:
         cells = [cell(value) for value in row]
         lines.append("<tr>" + "".join(f'<td class="n">{t}</td>' if n else f"<td>{t}</td>" for t, n in cells) + "</tr>")
-    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>\n' + "\n".join(lines) + "\n</tbody></table></div>"
+    body = "\n".join(lines)
+    return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table></div>'
 
 
 def data_link(text, name):
@@ -139,8 +144,9 @@ class Page:
             text = csv_of(table)
             with open(os.path.join(self.folder, "tables", name), "w") as file:
                 file.write(text)
-            out.append(f"<details><summary>{table.title} ({len(table.rows)} rows)</summary>"
-                       f'{html_table(table.columns, table.rows)}<p class="small">As CSV: {data_link(text, name)}</p></details>')
+            out.append(f"<details{' open' if table.shown else ''}><summary>{table.title} ({len(table.rows)} "
+                       "rows)</summary>" f'{html_table(table.columns, table.rows)}<p class="small">As CSV: '
+                       f'{data_link(text, name)}</p></details>')
         out.append("</section>")
         self.parts.append("\n".join(out))
 
@@ -163,9 +169,11 @@ class Page:
     def write(self, title, head):
         """head: HTML that stands above the index."""
         links = "".join(f'<li><a href="#{key}">{name}</a></li>' for key, name in self.index)
-        text = (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n'
-                f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>\n{STYLE}\n</style>\n</head>\n<body>\n'
-                f"<h1>{title}</h1>\n{head}\n<nav><ol>{links}</ol></nav>\n" + "\n".join(self.parts) + "\n</body>\n</html>\n")
+        text = (f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{title}</title>\n<meta '
+                'name="viewport" content="width=device-width, '
+                f'initial-scale=1">\n<style>\n{STYLE}\n</style>\n</head>\n<body>\n'
+                f"<h1>{title}</h1>\n{head}\n<nav><ol>{links}</ol></nav>\n" + "\n".join(self.parts)
+                + "\n</body>\n</html>\n")
         temporary = self.path + ".new"
         with open(temporary, "w") as file:
             file.write(text)

@@ -26,7 +26,8 @@ class Line:
     def __init__(self, table, amplitude):
         table = table.sorted("phase")
         unit = amplitude * OMEGA_B
-        self.psi, self.omega, self.error = table.column("phase"), table.disk("omega") / unit, table.disk("omega_error") / unit
+        self.psi = table.column("phase")
+        self.omega, self.error = table.disk("omega") / unit, table.disk("omega_error") / unit
 
     def __bool__(self):
         return len(self.psi) > 0
@@ -42,16 +43,19 @@ class Line:
                 continue
             other = np.nonzero(np.abs(self.psi + psi) < 1e-6)[0]
             if len(other):
-                out.append((psi, (omega + sign * self.omega[other[0]]) / 2, math.hypot(error, self.error[other[0]]) / 2))
+                out.append((psi, (omega + sign * self.omega[other[0]]) / 2,
+                            math.hypot(error, self.error[other[0]]) / 2))
         return tuple(np.array(v) for v in zip(*out)) if out else (np.array([]),) * 3
 
 
 def sections(results):
-    out = Section("phase", "Phase between the supports", "Parabola and sine, &omega;<sub>b</sub> = 20&pi;, deck <code>inputs/paper/phase.cfg</code>. &psi; &gt; 0: the right support "
-                  "is ahead. In the limit of strong drive theory lets the sense turn over at |&psi;| = &pi; (sin&sup2;&theta;<sub>h</sub> &minus; &mu;&sup2; "
-                  "cos&sup2;&theta;<sub>h</sub>) = 0.2425&pi;, whatever waveform and tilt. A phase other than 0 and &pi; breaks the reflection symmetry as a tilt does: "
-                  "reflection takes (&psi;, &theta;<sub>T</sub>) to (&minus;&psi;, &minus;&theta;<sub>T</sub>) and &Omega; to &minus;&Omega;. The half sum of &Omega; at "
-                  "&psi; and &minus;&psi; is what the tilt does.", new=True)
+    out = Section("phase", "Phase between the supports", "Parabola and sine, &omega;<sub>b</sub> = 20&pi;, deck "
+                  "<code>inputs/paper/phase.cfg</code>. &psi; &gt; 0: the right support is ahead. In the limit of "
+                  "strong drive theory lets the sense turn over at |&psi;| = &pi; (sin&sup2;&theta;<sub>h</sub> "
+                  "&minus; &mu;&sup2; cos&sup2;&theta;<sub>h</sub>) = 0.2425&pi;, whatever waveform and tilt. A phase "
+                  "other than 0 and &pi; breaks the reflection symmetry as a tilt does: reflection takes (&psi;, "
+                  "&theta;<sub>T</sub>) to (&minus;&psi;, &minus;&theta;<sub>T</sub>) and &Omega; to &minus;&Omega;. "
+                  "The half sum of &Omega; at &psi; and &minus;&psi; is what the tilt does.", new=True)
     table = results.sweep("phase").joined()
     out.missing = list(table.missing)
     theory = results.theory("curve-phase", "paper/phase.cfg", **{"sweep[0].parameters.phase.values": DENSE})
@@ -61,16 +65,21 @@ def sections(results):
     stiff = Line(table.such(lambda row: isinstance(row.get("k_n"), float)), STRONG)
     curves = {key: theory.where(theta_b=key[0], wave=key[1]).sorted("phase") for key in lines}
     out.figures.append(draw(lines, level, stiff, curves))
-    turns = turning_points({**{(a, w, f"{dict(WAVES)[w]}, &Theta;<sub>b</sub> = {a:g}"): line for (a, w), line in lines.items()},
-                            (STRONG, "parabolic", f"parabola, &Theta;<sub>b</sub> = {STRONG:g}, <i>k<sub>n</sub></i> = 10<sup>5</sup>"): stiff}, curves)
+    turns = turning_points({**{(a, w, f"{dict(WAVES)[w]}, &Theta;<sub>b</sub> = {a:g}"): line for (a, w),
+                               line in lines.items()},
+                            (STRONG, "parabolic", "parabola, &Theta;<sub>b</sub> = "
+                             f"{STRONG:g}, <i>k<sub>n</sub></i> = 10<sup>5</sup>"): stiff}, curves)
     out.claims = claims(lines, level, stiff, curves, turns)
     rows = []
-    for name, line in [*((f"&Theta;<sub>b</sub> = {a:g}, {dict(WAVES)[w]}", line) for (a, w), line in lines.items()), ("no tilt", level),
-                       ("<i>k<sub>n</sub></i> = 10<sup>5</sup>", stiff)]:
+    for name, line in [*((f"&Theta;<sub>b</sub> = {a:g}, {dict(WAVES)[w]}", line) for (a, w), line in lines.items()),
+                       ("no tilt", level), ("<i>k<sub>n</sub></i> = 10<sup>5</sup>", stiff)]:
         rows += [[name, psi / PI, omega, error] for psi, omega, error in zip(line.psi, line.omega, line.error)]
-    out.tables.append(Numbers("All points", ["", "&psi;/&pi;", "&Omega;/&Theta;<sub>b</sub>&omega;<sub>b</sub>", "error"], rows))
-    out.tables.append(Numbers("Where the half sum changes its sign", ["", "&psi;/&pi;, simulation", "error", "&psi;/&pi;, exact solution"],
-                              [[name, *(np.array(f or (math.nan, math.nan)) / PI), (x[0] / PI if x else math.nan)] for name, f, x in turns]))
+    out.tables.append(Numbers("All points", ["", "&psi;/&pi;", "&Omega;/&Theta;<sub>b</sub>&omega;<sub>b</sub>",
+                                             "error"], rows))
+    out.tables.append(Numbers("Where the half sum changes its sign",
+                              ["", "&psi;/&pi;, simulation", "error", "&psi;/&pi;, exact solution"],
+                              [[name, *(np.array(f or (math.nan, math.nan)) / PI), (x[0] / PI if x else math.nan)]
+                               for name, f, x in turns]))
     return [out]
 
 
@@ -83,7 +92,8 @@ def draw(lines, level, stiff, curves):
             if line:
                 points(panel, line.psi / PI, line.omega, line.error, word, n, "os"[n], line="none", ms=4)
             if curve:
-                panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n], lw=1, label="exact")
+                panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n], lw=1,
+                           label="exact")
         panel.set_title(f"$\\Theta_b={amplitude:g}$, $\\theta_T=0.04\\pi$", pad=26)
         if any(lines[amplitude, wave] for wave, _ in WAVES):
             legend_above(panel, 4, fontsize=9, handlelength=1.4)
@@ -95,7 +105,8 @@ def draw(lines, level, stiff, curves):
             points(panel, psi / PI, value, error, f"$\\Theta_b={amplitude:g}$", n + 2, "^D"[n], line="none", ms=4)
         curve = curves[amplitude, "parabolic"].such(lambda row: row["phase"] > -1e-9)
         if curve:
-            panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n + 2], lw=1, label="exact")
+            panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n + 2], lw=1,
+                       label="exact")
     panel.axvline(0.2425, color=GREY, lw=0.8, ls=":")
     panel.set_title("parabola, half sum of $\\psi$ and $-\\psi$", pad=26)
     panel.set_xlabel(r"phase $|\psi|$")
@@ -108,7 +119,8 @@ def draw(lines, level, stiff, curves):
             points(panel, line.psi / PI, line.omega, line.error, word, n + 4, "v>"[n], line="none", ms=4)
     curve = curves[STRONG, "parabolic"]
     if curve:
-        panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=BLACK, lw=1, label="exact, $0.04\\pi$")
+        panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=BLACK, lw=1,
+                   label="exact, $0.04\\pi$")
     panel.set_title(f"parabola, $\\Theta_b={STRONG:g}$", pad=26)
     panel.set_xlabel(r"phase $\psi$")
     in_pi(panel.xaxis, 0.5)
@@ -120,9 +132,11 @@ def draw(lines, level, stiff, curves):
         panel.set_ylabel(r"$\Omega/\Theta_b\omega_b$")
     for panel in axes[0]:
         panel.set_xlabel(r"phase $\psi$")
-    return Figure("phase", picture, "Mean angular velocity against the phase &psi; between the supports. Above: weak and strong drive, both waveforms, with the exact solution of "
-                  "permanent sliding (lines). Below left: the part even in &psi;; dotted: where theory lets it change its sign at strong drive. Below right: without "
-                  "tilt, and with tilt 0.04&pi; and hundred times stiffer disks.", "Angular velocity against the phase between the supports")
+    return Figure("phase", picture, "Mean angular velocity against the phase &psi; between the supports. Above: weak "
+                  "and strong drive, both waveforms, with the exact solution of permanent sliding (lines). Below "
+                  "left: the part even in &psi;; dotted: where theory lets it change its sign at strong drive. Below "
+                  "right: without tilt, and with tilt 0.04&pi; and hundred times stiffer disks.",
+                  "Angular velocity against the phase between the supports")
 
 
 def turning_points(lines, curves):
@@ -138,10 +152,13 @@ def turning_points(lines, curves):
 def claims(lines, level, stiff, curves, turns):
     out = []
     text = "The sense of rotation depends on the phase: positive in phase, negative in opposite phases."
-    ends = [[float(v) for line in lines.values() for v in line.omega[np.abs(line.psi - psi) < 1e-6]] for psi in (0.0, PI)]
+    ends = [[float(v) for line in lines.values() for v in line.omega[np.abs(line.psi - psi) < 1e-6]]
+            for psi in (0.0, PI)]
     if all(ends):
-        out.append(decide(text, min(ends[0]) > 0 > max(ends[1]), f"{len(ends[0])} values in phase from {number(min(ends[0]))} to {number(max(ends[0]))}, "
-                          f"{len(ends[1])} opposite from {number(min(ends[1]))} to {number(max(ends[1]))} &Theta;<sub>b</sub>&omega;<sub>b</sub>", "sections 4.1, 4.2, 5"))
+        out.append(decide(text, min(ends[0]) > 0 > max(ends[1]), f"{len(ends[0])} values in phase from "
+                          f"{number(min(ends[0]))} to {number(max(ends[0]))}, {len(ends[1])} opposite from "
+                          f"{number(min(ends[1]))} to {number(max(ends[1]))} &Theta;<sub>b</sub>&omega;<sub>b</sub>",
+                          "sections 4.1, 4.2, 5"))
     else:
         out.append(missing(text, "sections 4.1, 4.2, 5"))
     text = "Without tilt the disk does not rotate, whatever the phase (as theory has it)."
@@ -149,16 +166,19 @@ def claims(lines, level, stiff, curves, turns):
         psi, odd, error = level.halves(-1)
         k = int(np.argmax(np.abs(level.omega)))
         rotates = abs(level.omega[k]) > 0.002 and abs(level.omega[k]) > 5 * level.error[k]
-        out.append(decide(text, not rotates, f"largest at &psi; = {level.psi[k] / PI:g} &pi;: {number(level.omega[k], level.error[k])} "
-                          "&Theta;<sub>b</sub>&omega;<sub>b</sub> (counted as none below 0.002)"))
+        out.append(decide(text, not rotates, f"largest at &psi; = {level.psi[k] / PI:g} &pi;: "
+                          f"{number(level.omega[k], level.error[k])} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted "
+                          "as none below 0.002)"))
     else:
         out.append(missing(text))
-    text = "Disks stiff enough to follow at once (<i>k<sub>n</sub></i> = 10<sup>5</sup>) obey the exact solution at all phases."
+    text = ("Disks stiff enough to follow at once (<i>k<sub>n</sub></i> = 10<sup>5</sup>) obey the exact solution at "
+            "all phases.")
     curve = curves[STRONG, "parabolic"]
     if stiff and curve:
         gap = np.abs(stiff.omega - np.interp(stiff.psi, curve.column("phase"), curve.column("mean_normalised")))
-        out.append(decide(text, float(gap.max()) < 0.002, f"largest difference at {len(gap)} phases {number(float(gap.max()))} &Theta;<sub>b</sub>&omega;<sub>b</sub> "
-                          "(counted as equal below 0.002)"))
+        out.append(decide(text, float(gap.max()) < 0.002, f"largest difference at {len(gap)} phases "
+                          f"{number(float(gap.max()))} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted as equal "
+                          "below 0.002)"))
     else:
         out.append(missing(text))
     for name, found, exact in turns:
@@ -168,6 +188,7 @@ def claims(lines, level, stiff, curves, turns):
             continue
         gap, error = (found[0] - exact[0]) / PI, found[1] / PI
         verdict = YES if abs(gap) + error <= 0.01 else NO if abs(gap) - 3 * error > 0.01 else OPEN
-        out.append(Claim(text, verdict, f"at {number(found[0] / PI, error)} &pi;, exact solution {number(exact[0] / PI, digits=4)} &pi; (counted as equal up to 0.01 &pi;); "
-                         "limit of strong drive 0.2425 &pi;"))
+        out.append(Claim(text, verdict, f"at {number(found[0] / PI, error)} &pi;, exact solution "
+                         f"{number(exact[0] / PI, digits=4)} &pi; (counted as equal up to 0.01 &pi;); limit of "
+                         "strong drive 0.2425 &pi;"))
     return out

@@ -19,6 +19,13 @@ class Stopped(Exception):
     """Interrupted: the same command continues."""
 
 
+def read(path):
+    if not os.path.exists(path):
+        return ""
+    with open(path) as file:
+        return file.read()
+
+
 def overrides(keys):
     words = []
     for path, value in keys.items():
@@ -36,6 +43,7 @@ class Results:
         self.say = say
         self.failed = []  # messages about what did not work
         self.tables = {}
+        self.processes, self.stopping = set(), False
         os.makedirs(folder, exist_ok=True)
 
     # --- single runs ---------------------------------------------------------------------------------------
@@ -54,7 +62,8 @@ class Results:
         """What `slipdisk info --json` says of a run, or None."""
         if not self.run(name):
             return None
-        found = subprocess.run([self.program, "info", self.run(name), "--json"], capture_output=True, text=True, check=False)
+        found = subprocess.run([self.program, "info", self.run(name), "--json"], capture_output=True, text=True,
+                               check=False)
         return json.loads(found.stdout) if found.returncode == 0 else None
 
     def _make_run(self, name):
@@ -64,7 +73,7 @@ class Results:
                  *overrides({**keys, **by_level[self.level]})]
         note = path[:-3] + ".txt"
         text = shlex.join([os.path.basename(words[0]), "run", "inputs/" + deck, *words[6:]])
-        known = os.path.exists(note) and open(note).read().strip() == text
+        known = read(note) == text + "\n"
         if known and os.path.exists(path):
             return
         with open(note, "w") as file:
@@ -100,21 +109,25 @@ class Results:
         # Two sweeps of one level may share a folder: the table is made for the points of this one, and put aside.
         kept = os.path.join(self.folder, "tables-" + self.level, name + ".csv")
         made = os.path.join(self.sweep_folder(name), "table.csv")
+        if not os.path.isdir(self.sweep_folder(name)):
+            done = subprocess.run([*self._sweep_words(name), "--list"], capture_output=True, text=True, check=False)
+            points = [line.split()[-1] for line in done.stdout.splitlines() if line.split()]
+            return Table(missing=[f"{name} {point}: not begun" for point in points], source=kept)
         done = subprocess.run([*self._sweep_words(name), "--table"], capture_output=True, text=True, check=False)
         if done.returncode == 0 and os.path.exists(made):
             os.makedirs(os.path.dirname(kept), exist_ok=True)
             shutil.copyfile(made, kept)
         elif done.returncode:
             self.failed.append(f"table of {name}: {done.stderr.strip()}")
-        return Table.read(kept)
+        return Table.read(kept, label=name)
 
     def _make_sweep(self, name):
         self._call([*self._sweep_words(name), "-j", str(self.jobs)], name, quiet=False)
 
     # --- theory -----------------------------------------------------------------------------------------------
     def theory(self, name, deck, **keys):
-        """Table of `slipdisk theory` for a deck of inputs/ and further keys ("__" for dots); kept beside the results."""
-        return self._theory(name, deck, "--csv", {key.replace("__", "."): value for key, value in keys.items()})
+        """Table of `slipdisk theory` for a deck of inputs/ and further keys; kept beside the results."""
+        return self._theory(name, deck, "--csv", keys)
 
     def theory_wave(self, name, deck, keys):
         return self._theory(name, deck, "--wave", keys)
@@ -122,16 +135,12 @@ class Results:
     def _theory(self, name, deck, option, keys):
         folder = os.path.join(self.folder, "theory")
         os.makedirs(folder, exist_ok=True)
-        path, note = os.path.join(folder, name + ".csv"), os.path.join(folder, name + ".txt")
+        path = os.path.join(folder, name + ".csv")
         words = [self.program, "theory", os.path.join(ROOT, "inputs", deck), option, path, *overrides(keys)]
-        text = shlex.join(["slipdisk", "theory", "inputs/" + deck, *words[5:]])
-        if not (os.path.exists(path) and os.path.exists(note) and open(note).read().strip() == text):
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
-            if done.returncode:
-                self.failed.append(f"theory {name}: {done.stderr.strip() or done.stdout.strip()}")
-                return Table(source=path)
-            with open(note, "w") as file:
-                file.write(text + "\n")
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
+        if done.returncode:
+            self.failed.append(f"theory {name}: {done.stderr.strip() or done.stdout.strip()}")
+            return Table(source=path)
         return Table.read(path, finished_only=False)
 
     # --- all of it ----------------------------------------------------------------------------------------------
@@ -154,14 +163,25 @@ class Results:
             self._make_sweep(name)
 
     def _call(self, words, name, quiet=True):
-        done = subprocess.run(words, stdout=subprocess.PIPE if quiet else None, stderr=subprocess.PIPE if quiet else None,
-                              text=True, check=False)
-        if done.returncode in (STOPPED, -2, -15, 130):
+        if self.stopping:
             raise Stopped(name)
-        if done.returncode:
-            message = f"{name}: exit status {done.returncode}" + (f": {done.stderr.strip()}" if quiet else "")
+        pipe = subprocess.PIPE if quiet else None
+        process = subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True)
+        self.processes.add(process)
+        _, errors = process.communicate()
+        self.processes.discard(process)
+        if process.returncode == STOPPED or self.stopping:
+            raise Stopped(name)
+        if process.returncode:
+            message = f"{name}: exit status {process.returncode}" + (f": {errors.strip()}" if quiet else "")
             self.failed.append(message)
             print(message, file=sys.stderr)
+
+    def stop(self, *_):
+        """Handler of signals: what runs writes a checkpoint and stops, nothing else is begun."""
+        self.stopping = True
+        for process in list(self.processes):
+            process.terminate()
 
     def provenance(self):
         done = subprocess.run([self.program, "version"], capture_output=True, text=True, check=False)

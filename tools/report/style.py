@@ -43,8 +43,7 @@ def figure(columns=1, rows=1, width=WIDTH, height=None, legend=False, **more):
         return plt.subplots(rows, columns, figsize=(width, height), layout="constrained", **more)
     picture = plt.figure(figsize=(width, height + 0.3), layout="constrained")
     above, below = picture.subfigures(2, 1, height_ratios=[height, 0.3])
-    picture.legend_place = below.subplots()
-    picture.legend_place.axis("off")
+    picture.legend_place = below
     return picture, above.subplots(rows, columns, **more)
 
 
@@ -102,6 +101,6 @@ def power(x, digits=3):
     return f"10^{{{int(exponent)}}}" if mantissa == "1" else f"{mantissa}\\times10^{{{int(exponent)}}}"
 
 
-__all__ = ["plt", "MaxNLocator", "figure", "points", "zero_line", "legend_right", "legend_above", "legend_below", "in_pi", "power",
-           "marker", "COLOURS", "BLACK", "GREY", "LIGHT", "WIDTH", "TILT_MARKERS", "RANDOM_MARKERS",
+__all__ = ["plt", "MaxNLocator", "figure", "points", "zero_line", "legend_right", "legend_above", "legend_below",
+           "in_pi", "power", "marker", "COLOURS", "BLACK", "GREY", "LIGHT", "WIDTH", "TILT_MARKERS", "RANDOM_MARKERS",
            "TURNING_MARKERS", "CONFIGURATIONS"]

@@ -38,8 +38,9 @@ def number(x, error=None, digits=3):
         exponent = 0
     scale = 10.0 ** exponent
     places = min(max(0, 1 - math.floor(math.log10(error / scale))), 6)
-    spread = f"{error / scale:.{places}f}" if error / scale >= 0.5 * 10 ** -places else f"{error / scale:.0e}"
-    text = f"{x / scale:.{places}f} &plusmn; {spread}"
+    if error / scale < 0.5 * 10 ** -places:  # more digits than anybody wants
+        return f"{number(x, digits=7)} &plusmn; {number(error, digits=1)}"
+    text = f"{x / scale:.{places}f} &plusmn; {error / scale:.{places}f}"
     return _minus(f"({text})" if exponent else text) + _power(exponent)
 
 
@@ -52,7 +53,12 @@ def _power(exponent):
 
 
 def percent(x, digits=2):
-    return "&ndash;" if not math.isfinite(x) else _minus(f"{100 * x:+.{digits}f}") + " %"
+    return "&ndash;" if not math.isfinite(x) else _minus(f"{100 * x:+.{digits if abs(x) < 0.1 else 0}f}") + " %"
+
+
+def sliding(signs):
+    """S with these signs, "+-" say, in HTML."""
+    return f"S<sup>{_minus(signs)}</sup>"
 
 
 def chi_square(residuals, degrees):
@@ -123,7 +129,7 @@ def within(text, value, target, tolerance, place="", error=0.0, names=("found", 
         return missing(text, place)
     off = (value - target) / abs(target)
     spread = (error if math.isfinite(error) else 0) / abs(target)
-    numbers = (f"{names[0]} {number(value, error)}, {names[1]} {number(target, digits=4)}: {percent(off)} "
+    numbers = (f"{names[0]} {number(value, error, 5)}, {names[1]} {number(target, digits=5)}: {percent(off)} "
                f"(counted as equal up to {100 * tolerance:g} %)")
     verdict = YES if abs(off) + spread <= tolerance else NO if abs(off) - 2 * spread > tolerance else OPEN
     return Claim(text, verdict, numbers, place)

@@ -5,7 +5,8 @@ import numpy as np
 
 from . import fits
 from .page import Figure, Numbers, Section
-from .style import (COLOURS, RANDOM_MARKERS, TILT_MARKERS, figure, in_pi, legend_right, marker, pi_label, points, power, zero_line)
+from .style import (COLOURS, RANDOM_MARKERS, TILT_MARKERS, figure, in_pi, legend_right, marker, pi_label, points, power,
+                    zero_line)
 from .verdict import SURE, YES, NO, OPEN, Claim, decide, missing, number, signed, zero
 
 PI = math.pi
@@ -19,19 +20,25 @@ def sections(results):
                     "All three coordinates of both supports vibrate at random (52), &omega; = 20&pi;, <i>c</i> = 0.5; "
                     "deck <code>inputs/paper/random.cfg</code>.", missing=list(table.missing))
     second = Section("random-ex-tilt", "Random vibration: rotation against tilt (fig. random-ex-tilt)",
-                     "The same runs, and further tilts. For each amplitude an odd function of the tilt is fitted by weighted least squares: a polynomial "
-                     "of two to four terms, or <i>ax</i>/(1 + <i>b</i>&sup2;<i>x</i>&sup2; + <i>c</i>&sup2;<i>x</i><sup>4</sup>), chosen by AICc. The error of its "
-                     "extremum is the standard deviation that it gets when all points are scattered by their error bars, larger by "
-                     "&radic;(&chi;&sup2;/degrees) where the fit is poor.", missing=list(table.missing))
+                     "The same runs, and " "further tilts. For each amplitude an odd function of the tilt is fitted by "
+                     "weighted least " "squares: a polynomial of two to four terms, or <i>ax</i>/(1 + "
+                     "<i>b</i>&sup2;<i>x</i>&sup2; + " "<i>c</i>&sup2;<i>x</i><sup>4</sup>), chosen by AICc. The error "
+                     "of its extremum is the standard " "deviation that it gets when all points are scattered by their "
+                     "error bars, larger by " "&radic;(&chi;&sup2;/degrees) where the fit is poor.",
+                     missing=list(table.missing))
     against_amplitude(table, first)
     against_tilt(table, second)
-    rows = [[row["tilt"] / PI, row["eps_b"], *(row[f"upper.{c}"] for c in ("scaled", "scaled_error", "pp", "pm", "mp", "mm", "stick", "open",
-             "left.force_min", "right.force_min")), row["upper.left.openings"] + row["upper.right.openings"], row["residual"], row["steps"]]
+    rows = [[row["tilt"] / PI, row["eps_b"],
+             *(row[f"upper.{c}"] for c in ("scaled", "scaled_error", "pp", "pm", "mp", "mm", "stick", "open",
+                                           "left.force_min", "right.force_min")), row["upper.left.openings"]
+             + row["upper.right.openings"], row["residual"], row["steps"]]
             for row in sorted(table.rows, key=lambda r: (r["tilt"], r["eps_b"]))]
-    first.tables.append(Numbers("All points of random vibration", [
-        "&theta;<sub>T</sub>/&pi;", "&epsilon;<sub>b</sub>", "<i>t<sub>g</sub></i>&Omega;", "error", "S<sup>++</sup>", "S<sup>+&minus;</sup>",
-        "S<sup>&minus;+</sup>", "S<sup>&minus;&minus;</sup>", "a contact sticks", "a contact is open", "least <i>n</i><sub>1</sub>", "least <i>n</i><sub>2</sub>",
-        "openings", "residual", "steps"], rows))
+    first.tables.append(Numbers("All points of random vibration",
+                                ["&theta;<sub>T</sub>/&pi;", "&epsilon;<sub>b</sub>", "<i>t<sub>g</sub></i>&Omega;",
+                                 "error", "S<sup>++</sup>", "S<sup>+&minus;</sup>", "S<sup>&minus;+</sup>",
+                                 "S<sup>&minus;&minus;</sup>", "a contact sticks", "a contact is open",
+                                 "least <i>n</i><sub>1</sub>", "least <i>n</i><sub>2</sub>", "openings", "residual",
+                                 "steps"], rows))
     return [first, second]
 
 
@@ -40,20 +47,22 @@ def against_amplitude(table, out):
     drawn = table.such(lambda row: round(row["tilt"] / PI, 6) in TILT_MARKERS)
     for k, tilt in enumerate(drawn.values("tilt")):
         line = drawn.where(tilt=tilt).sorted("eps_b")
-        points(axes, 1e5 * line.column("eps_b"), SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"), pi_label(tilt / PI),
-               *marker(TILT_MARKERS, tilt / PI, k))
+        points(axes, 1e5 * line.column("eps_b"), SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"),
+               pi_label(tilt / PI), *marker(TILT_MARKERS, tilt / PI, k))
     zero_line(axes)
     axes.set_xlabel(r"amplitude $\epsilon_b\times10^{5}$")
     axes.set_ylabel(r"$t_g\,\Omega\times10^{4}$")
     if table:
         legend_right(axes, r"tilt $\theta_T$")
-    out.figures.append(Figure("random-ex-vel", picture, "Scaled mean angular velocity of the upper disk against the rms amplitude of the supports, "
-                              "for several tilts. Lines join points.", "Scaled angular velocity against vibration amplitude for several tilts"))
+    out.figures.append(Figure("random-ex-vel", picture, "Scaled mean angular velocity of the upper disk against the "
+                              "rms amplitude of the supports, for several tilts. Lines join points.",
+                              "Scaled angular velocity against vibration amplitude for several tilts"))
     flat = table.where(tilt=0.0)
-    out.claims.append(zero("Without tilt the disk does not rotate.", flat.disk("omega"), flat.disk("omega_error"), VELOCITY))
+    out.claims.append(zero("Without tilt the disk does not rotate.", flat.disk("omega"), flat.disk("omega_error"),
+                           VELOCITY))
     tilted = table.such(lambda row: row["tilt"] > 0)
-    out.claims.append(signed("With tilt it rotates clockwise (&Omega; &lt; 0) at all amplitudes.", tilted.disk("omega"), tilted.disk("omega_error"),
-                             -1, VELOCITY))
+    out.claims.append(signed("With tilt it rotates clockwise (&Omega; &lt; 0) at all amplitudes.", tilted.disk("omega"),
+                             tilted.disk("omega_error"), -1, VELOCITY))
     out.claims.append(growth(tilted))
 
 
@@ -70,8 +79,8 @@ def growth(table):
     if len(steps) == 0:
         return missing(text, VELOCITY)
     up, down = int((steps > SURE).sum()), int((steps < -SURE).sum())
-    return Claim(text, NO if down else YES if up > len(steps) / 2 else OPEN,
-                 f"of {len(steps)} steps from one amplitude to the next {up} are up by more than {SURE:g} errors, {down} down", VELOCITY)
+    return Claim(text, NO if down else YES if up > len(steps) / 2 else OPEN, f"of {len(steps)} steps from one "
+                 f"amplitude to the next {up} are up by more than {SURE:g} errors, {down} down", VELOCITY)
 
 
 def against_tilt(table, out):
@@ -92,28 +101,34 @@ def against_tilt(table, out):
         axes.plot(curve / PI, SCALE * found.curve(curve), color=COLOURS[rank], lw=0.9)
         inside = found.inside > 0.5
         if inside:
-            axes.errorbar(found.position / PI, SCALE * found.value, xerr=found.error / PI, fmt="|", ms=13, mew=1.6, color=COLOURS[rank])
-        rows.append([amplitude, found.position / PI if inside else math.nan, found.error / PI if inside else math.nan, found.value, found.inside,
-                     f"{found.form}, {found.terms} terms", found.chi2, found.degrees, float(tilt.max() / PI)])
+            axes.errorbar(found.position / PI, SCALE * found.value, xerr=found.error / PI, fmt="|", ms=13, mew=1.6,
+                          color=COLOURS[rank])
+        rows.append([amplitude, found.position / PI if inside else math.nan, found.error / PI if inside else math.nan,
+                     found.value, found.inside, f"{found.form}, {found.terms} terms", found.chi2, found.degrees,
+                     float(tilt.max() / PI)])
     zero_line(axes)
     in_pi(axes.xaxis, 0.02)
     axes.set_xlabel(r"tilt $\theta_T$")
     axes.set_ylabel(r"$t_g\,\Omega\times10^{4}$")
     if amplitudes:
         legend_right(axes, r"amplitude $\epsilon_b$")
-    out.figures.append(Figure("random-ex-tilt", picture, "Scaled mean angular velocity against tilt, for several amplitudes. Curves: fits; "
-                              "bars across them: their extrema with errors.", "Scaled angular velocity against tilt for several amplitudes, with fits"))
+    out.figures.append(Figure("random-ex-tilt", picture, "Scaled mean angular velocity against tilt, for several "
+                              "amplitudes. Curves: fits; bars across them: their extrema with errors.",
+                              "Scaled angular velocity against tilt for several amplitudes, with fits"))
     tilted = table.such(lambda row: row["tilt"] > 0)
-    out.claims.append(signed("The rotation is clockwise at all tilts.", tilted.disk("omega"), tilted.disk("omega_error"), -1, TILT))
+    out.claims.append(signed("The rotation is clockwise at all tilts.", tilted.disk("omega"),
+                             tilted.disk("omega_error"), -1, TILT))
     text = "&Omega; depends on the tilt non-monotonically: it has an extremum inside the range."
     if not extrema:
         out.claims.append(missing(text, TILT))
     else:
-        told = "; ".join(f"&epsilon;<sub>b</sub> = {number(a)}: " + (
-            f"{number(e.position / PI, e.error / PI)} &pi; ({100 * e.inside:.0f} % of the samples)" if e.inside > 0.5 else
-            f"the range does not contain it ({100 * e.inside:.0f} % of the samples do)") for a, e in extrema)
+        told = "; ".join(f"&epsilon;<sub>b</sub> = {number(a)}: "
+                         + (f"{number(e.position / PI, e.error / PI)} &pi; " f"({100 * e.inside:.0f} % of the samples)"
+                            if e.inside > 0.5 else f"the range does not contain it ({100 * e.inside:.0f} % of the "
+                            "samples do)") for a, e in extrema)
         sure = [e.inside >= 0.975 for _, e in extrema]
-        out.claims.append(decide(text, True if all(sure) else False if all(e.inside < 0.025 for _, e in extrema) else None,
-                                 "extremum at " + told, TILT))
-    out.tables.append(Numbers("Extrema", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi; at the extremum", "error", "<i>t<sub>g</sub></i>&Omega; there",
-                                          "samples with an extremum inside", "form", "&chi;&sup2;", "degrees", "largest tilt/&pi;"], rows))
+        out.claims.append(decide(text, True if all(sure) else False if all(e.inside < 0.025 for _, e in extrema)
+                                 else None, "extremum at " + told, TILT))
+    out.tables.append(Numbers("Extrema", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi; at the extremum", "error",
+                                          "<i>t<sub>g</sub></i>&Omega; there", "samples with an extremum inside",
+                                          "form", "&chi;&sup2;", "degrees", "largest tilt/&pi;"], rows))

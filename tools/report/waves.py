@@ -9,7 +9,7 @@ import numpy as np
 from . import levels
 from .page import Figure, Numbers, Section
 from .style import BLACK, COLOURS, GREY, figure, legend_above, legend_below, power, zero_line
-from .verdict import Claim, decide, missing, number, percent, OPEN
+from .verdict import Claim, decide, missing, number, percent, sliding, OPEN
 
 NAMES = {(1, 1): "++", (1, -1): "+-", (-1, 1): "-+", (-1, -1): "--"}
 LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-": 4}}  # t_1 ... begin these
@@ -85,7 +85,8 @@ def velocities(results, kind, out):
             if theory:
                 t, _, upper = theory
                 unit = wave.amplitude * wave.omega
-                panel.plot(t / wave.period, upper / unit, color=COLOURS[1], lw=1.1, ls="-", label="exact solution", zorder=3)
+                panel.plot(t / wave.period, upper / unit, color=COLOURS[1], lw=1.1, ls="-", label="exact solution",
+                           zorder=3)
             zero_line(panel)
         for moment, configuration in moments:
             for panel in (above, below):
@@ -119,8 +120,8 @@ def labels(above, below, kind, moments):
     names = [moments[-1][1]] + [name for _, name in moments] if moments else []
     for first, second, name in zip(edges[:-1], edges[1:], names):
         if second - first > 0.1:
-            below.text((first + second) / 2, 0.03, "$S^{" + name + "}$", transform=below.get_xaxis_transform(), ha="center",
-                       va="bottom", color=GREY)
+            below.text((first + second) / 2, 0.03, "$S^{" + name + "}$", transform=below.get_xaxis_transform(),
+                       ha="center", va="bottom", color=GREY)
 
 
 def numbers(kind, wave, theory, moments):
@@ -129,9 +130,12 @@ def numbers(kind, wave, theory, moments):
     for moment, configuration in moments:
         same = [m for m, c in known if c == configuration]
         label = LABELS[kind].get(configuration)
-        rows.append([f"{wave.amplitude:g}", f"<i>t</i><sub>{label}</sub>: S<sup>{configuration}</sup> begins", moment,
+        rows.append([f"{wave.amplitude:g}", f"<i>t</i><sub>{label}</sub>: {sliding(configuration)} begins", moment,
                      min(same, key=lambda m: abs(m - moment)) if same else math.nan])
-    mean = float(np.trapz(theory[2], theory[0]) / (theory[0][-1] - theory[0][0]) / (wave.amplitude * wave.omega)) if theory else math.nan
+    mean = math.nan
+    if theory:
+        t, _, upper = theory
+        mean = float(np.trapz(upper, t) / (t[-1] - t[0])) / (wave.amplitude * wave.omega)
     rows.append([f"{wave.amplitude:g}", "mean of &Omega;/&Theta;<sub>b</sub>&omega;<sub>b</sub>", wave.mean, mean])
     return rows
 
@@ -145,8 +149,8 @@ def deviation(wave, theory):
 
 def waveform_section(results):
     out = Section("waveforms", "Waveforms of the supports (figs. sine-parabola-approx, -async)",
-                  "Angles of the supports over one period, from runs of <code>inputs/three_disk/sync.cfg</code> and <code>async.cfg</code> "
-                  "with harmonic (20) and parabolic (21) motion.")
+                  "Angles of the supports " "over one period, from runs of <code>inputs/three_disk/sync.cfg</code> and "
+                  "<code>async.cfg</code> " "with harmonic (20) and parabolic (21) motion.")
     picture, axes = figure(2, 1, height=3.1, sharey=True)
     rows, worst, ends = [], math.nan, math.nan
     for k, (kind, title) in enumerate((("sync", "in phase"), ("async", "opposite phases"))):
@@ -168,17 +172,20 @@ def waveform_section(results):
         gap = parabola.angle[0] - np.interp(parabola.t, sine.t, sine.angle[0])
         worst = float(np.abs(gap).max())
         ends = float(np.abs(gap[marks]).max())
-        rows += [[title, float(t), float(s), float(p)] for t, s, p in
-                 zip(parabola.t[::max(1, len(gap) // 40)], np.interp(parabola.t, sine.t, sine.angle[0])[::max(1, len(gap) // 40)],
-                     parabola.angle[0][::max(1, len(gap) // 40)])]
+        rows += [[title, float(t), float(s), float(p)] for t, s,
+                 p in zip(parabola.t[::max(1, len(gap) // 40)],
+                          np.interp(parabola.t, sine.t, sine.angle[0])[::max(1, len(gap) // 40)],
+                          parabola.angle[0][::max(1, len(gap) // 40)])]
     axes[0].set_ylabel(r"angle $\theta_i/\Theta_b$")
-    out.figures.append(Figure("waveforms", picture, "Angles of the supports: sine (dotted) and the parabolas that agree with it at zeros and "
-                              "extrema (solid). In opposite phases the right support's angle is minus the left one's.",
-                              "Sine and parabola waveforms of the supports over one period"))
+    out.figures.append(Figure("waveforms", picture, "Angles of the supports: sine (dotted) and the parabolas that "
+                              "agree with it at zeros and extrema (solid). In opposite phases the right support's "
+                              "angle is minus the left one's.", "Sine and parabola waveforms of the supports over one "
+                              "period"))
     text = "The parabolas agree with the sine at its zeros and extrema and are close to it in between."
-    out.claims.append(missing(text, "section 4.1, eq. (21)") if math.isnan(worst) else
-                      decide(text, ends < 1e-3 and worst < 0.1, f"largest difference at zeros and extrema {number(ends)}, anywhere {number(worst)} "
-                             "(of &Theta;<sub>b</sub>)", "section 4.1, eq. (21)"))
+    out.claims.append(missing(text, "section 4.1, eq. (21)") if math.isnan(worst)
+                      else decide(text, ends < 1e-3 and worst < 0.1, "largest difference at zeros and extrema "
+                                  f"{number(ends)}, anywhere {number(worst)} (of &Theta;<sub>b</sub>)",
+                                  "section 4.1, eq. (21)"))
     out.tables.append(Numbers("Left support", ["", "<i>t/T</i>", "sine", "parabola"], rows))
     return out
 
@@ -194,29 +201,34 @@ def velocity_section(results, kind):
     title = {"sync": "Velocities over one period, in phase (fig. sync)",
              "async": "Velocities over one period, opposite phases (fig. async)"}[kind]
     place = {"sync": "section 4.1, fig. sync", "async": "section 4.2, fig. async"}[kind]
-    out = Section(kind, title, "Surface velocities of the supports as the upper disk feels them, &minus;d&theta;<sub>i</sub>/d<i>t</i>, and angular velocity of the "
-                  "upper disk in the periodic state (after 20 or more time units, 200 periods), at a weak and a strong drive; parabola, "
-                  "&omega;<sub>b</sub> = 20&pi;, tilt 0.04&pi;. The exact solution is that of permanent sliding with the centre in its equilibrium at "
-                  "once. <i>t<sub>i</sub></i>: velocities meet, another sliding configuration begins.")
+    out = Section(kind, title, "Surface velocities of the supports as the upper disk feels them, "
+                  "&minus;d&theta;<sub>i</sub>/d<i>t</i>, and angular velocity of the upper disk in the periodic "
+                  "state (after 20 or more time units, 200 periods), at a weak and a strong drive; parabola, "
+                  "&omega;<sub>b</sub> = 20&pi;, tilt 0.04&pi;. The exact solution is that of permanent sliding with "
+                  "the centre in its equilibrium at once. <i>t<sub>i</sub></i>: velocities meet, another sliding "
+                  "configuration begins.")
     picture, rows, found = velocities(results, kind, out)
-    out.figures.append(Figure(kind, picture, "Above: velocities of supports (black) and upper disk (grey); below: the upper disk alone. "
-                              "Dotted: times at which velocities meet in the simulation.", f"Velocities over one period: {title}"))
-    out.tables.append(Numbers("Transition times and means", ["&Theta;<sub>b</sub>", "", "simulation", "exact solution"], rows))
+    out.figures.append(Figure(kind, picture, "Above: velocities of supports (black) and upper disk (grey); below: the "
+                              "upper disk alone. Dotted: times at which velocities meet in the simulation.",
+                              f"Velocities over one period: {title}"))
+    out.tables.append(Numbers("Transition times and means", ["&Theta;<sub>b</sub>", "", "simulation", "exact solution"],
+                              rows))
     expected = ["--", "++"] if kind == "sync" else ["--", "-+", "++", "+-"]
-    shown = ", ".join(f"S<sup>{c}</sup>" for c in expected)
+    shown = ", ".join(sliding(c) for c in expected)
     for strength, drive in (("weak", levels.WEAK_DRIVE), ("strong", levels.STRONG_DRIVE)):
         text = f"In a period the configurations follow each other as {shown} (&Theta;<sub>b</sub> = {drive:g})."
         if strength in found:
             names = sequence(found[strength][2])
-            out.claims.append(decide(text, names == expected, "found " + ", ".join(f"S<sup>{c}</sup>" for c in names), place))
+            out.claims.append(decide(text, names == expected, "found " + ", ".join(sliding(c) for c in names), place))
         else:
             out.claims.append(missing(text, place))
     text = "The velocity of the upper disk is piecewise straight and follows the solution of permanent sliding."
     if all(s in found and found[s][1] for s in ("weak", "strong")):
         gaps = {s: deviation(*found[s][:2]) for s in found}
-        told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the largest |&Omega;|"
-                         for s, g in gaps.items())
-        out.claims.append(decide(text, gaps["strong"] < 0.05, told + " (counted as equal up to 5 % at the strong drive)", place))
+        told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the "
+                         "largest |&Omega;|" for s, g in gaps.items())
+        out.claims.append(decide(text, gaps["strong"] < 0.05, told
+                                 + " (counted as equal up to 5 % at the strong drive)", place))
     else:
         out.claims.append(Claim(text, OPEN, "no data or no theory curve yet", place))
     return out

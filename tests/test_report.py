@@ -1,0 +1,315 @@
+"""The report of tools/reproduce.sh: fits, verdicts, the page, and the table of what is run at each level."""
+import html.parser
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+import numpy
+
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
+sys.path.insert(0, str(ROOT / "tools"))
+sys.dont_write_bytecode = True
+
+try:
+    import matplotlib  # noqa: F401
+except ImportError:
+    print("matplotlib not found: the test of the report is left out")
+    sys.exit(0)
+
+from report import __main__ as report  # noqa: E402
+from report import configurations, fits, levels, turning, verdict, vibration  # noqa: E402
+from report.data import Table  # noqa: E402
+from report.page import Page, Section  # noqa: E402
+from report.runs import Results, overrides  # noqa: E402
+from report.style import plt  # noqa: E402
+
+plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
+PI = numpy.pi
+
+
+class Reader(html.parser.HTMLParser):
+    """Checks that elements are closed in order, that ids are unique, and that nothing outside is referred to."""
+    VOID = {"meta", "img", "br", "link", "input", "hr"}
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.ids, self.targets, self.text = [], [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name == "id":
+                assert value not in self.ids, f"id {value} twice"
+                self.ids.append(value)
+            if name == "src":
+                assert value.startswith("data:"), value[:60]
+            if name == "href":
+                assert value.startswith(("data:", "#")), value[:60]
+                self.targets += [value[1:]] if value.startswith("#") else []
+            if tag == "img" and name == "alt":
+                assert value
+        assert tag != "img" or "alt" in dict(attributes), "an image without alt"
+        assert tag not in ("script", "link"), tag
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1] == tag, f"</{tag}> where {self.open[-1:]} is open"
+        self.open.pop()
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+    def close(self):
+        super().close()
+        assert not self.open, self.open
+        assert set(self.targets) <= set(self.ids), set(self.targets) - set(self.ids)
+
+
+def read_page(path):
+    reader = Reader()
+    with open(path) as file:
+        reader.feed(file.read())
+    reader.close()
+    return " ".join("".join(reader.text).split())
+
+
+class Synthetic(Results):
+    """Results made up from formulas instead of runs. sign: -1 turns all rotation round."""
+
+    def __init__(self, folder, sign=1, unfinished=0):
+        super().__init__(folder, "default", "/bin/false", dry=True, strict=True)
+        self.sign, self.unfinished = sign, unfinished
+
+    def _row(self, name, omega, error, **parameters):
+        row = {"name": name, "status": "done", "set": float(zlib.crc32(name.encode())), "upper.omega": self.sign * omega,
+               "upper.omega_error": error, "upper.scaled": self.sign * omega / 5 ** 0.5,
+               "upper.scaled_error": error / 5 ** 0.5, "upper.left.sliding": 0.8, "upper.right.sliding": 0.9,
+               "upper.transient": 0.0, "upper.converged": 1.0, "residual": 1e-9, "steps": 5e8, "time": 500.0,
+               "upper.open": 0.0, "upper.stick": 0.2, "upper.pp": 0.2, "upper.pm": 0.2, "upper.mp": 0.2,
+               "upper.mm": 0.2}
+        for side in ("left", "right"):
+            row.update({f"upper.{side}.openings": 0.0, f"upper.{side}.force_min": 0.2})
+        return {**row, **parameters}
+
+    def sweep(self, name):
+        rows = []
+        if name == "random":
+            for eps in (2e-5, 6e-5, 1e-4):
+                for tilt in numpy.linspace(0, 0.1, 11) * PI:
+                    rows.append(self._row(f"tilt={tilt:g},eps_b={eps:g}", -4e4 * eps ** 2
+                                          * numpy.sin(tilt / (0.12 * PI) * PI), 1e-6, tilt=tilt, eps_b=eps))
+        elif name in ("sync", "async"):
+            for theta in (0.01, 0.1):
+                for tilt in numpy.linspace(0, 0.08, 5) * PI:
+                    size = 4 / PI * 0.1 * numpy.tan(tilt) if name == "sync" else -0.05 * tilt / (0.04 * PI)
+                    rows.append(self._row(f"theta_b={theta:g},tilt={tilt:g}", size * theta * 20 * PI, 1e-9, tilt=tilt,
+                                          theta_b=theta))
+        missing = [f"{name} {row['name']}: waiting" for row in rows[:self.unfinished]]
+        return Table(rows[self.unfinished:], missing)
+
+    def run(self, name):
+        return None
+
+    def theory(self, name, deck, **keys):
+        rows = []
+        for row in self.sweep(name.split("-")[-1]).rows if name.startswith("points-") else []:
+            rows.append({"name": row["name"], "first_order": 1.3 * row["upper.omega"], "mean": 1.3 * row["upper.omega"],
+                         "limit": row["upper.omega"]})
+        return Table(rows)
+
+
+class Fits(unittest.TestCase):
+    def test_extremum(self):
+        """A known extremum is found, and the error bar is the scatter of what is found."""
+        x = numpy.linspace(0, 0.1, 11)
+        true, found, said = 0.1 / numpy.sqrt(3), [], []
+        rng = numpy.random.default_rng(3)
+        for _ in range(40):
+            y = -(x - x ** 3 / 0.1 ** 2) + rng.normal(size=len(x)) * 1e-3
+            e = fits.extremum(x, y, numpy.full(len(x), 1e-3), samples=60)
+            found.append(e.position)
+            said.append(e.error)
+            self.assertGreater(e.inside, 0.97)
+        self.assertLess(abs(numpy.mean(found) - true), 3 * numpy.std(found) / 40 ** 0.5 + 1e-4)
+        self.assertLess(abs(numpy.mean(said) / numpy.std(found) - 1), 0.5)
+
+    def test_extremum_of_a_steep_rise(self):
+        x = numpy.linspace(0, 0.1, 11)
+        e = fits.extremum(x, -x / (1 + (x / 0.012) ** 2), numpy.full(len(x), 1e-4), samples=30)
+        self.assertEqual(e.form, "quotient")
+        self.assertAlmostEqual(e.position, 0.012, delta=3e-4)
+
+    def test_no_extremum_inside(self):
+        x = numpy.linspace(0, 0.1, 11)
+        self.assertLess(fits.extremum(x, -x - 3 * x ** 3, numpy.full(len(x), 1e-4), samples=60).inside, 0.05)
+        self.assertIsNone(fits.extremum(x[:4], x[:4], numpy.ones(4)))
+
+    def test_crossing(self):
+        x = numpy.linspace(0, 1, 11)
+        place, error = fits.crossing(x, numpy.cos(2 * x), numpy.full(len(x), 1e-3))
+        self.assertAlmostEqual(place, PI / 4, delta=5e-4)
+        self.assertTrue(1e-4 < error < 5e-3, error)
+        self.assertIsNone(fits.crossing(x, 1 + x))
+
+
+class Verdicts(unittest.TestCase):
+    def test_chi_square(self):
+        for chi2, degrees, chance in ((3.841, 1, 0.05), (18.307, 10, 0.05), (2.0, 10, 0.99634), (60.0, 10, 3.6244e-9)):
+            self.assertAlmostEqual(verdict.survival(chi2, degrees) / chance, 1, delta=0.01)
+
+    def test_rules(self):
+        one = numpy.ones(6)
+        self.assertEqual(verdict.zero("", 0.5 * one, one).verdict, verdict.YES)
+        self.assertEqual(verdict.zero("", 9 * one, one).verdict, verdict.NO)
+        self.assertEqual(verdict.zero("", [], []).verdict, verdict.OPEN)
+        self.assertEqual(verdict.signed("", -9 * one, one, -1).verdict, verdict.YES)
+        self.assertEqual(verdict.signed("", 9 * one, one, -1).verdict, verdict.NO)
+        self.assertEqual(verdict.signed("", -one, one, -1).verdict, verdict.OPEN)
+        self.assertEqual(verdict.within("", 1.005, 1, 0.01).verdict, verdict.YES)
+        self.assertEqual(verdict.within("", 1.05, 1, 0.01).verdict, verdict.NO)
+        self.assertEqual(verdict.within("", 1.005, 1, 0.01, error=0.02).verdict, verdict.OPEN)
+
+    def test_numbers(self):
+        self.assertEqual(verdict.number(-1.2345e-4, 2e-6), "(&minus;1.234 &plusmn; 0.020)&times;10<sup>&minus;4</sup>")
+        self.assertEqual(verdict.number(0.0377, 0.0017), "0.0377 &plusmn; 0.0017")
+        self.assertEqual(verdict.number(float("nan")), "&ndash;")
+
+
+class Data(unittest.TestCase):
+    TEXT = ("point,name,status,set,replica,eps,wave,upper.omega,upper.omega_error,message\n"
+            "0,eps=1,done,0,0,1,sine,2,0.3,\n1,\"eps=1,r=1\",done,0,1,1,sine,4,0.4,\n2,eps=2,waiting,1,0,2,sine,,,\n"
+            "3,eps=3,failed,2,0,3,sine,,,\"too large, it says\"\n")
+
+    def test_table(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "table.csv")
+            pathlib.Path(path).write_text(self.TEXT)
+            table = Table.read(path, label="random")
+        self.assertEqual(table.missing, ["random eps=2: waiting", "random eps=3: failed, too large, it says"])
+        row, = table.joined().rows
+        self.assertEqual((row["upper.omega"], row["upper.omega_error"], row["replicas"]), (3.0, 0.25, 2.0))
+        self.assertAlmostEqual(row["scatter"], 1.0)
+        self.assertEqual(len(table.where(wave="sine", eps=1.0)), 2)
+        self.assertEqual(len(Table.read("/nowhere/table.csv", label="x").missing), 1)
+
+
+class Pages(unittest.TestCase):
+    def draw(self, **more):
+        with tempfile.TemporaryDirectory() as folder:
+            path, counts = report.draw(Synthetic(folder, **more), modules=(vibration, turning, configurations))
+            figures = os.listdir(os.path.join(folder, "figures"))
+            return read_page(path), counts, figures
+
+    def test_page(self):
+        text, counts, figures = self.draw(unfinished=3)
+        self.assertIn("random-ex-tilt.png", figures)
+        self.assertIn("async-vel.pdf", figures)
+        self.assertIn("random tilt=0,eps_b=2e-05: waiting", text)
+        self.assertGreater(counts[verdict.YES], 10)
+
+    def test_verdicts_follow_the_data(self):
+        """Rotation turned round: what was reproduced is not any more."""
+        with tempfile.TemporaryDirectory() as folder:
+            for sign, wanted in ((1, verdict.YES), (-1, verdict.NO)):
+                claims = [claim for module in (vibration, turning)
+                          for section in module.sections(Synthetic(folder, sign=sign)) for claim in section.claims]
+                signs = [claim.verdict for claim in claims if "rotates" in claim.text and "clockwise" in claim.text or
+                         "is clockwise" in claim.text]
+                self.assertEqual(signs, [wanted] * 4)
+        plt.close("all")
+
+    def test_one_broken_figure(self):
+        """A figure that fails is reported and does not take the others with it."""
+        class Broken:
+            __name__ = "broken"
+
+            @staticmethod
+            def sections(_):
+                raise ValueError("no <such> thing")
+
+        class Good:
+            @staticmethod
+            def sections(_):
+                return [Section("good", "Good")]
+
+        with tempfile.TemporaryDirectory() as folder:
+            results = Synthetic(folder)
+            results.strict = False
+            path, _ = report.draw(results, modules=(Broken, Good))
+            text = read_page(path)
+        self.assertIn("ValueError: no <such> thing", text)
+        self.assertIn("Good", text)
+
+    def test_csv(self):
+        with tempfile.TemporaryDirectory() as folder:
+            section = vibration.sections(Synthetic(folder))[0]
+            Page(folder).add(section)
+            with open(os.path.join(folder, "tables", "random-ex-vel.csv")) as file:
+                lines = file.read().splitlines()
+        self.assertEqual(len(lines), 34)
+        self.assertTrue(lines[0].startswith("θT/π,εb,tgΩ,error,S++"), lines[0])
+
+
+@unittest.skipUnless(os.path.exists(PROGRAM), "the program is not built")
+class Levels(unittest.TestCase):
+    def call(self, *words):
+        done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, f"{words}\n{done.stderr}")
+        return done.stdout
+
+    def test_sweeps(self):
+        """Every sweep of every level is one that the program understands, and more is run at each level."""
+        points = {}
+        for name, (deck, plans) in levels.SWEEPS.items():
+            self.assertLessEqual(set(plans), set(levels.LEVELS))
+            for level, plan in plans.items():
+                points[name, level] = int(self.call("sweep", ROOT / "inputs/paper" / deck, "--count",
+                                                    *overrides({**plan.keys, **plan.points})))
+        for name in levels.SWEEPS:
+            counts = [points[name, level] for level in levels.LEVELS if (name, level) in points]
+            self.assertEqual(counts, sorted(counts), name)
+        self.assertEqual(points["random", "full"], 80)
+        self.assertEqual((points["sync", "full"], points["async", "full"]), (63, 63))
+
+    def test_runs(self):
+        for name, (deck, by_level, keys) in levels.RUNS.items():
+            for level in levels.LEVELS:
+                self.call("check", ROOT / "inputs" / deck, "--brief", "--no-probe",
+                          *overrides({**keys, **by_level[level]}))
+
+    def test_folders_are_not_mixed(self):
+        """Points whose deck differs never share a folder; those of equal decks do."""
+        decks = {}
+        for level in levels.LEVELS:
+            with tempfile.TemporaryDirectory() as folder:
+                results = Results(folder, level, PROGRAM)
+                for name, (deck, plans) in levels.SWEEPS.items():
+                    if level in plans:
+                        what = (deck, tuple(sorted(plans[level].keys.items())))
+                        where = os.path.relpath(results.sweep_folder(name), folder)
+                        self.assertEqual(decks.setdefault(where, what), what)
+
+    def test_end_to_end(self):
+        """Two runs are made, the rest is missing, and the page says so; a second call runs nothing."""
+        with tempfile.TemporaryDirectory() as folder:
+            for _ in range(2):
+                results = Results(folder, "quick", PROGRAM, say=lambda _: None)
+                results.make(["steady_pp", "weak"])
+                self.assertEqual(results.failed, [])
+            made = {path.stem for path in pathlib.Path(folder, "runs-quick").glob("*.h5")}
+            self.assertEqual(made, {"steady_pp", "weak"})
+            claims = {claim.text: claim for claim in report.statements.sections(results, [])[0].claims}
+            steady = next(claim for text, claim in claims.items() if "(15)" in text)
+            self.assertEqual(steady.verdict, verdict.YES, steady.numbers)
+            self.assertEqual(next(c for t, c in claims.items() if "(16)" in t).verdict, verdict.OPEN)
+            self.assertEqual(next(c for t, c in claims.items() if "weak drive" in t).verdict, verdict.YES)
+            self.assertGreater(len(results.sweep("random").missing), 10)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)
