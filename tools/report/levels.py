@@ -11,8 +11,8 @@ DESCRIPTIONS = {
     "quick": "a coarse look: large time steps, short runs, few points. Error bars are more than twice those of the "
              "paper's length, and slow transients may not be over",
     "default": "random vibration at the paper's length (5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup>) at a "
-               "part of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at four "
-               "points at the paper's length",
+               "part of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at "
+               "four points at the paper's length",
     "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points",
 }
 
