@@ -87,7 +87,8 @@ class Synthetic(Results):
 
     def _row(self, name, omega, error, **parameters):
         row = {"name": name, "status": "done", "set": float(zlib.crc32(name.encode())),
-               "upper.omega": self.sign * omega, "upper.omega_error": error, "upper.scaled": self.sign * omega / 5 ** 0.5,
+               "upper.omega": self.sign * omega, "upper.omega_error": error,
+               "upper.scaled": self.sign * omega / 5 ** 0.5,
                "upper.scaled_error": error / 5 ** 0.5, "upper.left.sliding": 0.8, "upper.right.sliding": 0.9,
                "upper.transient": 0.0, "upper.converged": 1.0, "residual": 1e-9, "steps": 5e8, "time": 500.0,
                "upper.open": 0.0, "upper.stick": 0.2, "upper.pp": 0.2, "upper.pm": 0.2, "upper.mp": 0.2,
