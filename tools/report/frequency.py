@@ -6,7 +6,7 @@ import numpy as np
 from .page import Figure, Numbers, Section
 from .style import BLACK, figure, in_pi, legend_above, points, zero_line
 from .turning import matched, sweep_points
-from .verdict import SURE, Claim, decide, missing, number, NO, OPEN, YES
+from .verdict import SURE, Claim, decide, missing, NO, OPEN, YES
 
 PI = math.pi
 BASE_AMPLITUDE, BASE_EPS, BASE_OMEGA = 0.04, 1e-4, 20 * PI
@@ -115,6 +115,3 @@ def claims(turning, random):
     else:
         out.append(missing(text))
     return out
-
-
-__all__ = ["sections", "number"]

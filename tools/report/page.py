@@ -9,7 +9,7 @@ import os
 import re
 
 from . import verdict
-from .style import plt
+from .style import mark_empty, plt
 
 
 @dataclasses.dataclass
@@ -152,6 +152,7 @@ class Page:
 
     def _figure(self, figure):
         path = os.path.join(self.folder, "figures", figure.name)
+        mark_empty(figure.picture)
         figure.picture.savefig(path + ".png")
         figure.picture.savefig(path + ".pdf")
         plt.close(figure.picture)

@@ -107,7 +107,7 @@ def draw(lines, level, stiff, curves):
         if curve:
             panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n + 2], lw=1,
                        label="exact")
-    panel.axvline(0.2425, color=GREY, lw=0.8, ls=":")
+    panel.axvline(0.2425, color=GREY, lw=0.8, ls=":", gid="guide")
     panel.set_title("parabola, half sum of $\\psi$ and $-\\psi$", pad=26)
     panel.set_xlabel(r"phase $|\psi|$")
     in_pi(panel.xaxis, 0.25)

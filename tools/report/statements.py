@@ -5,7 +5,7 @@ import h5py
 import numpy as np
 
 from .page import Numbers, Section, badge, plain
-from .verdict import Claim, decide, missing, number, percent
+from .verdict import decide, missing, number, percent
 
 PI = math.pi
 SIGNS = {"pp": ("S<sup>++</sup>", "(15)"), "mm": ("S<sup>&minus;&minus;</sup>", "(16)"),
@@ -127,6 +127,3 @@ def slight_tilt_claim(results):
         found.append(good > 0 and not bad)
         told.append(f"{title}: {good} of {len(table)} points have this sign by more than 3 errors, {bad} the other")
     return decide(text, all(found), "; ".join(told), place)
-
-
-__all__ = ["sections", "Claim"]

@@ -3,7 +3,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the choice of a backend without a display)
-from matplotlib.ticker import FuncFormatter, MaxNLocator  # noqa: E402
+from matplotlib.ticker import FuncFormatter  # noqa: E402
 
 WIDTH = 6.4  # inches; text of 10 points is then about that of the page
 
@@ -64,7 +64,15 @@ def points(axes, x, y, error, label, k, sign, line="-", **more):
 
 
 def zero_line(axes):
-    axes.axhline(0, color=LIGHT, lw=0.8, zorder=0)
+    axes.axhline(0, color=LIGHT, lw=0.8, zorder=0, gid="guide")
+
+
+def mark_empty(picture):
+    """Says so in axes that show guides only: their points have not been run yet."""
+    for axes in picture.get_axes():
+        shown = [a for a in (*axes.lines, *axes.collections, *axes.patches) if a.get_gid() != "guide"]
+        if axes.axison and not shown:
+            axes.text(0.5, 0.6, "no data yet", transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 
 def legend_right(axes, title=None, **more):
@@ -99,8 +107,3 @@ def power(x, digits=3):
     mantissa, exponent = f"{x:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
     return f"10^{{{int(exponent)}}}" if mantissa == "1" else f"{mantissa}\\times10^{{{int(exponent)}}}"
-
-
-__all__ = ["plt", "MaxNLocator", "figure", "points", "zero_line", "legend_right", "legend_above", "legend_below",
-           "in_pi", "power", "marker", "COLOURS", "BLACK", "GREY", "LIGHT", "WIDTH", "TILT_MARKERS", "RANDOM_MARKERS",
-           "TURNING_MARKERS", "CONFIGURATIONS"]

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from .data import Table
 from .page import Figure, Numbers, Section
 from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_right, marker, points,
                     power, zero_line)
@@ -239,7 +238,7 @@ def waveform_section(results):
         if len(sine) and len(sine) == len(parabola):
             axes.plot(sine.column("theta_b"), sine.column("mean") / parabola.column("mean"), color=COLOURS[k], ls="--",
                       lw=1, label=f"{title}, exact solution")
-    axes.axhline(PI ** 2 / 8, color=GREY, lw=1, label=r"$\pi^2/8$")
+    axes.axhline(PI ** 2 / 8, color=GREY, lw=1, label=r"$\pi^2/8$", gid="guide")
     axes.set_xscale("log")
     axes.set_xlabel(r"amplitude $\Theta_b$")
     axes.set_ylabel(r"$\Omega_\mathrm{sine}/\Omega_\mathrm{parabola}$")
@@ -260,6 +259,3 @@ def waveform_section(results):
                               ["", "&Theta;<sub>b</sub>", "&Omega;, sine", "error", "&Omega;, parabola", "error",
                                "ratio", "error", "exact"], rows))
     return out
-
-
-__all__ = ["sections", "matched", "sweep_points", "Table"]
