@@ -22,7 +22,7 @@ except ImportError:
     sys.exit(0)
 
 from report import __main__ as report  # noqa: E402
-from report import configurations, fits, levels, turning, verdict, vibration  # noqa: E402
+from report import configurations, fits, levels, markdown, turning, verdict, vibration  # noqa: E402
 from report.data import Table  # noqa: E402
 from report.page import Page, Section  # noqa: E402
 from report.runs import Results, overrides  # noqa: E402
@@ -254,6 +254,20 @@ class Pages(unittest.TestCase):
                 lines = file.read().splitlines()
         self.assertEqual(len(lines), 34)
         self.assertTrue(lines[0].startswith("θT/π,εb,tgΩ,error,S++"), lines[0])
+
+    def test_markdown(self):
+        with tempfile.TemporaryDirectory() as folder:
+            section = vibration.sections(Synthetic(folder))[0]
+            path = os.path.join(folder, "report.md")
+            markdown.write(path, "Title", ["Lead."], [section], "figures")
+            with open(path) as file:
+                lines = file.read().splitlines()
+        tables = [line for line in lines if line.startswith("|")]
+        self.assertEqual(sum(line.startswith("| **") for line in tables), len(section.claims))
+        self.assertEqual(len(tables), len(section.claims) + 2 + 33 + 2)
+        self.assertIn(f"![{section.figures[0].alt}](figures/random-ex-vel.png)", lines)
+        for line in tables:  # as many cells as the head of the table
+            self.assertIn(line.count("|"), (4, len(section.tables[0].columns) + 1), line)
 
 
 @unittest.skipUnless(os.path.exists(PROGRAM), "the program is not built")

@@ -6,8 +6,8 @@ import signal
 import sys
 import time
 
-from . import (configurations, convergence, frequency, geometry, levels, oscillator, phase, statements, turning,
-               vibration, waves)
+from . import (configurations, convergence, frequency, geometry, levels, markdown, oscillator, phase, statements,
+               turning, vibration, waves)
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
 from .verdict import NO, OPEN, YES
@@ -58,6 +58,8 @@ def draw(results, seconds=None, modules=MODULES):
     for section in found:
         page.add(section)
     page.write(TITLE, head(results, found, counts, seconds))
+    markdown.write(page.path[:-len(".html")] + ".md", TITLE, [levels.DESCRIPTIONS[results.level] + ". "
+                   + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."], found, "figures")
     return page.path, counts
 
 

@@ -1,0 +1,44 @@
+"""The claims and the numbers of the page as Markdown, for documentation that is kept with the sources.
+
+Markdown takes HTML within a line, so texts are carried over as they are."""
+import os
+import re
+
+from .page import cell
+
+LONGEST = 70  # rows: longer tables are in the CSV files
+
+
+def _line(text):
+    return re.sub(r"\s*\n\s*", " ", re.sub(r"</?span[^>]*>", "", text)).replace("|", "&#124;")
+
+
+def _row(cells):
+    return "| " + " | ".join(_line(text) for text in cells) + " |"
+
+
+def _table(columns, rows):
+    numeric = [bool(rows) and all(cell(row[k])[1] for row in rows) for k in range(len(columns))]
+    out = [_row(columns), "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
+    return out + [_row([cell(value)[0] for value in row]) for row in rows]
+
+
+def write(path, title, lead, sections, pictures=None):
+    """pictures: folder of the PNG files as seen from the page; None: without them."""
+    out = [f"# {title}", "", *lead, ""]
+    for section in sections:
+        out += [f"## {_line(section.title)}", ""]
+        if section.lead:
+            out += [_line(section.lead), ""]
+        for figure in section.figures if pictures else []:
+            out += [f"![{_line(figure.alt)}]({pictures}/{figure.name}.png)", "", _line(figure.caption), ""]
+        if section.claims:
+            claims = [[f"**{c.verdict}**", c.text + (f" ({c.place})" if c.place else ""), c.numbers] for c in section.claims]
+            out += [*_table(["verdict", "statement", "found"], claims), ""]
+        for table in section.tables:
+            if 0 < len(table.rows) <= LONGEST:
+                out += [f"{_line(table.title)}:", "", *_table(table.columns, table.rows), ""]
+    temporary = path + ".new"
+    with open(temporary, "w") as file:
+        file.write("\n".join(out).rstrip() + "\n")
+    os.replace(temporary, path)
