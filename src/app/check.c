@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "app/app.h"
+#include "app/sweep.h"
 #include "io/deck_keys.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
@@ -22,7 +23,7 @@ static const char usage[] =
     "\n"
     "Checks a deck and prints it in full, with all defaults, and what follows from it: numbers of disks,\n"
     "walls and contacts, the time step against the shortest contact period, restitution of each pair of\n"
-    "materials, speed and length of the run.\n"
+    "materials, speed and length of the run. All points of a sweep are checked, too.\n"
     "  -D path=value  set a key, as in -D gravity.tilt=0.1 or -D 'motions[*].amplitude=1e-4'\n"
     "  --brief        leave the full deck out\n"
     "  --no-probe     do not measure the speed\n"
@@ -146,8 +147,8 @@ static void print_restitution(const sd_model *m) {
     }
 }
 
-/* Runs the deck for a moment, the beginning of it at least. */
-static sd_status probe(const sd_model *m, sd_messages *messages) {
+/* Runs the deck for a moment, the beginning of it at least. *speed: steps per second; 0: not known. */
+static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) {
   sd_simulation *s = NULL;
   sd_status status = sd_simulation_new(m, 0, &s, messages);
   if (status != SD_OK) return status;
@@ -162,15 +163,47 @@ static sd_status probe(const sd_model *m, sd_messages *messages) {
     if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
   }
   if (status == SD_OK && done > 0 && spent > 0) {
-    double speed = (double)done / spent, whole = (double)sd_model_steps(m) / speed;
+    *speed = (double)done / spent;
+    double whole = (double)sd_model_steps(m) / *speed;
     printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld steps\n",
-           speed, sd_simulation_threads(s), sd_simulation_threads(s) == 1 ? "" : "s", sd_simulation_path(s),
+           *speed, sd_simulation_threads(s), sd_simulation_threads(s) == 1 ? "" : "s", sd_simulation_path(s),
            (long long)done);
     printf("# run time    about ");
     print_duration(whole);
     printf(" for %s%lld steps\n", m->until.asked ? "at most " : "", (long long)sd_model_steps(m));
   }
   sd_simulation_free(s);
+  return status;
+}
+
+/* --- sweep --------------------------------------------------------------------------------------------------- */
+
+static void print_sweep(const sweep *s, const int64_t *steps, const sd_model *m, double speed) {
+  double all = 0;
+  for (size_t k = 0; k < s->deck.n_points; k++) all += (double)steps[k];
+  printf("# sweep       %zu point%s", s->deck.n_points, s->deck.n_points == 1 ? "" : "s");
+  if (s->deck.n_sets < s->deck.n_points)
+    printf(", %zu set%s of values", s->deck.n_sets, s->deck.n_sets == 1 ? "" : "s");
+  printf("; `slipdisk sweep` runs them, this is the deck as it stands\n");
+  printf("#             %s%.4g steps in all", m->until.asked ? "at most " : "", all);
+  if (speed > 0) {
+    printf(", about ");
+    print_duration(all / speed);
+    printf(" at this speed, one after the other");
+  }
+  printf("\n");
+}
+
+static sd_status check_sweep(const options *o, const sd_model *m, double speed, sd_messages *messages) {
+  sweep s;
+  size_t usable;
+  sd_status status = sweep_open(&s, o->deck, o->n_overrides, o->overrides, "", messages);
+  int64_t *steps = calloc(s.deck.n_points + 1, sizeof *steps);
+  if (status == SD_OK && !steps) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  if (status == SD_OK) status = sweep_survey(&s, steps, &usable, messages);
+  if (steps) print_sweep(&s, steps, m, speed);
+  free(steps);
+  sweep_close(&s);
   return status;
 }
 
@@ -184,7 +217,9 @@ static sd_status check(const options *o, sd_messages *messages) {
   print_phases(m);
   print_time_step(m, messages);
   print_restitution(m);
-  if (o->probe) status = probe(m, messages);
+  double speed = 0;
+  if (o->probe) status = probe(m, &speed, messages);
+  if (status == SD_OK && m->sweep_points > 0) status = check_sweep(o, m, speed, messages);
   sd_model_free(m);
   return status;
 }

@@ -82,26 +82,30 @@ const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
 
 /* --- what there is ----------------------------------------------------------------------------------------- */
 
-static void print_point(const sweep *s, size_t k, const sweep_result *r) {
+/* True: with a star at an error bar. */
+static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   char finding[200], part[24] = "";
   if (r->has_found && r->status != SWEEP_DONE && r->status != SWEEP_OTHER && r->found.steps > 0)
     snprintf(part, sizeof part, " %.1f %%", 100.0 * (double)r->found.step / (double)r->found.steps);
   printf("%6zu  %-10s%-8s %s  %s\n", k, sweep_status_names[r->status], part, s->deck.points[k].name,
          *r->message ? r->message : sweep_finding(r, finding, sizeof finding));
+  return !*r->message && strchr(finding, '*');
 }
 
 /* list: all points; else how many of each kind, and those that are neither done nor waiting. */
 static sd_status print_points(const sweep *s, bool list, sd_messages *messages) {
   size_t count[SWEEP_STATUSES] = {0};
+  bool stars = false;
   sd_status status = SD_OK;
   for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
     sweep_result r;
     status = sweep_look(s, k, &r, messages);
     count[r.status]++;
     if (status == SD_OK && (list || (r.status != SWEEP_DONE && r.status != SWEEP_WAITING)))
-      print_point(s, k, &r);
+      stars = print_point(s, k, &r) || stars;
     sweep_result_free(&r);
   }
+  if (stars) printf("*: the error bar is not reliable yet\n");
   if (list || status != SD_OK) return status;
   printf("%s: %zu points", s->folder, s->deck.n_points);
   const char *before = ": ";

@@ -1,4 +1,4 @@
-/* sweep.h: what sweep.c and sweep_run.c share. */
+/* sweep.h: what the files of the subcommand sweep, and check, share. */
 #ifndef SLIPDISK_APP_SWEEP_H
 #define SLIPDISK_APP_SWEEP_H
 
@@ -16,6 +16,10 @@ typedef struct sweep_command {
 
 /* "upper: Omega = -3.5e-04 +- 1.7e-05"; "" when nothing is watched. In text[size]. */
 const char *sweep_finding(const sweep_result *r, char *text, size_t size);
+
+/* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:
+ * their lengths (with `until` the longest), 0 for those with mistakes; usable: sets of values without any. */
+sd_status sweep_survey(const sweep *s, int64_t *steps, size_t *usable, sd_messages *messages);
 
 /* Runs what is not done yet: here or in the ranks of an MPI job, or (workers > 0) in processes of its own. */
 int sweep_run_all(const sweep *s, const sweep_command *c);

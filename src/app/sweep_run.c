@@ -63,8 +63,6 @@ typedef struct crew {
   worker *workers;
   slot *slots; /* [n_workers], shared */
   comm_queue *queue;
-  size_t n_warned, first_warned; /* sets of values with a warning, a point of the first */
-  char *warning;                 /* of the first */
 } crew;
 
 static double now_seconds(void) {
@@ -92,6 +90,12 @@ static void tell_lines(const char *text) {
   }
 }
 
+static const char *short_duration(double seconds, char *text, size_t size) {
+  if (seconds >= 60) return report_duration(seconds, text, size);
+  snprintf(text, size, "%.1f s", seconds);
+  return text;
+}
+
 /* A line that stays. text: what was said by the one that ran the point. */
 static void tell(crew *w, size_t point, const sweep_result *r, const char *text, double seconds) {
   char finding[200], duration[40];
@@ -104,7 +108,7 @@ static void tell(crew *w, size_t point, const sweep_result *r, const char *text,
     sweep_finding(r, finding, sizeof finding);
     w->stars = w->stars || strchr(finding, '*');
     fprintf(stderr, "%s  (%s)\n", *finding ? finding : "done",
-            report_duration(seconds, duration, sizeof duration));
+            short_duration(seconds, duration, sizeof duration));
     tell_lines(text);
   } else if (bad) {
     fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
@@ -182,6 +186,17 @@ static void account(crew *w, size_t point, sd_status status, const char *text, c
   if (r.message) tell(w, point, &r, text, seconds);
   sweep_result_free(&r);
   make_tables(w, false);
+}
+
+/* Another process runs this point, or has finished it since the list was made. */
+static bool is_taken(crew *w, size_t point) {
+  sweep_status status = sweep_peek(w->s, point);
+  bool finished = status == SWEEP_DONE && !w->c->force;
+  if (!finished && status != SWEEP_RUNNING) return false;
+  w->tried[point] = finished ? TRIED : SKIPPED;
+  w->done += finished;
+  w->steps_total -= (double)w->steps[point];
+  return true;
 }
 
 /* A line each, "error: " or "warning: " before it, as many as there is room for. */
@@ -277,19 +292,24 @@ static void pass_stop_on(crew *w, bool *told) {
   *told = true;
 }
 
+/* Gives work to whoever is idle. Returns errno when no process can be started. */
+static int start_idle(crew *w, const size_t *todo, size_t n, size_t *next) {
+  for (size_t k = 0; k < w->n_workers; k++) {
+    if (w->workers[k].pid != 0) continue;
+    while (*next < n && is_taken(w, todo[*next])) ++*next;
+    if (*next >= n || app_stop) return 0;
+    if (!start(w, k, todo[*next])) return errno;
+    ++*next;
+  }
+  return 0;
+}
+
 static void run_workers(crew *w, const size_t *todo, size_t n) {
   size_t next = 0;
   bool told_to_stop = false;
   long pause = 1000000; /* ns; grows to 20 ms while nothing happens */
   do {
-    int error = 0;
-    for (size_t k = 0; k < w->n_workers && next < n && !app_stop && !error; k++) {
-      if (w->workers[k].pid != 0) continue;
-      if (start(w, k, todo[next]))
-        next++;
-      else
-        error = errno;
-    }
+    int error = app_stop ? 0 : start_idle(w, todo, n, &next);
     if (error && count_running(w) == 0) {
       clear_line(w);
       fprintf(stderr, "error: cannot start a process: %s\n", strerror(error));
@@ -317,6 +337,7 @@ static void run_queue(crew *w, const size_t *todo, size_t n) {
   comm_queue_begin(&queue, (int64_t)n, &app_stop);
   w->queue = &queue;
   for (int64_t k; (k = comm_next(&queue)) >= 0;) {
+    if (comm_size() == 1 && is_taken(w, todo[k])) continue;
     sweep_options options = {
         .threads = w->c->threads, .force = w->c->force, .stop = &app_stop, .progress = serve, .user = w};
     sd_messages *messages = sd_messages_new();
@@ -432,42 +453,17 @@ static int run_all(crew *w, size_t *todo) {
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
-/* Notes how long each set of values runs, and the warnings about time steps. */
-static void visit(void *user, size_t point, const sd_model *model) {
-  crew *w = user;
-  w->steps[point] = sd_model_steps(model);
-  sd_messages *mine = sd_messages_new();
-  report_time_step(model, mine);
-  if (sd_messages_count(mine) > 0 && w->n_warned++ == 0) {
-    w->first_warned = point;
-    w->warning = file_path("%s", sd_messages_text(mine, 0));
-  }
-  sd_messages_free(mine);
-}
-
 /* Mistakes of some points do not keep the others from being run. */
 static int check(crew *w) {
-  const sweep *s = w->s;
   sd_messages *messages = sd_messages_new();
-  size_t usable;
-  int status = sweep_check(s, visit, w, &usable, messages);
-  /* points of one set are equally long */
-  int64_t *length = calloc(s->deck.n_sets + 1, sizeof *length);
-  for (size_t k = 0; length && k < s->deck.n_points; k++) {
-    if (w->steps[k] > 0) length[s->deck.points[k].set] = w->steps[k];
-    w->steps[k] = length[s->deck.points[k].set];
-  }
-  free(length);
+  size_t usable = 0;
+  int status = sweep_survey(w->s, w->steps, &usable, messages);
   if (comm_rank() == 0) {
-    sd_messages_print(messages, stderr);
-    if (w->warning && !w->c->quiet)
-      fprintf(stderr, "warning: %s (point %zu, %s; %zu of %zu sets of values)\n", w->warning, w->first_warned,
-              s->deck.points[w->first_warned].name, w->n_warned, s->deck.n_sets);
+    if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)
       fprintf(stderr, "points with these mistakes will fail; %zu of %zu sets of values are run\n", usable,
-              s->deck.n_sets);
+              w->s->deck.n_sets);
   }
-  free(w->warning);
   sd_messages_free(messages);
   return usable > 0 ? SD_OK : status;
 }

@@ -311,9 +311,26 @@ static bool ends_in(const char *name, const char *ending) {
 
 /* Columns that the tables of results have anyway (run/sweep_table.c), and r, which is the replica in names. */
 static bool reserved(const char *name) {
-  static const char *const columns[] = {
-      "point", "name",    "status",   "set",  "replica",     "replicas", "seed",    "steps", "time",
-      "work",  "viscous", "friction", "goal", "ns_per_step", "residual", "message", "r",     "deck_path"};
+  static const char *const columns[] = {"point",
+                                        "name",
+                                        "status",
+                                        "set",
+                                        "replica",
+                                        "replicas",
+                                        "seed",
+                                        "steps",
+                                        "time",
+                                        "work",
+                                        "kinetic_translation",
+                                        "kinetic_rotation",
+                                        "viscous",
+                                        "friction",
+                                        "goal",
+                                        "ns_per_step",
+                                        "residual",
+                                        "message",
+                                        "r",
+                                        "deck_path"};
   static const char *const of_disks[] = {"omega", "scaled",  "transient", "measured", "converged",
                                          "pp",    "pm",      "mp",        "mm",       "stick",
                                          "open",  "sliding", "force_min", "openings"};

@@ -86,6 +86,8 @@ static void put_result(sheet *t, size_t row, const sweep_result *r) {
                  f->until_step >= 0 ? 1 : 0);
   sheet_number(t, row, "residual", "1", "residual of the energy budget, over work and losses", r->residual);
   sheet_number(t, row, "work", "energy", "work done by prescribed motions", f->energy.work);
+  sheet_number(t, row, "kinetic_translation", "energy", "at the end", f->energy.kinetic_translation);
+  sheet_number(t, row, "kinetic_rotation", "energy", "at the end", f->energy.kinetic_rotation);
   sheet_number(t, row, "viscous", "energy", "lost in the normal dampers", f->energy.viscous);
   sheet_number(t, row, "friction", "energy", "lost by sliding", f->energy.friction);
   sheet_number(t, row, "ns_per_step", "ns", "wall time per step", f->step_nanoseconds);
