@@ -1,0 +1,306 @@
+"""`slipdisk sweep` when things go wrong: signals, kills, failing points, full disks, and several sweeps at once."""
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+
+from results_common import assert_same, run, start, steps_for, wait_for
+from sweep_common import (SweepTest, children, column, is_alive, results, rows, stamps, temporary_folder, three_disks)
+
+SECONDS = 0.4  # of a point that is to be interrupted
+FOUR = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); }'
+
+
+class Interrupted(SweepTest):
+    """Four points that take a while. However they are stopped: what comes out in the end is the same."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.where = temporary_folder()
+        cls.path = cls.where / "deck.cfg"
+        cls.path.write_text(three_disks(FOUR, steps_for(SECONDS), checkpoint=0.03))
+        cls.reference = cls.where / "out"
+        cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, "-o", cls.reference)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.where)
+
+    def setUp(self):
+        super().setUp()
+        self.assertEqual(self.status, 0, self.err)
+
+    def started(self, n, *words, **more):
+        return self.begin(n, self.path, *words, **more)
+
+    def stop(self, process, number, status):
+        """Sends a signal to the sweep alone; returns what it has said."""
+        process.send_signal(number)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, status, err)
+        return err
+
+    def unfinished(self):
+        return sorted(p.name for p in (self.out / "points").glob("*.parts"))
+
+    def finish(self, *words):
+        said = self.sweep(self.path, *(words or ("-j", 2)))
+        self.assertIn("4 of 4 points done", said)
+        self.assert_same_results(self.out, self.reference)
+
+    def test_signals(self):
+        process = self.started(2, "-j", 2)
+        said = self.stop(process, signal.SIGINT, 75)
+        self.assertIn("stopped, everything is saved: give the command again", said)
+        self.assertEqual(len(self.unfinished()), 2)
+        self.assertEqual(column(self.out, "status"), ["stopped"] * 2 + ["waiting"] * 2)
+        self.assertIn("2 waiting, 2 stopped", self.sweep(self.path, "--status"))
+        process = self.started(1)
+        said = self.stop(process, signal.SIGTERM, 75)
+        self.assertIn("stopped", said)
+        self.finish()
+        with h5py.File(results(self.out)["tilt=0"]) as file:
+            self.assertEqual(file["parameters"].attrs["sessions"], 3)
+
+    def test_terminal(self):
+        """Ctrl-C goes to the sweep and to all of its workers."""
+        process = self.started(2, "-j", 2, "--quiet", start_new_session=True)
+        os.killpg(process.pid, signal.SIGINT)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, out + err), (75, ""))
+        self.finish("-j", 4)
+
+    def test_killed(self):
+        """kill -9 of the sweep: its workers end by themselves, with checkpoints, and soon."""
+        process = self.started(2, "-j", 2)
+        workers = children(process.pid)
+        self.assertEqual(len(workers), 2)
+        began = time.monotonic()
+        self.stop(process, signal.SIGKILL, -signal.SIGKILL)
+        wait_for(lambda: not any(is_alive(pid) for pid in workers), 30)
+        self.assertLess(time.monotonic() - began, 20)
+        self.assertEqual(len(self.unfinished()), 2)
+        self.assertIn("2 stopped", self.sweep(self.path, "--status"))
+        self.finish()
+
+    def test_killed_workers(self):
+        """A worker that dies is one failed point, which the next sweep runs to its end."""
+        for number, word in (signal.SIGKILL, "signal 9"), (signal.SIGSEGV, ""):
+            process = self.started(2, "-j", 2)
+            victim = children(process.pid)[0]
+            os.kill(victim, number)
+            _, err = process.communicate(timeout=100)
+            self.assertEqual(process.returncode, 3, err)
+            self.assertIn(f"failed: the process that ran it {word and 'was ended by '}{word}".rstrip(), err)
+            self.assertIn("3 of 4 points done, 1 failed", err)
+            self.assertEqual(column(self.out, "status").count("failed"), 1)
+            self.assertEqual(len([m for m in column(self.out, "message") if "the process that ran it" in m]), 1)
+            self.assertEqual(len(list((self.out / "points").glob("*.failed"))), 1)
+            self.assertIn("the process that ran it", self.sweep(self.path, "--status"))
+            self.finish()
+            shutil.rmtree(self.out)
+
+    def test_stopped_worker(self):
+        """One that is asked to stop is no failure; it can be continued on its own, from anywhere."""
+        process = self.started(2, "-j", 2)
+        victim = children(process.pid)[0]
+        os.kill(victim, signal.SIGTERM)
+        _, err = process.communicate(timeout=100)
+        self.assertEqual(process.returncode, 75, err)
+        self.assertIn("3 of 4 points done", err)
+        (parts,) = self.unfinished()
+        status, _, err = run("resume", f"out/points/{parts[:-len('.parts')]}", cwd=self.folder)
+        self.assertEqual(status, 0, err)
+        self.assertNotIn("has a sweep", err)
+        self.finish()
+
+    def test_stopped_point(self):
+        process = self.started(1, "--point", 1)
+        said = self.stop(process, signal.SIGINT, 75)
+        again = [line for line in said.splitlines() if line.startswith("continue with: slipdisk ")]
+        self.assertEqual(again, [f"continue with: slipdisk resume {self.out}/points/tilt=0.01pi.h5"])
+        self.finish()
+
+    def test_force_is_stopped(self):
+        """The old results stay until new ones replace them."""
+        shutil.copytree(self.reference, self.out)
+        before = stamps(self.out)
+        process = self.started(1, "-j", 1, "--force")
+        self.stop(process, signal.SIGINT, 75)
+        self.assertEqual(stamps(self.out), before)
+        self.assertIn("1 stopped, 3 done", self.sweep(self.path, "--status"))
+        said = self.sweep(self.path, "-j", 1)
+        self.assertEqual(said.count("] point "), 1, said)
+        self.assert_same_results(self.out, self.reference)
+
+    def test_at_once(self):
+        """Two sweeps share the points: none is run twice, and what one leaves unfinished the other takes up."""
+        both = [start("sweep", self.path, "-j", 1, "-o", self.out) for _ in range(2)]
+        said = [p.communicate(timeout=100)[1] for p in both]
+        self.assertEqual([p.returncode for p in both], [0, 0], said)
+        self.assertEqual(sum(text.count("Omega =") for text in said), 4, said)
+        for path in results(self.out).values():
+            with h5py.File(path) as file:
+                self.assertEqual(file["parameters"].attrs["sessions"], 1)
+        self.assert_same_results(self.out, self.reference)
+        shutil.rmtree(self.out)
+        one = self.started(1, "-j", 1)
+        other = start("sweep", self.path, "-j", 1, "-o", self.out)
+        wait_for(lambda: len(self.unfinished()) == 2)
+        self.stop(one, signal.SIGINT, 75)
+        _, err = other.communicate(timeout=100)
+        self.assertEqual(other.returncode, 0, err)
+        self.assertIn("4 of 4 points done", err)
+        self.assert_same_results(self.out, self.reference)
+
+    def test_running_elsewhere(self):
+        one = self.started(1, "-j", 1)
+        self.assertIn("1 running", self.sweep(self.path, "--status"))
+        said = self.sweep(self.path, "--point", 0, status=2)
+        self.assertIn("another process is writing this result", said)
+        said = self.sweep(self.path, "--table")
+        self.assertEqual(column(self.out, "status")[0], "running")
+        self.stop(one, signal.SIGTERM, 75)
+        self.assertEqual(list((self.out / "points").glob("*.failed")), [])
+        self.finish()
+
+    def test_file_size_limit(self):
+        """Parts can be written, the results cannot: clear words, status 4, and nothing is lost."""
+        words = ("-D", "output.series=20", "-D", "checkpoint=60")
+        path = self.where / "short.cfg"
+        path.write_text(three_disks(FOUR, 200000, more=""))
+        whole = self.folder / "whole"
+        self.sweep(path, "-j", 2, *words, out=whole)
+        least = min(p.stat().st_size for p in results(whole).values())
+        for limit, jobs in (least * 3 // 4, ("-j", 2)), (20000, ("-j", 2)), (20000, ()):
+            said = self.sweep(path, *jobs, *words, status=4,
+                              preexec_fn=lambda n=limit: resource.setrlimit(resource.RLIMIT_FSIZE, (n, n)))
+            self.assertIn("cannot write", said)
+            self.assertIn("File too large", said)
+            self.assertNotIn("everything is saved", said)
+            self.assertEqual(results(self.out), {})
+            self.assertEqual(list(self.out.rglob("*.tmp")), [])
+        self.sweep(path, "-j", 2, *words)
+        self.assert_same_results(self.out, whole)
+
+    def small_disk(self, size):
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        small = self.folder / "small"
+        small.mkdir()
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", small]).returncode:
+            self.skipTest("mounting is not allowed here")
+        self.addCleanup(subprocess.run, ["umount", small])
+        return small
+
+    def test_full_disk(self):
+        small = self.small_disk("64k")
+        (small / "filler").write_bytes(bytes(12 * 1024))
+        for jobs in ("-j", 2), ():
+            said = self.sweep(self.path, *jobs, status=4, out=small / "out")
+            self.assertIn("No space left on device", said)
+            self.assertNotIn("everything is saved", said)
+        self.assertEqual(results(small / "out"), {})
+
+    def test_read_only(self):
+        small = self.small_disk("8m")
+        deck = self.deck(three_disks(FOUR, 1000))
+        self.sweep(deck, "--point", 1, "--quiet", out=small / "out")
+        subprocess.run(["mount", "-o", "remount,ro", small], check=True)
+        for words in ("-j", 2), (), ("--point", 0), ("--table",):
+            said = self.sweep(deck, *words, status=4, out=small / "out")
+            self.assertIn("Read-only file system", said, words)
+        said = self.sweep(deck, "-j", 2, status=4, out=small / "new")
+        self.assertIn("Read-only file system", said)
+        # looking is possible
+        self.assertIn("3 waiting, 1 done", self.sweep(deck, "--status", out=small / "out"))
+
+    def test_no_permission(self):
+        said = self.sweep(self.path, "-j", 2, status=4, out="/proc/nothing")
+        self.assertIn("/proc/nothing", said)
+
+
+class Failing(SweepTest):
+    """Points that cannot be run do not keep the others from being run."""
+
+    def test_numeric(self):
+        """The amplitude is so large that the disks overlap too much."""
+        deck = self.deck(three_disks('{ parameters = ( { path = "motions.shake.amplitude"; values = (1e-4, 5, 2e-4); } ); }',
+                                     200000))
+        for words in ("-j", 2), (), ("-j", 1):
+            said = self.sweep(deck, *words, status=3)
+            self.assertIn("point 1, amplitude=5: failed: ", said)
+            self.assertIn("2 of 3 points done, 1 failed", said)
+            table = rows(self.out)
+            self.assertEqual([r["status"] for r in table], ["done", "failed", "done"])
+            self.assertRegex(table[1]["message"], "overlap")
+            self.assertEqual(table[1]["upper.omega"], "")
+            self.assertNotEqual(table[2]["upper.omega"], "")
+            self.assertIn("overlap", (self.out / "points/amplitude=5.failed").read_text())
+            self.assertIn("overlap", self.sweep(deck, "--status"))
+        said = self.sweep(deck, "--point", 1, status=3)
+        self.assertIn("overlap", said)
+        self.assertEqual(rows(self.out, "means.csv")[1]["replicas"], "0")
+
+    def test_mistakes_of_some_points(self):
+        deck = self.deck(three_disks('{ parameters = ( { path = "max_overlap"; values = (0.5, 7, 0.25); } ); replicas = 2; }',
+                                     1000))
+        status, _, err = run("check", deck, "--brief", "--no-probe")
+        self.assertEqual(status, 2)
+        wanted = r"error: \S+deck\.cfg:\d+: max_overlap = 7: expected a number > 0 and <= 1 \(point 2, max_overlap=7\)\n"
+        self.assertRegex(err, wanted)
+        for words in ("-j", 2), ():
+            said = self.sweep(deck, *words, status=3)
+            self.assertRegex(said, wanted)
+            self.assertIn("2 of 3 sets of values are run", said)
+            self.assertIn("4 of 6 points done, 2 failed", said)
+        self.assertIn("max_overlap = 7", rows(self.out)[2]["message"])
+        # mended
+        deck.write_text(deck.read_text().replace(" 7,", " 0.75,"))
+        said = self.sweep(deck, "-j", 2)
+        self.assertIn("6 of 6 points done", said)
+
+    def test_mistakes_of_all_points(self):
+        """Nothing is made."""
+        for grid, wanted in (('path = "gravity.tlt"; values = (0, 1);', "gravity.tlt = 0: unknown key of gravity"),
+                             ('path = "gravity.tilt"; values = ();', "values = (): expected a list")):
+            deck = self.deck(three_disks("{ parameters = ( { " + grid + " } ); }"))
+            for words in ("-j", 2), ():
+                said = self.sweep(deck, *words, status=2)
+                self.assertIn(wanted, said)
+                self.assertEqual(said.count("error: "), 1, said)
+            self.assertFalse(self.out.exists())
+        deck = self.deck(three_disks('{ parameters = ( { path = "gravity.tlt"; values = (0, 1); } ); }'))
+        said = self.sweep(deck, "--point", 1, status=2)
+        self.assertIn("gravity.tlt = 1: unknown key", said)
+
+    def test_damaged_result(self):
+        """One that cannot be read is told, and left alone."""
+        deck = self.deck(three_disks(FOUR, 1000))
+        self.sweep(deck, "-j", 2, "--quiet")
+        path = results(self.out)["tilt=0.01pi"]
+        path.write_bytes(path.read_bytes()[:3000])
+        said = self.sweep(deck, "-j", 2, status=2)
+        self.assertIn("point 1, tilt=0.01pi: damaged: ", said)
+        self.assertEqual(column(self.out, "status"), ["done", "damaged", "done", "done"])
+        self.assertIn("3 done, 1 damaged", self.sweep(deck, "--status"))
+        self.assertIn("damaged", self.sweep(deck, "--point", 1, status=2))
+        self.assertEqual(path.stat().st_size, 3000)
+        self.sweep(deck, "-j", 2, "--force", "--quiet")
+        self.assertEqual(column(self.out, "status"), ["done"] * 4)
+
+    def test_time_step(self):
+        """One warning for all."""
+        deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 1e-4, 2e-4); } ); }', 10))
+        said = self.sweep(deck, "--threads", 1, "-j", 2)
+        self.assertEqual(said.count("warning: "), 1, said)
+        self.assertRegex(said, r"warning: dt = 0\.0001 is more than .* \(point 1, dt=0\.0001; 2 of 3 sets of values\)")
+
+
+if __name__ == "__main__":
+    unittest.main()
