@@ -356,6 +356,16 @@ static void test_overrides(void **state) {
   assert_true(fabs(m->gravity[0] + 5 * sin(0.5)) < 1e-15);
   assert_non_null(strstr(m->deck_overrides, "sweep.replicas=2\ngravity.tilt=0.5\ngravity.g=5\nseed="));
   sd_model_free(m);
+  /* what is set twice is told */
+  const char *const lost[] = {"gravity.g = 3"};
+  assert_int_equal(
+      load(HEAD
+           "sweep = { parameters = ( { path = [\"skin\", \"gravity.g\"]; values = (1, 2); } ); };\n" TAIL,
+           1, lost),
+      SD_OK);
+  assert_int_equal(sd_messages_count(messages), 1);
+  assert_string_equal(sd_messages_text(messages, 0),
+                      "-D gravity.g = 3: the sweep sets this key; it counts for points that do not set it");
   const char *const made[] = {"sweep.replicas=3"};
   assert_int_equal(load(HEAD TAIL, 1, made), SD_OK);
   names_are("base r=1 r=2");

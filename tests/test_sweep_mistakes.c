@@ -169,7 +169,8 @@ static void test_points(void **state) {
   /* paths that lead nowhere */
   assert_int_equal(checked("{ parameters = ( { path = \"motions.r.amplitude\"; values = (1, 2); } ); }"), 0);
   count_is(1);
-  expect_message("deck.cfg:2: motions.r.amplitude = 1: motions has no entry named \"r\"");
+  expect_message(
+      "deck.cfg:2: motions.r.amplitude = 1: motions has no entry named \"r\"; expected \"p\" or \"q\"");
   assert_int_equal(
       checked("{ parameters = ( { path = \"motions[2].amplitude\"; linspace = (1, 2, 5); } ); }"), 0);
   count_is(1);
@@ -180,6 +181,8 @@ static void test_points(void **state) {
   expect_message("deck.cfg:2: dt[*] = 1: dt is no list");
   assert_int_equal(checked("{ parameters = ( { path = \"dt.x\"; values = (1); } ); }"), 0);
   expect_message("deck.cfg:2: dt.x = 1: dt is a value and has no keys");
+  assert_int_equal(checked("{ parameters = ( { path = \"disks.grain.mass\"; values = (1); } ); }"), 0);
+  expect_message("disks.grain.mass = 1: disks has no entry named \"grain\"; expected \"a\" or \"b\"");
   /* a consequence elsewhere: the point is told */
   assert_int_equal(checked("{ parameters = ( { path = \"disks.a.radius\"; values = (1, 1.5, 3); } ); }"), 2);
   count_is(1);

@@ -79,17 +79,29 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   return NULL;
 }
 
-static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
+/* "; expected "a" or "b"" when a list has few names, "" when it has more, or none. */
+static const char *names_of(deck *d, const deck_node *list) {
+  enum { FEW = 6 };
+  const char *text = "";
+  size_t n = 0;
   for (size_t k = 0; k < list->n; k++) {
     const deck_node *name = deck_child(list->child[k], "name");
-    if (name && name->type == DECK_STRING && same_word(word, n, name->value.text)) return list->child[k];
+    if (!name || name->type != DECK_STRING) continue;
+    text = deck_format(d, "%s%s\"%s\"", text, n++ == 0 ? "; expected " : " or ", name->value.text);
+    if (n > FEW) return "";
   }
+  return text;
+}
+
+static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
   deck_guess guess = deck_guess_start(deck_copy(d, word, n));
   for (size_t k = 0; k < list->n; k++) {
     const deck_node *name = deck_child(list->child[k], "name");
-    if (name && name->type == DECK_STRING) deck_guess_add(&guess, name->value.text);
+    if (!name || name->type != DECK_STRING) continue;
+    if (same_word(word, n, name->value.text)) return list->child[k];
+    deck_guess_add(&guess, name->value.text);
   }
-  const char *hint = "", *above = deck_node_path(d, list);
+  const char *hint = names_of(d, list), *above = deck_node_path(d, list);
   if (strspn(guess.word, "0123456789") == n)
     hint = deck_format(d, "; did you mean %s[%s]?", above, guess.word);
   else if (guess.best)

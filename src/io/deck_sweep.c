@@ -277,6 +277,25 @@ static sd_status read_deck(deck *d, void *user) {
   return d->reported > 0 ? SD_ERROR_USER : SD_OK;
 }
 
+/* Is one of the words of text, between blanks, this path? */
+static bool has_word(const char *text, const char *path, size_t n) {
+  for (const char *p = text; (p = strstr(p, path)) && *p; p++)
+    if ((p == text || p[-1] == ' ') && (!p[n] || p[n] == ' ')) return true;
+  return false;
+}
+
+/* What the user has typed is set again by the points. */
+static void warn_of_overrides(const deck_sweep *s, sd_messages *messages) {
+  for (size_t k = 0; k < s->n_overrides; k++) {
+    char *path = file_path("%.*s", (int)strcspn(s->overrides[k], " ="), s->overrides[k]);
+    for (size_t j = 0; path && j < s->n_parameters; j++)
+      if (has_word(s->parameters[j].path, path, strlen(path)))
+        sd_warn(messages, "-D %s: the sweep sets this key; it counts for points that do not set it",
+                s->overrides[k]);
+    free(path);
+  }
+}
+
 static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
   deck_setting *settings = calloc(s->n_overrides + 1, sizeof *settings);
   if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
@@ -288,6 +307,8 @@ static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
     sd_model *model;
     status = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
     sd_model_free(model);
+  } else {
+    warn_of_overrides(s, messages);
   }
   sd_messages_free(mine);
   free(settings);
