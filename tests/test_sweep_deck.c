@@ -218,12 +218,11 @@ static void test_texts(void **state) {
   sd_model_free(m);
   s = good("{ parameters = ( { path = \"motions.p.phase\"; values = (0, \"1 pi\"); }, { path = \"title\"; "
            "values = "
-           "(1, \"one\"); } ); }" +
-           0);
+           "(1, \"one\"); } ); }");
   assert_true(!s->parameters[0].text && s->parameters[1].text);
 }
 
-/* A deck with another thing in it has longer names than a file may have. */
+/* Names are no longer than those of files may be. */
 static void test_long_names(void **state) {
   (void)state;
   char text[4000] = "{ parameters = ( { path = \"title\"; values = (\"", *end = text + strlen(text);

@@ -1,4 +1,5 @@
 /* sweep.c: slipdisk sweep DECK: arguments, and what a sweep's folder holds. It is run in sweep_run.c. */
+#include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -84,7 +85,7 @@ const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
 
 /* True: with a star at an error bar. */
 static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
-  char finding[200], part[24] = "";
+  char finding[200] = "", part[24] = "";
   if (r->has_found && r->status != SWEEP_DONE && r->status != SWEEP_OTHER && r->found.steps > 0)
     snprintf(part, sizeof part, " %.1f %%", 100.0 * (double)r->found.step / (double)r->found.steps);
   printf("%6zu  %-10s%-8s %s  %s\n", k, sweep_status_names[r->status], part, s->deck.points[k].name,
@@ -215,6 +216,7 @@ int app_sweep(int argc, char **argv) {
   int status = c.overrides && messages ? parse(argc, argv, &c) : SD_ERROR_IO;
   char *where = NULL;
   if (status == 0) {
+    assert(c.deck);
     where = c.output ? file_path("%s", c.output) : default_folder(c.deck);
     status = where ? command(&c, where, messages) : SD_ERROR_IO;
   }

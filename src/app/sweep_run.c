@@ -62,7 +62,7 @@ typedef struct crew {
   size_t n_workers;
   worker *workers;
   slot *slots; /* [n_workers], shared */
-  comm_queue *queue;
+  comm_queue queue;
 } crew;
 
 static double now_seconds(void) {
@@ -327,16 +327,14 @@ static void run_workers(crew *w, const size_t *todo, size_t n) {
 
 static void serve(void *user, const session_progress *p) {
   crew *w = user;
-  comm_serve(w->queue);
+  comm_serve(&w->queue);
   tell_parent(&w->slots[0], p);
   if (comm_size() == 1) draw(w);
 }
 
 static void run_queue(crew *w, const size_t *todo, size_t n) {
-  comm_queue queue;
-  comm_queue_begin(&queue, (int64_t)n, &app_stop);
-  w->queue = &queue;
-  for (int64_t k; (k = comm_next(&queue)) >= 0;) {
+  comm_queue_begin(&w->queue, (int64_t)n, &app_stop);
+  for (int64_t k; (k = comm_next(&w->queue)) >= 0;) {
     if (comm_size() == 1 && is_taken(w, todo[k])) continue;
     sweep_options options = {
         .threads = w->c->threads, .force = w->c->force, .stop = &app_stop, .progress = serve, .user = w};
@@ -353,7 +351,7 @@ static void run_queue(crew *w, const size_t *todo, size_t n) {
       account(w, todo[k], status, mine->text, mine, now_seconds() - w->workers[0].started);
     sd_messages_free(messages);
   }
-  comm_queue_end(&queue);
+  comm_queue_end(&w->queue);
 }
 
 /* --- all points -------------------------------------------------------------------------------------------- */

@@ -195,7 +195,7 @@ static void add_replicas(expansion *e, const grid *g, const size_t *place, int64
     sweep_point *p = add_point(e, g, place, r);
     size_t *slot = slot_of(e, p->name);
     if (*slot) { /* an equal point of another grid: it stays */
-      if (!same_values(s, p, &s->points[*slot - 1]))
+      if (g && !same_values(s, p, &s->points[*slot - 1]))
         deck_fail(e->d, g->node, "two points would have the same name, %s", p->name);
       set = s->points[*slot - 1].set;
       point_free(p, s->n_parameters);
