@@ -238,7 +238,7 @@ static void stop_once(int from, double delay, int64_t n, int64_t quick) {
 static void a_stop_reaches_all(void **unused) {
   (void)unused;
   const double delays[] = {0, 1e-4, 0.003, 0.03};
-  for (int from = -1; from < comm_size(); from++)
+  for (int from = -1; from < comm_size(); from += from == 0 && comm_size() > 2 ? comm_size() - 1 : 1)
     for (size_t k = 0; k < sizeof delays / sizeof *delays; k++) {
       stop_once(from, delays[k], TASKS, 100);
       stop_once(from, delays[k], TASKS, 0);

@@ -114,7 +114,8 @@ static void post(int to, int place, int64_t word) {
   letter *l = &letters[to][place];
   await(&l->request);
   l->word = word;
-  MPI_Isend(&l->word, 1, MPI_INT64_T, to, 0, ranks, &l->request);
+  /* the analyser knows MPI_Wait, but not MPI_Test */
+  MPI_Isend(&l->word, 1, MPI_INT64_T, to, 0, ranks, &l->request); /* NOLINT(clang-analyzer-optin.mpi.*) */
 }
 
 static void settle_post(void) {
