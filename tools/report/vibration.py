@@ -7,10 +7,11 @@ from . import fits
 from .page import Figure, Numbers, Section
 from .style import (COLOURS, RANDOM_MARKERS, TILT_MARKERS, figure, in_pi, legend_right, marker, pi_label, points, power,
                     zero_line)
-from .verdict import SURE, YES, NO, OPEN, Claim, decide, missing, number, signed, zero
+from .verdict import SURE, YES, NO, OPEN, Claim, decide, missing, number, signed, survival, zero
 
 PI = math.pi
 SCALE = 1e4  # t_g Omega is shown in 10^-4
+LEAST_CHANCE = 1e-3  # of chi^2: a worse fit says nothing about the extremum
 VELOCITY, TILT = "section 3, fig. random-ex-vel", "section 3, fig. random-ex-tilt"
 
 
@@ -24,7 +25,8 @@ def sections(results):
                      "weighted least " "squares: a polynomial of two to four terms, or <i>ax</i>/(1 + "
                      "<i>b</i>&sup2;<i>x</i>&sup2; + " "<i>c</i>&sup2;<i>x</i><sup>4</sup>), chosen by AICc. The error "
                      "of its extremum is the standard " "deviation that it gets when all points are scattered by their "
-                     "error bars, larger by " "&radic;(&chi;&sup2;/degrees) where the fit is poor.",
+                     "error bars, larger by " "&radic;(&chi;&sup2;/degrees) where the fit is poor. A fit whose &chi;&sup2; has a "
+                     "chance below 10<sup>&minus;3</sup>, as when there are few tilts, is not used.",
                      missing=list(table.missing))
     against_amplitude(table, first)
     against_tilt(table, second)
@@ -87,7 +89,7 @@ def against_tilt(table, out):
     amplitudes = [e for e in table.values("eps_b") if len(table.where(eps_b=e)) >= 4 and
                   any(abs(e - known) < 1e-9 for known in RANDOM_MARKERS)]
     picture, axes = figure(height=4.2)
-    rows, extrema = [], []
+    rows, extrema, poor = [], [], []
     for k, amplitude in enumerate(amplitudes):
         line = table.where(eps_b=amplitude).sorted("tilt")
         rank, sign = marker(RANDOM_MARKERS, amplitude, k)
@@ -96,10 +98,14 @@ def against_tilt(table, out):
         found = fits.extremum(tilt, y, error)
         if not found:
             continue
-        extrema.append((amplitude, found))
-        curve = np.linspace(0, tilt.max(), 200)
-        axes.plot(curve / PI, SCALE * found.curve(curve), color=COLOURS[rank], lw=0.9)
-        inside = found.inside > 0.5
+        fitting = survival(found.chi2, found.degrees) > LEAST_CHANCE
+        if fitting:
+            extrema.append((amplitude, found))
+            curve = np.linspace(0, tilt.max(), 200)
+            axes.plot(curve / PI, SCALE * found.curve(curve), color=COLOURS[rank], lw=0.9)
+        else:
+            poor.append(amplitude)
+        inside = fitting and found.inside > 0.5
         if inside:
             axes.errorbar(found.position / PI, SCALE * found.value, xerr=found.error / PI, fmt="|", ms=13, mew=1.6,
                           color=COLOURS[rank])
@@ -127,6 +133,8 @@ def against_tilt(table, out):
                             if e.inside > 0.5 else f"the range does not contain it ({100 * e.inside:.0f} % of the "
                             "samples do)") for a, e in extrema)
         sure = [e.inside >= 0.975 for _, e in extrema]
+        if poor:
+            told += f"; no form fits the tilts at &epsilon;<sub>b</sub> = {', '.join(number(a) for a in poor)}"
         out.claims.append(decide(text, True if all(sure) else False if all(e.inside < 0.025 for _, e in extrema)
                                  else None, "extremum at " + told, TILT))
     out.tables.append(Numbers("Extrema", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi; at the extremum", "error",
