@@ -48,7 +48,7 @@ part() {
     mpi) say "Tests of the build with MPI"
       tools/install_deps.sh --mpi
       build mpi
-      ctest --preset mpi -L mpi ;;
+      ctest --preset mpi -L mpi -j "$jobs" ;;
     *) sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac
 }
