@@ -195,6 +195,8 @@ class Interrupted(SweepTest):
         small.mkdir()
         if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", small]).returncode:
             self.skipTest("mounting is not allowed here")
+        # after tearDown, the last first
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
         self.addCleanup(subprocess.run, ["umount", small])
         return small
 
