@@ -445,9 +445,11 @@ static int run_all(crew *w, size_t *todo) {
       run_queue(w, todo, n);
     n = comm_size() > 1 || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
   } while (n > 0);
-  if (first) make_tables(w, true);
+  /* one rank judges: the others may see the files of their neighbours late */
+  if (!first) return w->worst;
+  make_tables(w, true);
   count_all(w);
-  if (first) tell_end(w);
+  tell_end(w);
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
@@ -500,6 +502,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   } else {
     fprintf(stderr, "error: no memory for the sweep\n");
     status = SD_ERROR_IO;
+    if (comm_size() > 1) comm_abort(status); /* the others would wait */
   }
   if (w.slots != MAP_FAILED) munmap(w.slots, w.n_workers * sizeof *w.slots);
   free(w.workers);

@@ -259,7 +259,8 @@ static const deck_key until_keys[] = {
      "\"NAME.omega\" or \"NAME.scaled\": Omega or t_g Omega of a watched disk, by name or number"},
     {"error", NUMBER(DECK_POSITIVE, "rad/time or rad"), "-", NULL,
      "standard error to be reached; either this or relative"},
-    {"relative", NUMBER(DECK_POSITIVE, "-"), "-", NULL, "standard error as a fraction of the size of the mean"},
+    {"relative", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "standard error as a fraction of the size of the mean"},
     {"max_time", NUMBER(DECK_POSITIVE, "time"), "required", NULL,
      "the last phase ends after this time at the latest, goal reached or not"},
 };

@@ -33,7 +33,7 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
 bool file_exists(const char *path);
 bool file_is_folder(const char *path);
 bool file_is_special(const char *path); /* a device, a pipe or a socket: never replaced by a file */
-uint64_t file_size(const char *path);                                /* 0 when there is none */
+uint64_t file_size(const char *path);   /* 0 when there is none */
 sd_status file_make_folder(const char *path, sd_messages *messages); /* one that exists is all right */
 /* No message when it is not there. */
 sd_status file_remove(const char *path, sd_messages *messages);

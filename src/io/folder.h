@@ -23,7 +23,7 @@ typedef struct folder {
 /* Makes the folder if need be and locks it. SD_ERROR_USER: another process holds it. */
 sd_status folder_open(const char *path, folder *out, sd_messages *messages);
 bool folder_is_locked(const char *path); /* some process holds it now; false when there is no such folder */
-void folder_close(folder *f); /* gives the lock back; the files stay */
+void folder_close(folder *f);            /* gives the lock back; the files stay */
 /* Removes all of it and closes; files that slipdisk does not make are left, with a warning. */
 sd_status folder_remove(folder *f, sd_messages *messages);
 
