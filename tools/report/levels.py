@@ -28,10 +28,10 @@ AS_IS = Plan()
 COARSE = {"dt": 2e-5, "phases.measure.time": 100}        # random
 COARSE_TURN = {"dt": 2e-5, "phases.measure.time": 30}    # periodic
 TURN = {"dt": 1e-5, "phases.measure.time": 60}           # 17 relaxation times at Theta_b = 0.1, dt shown to be enough
-FEW_EPS = {"sweep[0].parameters.eps_b.values": "(2e-5, 4e-5, 6e-5, 8e-5, 1e-4)",
-           "sweep[1].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)",
-           "sweep[1].parameters.tilt.values": '(0, "0.01 pi", "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi", "0.1 pi")'}
-FEWER_EPS = {**FEW_EPS, "sweep[0].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)"}
+HALF_EPS = {"sweep[0].parameters.eps_b.values": "(2e-5, 4e-5, 6e-5, 8e-5, 1e-4)"}
+FEWER_EPS = {"sweep[0].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)",
+             "sweep[1].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)",
+             "sweep[1].parameters.tilt.values": '(0, "0.01 pi", "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi", "0.1 pi")'}
 LONG = {"sweep.parameters.theta_b.values": "(0.04, 0.1)", "sweep.parameters.tilt.values": '("0.04 pi")'}
 FEW_TILTS = {"sweep.parameters.tilt.values": '(0, "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi")'}
 NO_FINE = "(2e-5, 1e-5, 5e-6)"
@@ -54,7 +54,7 @@ SWEEPS = {
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": AS_IS, "full": Plan({}, {"sweep.parameters.noise.values": "(1, 2, 3, 4)"})}),
-    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, FEW_EPS), "full": AS_IS}),
+    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, HALF_EPS), "full": AS_IS}),
     "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),  # at level full these are among the points of "sync"
     "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
 }
