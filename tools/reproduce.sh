@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Computes the figures of the paper anew and writes one HTML page with figures, numbers and verdicts.
 #
-#   tools/reproduce.sh           a telling subset at the paper's length: about half an hour on two cores
+#   tools/reproduce.sh           a telling subset at the paper's length: about an hour on two cores
 #   tools/reproduce.sh --quick   everything, coarse: about two minutes
 #   tools/reproduce.sh --full    the paper's whole campaign: hours
 #   tools/reproduce.sh --draw    runs nothing, draws what is there
