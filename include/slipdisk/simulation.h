@@ -20,7 +20,7 @@ typedef struct sd_energy {
   double variant;                    /* put in by the paper's variant of the tangential force */
   double viscous, friction, opening; /* lost */
   double residual;
-  double scale; /* |work| + losses: what the residual is compared with */
+  double scale; /* the larger of |work| + losses and the kinetic energy: what the residual is compared with */
 } sd_energy;
 
 /* Starts a simulation at step 0 of a finished model. The model must outlive it.

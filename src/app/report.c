@@ -88,7 +88,7 @@ static void report_slides(FILE *out, const summary *found) {
 }
 
 /* Steps per shortest contact period below which a run is warned of, and the residual of the energy budget,
- * relative to work and losses, above which its result is. */
+ * relative to its scale, above which its result is. */
 enum { FEWEST_STEPS = 20 };
 static const double LARGEST_RESIDUAL = 0.01;
 
@@ -98,7 +98,7 @@ static void report_energy(FILE *out, const sd_energy *e) {
     if (strcmp(series_energies[k].name, "scale") == 0) continue;
     fprintf(out, "  %-20s %16.9g", series_energies[k].name, series_energy_value(e, k));
     if (strcmp(series_energies[k].name, "residual") == 0 && e->scale > 0)
-      fprintf(out, "   (%.2g of |work| + losses)", e->residual / e->scale);
+      fprintf(out, "   (relative: %.2g)", e->residual / e->scale);
     fputc('\n', out);
   }
   if (e->scale > 0 && fabs(e->residual) > LARGEST_RESIDUAL * e->scale)

@@ -23,7 +23,7 @@ const series_energy series_energies[] = {
     ENERGY(friction, "energy lost to sliding since step 0"),
     ENERGY(opening, "energy left in contacts that opened since step 0"),
     ENERGY(residual, "what the energy budget does not account for"),
-    ENERGY(scale, "|work| + losses, to compare the residual with"),
+    ENERGY(scale, "larger of |work| + losses and kinetic energy, to compare the residual with"),
 };
 const size_t series_energy_count = sizeof series_energies / sizeof *series_energies;
 

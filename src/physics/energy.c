@@ -42,6 +42,8 @@ sd_energy energy_of(const engine *e) {
   double now =
       sum.kinetic_translation + sum.kinetic_rotation + sum.elastic_normal + sum.elastic_skin + sum.external;
   sum.residual = (now - sum.start) - (sum.work + sum.variant) + (sum.viscous + sum.friction + sum.opening);
-  sum.scale = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening);
+  /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale */
+  sum.scale = fmax(fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening),
+                   sum.kinetic_translation + sum.kinetic_rotation);
   return sum;
 }

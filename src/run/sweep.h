@@ -48,7 +48,7 @@ typedef struct sweep_result {
   sweep_status status;
   bool has_found;
   summary found;   /* finished: at the end; else as of the last checkpoint */
-  double residual; /* of the energy budget, over work and losses */
+  double residual; /* of the energy budget, over its scale */
   char *message;   /* failed, damaged, other deck: why, lines joined by "; ". "" else */
 } sweep_result;
 /* SD_ERROR_IO: no memory. */

@@ -84,7 +84,7 @@ static void put_result(sheet *t, size_t row, const sweep_result *r) {
   if (f->has_until)
     sheet_number(t, row, "goal", "1", "1: ended with the goal of `until`; 0: at its max_time",
                  f->until_step >= 0 ? 1 : 0);
-  sheet_number(t, row, "residual", "1", "residual of the energy budget, over work and losses", r->residual);
+  sheet_number(t, row, "residual", "1", "residual of the energy budget, over its scale", r->residual);
   sheet_number(t, row, "work", "energy", "work done by prescribed motions", f->energy.work);
   sheet_number(t, row, "kinetic_translation", "energy", "at the end", f->energy.kinetic_translation);
   sheet_number(t, row, "kinetic_rotation", "energy", "at the end", f->energy.kinetic_rotation);
