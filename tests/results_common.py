@@ -1,10 +1,13 @@
-"""What the tests of results share: running the program, and comparing two results."""
+"""What the tests of results share: running the program, killing it, and comparing two results."""
 import os
 import pathlib
+import random
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
+import unittest
 
 import h5py
 import numpy
@@ -82,3 +85,60 @@ def assert_same(test, a, b):
             if path == "parameters/deck_overrides" or path == "parameters/deck_full":
                 continue
             test.assertEqual(numpy.asarray(x[path]).tobytes(), numpy.asarray(y[path]).tobytes(), path)
+
+
+class Folder(unittest.TestCase):
+    """A folder for one test, with a result r.h5 to be made in it."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-test-"))
+        self.result = self.folder / "r.h5"
+        self.parts = self.folder / "r.h5.parts"
+
+    def tearDown(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def run_ok(self, *words):
+        status, out, err = run(*words)
+        self.assertEqual(status, 0, err)
+        return out, err
+
+    def checkpoints(self):
+        """Their steps, the newest first."""
+        found = [int(p.stem.split("-")[1]) for p in self.parts.glob("checkpoint-*.h5")]
+        return sorted(found, reverse=True)
+
+    def kill_until_done(self, words, longest, seed):
+        """Runs the command and kills it, again and again; how often."""
+        chance = random.Random(seed)
+        kills = 0
+        while True:
+            process = start("run", *words, "-o", self.result)
+            try:
+                # the delay grows, so that there is an end
+                _, err = process.communicate(timeout=chance.uniform(0.01, longest) * (1 + kills / 20))
+                self.assertEqual(process.returncode, 0, err)
+                return kills
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+                process.communicate()
+                kills += 1
+                # the kill came after the end
+                if self.result.exists() and not self.parts.exists():
+                    return kills
+
+    def kill_while_merging(self, words, times):
+        """Lets the command run to its merge and kills it there; how many merges were cut short."""
+        temporary = self.folder / "r.h5.tmp"
+        chance = random.Random(1)
+        cut = 0
+        for _ in range(times):
+            process = start("run", *words, "-o", self.result)
+            wait_for(lambda p=process: temporary.exists() or p.poll() is not None)
+            time.sleep(chance.uniform(0, 0.1))
+            process.send_signal(signal.SIGKILL)
+            process.communicate()
+            cut += temporary.exists()
+            if self.result.exists():
+                break
+        return cut

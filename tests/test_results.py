@@ -12,8 +12,8 @@ import unittest
 import h5py
 import numpy
 
-from results_common import (CONTACTS, DECK, FRAMES, MEASURE, SERIES, SETTLE, assert_same, deck_arguments, run, start,
-                            steps_for, wait_for)
+from results_common import (CONTACTS, DECK, FRAMES, MEASURE, SERIES, SETTLE, Folder, assert_same, deck_arguments, run,
+                            start, steps_for, wait_for)
 
 SECONDS = 3  # of a run that is to be interrupted
 
@@ -23,24 +23,7 @@ def long_deck(checkpoint=0.1):
     return deck_arguments(measure=steps, series=steps // 200, frames=steps // 200, checkpoint=checkpoint)
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-results-"))
-        self.result = self.folder / "r.h5"
-        self.parts = self.folder / "r.h5.parts"
-
-    def tearDown(self):
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-    def run_ok(self, *words):
-        status, out, err = run(*words)
-        self.assertEqual(status, 0, err)
-        return out, err
-
-    def checkpoints(self):
-        found = [int(p.stem.split("-")[1]) for p in self.parts.glob("checkpoint-*.h5")]
-        return sorted(found, reverse=True)
-
+class Started(Folder):
     def started(self, *words):
         """A run that has written a checkpoint beyond step 0."""
         process = start("run", *words, "-o", self.result)
@@ -254,7 +237,7 @@ class Again(Folder):
         self.run_ok("info", emergency)
 
 
-class Stopped(Folder):
+class Stopped(Started):
     """An interrupted run goes on as if nothing had been."""
 
     @classmethod
@@ -401,7 +384,7 @@ def limit_file_size(size):
     return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 
 
-class Full(Folder):
+class Full(Started):
     """When the disk is full nothing that was written is lost."""
 
     def whole(self, words):

@@ -1,17 +1,14 @@
 """Runs that end when an error bar is small enough: what they write and say, and that a kill changes nothing."""
 import json
 import pathlib
-import random
 import shutil
 import signal
-import subprocess
 import tempfile
-import time
 import unittest
 
 import h5py
 
-from results_common import SETTLE, assert_same, deck_arguments, run, start, steps_for, wait_for
+from results_common import SETTLE, Folder, assert_same, deck_arguments, run, start, steps_for, wait_for
 
 DT = 1e-6
 LEAST = 100000
@@ -36,25 +33,12 @@ def looks(least, most):
     return found
 
 
-class Folder(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-until-"))
-        self.result = self.folder / "r.h5"
-        self.parts = self.folder / "r.h5.parts"
-
-    def tearDown(self):
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-    def run_ok(self, *words):
-        status, out, err = run(*words)
-        self.assertEqual(status, 0, err)
-        return out, err
-
+class Until(Folder):
     def info(self, name):
         return json.loads(self.run_ok("info", "--json", name)[0])
 
 
-class Ends(Folder):
+class Ends(Until):
     def test_goal_is_reached(self):
         error = goal_for(8 * LEAST)
         out, err = self.run_ok("run", *words_of(error), "-o", self.result)
@@ -135,7 +119,7 @@ class Ends(Folder):
             self.assertFalse(self.parts.exists())
 
 
-class Killed(Folder):
+class Killed(Until):
     """kill -9 and continue: the end is at the same step, and the file the same in every bit."""
 
     @classmethod
@@ -159,24 +143,9 @@ class Killed(Folder):
         self.assertEqual(self.info(self.result)["until"], until)
         self.assertFalse(self.parts.exists())
 
-    def killed_until_done(self, words, seed, longest):
-        chance = random.Random(seed)
-        for kills in range(1000):
-            process = start("run", *words, "-o", self.result)
-            try:
-                _, err = process.communicate(timeout=chance.uniform(0.01, longest) * (1 + kills / 20))
-                self.assertEqual(process.returncode, 0, err)
-                return kills
-            except subprocess.TimeoutExpired:
-                process.send_signal(signal.SIGKILL)
-                process.communicate()
-                if self.result.exists() and not self.parts.exists():
-                    return kills + 1
-        return None
-
     def test_while_running(self):
         for seed in range(2):
-            self.assertGreater(self.killed_until_done(self.words, seed, 0.3), 0)
+            self.assertGreater(self.kill_until_done(self.words, 0.3, seed), 0)
             self.same(self.whole)
             self.assertEqual([p.name for p in self.folder.iterdir()], ["r.h5"])
             self.result.unlink()
@@ -199,20 +168,10 @@ class Killed(Folder):
         whole = self.folder / "whole.h5"
         self.run_ok("run", *words, "-o", whole)
         end = self.info(whole)["step"]
-        temporary = self.folder / "r.h5.tmp"
-        chance = random.Random(1)
-        cut = 0
-        for _ in range(4):
-            process = start("run", *words, "-o", self.result)
-            wait_for(lambda p=process: temporary.exists() or p.poll() is not None)
-            time.sleep(chance.uniform(0, 0.1))
-            process.send_signal(signal.SIGKILL)
-            process.communicate()
-            cut += temporary.exists()
-            if self.result.exists():
-                break
-            self.assertEqual(max(int(p.stem.split("-")[1]) for p in self.parts.glob("checkpoint-*.h5")), end)
+        cut = self.kill_while_merging(words, 4)
         self.assertGreater(cut, 0, "no merge was cut short")
+        if self.parts.exists():
+            self.assertEqual(self.checkpoints()[0], end)
         self.run_ok("resume", self.result)
         self.same(whole)
         self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["r.h5", "whole.h5"])
