@@ -258,9 +258,12 @@ class Pages(unittest.TestCase):
     def test_markdown(self):
         with tempfile.TemporaryDirectory() as folder:
             section = vibration.sections(Synthetic(folder))[0]
-            path = os.path.join(folder, "report.md")
+            Page(folder).add(section)
+            path, docs = os.path.join(folder, "report.md"), os.path.join(folder, "docs")
             markdown.write(path, "Title", ["Lead."], [section], "figures")
-            with open(path) as file:
+            markdown.keep(docs, path, ["random-ex-vel"])
+            self.assertTrue(os.path.getsize(os.path.join(docs, "figures", "random-ex-vel.png")) > 100)
+            with open(os.path.join(docs, "paper.md")) as file:
                 lines = file.read().splitlines()
         tables = [line for line in lines if line.startswith("|")]
         self.assertEqual(sum(line.startswith("| **") for line in tables), len(section.claims))

@@ -31,6 +31,8 @@ def options():
     parser.add_argument("--only", action="append", default=[], metavar="NAME",
                         help="only these runs and sweeps: " + ", ".join([*levels.SWEEPS, *levels.RUNS]))
     parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there")
+    parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/paper.md and DIR/figures "
+                        "(docs, when they are to stay with the sources)")
     parser.set_defaults(level="default")
     args = parser.parse_args()
     unknown = [name for name in args.only if name not in levels.SWEEPS and name not in levels.RUNS]
@@ -40,7 +42,7 @@ def options():
     return args
 
 
-def draw(results, seconds=None, modules=MODULES):
+def draw(results, seconds=None, modules=MODULES, keep=None):
     """Writes the page; returns its path and the number of each verdict."""
     page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html")
     found = []
@@ -58,8 +60,10 @@ def draw(results, seconds=None, modules=MODULES):
     for section in found:
         page.add(section)
     page.write(TITLE, head(results, found, counts, seconds))
-    markdown.write(page.path[:-len(".html")] + ".md", TITLE, [levels.DESCRIPTIONS[results.level] + ". "
-                   + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."], found, "figures")
+    text = page.path[:-len(".html")] + ".md"
+    markdown.write(text, TITLE, lead(results, counts, seconds), found, "figures")
+    if keep:
+        markdown.keep(keep, text, [figure.name for section in found for figure in section.figures])
     return page.path, counts
 
 
@@ -83,6 +87,18 @@ def head(results, sections, counts, seconds):
     return "\n".join(lines)
 
 
+def lead(results, counts, seconds):
+    """What stands above the Markdown."""
+    took = f", in {seconds / 60:.0f} minutes on {results.jobs} cores" if seconds else ""
+    program = (results.provenance() or "?").splitlines()[0]
+    return ["Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, *Sustained rotation in a vibrated disk with "
+            "asymmetric supports*. R = mg = 1, g = 10; error bars are single standard errors. Every verdict is computed "
+            "from the numbers beside it; [reproduce.md](reproduce.md) has the rules and the reasons of what is not "
+            "reproduced.", "", f"Level: {results.level}, " + levels.DESCRIPTIONS[results.level] + ".", "",
+            f"Written by `tools/reproduce.sh` with {program} on {platform.machine()}{took}: "
+            + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."]
+
+
 def escape(text):
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
@@ -98,7 +114,7 @@ def main():
     except Stopped:
         status = STOPPED
         print("stopped; drawing what is there. The same command goes on.")
-    path, counts = draw(results, None if args.draw else time.monotonic() - begin)
+    path, counts = draw(results, None if args.draw else time.monotonic() - begin, keep=args.keep)
     print(f"{path}: " + ", ".join(f"{number} {word}" for word, number in counts.items()))
     for line in results.failed:
         print(line, file=sys.stderr)

@@ -4,6 +4,8 @@ Markdown takes HTML within a line, so texts are carried over as they are."""
 import os
 import re
 
+from PIL import Image
+
 from .page import cell
 
 LONGEST = 70  # rows: longer tables are in the CSV files
@@ -21,6 +23,19 @@ def _table(columns, rows):
     numeric = [bool(rows) and all(cell(row[k])[1] for row in rows) for k in range(len(columns))]
     out = [_row(columns), "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
     return out + [_row([cell(value)[0] for value in row]) for row in rows]
+
+
+def keep(folder, page, figures):
+    """Copies a page of write() to folder/paper.md, and its figures (names), with few colours, to folder/figures."""
+    os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
+    with open(page) as file:
+        text = file.read()
+    with open(os.path.join(folder, "paper.md"), "w") as file:
+        file.write(text)
+    for name in figures:
+        with Image.open(os.path.join(os.path.dirname(page), "figures", name + ".png")) as picture:
+            small = picture.convert("RGB").quantize(64, dither=Image.Dither.NONE)
+            small.save(os.path.join(folder, "figures", name + ".png"), optimize=True)
 
 
 def write(path, title, lead, sections, pictures=None):
