@@ -61,7 +61,7 @@ def draw(results, seconds=None, modules=MODULES, keep=None):
         page.add(section)
     page.write(TITLE, head(results, found, counts, seconds))
     text = page.path[:-len(".html")] + ".md"
-    markdown.write(text, TITLE, lead(results, counts, seconds), found, "figures")
+    markdown.write(text, TITLE, lead(results, counts), found, "figures")
     if keep:
         markdown.keep(keep, text, [figure.name for section in found for figure in section.figures])
     return page.path, counts
@@ -80,22 +80,21 @@ def head(results, sections, counts, seconds):
         lines.append('<div class="missing"><p>What went wrong:</p><ul>' +
                      "".join(f"<li>{escape(line)}</li>" for line in results.failed) + "</ul></div>")
     made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
-    took = f", runs took {seconds / 60:.1f} min on {results.jobs} core{'s' * (results.jobs > 1)}" if seconds else ""
+    took = f", its last call took {seconds / 60:.1f} min on {results.jobs} core{'s' * (results.jobs > 1)}" if seconds else ""
     program = escape((results.provenance() or "?").splitlines()[0])
     lines.append(f'<p class="small">Drawn {made} UTC by {program} on {platform.machine()}{took}. The figures lie '
                  "beside this page as PDF and PNG, the tables as CSV.</p>")
     return "\n".join(lines)
 
 
-def lead(results, counts, seconds):
+def lead(results, counts):
     """What stands above the Markdown."""
-    took = f", in {seconds / 60:.0f} minutes on {results.jobs} cores" if seconds else ""
     program = (results.provenance() or "?").splitlines()[0]
     return ["Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, *Sustained rotation in a vibrated disk with "
             "asymmetric supports*. R = mg = 1, g = 10; error bars are single standard errors. Every verdict is computed "
             "from the numbers beside it; [reproduce.md](reproduce.md) has the rules and the reasons of what is not "
             "reproduced.", "", f"Level: {results.level}, " + levels.DESCRIPTIONS[results.level] + ".", "",
-            f"Written by `tools/reproduce.sh` with {program} on {platform.machine()}{took}: "
+            f"Written by `tools/reproduce.sh` with {program} on {platform.machine()}: "
             + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."]
 
 
