@@ -103,7 +103,7 @@ def zero(text, values, errors, place="", what="&Omega;"):
     chi2, chance = chi_square(z, len(z))
     worst = float(np.abs(z).max())
     numbers = (f"{len(z)} value{'s' * (len(z) > 1)}, largest |{what}| {worst:.1f} errors from zero, &chi;&sup2; = "
-               f"{chi2:.1f} (a chance of {100 * chance:.2g} %)")
+               f"{chi2:.1f} (a chance of {100 * chance:.3g} %)")
     verdict = YES if chance > 0.01 else NO if chance < 1e-4 else OPEN
     return Claim(text, verdict, numbers, place)
 
