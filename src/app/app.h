@@ -66,6 +66,8 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
 /* --- arguments -------------------------------------------------------------------------------------- */
 /* A whole number from text; false when it is none or out of range. */
 bool app_number(const char *text, long least, long most, long *out);
+/* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed, NULL: no memory. */
+char *app_default_name(const char *deck, const char *ending);
 /* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
 /* The same for an option that is none of these, with the nearest of them. */

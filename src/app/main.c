@@ -6,6 +6,7 @@
 
 #include "app/app.h"
 #include "io/deck_keys.h"
+#include "io/file.h"
 #include "version.h"
 
 static const char help[] =
@@ -46,6 +47,12 @@ bool app_number(const char *text, long least, long most, long *out) {
   if (errno != 0 || end == text || *end || value < least || value > most) return false;
   *out = value;
   return true;
+}
+
+char *app_default_name(const char *deck, const char *ending) {
+  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
+  size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+  return file_path("%.*s.%s", (int)length, name, ending);
 }
 
 int app_misuse(const char *command, const char *format, ...) {

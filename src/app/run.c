@@ -52,13 +52,6 @@ static int parse(int argc, char **argv, arguments *a) {
   return 0;
 }
 
-/* NAME.h5 in the current folder for a deck .../NAME.cfg. */
-static char *default_output(const char *deck) {
-  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
-  size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-  return file_path("%.*s.h5", (int)length, name);
-}
-
 int app_run(int argc, char **argv) {
   arguments a = {.overrides = calloc((size_t)argc + 1, sizeof *a.overrides)};
   sd_messages *messages = sd_messages_new();
@@ -67,7 +60,7 @@ int app_run(int argc, char **argv) {
   int status = a.overrides && messages ? parse(argc, argv, &a) : SD_ERROR_IO;
   if (status == 0) {
     assert(a.deck);
-    output = a.output ? file_path("%s", a.output) : default_output(a.deck);
+    output = a.output ? file_path("%s", a.output) : app_default_name(a.deck, "h5");
     again = output ? file_path("resume %s", output) : NULL;
     status = sd_deck_load(a.deck, a.n_overrides, a.overrides, &model, messages);
     if (status != SD_OK) sd_messages_print(messages, stderr);

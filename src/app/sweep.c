@@ -64,13 +64,6 @@ static int parse(int argc, char **argv, sweep_command *c) {
   return 0;
 }
 
-/* NAME.sweep in the current folder for a deck .../NAME.cfg. */
-static char *default_folder(const char *deck) {
-  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
-  size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-  return file_path("%.*s.sweep", (int)length, name);
-}
-
 const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
   *text = 0;
   if (!r->has_found || r->found.n_rotations == 0) return text;
@@ -217,7 +210,7 @@ int app_sweep(int argc, char **argv) {
   char *where = NULL;
   if (status == 0) {
     assert(c.deck);
-    where = c.output ? file_path("%s", c.output) : default_folder(c.deck);
+    where = c.output ? file_path("%s", c.output) : app_default_name(c.deck, "sweep");
     status = where ? command(&c, where, messages) : SD_ERROR_IO;
   }
   free(where);
