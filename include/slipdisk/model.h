@@ -42,7 +42,8 @@ typedef struct sd_disk {
   int material;                 /* index into materials */
   int group;                    /* index into groups, -1: none */
   bool locked[3];               /* this coordinate never changes, whatever pushes (velocity must be 0) */
-  bool driven; /* all three coordinates are prescribed: fixed, or by the motions that name it */
+  bool driven;  /* all three coordinates are prescribed: fixed, or by the motions that name it */
+  bool waiting; /* out of play until its rain releases it; position is then where it waits */
 } sd_disk;
 
 typedef enum sd_wall_kind { SD_WALL_LINE, SD_WALL_SEGMENT, SD_WALL_POLYLINE, SD_WALL_CIRCLE } sd_wall_kind;
@@ -68,6 +69,8 @@ typedef enum sd_motion_kind {
   SD_MOTION_PARABOLIC, /* eq. 21 with w t + phi for w t */
   SD_MOTION_RANDOM,    /* eq. 52 */
   SD_MOTION_TABLE,     /* natural cubic spline through a table */
+  SD_MOTION_LOAD,      /* a wall, x or y: free along the coordinate, of mass `mass`, under `force` */
+  SD_MOTION_SERVO,     /* a wall, x or y: moves at most at `velocity` until the disks feel `force` from it */
   SD_MOTION_KINDS
 } sd_motion_kind;
 
@@ -82,7 +85,9 @@ typedef struct sd_motion {
   double amplitude; /* harmonic, parabolic: A; random: rms displacement; table: factor */
   double omega;     /* rad/time: w */
   double phase;     /* rad: phi */
-  double velocity;  /* constant velocity: v */
+  double velocity;  /* constant velocity: v; servo: largest speed */
+  double mass;      /* load: of the wall */
+  double force;     /* load: on the wall, its weight included; servo: on the disks; along the coordinate */
   double damping;   /* random: c */
   int64_t interval; /* random: steps between draws, >= 1 (h = interval dt) */
   double ramp;      /* time over which the motion is faded in, 0: at once */
@@ -92,15 +97,88 @@ typedef struct sd_motion {
   bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
 } sd_motion;
 
+/* A phase ends at the first look at which all criteria that are > 0 hold, and no disk waits any more. */
+typedef struct sd_settle {
+  bool asked;
+  double kinetic;    /* kinetic energy per free disk in play */
+  double unbalanced; /* mean resultant force on a disk over the mean normal force of a contact */
+  int64_t every;     /* steps between looks, >= 1 */
+} sd_settle;
+
+/* Lengths of the region and all positions in it change by a common factor until the target is reached. */
+typedef struct sd_compress {
+  bool asked;
+  double pressure, fraction; /* target: one of them > 0 */
+  double rate;               /* largest relative change of the lengths per time, > 0 */
+  double tolerance;          /* relative */
+} sd_compress;
+
 typedef struct sd_phase {
   char *name;
-  int64_t steps;          /* >= 1 */
+  int64_t steps;          /* >= 1; the most, when it may settle before */
   bool *active;           /* [n_motions] */
   bool measure;           /* statistics are gathered in this phase */
   int64_t series_every;   /* steps between rows of the time series, 0: none */
   int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
   int64_t contacts_every; /* steps between stored contact tables, 0: none */
+  sd_settle settle;
+  bool relax; /* velocities are steered towards equilibrium (FIRE) */
+  sd_compress compress;
 } sd_phase;
+
+typedef enum sd_container_kind {
+  SD_CONTAINER_NONE,
+  SD_CONTAINER_BOX,
+  SD_CONTAINER_CHANNEL,
+  SD_CONTAINER_BED,
+  SD_CONTAINER_HOPPER,
+  SD_CONTAINER_DRUM,
+  SD_CONTAINER_PERIODIC
+} sd_container_kind;
+
+typedef enum sd_packing_kind {
+  SD_PACKING_TRIANGULAR,
+  SD_PACKING_SQUARE,
+  SD_PACKING_RANDOM,
+  SD_PACKING_FRONT,
+  SD_PACKING_RAIN
+} sd_packing_kind;
+
+typedef enum sd_size_kind {
+  SD_SIZES_MONO,
+  SD_SIZES_LIST,
+  SD_SIZES_UNIFORM,
+  SD_SIZES_GAUSSIAN,
+  SD_SIZES_LOGNORMAL,
+  SD_SIZES_POWERLAW
+} sd_size_kind;
+
+/* Disks first ... first + count - 1 wait, and fall in batches, lowest numbers first. Batch k is released
+ * k * interval steps after the start: rows of disks, from `lower` to `upper` in x, the lowest row `gap` above
+ * the highest disk that is in play there. */
+typedef struct sd_rain {
+  size_t first, count, batch; /* disks, disks in a batch */
+  int64_t interval;           /* steps */
+  double lower, upper;        /* x */
+  double floor;               /* y below which no batch begins */
+  double gap, speed;
+} sd_rain;
+
+typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
+
+/* A rectangle in which the centres of the free disks belong; infinite where there is no limit. */
+typedef struct sd_bounds {
+  bool given; /* by the deck or its container; else nothing is looked at */
+  double lower[2], upper[2];
+  sd_outside outside;
+} sd_bounds;
+
+/* Memory of a contact with which a run begins (columns contact_* of state.h). */
+typedef struct sd_contact_memory {
+  uint32_t a, b, part; /* body numbers of this model */
+  double lambda, ex, ey, side, force, overlap, stretch, turned;
+  int32_t slide;
+} sd_contact_memory;
 
 /* When the last phase ends: not before `least` of its steps, then at the first look at which the error bar of
  * a mean angular velocity is small enough (sd_goal_of, sd_goal_look in measure.h), after all its steps in any
@@ -145,6 +223,9 @@ typedef struct sd_model {
   double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
   double lower[2], upper[2]; /* box; only read along periodic directions */
   bool periodic[2];
+  sd_container_kind container;
+  double region_lower[2], region_upper[2]; /* of the container or box: what is called full; equal: none */
+  sd_bounds bounds;
 
   size_t n_materials;
   sd_material *materials;
@@ -160,11 +241,18 @@ typedef struct sd_model {
   size_t n_phases;
   sd_phase *phases;
 
+  size_t n_rains;
+  sd_rain *rains;
+  size_t n_memories; /* contacts of the packing that the run begins with, in any order */
+  sd_contact_memory *memories;
+
   size_t n_rotations; /* disks whose mean angular velocity is measured */
   uint32_t *rotations;
   size_t n_slides;
   sd_slide_watch *slides;
   sd_until until;
+  bool measure_disks;        /* means of every free disk */
+  int64_t measure_every;     /* steps between looks at its contacts, >= 1 */
   double checkpoint_seconds; /* wall time between checkpoints, > 0 */
   size_t sweep_points; /* points that the deck's group `sweep` asks for; this model is the deck itself */
 

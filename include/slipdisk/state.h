@@ -30,30 +30,43 @@ typedef enum sd_extent {
   SD_PER_SLIDE,         /* watched pairs of contacts */
   SD_PER_SLIDE_COUNT,   /* watched pairs * 16 */
   SD_PER_SLIDE_CONTACT, /* watched pairs * 2 */
+  SD_PER_MEAN,          /* free disks whose means are taken: all or none */
+  SD_PER_MEAN_BIN,      /* the same * SD_MEAN_BINS, row by row */
   SD_EXTENTS
 } sd_extent;
 
 /* Bins of the angle record: when they are full, neighbours are merged and the bin length doubles. */
 enum { SD_BINS = 4096 };
+/* Of each disk of a packing, likewise. */
+enum { SD_MEAN_BINS = 128 };
+
+/* What a free disk takes part in. Waiting and removed ones stand still and touch nothing. */
+enum { SD_IN_PLAY = 0, SD_WAITING = 1, SD_REMOVED = 2, SD_OUTSIDE = 3 /* in play, beyond the bounds */ };
 
 /* What a contact does: open, stuck, or sliding with positive or negative torque on the watched disk. */
 enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };
 
 typedef struct sd_state {
   /* per run */
-  int64_t step;        /* completed since the start */
-  int64_t phase;       /* index of the running phase; n_phases when finished */
-  int64_t phase_step;  /* completed in this phase */
-  double work_driven;  /* by prescribed bodies and coordinates on the rest, since step 0 */
-  double energy_start; /* kinetic + elastic + external at step 0 */
-  int64_t measured;    /* steps measured so far */
-  int64_t bin_steps;   /* steps per bin of the angle record */
-  int64_t bins;        /* full bins in the angle record */
+  int64_t step;                      /* completed since the start */
+  int64_t phase;                     /* index of the running phase; n_phases when finished */
+  int64_t phase_step;                /* completed in this phase */
+  double work_driven;                /* by prescribed bodies and coordinates on the rest, since step 0 */
+  double energy_start;               /* kinetic + elastic + external at step 0 */
+  int64_t measured;                  /* steps measured so far */
+  int64_t bin_steps;                 /* steps per bin of the angle record */
+  int64_t bins;                      /* full bins in the angle record */
+  double box_scale;                  /* lengths of the region over those of the model; 1 unless compressed */
+  double relaxed;                    /* energy taken out by the relaxer since step 0 */
+  int64_t released;                  /* disks that rain has let go */
+  int64_t outside;                   /* disks that left the bounds */
+  int64_t mean_looks;                /* looks at the contacts for the means */
+  int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
 
   /* extents */
   size_t n_free, n_disks, n_bodies;
   size_t n_contacts, contact_capacity;
-  size_t n_motions, n_rotations, n_slides;
+  size_t n_motions, n_rotations, n_slides, n_means;
 
   /* per body */
   uint32_t *id; /* body number of model.h */
@@ -70,6 +83,7 @@ typedef struct sd_state {
   double *gain_variant;  /* put in by the paper's tangential force, which is not that of a potential */
 
   /* per free disk: Nordsieck column k is dt^k/k! times the k-th derivative */
+  int32_t *activity; /* SD_IN_PLAY ... */
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
@@ -88,7 +102,8 @@ typedef struct sd_state {
 
   /* per motion */
   int64_t *motion_start;                                 /* step at which it was switched on, -1: off */
-  double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw */
+  double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw;
+                                                            load, servo: displacement, velocity, acceleration */
 
   /* statistics of the measured phases */
   double *rotation_start;  /* angle when measuring began */
@@ -99,6 +114,18 @@ typedef struct sd_state {
   double *slide_force_min; /* smallest normal force, 0 when the contact opened */
   int64_t *slide_openings; /* times the contact opened */
   int32_t *slide_was_open; /* at the last step */
+
+  /* means of the free disks, by slot; sums over looks unless said otherwise */
+  double *mean_angle, *mean_last, *mean_stop;          /* angles as rotation_start, _last, _stop */
+  double *mean_bin;                                    /* angle turned in each full bin */
+  double *mean_x0, *mean_y0;                           /* absolute position when measuring began */
+  double *mean_x, *mean_y, *mean_xx, *mean_yy;         /* displacement from there, and its squares */
+  double *mean_contacts, *mean_sliding;                /* closed contacts, and those that slide */
+  double *mean_force;                                  /* normal forces */
+  double *mean_injected;                               /* power of prescribed bodies on this disk */
+  double *mean_kinetic, *mean_spin;                    /* kinetic energies of translation and rotation */
+  double *mean_viscous, *mean_friction, *mean_opening; /* losses in measured steps */
+  int64_t *mean_openings;                              /* contacts that opened in measured steps */
 } sd_state;
 
 typedef struct sd_field {

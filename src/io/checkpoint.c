@@ -9,7 +9,7 @@
 #include "io/file.h"
 
 /* Raised when what a column means changes; readers refuse other numbers. */
-enum { FORMAT = 1 };
+enum { FORMAT = 2 };
 
 static const struct extent {
   const char *name;
@@ -18,6 +18,7 @@ static const struct extent {
     {"n_disks", offsetof(sd_state, n_disks)},         {"n_bodies", offsetof(sd_state, n_bodies)},
     {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
     {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
+    {"n_means", offsetof(sd_state, n_means)},
 };
 enum { EXTENTS = sizeof extents / sizeof *extents };
 

@@ -49,8 +49,8 @@ static void read_box(deck *d) {
       deck_fail_key(d, g.node, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
     if (!given) continue;
     if (!(edge[1] > edge[0])) deck_fail_key(d, g.node, key, "expected (lower, upper) with lower < upper");
-    m->lower[c] = edge[0];
-    m->upper[c] = edge[1];
+    m->lower[c] = m->region_lower[c] = edge[0];
+    m->upper[c] = m->region_upper[c] = edge[1];
   }
 }
 
@@ -66,8 +66,12 @@ static void read_all(deck *d, bool point) {
   read_gravity(d);
   read_box(d);
   deck_read_materials(d);
+  deck_read_container(d);
   deck_read_disks(d);
+  deck_read_packings(d);
   deck_read_walls(d);
+  deck_container_walls(d);
+  deck_read_bounds(d);
   deck_read_forces(d);
   deck_read_locks(d);
   deck_read_motions(d);

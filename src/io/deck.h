@@ -173,6 +173,10 @@ const char *deck_value_text(deck *d, const deck_node *node);
 void deck_read_materials(deck *d);
 void deck_check_laws(deck *d); /* call when motions are read */
 void deck_read_disks(deck *d);
+void deck_read_container(deck *d);  /* its region and box, and the disks of its floor; call before disks */
+void deck_container_walls(deck *d); /* call when walls are read */
+void deck_read_packings(deck *d);   /* call when disks are read */
+void deck_read_bounds(deck *d);
 void deck_echo_files(deck *d); /* short disk files turn into rows of the echoed deck */
 void deck_read_walls(deck *d);
 void deck_read_forces(deck *d);

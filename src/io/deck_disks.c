@@ -198,9 +198,9 @@ void deck_read_disks(deck *d) {
   d->file_tables = deck_alloc(d, list ? list->n : 0, sizeof(deck_columns));
   for (size_t k = 0; list && k < list->n; k++)
     d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
-  if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files"))
+  if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files") && !deck_child(d->root, "packings"))
     deck_fail_key(d, d->root, "disks",
-                  "missing: expected at least one disk, in disks, disk_rows or disk_files");
+                  "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
   deck_index_names(d);
 }
 

@@ -37,9 +37,12 @@ static const deck_key top_keys[] = {
     {"box", GROUP, "-", NULL, "periodic directions"},
     {"materials", GROUPS, "required", NULL, "contact law of each material with itself"},
     {"material_pairs", GROUPS, "-", NULL, "contact law between two different materials"},
+    {"container", GROUP, "-", NULL, "a box, a bed, a hopper or a drum, made of walls"},
     {"disks", GROUPS, "-", NULL, "disks, one by one"},
     {"disk_rows", GROUPS, "-", NULL, "disks, a row each"},
     {"disk_files", GROUPS, "-", NULL, "disks, from files"},
+    {"packings", GROUPS, "-", NULL, "disks, placed by a generator"},
+    {"bounds", GROUP, "-", NULL, "where the disks belong; what leaves is reported"},
     {"forces", GROUPS, "-", NULL, "constant forces and torques"},
     {"locks", GROUPS, "-", NULL, "coordinates that never change"},
     {"walls", GROUPS, "-", NULL, "walls"},
@@ -65,6 +68,7 @@ static const deck_key box_keys[] = {
      "[lower, upper] edge; required when periodic in y"},
     {"periodic", CHOICE, "\"none\"", "none x y xy",
      "directions in which the box repeats; its edges are no walls"},
+    {"file", TEXT, "-", NULL, "result of a run whose last frame gives the edges that are not given here"},
 };
 TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
 
@@ -125,10 +129,13 @@ TABLE(deck_disk_rows, "disk_rows", false,
 
 static const deck_key file_keys[] = {
     {"file", TEXT, "required", NULL, "file, seen from the deck's folder"},
-    {"format", CHOICE, "(by the file's name)", "csv hdf5", "CSV with a line of names at the top, or HDF5"},
+    {"format", CHOICE, "(by the file's name)", "csv hdf5 lammps",
+     "CSV with a line of names at the top, HDF5, or a LAMMPS data file"},
     {"dataset", TEXT, "-", NULL, "HDF5: the dataset"},
     {"columns", NAMES, "(all of a CSV file; x, y, radius of HDF5)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
+    {"contacts", BOOL, "false", NULL,
+     "result of a run: take its contacts over too, so that the packing stays exactly as it was"},
     DISK("-")};
 TABLE(deck_disk_files, "disk_files", false,
       "Many disks from a file; keys of `disks` that are not columns hold for all rows.", file_keys);
@@ -172,6 +179,119 @@ const deck_shape deck_wall_kinds[] = {
 };
 const size_t deck_wall_kind_count = COUNT(deck_wall_kinds);
 
+static const deck_key container_keys[] = {
+    {"type", CHOICE, "required", "box channel bed hopper drum periodic", "kind of container, see below"},
+    {"width", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner width"},
+    {"height", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner height"},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "drum: its own; bed: of the disks of the floor"},
+    {"spacing", NUMBER(DECK_POSITIVE, "length"), "(twice the radius)", NULL,
+     "bed: distance of the disks of the floor, fitted to the width"},
+    {"outlet", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "hopper: width of its opening"},
+    {"angle", ANGLE("rad"), "-", NULL, "hopper: inclination of its lower walls, 0: a flat bottom"},
+    {"origin", DECK_KEY_NUMBERS, DECK_ANY, "length", "(0.0, 0.0)", NULL,
+     "middle of the floor or of the outlet; centre of a drum; lower left corner of a periodic box"},
+    {"open", BOOL, "true", NULL, "box: without a lid"},
+    {"material", TEXT, "(the only one)", NULL, "name of the material of its walls"},
+};
+TABLE(
+    deck_container, "container", true,
+    "Walls that hold the disks, with names that motions can use; the region that packings fill and in which "
+    "disks belong.",
+    container_keys);
+
+const deck_shape deck_container_kinds[] = {
+    {"box", SD_CONTAINER_BOX, "width* height* open",
+     "walls `floor`, `left`, `right`, and `lid` unless open; straight lines"},
+    {"channel", SD_CONTAINER_CHANNEL, "width* height*", "periodic in x over a flat wall `floor`"},
+    {"bed", SD_CONTAINER_BED, "width* height* radius* spacing",
+     "periodic in x over fixed disks, group `floor`"},
+    {"hopper", SD_CONTAINER_HOPPER, "width* height* outlet* angle*",
+     "walls `left` and `right`, inclined towards the outlet at the origin"},
+    {"drum", SD_CONTAINER_DRUM, "radius*", "round wall `drum`, disks inside"},
+    {"periodic", SD_CONTAINER_PERIODIC, "width* height*", "periodic in x and y, no walls"},
+};
+const size_t deck_container_kind_count = COUNT(deck_container_kinds);
+
+static const deck_key packing_keys[] = {
+    {"type", CHOICE, "required", "triangular square random front rain", "generator, see below"},
+    {"count", INTEGER(DECK_AT_LEAST_1, "disks"), "-", NULL, "number of disks"},
+    {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "area of the disks over that of the region"},
+    {"x", DECK_KEY_NUMBERS, DECK_ANY, "length", "(of the container)", NULL,
+     "[lower, upper] edge of the region"},
+    {"y", DECK_KEY_NUMBERS, DECK_ANY, "length", "(of the container)", NULL,
+     "[lower, upper] edge of the region"},
+    {"spacing", NUMBER(DECK_POSITIVE, "length"), "(largest diameter)", NULL,
+     "lattices: distance of neighbouring sites"},
+    {"jitter", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
+     "lattices: largest random displacement over the room that a disk has; 1: they may touch"},
+    {"rows", INTEGER(DECK_AT_LEAST_1, "-"), "4", NULL, "rain: rows of disks in a batch"},
+    {"interval", NUMBER(DECK_POSITIVE, "time"), "(the fall through a batch's height)", NULL,
+     "rain: time between batches"},
+    {"gap", NUMBER(DECK_NOT_NEGATIVE, "length"), "(largest radius)", NULL,
+     "rain: from the highest disk so far to a new batch"},
+    {"speed", NUMBER(DECK_NOT_NEGATIVE, "length/time"), "0.0", NULL,
+     "rain: with which they set out downwards"},
+    {"sizes", CHOICE, "\"mono\"", "mono list uniform gaussian lognormal powerlaw",
+     "distribution of the radii, see below"},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "radius; gaussian: mean; lognormal: median"},
+    {"radii", DECK_KEY_NUMBERS, DECK_POSITIVE, "length", "-", NULL, "list: the radii"},
+    {"weights", DECK_KEY_NUMBERS, DECK_NOT_NEGATIVE, "-", "(all equal)", NULL,
+     "list: how frequent each radius is"},
+    {"deviation", NUMBER(DECK_POSITIVE, "length or -"), "-", NULL,
+     "gaussian: standard deviation; lognormal: that of ln(radius)"},
+    {"lower", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "smallest radius"},
+    {"upper", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "largest radius"},
+    {"exponent", NUMBER(DECK_ANY, "-"), "-", NULL, "powerlaw: a in p(R) ~ R^-a"},
+    {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL, "mass per area; either this or mass"},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass of every disk"},
+    {"material", TEXT, "(the only one)", NULL,
+     "name of the material; may be left out when there is one only"},
+    {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},
+};
+TABLE(deck_packings, "packings", false,
+      "Disks that a generator places; random numbers follow from the deck's seed and the packing's place in "
+      "the "
+      "deck.",
+      packing_keys);
+
+const deck_shape deck_packing_kinds[] = {
+    {"triangular", SD_PACKING_TRIANGULAR, "count spacing jitter",
+     "triangular lattice, from below; fills the region unless count is given"},
+    {"square", SD_PACKING_SQUARE, "count spacing jitter", "square lattice, likewise"},
+    {"random", SD_PACKING_RANDOM, "count/fraction*",
+     "at random, without overlap; up to a fraction of about 0.5"},
+    {"front", SD_PACKING_FRONT, "count",
+     "advancing front: each disk touches two, dense and without overlap; fills the region unless count is "
+     "given"},
+    {"rain", SD_PACKING_RAIN, "count* rows interval gap speed",
+     "disks wait and fall in batches from just above those that are there"},
+};
+const size_t deck_packing_kind_count = COUNT(deck_packing_kinds);
+
+const deck_shape deck_size_kinds[] = {
+    {"mono", SD_SIZES_MONO, "radius*", "all equal"},
+    {"list", SD_SIZES_LIST, "radii* weights",
+     "some radii, each as often as its weight says, in random order"},
+    {"uniform", SD_SIZES_UNIFORM, "lower* upper*", "evenly between two radii"},
+    {"gaussian", SD_SIZES_GAUSSIAN, "radius* deviation* lower upper",
+     "normal distribution, cut at lower and upper (3 deviations unless given)"},
+    {"lognormal", SD_SIZES_LOGNORMAL, "radius* deviation* lower upper",
+     "normal distribution of ln R, cut likewise"},
+    {"powerlaw", SD_SIZES_POWERLAW, "exponent* lower* upper*", "p(R) ~ R^-exponent between two radii"},
+};
+const size_t deck_size_kind_count = COUNT(deck_size_kinds);
+
+static const deck_key bounds_keys[] = {
+    {"x", DECK_KEY_NUMBERS, DECK_ANY, "length", "(of the container, else far out)", NULL,
+     "[lower, upper] limit of the centres"},
+    {"y", DECK_KEY_NUMBERS, DECK_ANY, "length", "(of the container, else far out)", NULL,
+     "[lower, upper] limit of the centres"},
+    {"outside", CHOICE, "\"report\"", "report stop remove",
+     "a disk that leaves: tell and go on, end the run, or tell and take it out"},
+};
+TABLE(deck_bounds, "bounds", true,
+      "Where the disks belong. Disks that leave are counted, and named with place and step.", bounds_keys);
+
 static const deck_key motion_keys[] = {
     {"name", TEXT, "-", NULL, "name by which phases refer to it"},
     {"disk", BODIES, "-", NULL, "disks, by name or number"},
@@ -179,9 +299,11 @@ static const deck_key motion_keys[] = {
     {"wall", BODIES, "-", NULL, "walls, by name or number"},
     {"coordinate", COORDINATES, "required", NULL,
      "what moves; theta of a group turns each disk about its own centre"},
-    {"type", CHOICE, "required", "fixed velocity harmonic parabolic random table",
+    {"type", CHOICE, "required", "fixed velocity harmonic parabolic random table load servo",
      "kind of motion, see below"},
     {"amplitude", ANGLE("length or rad"), "-", NULL, "amplitude; random: rms displacement"},
+    {"acceleration", NUMBER(DECK_POSITIVE, "g"), "-", NULL,
+     "in place of amplitude: peak acceleration in units of g; random: omega^2 times the rms displacement"},
     {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL, "cycles per time; either this or omega"},
     {"omega", ANGLE("rad/time"), "-", NULL, "angular frequency, > 0"},
     {"phase", ANGLE("rad"), "0.0", NULL, "phase phi in sin(w t + phi)"},
@@ -197,6 +319,13 @@ static const deck_key motion_keys[] = {
     {"values", DECK_KEY_NUMBERS, DECK_ANY, "length or rad", "-", NULL, "table: displacements at these times"},
     {"factor", NUMBER(DECK_ANY, "-"), "1.0", NULL, "table: the values are multiplied by this"},
     {"periodic", BOOL, "false", NULL, "table: repeat it; the last value must equal the first"},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "load: mass of the wall, which gravity pulls too"},
+    {"force", NUMBER(DECK_ANY, "force"), "-", NULL,
+     "load: along the coordinate, besides its weight; servo: that the disks shall feel from the wall"},
+    {"pressure", NUMBER(DECK_ANY, "force/length"), "-", NULL, "servo: force over the length of the wall"},
+    {"length", NUMBER(DECK_POSITIVE, "length"), "(of the segment, or of the container)", NULL,
+     "servo: length of the wall that the pressure acts on"},
+    {"speed", NUMBER(DECK_POSITIVE, "length/time"), "-", NULL, "servo: largest speed"},
 };
 TABLE(deck_motions, "motions", false,
       "A prescribed displacement u(t), added to one or more coordinates of each body it names. Several "
@@ -207,14 +336,18 @@ TABLE(deck_motions, "motions", false,
 const deck_shape deck_motion_kinds[] = {
     {"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
     {"velocity", SD_MOTION_VELOCITY, "velocity* ramp", "u = v t"},
-    {"harmonic", SD_MOTION_HARMONIC, "amplitude* frequency/omega* phase ramp",
+    {"harmonic", SD_MOTION_HARMONIC, "amplitude/acceleration* frequency/omega* phase ramp",
      "u = A sin(w t + phi) (eq. 20)"},
-    {"parabolic", SD_MOTION_PARABOLIC, "amplitude* frequency/omega* phase ramp",
+    {"parabolic", SD_MOTION_PARABOLIC, "amplitude/acceleration* frequency/omega* phase ramp",
      "the same, each half wave replaced by a parabola (eq. 21)"},
-    {"random", SD_MOTION_RANDOM, "amplitude* frequency/omega* damping interval independent ramp",
+    {"random", SD_MOTION_RANDOM, "amplitude/acceleration* frequency/omega* damping interval independent ramp",
      "u'' + 2 c w u' + w^2 u = white noise, of rms displacement A (eq. 52)"},
     {"table", SD_MOTION_TABLE, "file/times* columns values factor periodic ramp",
      "natural cubic spline through a table"},
+    {"load", SD_MOTION_LOAD, "mass* force",
+     "wall, x or y: moves freely along the coordinate, under its weight, a force and the disks"},
+    {"servo", SD_MOTION_SERVO, "force/pressure* speed* length",
+     "wall, x or y: moves so that the disks feel a given force from it"},
 };
 const size_t deck_motion_kind_count = COUNT(deck_motion_kinds);
 
@@ -232,8 +365,36 @@ static const deck_key phase_keys[] = {
     {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "length as a time, rounded to whole steps"},
     {"motions", BODIES, "(all)", NULL, "motions that are on, by name or number; () for none"},
     {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered"},
+    {"settle", GROUP, "-", NULL, "criterion at which the phase ends before its length"},
+    {"relax", BOOL, "false", NULL, "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)"},
+    {"compress", GROUP, "-", NULL, "shrink the periodic box, or the container, with all that is in it"},
     CADENCE("(as in output)", "(as in output)", "(as in output)")};
 TABLE(deck_phases, "phases", false, "A part of the run.", phase_keys);
+
+static const deck_key settle_keys[] = {
+    {"kinetic", NUMBER(DECK_POSITIVE, "energy"), "-", NULL, "kinetic energy per free disk at most this"},
+    {"unbalanced", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "mean resultant force on a disk over mean contact force at most this"},
+    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1000", NULL, "steps from one look to the next"},
+};
+TABLE(deck_settle, "phases.settle", true,
+      "The phase ends at the first look at which all that is given here holds; its length is the most it may "
+      "take.",
+      settle_keys);
+
+static const deck_key compress_keys[] = {
+    {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL, "to be reached; either this or fraction"},
+    {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "packing fraction to be reached"},
+    {"rate", NUMBER(DECK_POSITIVE, "1/time"), "required", NULL,
+     "largest relative change of the lengths per time"},
+    {"tolerance", NUMBER(DECK_POSITIVE, "-"), "1e-3", NULL,
+     "relative distance from the target that is near enough"},
+};
+TABLE(deck_compress, "phases.compress", true,
+      "Lengths of the box or container and all positions change by the same factor. With `settle` the phase "
+      "ends "
+      "when the target is reached, too.",
+      compress_keys);
 
 static const deck_key output_keys[] = {CADENCE("(a thousandth of each phase)", "0", "0")};
 TABLE(deck_output, "output", true, "How often results are stored, where a phase does not say otherwise.",
@@ -243,6 +404,9 @@ static const deck_key measure_keys[] = {
     {"rotation", BODIES, "(all free disks when at most 16, else none)", NULL,
      "disks whose mean angular velocity is measured; () for none"},
     {"sliding", GROUPS, "-", NULL, "pairs of contacts whose sliding configurations are counted"},
+    {"disks", BOOL, "false", NULL,
+     "means of every free disk, and of all: rotation, position, contacts, powers"},
+    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "disks: steps between looks at the contacts"},
 };
 TABLE(deck_measure, "measure", true, "What is measured, in the phases that measure.", measure_keys);
 
@@ -290,10 +454,10 @@ static const deck_key sweep_parameter_keys[] = {
 TABLE(deck_sweep_parameters, "sweep.parameters", false, "A parameter and its values.", sweep_parameter_keys);
 
 const deck_table *const deck_tables[] = {
-    &deck_top,     &deck_gravity,   &deck_box,        &deck_materials,        &deck_pairs,
-    &deck_disks,   &deck_disk_rows, &deck_disk_files, &deck_forces,           &deck_locks,
-    &deck_walls,   &deck_motions,   &deck_phases,     &deck_output,           &deck_measure,
-    &deck_sliding, &deck_until,     &deck_sweeps,     &deck_sweep_parameters,
+    &deck_top,    &deck_gravity,   &deck_box,        &deck_materials, &deck_pairs,  &deck_container,
+    &deck_disks,  &deck_disk_rows, &deck_disk_files, &deck_packings,  &deck_bounds, &deck_forces,
+    &deck_locks,  &deck_walls,     &deck_motions,    &deck_phases,    &deck_settle, &deck_compress,
+    &deck_output, &deck_measure,   &deck_sliding,    &deck_until,     &deck_sweeps, &deck_sweep_parameters,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 
@@ -389,5 +553,11 @@ void deck_keys_print(FILE *out) {
     fprintf(out, "\n");
     if (table == &deck_walls) print_shapes(out, "wall type", deck_wall_kinds, deck_wall_kind_count);
     if (table == &deck_motions) print_shapes(out, "motion type", deck_motion_kinds, deck_motion_kind_count);
+    if (table == &deck_container)
+      print_shapes(out, "container type", deck_container_kinds, deck_container_kind_count);
+    if (table == &deck_packings) {
+      print_shapes(out, "packing type", deck_packing_kinds, deck_packing_kind_count);
+      print_shapes(out, "sizes", deck_size_kinds, deck_size_kind_count);
+    }
   }
 }

@@ -58,13 +58,14 @@ typedef struct deck_table {
   const deck_key *key;
 } deck_table;
 
-extern const deck_table deck_top, deck_gravity, deck_box, deck_materials, deck_pairs, deck_disks,
-    deck_disk_rows, deck_disk_files, deck_forces, deck_locks, deck_walls, deck_motions, deck_phases,
-    deck_output, deck_measure, deck_sliding, deck_until, deck_sweeps, deck_sweep_parameters;
+extern const deck_table deck_top, deck_gravity, deck_box, deck_materials, deck_pairs, deck_container,
+    deck_disks, deck_disk_rows, deck_disk_files, deck_packings, deck_bounds, deck_forces, deck_locks,
+    deck_walls, deck_motions, deck_phases, deck_settle, deck_compress, deck_output, deck_measure,
+    deck_sliding, deck_until, deck_sweeps, deck_sweep_parameters;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
 
-/* What each kind of motion and wall reads besides the keys that all of them have. A key with a star must be
+/* What each kind of motion, wall, container, packing and size distribution reads besides the keys that all of them have. A key with a star must be
  * given; keys joined with / are alternatives, of which exactly one (with a star) must be given. */
 typedef struct deck_shape {
   const char *name;
@@ -78,6 +79,8 @@ extern const deck_shape deck_motion_kinds[];
 extern const size_t deck_motion_kind_count;
 extern const deck_shape deck_wall_kinds[];
 extern const size_t deck_wall_kind_count;
+extern const deck_shape deck_container_kinds[], deck_packing_kinds[], deck_size_kinds[];
+extern const size_t deck_container_kind_count, deck_packing_kind_count, deck_size_kind_count;
 
 const deck_key *deck_key_find(const deck_table *table, const char *name);
 const char *deck_kind_text(deck_kind kind);

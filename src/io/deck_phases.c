@@ -95,6 +95,39 @@ static void read_cadence(deck_group *g, deck_group *output, const char *key, int
   *every = deck_integer(g, key);
 }
 
+/* --- settling, relaxing, compressing -------------------------------------------------------------------------- */
+
+static void read_settle(deck_group *g, sd_settle *settle) {
+  deck *d = g->d;
+  deck_node *node = deck_get(g, "settle");
+  deck_group s;
+  if (!node || !deck_enter(d, node, &deck_settle, &s)) return;
+  settle->asked = true;
+  bool kinetic = deck_given(&s, "kinetic"), unbalanced = deck_given(&s, "unbalanced");
+  if (kinetic) settle->kinetic = deck_number(&s, "kinetic");
+  if (unbalanced) settle->unbalanced = deck_number(&s, "unbalanced");
+  if (!kinetic && !unbalanced)
+    deck_fail(d, node, "it has no criterion; expected kinetic, unbalanced or both");
+  settle->every = deck_integer(&s, "every");
+}
+
+static void read_compress(deck_group *g, sd_compress *compress) {
+  deck *d = g->d;
+  deck_node *node = deck_get(g, "compress");
+  deck_group c;
+  if (!node || !deck_enter(d, node, &deck_compress, &c)) return;
+  compress->asked = true;
+  bool pressure = deck_given(&c, "pressure"), fraction = deck_given(&c, "fraction");
+  if (pressure == fraction) deck_fail(d, node, "expected one target, either pressure or fraction");
+  if (pressure) compress->pressure = deck_number(&c, "pressure");
+  if (fraction) compress->fraction = deck_number(&c, "fraction");
+  compress->rate = deck_number(&c, "rate");
+  compress->tolerance = deck_number(&c, "tolerance");
+  if (d->model->region_upper[0] <= d->model->region_lower[0] ||
+      d->model->region_upper[1] <= d->model->region_lower[1])
+    deck_fail(d, node, "there is nothing to compress; expected a container, or a box with edges x and y");
+}
+
 static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool last) {
   deck *d = g->d;
   phase->name = deck_keep_text(d, deck_text_of(g, "name"));
@@ -106,6 +139,9 @@ static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool 
   read_cadence(g, output, "series", thousandth, &phase->series_every);
   read_cadence(g, output, "frames", 0, &phase->frames_every);
   read_cadence(g, output, "contacts", 0, &phase->contacts_every);
+  read_settle(g, &phase->settle);
+  phase->relax = deck_bool(g, "relax");
+  read_compress(g, &phase->compress);
 }
 
 void deck_read_phases(deck *d) {
@@ -206,6 +242,8 @@ void deck_read_measure(deck *d) {
   deck_group g;
   if (!deck_enter_one(d, d->root, "measure", &deck_measure, &g)) return;
   read_rotation(&g);
+  d->model->measure_disks = deck_bool(&g, "disks");
+  d->model->measure_every = deck_integer(&g, "every");
   deck_node *list = deck_groups(d, g.node, "sliding");
   for (size_t k = 0; list && k < list->n; k++) read_sliding(d, list->child[k]);
 }

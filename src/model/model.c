@@ -12,6 +12,7 @@ sd_model *sd_model_new(void) {
   m->integrator = SD_GEAR5;
   m->variant = SD_PAPER;
   m->max_overlap = 0.5;
+  m->measure_every = 1;
   m->checkpoint_seconds = 60.0;
   return m;
 }
@@ -43,6 +44,8 @@ void sd_model_free(sd_model *m) {
   free(m->walls);
   free(m->motions);
   free(m->phases);
+  free(m->rains);
+  free(m->memories);
   free(m->rotations);
   free(m->slides);
   free(m->segments);

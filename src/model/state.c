@@ -16,6 +16,13 @@ const sd_field sd_fields[] = {
     COLUMN(measured, SD_I64, SD_PER_RUN, "1", "steps measured"),
     COLUMN(bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the angle record"),
     COLUMN(bins, SD_I64, SD_PER_RUN, "1", "full bins of the angle record"),
+    COLUMN(box_scale, SD_F64, SD_PER_RUN, "1", "lengths of the region over those of the deck"),
+    COLUMN(relaxed, SD_F64, SD_PER_RUN, "energy", "taken out by the relaxer"),
+    COLUMN(released, SD_I64, SD_PER_RUN, "1", "disks that rain has let go"),
+    COLUMN(outside, SD_I64, SD_PER_RUN, "1", "disks that left the bounds"),
+    COLUMN(mean_looks, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),
+    COLUMN(mean_bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the disks' angle records"),
+    COLUMN(mean_bins, SD_I64, SD_PER_RUN, "1", "full bins of the disks' angle records"),
 
     COLUMN(id, SD_U32, SD_PER_BODY, "1", "body number: disks as in the deck, then walls"),
     COLUMN(x, SD_F64, SD_PER_BODY, "length", "x of the centre or pivot, in the box"),
@@ -43,6 +50,7 @@ const sd_field sd_fields[] = {
     COLUMN(loss_opening, SD_F64, SD_PER_BODY, "energy", "left in this body's contacts when they opened"),
     COLUMN(gain_variant, SD_F64, SD_PER_BODY, "energy", "put in by the paper's tangential force"),
 
+    COLUMN(activity, SD_I32, SD_PER_FREE, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
     COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
     COLUMN(y2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of y"),
     COLUMN(theta2, SD_F64, SD_PER_FREE, "rad", "dt^2/2 times the 2nd derivative of the angle"),
@@ -71,9 +79,12 @@ const sd_field sd_fields[] = {
     COLUMN(contact_slide, SD_I32, SD_PER_CONTACT, "1", "0 stuck, +1/-1 sliding with that sign of torque"),
 
     COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
-    COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad", "random motion: displacement at the last draw"),
-    COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the last draw"),
-    COLUMN(motion_u1, SD_F64, SD_PER_MOTION, "length or rad", "random motion: displacement at the next draw"),
+    COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad",
+           "random motion: displacement at the last draw; load, servo: displacement"),
+    COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time",
+           "random motion: velocity at the last draw; load, servo: velocity"),
+    COLUMN(motion_u1, SD_F64, SD_PER_MOTION, "length or rad",
+           "random motion: displacement at the next draw; load: acceleration"),
     COLUMN(motion_v1, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the next draw"),
 
     COLUMN(rotation_start, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring began"),
@@ -84,6 +95,27 @@ const sd_field sd_fields[] = {
     COLUMN(slide_force_min, SD_F64, SD_PER_SLIDE_CONTACT, "force", "smallest normal force"),
     COLUMN(slide_openings, SD_I64, SD_PER_SLIDE_CONTACT, "1", "times the contact opened"),
     COLUMN(slide_was_open, SD_I32, SD_PER_SLIDE_CONTACT, "1", "contact was open at the last step"),
+
+    COLUMN(mean_angle, SD_F64, SD_PER_MEAN, "rad", "angle when measuring began"),
+    COLUMN(mean_last, SD_F64, SD_PER_MEAN, "rad", "angle at the end of the last full bin"),
+    COLUMN(mean_stop, SD_F64, SD_PER_MEAN, "rad", "angle when measuring last stopped"),
+    COLUMN(mean_bin, SD_F64, SD_PER_MEAN_BIN, "rad", "angle turned in each full bin"),
+    COLUMN(mean_x0, SD_F64, SD_PER_MEAN, "length", "absolute x when measuring began"),
+    COLUMN(mean_y0, SD_F64, SD_PER_MEAN, "length", "absolute y when measuring began"),
+    COLUMN(mean_x, SD_F64, SD_PER_MEAN, "length", "sum of displacements along x"),
+    COLUMN(mean_y, SD_F64, SD_PER_MEAN, "length", "sum of displacements along y"),
+    COLUMN(mean_xx, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along x"),
+    COLUMN(mean_yy, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along y"),
+    COLUMN(mean_contacts, SD_F64, SD_PER_MEAN, "1", "sum of closed contacts"),
+    COLUMN(mean_sliding, SD_F64, SD_PER_MEAN, "1", "sum of sliding contacts"),
+    COLUMN(mean_force, SD_F64, SD_PER_MEAN, "force", "sum of normal forces"),
+    COLUMN(mean_injected, SD_F64, SD_PER_MEAN, "power", "sum of the power of prescribed bodies"),
+    COLUMN(mean_kinetic, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of translation"),
+    COLUMN(mean_spin, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of rotation"),
+    COLUMN(mean_viscous, SD_F64, SD_PER_MEAN, "energy", "lost to viscosity in measured steps"),
+    COLUMN(mean_friction, SD_F64, SD_PER_MEAN, "energy", "lost to sliding in measured steps"),
+    COLUMN(mean_opening, SD_F64, SD_PER_MEAN, "energy", "left in contacts that opened in measured steps"),
+    COLUMN(mean_openings, SD_I64, SD_PER_MEAN, "1", "contacts that opened in measured steps"),
 };
 
 const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
@@ -105,6 +137,8 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_SLIDE: return s->n_slides;
     case SD_PER_SLIDE_COUNT: return s->n_slides * 16;
     case SD_PER_SLIDE_CONTACT: return s->n_slides * 2;
+    case SD_PER_MEAN: return s->n_means;
+    case SD_PER_MEAN_BIN: return s->n_means * SD_MEAN_BINS;
     case SD_EXTENTS: break;
   }
   return 0;
@@ -136,7 +170,9 @@ sd_state *sd_state_new(const sd_model *m) {
   s->n_motions = m->n_motions;
   s->n_rotations = m->n_rotations;
   s->n_slides = m->n_slides;
-  s->bin_steps = 1;
+  s->n_means = m->measure_disks ? m->n_free : 0;
+  s->bin_steps = s->mean_bin_steps = 1;
+  s->box_scale = 1.0;
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     if (f->extent == SD_PER_RUN || f->extent == SD_PER_CONTACT) continue;

@@ -136,6 +136,8 @@ static const motion_kind motion_kinds[SD_MOTION_KINDS] = {
     [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic},
     [SD_MOTION_RANDOM] = {"random", fill_random},
     [SD_MOTION_TABLE] = {"table", fill_table},
+    [SD_MOTION_LOAD] = {"load", fill_velocity},
+    [SD_MOTION_SERVO] = {"servo", fill_velocity},
 };
 
 /* Fades in: u r(t), r = 6 s^5 - 15 s^4 + 10 s^3, s = t/ramp; the velocity follows. */

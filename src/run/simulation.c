@@ -8,7 +8,12 @@
 #endif
 
 #include "base/subnormal.h"
+#include "measure/disks.h"
 #include "measure/watch.h"
+#include "pack/compress.h"
+#include "pack/rain.h"
+#include "pack/relax.h"
+#include "pack/settle.h"
 #include "physics/contacts.h"
 #include "physics/energy.h"
 #include "physics/engine.h"
@@ -16,6 +21,7 @@
 #include "physics/kernels.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
+#include "physics/outside.h"
 #include "physics/step.h"
 
 struct sd_simulation {
@@ -38,6 +44,21 @@ static int choose_threads(const sd_model *m, int asked) {
 
 static bool measures(const engine *e) {
   return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
+}
+
+static void measure_begin(engine *e) {
+  watch_begin(e);
+  disks_begin(e);
+}
+
+static void measure_step(engine *e) {
+  watch_step(e);
+  disks_step(e);
+}
+
+static void measure_end(engine *e) {
+  watch_end(e);
+  disks_end(e);
 }
 
 /* state->phase is new: switch motions, start measuring. */
@@ -66,7 +87,7 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
   engine *e = &(*out)->engine;
   status = begin_phase(e, messages);
   if (status == SD_OK) status = engine_start(e, messages);
-  if (status == SD_OK && measures(e)) watch_begin(e);
+  if (status == SD_OK && measures(e)) measure_begin(e);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
 
@@ -94,12 +115,14 @@ void sd_simulation_free(sd_simulation *sim) {
 
 /* One member's share of n steps within a phase. */
 static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
+  const bool relax = e->model->phases[e->state->phase].relax;
   for (int64_t k = 0; k < n; k++) {
     step_once(e, t);
     team_wait(t);
     if (e->work.status != SD_OK) return;
-    if (t->rank == 0 && measure) watch_step(e);
-    if (measure) team_wait(t);
+    if (t->rank == 0 && relax) relax_step(e);
+    if (t->rank == 0 && measure) measure_step(e);
+    if (measure || relax) team_wait(t);
   }
 }
 
@@ -112,7 +135,7 @@ static void load_few(engine *e) {
 static void advance_few(engine *e, int64_t n, bool measure) {
   const team alone = {0, 1};
   const kernels *k = e->work.kernels;
-  few_measure *each = measure ? watch_step : NULL;
+  few_measure *each = measure ? measure_step : NULL;
   load_few(e);
   if (e->work.status != SD_OK) return;
   for (int64_t done = 0; done < n && e->work.status == SD_OK; done++) {
@@ -157,30 +180,58 @@ static void advance_team(engine *e, int64_t n, bool measure) {
 static sd_status end_phase(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   bool measured = measures(e);
-  if (measured) watch_end(e);
+  if (measured) measure_end(e);
   motion_store(e);
   s->phase++;
   s->phase_step = 0;
   sd_status status = begin_phase(e, messages);
-  if (status == SD_OK && measures(e)) watch_begin(e);
+  if (status == SD_OK && measures(e)) measure_begin(e);
   return status;
 }
 
-static bool may_end_early(const engine *e) {
+/* --- what is done between steps ----------------------------------------------------------------------- */
+
+static const sd_phase *phase_of(const engine *e) { return &e->model->phases[e->state->phase]; }
+
+static bool has_goal(const engine *e) {
   return e->model->until.asked && e->state->phase + 1 == (int64_t)e->model->n_phases;
 }
 
-/* How many steps the running phase has when it ends, or when it is next asked whether it does. */
-static int64_t next_stop(const engine *e) {
-  return may_end_early(e) ? sd_goal_look(e->model, e->state->phase_step)
-                          : e->model->phases[e->state->phase].steps;
+static int64_t nearer(int64_t stop, int64_t step, int64_t every) {
+  int64_t next = (step / every + 1) * every;
+  return next < stop ? next : stop;
 }
 
-/* stop: where next_stop was. */
-static bool phase_is_over(const engine *e, int64_t stop) {
-  const sd_state *s = e->state;
-  if (s->phase_step < stop) return false;
-  return stop == e->model->phases[s->phase].steps || sd_goal_of(e->model, s).reached;
+/* The phase's next step after which the run pauses: it ends, or something is looked at or done. */
+static int64_t next_stop(const engine *e) {
+  const sd_phase *p = phase_of(e);
+  int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
+  if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
+  if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
+  if (e->model->bounds.given) stop = nearer(stop, now, OUTSIDE_EVERY);
+  int64_t batch = rain_next(e, e->state->step);
+  return batch < INT64_MAX && batch - e->state->step + now < stop ? batch - e->state->step + now : stop;
+}
+
+static sd_status between_steps(engine *e, sd_messages *messages) {
+  const sd_phase *p = phase_of(e);
+  int64_t now = e->state->phase_step;
+  sd_status status = SD_OK;
+  if (e->model->bounds.given && now % OUTSIDE_EVERY == 0) status = outside_look(e, messages);
+  if (status == SD_OK && rain_next(e, e->state->step - 1) == e->state->step)
+    status = rain_release(e, messages);
+  if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0) status = compress_step(e, messages);
+  return status;
+}
+
+static bool phase_is_over(const engine *e) {
+  const sd_phase *p = phase_of(e);
+  int64_t now = e->state->phase_step;
+  if (now == p->steps) return true;
+  if (p->settle.asked && now % p->settle.every == 0 && settle_reached(e) &&
+      (!p->compress.asked || compress_done(e)))
+    return true;
+  return has_goal(e) && now == sd_goal_look(e->model, now - 1) && sd_goal_of(e->model, e->state).reached;
 }
 
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
@@ -189,12 +240,14 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
   e->work.messages = messages;
   e->work.status = SD_OK;
   while (n > 0 && s->phase < (int64_t)e->model->n_phases) {
-    int64_t stop = next_stop(e), left = stop - s->phase_step, now = n < left ? n : left, from = s->step;
+    int64_t left = next_stop(e) - s->phase_step, now = n < left ? n : left, from = s->step;
     advance_team(e, now, e->model->phases[s->phase].measure);
     s->phase_step += s->step - from;
     n -= s->step - from;
     if (e->work.status != SD_OK) return e->work.status;
-    if (phase_is_over(e, stop) && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
+    sd_status status = between_steps(e, messages);
+    if (status != SD_OK) return status;
+    if (phase_is_over(e) && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */
   return neighbours_check_finite(e, s->step, messages);
