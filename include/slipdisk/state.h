@@ -58,6 +58,8 @@ typedef struct sd_state {
   int64_t bins;                      /* full bins in the angle record */
   double box_scale;                  /* lengths of the region over those of the model; 1 unless compressed */
   double relaxed;                    /* energy taken out by the relaxer since step 0 */
+  double relax_alpha;                /* how far velocities are steered; set when a phase begins */
+  int64_t relax_steps;               /* steps downhill since they were last stopped */
   int64_t released;                  /* disks that rain has let go */
   int64_t outside;                   /* disks that left the bounds */
   int64_t mean_looks;                /* looks at the contacts for the means */

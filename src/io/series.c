@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "io/file.h"
+#include "pack/compress.h"
 
 #define ENERGY(name, meaning)                                                                                \
   { #name, offsetof(sd_energy, name), meaning }
@@ -17,11 +18,12 @@ const series_energy series_energies[] = {
     ENERGY(elastic_skin, "elastic energy of the skins"),
     ENERGY(external, "potential energy of gravity and constant body forces"),
     ENERGY(start, "sum of the energies above at step 0"),
-    ENERGY(work, "work done by prescribed bodies and coordinates since step 0"),
+    ENERGY(work, "work done by prescribed bodies and coordinates, and by compression, since step 0"),
     ENERGY(variant, "energy put in by the paper's tangential force since step 0"),
     ENERGY(viscous, "energy lost to viscosity since step 0"),
     ENERGY(friction, "energy lost to sliding since step 0"),
     ENERGY(opening, "energy left in contacts that opened since step 0"),
+    ENERGY(relaxed, "energy taken out by the relaxer since step 0"),
     ENERGY(residual, "what the energy budget does not account for"),
     ENERGY(scale, "larger of |work| + losses and kinetic energy, to compare the residual with"),
 };
@@ -31,6 +33,13 @@ double series_energy_value(const sd_energy *energy, size_t k) {
   double value;
   memcpy(&value, (const char *)energy + series_energies[k].offset, sizeof value);
   return value;
+}
+
+/* Only of a region that changes: it needs an area. */
+static bool compresses(const sd_model *m) {
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].compress.asked) return true;
+  return false;
 }
 
 sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
@@ -54,6 +63,12 @@ sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
   if (status == SD_OK)
     status = table_add(t, "/observables/sliding_contacts/value", SD_I64, 0, NULL, "1",
                        "closed contacts that slide", messages);
+  if (status == SD_OK && compresses(model))
+    status = table_add(t, "/observables/pressure/value", SD_F64, 0, NULL, "force/length",
+                       "pressure of the contacts in the region", messages);
+  if (status == SD_OK && compresses(model))
+    status = table_add(t, "/observables/packing_fraction/value", SD_F64, 0, NULL, "1",
+                       "area of the free disks in play over that of the region", messages);
   size_t watched = model->n_rotations;
   if (status == SD_OK && watched > 0)
     status = table_add(t, "/observables/angle/value", SD_F64, 1, &watched, "rad",
@@ -85,6 +100,10 @@ sd_status series_sample(table *t, const sd_model *model, const sd_state *state, 
   for (size_t k = 0; k < state->n_contacts; k++) sliding += state->contact_slide[k] != 0;
   put_i64(t, &column, (int64_t)state->n_contacts);
   put_i64(t, &column, sliding);
+  if (compresses(model)) {
+    put_f64(t, &column, compress_stored_pressure(model, state));
+    put_f64(t, &column, compress_fraction(model, state));
+  }
 
   if (model->n_rotations > 0) {
     double *angle = table_cell(t, column), *velocity = table_cell(t, column + 1);

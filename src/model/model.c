@@ -272,6 +272,40 @@ static void check_box(const sd_model *m, sd_messages *msg) {
   }
 }
 
+static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  char name[96];
+  for (uint32_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].kind != SD_WALL_LINE)
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].compress: %s has a size of its own, which does not change; expected lines only",
+              phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
+}
+
+static void check_compress(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_phase *p = &m->phases[k];
+    const sd_compress *c = &p->compress;
+    if (!c->asked) continue;
+    if ((c->pressure > 0.0) == (c->fraction > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
+    if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
+      sd_fail(
+          msg, SD_ERROR_USER,
+          "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth per time step",
+          k, c->rate, 1e-3 / m->dt);
+    if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
+    check_compressed_walls(m, k, msg);
+    for (size_t q = 0; q < m->n_motions; q++)
+      if (p->active && p->active[q] && m->motions[q].coordinate != SD_THETA)
+        sd_fail(
+            msg, SD_ERROR_USER,
+            "phases[%zu].compress: motion \"%s\" prescribes positions that compression changes; expected a "
+            "phase in which it is off",
+            k, m->motions[q].name ? m->motions[q].name : "?");
+  }
+}
+
 /* Round walls, too, must be met in one image only. */
 static void check_round_walls(const sd_model *m, sd_messages *msg) {
   char name[96], disk[96];
@@ -374,6 +408,7 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_walls(m, own);
   check_motions(m, own);
   check_box(m, own);
+  check_compress(m, own);
   check_watches(m, own);
   check_until(m, own);
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;

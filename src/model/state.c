@@ -18,6 +18,8 @@ const sd_field sd_fields[] = {
     COLUMN(bins, SD_I64, SD_PER_RUN, "1", "full bins of the angle record"),
     COLUMN(box_scale, SD_F64, SD_PER_RUN, "1", "lengths of the region over those of the deck"),
     COLUMN(relaxed, SD_F64, SD_PER_RUN, "energy", "taken out by the relaxer"),
+    COLUMN(relax_alpha, SD_F64, SD_PER_RUN, "1", "how far the relaxer steers velocities"),
+    COLUMN(relax_steps, SD_I64, SD_PER_RUN, "1", "steps downhill since the relaxer stopped the disks"),
     COLUMN(released, SD_I64, SD_PER_RUN, "1", "disks that rain has let go"),
     COLUMN(outside, SD_I64, SD_PER_RUN, "1", "disks that left the bounds"),
     COLUMN(mean_looks, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),

@@ -1,6 +1,10 @@
 /* compress.h: isotropic compression: the lengths of the region, the poses of walls and the positions of all
  * disks change by a common factor about the region's lower corner, until a pressure or a packing fraction is
  * reached.
+ *
+ * The pressure is the mean of the two principal stresses of the contacts, 2 A p = sum F_n r, with r the distance
+ * of two centres, for a wall that of the centre from the wall. In a box at rest without gravity this is the mean
+ * of the pressures on its walls (physics.md).
  */
 #ifndef PACK_COMPRESS_H
 #define PACK_COMPRESS_H
@@ -10,13 +14,17 @@
 /* Steps between two changes of the lengths. */
 enum { COMPRESS_EVERY = 8 };
 
-/* One change, between steps, on one thread. The work of the box is booked in state->work_driven. */
+/* One change towards the running phase's target, between steps, on one thread; nothing while disks wait. The
+ * potential energy that it puts in is booked in state->work_driven. SD_ERROR_NUMERIC: a periodic box has become
+ * too narrow, an overlap is beyond the limit. */
 sd_status compress_step(engine *e, sd_messages *messages);
 /* The running phase's target is reached within its tolerance. */
 bool compress_done(const engine *e);
-/* Pressure in the region, force/length: virial of the contacts over its area, by 2. */
+
+/* Pressure in the region, force/length: of the live contacts, and of those that the state has stored. */
 double compress_pressure(const engine *e);
+double compress_stored_pressure(const sd_model *model, const sd_state *state);
 /* Area of the free disks in play over that of the region. */
-double compress_fraction(const engine *e);
+double compress_fraction(const sd_model *model, const sd_state *state);
 
 #endif

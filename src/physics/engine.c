@@ -126,12 +126,18 @@ static void fill_columns(const sd_state *s, work *w) {
                                    .inverse = w->inverse_inertia};
 }
 
-static void fill_box(const sd_model *m, work *w) {
+double engine_corner(const sd_model *m, int c) { return m->periodic[c] ? m->lower[c] : m->region_lower[c]; }
+
+void engine_place_box(engine *e) {
+  const sd_model *m = e->model;
+  work *w = &e->work;
   for (int c = 0; c < 2; c++) {
+    double upper = m->upper[c], scale = e->state->box_scale;
+    if (scale != 1.0) upper = m->lower[c] + scale * (m->upper[c] - m->lower[c]);
     w->periodic[c] = m->periodic[c];
     w->lower[c] = m->periodic[c] ? m->lower[c] : -HUGE_VAL;
-    w->upper[c] = m->periodic[c] ? m->upper[c] : HUGE_VAL;
-    w->length[c] = m->periodic[c] ? m->upper[c] - m->lower[c] : 0.0;
+    w->upper[c] = m->periodic[c] ? upper : HUGE_VAL;
+    w->length[c] = m->periodic[c] ? upper - m->lower[c] : 0.0;
     w->inverse_length[c] = m->periodic[c] ? 1.0 / w->length[c] : 0.0;
   }
 }
@@ -142,9 +148,6 @@ static void fill_skin(const engine *e, work *w) {
   for (size_t i = 0; i < s->n_disks; i++) mean += s->radius[i];
   mean /= (double)s->n_disks;
   w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean;
-  /* two bodies may each move 0.45 of the skin; the rest is for the way from trial to corrected positions */
-  double limit = 0.45 * w->skin;
-  w->moved_limit2 = limit * limit;
 }
 
 static sd_status allocate(engine *e, int threads) {
@@ -179,7 +182,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   w->kernels = kernels_choose();
   fill_laws(e->model, w);
   fill_columns(e->state, w);
-  fill_box(e->model, w);
+  engine_place_box(e);
   fill_skin(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
   fill_constants(e);

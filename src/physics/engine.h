@@ -11,6 +11,11 @@ void engine_fill_state(const sd_model *model, sd_state *state);
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
 
+/* About which the lengths of the region change: its lower corner. */
+double engine_corner(const sd_model *model, int coordinate);
+/* Edges of the periodic box in work, from model and state->box_scale. */
+void engine_place_box(engine *e);
+
 /* At step 0, once the first phase's motions run: contacts that are closed at the start begin (lambda* =
  * lambda), accelerations follow from the forces, and the energy is noted. */
 sd_status engine_start(engine *e, sd_messages *messages);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "physics/engine.h"
 #include "physics/walls.h"
 
 /* --- room for pairs ---------------------------------------------------------------------------------- */
@@ -378,14 +379,41 @@ static void note_poses(engine *e) {
   }
 }
 
+static double largest_radius(const sd_state *s) {
+  double largest = 0.0;
+  for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  return largest;
+}
+
+/* How far a body may move until the lists are stale. Two bodies may each take 0.45 of the skin; the rest is for
+ * the way from trial to corrected positions. Lengths that shrink bring together what moves not at all. */
+static double limit_of(const engine *e) {
+  const work *w = &e->work;
+  double shrunk = fmax(1.0 - e->state->box_scale / w->list_scale, 0.0);
+  return 0.45 * w->skin - 0.5 * shrunk * (2.0 * largest_radius(e->state) + w->skin);
+}
+
+sd_status neighbours_rescale(engine *e, double f, sd_messages *messages) {
+  work *w = &e->work;
+  double corner[2] = {engine_corner(e->model, SD_X), engine_corner(e->model, SD_Y)};
+  for (size_t i = 0; i < e->state->n_bodies; i++) {
+    w->x0[i] = corner[SD_X] + f * (w->x0[i] - corner[SD_X]);
+    w->y0[i] = corner[SD_Y] + f * (w->y0[i] - corner[SD_Y]);
+  }
+  for (size_t b = 0; b < e->model->n_walls; b++) w->reach[b] *= fmax(f, 1.0);
+  double limit = limit_of(e);
+  bool stale = limit < 0.225 * w->skin;
+  w->moved_limit2 = limit * limit;
+  for (uint32_t i = 0; i < e->state->n_bodies && !stale; i++) stale = neighbours_moved(e, i);
+  return stale ? neighbours_build(e, messages) : SD_OK;
+}
+
 sd_status neighbours_build(engine *e, sd_messages *messages) {
   const sd_state *s = e->state;
   work *w = &e->work;
   if (neighbours_check_finite(e, s->step + 1, messages) != SD_OK) return SD_ERROR_NUMERIC;
-  double largest = 0.0;
-  for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
   grid g = {0};
-  grid_size(e, 2.0 * largest + w->skin, &g);
+  grid_size(e, 2.0 * largest_radius(s) + w->skin, &g);
   pairs *next = &w->spare;
   next->count = 0;
   sd_status status = grid_fill(e, &g);
@@ -413,6 +441,8 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
   find_watched(e);
   note_poses(e);
+  w->list_scale = s->box_scale;
+  w->moved_limit2 = limit_of(e) * limit_of(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->builds++;
   return SD_OK;

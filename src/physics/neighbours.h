@@ -14,6 +14,9 @@
  * is not finite (SD_ERROR_NUMERIC), no memory (SD_ERROR_IO). */
 sd_status neighbours_build(engine *e, sd_messages *messages);
 void neighbours_free(engine *e);
+/* All lengths have just changed by the factor f, and the box with them. The lists stand as long as what
+ * was too far to be a candidate is. Errors as neighbours_build. */
+sd_status neighbours_rescale(engine *e, double f, sd_messages *messages);
 /* SD_ERROR_NUMERIC when a pose is not finite; step is the one that the message names. */
 sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages);
 

@@ -10,8 +10,8 @@ void walls_place(engine *e) {
     uint32_t b = e->work.slot[from->body];
     double angle = s->theta[b] + s->turn[b], c = cos(angle), i = sin(angle);
     e->work.segments[k] = (placed_segment){
-        .x = s->x[b] + (c * from->start[0] - i * from->start[1]),
-        .y = s->y[b] + (i * from->start[0] + c * from->start[1]),
+        .x = s->x[b] + s->box_scale * (c * from->start[0] - i * from->start[1]),
+        .y = s->y[b] + s->box_scale * (i * from->start[0] + c * from->start[1]),
         .tx = c * from->tangent[0] - i * from->tangent[1],
         .ty = i * from->tangent[0] + c * from->tangent[1],
         .length = from->length,

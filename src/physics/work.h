@@ -110,7 +110,8 @@ typedef struct work {
   pairs pairs, spare; /* spare: room for the next build */
   incidence incidence;
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
-  double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built */
+  double list_scale;         /* state->box_scale when the lists were built */
+  double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
   double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
   int64_t builds;            /* how often */
   placed_segment *segments;  /* walls_place */

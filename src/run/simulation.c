@@ -64,6 +64,7 @@ static void measure_end(engine *e) {
 /* state->phase is new: switch motions, start measuring. */
 static sd_status begin_phase(engine *e, sd_messages *messages) {
   if (e->state->phase >= (int64_t)e->model->n_phases) return SD_OK;
+  relax_begin(e);
   if (motion_begin_phase(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   return SD_OK;
 }
@@ -159,7 +160,7 @@ static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
   if (threads == 1) {
     unsigned mode = subnormal_off();
-    if (e->work.few)
+    if (e->work.few && !e->model->phases[e->state->phase].relax)
       advance_few(e, n, measure);
     else
       advance_member(e, &(team){0, 1}, n, measure);
