@@ -8,7 +8,7 @@
 
 /* --- bodies --------------------------------------------------------------------------------------- */
 
-enum { STEP, TIME, POSITION, IMAGE, VELOCITY, ANGLE, SPIN, FRAME_COLUMNS };
+enum { STEP, TIME, POSITION, IMAGE, VELOCITY, ANGLE, SPIN, EDGES, FRAME_COLUMNS };
 
 static const struct element {
   const char *name;
@@ -23,7 +23,19 @@ static const struct element {
     [VELOCITY] = {"velocity/value", SD_F64, 2, "length/time", "velocity"},
     [ANGLE] = {"angle/value", SD_F64, 1, "rad", "angle, counter-clockwise positive, not wrapped"},
     [SPIN] = {"angular_velocity/value", SD_F64, 1, "rad/time", "spin, counter-clockwise positive"},
+    [EDGES] = {"box/edges/value", SD_F64, 1, "length", "lengths of the periodic box, 0 where it is open"},
 };
+
+/* Some phase changes the lengths of the box. */
+static bool box_changes(const sd_model *model) {
+  for (size_t k = 0; k < model->n_phases; k++)
+    if (model->phases[k].compress.asked) return true;
+  return false;
+}
+
+static void box_edges(const sd_model *model, double scale, double edges[2]) {
+  for (int c = 0; c < 2; c++) edges[c] = model->periodic[c] ? scale * (model->upper[c] - model->lower[c]) : 0;
+}
 
 static const char *group_of(bool walls) { return walls ? "/particles/walls" : "/particles/disks"; }
 
@@ -35,6 +47,8 @@ sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_
   for (int k = 0; status == SD_OK && k < FRAME_COLUMNS; k++) {
     const struct element *e = &elements[k];
     size_t dims[2] = {n, 2};
+    if (k == EDGES && !box_changes(model)) break;
+    if (k == EDGES) dims[0] = 2;
     char *path = file_path("%s/%s", group_of(walls), e->name);
     status = path ? table_add(t, path, e->type, e->components, dims, e->unit, e->meaning, messages)
                   : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
@@ -66,6 +80,7 @@ sd_status trajectory_sample_bodies(table *t, const sd_model *model, const sd_sta
     angle[k] = state->turn[slot] + state->theta[slot];
     spin[k] = state->omega[slot];
   }
+  if (box_changes(model)) box_edges(model, state->box_scale, table_cell(t, EDGES));
   table_commit(t, 1);
   return SD_OK;
 }
@@ -143,18 +158,20 @@ static void write_box(h5_file *file, const sd_model *model, const char *group) {
   char *box = file_path("%s/box", group), *edges = file_path("%s/box/edges", group);
   if (!box || !edges) goto out;
   double lengths[2], lower[2];
+  box_edges(model, 1.0, lengths);
   const char *boundary[2];
   for (int k = 0; k < 2; k++) {
     boundary[k] = model->periodic[k] ? "periodic" : "none";
-    lengths[k] = model->periodic[k] ? model->upper[k] - model->lower[k] : 0;
     lower[k] = model->periodic[k] ? model->lower[k] : 0;
   }
   size_t two = 2;
   h5_group(file, box);
   h5_attr_i64(file, box, "dimension", 2);
   h5_attr_texts(file, box, "boundary", 2, boundary);
-  h5_put(file, edges, SD_F64, 1, &two, lengths, false);
-  h5_attr_text(file, edges, "unit", "length");
+  if (!box_changes(model)) {
+    h5_put(file, edges, SD_F64, 1, &two, lengths, false);
+    h5_attr_text(file, edges, "unit", "length");
+  }
   h5_attr(file, box, "lower", SD_F64, 2, lower);
 out:
   free(box);

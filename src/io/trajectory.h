@@ -9,7 +9,8 @@
 
 #include "io/table.h"
 
-/* With no disks (no walls) the table has no columns and no rows. */
+/* With no disks (no walls) the table has no columns and no rows. The edges of the box are a column when some
+ * phase compresses, else a constant. */
 sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_messages *messages);
 sd_status trajectory_sample_bodies(table *t, const sd_model *model, const sd_state *state, bool walls,
                                    const uint32_t *slots, sd_messages *messages);

@@ -1,17 +1,19 @@
 /* relax.c: FIRE at a fixed time step; see relax.h.
  *
- *   P > 0:   v <- (1 - alpha) v + alpha |v| F/|F|,  and after PATIENCE such steps alpha <- SHRINK alpha
+ *   P > 0:   v <- (1 - alpha) v + alpha |v| F/|F|,  after PATIENCE such steps alpha <- max(SHRINK alpha, LEAST)
  *   P <= 0:  v <- 0,  alpha <- ALPHA                 with P = F . v
  *
  * over all free coordinates at once. With masses M the norms are |v|^2 = sum M v^2 and |F|^2 = sum F^2/M, and the
- * direction F/|F| of the scaled coordinates is that of the accelerations F/M.
+ * direction F/|F| of the scaled coordinates is that of the accelerations F/M. LEAST is not in the paper: a
+ * compression that holds a pressure feeds slow flows for thousands of steps, in which P stays positive, and
+ * without it nothing would brake them.
  */
 #include "pack/relax.h"
 
 #include <math.h>
 
 enum { PATIENCE = 5 };
-static const double ALPHA = 0.1, SHRINK = 0.99;
+static const double ALPHA = 0.1, SHRINK = 0.99, LEAST = 0.01;
 
 void relax_begin(engine *e) {
   e->state->relax_alpha = ALPHA;
@@ -70,7 +72,7 @@ void relax_step(engine *e) {
   }
   if (power > 0.0) {
     s->relaxed += change(e, 1.0 - s->relax_alpha, s->relax_alpha * sqrt(speed2 / push2));
-    if (++s->relax_steps > PATIENCE) s->relax_alpha *= SHRINK;
+    if (++s->relax_steps > PATIENCE) s->relax_alpha = fmax(SHRINK * s->relax_alpha, LEAST);
     return;
   }
   s->relaxed += change(e, 0.0, 0.0);
