@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "io/deck_read.h"
+#include "io/deck_result.h"
 #include "io/deck_sweep.h"
 #include "slipdisk/deck.h"
 
@@ -34,6 +35,33 @@ static void read_gravity(deck *d) {
   if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */
 }
 
+/* Edges from the file that the key `file` names, which is read when they are first asked for. */
+typedef struct file_edges {
+  bool tried, found;
+  double lower[2], upper[2];
+} file_edges;
+
+static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
+  const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
+  const deck_node *file = deck_get(g, "file");
+  if (!file)
+    deck_fail_key(g->d, g->node, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
+  if (!file || !name) return false;
+  if (!from->tried)
+    from->found = deck_file_format(name) == DECK_HDF5 ? deck_result_box(g->d, file, from->lower, from->upper)
+                                                      : deck_lammps_box(g->d, file, from->lower, from->upper);
+  from->tried = true;
+  if (!from->found) return false;
+  edge[0] = from->lower[c];
+  edge[1] = from->upper[c];
+  if (edge[1] > edge[0]) {
+    deck_default_pair(g, key, edge);
+    return true;
+  }
+  deck_fail(g->d, file, "the box of this file is not periodic in %s", key);
+  return false;
+}
+
 static void read_box(deck *d) {
   sd_model *m = d->model;
   deck_group g;
@@ -41,12 +69,12 @@ static void read_box(deck *d) {
   int periodic = deck_choice(&g, "periodic");
   m->periodic[0] = periodic == 1 || periodic == 3;
   m->periodic[1] = periodic == 2 || periodic == 3;
+  file_edges from = {0};
   for (int c = 0; c < 2; c++) {
     const char *key = c ? "y" : "x";
     double edge[2];
     bool given = deck_pair(&g, key, edge);
-    if (!given && m->periodic[c] && !deck_get(&g, key))
-      deck_fail_key(d, g.node, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
+    if (!given && m->periodic[c] && !deck_get(&g, key)) given = file_edge(&g, &from, c, edge);
     if (!given) continue;
     if (!(edge[1] > edge[0])) deck_fail_key(d, g.node, key, "expected (lower, upper) with lower < upper");
     m->lower[c] = m->region_lower[c] = edge[0];
@@ -68,14 +96,16 @@ static void read_all(deck *d, bool point) {
   deck_read_materials(d);
   deck_read_container(d);
   deck_read_disks(d);
-  deck_read_packings(d);
   deck_read_walls(d);
-  deck_container_walls(d);
-  deck_read_bounds(d);
+  deck_container_bodies(d);
+  deck_read_packings(d);
+  deck_read_memories(d);
   deck_read_forces(d);
   deck_read_locks(d);
   deck_read_motions(d);
+  deck_read_bounds(d);
   deck_read_phases(d);
+  deck_check_motions(d);
   deck_read_measure(d);
   deck_read_until(d);
   read_sweep(d, point);

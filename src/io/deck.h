@@ -43,6 +43,7 @@ typedef enum deck_type {
 } deck_type;
 
 struct deck_table;
+struct place_interior;
 
 typedef struct deck_node {
   const char *name; /* NULL in a list and at the root */
@@ -86,8 +87,10 @@ typedef struct deck {
   deck_name *disk_names; /* sorted by name */
   size_t n_disk_names;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
+  size_t n_file_tables;
   bool disks_missing;               /* some could not be read */
   unsigned char *held;              /* bit k: coordinate k is prescribed by a motion */
+  struct place_interior *interior;  /* of the container */
 
   /* which entry of `motions` a motion of the model came from */
   size_t *motion_entry;
@@ -173,16 +176,20 @@ const char *deck_value_text(deck *d, const deck_node *node);
 void deck_read_materials(deck *d);
 void deck_check_laws(deck *d); /* call when motions are read */
 void deck_read_disks(deck *d);
-void deck_read_container(deck *d);  /* its region and box, and the disks of its floor; call before disks */
-void deck_container_walls(deck *d); /* call when walls are read */
-void deck_read_packings(deck *d);   /* call when disks are read */
-void deck_read_bounds(deck *d);
+void deck_read_container(deck *d); /* its region and box; call before disks */
+void deck_container_bodies(
+    deck *d);                     /* its walls, the disks of its floor; call when disks and walls are read */
+void deck_read_packings(deck *d); /* call when all other disks and walls are there */
+/* Appends a disk with copies of its name and group, which may be NULL (disk->name and disk->group are not read). */
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place);
+void deck_read_bounds(deck *d); /* call when motions are read */
 void deck_echo_files(deck *d); /* short disk files turn into rows of the echoed deck */
 void deck_read_walls(deck *d);
 void deck_read_forces(deck *d);
 void deck_read_locks(deck *d);
 void deck_read_motions(deck *d);
 void deck_read_phases(deck *d);
+void deck_check_motions(deck *d); /* call when phases are read */
 void deck_read_measure(deck *d);
 void deck_read_until(deck *d); /* call when phases and measure are read */
 void deck_check_overlaps(deck *d);

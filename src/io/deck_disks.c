@@ -74,10 +74,19 @@ static void make_room(deck *d) {
   d->disk_capacity = capacity;
 }
 
-static void add_disk(deck *d, const values *v) {
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
   sd_model *m = d->model;
-  if (!v->broken) check_values(d, v);
   make_room(d);
+  d->disk_place[m->n_disks] = place;
+  sd_disk *own = &m->disks[m->n_disks++];
+  *own = *disk;
+  own->name = NULL; /* the model is whole if there is no memory for the name */
+  own->group = group_number(d, group);
+  own->name = deck_keep_text(d, name);
+}
+
+static void add_disk(deck *d, const values *v) {
+  if (!v->broken) check_values(d, v);
   const double *x = v->number;
   double radius = x[COLUMN_RADIUS];
   sd_disk disk = {.position = {x[COLUMN_X], x[COLUMN_Y], x[COLUMN_THETA]},
@@ -88,12 +97,9 @@ static void add_disk(deck *d, const values *v) {
                   .inertia = x[COLUMN_INERTIA],
                   .force = {v->force[0], v->force[1], v->force[2]},
                   .material = v->material,
-                  .group = group_number(d, v->group),
                   .driven = x[COLUMN_FIXED] != 0};
   for (int c = 0; c < 3; c++) disk.locked[c] = v->locked >> c & 1;
-  d->disk_place[m->n_disks] = v->place;
-  m->disks[m->n_disks++] = disk;
-  m->disks[m->n_disks - 1].name = deck_keep_text(d, v->name);
+  deck_push_disk(d, &disk, v->name, v->group, v->place);
 }
 
 /* --- groups of the deck ---------------------------------------------------------------------------------- */
@@ -179,6 +185,7 @@ static deck_columns read_table(deck *d, deck_node *node, const deck_table *table
   d->disks_missing |= d->reported > before;
   values v = read_common(&g, &t);
   v.broken = d->reported > before;
+  t.first = d->model->n_disks;
   for (size_t r = 0; r < t.n_rows; r++) add_row_disk(d, &t, r, v);
   return t;
 }
@@ -195,7 +202,8 @@ void deck_read_disks(deck *d) {
   list = deck_groups(d, d->root, "disk_rows");
   for (size_t k = 0; list && k < list->n; k++) read_table(d, list->child[k], &deck_disk_rows);
   list = deck_groups(d, d->root, "disk_files");
-  d->file_tables = deck_alloc(d, list ? list->n : 0, sizeof(deck_columns));
+  d->n_file_tables = list ? list->n : 0;
+  d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
   for (size_t k = 0; list && k < list->n; k++)
     d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
   if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files") && !deck_child(d->root, "packings"))
@@ -235,7 +243,8 @@ static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_n
   }
 }
 
-/* Files are read after rows: the order of the disks stays when the first few files become rows. */
+/* Files are read after rows: the order of the disks stays when the first few files become rows. Contacts have no
+ * rows: their file stays. */
 void deck_echo_files(deck *d) {
   deck_node *files = deck_child(d->root, "disk_files"), *rows = deck_child(d->root, "disk_rows");
   size_t total = 0;
@@ -245,7 +254,7 @@ void deck_echo_files(deck *d) {
     for (size_t k = 0; k < t->n_rows * t->n_columns; k++)
       empty_text |= t->column[k % t->n_columns] >= COLUMN_NUMBERS && !t->text[k];
     total += t->n_rows;
-    if (total > MOST_ECHOED || empty_text) return;
+    if (total > MOST_ECHOED || empty_text || t->contacts) return;
     if (!rows) rows = deck_node_new(d, d->root, "disk_rows", DECK_LIST, files->place);
     file_to_rows(d, files->child[0], t, rows);
     deck_remove(files, files->child[0]);

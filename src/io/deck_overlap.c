@@ -188,7 +188,7 @@ static void check_walls(deck *d) {
   for (size_t w = 0; w < m->n_walls; w++)
     for (size_t i = 0; i < m->n_disks; i++) {
       const sd_disk *disk = &m->disks[i];
-      if (!sound(disk) || deck_is_driven(d, i)) continue;
+      if (!sound(disk) || disk->waiting || deck_is_driven(d, i)) continue;
       double depth = depth_in_wall(&m->walls[w], disk);
       if (!(depth > m->max_overlap * disk->radius)) continue;
       if (found++ >= MOST_ALIKE) continue;

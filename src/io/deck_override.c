@@ -21,7 +21,11 @@ static const char *const alternatives[][MOST_ALTERNATIVES] = {{"steps", "time"},
                                                               {"frequency", "omega"},
                                                               {"mass", "density"},
                                                               {"error", "relative"},
-                                                              {"values", "linspace", "logspace"}};
+                                                              {"values", "linspace", "logspace"},
+                                                              {"count", "fraction"},
+                                                              {"amplitude", "acceleration"},
+                                                              {"pressure", "fraction"},
+                                                              {"force", "pressure"}};
 
 static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);

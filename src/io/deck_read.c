@@ -83,6 +83,10 @@ void deck_default_integer(deck_group *g, const char *key, int64_t value) {
   if (!deck_get(g, key)) add(g, key, DECK_INT)->value.integer = value;
 }
 
+void deck_default_number(deck_group *g, const char *key, double value) {
+  if (!deck_get(g, key)) add(g, key, DECK_FLOAT)->value.number = value;
+}
+
 void deck_default_text(deck_group *g, const char *key, const char *value) {
   if (!deck_get(g, key)) add(g, key, DECK_STRING)->value.text = deck_copy(g->d, value, strlen(value));
 }
@@ -315,8 +319,11 @@ static bool listed(const char *keys, const char *name) {
   return false;
 }
 
+/* The key that chooses the shape. */
+static const char *chooser(const deck_shape *all) { return all == deck_size_kinds ? "sizes" : "type"; }
+
 /* "frequency/omega*": exactly one must be given. */
-static void check_alternatives(deck_group *g, const deck_shape *shape, char *word) {
+static void check_alternatives(deck_group *g, const deck_shape *shape, const deck_shape *all, char *word) {
   size_t n = strlen(word);
   bool required = n && word[n - 1] == '*';
   if (required) word[n - 1] = 0;
@@ -330,7 +337,7 @@ static void check_alternatives(deck_group *g, const deck_shape *shape, char *wor
   }
   const deck_key *key = deck_key_find(g->table, first);
   if (required && !seen)
-    deck_fail_key(g->d, g->node, text, "missing: type \"%s\" needs it (%s)", shape->name,
+    deck_fail_key(g->d, g->node, text, "missing: %s \"%s\" needs it (%s)", chooser(all), shape->name,
                   key ? key->meaning : "");
 }
 
@@ -341,9 +348,9 @@ void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *
     bool elsewhere = false;
     for (size_t j = 0; j < n_all; j++) elsewhere |= listed(all[j].keys, name);
     if (elsewhere && !listed(shape->keys, name) && !g->node->child[k]->defaulted)
-      deck_fail(g->d, g->node->child[k], "does not belong to type \"%s\"", shape->name);
+      deck_fail(g->d, g->node->child[k], "does not belong to %s \"%s\"", chooser(all), shape->name);
   }
   char *keys = deck_copy(g->d, shape->keys, strlen(shape->keys)), *rest = keys;
   for (char *word = strtok_r(keys, " ", &rest); word; word = strtok_r(NULL, " ", &rest))
-    check_alternatives(g, shape, word);
+    check_alternatives(g, shape, all, word);
 }

@@ -38,6 +38,7 @@ bool deck_pair(deck_group *g, const char *key,
 /* Put a value in that was left out: for defaults that depend on other keys. No-ops when it is there. */
 void deck_default_bool(deck_group *g, const char *key, bool value);
 void deck_default_integer(deck_group *g, const char *key, int64_t value);
+void deck_default_number(deck_group *g, const char *key, double value);
 void deck_default_text(deck_group *g, const char *key, const char *value);
 void deck_default_pair(deck_group *g, const char *key, const double pair[2]);
 deck_node *deck_default_list(deck_group *g, const char *key);
@@ -51,7 +52,7 @@ bool deck_angle(const char *text, double *x);
 size_t deck_each_count(const deck_node *node);
 deck_node *deck_each(deck_node *node, size_t k);
 
-/* Checks a group against the keys that its shape reads (deck_motion_kinds, deck_wall_kinds). */
+/* Checks a group against the keys that its shape reads (deck_motion_kinds, deck_wall_kinds, ...). */
 void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *all, size_t n_all);
 
 #endif

@@ -1,0 +1,314 @@
+/* front.c: see front.h.
+ *
+ * A disk of radius r that touches a body has its centre on a circle about the body's, of radius R + r (a drum
+ * counts as a disk of negative radius, a corner as one of radius 0), or on a line at the distance r from a
+ * straight wall. So a pocket is one point where two such curves meet; which of the points, its variant says.
+ */
+#include "pack/front.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A pocket is offered to so many of the next disks. */
+enum { WINDOW = 16, VARIANTS = 8 };
+
+/* Bodies 0 ... s->n - 1 are the disks of the space, the others edges and walls. */
+typedef struct body {
+  double x, y;   /* centre, or a point of the line */
+  double radius; /* round */
+  double tx, ty; /* straight: unit vector */
+  double length; /* straight: from the point along t; infinite: backwards too */
+  bool straight;
+} body;
+
+typedef struct pocket {
+  double y, x; /* the lowest first, from the left; see `made` for what is equal */
+  uint64_t made;
+  uint32_t a, b;
+  int variant;
+} pocket;
+
+typedef struct front {
+  place_space *s;
+  double smallest, middle, largest;
+  size_t n_fixed, fixed_capacity; /* edges and walls */
+  body *fixed;
+  pocket *heap;
+  size_t n, capacity;
+  uint64_t made;
+} front;
+
+#define FIXED 0x80000000u
+
+static void *grow(void *old, size_t *capacity, size_t need, size_t size) {
+  if (need <= *capacity) return old;
+  size_t more = 2 * need + 256;
+  void *p = realloc(old, more * size);
+  if (p) *capacity = more;
+  return p;
+}
+
+/* --- heap ----------------------------------------------------------------------------------------------------- */
+
+static bool before(const pocket *a, const pocket *b) {
+  if (a->y != b->y) return a->y < b->y;
+  if (a->x != b->x) return a->x < b->x;
+  return a->made < b->made;
+}
+
+static sd_status push(front *f, pocket p) {
+  pocket *heap = grow(f->heap, &f->capacity, f->n + 1, sizeof *heap);
+  if (!heap) return SD_ERROR_IO;
+  f->heap = heap;
+  size_t k = f->n++;
+  for (; k > 0 && before(&p, &heap[(k - 1) / 2]); k = (k - 1) / 2) heap[k] = heap[(k - 1) / 2];
+  heap[k] = p;
+  return SD_OK;
+}
+
+static pocket pop(front *f) {
+  pocket *heap = f->heap, lowest = heap[0], last = heap[--f->n];
+  size_t k = 0;
+  for (size_t child; (child = 2 * k + 1) < f->n; k = child) {
+    if (child + 1 < f->n && before(&heap[child + 1], &heap[child])) child++;
+    if (!before(&heap[child], &last)) break;
+    heap[k] = heap[child];
+  }
+  heap[k] = last;
+  return lowest;
+}
+
+/* --- where a disk touches two bodies --------------------------------------------------------------------------- */
+
+static body body_of(const front *f, uint32_t number) {
+  if (number & FIXED) return f->fixed[number & ~FIXED];
+  const double *disk = f->s->disk[number];
+  return (body){.x = disk[0], .y = disk[1], .radius = disk[2]};
+}
+
+/* Roots that rounding has made complex: the curves touch. */
+static double root(double square, double scale) {
+  return square >= 0 ? sqrt(square) : square > -1e-9 * scale ? 0 : NAN;
+}
+
+static void two_circles(const place_space *s, const body *a, const body *b, double r, int variant,
+                        double p[2]) {
+  double dx = place_apart(s, b->x, a->x, 0), dy = place_apart(s, b->y, a->y, 1);
+  double from_a = a->radius + r, from_b = b->radius + r, square = dx * dx + dy * dy;
+  double along = (square + (from_a - from_b) * (from_a + from_b)) / (2 * square);
+  double across = root(from_a * from_a / square - along * along, from_a * from_a / square);
+  if (variant & 1) across = -across;
+  p[0] = variant < 2 ? a->x + along * dx - across * dy : NAN;
+  p[1] = a->y + along * dy + across * dx;
+}
+
+/* variant bit 0: which point; bit 1: which side of the line */
+static void circle_line(const body *a, const body *b, double r, int variant, double p[2]) {
+  double side = variant & 2 ? -r : r, from = a->radius + r;
+  double x = b->x - side * b->ty, y = b->y + side * b->tx;
+  double along = (a->x - x) * b->tx + (a->y - y) * b->ty, off = (a->x - x) * -b->ty + (a->y - y) * b->tx;
+  double half = root(from * from - off * off, from * from);
+  along += variant & 1 ? -half : half;
+  p[0] = variant < 4 ? x + along * b->tx : NAN;
+  p[1] = y + along * b->ty;
+}
+
+static void two_lines(const body *a, const body *b, double r, int variant, double p[2]) {
+  double side = variant & 1 ? -r : r, other = variant & 2 ? -r : r;
+  double ax = a->x - side * a->ty, ay = a->y + side * a->tx, bx = b->x - other * b->ty,
+         by = b->y + other * b->tx;
+  double cross = a->tx * b->ty - a->ty * b->tx;
+  double along = ((bx - ax) * b->ty - (by - ay) * b->tx) / cross;
+  bool parallel = fabs(cross) < 1e-9;
+  p[0] = variant < 4 && !parallel ? ax + along * a->tx : NAN;
+  p[1] = ay + along * a->ty;
+}
+
+/* The foot of the perpendicular lies on the piece: its ends are bodies of their own. */
+static bool beside(const body *line, const double p[2]) {
+  if (!line->straight || isinf(line->length)) return true;
+  double along = (p[0] - line->x) * line->tx + (p[1] - line->y) * line->ty;
+  return along >= 0 && along <= line->length;
+}
+
+/* The place of a disk of radius r in the pocket; false: there is none, or not enough room. */
+static bool place_in(const front *f, const pocket *q, double r, double p[2]) {
+  const place_space *s = f->s;
+  body a = body_of(f, q->a), b = body_of(f, q->b);
+  if (a.straight && !b.straight) {
+    body c = a;
+    a = b;
+    b = c;
+  }
+  if (a.straight)
+    two_lines(&a, &b, r, q->variant, p);
+  else if (b.straight)
+    circle_line(&a, &b, r, q->variant, p);
+  else
+    two_circles(s, &a, &b, r, q->variant, p);
+  if (!isfinite(p[0]) || !isfinite(p[1]) || !beside(&a, p) || !beside(&b, p)) return false;
+  if (!s->edge[1] && (p[1] < s->lower[1] || p[1] >= s->upper[1])) return false;
+  for (int c = 0; c < 2; c++) p[c] = place_wrapped(s, p[c], c);
+  return place_fits(s, p[0], p[1], r);
+}
+
+/* Takes note of the pockets of two bodies into which a disk of some size fits now. */
+static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
+  double radii[3] = {f->smallest, f->middle, f->largest};
+  sd_status status = SD_OK;
+  for (int variant = 0; variant < VARIANTS && status == SD_OK; variant++) {
+    pocket q = {.y = HUGE_VAL, .a = a, .b = b, .variant = variant};
+    for (int k = 0; k < (f->smallest < f->largest ? 3 : 1); k++) {
+      double p[2];
+      if (!place_in(f, &q, radii[k], p) || p[1] >= q.y) continue;
+      q.x = p[0];
+      q.y = p[1];
+    }
+    q.made = f->made;
+    if (q.y < HUGE_VAL) {
+      f->made++;
+      status = push(f, q);
+    }
+  }
+  return status;
+}
+
+/* --- bodies -------------------------------------------------------------------------------------------------- */
+
+/* A disk could touch both this one and the edge or wall. */
+static bool near_fixed(const front *f, const body *b, const double *disk) {
+  double gap;
+  if (b->straight) {
+    gap = fabs((disk[0] - b->x) * -b->ty + (disk[1] - b->y) * b->tx) - disk[2];
+  } else {
+    gap = hypot(place_apart(f->s, disk[0], b->x, 0), place_apart(f->s, disk[1], b->y, 1));
+    gap = b->radius < 0 ? -b->radius - gap - disk[2] : gap - b->radius - disk[2];
+  }
+  return gap <= 2 * f->largest;
+}
+
+/* Takes note of the pockets of a disk with those before it and with all that is fixed. */
+static sd_status add_disk(front *f, uint32_t number) {
+  place_space *s = f->s;
+  const double disk[3] = {s->disk[number][0], s->disk[number][1], s->disk[number][2]};
+  size_t n = place_near(s, disk[0], disk[1], disk[2] + 2 * f->largest);
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < n && status == SD_OK; k++)
+    if (s->near[k] < number) status = add_pockets(f, number, s->near[k]);
+  for (uint32_t k = 0; k < f->n_fixed && status == SD_OK; k++)
+    if (near_fixed(f, &f->fixed[k], disk)) status = add_pockets(f, number, FIXED | k);
+  return status;
+}
+
+static sd_status add_fixed(front *f, body b) {
+  body *fixed = grow(f->fixed, &f->fixed_capacity, f->n_fixed + 1, sizeof *fixed);
+  if (!fixed) return SD_ERROR_IO;
+  f->fixed = fixed;
+  fixed[f->n_fixed++] = b;
+  return SD_OK;
+}
+
+static body straight(const double a[2], const double b[2], bool endless) {
+  double length = hypot(b[0] - a[0], b[1] - a[1]);
+  return (body){.x = a[0],
+                .y = a[1],
+                .straight = true,
+                .tx = (b[0] - a[0]) / length,
+                .ty = (b[1] - a[1]) / length,
+                .length = endless ? HUGE_VAL : length};
+}
+
+static sd_status add_wall(front *f, const sd_wall *wall) {
+  if (wall->kind == SD_WALL_CIRCLE)
+    return add_fixed(f, (body){.x = wall->pivot[0],
+                               .y = wall->pivot[1],
+                               .radius = wall->inside ? -wall->radius : wall->radius});
+  sd_status status = SD_OK;
+  bool endless = wall->kind == SD_WALL_LINE;
+  for (size_t k = 0; k < wall->n_points && status == SD_OK; k++) {
+    const double *here = wall->points[k], *there = wall->points[(k + 1) % wall->n_points];
+    if (!endless) status = add_fixed(f, (body){.x = here[0], .y = here[1]});
+    if (status == SD_OK && (k + 1 < wall->n_points || wall->closed))
+      status = add_fixed(f, straight(here, there, endless));
+  }
+  return status;
+}
+
+/* The lower edge carries disks also where the box is periodic in y; the sides only where they are edges. */
+static sd_status add_edges_and_walls(front *f) {
+  const place_space *s = f->s;
+  const double *low = s->lower, *high = s->upper, left[2] = {low[0], high[1]}, right[2] = {high[0], low[1]};
+  sd_status status = add_fixed(f, straight(low, right, true));
+  if (status == SD_OK && s->edge[0]) status = add_fixed(f, straight(low, left, true));
+  if (status == SD_OK && s->edge[0]) status = add_fixed(f, straight(right, high, true));
+  for (size_t w = 0; w < s->model->n_walls && status == SD_OK; w++) status = add_wall(f, &s->model->walls[w]);
+  for (uint32_t a = 0; a < f->n_fixed && status == SD_OK; a++)
+    for (uint32_t b = 0; b < a && status == SD_OK; b++) status = add_pockets(f, FIXED | a, FIXED | b);
+  return status;
+}
+
+/* --- filling -------------------------------------------------------------------------------------------------- */
+
+/* Without corners there may be no pocket to begin with: then the first disk lies on the lower edge. */
+static bool first_place(const front *f, double radius, double p[2]) {
+  const place_space *s = f->s;
+  double y = s->lower[1] + radius;
+  for (double x = s->lower[0] + (s->edge[0] ? radius : 0); x < s->upper[0]; x += radius) {
+    if (!place_fits(s, x, y, radius)) continue;
+    p[0] = x;
+    p[1] = y;
+    return true;
+  }
+  return false;
+}
+
+/* The first of the next disks that fits, put in front of the others. Once one has been too large, only smaller
+ * ones are tried. */
+static bool choose(const front *f, const pocket *q, size_t n, double *radius, double p[2]) {
+  double too_large = HUGE_VAL;
+  for (size_t k = 0; k < n && k < WINDOW; k++) {
+    double r = radius[k];
+    if (r >= too_large) continue;
+    too_large = r;
+    if (!place_in(f, q, r, p)) continue;
+    for (size_t j = k; j > 0; j--) radius[j] = radius[j - 1];
+    radius[0] = r;
+    return true;
+  }
+  return false;
+}
+
+static sd_status fill(front *f, size_t n, double *radius, double (*position)[2], size_t *placed) {
+  place_space *s = f->s;
+  sd_status status = add_edges_and_walls(f);
+  for (uint32_t k = 0; k < s->n && status == SD_OK; k++) status = add_disk(f, k);
+  bool begun = false;
+  while (status == SD_OK && *placed < n) {
+    double *next = radius + *placed, *p = position[*placed];
+    bool found = !begun && (f->n == 0 || !s->edge[0]) && first_place(f, *next, p);
+    begun = true;
+    while (!found && f->n > 0) {
+      pocket q = pop(f);
+      found = choose(f, &q, n - *placed, next, p);
+    }
+    if (!found) break;
+    ++*placed;
+    status = place_add(s, p[0], p[1], *next);
+    if (status == SD_OK) status = add_disk(f, (uint32_t)s->n - 1);
+  }
+  return status;
+}
+
+sd_status front_fill(place_space *s, size_t n, double *radius, double (*position)[2], size_t *placed) {
+  front f = {.s = s, .smallest = HUGE_VAL};
+  *placed = 0;
+  for (size_t k = 0; k < n; k++) {
+    f.smallest = fmin(f.smallest, radius[k]);
+    f.largest = fmax(f.largest, radius[k]);
+    f.middle += radius[k] / (double)n;
+  }
+  sd_status status = fill(&f, n, radius, position, placed);
+  free(f.fixed);
+  free(f.heap);
+  return status;
+}

@@ -1,0 +1,298 @@
+/* place.c: see place.h. */
+#include "pack/place.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_integration.h>
+#include <gsl/gsl_sort_double.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* --- the inside of a container ---------------------------------------------------------------------------- */
+
+double place_half_width(const place_interior *in, double y) {
+  if (in->kind == SD_CONTAINER_DRUM) {
+    double square = in->radius * in->radius - (y - in->y) * (y - in->y);
+    return square < 0 ? -1 : sqrt(square);
+  }
+  if (in->kind != SD_CONTAINER_HOPPER) return HUGE_VAL;
+  double height = y - in->y;
+  if (height < 0) return -1;
+  return height < in->rise ? in->bottom + (in->top - in->bottom) * (height / in->rise) : in->top;
+}
+
+typedef struct strip {
+  const place_interior *inside;
+  double lower, upper;
+} strip;
+
+static double width_at(double y, void *user) {
+  const strip *s = user;
+  double half = place_half_width(s->inside, y);
+  return fmax(0, fmin(s->upper, s->inside->x + half) - fmax(s->lower, s->inside->x - half));
+}
+
+double place_area(const place_interior *in, const double lower[2], const double upper[2]) {
+  if (in->kind != SD_CONTAINER_DRUM && in->kind != SD_CONTAINER_HOPPER)
+    return (upper[0] - lower[0]) * (upper[1] - lower[1]);
+  strip s = {in, lower[0], upper[0]};
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  gsl_integration_cquad_workspace *space = gsl_integration_cquad_workspace_alloc(200);
+  gsl_function f = {width_at, &s};
+  double area = NAN;
+  if (space) gsl_integration_cquad(&f, lower[1], upper[1], 0, 1e-9, space, &area, NULL, NULL);
+  if (space) gsl_integration_cquad_workspace_free(space);
+  gsl_set_error_handler(handler);
+  return area;
+}
+
+/* --- the grid --------------------------------------------------------------------------------------------- */
+
+/* Cells as small as to have two for each disk, if there are neither very few nor too many. */
+static void choose_cells(place_space *s, size_t expected) {
+  double extent[2], area = 1;
+  for (int c = 0; c < 2; c++) {
+    s->corner[c] = s->period[c] > 0 ? s->model->lower[c] : s->lower[c];
+    extent[c] = s->period[c] > 0 ? s->period[c] : s->upper[c] - s->lower[c];
+    area *= extent[c];
+  }
+  double wanted = fmin(2.0 * (double)(expected + s->model->n_disks) + 16, 5e7), size = sqrt(area / wanted);
+  for (int c = 0; c < 2; c++) {
+    s->cells[c] = (int64_t)fmax(1, fmin(floor(extent[c] / size), wanted));
+    s->cell[c] = extent[c] / (double)s->cells[c];
+  }
+}
+
+/* Cells from x - reach to x + reach along c; false: none. In a periodic direction they are to be taken modulo. */
+static bool cell_range(const place_space *s, double x, double reach, int c, int64_t range[2]) {
+  double low = floor((x - reach - s->corner[c]) / s->cell[c]), n = (double)s->cells[c],
+         high = floor((x + reach - s->corner[c]) / s->cell[c]);
+  if (s->period[c] > 0) {
+    if (high - low >= n) {
+      low = 0;
+      high = n - 1;
+    }
+  } else {
+    if (high < 0 || low > n - 1) return false;
+    low = fmax(low, 0);
+    high = fmin(high, n - 1);
+  }
+  range[0] = (int64_t)low;
+  range[1] = (int64_t)high;
+  return true;
+}
+
+static int64_t modulo(int64_t k, int64_t n) {
+  int64_t rest = k % n;
+  return rest < 0 ? rest + n : rest;
+}
+
+static int64_t cell_number(const place_space *s, int64_t i, int64_t j) {
+  return modulo(j, s->cells[1]) * s->cells[0] + modulo(i, s->cells[0]);
+}
+
+static sd_status add_node(place_space *s, int64_t cell, uint32_t disk) {
+  if (s->n_nodes == s->node_capacity) {
+    size_t capacity = 2 * s->node_capacity + 1024;
+    int64_t *next = realloc(s->next, capacity * sizeof *next);
+    if (next) s->next = next;
+    uint32_t *holder = next ? realloc(s->holder, capacity * sizeof *holder) : NULL;
+    if (!holder) return SD_ERROR_IO;
+    s->holder = holder;
+    s->node_capacity = capacity;
+  }
+  s->next[s->n_nodes] = s->head[cell];
+  s->holder[s->n_nodes] = disk;
+  s->head[cell] = (int64_t)s->n_nodes++;
+  return SD_OK;
+}
+
+sd_status place_add(place_space *s, double x, double y, double radius) {
+  if (s->n == s->capacity) {
+    size_t capacity = 2 * s->capacity + 256;
+    double(*disk)[3] = realloc(s->disk, capacity * sizeof *disk);
+    if (!disk) return SD_ERROR_IO;
+    s->disk = disk;
+    uint32_t *stamp = realloc(s->stamp, capacity * sizeof *stamp);
+    if (stamp) s->stamp = stamp;
+    uint32_t *near = stamp ? realloc(s->near, capacity * sizeof *near) : NULL;
+    if (!near) return SD_ERROR_IO;
+    s->near = near;
+    s->capacity = capacity;
+  }
+  uint32_t number = (uint32_t)s->n;
+  s->stamp[number] = 0;
+  double *disk = s->disk[s->n++];
+  disk[0] = x;
+  disk[1] = y;
+  disk[2] = radius;
+  int64_t along[2], up[2];
+  sd_status status = SD_OK;
+  if (!cell_range(s, x, radius, 0, along) || !cell_range(s, y, radius, 1, up)) return SD_OK;
+  for (int64_t j = up[0]; j <= up[1] && status == SD_OK; j++)
+    for (int64_t i = along[0]; i <= along[1] && status == SD_OK; i++)
+      status = add_node(s, cell_number(s, i, j), number);
+  return status;
+}
+
+sd_status place_begin(place_space *s, const sd_model *m, const place_interior *inside, const double lower[2],
+                      const double upper[2], size_t expected) {
+  *s = (place_space){.model = m, .interior = *inside};
+  for (int c = 0; c < 2; c++) {
+    s->lower[c] = lower[c];
+    s->upper[c] = upper[c];
+    s->period[c] = m->periodic[c] ? fmax(0, m->upper[c] - m->lower[c]) : 0;
+    s->edge[c] = !(s->period[c] > 0 && upper[c] - lower[c] >= s->period[c]);
+  }
+  choose_cells(s, expected);
+  size_t n_cells = (size_t)(s->cells[0] * s->cells[1]);
+  s->head = malloc(n_cells * sizeof *s->head);
+  if (!s->head) return SD_ERROR_IO;
+  for (size_t k = 0; k < n_cells; k++) s->head[k] = -1;
+  sd_status status = SD_OK;
+  for (size_t i = 0; i < m->n_disks && status == SD_OK; i++) {
+    const sd_disk *disk = &m->disks[i];
+    bool sound = isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0 &&
+                 isfinite(disk->radius);
+    if (sound && !disk->waiting) status = place_add(s, disk->position[0], disk->position[1], disk->radius);
+  }
+  return status;
+}
+
+void place_end(place_space *s) {
+  free(s->disk);
+  free(s->head);
+  free(s->next);
+  free(s->holder);
+  free(s->stamp);
+  free(s->near);
+  *s = (place_space){0};
+}
+
+/* --- is there room? ----------------------------------------------------------------------------------------- */
+
+double place_wrapped(const place_space *s, double x, int c) {
+  if (!(s->period[c] > 0)) return x;
+  double low = s->model->lower[c], in = x - floor((x - low) / s->period[c]) * s->period[c];
+  return in >= s->model->upper[c] || in < low ? low : in;
+}
+
+double place_apart(const place_space *s, double a, double b, int c) {
+  double d = a - b;
+  return s->period[c] > 0 ? d - s->period[c] * rint(d / s->period[c]) : d;
+}
+
+static double from_piece(double x, double y, const double *a, const double *b, bool endless) {
+  double tx = b[0] - a[0], ty = b[1] - a[1];
+  double along = ((x - a[0]) * tx + (y - a[1]) * ty) / (tx * tx + ty * ty);
+  if (!endless) along = fmax(0, fmin(1, along));
+  return hypot(x - a[0] - along * tx, y - a[1] - along * ty);
+}
+
+/* Distance from the wall's surface, not looking at images of straight walls; < 0: in it. */
+static double from_wall(const place_space *s, const sd_wall *wall, double x, double y) {
+  if (wall->kind == SD_WALL_CIRCLE) {
+    double r = hypot(place_apart(s, x, wall->pivot[0], 0), place_apart(s, y, wall->pivot[1], 1));
+    return wall->inside ? wall->radius - r : r - wall->radius;
+  }
+  double nearest = HUGE_VAL;
+  for (size_t k = 0; k + 1 < wall->n_points + (wall->closed ? 1 : 0); k++)
+    nearest = fmin(nearest, from_piece(x, y, wall->points[k], wall->points[(k + 1) % wall->n_points],
+                                       wall->kind == SD_WALL_LINE));
+  return nearest;
+}
+
+/* Lines have images across the box, as in the forces. */
+static bool clear_of_walls(const place_space *s, double x, double y, double radius) {
+  for (size_t w = 0; w < s->model->n_walls; w++) {
+    const sd_wall *wall = &s->model->walls[w];
+    bool images = wall->kind == SD_WALL_LINE;
+    int p_most = images && s->period[0] > 0, q_most = images && s->period[1] > 0;
+    for (int p = -p_most; p <= p_most; p++)
+      for (int q = -q_most; q <= q_most; q++)
+        if (from_wall(s, wall, x + p * s->period[0], y + q * s->period[1]) < radius * (1 - PLACE_SLACK))
+          return false;
+  }
+  return true;
+}
+
+static bool clear_of_disks(const place_space *s, double x, double y, double radius) {
+  int64_t along[2], up[2];
+  if (!cell_range(s, x, radius, 0, along) || !cell_range(s, y, radius, 1, up)) return true;
+  for (int64_t j = up[0]; j <= up[1]; j++)
+    for (int64_t i = along[0]; i <= along[1]; i++)
+      for (int64_t k = s->head[cell_number(s, i, j)]; k >= 0; k = s->next[k]) {
+        const double *other = s->disk[s->holder[k]];
+        double dx = place_apart(s, x, other[0], 0), dy = place_apart(s, y, other[1], 1);
+        double touch = (radius + other[2]) * (1 - PLACE_SLACK);
+        if (dx * dx + dy * dy < touch * touch) return false;
+      }
+  return true;
+}
+
+bool place_fits(const place_space *s, double x, double y, double radius) {
+  const double centre[2] = {x, y};
+  double least = radius * (1 - PLACE_SLACK);
+  for (int c = 0; c < 2; c++)
+    if (s->edge[c] && (centre[c] - s->lower[c] < least || s->upper[c] - centre[c] < least)) return false;
+  if (fabs(x - s->interior.x) > place_half_width(&s->interior, y)) return false;
+  return clear_of_disks(s, x, y, radius) && clear_of_walls(s, x, y, radius);
+}
+
+size_t place_near(place_space *s, double x, double y, double reach) {
+  int64_t along[2], up[2];
+  size_t n = 0;
+  if (!cell_range(s, x, reach, 0, along) || !cell_range(s, y, reach, 1, up)) return 0;
+  s->stamps++;
+  for (int64_t j = up[0]; j <= up[1]; j++)
+    for (int64_t i = along[0]; i <= along[1]; i++)
+      for (int64_t k = s->head[cell_number(s, i, j)]; k >= 0; k = s->next[k]) {
+        uint32_t number = s->holder[k];
+        const double *disk = s->disk[number];
+        if (s->stamp[number] == s->stamps) continue;
+        s->stamp[number] = s->stamps;
+        if (hypot(place_apart(s, x, disk[0], 0), place_apart(s, y, disk[1], 1)) < reach + disk[2])
+          s->near[n++] = number;
+      }
+  return n;
+}
+
+/* --- random placement ------------------------------------------------------------------------------------------ */
+
+sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius, double (*position)[2],
+                       size_t *placed) {
+  size_t *order = malloc((n ? n : 1) * sizeof *order);
+  sd_status status = order ? SD_OK : SD_ERROR_IO;
+  /* the few last disks of a dense packing may need thousands of tries each */
+  double left = 1e6 + 1000.0 * (double)n;
+  *placed = 0;
+  if (order) gsl_sort_index(order, radius, 1, n);
+  for (size_t k = 0; k < n; k++) position[k][0] = position[k][1] = NAN;
+  for (size_t k = n; k-- > 0 && status == SD_OK;) {
+    double r = radius[order[k]], *at = position[order[k]], point[2];
+    for (; left > 0; left--) {
+      for (int c = 0; c < 2; c++) {
+        double margin = s->edge[c] ? r : 0, low = s->lower[c] + margin, high = s->upper[c] - margin;
+        point[c] = place_wrapped(s, low + gsl_rng_uniform(rng) * (high - low), c);
+      }
+      if (place_fits(s, point[0], point[1], r)) break;
+    }
+    if (!(left > 0)) break;
+    at[0] = point[0];
+    at[1] = point[1];
+    status = place_add(s, point[0], point[1], r);
+    ++*placed;
+  }
+  free(order);
+  return status;
+}
+
+/* --- waiting -------------------------------------------------------------------------------------------------- */
+
+void place_waiting(double lower, double upper, double y, double spacing, size_t n, double (*position)[2]) {
+  double columns = fmax(1, floor((upper - lower) / spacing)), wide = (upper - lower) / columns;
+  for (size_t k = 0; k < n; k++) {
+    double row = floor((double)k / columns);
+    position[k][0] = lower + ((double)k - row * columns + 0.5) * wide;
+    position[k][1] = y + row * spacing;
+  }
+}

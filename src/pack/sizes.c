@@ -1,0 +1,133 @@
+/* sizes.c: see sizes.h. */
+#include "pack/sizes.h"
+
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_integration.h>
+#include <gsl/gsl_randist.h>
+#include <gsl/gsl_sort_double.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* p(R) ~ R^-a. The integral of R^-a from one end is written with expm1 of a number <= 0: exact near a = 1, where
+ * it is a logarithm, and finite for any a. */
+static double power_quantile(const sizes *s, double u) {
+  double q = 1 - s->exponent, l = log(s->upper / s->lower);
+  if (fabs(q * l) < 1e-12) return s->lower * exp(u * l);
+  if (q < 0) return s->lower * exp(log1p(u * expm1(q * l)) / q);
+  return s->upper * exp(log1p((1 - u) * expm1(-q * l)) / q);
+}
+
+/* A standard normal number cut at a < b. Above the mean the upper tail is used, which keeps its digits. */
+static double normal_quantile(double a, double b, double u) {
+  if (a > 0) return -normal_quantile(-b, -a, 1 - u);
+  double p = gsl_cdf_ugaussian_P(a);
+  return gsl_cdf_ugaussian_Pinv(p + u * (gsl_cdf_ugaussian_P(b) - p));
+}
+
+static double scaled(const sizes *s, double radius) {
+  return s->kind == SD_SIZES_LOGNORMAL ? log(radius / s->radius) / s->deviation
+                                       : (radius - s->radius) / s->deviation;
+}
+
+double sizes_quantile(const sizes *s, double u) {
+  double x = s->radius;
+  switch (s->kind) {
+    case SD_SIZES_UNIFORM: x = s->lower + u * (s->upper - s->lower); break;
+    case SD_SIZES_POWERLAW: x = power_quantile(s, u); break;
+    case SD_SIZES_GAUSSIAN:
+    case SD_SIZES_LOGNORMAL: {
+      double z = normal_quantile(scaled(s, s->lower), scaled(s, s->upper), u);
+      x = s->kind == SD_SIZES_GAUSSIAN ? s->radius + s->deviation * z : s->radius * exp(s->deviation * z);
+      break;
+    }
+    default: break;
+  }
+  return fmax(s->lower, fmin(s->upper, x));
+}
+
+double sizes_kept(const sizes *s) {
+  if (s->kind != SD_SIZES_GAUSSIAN && s->kind != SD_SIZES_LOGNORMAL) return 1;
+  double a = scaled(s, s->lower), b = scaled(s, s->upper);
+  return a > 0 ? gsl_cdf_ugaussian_Q(a) - gsl_cdf_ugaussian_Q(b)
+               : gsl_cdf_ugaussian_P(b) - gsl_cdf_ugaussian_P(a);
+}
+
+static double area_at(double u, void *user) {
+  double r = sizes_quantile(user, u);
+  return M_PI * r * r;
+}
+
+double sizes_mean_area(const sizes *s) {
+  if (s->kind == SD_SIZES_LIST) {
+    double sum = 0, weight = 0;
+    for (size_t k = 0; k < s->n; k++) {
+      sum += s->weights[k] * M_PI * s->radii[k] * s->radii[k];
+      weight += s->weights[k];
+    }
+    return sum / weight;
+  }
+  if (s->kind == SD_SIZES_MONO) return M_PI * s->radius * s->radius;
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  gsl_integration_cquad_workspace *space = gsl_integration_cquad_workspace_alloc(100);
+  double mean = NAN;
+  gsl_function f = {area_at, (void *)(uintptr_t)s};
+  if (space) gsl_integration_cquad(&f, 0, 1, 0, 1e-9, space, &mean, NULL, NULL);
+  if (space) gsl_integration_cquad_workspace_free(space);
+  gsl_set_error_handler(handler);
+  return mean;
+}
+
+/* How many of n disks each radius of a list gets: the whole parts of n w/W, and one more each for the largest
+ * remainders. */
+static sd_status draw_list(const sizes *s, size_t n, double *radius) {
+  double *remainder = malloc(s->n * sizeof *remainder), total = 0;
+  size_t *count = malloc(s->n * sizeof *count), *order = malloc(s->n * sizeof *order), given = 0;
+  sd_status status = remainder && count && order ? SD_OK : SD_ERROR_IO;
+  for (size_t k = 0; k < s->n; k++) total += s->weights[k];
+  for (size_t k = 0; status == SD_OK && k < s->n; k++) {
+    double share = (double)n * (s->weights[k] / total);
+    count[k] = (size_t)fmin(share, (double)(n - given));
+    remainder[k] = -(share - (double)count[k]);
+    given += count[k];
+  }
+  if (status == SD_OK) {
+    gsl_sort_index(order, remainder, 1, s->n);
+    for (size_t k = 0; given < n; k = (k + 1) % s->n)
+      if (s->weights[order[k]] > 0) {
+        count[order[k]]++;
+        given++;
+      }
+    size_t at = 0;
+    for (size_t k = 0; k < s->n; k++)
+      for (size_t j = 0; j < count[k]; j++) radius[at++] = s->radii[k];
+  }
+  free(remainder);
+  free(count);
+  free(order);
+  return status;
+}
+
+sd_status sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius) {
+  if (s->kind == SD_SIZES_LIST) {
+    sd_status status = draw_list(s, n, radius);
+    if (status == SD_OK && n > 1) gsl_ran_shuffle(rng, radius, n, sizeof *radius);
+    return status;
+  }
+  for (size_t k = 0; k < n; k++)
+    radius[k] = s->kind == SD_SIZES_MONO ? s->radius : sizes_quantile(s, gsl_rng_uniform(rng));
+  return SD_OK;
+}
+
+gsl_rng *sizes_random(uint64_t seed, size_t packing) {
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+  gsl_set_error_handler(handler);
+  if (!rng) return NULL;
+  /* its seed has 32 bits: the two numbers are mixed (the finaliser of splitmix64) */
+  uint64_t z = seed + (packing + 1) * 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  gsl_rng_set(rng, (z ^ (z >> 31)) >> 32);
+  return rng;
+}
