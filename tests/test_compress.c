@@ -1,0 +1,383 @@
+/* test_compress.c: changes of the lengths of a region: targets, pressure, contacts that keep their stretch, the
+ * energy budget, and the same bits whatever happens on the way. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <cmocka.h>
+
+#include "deck_runs.h"
+#include "pack/compress.h"
+
+/* --- decks ------------------------------------------------------------------------------------------- */
+
+typedef struct request {
+  const char *integrator;
+  double dt, mu, gamma_n, spread; /* spread: of random velocities */
+  int wide;                       /* wide * wide disks */
+  bool walls;                     /* four lines, else periodic in x and y */
+  double corner;                  /* lower left */
+} request;
+
+static const request usual = {.integrator = "verlet", .dt = 0.05, .mu = 0.5, .gamma_n = 0.3, .wide = 12};
+
+/* Bidisperse disks on a disordered lattice, radii near 0.5 and 0.7, spacing 1.6: packing fraction 0.45. */
+static void begin_deck(text *t, const request *r) {
+  double spacing = 1.6, size = spacing * r->wide, low = r->corner, high = low + size;
+  uint64_t seed = 77;
+  text_add(
+      t,
+      "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; box = { x = (%.17g, %.17g); y = "
+      "(%.17g, %.17g); periodic = \"%s\"; };\n"
+      "materials = ( { name = \"m\"; k_n = 1.0; k_t = 0.7; gamma_n = %g; mu = %g; } );\n"
+      "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 1; rows = "
+      "(",
+      r->dt, r->integrator, low, high, low, high, r->walls ? "none" : "xy", r->gamma_n, r->mu);
+  for (int k = 0; k < r->wide * r->wide; k++) {
+    double v[5];
+    for (int c = 0; c < 5; c++) v[c] = next_uniform(&seed) - 0.5;
+    text_add(t, "%s(%.9f, %.9f, %.2f, %.9f, %.9f, %.9f)", k ? ", " : "",
+             low + spacing * (k % r->wide + 0.5) + 0.15 * v[0],
+             low + spacing * (k / r->wide + 0.5) + 0.15 * v[1], next_bits(&seed) % 2 ? 0.7 : 0.5,
+             r->spread * v[2], r->spread * v[3], r->spread * v[4]);
+  }
+  text_add(t, "); } );\nmeasure = { rotation = (0, 1); };\n");
+  if (!r->walls) return;
+  text_add(t,
+           "walls = ( { name = \"floor\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); },\n"
+           "{ name = \"lid\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); },\n"
+           "{ name = \"left\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); },\n"
+           "{ name = \"right\"; type = \"line\"; points = ((%.17g, %.17g), (%.17g, %.17g)); } );\n",
+           low, low, high, low, low, high, high, high, low, low, low, high, high, low, high, high);
+}
+
+static sd_model *end_deck(text *t, const char *phases) {
+  text_add(t, "%s", phases);
+  sd_model *m = model_of(t->s);
+  free(t->s);
+  return m;
+}
+
+static sd_model *model_with(const request *r, const char *phases) {
+  text t = {0};
+  begin_deck(&t, r);
+  return end_deck(&t, phases);
+}
+
+static void end_run(sd_simulation *sim, sd_model *m) {
+  sd_simulation_free(sim);
+  sd_model_free(m);
+}
+
+/* --- targets ----------------------------------------------------------------------------------------- */
+
+/* Up and down again; the last change lands on the target. */
+static void test_fraction(void **unused) {
+  (void)unused;
+  sd_model *m =
+      model_with(&usual, "phases = ( { steps = 4000; compress = { fraction = 0.6; rate = 1e-3; }; }, "
+                         "{ steps = 4000; compress = { fraction = 0.5; rate = 1e-3; }; } );");
+  sd_simulation *sim = begin_run(m, 1);
+  double start = compress_fraction(m, sd_simulation_state(sim));
+  advance(sim, 8);
+  double most = 1e-3 * 0.05 * COMPRESS_EVERY, scale = sd_simulation_state(sim)->box_scale;
+  between(scale - (1.0 - most), -1e-15, 1e-15, "one change at the full rate");
+  advance(sim, 3992);
+  between(compress_fraction(m, sd_simulation_state(sim)) - 0.6, -1e-12, 1e-12, "fraction reached");
+  advance(sim, 4000);
+  const sd_state *s = sd_simulation_state(sim);
+  between(compress_fraction(m, s) - 0.5, -1e-12, 1e-12, "fraction reached from above");
+  between(s->box_scale - sqrt(start / 0.5), -1e-12, 1e-12, "scale");
+  end_run(sim, m);
+}
+
+/* From below and from above, jammed, until nothing moves. */
+static void test_pressure(void **unused) {
+  (void)unused;
+  for (int walls = 0; walls < 2; walls++) {
+    request r = usual;
+    r.walls = walls;
+    r.mu = 0.0;
+    sd_model *m = model_with(
+        &r, "phases = ( { steps = 9000; relax = true; compress = { fraction = 0.88; rate = 1e-3; }; },\n"
+            "{ steps = 60000; relax = true; settle = { unbalanced = 1e-4; every = 100; };"
+            "  compress = { pressure = 2e-3; rate = 1e-3; }; },\n"
+            "{ steps = 60000; relax = true; settle = { unbalanced = 1e-4; every = 100; };"
+            "  compress = { pressure = 4e-3; rate = 1e-3; }; }, { steps = 10; } );");
+    sd_simulation *sim = begin_run(m, 1);
+    advance(sim, 9000);
+    assert_true(compress_pressure(engine_of(sim)) > 5e-3);
+    const double target[2] = {2e-3, 4e-3};
+    for (int k = 0; k < 2; k++) {
+      while (sd_simulation_state(sim)->phase == k + 1) advance(sim, 100);
+      assert_true(sd_simulation_state(sim)->step < 9000 + 60000 * (k + 1));
+      double p = compress_pressure(engine_of(sim));
+      between(p / target[k], 1.0 - 1e-3, 1.0 + 1e-3, walls ? "pressure, walls" : "pressure");
+      between(compress_stored_pressure(m, sd_simulation_state(sim)) / p - 1.0, -1e-13, 1e-13, "stored");
+    }
+    end_run(sim, m);
+  }
+}
+
+/* A square lattice of equal disks that overlap by d: p = k d / spacing. */
+static void test_pressure_of_a_lattice(void **unused) {
+  (void)unused;
+  text t = {0};
+  double d = 1e-3, spacing = 1.0 - d;
+  int n = 8;
+  text_add(&t,
+           "dt = 0.01; box = { x = (0, %.17g); y = (0, %.17g); periodic = \"xy\"; };\n"
+           "materials = ( { name = \"m\"; k_n = 3.0; } ); disk_rows = ( { columns = (\"x\", \"y\", "
+           "\"radius\"); mass "
+           "= 1; rows = (",
+           n * spacing, n * spacing);
+  for (int k = 0; k < n * n; k++)
+    text_add(&t, "%s(%.17g, %.17g, 0.5)", k ? ", " : "", spacing * (k % n), spacing * (k / n));
+  text_add(&t, "); } );\n");
+  sd_model *m = end_deck(
+      &t, "phases = ( { steps = 10; }, { steps = 10; compress = { pressure = 1; rate = 1e-3; }; } );");
+  sd_simulation *sim = begin_run(m, 1);
+  between(compress_pressure(engine_of(sim)) / (3.0 * d / spacing), 1.0 - 1e-11, 1.0 + 1e-11, "lattice");
+  between(compress_fraction(m, sd_simulation_state(sim)) / (M_PI / 4.0 / (spacing * spacing)), 1.0 - 1e-12,
+          1.0 + 1e-12, "fraction");
+  end_run(sim, m);
+}
+
+/* At rest in a box, the virial is the mean of the pressures on the walls. */
+static void test_pressure_on_walls(void **unused) {
+  (void)unused;
+  request r = usual;
+  r.walls = true;
+  r.corner = -3.0;
+  r.mu = 0.0; /* the first moment of tangential tractions on a wall would count, too */
+  sd_model *m =
+      model_with(&r, "phases = ( { steps = 12000; relax = true; compress = { fraction = 0.87; rate = "
+                     "1e-3; }; }, { steps = 60000; relax = true; settle = { unbalanced = 1e-9; }; }, "
+                     "{ steps = 10; } );");
+  sd_simulation *sim = begin_run(m, 1);
+  while (sd_simulation_state(sim)->phase < 2) advance(sim, 1000);
+  const sd_state *s = sd_simulation_state(sim);
+  double length = s->box_scale * (m->region_upper[0] - m->region_lower[0]), wall[4];
+  for (uint32_t k = 0; k < 4; k++) {
+    uint32_t slot = sd_simulation_slot(sim, (uint32_t)m->n_disks + k);
+    wall[k] = fabs(k < 2 ? s->force_y[slot] : s->force_x[slot]) / length;
+  }
+  double mean = 0.25 * (wall[0] + wall[1] + wall[2] + wall[3]);
+  print_message("  walls %.6g %.6g %.6g %.6g, virial %.9g, mean %.9g\n", wall[0], wall[1], wall[2], wall[3],
+                compress_pressure(engine_of(sim)), mean);
+  assert_true(mean > 1e-3);
+  between(compress_pressure(engine_of(sim)) / mean, 1.0 - 1e-6, 1.0 + 1e-6, "pressure");
+  end_run(sim, m);
+}
+
+/* --- one change -------------------------------------------------------------------------------------- */
+
+/* Of the two states in which both contacts are closed, and the same. */
+static size_t compare_stretches(const sd_state *a, const sd_state *b, double *most, double *largest) {
+  size_t n = 0;
+  for (size_t c = 0, d = 0; c < a->n_contacts; c++)
+    for (d = 0; d < b->n_contacts; d++) {
+      if (a->contact_a[c] != b->contact_a[d] || a->contact_b[c] != b->contact_b[d]) continue;
+      if (b->contact_slide[d] != 0) continue;
+      *most = fmax(*most, fabs(a->contact_stretch[c] - b->contact_stretch[d]));
+      *largest = fmax(*largest, fabs(a->contact_stretch[c]));
+      n++;
+    }
+  return n;
+}
+
+/* A change puts in what it books; no stretch changes, with disks nor with walls; all lies in the new box. */
+static void test_one_change(void **unused) {
+  (void)unused;
+  for (int walls = 0; walls < 2; walls++) {
+    request r = usual;
+    r.walls = walls;
+    r.spread = 0.5;
+    r.corner = 1.5;
+    sd_model *m =
+        model_with(&r, "gravity = { g = 1e-3; tilt = 0.2; };\n"
+                       "phases = ( { steps = 6007; compress = { fraction = 0.88; rate = 1e-3; }; } );");
+    sd_simulation *sim = begin_run(m, 1);
+    advance(sim, 6005);
+    sd_state *before = copy_of(m, sd_simulation_state(sim));
+    sd_energy old = sd_simulation_energy(sim);
+    assert_int_equal(compress_step(engine_of(sim), NULL), SD_OK);
+    const sd_state *after = sd_simulation_state(sim);
+    sd_energy new = sd_simulation_energy(sim);
+    double f = after->box_scale / before->box_scale;
+    assert_true(f < 1.0);
+    double most = 0.0, largest = 0.0;
+    size_t n = compare_stretches(before, after, &most, &largest);
+    print_message("  %zu contacts, stretches of up to %.3g changed by %.2g; work %.3g, residual by %.2g\n", n,
+                  largest, most, new.work - old.work, new.residual - old.residual);
+    assert_true(n > 150 && largest > 1e-4);
+    assert_true(most < 1e-13);
+    assert_true(new.work - old.work != 0.0);
+    assert_true(fabs(new.residual - old.residual) < 1e-14 * (old.scale + fabs(old.external)));
+    assert_true(new.viscous == old.viscous &&new.kinetic_translation == old.kinetic_translation);
+    for (size_t i = 0; i < after->n_bodies; i++) {
+      between(after->x[i] - (1.5 + f * (before->x[i] - 1.5)), -1e-13, 1e-13, "x");
+      between(after->base_y[i] - (1.5 + f * (before->base_y[i] - 1.5)), -1e-13, 1e-13, "base y");
+      assert_true(after->theta[i] == before->theta[i] && after->vx[i] == before->vx[i]);
+    }
+    const work *w = &engine_of(sim)->work;
+    if (!walls) between(w->length[0] / (f * before->box_scale * 1.6 * 12), 1 - 1e-14, 1 + 1e-14, "length");
+    sd_state_free(before);
+    end_run(sim, m);
+  }
+}
+
+/* --- energy ------------------------------------------------------------------------------------------ */
+
+/* The residual is the integrator's: it falls with the square of dt. */
+static void test_energy(void **unused) {
+  (void)unused;
+  double residual[2];
+  for (int k = 0; k < 2; k++) {
+    request r = usual;
+    r.dt = k ? 0.02 : 0.04;
+    char phases[200];
+    snprintf(phases, sizeof phases,
+             "phases = ( { time = 480; compress = { fraction = 0.88; rate = 8e-4; }; } );");
+    sd_model *m = model_with(&r, phases);
+    sd_simulation *sim = begin_run(m, 1);
+    advance(sim, m->phases[0].steps);
+    sd_energy e = sd_simulation_energy(sim);
+    residual[k] = fabs(e.residual) / e.work;
+    print_message(
+        "  dt %g: work %.4g, elastic %.4g, viscous %.4g, friction %.4g, opening %.2g, residual/work %.2g\n",
+        r.dt, e.work, e.elastic_normal + e.elastic_skin, e.viscous, e.friction, e.opening,
+        e.residual / e.work);
+    assert_true(e.work > 0.0 && e.friction > 0.01 * e.work && e.elastic_normal > 0.1 * e.work);
+    end_run(sim, m);
+  }
+  assert_true(residual[0] < 2e-5);
+  assert_true(residual[1] < 0.4 * residual[0]);
+}
+
+/* --- the same bits ----------------------------------------------------------------------------------- */
+
+static void test_same_bits(void **unused) {
+  (void)unused;
+  const char *phases =
+      "phases = ( { steps = 1501; compress = { fraction = 0.85; rate = 8e-3; }; }, { steps = "
+      "1203; relax = true; "
+      "compress = { pressure = 1e-3; rate = 2e-3; }; measure = true; }, { steps = 300; } );";
+  for (int k = 0; k < 4; k++) {
+    request r = usual;
+    r.integrator = k % 2 ? "gear5" : "verlet";
+    r.walls = k / 2;
+    r.spread = 0.3;
+    sd_model *m = model_with(&r, phases);
+    sd_simulation *whole = begin_run(m, 1), *pieces = begin_run(m, 1), *threads = begin_run(m, 3);
+    for (int64_t done = 0; done < 3000; done += 500) {
+      advance(whole, 500);
+      advance(threads, 500);
+      for (int part = 0; part < 5; part++) {
+        advance(pieces, part == 4 ? 64 : 109);
+        if (part % 2) {
+          pieces = go_on_from_copy(pieces, 1);
+        } else {
+          assert_int_equal(sd_simulation_rebuild(pieces, NULL), SD_OK);
+        }
+      }
+      same_states(sd_simulation_state(whole), sd_simulation_state(pieces), "pieces");
+      same_states(sd_simulation_state(whole), sd_simulation_state(threads), "threads");
+    }
+    assert_true(sd_simulation_state(whole)->n_contacts > 150);
+    assert_true(sd_simulation_state(whole)->relaxed > 0.0);
+    sd_simulation_free(pieces);
+    sd_simulation_free(threads);
+    end_run(whole, m);
+  }
+}
+
+/* Lists of candidates miss nothing while everything shrinks: any skin gives the same bits. */
+static void test_skin(void **unused) {
+  (void)unused;
+  uint64_t hash[3];
+  const char *skins[3] = {"skin = 0.01;", "skin = 0.1;", "skin = 0.6;"};
+  for (int k = 0; k < 3; k++) {
+    char phases[300];
+    snprintf(phases, sizeof phases,
+             "%s phases = ( { steps = 2500; compress = { fraction = 0.87; rate = 4e-3; }; }, { steps = 1000; "
+             "compress "
+             "= { fraction = 0.6; rate = 4e-3; }; } );",
+             skins[k]);
+    request r = usual;
+    r.walls = true;
+    r.spread = 0.1;
+    sd_model *m = model_with(&r, phases);
+    sd_simulation *sim = begin_run(m, 1);
+    advance(sim, 3500);
+    print_message("  %s %lld builds\n", skins[k], (long long)engine_of(sim)->work.builds);
+    hash[k] = sd_state_hash(sd_simulation_state(sim));
+    end_run(sim, m);
+  }
+  assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
+}
+
+/* --- mistakes ---------------------------------------------------------------------------------------- */
+
+static void refused(const char *more, const char *phases, const char *expected) {
+  text t = {0};
+  begin_deck(&t, &usual);
+  text_add(&t, "%s%s", more, phases);
+  sd_messages *messages = sd_messages_new();
+  sd_model *m = NULL;
+  assert_int_equal(sd_deck_load_text(t.s, "test.cfg", 0, NULL, &m, messages), SD_ERROR_USER);
+  bool found = false;
+  for (size_t k = 0; k < sd_messages_count(messages); k++)
+    found = found || strstr(sd_messages_text(messages, k), expected);
+  if (!found) sd_messages_print(messages, stderr);
+  assert_true(found);
+  sd_messages_free(messages);
+  free(t.s);
+}
+
+static void test_refused(void **unused) {
+  (void)unused;
+  const char *phase = "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1e-3; }; } );";
+  refused("walls = ( { name = \"shelf\"; type = \"segment\"; points = ((1, 1), (2, 1)); } );\n", phase,
+          "wall \"shelf\" has a size of its own");
+  refused("motions = ( { name = \"pull\"; disk = 3; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } "
+          ");\n",
+          phase, "motion \"pull\" prescribes positions");
+  refused("", "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1; }; } );",
+          "expected a number > 0 and at most 0.02");
+  refused("", "phases = ( { steps = 10; compress = { rate = 1e-3; }; } );", "either pressure or fraction");
+}
+
+/* The least width of a periodic box is looked at on the way, too. */
+static void test_too_narrow(void **unused) {
+  (void)unused;
+  request r = usual;
+  r.wide = 3; /* 4.8 long, where 3.36 is the least */
+  sd_model *m =
+      model_with(&r, "max_overlap = 1; phases = ( { steps = 4000; relax = true; compress = { pressure = "
+                     "50; rate = 1e-2; }; } );");
+  sd_simulation *sim = begin_run(m, 1);
+  sd_messages *messages = sd_messages_new();
+  assert_int_equal(sd_simulation_advance(sim, 4000, messages), SD_ERROR_NUMERIC);
+  assert_non_null(strstr(sd_messages_text(messages, 0), "compressed box"));
+  sd_messages_free(messages);
+  end_run(sim, m);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_fraction),
+      cmocka_unit_test(test_pressure),
+      cmocka_unit_test(test_pressure_of_a_lattice),
+      cmocka_unit_test(test_pressure_on_walls),
+      cmocka_unit_test(test_one_change),
+      cmocka_unit_test(test_energy),
+      cmocka_unit_test(test_same_bits),
+      cmocka_unit_test(test_skin),
+      cmocka_unit_test(test_refused),
+      cmocka_unit_test(test_too_narrow),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
