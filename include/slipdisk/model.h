@@ -81,17 +81,20 @@ typedef struct sd_motion {
   sd_motion_kind kind;
   int coordinate; /* SD_X, SD_Y, SD_THETA */
   size_t n_bodies;
-  uint32_t *bodies; /* body numbers */
-  double amplitude; /* harmonic, parabolic: A; random: rms displacement; table: factor */
-  double omega;     /* rad/time: w */
-  double phase;     /* rad: phi */
-  double velocity;  /* constant velocity: v; servo: largest speed */
-  double mass;      /* load: of the wall */
-  double force;     /* load: on the wall, its weight included; servo: on the disks; along the coordinate */
-  double damping;   /* random: c */
-  int64_t interval; /* random: steps between draws, >= 1 (h = interval dt) */
-  double ramp;      /* time over which the motion is faded in, 0: at once */
-  uint32_t stream;  /* random: stream number, unique per independent signal */
+  uint32_t *bodies;   /* body numbers */
+  double amplitude;   /* harmonic, parabolic: A; random: rms displacement; table: factor */
+  double omega;       /* rad/time: w */
+  double phase;       /* rad: phi */
+  double velocity;    /* constant velocity: v; servo: largest speed */
+  double mass;        /* load: of the wall, > 0 */
+  double force;       /* load: on the wall, its weight included; servo: on the disks; along the coordinate */
+  double pressure;    /* servo: force/length on the disks, along the coordinate; 0: `force` counts */
+  double length;      /* servo: of the wall at the start, on which the pressure acts */
+  uint32_t beside[2]; /* servo: walls at its lower and upper end that the length follows; 0: none */
+  double damping;     /* random: c */
+  int64_t interval;   /* random: steps between draws, >= 1 (h = interval dt) */
+  double ramp;        /* time over which the motion is faded in, 0: at once */
+  uint32_t stream;    /* random: stream number, unique per independent signal */
   size_t n_table;
   double *table_time, *table_value; /* table: time increasing; held constant beyond its ends ... */
   bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
@@ -261,6 +264,7 @@ typedef struct sd_model {
   char *deck_text;      /* as read */
   char *deck_overrides; /* one "path=value" per line */
   char *deck_full;      /* the deck with all defaults, canonical form */
+  char *deck_bodies;    /* names and walls as the deck has them, for decks that begin with the result */
 
   /* derived */
   size_t n_segments;
@@ -278,6 +282,11 @@ SD_API void sd_model_free(sd_model *model);
 SD_API sd_status sd_model_finish(sd_model *model, sd_messages *messages);
 
 SD_API size_t sd_model_bodies(const sd_model *model); /* n_disks + n_walls */
+/* On which side of a wall along x or y the disks are at the start: +1, -1; 0 where the wall surrounds them or
+ * moves along itself. The middle of the free disks in play decides, that of the region where there are none. */
+SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
+/* Two motions of one phase, the first a load or a servo, on the same coordinate of one wall; false: none. */
+SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
 SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);

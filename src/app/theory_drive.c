@@ -7,11 +7,10 @@
 
 #include "app/theory.h"
 
-static const char *const kind_names[SD_MOTION_KINDS] = {[SD_MOTION_VELOCITY] = "velocity",
-                                                        [SD_MOTION_HARMONIC] = "harmonic",
-                                                        [SD_MOTION_PARABOLIC] = "parabolic",
-                                                        [SD_MOTION_RANDOM] = "random",
-                                                        [SD_MOTION_TABLE] = "table"};
+static const char *const kind_names[SD_MOTION_KINDS] = {
+    [SD_MOTION_VELOCITY] = "velocity", [SD_MOTION_HARMONIC] = "harmonic", [SD_MOTION_PARABOLIC] = "parabolic",
+    [SD_MOTION_RANDOM] = "random",     [SD_MOTION_TABLE] = "table",       [SD_MOTION_LOAD] = "load",
+    [SD_MOTION_SERVO] = "servo"};
 static const char *const coordinate_names[SD_COORDINATES] = {"x", "y", "theta"};
 
 /* What is on: the motion of each support's angle, if any, and whether others shake it at random. */
@@ -28,6 +27,7 @@ static bool names(const sd_motion *motion, uint32_t body) {
 }
 
 static bool rests(const sd_motion *motion) {
+  if (motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO) return false;
   return motion->kind == SD_MOTION_VELOCITY ? motion->velocity == 0 : motion->amplitude == 0;
 }
 

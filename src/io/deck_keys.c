@@ -68,7 +68,8 @@ static const deck_key box_keys[] = {
      "[lower, upper] edge; required when periodic in y"},
     {"periodic", CHOICE, "\"none\"", "none x y xy",
      "directions in which the box repeats; its edges are no walls"},
-    {"file", TEXT, "-", NULL, "result of a run whose last frame gives the edges that are not given here"},
+    {"file", TEXT, "-", NULL,
+     "result of a run, or LAMMPS data file, that gives the periodic edges not given here; of the last frame"},
 };
 TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
 
@@ -131,11 +132,11 @@ static const deck_key file_keys[] = {
     {"file", TEXT, "required", NULL, "file, seen from the deck's folder"},
     {"format", CHOICE, "(by the file's name)", "csv hdf5 lammps",
      "CSV with a line of names at the top, HDF5, or a LAMMPS data file"},
-    {"dataset", TEXT, "-", NULL, "HDF5: the dataset"},
-    {"columns", NAMES, "(all of a CSV file; x, y, radius of HDF5)", NULL,
+    {"dataset", TEXT, "(/particles/disks of a result)", NULL, "HDF5: the dataset"},
+    {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
     {"contacts", BOOL, "false", NULL,
-     "result of a run: take its contacts over too, so that the packing stays exactly as it was"},
+     "result or checkpoint of a run: take its contacts over too, so that the packing stays exactly as it was"},
     DISK("-")};
 TABLE(deck_disk_files, "disk_files", false,
       "Many disks from a file; keys of `disks` that are not columns hold for all rows.", file_keys);
@@ -320,10 +321,11 @@ static const deck_key motion_keys[] = {
     {"factor", NUMBER(DECK_ANY, "-"), "1.0", NULL, "table: the values are multiplied by this"},
     {"periodic", BOOL, "false", NULL, "table: repeat it; the last value must equal the first"},
     {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "load: mass of the wall, which gravity pulls too"},
-    {"force", NUMBER(DECK_ANY, "force"), "-", NULL,
-     "load: along the coordinate, besides its weight; servo: that the disks shall feel from the wall"},
-    {"pressure", NUMBER(DECK_ANY, "force/length"), "-", NULL, "servo: force over the length of the wall"},
-    {"length", NUMBER(DECK_POSITIVE, "length"), "(of the segment, or of the container)", NULL,
+    {"force", NUMBER(DECK_ANY, "force"), "(0.0 of a load)", NULL,
+     "along the coordinate: on a load, besides its weight; by a servo on the disks"},
+    {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
+     "servo: force over the length of the wall, > 0 when it presses"},
+    {"length", NUMBER(DECK_POSITIVE, "length"), "(of the segment, box or container)", NULL,
      "servo: length of the wall that the pressure acts on"},
     {"speed", NUMBER(DECK_POSITIVE, "length/time"), "-", NULL, "servo: largest speed"},
 };
@@ -347,7 +349,7 @@ const deck_shape deck_motion_kinds[] = {
     {"load", SD_MOTION_LOAD, "mass* force",
      "wall, x or y: moves freely along the coordinate, under its weight, a force and the disks"},
     {"servo", SD_MOTION_SERVO, "force/pressure* speed* length",
-     "wall, x or y: moves so that the disks feel a given force from it"},
+     "wall, x or y: moves so that it exerts a given force on the disks"},
 };
 const size_t deck_motion_kind_count = COUNT(deck_motion_kinds);
 

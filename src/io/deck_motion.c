@@ -22,13 +22,31 @@ typedef struct streams {
   unsigned char *used[THINGS]; /* [3 * things] */
 } streams;
 
+static const double pi = 3.14159265358979323846;
+
 static double read_omega(deck_group *g) {
   if (!deck_given(g, "frequency")) {
     double w = deck_get(g, "omega") ? deck_number(g, "omega") : NAN;
     if (w <= 0) deck_fail_key(g->d, g->node, "omega", "expected an angular frequency > 0");
     return w;
   }
-  return 2 * 3.14159265358979323846 * deck_number(g, "frequency");
+  return 2 * pi * deck_number(g, "frequency");
+}
+
+/* From `amplitude`, or from the largest acceleration a: a harmonic signal has A w^2 = a. The second derivative of
+ * u = 4A(z - z|z|), z = (wt + phi)/pi, is 8A (w/pi)^2 in size at all times (eq. 21). Of a random one the rms
+ * displacement follows as of a harmonic one. */
+static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
+  if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
+  const double *gravity = g->d->model->gravity;
+  double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
+  if (mask >> SD_THETA & 1)
+    deck_fail_key(g->d, g->node, "acceleration", "theta has none in units of g; expected amplitude");
+  if (!(strength > 0))
+    deck_fail_key(g->d, g->node, "acceleration",
+                  "in units of g, but there is no gravity; expected amplitude");
+  double a = deck_number(g, "acceleration") * strength / (w * w);
+  return motion->kind == SD_MOTION_PARABOLIC ? a * pi * pi / 8 : a;
 }
 
 /* --- tables ------------------------------------------------------------------------------------------------ */
@@ -201,6 +219,86 @@ static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsign
   }
 }
 
+/* --- walls that the disks move ------------------------------------------------------------------------------ */
+
+static uint32_t wall_called(const sd_model *m, const char *name) {
+  for (size_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].name && !strcmp(m->walls[w].name, name)) return (uint32_t)(m->n_disks + w);
+  return 0;
+}
+
+/* What a pressure acts on: the segment; the period of the box; of a line in a container the distance of the walls
+ * beside it, wherever they move. */
+static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, int coordinate) {
+  static const char *const beside[2][2] = {{"left", "right"}, {"floor", "lid"}};
+  const sd_model *m = g->d->model;
+  int across = coordinate == SD_X ? SD_Y : SD_X;
+  motion->beside[0] = motion->beside[1] = 0;
+  if (deck_given(g, "length")) {
+    motion->length = deck_number(g, "length");
+  } else if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
+    motion->length = hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
+  } else if (wall->kind == SD_WALL_LINE && m->periodic[across]) {
+    motion->length = m->upper[across] - m->lower[across];
+  } else if (wall->kind == SD_WALL_LINE && m->container == SD_CONTAINER_BOX) {
+    motion->length = m->region_upper[across] - m->region_lower[across];
+    for (int k = 0; k < 2; k++) motion->beside[k] = wall_called(m, beside[across][k]);
+  } else {
+    deck_fail_key(g->d, g->node, "length",
+                  "missing: expected the length of the wall that the pressure acts on");
+  }
+}
+
+static void read_servo(deck_group *g, sd_motion *motion, uint32_t body, int coordinate) {
+  deck *d = g->d;
+  const sd_model *m = d->model;
+  motion->velocity = deck_number(g, "speed");
+  if (deck_given(g, "force")) {
+    motion->force = deck_number(g, "force");
+    if (motion->force == 0) deck_fail_key(d, g->node, "force", "expected a force other than 0");
+    if (deck_given(g, "length")) deck_fail_key(d, g->node, "length", "expected with pressure only");
+  } else if (deck_given(g, "pressure")) {
+    int side = sd_model_side(m, body, coordinate);
+    motion->pressure = side * deck_number(g, "pressure");
+    if (side == 0)
+      deck_fail_key(d, g->node, "pressure", "this wall does not press along %s; expected force",
+                    coordinate == SD_X ? "x" : "y");
+    read_length(g, motion, &m->walls[body - m->n_disks], coordinate);
+  }
+}
+
+static void read_load(deck_group *g, sd_motion *motion, int coordinate) {
+  if (!deck_get(g, "force")) {
+    deck_node *force = deck_node_new(g->d, g->node, "force", DECK_FLOAT, g->node->place);
+    force->defaulted = true;
+  }
+  motion->mass = deck_number(g, "mass");
+  motion->force = deck_number(g, "force") + motion->mass * g->d->model->gravity[coordinate];
+}
+
+/* One motion for each wall: they move on their own. */
+static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
+                          unsigned mask) {
+  deck *d = g->d;
+  size_t before = d->reported;
+  const char *what = motion->kind == SD_MOTION_LOAD ? "load" : "servo";
+  for (int k = 0; k < 2; k++) {
+    const char *key = k ? "group" : "disk";
+    if (deck_given(g, key)) deck_fail_key(d, g->node, key, "a %s moves walls only; expected wall", what);
+  }
+  int coordinate = mask == 1u << SD_X ? SD_X : SD_Y;
+  if (mask && mask != 1u << SD_X && mask != 1u << SD_Y)
+    deck_fail_key(d, g->node, "coordinate",
+                  "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
+  if (motion->kind == SD_MOTION_LOAD) read_load(g, motion, coordinate);
+  for (size_t b = 0; d->reported == before && b < bodies->n; b++) {
+    if (motion->kind == SD_MOTION_SERVO) read_servo(g, motion, bodies->body[b], coordinate);
+    push(d, motion, entry, coordinate, 1, &bodies->body[b]);
+  }
+}
+
+/* --- all ---------------------------------------------------------------------------------------------------- */
+
 static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   deck_group g;
   if (!deck_enter(d, node, &deck_motions, &g)) return;
@@ -214,6 +312,10 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   deck_check_shape(&g, shape, deck_motion_kinds, deck_motion_kind_count);
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
   sd_motion motion = {.name = own_name, .kind = (sd_motion_kind)shape->kind, .interval = 1};
+  if (motion.kind == SD_MOTION_LOAD || motion.kind == SD_MOTION_SERVO) {
+    read_feedback(&g, &motion, entry, &bodies, mask);
+    return;
+  }
   if (shape->kind == DECK_MOTION_FIXED) {
     motion.kind = SD_MOTION_VELOCITY; /* of velocity 0 */
   } else {
@@ -222,8 +324,8 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
     if (motion.kind == SD_MOTION_TABLE) {
       read_table(&g, &motion);
     } else if (motion.kind != SD_MOTION_VELOCITY) {
-      motion.amplitude = deck_number(&g, "amplitude");
       motion.omega = read_omega(&g);
+      motion.amplitude = read_amplitude(&g, &motion, mask);
     }
     if (motion.kind == SD_MOTION_HARMONIC || motion.kind == SD_MOTION_PARABOLIC)
       motion.phase = deck_number(&g, "phase");
@@ -242,6 +344,21 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   if (d->reported > before) motion.n_table = 0;
   for (int c = 0; c < 3; c++)
     if (mask >> c & 1) push(d, &motion, entry, c, bodies.n, bodies.body);
+}
+
+void deck_check_motions(deck *d) {
+  const sd_model *m = d->model;
+  const deck_node *list = deck_child(d->root, "motions");
+  size_t q[2];
+  for (size_t k = 0; k < m->n_phases; k++) {
+    if (!sd_model_clash(m, k, q)) continue;
+    const deck_node *other = list->child[d->motion_entry[q[1]]];
+    deck_fail(d, list->child[d->motion_entry[q[0]]],
+              "in phase %zu, %s moves the same coordinate of this wall; a load or a servo expects to be "
+              "alone there",
+              k, deck_node_path(d, other));
+    return;
+  }
 }
 
 void deck_read_motions(deck *d) {

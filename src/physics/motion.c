@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "physics/feedback.h"
 #include "physics/kernels.h"
 #include "physics/neighbours.h"
 #include "physics/random.h"
@@ -30,6 +31,7 @@ struct motions {
   size_t n_placed;
   placed *places;
   const double **terms; /* signals: u, v, low */
+  feedbacks feedbacks;
   bool moves_walls;
   bool quiet; /* nothing in this batch can make the lists stale or leave its range */
 };
@@ -136,8 +138,8 @@ static const motion_kind motion_kinds[SD_MOTION_KINDS] = {
     [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic},
     [SD_MOTION_RANDOM] = {"random", fill_random},
     [SD_MOTION_TABLE] = {"table", fill_table},
-    [SD_MOTION_LOAD] = {"load", fill_velocity},
-    [SD_MOTION_SERVO] = {"servo", fill_velocity},
+    [SD_MOTION_LOAD] = {"load", NULL}, /* feedback.h */
+    [SD_MOTION_SERVO] = {"servo", NULL},
 };
 
 /* Fades in: u r(t), r = 6 s^5 - 15 s^4 + 10 s^3, s = t/ramp; the velocity follows. */
@@ -222,12 +224,12 @@ static void fill(engine *e, int64_t first) {
   draw_ahead(e, first);
   q->first = first;
   for (size_t k = 0; k < e->model->n_motions; k++) {
-    if (e->state->motion_start[k] < 0) continue;
+    if (e->state->motion_start[k] < 0 || feedback_drives(&e->model->motions[k])) continue;
     batch b = {e, &e->model->motions[k], &q->signals[k], first - e->state->motion_start[k]};
     motion_kinds[b.motion->kind].fill(&b);
     if (b.motion->ramp > 0.0) fade_in(&b);
   }
-  q->quiet = true;
+  q->quiet = q->feedbacks.count == 0;
   for (size_t k = 0; k < q->n_placed; k++) {
     fill_place(e, &q->places[k]);
     q->quiet = q->quiet && place_is_quiet(e, &q->places[k]);
@@ -284,7 +286,8 @@ sd_status motion_new(engine *e, sd_messages *messages) {
     q->groups = calloc(m->n_motions / OSCILLATORS + 1, sizeof *q->groups);
     q->random = calloc(m->n_motions + 1, sizeof *q->random);
   }
-  if (!q || !q->signals || !q->places || !q->terms || !q->groups || !q->random)
+  if (!q || !q->signals || !q->places || !q->terms || !q->groups || !q->random ||
+      feedback_new(e, &q->feedbacks) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
@@ -308,6 +311,7 @@ void motion_free(engine *e) {
   free(q->terms);
   free(q->groups);
   free(q->random);
+  feedback_free(&q->feedbacks);
   free(q);
   e->work.motions = NULL;
 }
@@ -342,6 +346,7 @@ static sd_status list_places(engine *e) {
         uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
         size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
         if (slot >= e->state->n_disks) q->moves_walls = true;
+        if (feedback_drives(&m->motions[k])) continue;
         if (pass == 0)
           count[c]++;
         else
@@ -355,6 +360,7 @@ static sd_status list_places(engine *e) {
       terms += count[c];
     }
   }
+  feedback_list(e, &q->feedbacks);
   bool failed = !count || !at;
   free(count);
   free(at);
@@ -412,7 +418,9 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
   const motions *q = e->work.motions;
   sd_state *s = e->state;
   double *base = base_of(s, m->coordinate);
-  if (q->first >= 0 && s->step >= q->first)
+  if (feedback_drives(m))
+    feedback_end(e, k);
+  else if (q->first >= 0 && s->step >= q->first)
     for (size_t b = 0; b < m->n_bodies; b++)
       base[e->work.slot[m->bodies[b]]] += q->signals[k].u[s->step - q->first];
   s->motion_start[k] = -1;
@@ -427,6 +435,7 @@ static void switch_on(engine *e, int32_t *movers, size_t k) {
   e->state->motion_start[k] = e->state->step;
   count_mover(e, movers, k, 1);
   if (e->model->motions[k].kind == SD_MOTION_RANDOM) start_random(e, k);
+  if (feedback_drives(&e->model->motions[k])) feedback_begin(e, k);
 }
 
 sd_status motion_begin_phase(engine *e) {
@@ -506,6 +515,7 @@ void motion_place(engine *e, thread_work *mine) {
     *p->speed = p->velocity[k];
   }
   if (q->quiet) return;
+  feedback_place(e, &q->feedbacks, mine);
   for (const placed *p = q->places; p < q->places + q->n_placed; p++) {
     if (neighbours_moved(e, p->slot)) mine->stale = true;
     /* free disks with a prescribed coordinate are looked at by the corrector */
@@ -524,8 +534,8 @@ void motion_came_back(engine *e, uint32_t slot) {
 }
 
 void motion_work(engine *e) {
-  const motions *q = e->work.motions;
-  double done = 0.0;
+  motions *q = e->work.motions;
+  double done = feedback_correct(e, &q->feedbacks);
   for (const placed *p = q->places; p < q->places + q->n_placed; p++)
     done += (p->force_before + *p->force) * p->moved;
   e->state->work_driven -= 0.5 * done;

@@ -1,4 +1,5 @@
-/* motion.h: prescribed motions: signals u(t), and the coordinates that they are added to.
+/* motion.h: prescribed motions: signals u(t), and the coordinates that they are added to; and the walls whose
+ * motion depends on the disks (feedback.h), which are switched and placed here too.
  *
  * Signals do not depend on the dynamics, so they are computed MOTION_BATCH steps ahead, over lanes. A row of
  * motion_kinds per kind of signal; adding a kind is a row, a function and a name in the deck.
@@ -33,7 +34,8 @@ sd_status motion_begin_phase(engine *e);
 sd_status motion_resume(engine *e);
 /* Sets every prescribed coordinate and its velocity to their values at step state->step + 1. */
 void motion_place(engine *e, thread_work *mine);
-/* Books the work that the placed bodies did in this step: trapezoid of the contact forces, which must be new. */
+/* Books the work that the placed bodies did in this step: trapezoid of the contact forces, which must be new.
+ * Loads get their velocities. */
 void motion_work(engine *e);
 /* Computes ahead when the batch is used up. True: in this batch no prescribed body can make the lists stale
  * or leave its range, so placing is nothing but copying value[motion_index] and velocity. */
