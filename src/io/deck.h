@@ -88,9 +88,9 @@ typedef struct deck {
   size_t n_disk_names;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
   size_t n_file_tables;
-  bool disks_missing;               /* some could not be read */
-  unsigned char *held;              /* bit k: coordinate k is prescribed by a motion */
-  struct place_interior *interior;  /* of the container */
+  bool disks_missing;              /* some could not be read */
+  unsigned char *held;             /* bit k: coordinate k is prescribed by a motion */
+  struct place_interior *interior; /* of the container */
 
   /* which entry of `motions` a motion of the model came from */
   size_t *motion_entry;
@@ -176,14 +176,13 @@ const char *deck_value_text(deck *d, const deck_node *node);
 void deck_read_materials(deck *d);
 void deck_check_laws(deck *d); /* call when motions are read */
 void deck_read_disks(deck *d);
-void deck_read_container(deck *d); /* its region and box; call before disks */
-void deck_container_bodies(
-    deck *d);                     /* its walls, the disks of its floor; call when disks and walls are read */
-void deck_read_packings(deck *d); /* call when all other disks and walls are there */
+void deck_read_container(deck *d);   /* its region and box; call before disks */
+void deck_container_bodies(deck *d); /* its walls and floor; call when disks and walls are read */
+void deck_read_packings(deck *d);    /* call when all other disks and walls are there */
 /* Appends a disk with copies of its name and group, which may be NULL (disk->name and disk->group are not read). */
 void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place);
 void deck_read_bounds(deck *d); /* call when motions are read */
-void deck_echo_files(deck *d); /* short disk files turn into rows of the echoed deck */
+void deck_echo_files(deck *d);  /* short disk files turn into rows of the echoed deck */
 void deck_read_walls(deck *d);
 void deck_read_forces(deck *d);
 void deck_read_locks(deck *d);

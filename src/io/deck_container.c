@@ -27,30 +27,36 @@ static void set_region(sd_model *m, double x0, double x1, double y0, double y1, 
 
 static void read_hopper(deck_group *g, double width, double height, place_interior *in) {
   deck *d = g->d;
+  size_t before = d->reported;
   double outlet = deck_number(g, "outlet"), angle = deck_number(g, "angle");
   if (!(angle >= 0 && angle < 1.5))
     deck_fail_key(d, g->node, "angle", "expected an inclination from 0 to 1.5, less than a right angle");
-  if (outlet >= width)
-    deck_fail_key(d, g->node, "outlet", "%g: expected less than the width, %g", outlet, width);
+  if (outlet >= width) deck_fail_key(d, g->node, "outlet", "expected less than the width, %g", width);
   in->bottom = outlet / 2;
   in->top = width / 2;
   in->rise = (width - outlet) / 2 * tan(angle);
-  if (in->rise >= height)
-    deck_fail_key(d, g->node, "height", "%g: the inclined walls alone are %g high; expected more", height,
-                  in->rise);
+  if (d->reported == before && in->rise >= height * (1 - 1e-9))
+    deck_fail_key(d, g->node, "height", "the inclined walls alone are %g high; expected more", in->rise);
+}
+
+static const char *periodic_in(int kind) {
+  return kind == SD_CONTAINER_PERIODIC                              ? "x and y"
+         : kind == SD_CONTAINER_CHANNEL || kind == SD_CONTAINER_BED ? "x"
+                                                                    : "no direction";
 }
 
 /* The container says what the box would say. */
-static void check_box(deck *d, const char *type) {
+static void check_box(deck *d, const deck_shape *shape) {
   static const char *const keys[] = {"x", "y"};
   deck_node *box = deck_child(d->root, "box");
   for (int c = 0; c < 2; c++)
     if (deck_child(box, keys[c]))
-      deck_fail_key(d, box, keys[c], "given together with container \"%s\", which has its own edges", type);
+      deck_fail_key(d, box, keys[c], "given together with container \"%s\", which has its own edges",
+                    shape->name);
   const deck_node *periodic = deck_child(box, "periodic");
   if (periodic && periodic->type == DECK_STRING && strcmp(periodic->value.text, "none") != 0)
-    deck_fail(d, periodic, "given together with container \"%s\", which is periodic in %s", type,
-              d->model->periodic[0] ? d->model->periodic[1] ? "x and y" : "x" : "no direction");
+    deck_fail(d, periodic, "given together with container \"%s\", which is periodic in %s", shape->name,
+              periodic_in(shape->kind));
 }
 
 void deck_read_container(deck *d) {
@@ -87,7 +93,7 @@ void deck_read_container(deck *d) {
     set_region(m, x, x + width, y, y + height, true, true);
   else
     set_region(m, x - half, x + half, y, y + height, wraps, false);
-  check_box(d, deck_container_kinds[choice].name);
+  check_box(d, &deck_container_kinds[choice]);
 }
 
 /* --- walls ---------------------------------------------------------------------------------------------- */

@@ -57,6 +57,7 @@ static void read_list(deck_group *g, sizes *s) {
   deck *d = g->d;
   size_t n_weights;
   s->radii = read_numbers(g, "radii", &s->n);
+  if (s->n == 0) return;
   if (!deck_get(g, "weights")) {
     deck_node *list = deck_default_list(g, "weights");
     for (size_t k = 0; k < s->n; k++) deck_node_new(d, list, NULL, DECK_FLOAT, list->place)->value.number = 1;
@@ -114,8 +115,10 @@ static void read_sizes(deck_group *g, sizes *s) {
   if (d->reported > before) return;
   s->lower = deck_number(g, "lower");
   s->upper = deck_number(g, "upper");
-  if (s->lower >= s->upper)
-    deck_fail_key(d, g->node, "upper", "%g: expected more than lower, %g", s->upper, s->lower);
+  if (s->lower >= s->upper && deck_given(g, "upper"))
+    deck_fail_key(d, g->node, "upper", "expected more than lower, %g", s->lower);
+  else if (s->lower >= s->upper)
+    deck_fail_key(d, g->node, "lower", "expected less than upper, %g", s->upper);
   if (d->reported == before && sizes_kept(s) < LEAST_KEPT)
     deck_fail_key(d, g->node, "lower", "only %g of the distribution lies between lower and upper",
                   sizes_kept(s));
@@ -198,8 +201,7 @@ static void check_area(packing *p, double count, double area) {
   deck *d = p->g.d;
   if (!isnan(p->fraction) && p->fraction > DENSEST)
     deck_fail_key(d, p->g.node, "fraction",
-                  "%g: more than the densest packing of equal disks has; expected at most 0.9069",
-                  p->fraction);
+                  "more than the densest packing of equal disks has; expected at most 0.9069");
   else if (count > MOST_DISKS)
     deck_fail(d, p->g.node, "%g disks; expected at most %g", count, MOST_DISKS);
   else if (count * p->mean_area > DENSEST * area * (1 + 1e-9))
@@ -288,16 +290,14 @@ static void make_lattice(packing *p) {
   deck_default_number(g, "spacing", 2 * p->sizes.upper);
   double spacing = deck_number(g, "spacing"), jitter = deck_number(g, "jitter");
   if (spacing < 2 * p->sizes.upper)
-    deck_fail_key(d, g->node, "spacing", "%g: expected at least the largest diameter, %g", spacing,
-                  2 * p->sizes.upper);
-  if (jitter > 1)
-    deck_fail_key(d, g->node, "jitter", "%g: expected at most 1; beyond it disks could overlap", jitter);
+    deck_fail_key(d, g->node, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes.upper);
+  if (jitter > 1) deck_fail_key(d, g->node, "jitter", "expected at most 1; beyond it disks could overlap");
   if (d->reported > before) return;
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
                  ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
   if (sites > MOST_DISKS) {
-    deck_fail_key(d, g->node, "spacing", "%g: the lattice has about %g sites; expected at most %g", spacing,
-                  sites, MOST_DISKS);
+    deck_fail_key(d, g->node, "spacing", "the lattice has about %g sites; expected at most %g", sites,
+                  MOST_DISKS);
     return;
   }
   bench b = open_bench(p, p->count > 0 ? fmin((double)p->count, sites) : sites);
@@ -310,7 +310,7 @@ static void make_lattice(packing *p) {
   if (b.n == 0)
     deck_fail(d, g->node, "the lattice has no free site in the region");
   else if ((int64_t)b.n < p->count)
-    deck_fail_key(d, g->node, "count", "%lld: the lattice has %zu free sites only", (long long)p->count, b.n);
+    deck_fail_key(d, g->node, "count", "the lattice has %zu free sites only", b.n);
   else
     push(p, b.n, b.radius, b.position, false);
 }
@@ -354,9 +354,8 @@ static void make_front(packing *p) {
   if (placed == 0)
     deck_fail(d, p->g.node, "the front found no place for a disk in the region");
   else if ((int64_t)placed < p->count)
-    deck_fail_key(d, p->g.node, "count",
-                  "%lld: the front has filled the region with %zu disks, a fraction of %.3f",
-                  (long long)p->count, placed, fraction_of(p, placed, b.radius));
+    deck_fail_key(d, p->g.node, "count", "the front has filled the region with %zu disks, a fraction of %.3f",
+                  placed, fraction_of(p, placed, b.radius));
   else
     push(p, placed, b.radius, b.position, false);
 }
@@ -473,8 +472,7 @@ static void make_packing(packing *p) {
                                       : rint(p->fraction * p->area / p->mean_area);
   if (d->reported == before) check_area(p, count, rain ? HUGE_VAL : p->area);
   if (!isnan(p->fraction) && count < 1)
-    deck_fail_key(d, p->g.node, "fraction", "%g: less than one disk in a region of area %g", p->fraction,
-                  p->area);
+    deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
   if (d->reported == before) make[p->kind](p);
 }
 

@@ -262,8 +262,8 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
                        size_t *placed) {
   size_t *order = malloc((n ? n : 1) * sizeof *order);
   sd_status status = order ? SD_OK : SD_ERROR_IO;
-  /* the few last disks of a dense packing may need thousands of tries each */
-  double left = 1e6 + 1000.0 * (double)n;
+  /* equal disks come to a fraction of 0.53 with it; ten times as many tries would come to 0.54 */
+  double left = 1e6 + 300.0 * (double)n;
   *placed = 0;
   if (order) gsl_sort_index(order, radius, 1, n);
   for (size_t k = 0; k < n; k++) position[k][0] = position[k][1] = NAN;
