@@ -37,11 +37,11 @@ static void begin_deck(text *t, const request *r) {
       r->dt, r->integrator, low, high, low, high, r->walls ? "none" : "xy", r->gamma_n, r->mu);
   for (int k = 0; k < r->wide * r->wide; k++) {
     double v[5];
+    int row = k / r->wide;
     for (int c = 0; c < 5; c++) v[c] = next_uniform(&seed) - 0.5;
     text_add(t, "%s(%.9f, %.9f, %.2f, %.9f, %.9f, %.9f)", k ? ", " : "",
-             low + spacing * (k % r->wide + 0.5) + 0.15 * v[0],
-             low + spacing * (k / r->wide + 0.5) + 0.15 * v[1], next_bits(&seed) % 2 ? 0.7 : 0.5,
-             r->spread * v[2], r->spread * v[3], r->spread * v[4]);
+             low + spacing * (k % r->wide + 0.5) + 0.15 * v[0], low + spacing * (row + 0.5) + 0.15 * v[1],
+             next_bits(&seed) % 2 ? 0.7 : 0.5, r->spread * v[2], r->spread * v[3], r->spread * v[4]);
   }
   text_add(t, "); } );\nmeasure = { rotation = (0, 1); };\n");
   if (!r->walls) return;
@@ -133,8 +133,9 @@ static void test_pressure_of_a_lattice(void **unused) {
            "\"radius\"); mass "
            "= 1; rows = (",
            n * spacing, n * spacing);
-  for (int k = 0; k < n * n; k++)
-    text_add(&t, "%s(%.17g, %.17g, 0.5)", k ? ", " : "", spacing * (k % n), spacing * (k / n));
+  for (int row = 0; row < n; row++)
+    for (int k = 0; k < n; k++)
+      text_add(&t, "%s(%.17g, %.17g, 0.5)", row || k ? ", " : "", spacing * k, spacing * row);
   text_add(&t, "); } );\n");
   sd_model *m = end_deck(
       &t, "phases = ( { steps = 10; }, { steps = 10; compress = { pressure = 1; rate = 1e-3; }; } );");

@@ -25,11 +25,13 @@ static sd_model *heap_new(const char *integrator, double dt, double gamma_n, con
            "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 1; "
            "rows = (",
            dt, integrator, gamma_n);
-  for (int k = 0; k < 30; k++)
-    text_add(&t, "%s(%.6f, %.6f, %.4f, %.6f, %.6f, %.6f)", k ? ", " : "",
-             0.6 + 1.15 * (k % 6) + 0.1 * (next_uniform(&seed) - 0.5), 0.6 + 1.15 * (k / 6),
-             0.4 + 0.1 * next_uniform(&seed), k == 3 ? 0.0 : next_uniform(&seed) - 0.5,
-             next_uniform(&seed) - 0.5, k == 8 ? 0.0 : 2 * next_uniform(&seed) - 1);
+  for (int k = 0; k < 30; k++) {
+    double v[5];
+    int row = k / 6;
+    for (int c = 0; c < 5; c++) v[c] = next_uniform(&seed) - 0.5;
+    text_add(&t, "%s(%.6f, %.6f, %.4f, %.6f, %.6f, %.6f)", k ? ", " : "", 0.6 + 1.15 * (k % 6) + 0.1 * v[0],
+             0.6 + 1.15 * row, 0.45 + 0.1 * v[1], k == 3 ? 0.0 : v[2], v[3], k == 8 ? 0.0 : 2 * v[4]);
+  }
   text_add(&t,
            "); } );\nlocks = ( { disk = 3; coordinates = \"x\"; } );\n"
            "motions = ( { name = \"turn\"; disk = 8; coordinate = \"theta\"; type = \"velocity\"; velocity = "
