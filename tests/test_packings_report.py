@@ -1,0 +1,166 @@
+"""The study of packings (tools/packings.sh): its numbers from made-up data, its table of runs, and a tiny campaign."""
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
+sys.path.insert(0, str(ROOT / "tools"))
+sys.dont_write_bytecode = True
+
+try:
+    import matplotlib  # noqa: F401
+except ImportError:
+    print("matplotlib not found: the test of the study of packings is left out")
+    sys.exit(0)
+
+from packings import __main__ as study  # noqa: E402
+from packings import flows, plan, statistics  # noqa: E402
+from packings.plan import Entry  # noqa: E402
+from packings.runs import Campaign  # noqa: E402
+from report.runs import overrides  # noqa: E402
+from report.style import plt  # noqa: E402
+
+plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
+RNG = numpy.random.default_rng(5)
+
+
+class Numbers(unittest.TestCase):
+    def test_jackknife(self):
+        """Of a mean it is the standard error; of groups that repeat each other it is that of the groups."""
+        values = RNG.normal(size=12)
+        mean, error = statistics.mean_error(values)
+        found = statistics.jackknife(numpy.mean, values)
+        self.assertAlmostEqual(found[0], mean, 12)
+        self.assertAlmostEqual(found[1], error, 12)
+        groups = [numpy.full(50, value) for value in values]
+        self.assertAlmostEqual(statistics.jackknife(lambda g: numpy.concatenate(g).mean(), groups)[1], error, 12)
+
+    def test_correlations(self):
+        x = RNG.normal(size=400)
+        self.assertAlmostEqual(statistics.spearman(x, numpy.exp(3 * x)), 1, 12)
+        self.assertLess(statistics.pearson(x, numpy.exp(3 * x)), 0.9)
+        self.assertEqual(list(statistics.ranks([3, 1, 1, 7])), [2, 0.5, 0.5, 3])
+
+    def test_moments(self):
+        mean, rms, skewness, kurtosis = statistics.moments([-1, 1, -1, 1])
+        self.assertEqual((mean, rms, skewness, kurtosis), (0, 1, 0, -2))
+
+    def test_line_and_power(self):
+        x = numpy.arange(1, 9.0)
+        slope, error, offset, _ = statistics.line(x, 3 * x - 2)
+        self.assertAlmostEqual(slope, 3, 10)
+        self.assertAlmostEqual(offset, -2, 10)
+        self.assertLess(error, 1e-9)
+        exponent, _, factor = statistics.power_law(x, 5 * x ** 1.7)
+        self.assertAlmostEqual(exponent, 1.7, 10)
+        self.assertAlmostEqual(factor, 5, 9)
+        # The error of a slope is what repeated noise makes of it.
+        fits = [statistics.line(x, x + 0.1 * RNG.normal(size=8)) for _ in range(400)]
+        told, seen = numpy.mean([f[1] for f in fits]), numpy.std([f[0] for f in fits])
+        self.assertAlmostEqual(told / seen, 1, delta=0.15)
+
+    def test_crossing(self):
+        x = numpy.array([0.1, 1, 10])
+        self.assertAlmostEqual(statistics.crossing(x, [1e-4, 1e-2, 1], 1e-1), 10 ** 0.5, 9)
+        self.assertTrue(numpy.isnan(statistics.crossing(x, [1e-4, 1e-3, 1e-2], 1)))
+        self.assertTrue(0.1 < statistics.crossing(x, [0, 1e-2, 1], 1e-3) < 1)
+
+
+class Flows(unittest.TestCase):
+    def test_flanks(self):
+        """A triangle of disks has the slope that it was made with."""
+        slope = numpy.tan(numpy.radians(22))
+        x, y = (a.ravel() for a in numpy.meshgrid(numpy.arange(-40, 41) + 3.0, 0.5 * numpy.arange(60)))
+        inside = y < 20 - slope * numpy.abs(x - 3)
+        angles, _ = flows.flanks(x[inside], y[inside], numpy.full(inside.sum(), 0.5))
+        for angle in angles:
+            self.assertAlmostEqual(angle, 22, delta=1)
+
+    def test_beverloo(self):
+        """The exponent is found within its error, and the error is neither zero nor everything."""
+        width = numpy.array([4, 5, 6, 7, 8, 10, 12.0])
+        rate = 0.7 * (width - 1.3) ** 1.5 * (1 + 0.01 * RNG.normal(size=7))
+        a, a_error, k, k_error, factor, _, degrees = flows.beverloo(width, rate, 0.01 * rate)
+        self.assertLess(abs(a - 1.5), 3 * a_error)
+        self.assertLess(abs(k - 1.3), 3 * k_error)
+        self.assertTrue(0.01 < a_error < 0.2, a_error)
+        self.assertAlmostEqual(factor, 0.7, delta=0.3)
+        self.assertEqual(degrees, 4)
+
+
+@unittest.skipUnless(os.path.exists(PROGRAM), "the program is not built")
+class Plans(unittest.TestCase):
+    def call(self, *words):
+        done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, f"{words}\n{done.stderr}")
+        return done.stdout
+
+    def test_every_entry_can_be_run(self):
+        """The program takes each deck with the keys of each level, but for files that other entries make."""
+        for name, entry in plan.ENTRIES.items():
+            for level in plan.LEVELS:
+                keys = {**entry.keys, **(entry.quick if level == "quick" else {})}
+                if any("{folder}" in str(value) for value in keys.values()):
+                    continue
+                deck = ROOT / "inputs/packing" / entry.deck
+                if entry.sweep:
+                    self.assertGreater(int(self.call("sweep", deck, "--count", *overrides(keys))), 1, name)
+                self.call("check", deck, "--brief", "--no-probe", *overrides(keys))
+
+
+@unittest.skipUnless(os.path.exists(PROGRAM), "the program is not built")
+class Campaigns(unittest.TestCase):
+    DECK = """
+dt = 1e-4; integrator = "verlet"; gravity = { g = 9.81; };
+materials = ( { name = "grain"; k_n = 1e3; k_t = 5e2; gamma_n = 0.5; mu = 0.1; } );
+container = { type = "box"; width = 0.2; height = 0.4; };
+packings = ( { type = "random"; fraction = 0.3; group = "grains"; density = 3.57;
+               sizes = "list"; radii = (0.015, 0.02, 0.025); y = (0, 0.2); } );
+motions = ( { name = "shake"; wall = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 1; frequency = 80; } );
+phases = ( { name = "rest"; time = 0.3; motions = (); }, { name = "measure"; time = 0.5; } );
+measure = { disks = true; };
+sweep = { parameters = ( { path = "motions.shake.acceleration"; name = "drive"; values = (0.5, 1, 2); } ); replicas = 2; };
+"""
+
+    def test_end_to_end(self):
+        """Made, read, drawn and kept; given again nothing is run; what is not there is said to be missing."""
+        with tempfile.TemporaryDirectory() as folder:
+            deck = os.path.join(folder, "tiny.cfg")
+            with open(deck, "w") as file:
+                file.write(self.DECK)
+            entries = {**plan.ENTRIES, "low": Entry(deck, {"sweep.parameters.drive.values": "(0.5)"}), "drive": Entry(deck)}
+            made = {}
+            for turn in range(2):
+                campaign = Campaign(os.path.join(folder, "out"), "default", PROGRAM, 2, strict=True, say=lambda _: None,
+                                    entries=entries)
+                campaign.make(["low", "drive"])
+                self.assertEqual(campaign.failed, [])
+                files = [*campaign.files("low"), *campaign.files("drive")]
+                self.assertEqual(len(files), 8)
+                times = {path: os.stat(path).st_mtime_ns for path in files}
+                self.assertEqual(made.setdefault("times", times), times, f"run again at call {turn}")
+            run = campaign.runs("low")[0]
+            self.assertEqual(run.parameters["drive"], 0.5)
+            self.assertTrue(all(numpy.isfinite(column).all() for column in (run.omega, *run.halves())))
+            self.assertGreater(run.rms, 0)
+            self.assertLess(abs(run.residual), 1e-2)
+            self.assertGreater(run.openings_per_period(80), 0)
+            path, counts = study.draw(campaign, keep=folder)
+            self.assertEqual(campaign.failed, [])
+            self.assertGreater(sum(counts.values()), 15)
+            with open(os.path.join(folder, "packings_study.md")) as file:
+                text = file.read()
+            self.assertIn("](figures/packings/halves-low.png)", text)
+            self.assertTrue(os.path.getsize(os.path.join(folder, "figures/packings/map-low.png")) > 100)
+            with open(path) as file:
+                self.assertIn("hopper: 0 of", file.read())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=1)

@@ -1,0 +1,139 @@
+"""python3 -m packings: makes the results of one level and draws the study of packings. Called by tools/packings.sh."""
+import argparse
+import os
+import platform
+import signal
+import sys
+import time
+
+from PIL import Image
+
+from report import markdown
+from report.__main__ import escape
+from report.page import Page, badge, missing_list
+from report.runs import STOPPED
+from report.verdict import NO, OPEN, YES
+
+from . import budget, controls, drive, flows, jamming, large, low, plan
+from .runs import ROOT, Campaign, Stopped
+
+TITLE = "Packings: shaken, compressed, poured"
+MODULES = (low, drive, controls, budget, jamming, flows, large)
+
+
+def options():
+    parser = argparse.ArgumentParser(prog="tools/packings.sh", description="Runs the decks of inputs/packing and draws what they "
+                                     "show into one HTML page. What is finished is not run again.")
+    parser.add_argument("--quick", dest="level", action="store_const", const="quick", help="coarse, a few minutes")
+    parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "packings"), metavar="DIR",
+                        help="where results and page go (build/packings)")
+    parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count() or 1, metavar="N",
+                        help="runs at a time (number of cores)")
+    parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "slipdisk"), metavar="FILE")
+    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="only these: " + ", ".join(plan.ENTRIES))
+    parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there")
+    parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/packings_study.md and "
+                        "DIR/figures/packings (docs, when they are to stay with the sources)")
+    parser.set_defaults(level="default")
+    args = parser.parse_args()
+    unknown = [name for name in args.only if name not in plan.ENTRIES]
+    if unknown:
+        parser.error(f"--only {unknown[0]}: nothing is called that; there are " + ", ".join(plan.ENTRIES))
+    return args
+
+
+def sections(campaign, modules=MODULES):
+    found = []
+    for module in modules:
+        try:
+            found += module.sections(campaign)
+        except Exception as error:  # one figure that fails must not take the others with it
+            if campaign.strict:
+                raise
+            campaign.failed.append(f"figures of {module.__name__}: {type(error).__name__}: {error}")
+    return found
+
+
+def draw(campaign, keep=None, modules=MODULES):
+    """Writes the page; returns its path and the number of each verdict."""
+    name = "packings" if campaign.level == "default" else f"packings-{campaign.level}"
+    page = Page(campaign.folder, name + ".html")
+    found = sections(campaign, modules)
+    claims = [claim for section in found for claim in section.claims]
+    counts = {word: sum(claim.verdict == word for claim in claims) for word in (YES, NO, OPEN)}
+    for section in found:
+        page.add(section)
+    page.write(TITLE, head(campaign, found, counts))
+    text = page.path[:-len(".html")] + ".md"
+    markdown.write(text, TITLE, lead(campaign, counts), found, "figures")
+    if keep:
+        keep_in(keep, text, [figure.name for section in found for figure in section.figures])
+    return page.path, counts
+
+
+def words_of(campaign):
+    program = (campaign.provenance() or "?").splitlines()[0]
+    return f"{program} on {platform.machine()}"
+
+
+def head(campaign, found, counts):
+    missing = list(dict.fromkeys(line for section in found for line in section.missing))
+    lines = [f"<p><b>Level: {campaign.level}</b> &ndash; {plan.DESCRIPTIONS[campaign.level]}. SI units unless said otherwise; error "
+             "bars are single standard errors. Every verdict is computed from the numbers beside it.</p>",
+             "<p>" + ", ".join(f"{counts[word]} {badge(word)}" for word in (YES, NO, OPEN)) + "</p>"]
+    if missing:
+        lines.append(missing_list(missing))
+    if campaign.failed:
+        lines.append('<div class="missing"><p>What went wrong:</p><ul>'
+                     + "".join(f"<li>{escape(line)}</li>" for line in campaign.failed) + "</ul></div>")
+    made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
+    lines.append(f'<p class="small">Drawn {made} UTC by {escape(words_of(campaign))}.</p>')
+    return "\n".join(lines)
+
+
+def lead(campaign, counts):
+    """What stands above the Markdown."""
+    return ["What the decks of `inputs/packing` show, statement by statement. The vibrated boxes follow Moukarzel, Peraza-Mues and "
+            "Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are single standard errors; "
+            "every verdict is computed from the numbers beside it, and *reproduced* means that the statement is met.", "",
+            f"Level: {campaign.level}, {plan.DESCRIPTIONS[campaign.level]}.", "",
+            f"Written by `tools/packings.sh --keep docs` with {words_of(campaign)}: "
+            + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."]
+
+
+def keep_in(folder, page, figures):
+    """Copies the Markdown page and its figures, with few colours, to where they stay."""
+    place = os.path.join(folder, "figures", "packings")
+    os.makedirs(place, exist_ok=True)
+    with open(page) as file:
+        text = file.read()
+    with open(os.path.join(folder, "packings_study.md"), "w") as file:
+        file.write(text.replace("](figures/", "](figures/packings/"))
+    for name in figures:
+        with Image.open(os.path.join(os.path.dirname(page), "figures", name + ".png")) as picture:
+            small = picture.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+            small.save(os.path.join(place, name + ".png"), optimize=True)
+
+
+def main():
+    args = options()
+    os.makedirs(args.folder, exist_ok=True)
+    campaign = Campaign(args.folder, args.level, args.program, args.jobs, dry=args.draw)
+    campaign.keep_program()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, campaign.stop)
+    status = 0
+    try:
+        campaign.make(args.only)
+    except Stopped:
+        status = STOPPED
+        print("stopped; drawing what is there. The same command goes on.")
+    path, counts = draw(campaign, args.keep)
+    print(f"{path}: " + ", ".join(f"{number} {word}" for word, number in counts.items()))
+    for line in campaign.failed:
+        print(line, file=sys.stderr)
+    sys.exit(status or (3 if campaign.failed else 0))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,266 @@
+"""Heap and angle of repose, discharge of a hopper, rotating drum."""
+import dataclasses
+
+import numpy as np
+
+from report.page import Figure, Numbers, Section
+from report.style import BLACK, COLOURS, GREY, figure, plt, points
+from report.verdict import decide, missing, number, percent
+
+from . import maps
+from .statistics import line, mean_error
+
+DEGREE = 180 / np.pi
+
+
+def sections(campaign):
+    return [heap(campaign), hopper(campaign), drum(campaign)]
+
+
+# --- heap ---------------------------------------------------------------------------------------------------
+def surface(x, y, radius, width):
+    """(centres, heights) of the highest point of the disks in bins of this width."""
+    place = np.floor(x / width).astype(int)
+    found = {}
+    for k, top in zip(place, y + radius):
+        found[k] = max(found.get(k, -np.inf), top)
+    keys = np.array(sorted(found))
+    return (keys + 0.5) * width, np.array([found[k] for k in keys])
+
+
+def flanks(x, y, radius, part=(0.25, 0.85)):
+    """Slopes of the two flanks of a heap, in degrees: lines through its surface between these parts of the way from the
+    middle (of its mass) to its ends."""
+    middle, width = float(np.average(x, weights=radius ** 2)), 2 * float(radius.mean())
+    place, height = surface(x, y, radius, width)
+    angles, lines = [], []
+    for side in (-1, 1):
+        reach = float(np.max(side * (x - middle)))
+        way = side * (place - middle) / reach
+        chosen = (way > part[0]) & (way < part[1])
+        slope, _, offset, _ = line(place[chosen], height[chosen])
+        angles.append(float(np.arctan(-side * slope)) * DEGREE)
+        lines.append((place[chosen], slope * place[chosen] + offset))
+    return angles, lines
+
+
+def heap(campaign):
+    runs = sorted(campaign.runs("repose"), key=lambda run: (run.parameters.get("mu", 0), run.parameters.get("r", 0)))
+    out = Section("repose", "Heap and angle of repose",
+                  "<code>inputs/packing/repose.cfg</code>: disks are poured on a row of fixed disks, what rolls off its ends is taken "
+                  "away, until the heap rests. The slope is that of a line through the surface of each flank (highest point in "
+                  "every mean diameter, from 25 to 85 % of the way to the foot). Error bars: scatter of flanks and replicas.",
+                  missing=campaign.missing("repose"))
+    found = {}
+    for run in runs:
+        here = run.activity == 0
+        angles, _ = flanks(run.x_end[here], run.y_end[here], run.radius[here])
+        found.setdefault(run.parameters.get("mu"), []).append((run, angles, int(here.sum())))
+    text = "The angle of repose grows with friction."
+    if not found:
+        out.claims.append(missing(text))
+        return out
+    mu = np.array(list(found))
+    mean = np.array([mean_error(np.concatenate([angles for _, angles, _ in some])) for some in found.values()])
+    grows = mean[-1, 0] > mean[0, 0] + 3 * np.hypot(mean[0, 1], mean[-1, 1]) if len(mu) > 1 else None
+    out.claims.append(decide(text, None if grows is None else bool(grows), "; ".join(
+        f"&mu; = {m:g}: {number(*pair)}&deg;" for m, pair in zip(mu, mean))))
+    out.tables.append(Numbers("Angle of repose", ["&mu;", "heaps", "angle (degrees)", "error", "disks in the heap (mean)"],
+                              [[float(m), len(found[m]), *map(float, pair), float(np.mean([n for *_, n in found[m]]))]
+                               for m, pair in zip(mu, mean)]))
+    picture, axes = figure(height=3.6)
+    points(axes, mu, mean[:, 0], mean[:, 1], None, 0, "o")
+    axes.set_xlabel(r"coefficient of friction $\mu$")
+    axes.set_ylabel("angle of repose (degrees)")
+    axes.set_ylim(0, None)
+    out.figures.append(Figure("repose", picture, "Angle of repose against friction.", "Angle of repose against friction"))
+    out.figures.append(heap_figure(found[min(mu, key=lambda m: abs(m - 0.5))][0][0]))
+    return out
+
+
+def heap_figure(run):
+    here = run.activity == 0
+    x, y, radius = run.x_end[here], run.y_end[here], run.radius[here]
+    picture, axes = figure(width=7.2, height=2.9)
+    maps.disks(axes, x, y, radius, plt.get_cmap("Greys")(np.full(len(x), 0.15)), width=0.3)
+    segments, force = run.contact_lines()
+    maps.contacts(axes, segments, force, 2.0, COLOURS[1])
+    _, lines = flanks(x, y, radius)
+    for ends in lines:
+        axes.plot(*ends, color=COLOURS[0], lw=1.6, zorder=4)
+    maps.frame(axes, x, y, radius)
+    axes.set_xlabel("$x$ / mean diameter")
+    axes.set_ylabel("$y$ / mean diameter")
+    return Figure("heap", picture, f"Heap at &mu; = {run.parameters.get('mu', 0):g}; contacts as wide as their forces; blue: fitted "
+                  "flanks.", "Picture of a heap with its contact forces and fitted flanks")
+
+
+# --- hopper -------------------------------------------------------------------------------------------------
+@dataclasses.dataclass
+class Discharge:
+    rate: float      # disks per time
+    early: float     # the same in the first and second half of the window
+    late: float
+    time: np.ndarray
+    out: np.ndarray
+
+
+def discharge(run, part=(0.05, 0.45)):
+    """Rate at which disks pass the outlet (y = 0), from when `part[0]` of them are out until `part[1]` are."""
+    time, place = run.frames()
+    out = np.sum(place[:, :run.n_free, 1] < 0, axis=1)
+    begin = np.searchsorted(out, max(1, part[0] * run.n_free))
+    end = np.searchsorted(out, part[1] * run.n_free)
+    end = min(end, len(out) - 1)
+    if end - begin < 6:
+        return None
+    middle = (begin + end) // 2
+    slope = [line(time[s], out[s])[0] for s in (slice(begin, end + 1), slice(begin, middle + 1), slice(middle, end + 1))]
+    return Discharge(*slope, time, out)
+
+
+def beverloo(width, rate, error, exponent=None):
+    """W = C (D - k)^a by weighted least squares in logarithms: (a, its error, k, its error, C, chi^2, degrees).
+
+    Errors where chi^2 has grown by 1, times sqrt(chi^2/degrees) where that is above 1."""
+    width, rate = np.asarray(width, float), np.asarray(rate, float)
+    relative = np.maximum(np.asarray(error, float) / rate, 1e-6)
+    y = np.log(rate)
+    grid = np.linspace(-1, width.min() - 0.05, 1500)
+    best = []
+    for k in grid:
+        x = np.log(width - k)
+        if exponent is None:
+            weight = relative ** -2
+            mean_x, mean_y = np.average(x, weights=weight), np.average(y, weights=weight)
+            a = np.sum(weight * (x - mean_x) * (y - mean_y)) / np.sum(weight * (x - mean_x) ** 2)
+        else:
+            a = exponent
+        offset = np.average(y - a * x, weights=relative ** -2)
+        best.append((np.sum(((y - a * x - offset) / relative) ** 2), a, offset))
+    chi2, a, offset = (np.array([b[m] for b in best]) for m in range(3))
+    least = int(np.argmin(chi2))
+    degrees = len(width) - (2 if exponent is not None else 3)
+    stretch = max(1.0, chi2[least] / degrees) if degrees > 0 else 1.0
+    near = chi2 <= chi2[least] + stretch
+    return (float(a[least]), float(np.ptp(a[near]) / 2), float(grid[least]), float(np.ptp(grid[near]) / 2),
+            float(np.exp(offset[least])), float(chi2[least]), degrees)
+
+
+def hopper(campaign):
+    out = Section("hopper", "Discharge of a hopper",
+                  "<code>inputs/packing/hopper.cfg</code>, walls inclined by 45&deg;, lengths in mean diameters <i>d</i>, <i>g</i> = 1. "
+                  "The rate <i>W</i> is that of disks passing the outlet while 5 to 45 % of them leave. Beverloo's law in "
+                  "two dimensions: <i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k d</i>)<sup>3/2</sup>.", missing=campaign.missing("hopper"))
+    found = {}
+    for run in campaign.runs("hopper"):
+        flow = discharge(run)
+        if flow:
+            found.setdefault(run.parameters.get("outlet"), []).append(flow)
+    found = dict(sorted(found.items()))
+    text = "The rate follows Beverloo's law with the exponent 3/2."
+    if len(found) < 4:
+        out.claims.append(missing(text))
+        return out
+    width = np.array(list(found))
+    rate = np.array([mean_error([flow.rate for flow in some]) for some in found.values()])
+    scatter = np.nanmean(rate[:, 1] / rate[:, 0]) if np.isfinite(rate[:, 1]).any() else 0.02
+    error = np.maximum(np.nan_to_num(rate[:, 1]), scatter * rate[:, 0])  # few replicas: no error below the mean one
+    a, a_error, k, k_error, factor, chi2, degrees = beverloo(width, rate[:, 0], error)
+    fixed = beverloo(width, rate[:, 0], error, 1.5)
+    out.claims.append(decide(text, bool(abs(a - 1.5) < 2 * a_error) if a_error < 0.3 else None,
+                             f"free exponent {number(a, a_error)} with k = {number(k, k_error)} (&chi;&sup2; = {chi2:.1f} for {degrees} "
+                             f"degrees of freedom); exponent 3/2: k = {number(fixed[2], fixed[3])}, C = {number(fixed[4])}, &chi;&sup2; = "
+                             f"{fixed[5]:.1f} for {fixed[6]}"))
+    change = [flow.late / flow.early - 1 for some in found.values() for flow in some]
+    mean, spread = mean_error(change)
+    out.claims.append(decide("The rate is constant: it does not depend on the height of the filling.", bool(abs(mean) < 0.05),
+                             f"second half of the window against the first: {percent(mean)} &plusmn; {100 * spread:.1f} %, "
+                             "counted as constant up to 5 %"))
+    out.tables.append(Numbers("Discharge", ["D/d", "runs", "rate (disks per sqrt(d/g))", "error", "late/early"],
+                              [[float(d), len(found[d]), float(r[0]), float(r[1]),
+                                float(np.mean([flow.late / flow.early for flow in found[d]]))] for d, r in zip(width, rate)]))
+    out.figures.append(hopper_figure(found, width, rate[:, 0], error, (a, a_error, k, factor), fixed))
+    return out
+
+
+def hopper_figure(found, width, rate, error, free, fixed):
+    picture, axes = figure(columns=2, height=3.2)
+    colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(found)))
+    for colour, (size, some) in zip(colours, found.items()):
+        axes[0].plot(some[0].time - some[0].time[np.argmax(some[0].out > 0)], some[0].out, color=colour, label=f"{size:g}")
+    axes[0].set_xlabel(r"time since opening / $\sqrt{d/g}$")
+    axes[0].set_ylabel("disks out")
+    axes[0].set_xlim(0, None)
+    axes[0].legend(title="$D/d$", fontsize=8.5, loc="lower right", ncol=2)
+    axes[1].errorbar(width, rate, yerr=error, fmt="o", mfc="white", color=BLACK, zorder=3)
+    x = np.linspace(width.min() * 0.97, width.max() * 1.03, 200)
+    axes[1].plot(x, fixed[4] * (x - fixed[2]) ** 1.5, color=COLOURS[1], label=f"$a$ = 3/2, $k$ = {fixed[2]:.2f}")
+    axes[1].plot(x, free[3] * (x - free[2]) ** free[0], color=COLOURS[0], ls="--", label=f"$a$ = {free[0]:.2f} ± {free[1]:.2f}")
+    axes[1].set_xlabel("outlet $D/d$")
+    axes[1].set_ylabel(r"rate $W$ ($\sqrt{g/d}$)")
+    axes[1].legend(loc="upper left", fontsize=9)
+    return Figure("hopper", picture, "Left: disks that are out against time (first replica). Right: rate against outlet with the fits "
+                  "<i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k d</i>)<sup><i>a</i></sup>.", "Discharge of a hopper against time and outlet")
+
+
+# --- drum ---------------------------------------------------------------------------------------------------
+def drum(campaign):
+    out = Section("drum", "Rotating drum",
+                  "<code>inputs/packing/drum.cfg</code>: a rough drum of 40 mean diameters turns clockwise at a Froude number of "
+                  "10<sup>&minus;3</sup>. The angle is that of the line from the centre of the drum to the centre of mass, against the "
+                  "vertical: the slope of a straight surface. Its error is from ten blocks of time.", missing=campaign.missing("drum"))
+    runs = campaign.runs("drum")
+    if not runs:
+        out.claims.append(missing("The packing flows at a steady dynamic angle of repose."))
+        return out
+    run = runs[0]
+    time, place = run.frames()
+    late = time >= time[-1] - run.measured
+    time, place = time[late], place[late][:, :run.n_free]
+    middle = np.average(place, axis=1, weights=run.mass)
+    angles = np.arctan2(-middle[:, 0], -middle[:, 1]) * DEGREE
+    slopes = np.array([_slope(frame, run.radius) for frame in place])
+    blocks = [b.mean() for b in np.array_split(angles, 10)]
+    mean, error = mean_error(blocks)
+    late_mean, late_error = mean_error(blocks[5:])
+    early_mean, early_error = mean_error(blocks[:5])
+    drift, drift_error = late_mean - early_mean, float(np.hypot(late_error, early_error))
+    out.claims.append(decide("The packing flows at a steady dynamic angle of repose.", bool(mean > 5 and abs(drift) < 3 * drift_error),
+                             f"{number(mean, error)}&deg;, standard deviation in time {angles.std():.1f}&deg;; second half minus first half "
+                             f"{number(drift, drift_error)}&deg;; median slope of the surface in the middle half "
+                             f"{np.median(slopes):.1f}&deg;; {run.n_free} disks, {len(time)} frames in {run.measured:g} time units"))
+    out.figures.append(drum_figure(run, mean, time, angles))
+    return out
+
+
+def _slope(place, radius):
+    """Slope of the surface in the middle half, in degrees; single flying disks spoil it."""
+    middle = np.abs(place[:, 0]) < 0.25 * np.ptp(place[:, 0])
+    at, height = surface(place[middle, 0], place[middle, 1], radius[middle], 2 * float(radius.mean()))
+    return float(np.arctan(-line(at, height)[0])) * DEGREE
+
+
+def drum_figure(run, mean, time, angles):
+    picture, axes = figure(columns=2, width=7.2, height=3.7, gridspec_kw={"width_ratios": [1.25, 1]})
+    velocity = run.velocities()
+    speed = np.hypot(*velocity.T)
+    norm = plt.Normalize(0, float(np.quantile(speed, 0.98)))
+    maps.disks(axes[0], run.x_end, run.y_end, run.radius, plt.get_cmap("viridis")(norm(speed)), width=0.2)
+    step = np.hypot(*velocity.T) > 0
+    axes[0].quiver(run.x_end[step], run.y_end[step], *velocity[step].T, color=BLACK, width=0.003, zorder=4,
+                   scale=float(np.quantile(speed, 0.98)) * 18, scale_units="width")
+    box = [(-21, 21), (-21, 21)]
+    maps.walls(axes[0], run, box)
+    axes[0].set_xlim(*box[0])
+    axes[0].set_ylim(*box[1])
+    axes[0].set_aspect("equal")
+    axes[0].set_xlabel("$x/d$")
+    axes[0].set_ylabel("$y/d$")
+    maps.colour_bar(picture, axes[0], norm, r"speed ($\sqrt{gd}$)", location="bottom", shrink=0.8)
+    axes[1].plot(time, angles, color=COLOURS[0], lw=0.7)
+    axes[1].axhline(mean, color=GREY, lw=0.9, gid="guide")
+    axes[1].set_xlabel(r"time / $\sqrt{d/g}$")
+    axes[1].set_ylabel("angle of the packing (degrees)")
+    return Figure("drum", picture, "Left: disks coloured by speed at the end, with velocities. Right: angle of the packing "
+                  "against time.", "Rotating drum: velocities, and angle against time")
