@@ -8,9 +8,6 @@
 
 #include "io/file.h"
 
-/* Raised when what a column means changes; readers refuse other numbers. */
-enum { FORMAT = 2 };
-
 static const struct extent {
   const char *name;
   size_t offset; /* of the size_t in sd_state */
@@ -18,7 +15,7 @@ static const struct extent {
     {"n_disks", offsetof(sd_state, n_disks)},         {"n_bodies", offsetof(sd_state, n_bodies)},
     {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
     {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
-    {"n_means", offsetof(sd_state, n_means)},
+    {"n_means", offsetof(sd_state, n_means)},         {"n_phases", offsetof(sd_state, n_phases)},
 };
 enum { EXTENTS = sizeof extents / sizeof *extents };
 
@@ -30,7 +27,7 @@ static size_t extent_of(const sd_state *state, size_t k) {
 
 void checkpoint_put_state(h5_file *file, const sd_state *state) {
   h5_group(file, "/state");
-  h5_attr_i64(file, "/state", "format", FORMAT);
+  h5_attr_i64(file, "/state", "format", CHECKPOINT_FORMAT);
   for (size_t k = 0; k < EXTENTS; k++)
     h5_attr_i64(file, "/state", extents[k].name, (int64_t)extent_of(state, k));
   h5_attr_i64(file, "/state", "n_contacts", (int64_t)state->n_contacts);
@@ -66,9 +63,9 @@ sd_status checkpoint_write(const char *path, const sd_state *state, int64_t part
 /* Sizes that must be those of the model. */
 static sd_status check_extents(const h5_file *file, const sd_state *state, sd_messages *messages) {
   int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
-  if (format != FORMAT)
+  if (format != CHECKPOINT_FORMAT)
     return sd_fail(messages, SD_ERROR_USER,
-                   "the state is stored in format %" PRId64 ", this program reads %d", format, FORMAT);
+                   "the state is stored in format %" PRId64 ", this program reads %d", format, CHECKPOINT_FORMAT);
   sd_status status = SD_OK;
   for (size_t k = 0; k < EXTENTS; k++) {
     int64_t stored = h5_get_attr_i64(file, "/state", extents[k].name, -1);

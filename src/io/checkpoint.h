@@ -10,6 +10,9 @@
 #include "io/provenance.h"
 #include "io/summary.h"
 
+/* Raised when what a column means changes; readers refuse other numbers. */
+enum { CHECKPOINT_FORMAT = 2 };
+
 sd_status checkpoint_write(const char *path, const sd_state *state, int64_t parts, const provenance *origin,
                            const summary *found, sd_messages *messages);
 

@@ -1,4 +1,4 @@
-/* deck_rows.c: disks in columns. See deck_rows.h.
+/* deck_rows.c: disks in columns: which form a file has; CSV and HDF5. See deck_rows.h.
  *
  * CSV: values with commas between, a line of names at the top, # begins a comment line, blank lines do not
  * count. No quoting: names and numbers need none.
@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/deck_rows.h"
+#include "io/deck_result.h"
+#include "io/file.h"
 #include "io/h5.h"
 
 const char *const deck_column_names[COLUMN_KINDS] = {"x",     "y",      "theta",    "vx",      "vy",
@@ -24,8 +25,8 @@ int deck_column(const char *name) {
 /* --- the key `columns` ---------------------------------------------------------------------------------- */
 
 /* "radius", or "radius = diameter column of the file" */
-static void add_column(deck *d, deck_columns *table, const char *text, const deck_node *node,
-                       deck_place place) {
+bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
+                      deck_place place) {
   const char *equals = strchr(text, '=');
   size_t n = equals ? (size_t)(equals - text) : strlen(text);
   while (n && isspace((unsigned char)text[n - 1])) n--;
@@ -45,9 +46,10 @@ static void add_column(deck *d, deck_columns *table, const char *text, const dec
     if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);
   if (wrong && node) deck_fail(d, node, "%s", wrong);
   if (wrong && !node) deck_fail_place(d, place, "%s", wrong);
-  if (wrong) return;
+  if (wrong) return false;
   table->source[table->n_columns] = source;
   table->column[table->n_columns++] = column;
+  return true;
 }
 
 void deck_columns_read(deck_group *g, deck_columns *table) {
@@ -57,7 +59,7 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
   for (size_t k = 0; k < deck_each_count(list); k++) {
     deck_node *node = deck_each(list, k);
     if (node->type == DECK_STRING)
-      add_column(g->d, table, node->value.text, node, node->place);
+      deck_columns_add(g->d, table, node->value.text, node, node->place);
     else
       deck_fail(g->d, node, "expected the name of a column in quotes");
   }
@@ -65,7 +67,7 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
 
 /* --- cells ---------------------------------------------------------------------------------------------- */
 
-static void add_row(deck *d, deck_columns *t, deck_place place) {
+void deck_columns_add_row(deck *d, deck_columns *t, deck_place place) {
   if (t->n_rows == t->capacity) {
     size_t capacity = 2 * t->capacity + 64, n = t->n_rows * t->n_columns;
     double *number = deck_alloc(d, capacity * t->n_columns, sizeof *number);
@@ -97,7 +99,7 @@ void deck_columns_from_rows(deck_group *g, deck_columns *t) {
       deck_fail(d, row, "expected %zu values in ( ), one per column", t->n_columns);
       continue;
     }
-    add_row(d, t, row->place);
+    deck_columns_add_row(d, t, row->place);
     for (size_t c = 0; c < t->n_columns; c++) {
       deck_node *cell = row->child[c];
       size_t at = (t->n_rows - 1) * t->n_columns + c;
@@ -215,16 +217,12 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
   size_t n = in.n_fields, from[COLUMN_KINDS];
   bool whole = true;
   if (t->n_columns == 0)
-    for (size_t k = 0; k < n; k++) {
-      size_t before = t->n_columns;
-      add_column(d, t, in.field[k], NULL, in.here);
-      whole &= t->n_columns > before;
-    }
+    for (size_t k = 0; k < n; k++) whole &= deck_columns_add(d, t, in.field[k], NULL, in.here);
   for (size_t c = 0; c < t->n_columns; c++)
     whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
   while (whole && csv_line(&in)) {
     if (!csv_row_is_whole(&in, n)) continue;
-    add_row(d, t, in.here);
+    deck_columns_add_row(d, t, in.here);
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = NAN;
@@ -261,16 +259,20 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
 
 /* --- HDF5 ----------------------------------------------------------------------------------------------- */
 
-static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t) {
+static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const char *path) {
   deck *d = g->d;
+  for (size_t c = 0; c < t->n_columns; c++)
+    if (t->column[c] >= COLUMN_NUMBERS)
+      deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; a dataset gives numbers only",
+                    deck_column_names[t->column[c]]);
   const char *dataset = deck_text_of(g, "dataset");
   if (!dataset) {
     deck_fail_key(d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
     return;
   }
   static const char *const usual[] = {"x", "y", "radius"};
-  for (int k = 0; k < 3 && !deck_given(g, "columns"); k++) add_column(d, t, usual[k], file, file->place);
-  const char *path = deck_resolve(d, d->path, file->value.text);
+  for (int k = 0; k < 3 && !deck_given(g, "columns"); k++)
+    deck_columns_add(d, t, usual[k], file, file->place);
   double *values = NULL;
   size_t n = 0, before = sd_messages_errors(d->messages);
   if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &n, d->messages) != SD_OK) {
@@ -281,29 +283,61 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t) {
     return;
   }
   for (size_t r = 0; r < n; r++) {
-    add_row(d, t, (deck_place){deck_format(d, "%s: row %zu", path, r), 0});
+    deck_columns_add_row(d, t, (deck_place){deck_format(d, "%s: row %zu", path, r), 0});
     for (size_t c = 0; c < t->n_columns; c++) t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
   }
   free(values);
 }
 
+/* Of a result all that it knows is taken, unless columns or another dataset are asked for. */
+static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
+  deck *d = g->d;
+  const char *path = deck_resolve(d, d->path, file->value.text);
+  deck_node *dataset = deck_get(g, "dataset"), *contacts = deck_get(g, "contacts");
+  t->contacts = contacts && contacts->type == DECK_BOOL && contacts->value.flag;
+  bool whole = !deck_given(g, "columns") &&
+               (!dataset || (dataset->type == DECK_STRING && strcmp(dataset->value.text, RESULT_DISKS) == 0));
+  if (whole && deck_result_there(path)) {
+    deck_default_text(g, "dataset", RESULT_DISKS);
+    deck_result_rows(g, file, path, t);
+    return;
+  }
+  if (t->contacts && deck_given(g, "columns"))
+    deck_fail_key(d, g->node, "columns", "given together with contacts = true, which takes all of a result");
+  else if (t->contacts && file_exists(path))
+    deck_fail_key(d, g->node, "contacts",
+                  "%s is no result or checkpoint of a run: its contacts are not known", path);
+  t->contacts = false;
+  read_hdf5(g, file, t, path);
+}
+
+static bool ends_in(const char *name, const char *const *endings) {
+  const char *dot = strrchr(name, '.');
+  for (; dot && *endings; endings++)
+    if (strcmp(dot, *endings) == 0) return true;
+  return false;
+}
+
+int deck_file_format(const char *name) {
+  static const char *const hdf5[] = {".h5", ".hdf5", NULL}, *const lammps[] = {".data", ".lmp", ".lammps",
+                                                                               NULL};
+  return ends_in(name, hdf5) ? DECK_HDF5 : ends_in(name, lammps) ? DECK_LAMMPS : DECK_CSV;
+}
+
 void deck_columns_from_file(deck_group *g, deck_columns *t) {
   deck *d = g->d;
+  static const char *const words[] = {[DECK_CSV] = "csv", [DECK_HDF5] = "hdf5", [DECK_LAMMPS] = "lammps"};
   const char *name = deck_text_of(g, "file");
   deck_node *file = deck_get(g, "file");
   if (!name || !file) return;
-  const char *dot = strrchr(name, '.');
-  bool hdf5 = dot && (!strcmp(dot, ".h5") || !strcmp(dot, ".hdf5"));
-  deck_default_text(g, "format", hdf5 ? "hdf5" : "csv");
+  deck_default_text(g, "format", words[deck_file_format(name)]);
   int format = deck_choice(g, "format");
-  if (format == 1) {
-    for (size_t c = 0; c < t->n_columns; c++)
-      if (t->column[c] >= COLUMN_NUMBERS)
-        deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; an HDF5 file gives numbers only",
-                      deck_column_names[t->column[c]]);
-    read_hdf5(g, file, t);
-  } else if (format == 0) {
+  bool contacts = deck_bool(g, "contacts");
+  if (format >= 0 && format != DECK_HDF5) {
     if (deck_given(g, "dataset")) deck_fail_key(d, g->node, "dataset", "belongs to HDF5 files only");
-    read_csv(d, file, t);
+    if (contacts) deck_fail_key(d, g->node, "contacts", "belongs to results of a run (HDF5) only");
   }
+  if (format == DECK_HDF5) hdf5_or_result(g, file, t);
+  if (format == DECK_CSV) read_csv(d, file, t);
+  if (format == DECK_LAMMPS) deck_lammps_read(g, file, t);
 }

@@ -75,6 +75,8 @@ bool h5_has_attr(const h5_file *file, const char *path, const char *name);
 /* Values when absent: the given default. */
 double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, double otherwise);
 int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name, int64_t otherwise);
+/* n numbers; false (values as they were): there is none, or not of n elements. */
+bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n, double *values);
 char *h5_get_attr_text(const h5_file *file, const char *path, const char *name); /* to be freed, or NULL */
 /* Calls visit for every dataset below the root, in alphabetical order. */
 typedef void h5_visitor(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims);

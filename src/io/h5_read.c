@@ -133,25 +133,31 @@ bool h5_has_attr(const h5_file *file, const char *path, const char *name) {
   return h5_exists(file, path) && H5Aexists_by_name(file->id, path, name, H5P_DEFAULT) > 0;
 }
 
-/* Reads a scalar attribute as `type`; leaves value as it is when there is none. */
-static void get_attr(const h5_file *file, const char *path, const char *name, hid_t type, void *value) {
-  if (!h5_has_attr(file, path, name)) return;
+/* Reads an attribute of n elements as `type`; leaves value as it is when there is none. */
+static bool get_attr(const h5_file *file, const char *path, const char *name, hid_t type, size_t n,
+                     void *value) {
+  if (!h5_has_attr(file, path, name)) return false;
   hid_t attr = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, H5P_DEFAULT);
-  if (attr < 0) return;
+  if (attr < 0) return false;
   hid_t space = H5Aget_space(attr);
-  if (H5Sget_simple_extent_npoints(space) == 1) H5Aread(attr, type, value);
+  bool found = H5Sget_simple_extent_npoints(space) == (hssize_t)n && H5Aread(attr, type, value) >= 0;
   H5Sclose(space);
   H5Aclose(attr);
+  return found;
 }
 
 double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, double otherwise) {
-  get_attr(file, path, name, H5T_NATIVE_DOUBLE, &otherwise);
+  get_attr(file, path, name, H5T_NATIVE_DOUBLE, 1, &otherwise);
   return otherwise;
 }
 
 int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name, int64_t otherwise) {
-  get_attr(file, path, name, H5T_NATIVE_INT64, &otherwise);
+  get_attr(file, path, name, H5T_NATIVE_INT64, 1, &otherwise);
   return otherwise;
+}
+
+bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n, double *values) {
+  return get_attr(file, path, name, H5T_NATIVE_DOUBLE, n, values);
 }
 
 char *h5_get_attr_text(const h5_file *file, const char *path, const char *name) {

@@ -28,7 +28,8 @@ const provenance_text provenance_texts[] = {
 const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
 
 /* Decks can be longer than an attribute may be (64 KiB): they are datasets. */
-static const provenance_text decks[] = {TEXT(deck_text), TEXT(deck_overrides), TEXT(deck_full)};
+static const provenance_text decks[] = {TEXT(deck_text), TEXT(deck_overrides), TEXT(deck_full),
+                                        TEXT(deck_bodies)};
 enum { DECKS = sizeof decks / sizeof *decks };
 
 static char **place(const provenance *p, size_t offset) {
@@ -83,6 +84,22 @@ static void author_of(char *text, size_t size) {
     snprintf(text, size, "%s", found->pw_name);
 }
 
+/* Contacts taken over from a file, and the walls, which then stand where the file has them. */
+static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
+  for (size_t k = 0; k < model->n_memories; k++) {
+    const sd_contact_memory *c = &model->memories[k];
+    const uint32_t body[] = {c->a, c->b, c->part, (uint32_t)c->slide};
+    const double real[] = {c->lambda, c->ex, c->ey, c->side, c->force, c->overlap, c->stretch, c->turned};
+    sum = file_sum(file_sum(sum, body, sizeof body), real, sizeof real);
+  }
+  for (size_t k = 0; model->n_memories && k < model->n_walls; k++) {
+    const sd_wall *w = &model->walls[k];
+    sum = file_sum(file_sum(sum, w->pivot, sizeof w->pivot), &w->radius, sizeof w->radius);
+    if (w->n_points) sum = file_sum(sum, w->points, w->n_points * sizeof *w->points);
+  }
+  return sum;
+}
+
 int64_t provenance_inputs(const sd_model *model) {
   uint64_t sum = FILE_SUM;
   for (size_t k = 0; k < model->n_disks; k++) {
@@ -97,7 +114,7 @@ int64_t provenance_inputs(const sd_model *model) {
     sum = file_sum(sum, m->table_time, m->n_table * sizeof *m->table_time);
     sum = file_sum(sum, m->table_value, m->n_table * sizeof *m->table_value);
   }
-  return sum ? (int64_t)sum : 1;
+  return (sum = sum_packing(sum, model)) ? (int64_t)sum : 1;
 }
 
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages) {
@@ -118,7 +135,8 @@ sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *mess
                {&p->deck_path, model->deck_path},
                {&p->deck_text, model->deck_text},
                {&p->deck_overrides, model->deck_overrides},
-               {&p->deck_full, model->deck_full}};
+               {&p->deck_full, model->deck_full},
+               {&p->deck_bodies, model->deck_bodies}};
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)
     status = set(texts[k].at, texts[k].text, messages);

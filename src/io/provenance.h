@@ -7,7 +7,7 @@
 
 typedef struct provenance {
   char *run_id; /* tells runs apart; 32 hexadecimal digits */
-  char *deck_path, *deck_text, *deck_overrides, *deck_full;
+  char *deck_path, *deck_text, *deck_overrides, *deck_full, *deck_bodies;
   char *directory; /* in which the run was started: deck_path may be relative to it */
   char *title;
   char *author, *host, *started, *ended; /* times are UTC, ISO 8601 */
@@ -21,7 +21,7 @@ typedef struct provenance {
 } provenance;
 
 /* A number that stands for what a model may have from files and the full deck does not spell out: constants
- * of the disks, and tables of the motions. Never 0. */
+ * of the disks, tables of the motions, contacts of a packing and the walls that came with them. Never 0. */
 int64_t provenance_inputs(const sd_model *model);
 /* Of a run that starts now. provenance_free also when it fails. */
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages);

@@ -235,12 +235,27 @@ sd_status contacts_store(engine *e) {
   return SD_OK;
 }
 
+/* Does stored contact c stand before pair k in the order of both: round pairs and then pieces of walls? */
+static bool stands_before(const engine *e, size_t c, size_t k) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  uint32_t a = e->work.slot[s->contact_a[c]], partner = s->contact_b[c], n_disks = (uint32_t)s->n_disks;
+  bool piece = partner >= n_disks && e->model->walls[partner - n_disks].kind != SD_WALL_CIRCLE;
+  if (piece != (k >= p->n_round)) return !piece;
+  if (a != (uint32_t)p->a[k]) return a < (uint32_t)p->a[k];
+  if (partner != s->id[p->b[k]]) return partner < s->id[p->b[k]];
+  return s->contact_part[c] < (uint32_t)p->part[k];
+}
+
 void contacts_load(engine *e) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
   /* both are in the same order, round pairs and then pieces of walls */
   size_t c = 0;
-  for (size_t k = 0; k < p->count && c < s->n_contacts; k++) {
+  for (size_t k = 0; k < p->count; k++) {
+    /* a contact of a packing may be too far apart here to be a candidate */
+    while (c < s->n_contacts && stands_before(e, c, k)) c++;
+    if (c == s->n_contacts) return;
     if (s->contact_a[c] != s->id[p->a[k]] || s->contact_b[c] != s->id[p->b[k]] ||
         s->contact_part[c] != (uint32_t)p->part[k])
       continue;

@@ -18,7 +18,8 @@ static inline bool contacts_any_event(const work *w) {
   return false;
 }
 
-/* Closed contacts from the live pairs into the state's columns, and back into empty pairs. */
+/* Closed contacts from the live pairs into the state's columns, and back into empty pairs; what is stored and
+ * no candidate is left out. */
 sd_status contacts_store(engine *e);
 void contacts_load(engine *e);
 

@@ -36,7 +36,67 @@ static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t sl
   s->group[slot] = d->group;
 }
 
-void engine_fill_state(const sd_model *m, sd_state *s) {
+/* A contact of the packing with the key after which the lists are ordered. */
+typedef struct memory_entry {
+  bool piece; /* of a straight wall: these follow the round pairs */
+  uint32_t slot, partner, part;
+  sd_contact_memory memory;
+} memory_entry;
+
+static int memory_order(const void *one, const void *two) {
+  const memory_entry *p = one, *q = two;
+  if (p->piece != q->piece) return p->piece ? 1 : -1;
+  if (p->slot != q->slot) return p->slot < q->slot ? -1 : 1;
+  if (p->partner != q->partner) return p->partner < q->partner ? -1 : 1;
+  return p->part < q->part ? -1 : p->part > q->part;
+}
+
+/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
+static memory_entry memory_entry_of(const sd_model *m, const uint32_t *slot, sd_contact_memory c) {
+  if (c.b < m->n_disks && slot[c.b] < slot[c.a]) {
+    uint32_t a = c.a;
+    c.a = c.b;
+    c.b = a;
+    c.ex = -c.ex;
+    c.ey = -c.ey;
+  }
+  bool piece = c.b >= m->n_disks && m->walls[c.b - m->n_disks].kind != SD_WALL_CIRCLE;
+  return (memory_entry){piece, slot[c.a], c.b, c.part, c};
+}
+
+static void fill_contact(sd_state *s, const sd_contact_memory *c) {
+  size_t k = s->n_contacts++;
+  s->contact_a[k] = c->a;
+  s->contact_b[k] = c->b;
+  s->contact_part[k] = c->part;
+  s->contact_lambda[k] = c->lambda;
+  s->contact_ex[k] = c->ex;
+  s->contact_ey[k] = c->ey;
+  s->contact_side[k] = c->side;
+  s->contact_force[k] = c->force;
+  s->contact_overlap[k] = c->overlap;
+  s->contact_stretch[k] = c->stretch;
+  s->contact_turned[k] = c->turned;
+  s->contact_slide[k] = c->slide;
+}
+
+/* In the order that contacts_load wants. */
+static sd_status fill_contacts(const sd_model *m, sd_state *s) {
+  size_t n = m->n_memories;
+  if (n == 0) return SD_OK;
+  memory_entry *list = malloc(n * sizeof *list);
+  uint32_t *slot = malloc(s->n_bodies * sizeof *slot);
+  sd_status status = list && slot ? sd_state_reserve_contacts(s, n) : SD_ERROR_IO;
+  for (uint32_t k = 0; status == SD_OK && k < s->n_bodies; k++) slot[s->id[k]] = k;
+  for (size_t k = 0; status == SD_OK && k < n; k++) list[k] = memory_entry_of(m, slot, m->memories[k]);
+  if (status == SD_OK) qsort(list, n, sizeof *list, memory_order);
+  for (size_t k = 0; status == SD_OK && k < n; k++) fill_contact(s, &list[k].memory);
+  free(list);
+  free(slot);
+  return status;
+}
+
+sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   uint32_t slot = 0;
   for (int driven = 0; driven < 2; driven++)
     for (uint32_t i = 0; i < m->n_disks; i++)
@@ -51,6 +111,7 @@ void engine_fill_state(const sd_model *m, sd_state *s) {
     s->group[slot] = -1;
   }
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
+  return fill_contacts(m, s);
 }
 
 /* --- work -------------------------------------------------------------------------------------------- */
@@ -225,10 +286,31 @@ void engine_free(engine *e) {
 
 /* --- step 0 ------------------------------------------------------------------------------------------ */
 
+static bool closed(const pairs *p, size_t k) { return p->ex[k] != 0.0 || p->ey[k] != 0.0; }
+
+/* After the first pass: contacts of the packing that are none here. They did not open, so nothing is booked.
+ * loaded: contacts that were closed before the pass. */
+static void drop_apart(engine *e, size_t loaded, sd_messages *messages) {
+  work *w = &e->work;
+  size_t kept = loaded, n = e->model->n_memories;
+  for (size_t k = 0; k < w->threads[0].events.count; k++) {
+    event *v = &w->threads[0].events.item[k];
+    if (closed(&w->pairs, v->index)) continue;
+    v->handed = true;
+    kept--;
+  }
+  if (kept < n)
+    sd_warn(messages, "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
+            n - kept, n);
+}
+
 sd_status engine_start(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
+  size_t loaded = 0;
+  for (size_t k = 0; k < w->pairs.count; k++) loaded += closed(&w->pairs, k);
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
+  drop_apart(e, loaded, messages);
   sd_status status =
       contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
   w->kernels->gather(e, 0, s->n_bodies);

@@ -81,7 +81,11 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
     *out = NULL;
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
   }
-  engine_fill_state(model, state);
+  if (engine_fill_state(model, state) != SD_OK) {
+    sd_state_free(state);
+    *out = NULL;
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  }
   sd_status status = sd_simulation_resume(model, state, threads, out, messages);
   if (status != SD_OK) return status;
   assert(*out);

@@ -1,0 +1,503 @@
+"""Disks from files: LAMMPS, HDF5 of others, and results of other runs with their contacts; the box from a file."""
+import pathlib
+import shutil
+import signal
+import tempfile
+import unittest
+
+import h5py
+import numpy
+
+from results_common import ROOT, Folder, assert_same, run, start, wait_for
+
+MATERIALS = """dt = 2e-5; gravity = { g = 9.81; tilt = 0.1; };
+materials = ( { name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 3; mu = 0.5; }, { name = "steel"; k_n = 1e4; } );
+material_pairs = ( { materials = ["grain", "steel"]; k_n = 1e4; k_t = 5e3; gamma_n = 3; mu = 0.5; } );
+"""
+# every kind of wall, one without a name; one has been moved, one has been turned
+WALLS = """walls = (
+  { name = "bottom"; type = "line"; points = ( (-0.2, 0), (0.2, 0) ); material = "steel"; },
+  { name = "left"; type = "segment"; points = ( (-0.09, 1), (-0.09, -1) ); material = "steel"; },
+  { name = "right"; type = "polyline"; points = ( (0.09, -1), (0.09, 0.05), (0.1, 1) ); material = "steel"; },
+  { type = "circle"; center = (0, -0.02); radius = 0.03; side = "outside"; material = "steel"; } );
+"""
+# two fixed disks stand among the free ones, so that slots are not numbers; angles are many turns
+HEAP = MATERIALS + WALLS + """
+disk_rows = (
+  { columns = ("x", "y", "radius", "theta", "fixed", "group"); density = 3.57; material = "grain";
+    rows = ( (-0.05, 0.03, 0.02, 0, 0, "low"), (0, 0.034, 0.022, 1e5, 0, "low"), (-0.02, -0.01, 0.012, 0, 1, "keel"),
+      (0.05, 0.03, 0.018, 1, 0, "low"), (-0.03, 0.08, 0.02, 2, 0, "low"), (0.025, 0.08, 0.02, 3.9, 0, "low"),
+      (0.02, -0.01, 0.012, 0, 1, "keel"), (0.07, 0.09, 0.015, -3.9, 0, "low"), (-0.06, 0.12, 0.019, -7, 0, "low"),
+      (-0.01, 0.12, 0.021, 12, 0, "high"), (0.04, 0.125, 0.02, 0, 0, "high"), (0, 0.17, 0.02, 0, 0, "high"),
+      (0.045, 0.18, 0.02, 0, 0, "high"), (-0.045, 0.175, 0.02, 0, 0, "high") ); } );
+motions = (
+  { name = "push"; wall = "left"; coordinate = "x"; type = "table"; times = (0, 0.1, 0.5, 0.6);
+    values = (0, 0, 0.004, 0.004); },
+  { name = "swing"; wall = 3; coordinate = "theta"; type = "table"; times = (0, 0.1, 0.5, 0.6);
+    values = (0, 0, 0.7, 0.7); },
+  { name = "lean"; wall = "right"; coordinate = "theta"; type = "table"; times = (0, 0.1, 0.5, 0.6);
+    values = (0, 0, 0.01, 0.01); } );
+phases = ( { time = 3; } ); output = { contacts = 1000; };
+"""
+GO = MATERIALS + WALLS + """disk_files = ( { file = "heap.h5"; contacts = true; } );
+phases = ( { steps = 2000; series = 20; } ); output = { contacts = 100; };
+"""
+OPEN = "dt = 1e-4; materials = ( { name = \"m\"; k_n = 1e3; } ); steps = 1; output = { frames = 1; };\n"
+
+
+def contacts(path, moment):
+    """The table of contacts of that moment, in the order of the numbers."""
+    with h5py.File(path) as file:
+        c = file["contacts"]
+        first, count = c["first"][moment], c["count"][moment]
+        rows = {name: c[name][first:first + count]
+                for name in ("a", "b", "part", "force", "tau", "stretch", "overlap", "sliding")}
+    order = numpy.lexsort((rows["part"], rows["b"], rows["a"]))
+    return {name: column[order] for name, column in rows.items()}
+
+
+def kinetic(path):
+    with h5py.File(path) as file:
+        return sum(file[f"observables/kinetic_{k}/value"][()] for k in ("translation", "rotation"))
+
+
+class Files(Folder):
+    def write(self, name, text):
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def run_deck(self, text, *words, name="r"):
+        """The result of a deck with this text; warnings are kept."""
+        result = self.folder / f"{name}.h5"
+        _, err = self.run_ok("run", self.write(f"{name}.cfg", text), "--force", "-o", result, *words)
+        self.warnings = [line for line in err.split("\n") if "warning:" in line]
+        return result
+
+    def start_of(self, text):
+        """Columns of the disks at step 0."""
+        with h5py.File(self.run_deck(text)) as file:
+            disks = file["particles/disks"]
+            found = {name: disks[name][()] for name in ("radius", "mass", "inertia", "species", "group", "driven")}
+            found["x"], found["y"] = disks["position/value"][0].T
+            found["vx"], found["vy"] = disks["velocity/value"][0].T
+            found["theta"], found["omega"] = disks["angle/value"][0], disks["angular_velocity/value"][0]
+        return found
+
+    def refuse(self, text, *expected):
+        status, _, err = run("check", self.write("bad.cfg", text))
+        self.assertEqual(status, 2, err)
+        for words in expected:
+            self.assertIn(words, err)
+
+
+class Lammps(Files):
+    """decks/sphere.data was written by LAMMPS (29 Sep 2021), write_data, atom_style sphere, fix nve/sphere disc."""
+
+    def setUp(self):
+        super().setUp()
+        self.text = (ROOT / "tests/decks/sphere.data").read_text()
+
+    def deck(self, keys, data=None, box=""):
+        self.write("a.data", self.text if data is None else data)
+        return OPEN + box + f'disk_files = ( {{ file = "a.data"; {keys} }} );'
+
+    def lines(self, section, n=12):
+        rows = self.text.split(section)[1].split("\n")[2:2 + n]
+        return numpy.array(sorted([float(w) for w in row.split()] for row in rows))
+
+    def test_file_of_lammps(self):
+        atoms, velocities = self.lines("Atoms # sphere"), self.lines("Velocities")
+        self.assertNotEqual(self.text.split("# sphere\n\n")[1].split()[0], "1", "the file's order is to be another")
+        disks = self.start_of(self.deck("density = 3;"))
+        for name, expected in (("x", atoms[:, 4]), ("y", atoms[:, 5]), ("radius", atoms[:, 2] / 2),
+                               ("vx", velocities[:, 1]), ("vy", velocities[:, 2]), ("omega", velocities[:, 6])):
+            self.assertTrue((disks[name] == expected).all(), name)
+        self.assertTrue(numpy.allclose(disks["mass"], 3 * numpy.pi * disks["radius"]**2, rtol=1e-15))
+
+    def test_columns(self):
+        atoms = self.lines("Atoms # sphere")
+        disks = self.start_of(self.deck('columns = ("x", "y", "radius", "mass", "group = type", "name = id");') +
+                              'locks = ( { group = "2"; coordinates = "theta"; }, { disk = "3"; coordinates = "x"; } );')
+        self.assertTrue(numpy.allclose(disks["mass"], atoms[:, 3] * 4 / 3 * numpy.pi * (atoms[:, 2] / 2)**3,
+                                       rtol=1e-15))
+        self.assertTrue((disks["vx"] == 0).all())
+        self.assertEqual(list(disks["group"]), [{1: 0, 2: 1}[t] for t in atoms[:, 1]])
+
+    def test_common_values_go_before(self):
+        disks = self.start_of(self.deck("density = 3; radius = 0.1; vx = 0; vy = 0; omega = 0;"))
+        self.assertTrue((disks["radius"] == 0.1).all() and (disks["vx"] == 0).all())
+
+    def test_box(self):
+        box = 'box = { periodic = "xy"; file = "a.data"; };'
+        with h5py.File(self.run_deck(self.deck("density = 3;", box=box))) as file:
+            self.assertEqual(list(file["particles/disks/box/edges"][()]), [2, 1.5])
+            self.assertEqual(list(file["particles/disks/box"].attrs["lower"]), [-1, -0.75])
+
+    def test_hybrid(self):
+        rows = self.text.split("# sphere\n\n")[1].split("\n\n")[0].split("\n")
+        words = [row.split() for row in rows]
+        hybrid = "\n".join(" ".join(w[:2] + w[4:7] + w[2:4] + ["0"] + w[7:]) for w in words)
+        plain = self.start_of(self.deck("density = 3;"))
+        other = self.start_of(self.deck("density = 3;", self.text.replace("\n".join(rows), hybrid).replace(
+            "# sphere", "# hybrid sphere molecular")))
+        for name in plain:
+            self.assertTrue((plain[name] == other[name]).all(), name)
+
+    def test_mistakes(self):
+        def bad(old, new, *expected):
+            self.assertIn(old, self.text)
+            self.refuse(self.deck("density = 3;", self.text.replace(old, new, 1)), *expected)
+
+        bad("# sphere", "# full", "a.data:10: Atoms # full: expected # sphere")
+        bad("# sphere", "", "the atom style is not given in a comment")
+        bad("# sphere", "# hybrid", "which styles it is made of is not said")
+        bad("12 atoms", "13 atoms", "12 atoms in section Atoms; the header says 13")
+        bad("zlo zhi\n", "zlo zhi\n0.1 0 0 xy xz yz\n", "tilted")
+        bad("\n2 2 0.5", "\n1 2 0.5", "id = 1: two atoms have it")
+        bad("\n2 2 0.5", "\n2 2 half", "diameter = half: expected a number")
+        bad("\n2 2 0.5", "\n2 2 -0.5", "radius", "expected a number > 0")
+        bad("\n2 2 0.5", "\n2 2", "9 values; expected 7 of an atom of style sphere, or 3 more")
+        bad("Velocities\n\n", "Velocities\n\n77 0 0 0 0 0 0\n", "id = 77: no atom has it")
+        self.refuse(self.deck("density = 3;", "x, y, radius\n1, 2, 3\n"), "this is no LAMMPS data file")
+        self.refuse(self.deck("density = 3;", self.text.split("Atoms")[0] + "Masses\n\n1 1\n"), "no section Atoms")
+        self.refuse(self.deck('columns = ("x", "y", "radius", "density");'), "mass over the volume of a sphere")
+        self.refuse(self.deck('density = 1; columns = ("x", "y", "z");'), 'no column of disks is called "z"')
+        self.refuse(self.deck('density = 1; columns = ("x", "y", "radius = type");'), '"type" is a word')
+        self.refuse(self.deck("density = 3; contacts = true;"), "belongs to results of a run")
+        self.refuse(self.deck("density = 3;", box='box = { periodic = "x"; file = "no.data"; };'), "no.data")
+
+
+class Hdf5(Files):
+    X, Y, R = numpy.array([0, 1, 2.5]), numpy.array([3, 4, 5.5]), numpy.array([0.5, 0.25, 0.125])
+
+    def check_disks(self, keys, **more):
+        disks = self.start_of(OPEN + f'disk_files = ( {{ file = "p.h5"; {keys} density = 2; }} );')
+        for name, expected in {"x": self.X, "y": self.Y, "radius": self.R, **more}.items():
+            self.assertTrue((disks[name] == expected).all(), name)
+
+    def test_compound(self):
+        rows = numpy.zeros(3, [("radius", "f4"), ("x", "f8"), ("y", "f8"), ("spin", "i4")])
+        rows["x"], rows["y"], rows["radius"], rows["spin"] = self.X, self.Y, self.R, (1, 2, 3)
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            file["a/table"] = rows
+        self.check_disks('dataset = "/a/table";')
+        self.check_disks('dataset = "/a/table"; columns = ("x", "y", "radius", "omega = spin");', omega=[1, 2, 3])
+
+    def test_matrix(self):
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            file["plain"] = numpy.c_[self.X, self.Y, self.R]
+            file["named"] = numpy.c_[self.R, self.Y, self.X, self.Y]
+            file["named"].attrs["columns"] = ["radius", "y", "x", "vx"]
+        self.check_disks('dataset = "plain";')
+        self.check_disks('dataset = "named"; columns = ("x", "y", "radius", "vx");', vx=self.Y)
+
+    def test_group(self):
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            file["g/x"], file["g/y"], file["g/diameter"] = self.X, self.Y, 2 * self.R
+            file["g/radius"] = self.R
+        self.check_disks('dataset = "/g";')
+        self.refuse(OPEN + 'disk_files = ( { file = "p.h5"; dataset = "g"; columns = ("x", "z = y"); mass = 1; } );',
+                    'no column of disks is called "z"')
+        self.refuse(OPEN + 'disk_files = ( { file = "p.h5"; dataset = "g"; mass = 1; '
+                    'columns = ("x", "y", "radius = width"); } );', 'column "width": there is no such dataset')
+
+    def test_h5md_of_others(self):
+        """The last frame; elements that do not change may be fixed."""
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            place = numpy.zeros((3, 3, 2))
+            place[-1] = numpy.c_[self.X, self.Y]
+            file["particles/disks/position/value"] = place
+            file["particles/disks/velocity/value"] = place + 1
+            file["particles/disks/angle/value"] = place[..., 0] + 2
+            file["particles/disks/angular_velocity"] = self.R + 3
+            file["particles/disks/radius"] = self.R
+        self.check_disks('dataset = "/particles/disks";', vx=0 * self.X)
+        self.check_disks('dataset = "/particles/disks"; '
+                         'columns = ("x", "y", "radius", "vx", "vy", "theta", "omega");',
+                         vx=self.X + 1, vy=self.Y + 1, theta=self.X + 2, omega=self.R + 3)
+
+    def test_mistakes(self):
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            file["g/x"], file["g/y"], file["g/radius"] = self.X, self.Y, self.R
+        bad = OPEN + 'disk_files = ( { file = "p.h5"; mass = 1; '
+        self.refuse(bad + "} );", "dataset: missing")
+        self.refuse(bad + 'dataset = "g"; contacts = true; } );', "is no result or checkpoint of a run")
+        self.refuse(bad + 'dataset = "h"; } );', "there is no dataset or group h")
+        self.refuse(bad.replace("p.h5", "q.h5") + 'dataset = "h"; } );', "q.h5")
+        self.refuse(bad + 'dataset = "g"; columns = ("x", "y", "radius", "group = x"); } );', "is a text")
+
+
+class Box(Files):
+    DISKS = 'disks = ( { x = 0.5; y = 0.5; radius = 0.05; mass = 1; } );'
+
+    def edges(self, box):
+        with h5py.File(self.run_deck(OPEN + self.DISKS + f"box = {{ {box} }};")) as file:
+            box = file["particles/disks/box"]
+            edges = box["edges/value"][-1] if "value" in box["edges"] else box["edges"][()]
+            return list(box.attrs["lower"]) + list(edges)
+
+    def test_forms(self):
+        with h5py.File(self.folder / "fixed.h5", "w") as file:
+            file["particles/disks/box/edges"] = numpy.array([2.0, 3])
+        with h5py.File(self.folder / "frames.h5", "w") as file:
+            file["particles/disks/box/edges/value"] = numpy.array([[9.0, 9], [2, 3]])
+            file["particles/disks/box"].attrs["lower"] = numpy.array([0.25, -1])
+        self.assertEqual(self.edges('periodic = "xy"; file = "fixed.h5";'), [0, 0, 2, 3])
+        self.assertEqual(self.edges('periodic = "xy"; file = "frames.h5";'), [0.25, -1, 2, 3])
+        self.assertEqual(self.edges('periodic = "y"; file = "frames.h5";'), [0, -1, 0, 3])
+        self.assertEqual(self.edges('periodic = "xy"; x = (0, 1); file = "frames.h5";'), [0, -1, 1, 3])
+
+    def test_of_a_result(self):
+        deck = OPEN + self.DISKS + 'box = { periodic = "x"; x = (0.1, 0.8); };'
+        self.run_deck(deck, name="a")
+        self.assertEqual(self.edges('periodic = "x"; file = "a.h5";'), [0.1, 0, 0.8 - 0.1, 0])
+        self.refuse(OPEN + self.DISKS + 'box = { periodic = "xy"; file = "a.h5"; };', "not periodic in y")
+
+    def test_mistakes(self):
+        with h5py.File(self.folder / "none.h5", "w") as file:
+            file["x"] = 1
+        self.refuse(OPEN + self.DISKS + 'box = { periodic = "x"; file = "none.h5"; };', "has no edges")
+        self.refuse(OPEN + self.DISKS + 'box = { periodic = "x"; file = "gone.h5"; };', "gone.h5")
+        self.refuse(OPEN + self.DISKS + 'box = { periodic = "x"; };', "missing: expected (lower, upper)")
+
+
+class Contacts(Files):
+    """A heap that has come to rest is the beginning of other runs."""
+
+    made = None
+
+    @classmethod
+    def setUpClass(cls):
+        cls.made = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-heap-"))
+        (cls.made / "heap.cfg").write_text(HEAP)
+        _, _, cls.trouble = run("run", cls.made / "heap.cfg", "--quiet", "-o", cls.made / "heap.h5")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.made)
+
+    def setUp(self):
+        super().setUp()
+        self.heap = self.folder / "heap.h5"
+        self.assertTrue((self.made / "heap.h5").exists(), self.trouble)
+        shutil.copy(self.made / "heap.h5", self.heap)
+        self.old = contacts(self.heap, -1)
+        self.assertLess(kinetic(self.heap)[-1], 1e-20, "the heap is not at rest")
+        self.assertGreater(len(self.old["a"]), 15)
+        # there are contacts with each kind of wall, and some stretched skin
+        self.assertEqual(set(range(14, 18)) - set(self.old["b"]), set())
+        self.assertGreater(abs(self.old["tau"]).max(), 0.01)
+
+    def assert_same_contacts(self, new, tolerance=1e-9):
+        for name in "a", "b", "part", "sliding":
+            self.assertEqual(list(self.old[name]), list(new[name]), name)
+        for name in "force", "tau", "stretch", "overlap":
+            scale = abs(self.old[name]).max()
+            self.assertLess(abs(self.old[name] - new[name]).max(), tolerance * scale, name)
+
+    def test_equilibrium_goes_on(self):
+        go = self.run_deck(GO)
+        self.assertEqual(self.warnings, [])
+        self.assert_same_contacts(contacts(go, 0))
+        self.assert_same_contacts(contacts(go, -1))
+        self.assertLess(kinetic(go).max(), 1e-16)
+        with h5py.File(self.heap) as old, h5py.File(go) as new:
+            for name in "position", "angle":
+                self.assertTrue((old[f"particles/disks/{name}/value"][-1] ==
+                                 new[f"particles/disks/{name}/value"][0]).all(), name)
+            for name in "mass", "inertia", "species", "driven":
+                self.assertTrue((old[f"particles/disks/{name}"][()] == new[f"particles/disks/{name}"][()]).all(), name)
+            self.assertEqual(new["summary/energy"].attrs["opening"], 0)
+            self.assertIn("contacts = true", new["parameters/deck_full"][()].decode())
+
+    def test_without_contacts_it_relaxes(self):
+        go = self.run_deck(GO.replace("contacts = true", "contacts = false").replace(
+            WALLS, WALLS.replace("-0.09, ", "-0.086, ")))
+        self.assertGreater(kinetic(go).max(), 1e-9)
+        self.assertEqual(abs(contacts(go, 0)["tau"]).max(), 0)
+
+    def test_other_slots(self):
+        """Disks that were free are prescribed now, and others stand before those of the file."""
+        go = GO.replace("contacts = true;", "contacts = true; vx = 0; vy = 0; omega = 0;")
+        more = ('disks = ( { x = 3; y = 3; radius = 0.1; mass = 1; fixed = true; material = "grain"; } );'
+                'motions = ( { group = "high"; coordinate = ("x", "y", "theta"); type = "fixed"; } );')
+        new = contacts(self.run_deck(go + more), 0)
+        old = {frozenset((a, b if b < 14 else b + 1000)): f
+               for a, b, f in zip(self.old["a"], self.old["b"], self.old["tau"])}
+        high = set(range(9, 14))
+        kept = 0
+        for a, b, f in zip(new["a"].astype(int), new["b"].astype(int), new["tau"]):
+            pair = frozenset((a - 1, b - 1 if b < 15 else b - 1 + 1000))
+            self.assertAlmostEqual(old[pair], f, delta=1e-9)
+            kept += 1
+        lost = sum(len(pair - high) == 0 or pair <= high | set(range(1014, 1018)) for pair in old)
+        self.assertEqual(kept, len(old) - lost)
+        self.assertIn(f"{lost} of {len(old)} contacts of the packing do not touch", "".join(self.warnings))
+
+    def test_contacts_that_are_apart(self):
+        """What is dropped is no loss."""
+        with h5py.File(self.heap, "r+") as file:
+            slot = list(file["state/id"][()]).index(13)
+            file["state/x"][slot] += 3e-5
+        go = self.run_deck(GO + "measure = { disks = true; };")
+        self.assertIn("do not touch at the start", "".join(self.warnings))
+        self.assertLess(len(contacts(go, 0)["a"]), len(self.old["a"]))
+        with h5py.File(go) as file:
+            self.assertEqual(file["observables/opening/value"][0], 0)
+            self.assertTrue((file["state/loss_opening"][()] >= 0).all())
+            lost = file["observables/viscous/value"][-1] + file["observables/friction/value"][-1]
+            self.assertGreater(lost, 1e-7)
+            self.assertLess(abs(file["observables/residual/value"][()]).max(), 1e-3 * lost)
+
+    def test_wall_that_is_gone(self):
+        go = self.run_deck(GO.replace(WALLS, WALLS.replace("-0.09, ", "-0.19, ")))
+        n = int((self.old["b"] == 15).sum())
+        self.assertIn(f"{n} of {len(self.old['a'])} contacts are with walls that this deck does not have", "".join(self.warnings))
+        self.assertIn('wall 1 "left" of the file', "".join(self.warnings))
+        self.assertNotIn(15, contacts(go, 0)["b"])
+        self.assertEqual(len(contacts(go, 0)["a"]), len(self.old["a"]) - n)
+
+    def test_walls_in_another_order(self):
+        lines = WALLS.split("\n")
+        walls = "\n".join([lines[0], lines[3], lines[2], lines[1], lines[4], ""])
+        new = contacts(self.run_deck(GO.replace(WALLS, walls)), 0)
+        other = {14: 16, 15: 15, 16: 14}
+        old = {(a, other.get(b, b)): f for a, b, f in zip(self.old["a"], self.old["b"], self.old["tau"])}
+        self.assertEqual(len(new["a"]), len(old))
+        for a, b, f in zip(new["a"], new["b"], new["tau"]):
+            self.assertAlmostEqual(old[a, b], f, delta=1e-9)
+
+    def test_goes_on_from_what_went_on(self):
+        """The walls are where they were, also in the third run, whose deck is that of the first."""
+        self.run_deck(GO, name="second")
+        third = self.run_deck(GO.replace("heap.h5", "second.h5"))
+        self.assertEqual(self.warnings, [])
+        self.assert_same_contacts(contacts(third, 0))
+
+    def test_values_of_the_deck(self):
+        keys = 'contacts = true; density = 7.14; vx = 0; vy = 0; omega = 0; group = "all";'
+        go = self.run_deck(GO.replace("contacts = true;", keys))
+        with h5py.File(self.heap) as old, h5py.File(go) as new:
+            self.assertTrue(numpy.allclose(2 * old["particles/disks/mass"][()], new["particles/disks/mass"][()]))
+            self.assertTrue((new["particles/disks/group"][()] == 0).all())
+        for key in 'x = 1;', 'theta = 1;', 'radius = 1;', 'columns = ("x", "y", "radius");':
+            self.refuse(GO.replace("contacts = true;", "contacts = true; density = 1; " + key), key.split()[0])
+
+    def test_checkpoint(self):
+        """Of a run that is not finished; it has no frames."""
+        process = start("run", self.write("long.cfg", HEAP), "--quiet", "-o", self.result, "-D", "checkpoint=0.02",
+                        "-D", "phases[0].time=2000")
+        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 200000 or process.poll() is not None)
+        process.send_signal(signal.SIGTERM)
+        process.communicate()
+        self.assertEqual(process.returncode, 75)
+        newest = f"r.h5.parts/checkpoint-{self.checkpoints()[0]}.h5"
+        go = self.run_deck(GO.replace("heap.h5", newest), name="go")
+        self.assertEqual(self.warnings, [])
+        self.assert_same_contacts(contacts(go, 0), 1e-6)
+        self.assertLess(kinetic(go).max(), 1e-16)
+
+    def test_interrupted(self):
+        deck = self.write("long.cfg", GO + 'motions = ( { name = "shake"; wall = "bottom"; coordinate = "y"; '
+                          'type = "harmonic"; amplitude = 1e-4; frequency = 50; } );')
+        words = [deck, "--quiet", "-D", "phases[0].steps=25000"]
+        self.run_ok("run", *words, "-o", self.folder / "whole.h5")
+        self.kill_until_done([*words, "-D", "checkpoint=0.01"], 0.1, 4)
+        assert_same(self, self.folder / "whole.h5", self.result)
+
+    def test_another_file(self):
+        """A run is not continued with a packing that differs in its contacts only."""
+        deck = self.write("long.cfg", GO)
+        words = ["run", deck, "--quiet", "-o", self.result, "-D", "phases[0].steps=100000000"]
+        process = start(*words, "-D", "checkpoint=0.05")
+        wait_for(lambda: self.checkpoints() or process.poll() is not None)
+        process.send_signal(signal.SIGTERM)
+        process.communicate()
+        with h5py.File(self.heap, "r+") as file:
+            file["state/contact_lambda"][3] += 1e-9
+        status, _, err = run(*words)
+        self.assertEqual(status, 2)
+        self.assertIn("a file that the deck names", err)
+
+    def test_damaged(self):
+        for name, value in ("contact_b", 99), ("id", 5):
+            copy = self.folder / "broken.h5"
+            copy.write_bytes(self.heap.read_bytes())
+            with h5py.File(copy, "r+") as file:
+                file[f"state/{name}"][0] = value
+                file[f"state/{name}"][1] = value
+            self.refuse(GO.replace("heap.h5", "broken.h5"), "the state in this file is damaged")
+        copy.write_bytes(self.heap.read_bytes())
+        with h5py.File(copy, "r+") as file:
+            del file["state/theta"]
+        self.refuse(GO.replace("heap.h5", "broken.h5"), "there is no dataset /state/theta")
+        with h5py.File(copy, "r+") as file:
+            file["state"].attrs["format"] = 1
+        self.refuse(GO.replace("heap.h5", "broken.h5"), "its state has format 1")
+
+    def test_echo(self):
+        """The full deck refers to the file, and is the same run."""
+        go = self.run_deck(GO)
+        with h5py.File(go) as file:
+            text = file["parameters/deck_full"][()].decode()
+        again = self.run_deck(text, name="again")
+        with h5py.File(go) as one, h5py.File(again) as two:
+            self.assertEqual(one["state"].attrs["hash"], two["state"].attrs["hash"])
+        plain = self.run_deck(GO.replace("contacts = true", "density = 3.57"), name="plain")
+        with h5py.File(plain) as file:
+            self.assertIn("disk_rows", file["parameters/deck_full"][()].decode())
+
+
+class Periodic(Files):
+    """A compressed box of disks: edges and contacts come from the file."""
+    DECK = """dt = 1e-4; materials = ( { name = "m"; k_n = 100; k_t = 80; gamma_n = 0.4; mu = 0.3; } );
+"""
+
+    def test_compressed(self):
+        chance = numpy.random.default_rng(3)
+        rows = ", ".join("(%.4f, %.4f, %.4f)" % (0.13 + 0.25 * (k % 4) + chance.uniform(-0.01, 0.01),
+                                                 -0.37 + 0.25 * (k // 4) + chance.uniform(-0.01, 0.01),
+                                                 (0.1, 0.115)[k % 3 == 0]) for k in range(16))
+        self.run_deck(self.DECK + 'box = { periodic = "xy"; x = (0, 1); y = (-0.5, 0.5); }; gravity = { g = 0; };' +
+                      'disk_rows = ( { columns = ("x", "y", "radius"); density = 1; rows = (' + rows + '); } );'
+                      'phases = ( { time = 12; compress = { fraction = 0.9; rate = 0.02; }; }, { time = 20; } );'
+                      'output = { contacts = 1000; };', name="jam")
+        self.old = contacts(self.folder / "jam.h5", -1)
+        self.assertGreater(len(self.old["a"]), 20)
+        with h5py.File(self.folder / "jam.h5") as file:
+            scale = file["state/box_scale"][()]
+        self.assertLess(scale, 0.95)
+        go = self.run_deck(self.DECK + 'box = { periodic = "xy"; file = "jam.h5"; };'
+                           'disk_files = ( { file = "jam.h5"; contacts = true; } );'
+                           'steps = 2000; output = { contacts = 100; };')
+        self.assertEqual(self.warnings, [])
+        with h5py.File(go) as file:
+            self.assertTrue(numpy.allclose(file["particles/disks/box/edges"][()], scale, rtol=1e-15))
+            self.assertIn("x = (0.0, ", file["parameters/deck_full"][()].decode())
+        Contacts.assert_same_contacts(self, contacts(go, 0))
+        Contacts.assert_same_contacts(self, contacts(go, -1), 1e-3)
+
+
+class Gone(Files):
+    """Disks that have been taken out are not in the packing, and numbers close up."""
+
+    def test_removed(self):
+        deck = (MATERIALS + 'walls = ( { name = "floor"; type = "segment"; points = ( (-0.5, 0), (0.5, 0) ); '
+                'material = "steel"; } );'
+                'disk_rows = ( { columns = ("x", "y", "radius", "name"); density = 1; material = "grain"; '
+                'rows = ( (0, 0.1, 0.1, "a"), (0.9, 0.1, 0.1, "lost"), (0.3, 0.1, 0.1, "b") ); } );'
+                'bounds = { y = (-1, 2); outside = "remove"; }; time = 1; output = { contacts = 1000; };')
+        old = contacts(self.run_deck(deck, name="a"), -1)
+        go = self.run_deck(MATERIALS + 'walls = ( { name = "floor"; type = "segment"; '
+                           'points = ( (-0.5, 0), (0.5, 0) ); material = "steel"; } );'
+                           'disk_files = ( { file = "a.h5"; contacts = true; } ); steps = 100; '
+                           'output = { contacts = 10; }; measure = { rotation = ("a", "b"); };', name="b")
+        self.assertEqual(self.warnings, [])
+        new = contacts(go, 0)
+        self.assertEqual((list(old["a"]), list(new["a"]), list(new["b"])), ([0, 2], [0, 1], [2, 2]))
+        self.assertTrue(numpy.allclose(old["force"], new["force"], rtol=1e-12))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
