@@ -14,10 +14,10 @@ typedef struct sd_simulation sd_simulation;
 typedef struct sd_energy {
   double kinetic_translation, kinetic_rotation; /* of coordinates that are neither driven nor locked */
   double elastic_normal, elastic_skin;
-  double external;                   /* potential of gravity and constant body forces */
-  double start;                      /* the sum of the above at step 0 */
-  double work;                       /* done by prescribed bodies and coordinates, and by compression */
-  double variant;                    /* put in by the paper's variant of the tangential force */
+  double external; /* potential of gravity and constant body forces */
+  double start;    /* the sum of the above at step 0, and what disks brought or took along since */
+  double work;     /* done by prescribed bodies and coordinates, and by compression */
+  double variant;  /* put in by the paper's variant of the tangential force */
   double viscous, friction, opening; /* lost */
   double relaxed;                    /* taken out by the relaxer */
   double residual;
@@ -44,6 +44,12 @@ SD_API const sd_model *sd_simulation_model(const sd_simulation *simulation);
 SD_API const sd_state *sd_simulation_state(sd_simulation *simulation);
 SD_API double sd_simulation_time(const sd_simulation *simulation); /* step * dt */
 SD_API bool sd_simulation_finished(const sd_simulation *simulation);
+/* Where a run stands; costs nothing. A phase can end before its length (sd_settle, sd_until in model.h). */
+typedef struct sd_stage {
+  int64_t step, phase, phase_step; /* as in the state */
+  int64_t before;                  /* steps that the phase before this one took */
+} sd_stage;
+SD_API sd_stage sd_simulation_stage(const sd_simulation *simulation);
 /* How far the run is from the goal of `until`, which the model must have. */
 SD_API sd_goal sd_simulation_goal(const sd_simulation *simulation);
 SD_API sd_energy sd_simulation_energy(const sd_simulation *simulation);

@@ -25,6 +25,7 @@ typedef enum sd_extent {
   SD_PER_FREE,    /* free disks */
   SD_PER_CONTACT, /* closed contacts */
   SD_PER_MOTION,
+  SD_PER_PHASE,
   SD_PER_ROTATION,      /* watched disks */
   SD_PER_ROTATION_BIN,  /* watched disks * SD_BINS, row by row */
   SD_PER_SLIDE,         /* watched pairs of contacts */
@@ -61,14 +62,14 @@ typedef struct sd_state {
   double relax_alpha;                /* how far velocities are steered; set when a phase begins */
   int64_t relax_steps;               /* steps downhill since they were last stopped */
   int64_t released;                  /* disks that rain has let go */
-  int64_t outside;                   /* disks that left the bounds */
+  int64_t outside;                   /* times that a disk left the bounds */
   int64_t mean_looks;                /* looks at the contacts for the means */
   int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
 
   /* extents */
   size_t n_free, n_disks, n_bodies;
   size_t n_contacts, contact_capacity;
-  size_t n_motions, n_rotations, n_slides, n_means;
+  size_t n_motions, n_phases, n_rotations, n_slides, n_means;
 
   /* per body */
   uint32_t *id; /* body number of model.h */
@@ -105,7 +106,14 @@ typedef struct sd_state {
   /* per motion */
   int64_t *motion_start;                                 /* step at which it was switched on, -1: off */
   double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw;
-                                                            load, servo: displacement, velocity, acceleration */
+                                                            load: displacement, velocity; servo: these and
+                                                            the smoothed force */
+
+  /* per phase, when it ended */
+  int64_t *phase_steps;                     /* that it took; 0: not over */
+  int32_t *phase_reached;                   /* 1: what settle and compress asked for was there */
+  double *phase_kinetic, *phase_unbalanced; /* settle: as then measured */
+  double *phase_target;                     /* compress: pressure or packing fraction */
 
   /* statistics of the measured phases */
   double *rotation_start;  /* angle when measuring began */

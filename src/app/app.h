@@ -43,7 +43,7 @@ int drive_run(const sd_model *model, const drive_options *options, sd_messages *
 void report_summary(FILE *out, const summary *found);
 /* One line on the cost: steps, wall time, ns per step. */
 void report_cost(FILE *out, const summary *found, const provenance *origin);
-/* "of", or "of at most" when the run ends as soon as an error bar is small enough. */
+/* "of", or "of at most" when the run can end before: at rest, or with an error bar that is small enough. */
 const char *report_of(const summary *found);
 /* Warns when dt is too large for the shortest contact period. */
 void report_time_step(const sd_model *model, sd_messages *messages);

@@ -5,6 +5,7 @@
 
 #include "app/app.h"
 #include "io/series.h"
+#include "physics/outside.h"
 
 const char *report_duration(double seconds, char *text, size_t size) {
   if (!(seconds >= 0) || seconds > 1e9) {
@@ -52,6 +53,31 @@ static void report_rotations(FILE *out, const summary *found) {
   if (n < found->n_rotations)
     fprintf(out, "  ... and %zu more, in /summary/rotation\n", found->n_rotations - n);
   if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
+}
+
+/* Only of runs in which a phase was asked for something. */
+static void report_phases(FILE *out, const summary *found) {
+  bool any = false;
+  for (size_t k = 0; k < found->n_stages; k++) {
+    const summary_phase *p = &found->stages[k];
+    if (!p->asked || p->steps == 0) continue;
+    if (!any)
+      fprintf(out, "\nphase                  %12s %12s %12s %12s %12s\n", "steps", "at most", "kinetic",
+              "unbalanced", "target");
+    any = true;
+    fprintf(out, "  %-20.20s %12" PRId64 " %12" PRId64 " %12.4g %12.4g %12.6g%s\n", found->stage_names[k],
+            p->steps, p->most, p->kinetic, p->unbalanced, p->target, p->reached ? "" : "  NOT reached");
+  }
+}
+
+static void report_lost(FILE *out, const summary *found) {
+  if (found->waiting > 0) fprintf(out, "\n%" PRId64 " disks wait to be released\n", found->waiting);
+  if (found->left == 0) return;
+  fprintf(out, "\n%" PRId64 " disk%s left the bounds", found->outside, found->outside == 1 ? "" : "s");
+  if (found->outside > 0) fprintf(out, ": %s%s", found->lost, found->outside > OUTSIDE_TOLD ? ", ..." : "");
+  if (found->left > found->outside)
+    fprintf(out, " (%" PRId64 " times one left, some came back)", found->left);
+  fputc('\n', out);
 }
 
 static void report_until(FILE *out, const summary *found) {
@@ -114,12 +140,18 @@ void report_time_step(const sd_model *m, sd_messages *messages) {
 
 void report_summary(FILE *out, const summary *found) {
   report_rotations(out, found);
+  report_phases(out, found);
+  report_lost(out, found);
   report_until(out, found);
   report_slides(out, found);
   report_energy(out, &found->energy);
 }
 
-const char *report_of(const summary *found) { return found->has_until ? "of at most" : "of"; }
+const char *report_of(const summary *found) {
+  bool early = found->has_until;
+  for (size_t k = 0; k < found->n_stages; k++) early = early || found->stages[k].asked & SUMMARY_SETTLE;
+  return early ? "of at most" : "of";
+}
 
 void report_cost(FILE *out, const summary *found, const provenance *origin) {
   char wall[40], cost[40] = "";

@@ -7,6 +7,7 @@
 
 #include "io/file.h"
 #include "pack/compress.h"
+#include "physics/outside.h"
 
 #define ENERGY(name, meaning)                                                                                \
   { #name, offsetof(sd_energy, name), meaning }
@@ -17,7 +18,7 @@ const series_energy series_energies[] = {
     ENERGY(elastic_normal, "elastic energy of the normal springs"),
     ENERGY(elastic_skin, "elastic energy of the skins"),
     ENERGY(external, "potential energy of gravity and constant body forces"),
-    ENERGY(start, "sum of the energies above at step 0"),
+    ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since"),
     ENERGY(work, "work done by prescribed bodies and coordinates, and by compression, since step 0"),
     ENERGY(variant, "energy put in by the paper's tangential force since step 0"),
     ENERGY(viscous, "energy lost to viscosity since step 0"),
@@ -69,6 +70,9 @@ sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
   if (status == SD_OK && compresses(model))
     status = table_add(t, "/observables/packing_fraction/value", SD_F64, 0, NULL, "1",
                        "area of the free disks in play over that of the region", messages);
+  if (status == SD_OK && model->bounds.given)
+    status = table_add(t, "/observables/outside/value", SD_I64, 0, NULL, "1",
+                       "disks beyond the bounds or taken out", messages);
   size_t watched = model->n_rotations;
   if (status == SD_OK && watched > 0)
     status = table_add(t, "/observables/angle/value", SD_F64, 1, &watched, "rad",
@@ -105,6 +109,7 @@ sd_status series_sample(table *t, const sd_model *model, const sd_state *state, 
     put_f64(t, &column, compress_fraction(model, state));
   }
 
+  if (model->bounds.given) put_i64(t, &column, outside_count(state));
   if (model->n_rotations > 0) {
     double *angle = table_cell(t, column), *velocity = table_cell(t, column + 1);
     for (size_t k = 0; k < model->n_rotations; k++) {

@@ -8,6 +8,8 @@
 
 #include "io/file.h"
 #include "io/series.h"
+#include "pack/rain.h"
+#include "physics/outside.h"
 
 static sd_status no_memory(sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
@@ -18,7 +20,9 @@ static sd_status allocate(summary *s, sd_messages *messages) {
   s->rotation_names = calloc(s->n_rotations + 1, sizeof *s->rotation_names);
   s->slides = calloc(s->n_slides + 1, sizeof *s->slides);
   s->slide_names = calloc(3 * s->n_slides + 1, sizeof *s->slide_names);
-  bool good = s->rotations && s->rotation_names && s->slides && s->slide_names;
+  s->stages = calloc(s->n_stages + 1, sizeof *s->stages);
+  s->stage_names = calloc(s->n_stages + 1, sizeof *s->stage_names);
+  bool good = s->rotations && s->rotation_names && s->slides && s->slide_names && s->stages && s->stage_names;
   return good ? SD_OK : no_memory(messages);
 }
 
@@ -29,6 +33,46 @@ static char *name_of(const sd_model *model, uint32_t body) {
       body < model->n_disks ? model->disks[body].name : model->walls[body - model->n_disks].name;
   if (own && *own) return file_path("%s", own);
   return file_path("%s", sd_model_body_name(model, body, text, sizeof text));
+}
+
+static sd_status collect_stages(summary *s, const sd_model *model, const sd_state *state,
+                                sd_messages *messages) {
+  bool named = true;
+  for (size_t k = 0; k < s->n_stages; k++) {
+    const sd_phase *p = &model->phases[k];
+    s->stages[k] = (summary_phase){
+        .steps = state->phase_steps[k],
+        .most = p->steps,
+        .asked = (p->settle.asked ? SUMMARY_SETTLE : 0) | (p->compress.asked ? SUMMARY_COMPRESS : 0),
+        .reached = state->phase_reached[k],
+        .kinetic = state->phase_kinetic[k],
+        .kinetic_goal = p->settle.kinetic,
+        .unbalanced = state->phase_unbalanced[k],
+        .unbalanced_goal = p->settle.unbalanced,
+        .target = state->phase_target[k],
+        .target_goal = p->compress.pressure > 0.0 ? p->compress.pressure : p->compress.fraction};
+    s->stage_names[k] = p->name ? file_path("%s", p->name) : file_path("%zu", k);
+    named = named && s->stage_names[k];
+  }
+  return named ? SD_OK : no_memory(messages);
+}
+
+/* Which disks are outside, and where. */
+static sd_status collect_lost(summary *s, const sd_model *model, const sd_state *state,
+                              sd_messages *messages) {
+  int told = 0;
+  s->outside = outside_count(state);
+  s->left = state->outside;
+  s->waiting = rain_waiting(model, state);
+  s->lost = file_path("%s", "");
+  for (size_t i = 0; s->lost && i < state->n_free && told < OUTSIDE_TOLD; i++) {
+    if (state->activity[i] != SD_OUTSIDE && state->activity[i] != SD_REMOVED) continue;
+    char name[96], *before = s->lost;
+    s->lost = file_path("%s%s%s at (%.6g, %.6g)", before, told++ ? ", " : "",
+                        sd_model_body_name(model, state->id[i], name, sizeof name), state->x[i], state->y[i]);
+    free(before);
+  }
+  return s->lost ? SD_OK : no_memory(messages);
 }
 
 static sd_status collect_until(summary *s, const sd_model *model, const sd_state *state,
@@ -60,7 +104,8 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
                  .step_nanoseconds = step_nanoseconds,
                  .energy = *energy,
                  .n_rotations = model->n_rotations,
-                 .n_slides = model->n_slides};
+                 .n_slides = model->n_slides,
+                 .n_stages = model->n_phases};
   bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
   const char *phase = running ? model->phases[state->phase].name : NULL;
   s->phase_name = file_path("%s", phase ? phase : "");
@@ -80,12 +125,18 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
     for (size_t p = 0; p < 2; p++) s->slide_names[3 * k + 1 + p] = name_of(model, watch->partner[p]);
     for (size_t p = 0; p < 3; p++) named = named && s->slide_names[3 * k + p];
   }
-  return named ? collect_until(s, model, state, messages) : no_memory(messages);
+  status = named ? collect_until(s, model, state, messages) : no_memory(messages);
+  if (status == SD_OK) status = collect_stages(s, model, state, messages);
+  return status == SD_OK ? collect_lost(s, model, state, messages) : status;
 }
 
 void summary_free(summary *s) {
   for (size_t k = 0; s->rotation_names && k < s->n_rotations; k++) free(s->rotation_names[k]);
   for (size_t k = 0; s->slide_names && k < 3 * s->n_slides; k++) free(s->slide_names[k]);
+  for (size_t k = 0; s->stage_names && k < s->n_stages; k++) free(s->stage_names[k]);
+  free(s->stage_names);
+  free(s->stages);
+  free(s->lost);
   free(s->rotation_names);
   free(s->slide_names);
   free(s->rotations);
@@ -134,6 +185,22 @@ static const member slide_members[] = {
     {"openings", SD_I64, offsetof(sd_slide, openings), 2, "1", "times the contact opened"},
 };
 
+static const member stage_members[] = {
+    {"steps", SD_I64, offsetof(summary_phase, steps), 1, "1", "steps that the phase took, 0: not over"},
+    {"most", SD_I64, offsetof(summary_phase, most), 1, "1", "its length, the most it may take"},
+    {"asked", SD_I32, offsetof(summary_phase, asked), 1, "1", "to settle 1, to compress 2, both 3"},
+    {"reached", SD_I32, offsetof(summary_phase, reached), 1, "1", "1: ended with what was asked for"},
+    {"kinetic", SD_F64, offsetof(summary_phase, kinetic), 1, "energy", "kinetic energy per disk at the end"},
+    {"kinetic_goal", SD_F64, offsetof(summary_phase, kinetic_goal), 1, "energy", "asked for; 0: nothing"},
+    {"unbalanced", SD_F64, offsetof(summary_phase, unbalanced), 1, "1",
+     "mean resultant force on a disk over mean contact force at the end"},
+    {"unbalanced_goal", SD_F64, offsetof(summary_phase, unbalanced_goal), 1, "1", "asked for; 0: nothing"},
+    {"target", SD_F64, offsetof(summary_phase, target), 1, "force/length or 1",
+     "compression: pressure or packing fraction at the end"},
+    {"target_goal", SD_F64, offsetof(summary_phase, target_goal), 1, "force/length or 1",
+     "asked for; 0: nothing"},
+};
+
 /* Copies a member between the structures and a dense array. */
 static void pack(const member *m, char *first, size_t stride, size_t n, char *dense, bool out) {
   size_t bytes = m->width * sd_type_size(m->type);
@@ -178,7 +245,8 @@ static sd_status read_members(const h5_file *file, const char *group, const memb
 
 enum {
   ROTATION_MEMBERS = sizeof rotation_members / sizeof *rotation_members,
-  SLIDE_MEMBERS = sizeof slide_members / sizeof *slide_members
+  SLIDE_MEMBERS = sizeof slide_members / sizeof *slide_members,
+  STAGE_MEMBERS = sizeof stage_members / sizeof *stage_members
 };
 
 /* --- names: one text, a line each ------------------------------------------------------------------ */
@@ -267,6 +335,8 @@ static const struct fact {
     {"phase", offsetof(summary, phase)},       {"phases", offsetof(summary, phases)},
     {"measured", offsetof(summary, measured)}, {"disks", offsetof(summary, disks)},
     {"walls", offsetof(summary, walls)},       {"contacts", offsetof(summary, contacts)},
+    {"waiting", offsetof(summary, waiting)},   {"outside", offsetof(summary, outside)},
+    {"left", offsetof(summary, left)},
 };
 enum { FACTS = sizeof facts / sizeof *facts };
 
@@ -281,6 +351,7 @@ void summary_write(const summary *s, h5_file *file) {
   h5_attr_f64(file, "/summary", "time", (double)s->step * s->dt);
   h5_attr_f64(file, "/summary", "step_nanoseconds", s->step_nanoseconds);
   h5_attr_text(file, "/summary", "phase_name", s->phase_name);
+  h5_attr_text(file, "/summary", "lost", s->lost);
   for (size_t k = 0; k < series_energy_count; k++)
     h5_attr_f64(file, "/summary/energy", series_energies[k].name, series_energy_value(&s->energy, k));
 
@@ -297,7 +368,27 @@ void summary_write(const summary *s, h5_file *file) {
                 s->n_slides);
   write_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names);
   h5_attr_i64(file, "/summary/slide", "count", (int64_t)s->n_slides);
+  write_members(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
+                s->n_stages);
+  write_names(file, "/summary/phase/name", s->n_stages, s->stage_names);
+  h5_attr_i64(file, "/summary/phase", "count", (int64_t)s->n_stages);
   write_until(s, file);
+}
+
+/* Sizes that the file gives, and room for what they count. */
+static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
+  const struct {
+    const char *group;
+    size_t *count;
+  } lists[] = {{"/summary/rotation", &s->n_rotations},
+               {"/summary/slide", &s->n_slides},
+               {"/summary/phase", &s->n_stages}};
+  for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
+    int64_t n = h5_exists(file, lists[k].group) ? h5_get_attr_i64(file, lists[k].group, "count", 0) : 0;
+    if (n < 0 || n > UINT32_MAX) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+    *lists[k].count = (size_t)n;
+  }
+  return allocate(s, messages);
 }
 
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
@@ -316,13 +407,9 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
     double value = h5_get_attr_f64(file, "/summary/energy", series_energies[k].name, NAN);
     memcpy((char *)&s->energy + series_energies[k].offset, &value, sizeof value);
   }
-  int64_t rotations = h5_get_attr_i64(file, "/summary/rotation", "count", 0);
-  int64_t slides = h5_get_attr_i64(file, "/summary/slide", "count", 0);
-  if (rotations < 0 || slides < 0 || rotations > UINT32_MAX || slides > UINT32_MAX)
-    return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
-  s->n_rotations = (size_t)rotations;
-  s->n_slides = (size_t)slides;
-  sd_status status = allocate(s, messages);
+  s->lost = h5_get_attr_text(file, "/summary", "lost");
+  if (!s->lost) s->lost = file_path("%s", "");
+  sd_status status = s->lost ? read_counts(s, file, messages) : no_memory(messages);
   if (status == SD_OK)
     status = read_members(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
                           sizeof *s->rotations, s->n_rotations, messages);
@@ -338,6 +425,11 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
     status = read_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names, messages);
   if (status == SD_OK)
     status = read_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names, messages);
+  if (status == SD_OK && s->n_stages > 0)
+    status = read_members(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
+                          s->n_stages, messages);
+  if (status == SD_OK && s->n_stages > 0)
+    status = read_names(file, "/summary/phase/name", s->n_stages, s->stage_names, messages);
   if (status == SD_OK) status = read_until(s, file, messages);
   return status;
 }

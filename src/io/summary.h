@@ -8,16 +8,31 @@
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
 
+/* A phase that is over, or is not yet (steps 0). Values are those at its end, 0 where nothing was asked. */
+typedef struct summary_phase {
+  int64_t steps, most;                                       /* taken, and its length */
+  int32_t asked;                                             /* bit 0: to settle, bit 1: to compress */
+  int32_t reached;                                           /* what was asked for was there */
+  double kinetic, kinetic_goal, unbalanced, unbalanced_goal; /* 0: no goal */
+  double target, target_goal;                                /* pressure or packing fraction */
+} summary_phase;
+enum { SUMMARY_SETTLE = 1, SUMMARY_COMPRESS = 2 };
+
 typedef struct summary {
-  int64_t step, steps; /* done, of all phases; with `until` steps is the most */
+  int64_t step, steps; /* done, of all phases; the most that there can be, as phases may end early */
   double dt;
   int64_t phase, phases; /* index, number */
   char *phase_name;      /* "" when finished */
   int64_t measured;      /* steps measured */
   int64_t disks, walls, contacts;
+  int64_t waiting, outside,
+      left;                /* disks: not yet released, beyond the bounds or taken out; times one left */
+  char *lost;              /* the first of those outside: "disk 3 at (1, -5), ..."; "" for none */
   double step_nanoseconds; /* wall time per step; NAN before the first */
   sd_energy energy;
-  size_t n_rotations, n_slides;
+  size_t n_rotations, n_slides, n_stages;
+  summary_phase *stages;
+  char **stage_names; /* [n_stages] */
   sd_rotation *rotations;
   sd_slide *slides;
   char **rotation_names; /* [n_rotations] */

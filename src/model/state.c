@@ -21,7 +21,7 @@ const sd_field sd_fields[] = {
     COLUMN(relax_alpha, SD_F64, SD_PER_RUN, "1", "how far the relaxer steers velocities"),
     COLUMN(relax_steps, SD_I64, SD_PER_RUN, "1", "steps downhill since the relaxer stopped the disks"),
     COLUMN(released, SD_I64, SD_PER_RUN, "1", "disks that rain has let go"),
-    COLUMN(outside, SD_I64, SD_PER_RUN, "1", "disks that left the bounds"),
+    COLUMN(outside, SD_I64, SD_PER_RUN, "1", "times that a disk left the bounds"),
     COLUMN(mean_looks, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),
     COLUMN(mean_bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the disks' angle records"),
     COLUMN(mean_bins, SD_I64, SD_PER_RUN, "1", "full bins of the disks' angle records"),
@@ -89,6 +89,12 @@ const sd_field sd_fields[] = {
            "random motion: displacement at the next draw; load: acceleration"),
     COLUMN(motion_v1, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the next draw"),
 
+    COLUMN(phase_steps, SD_I64, SD_PER_PHASE, "1", "steps that the phase took, 0: not over"),
+    COLUMN(phase_reached, SD_I32, SD_PER_PHASE, "1", "1: ended with what settle and compress asked for"),
+    COLUMN(phase_kinetic, SD_F64, SD_PER_PHASE, "energy", "kinetic energy per disk at the end of a settling"),
+    COLUMN(phase_unbalanced, SD_F64, SD_PER_PHASE, "1", "unbalanced force at the end of a settling"),
+    COLUMN(phase_target, SD_F64, SD_PER_PHASE, "force/length or 1", "pressure or packing fraction reached"),
+
     COLUMN(rotation_start, SD_F64, SD_PER_ROTATION, "rad", "angle when measuring began"),
     COLUMN(rotation_bin, SD_F64, SD_PER_ROTATION_BIN, "rad", "angle turned in each full bin"),
     COLUMN(rotation_last, SD_F64, SD_PER_ROTATION, "rad", "angle at the end of the last full bin"),
@@ -134,6 +140,7 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_FREE: return s->n_free;
     case SD_PER_CONTACT: return s->n_contacts;
     case SD_PER_MOTION: return s->n_motions;
+    case SD_PER_PHASE: return s->n_phases;
     case SD_PER_ROTATION: return s->n_rotations;
     case SD_PER_ROTATION_BIN: return s->n_rotations * SD_BINS;
     case SD_PER_SLIDE: return s->n_slides;
@@ -170,6 +177,7 @@ sd_state *sd_state_new(const sd_model *m) {
   s->n_disks = m->n_disks;
   s->n_bodies = sd_model_bodies(m);
   s->n_motions = m->n_motions;
+  s->n_phases = m->n_phases;
   s->n_rotations = m->n_rotations;
   s->n_slides = m->n_slides;
   s->n_means = m->measure_disks ? m->n_free : 0;

@@ -1,12 +1,214 @@
 /* rain.c: see rain.h. */
 #include "pack/rain.h"
 
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_rng.h>
+#include <gsl/gsl_sort.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/energy.h"
+#include "physics/engine.h"
+#include "physics/neighbours.h"
+#include "physics/walls.h"
+
+/* Part of a row's width that disks take, at most; between two rows this part of the higher one's radius is left. */
+static const double ROW_FILL = 0.9, ROW_GAP = 0.1;
+/* A disk that touches a wall but for rounding has room. */
+static const double ROUNDING = 1e-9;
+
+/* --- when --------------------------------------------------------------------------------------------- */
+
 int64_t rain_next(const engine *e, int64_t step) {
-  (void)e, (void)step;
-  return INT64_MAX;
+  int64_t next = INT64_MAX;
+  for (size_t k = 0; k < e->model->n_rains; k++) {
+    const sd_rain *r = &e->model->rains[k];
+    int64_t batches = (int64_t)((r->count + r->batch - 1) / r->batch);
+    int64_t batch = step < 0 ? 0 : step / r->interval + 1;
+    if (batch < batches && batch * r->interval < next) next = batch * r->interval;
+  }
+  return next;
 }
-sd_status rain_release(engine *e, sd_messages *messages) {
-  (void)e, (void)messages;
+
+int64_t rain_waiting(const sd_model *m, const sd_state *s) {
+  int64_t all = 0;
+  for (size_t k = 0; k < m->n_rains; k++) all += (int64_t)m->rains[k].count;
+  return all - s->released;
+}
+
+bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; }
+
+/* --- is there room? ----------------------------------------------------------------------------------- */
+
+/* Top of the highest disk over the strip, no lower than the rain's floor less its gap. */
+static double top_of(const engine *e, const sd_rain *r) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper), half = 0.5 * (r->upper - r->lower);
+  for (size_t i = 0; i < s->n_disks; i++) {
+    if (i < s->n_free && !engine_in_play(s, i)) continue;
+    double dx = s->x[i] - middle;
+    if (w->periodic[SD_X]) dx -= w->length[SD_X] * nearbyint(dx * w->inverse_length[SD_X]);
+    if (fabs(dx) < half + s->radius[i]) top = fmax(top, s->y[i] + s->radius[i]);
+  }
+  return top;
+}
+
+/* Does the piece pass through the disk, or below it, above y = low? */
+static bool piece_blocks(const placed_segment *g, double x, double y, double radius, double low) {
+  nearest_point q = walls_nearest(g, x, y);
+  if (hypot(q.dx, q.dy) < radius * (1.0 - ROUNDING)) return true;
+  if (g->tx == 0.0) return false;
+  double along = (x - g->x) / g->tx, height = g->y + along * g->ty;
+  return along >= g->backwards && along <= g->length && height > low && height < y;
+}
+
+static bool circle_blocks(const engine *e, size_t slot, double x, double y, double radius) {
+  const sd_state *s = e->state;
+  double dx = s->x[slot] - x, dy = s->y[slot] - y;
+  if (e->work.periodic[SD_X]) dx -= e->work.length[SD_X] * nearbyint(dx * e->work.inverse_length[SD_X]);
+  double r = hypot(dx, dy), wall = s->radius[slot];
+  return wall < 0.0 ? r + radius > -wall * (1.0 + ROUNDING) : r < (wall + radius) * (1.0 - ROUNDING);
+}
+
+/* What stands in the way of a disk at (x, y), whose fall leads to y = low; NULL: nothing. */
+static const char *obstacle(const engine *e, double x, double y, double radius, double low, char *text,
+                            size_t size) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  for (size_t k = 0; k < m->n_segments; k++)
+    if (piece_blocks(&e->work.segments[k], x, y, radius, low))
+      return sd_model_body_name(m, m->segments[k].body, text, size);
+  for (size_t slot = s->n_disks; slot < s->n_bodies; slot++)
+    if (s->radius[slot] != 0.0 && circle_blocks(e, slot, x, y, radius))
+      return sd_model_body_name(m, s->id[slot], text, size);
+  if (m->bounds.given && !(x >= m->bounds.lower[SD_X] && x <= m->bounds.upper[SD_X] &&
+                           y >= m->bounds.lower[SD_Y] && y <= m->bounds.upper[SD_Y]))
+    return "the end of the bounds";
+  return y < e->work.lower[SD_Y] || y >= e->work.upper[SD_Y] ? "the edge of the periodic box" : NULL;
+}
+
+/* --- rows --------------------------------------------------------------------------------------------- */
+
+size_t rain_row(const sd_model *m, size_t first, size_t end, double width) {
+  double taken = 0.0;
+  size_t n = 0;
+  for (; first + n < end; n++) {
+    taken += 2.0 * m->disks[first + n].radius;
+    if (n > 0 && taken > ROW_FILL * width) break;
+  }
+  return n;
+}
+
+/* Numbers that lie close together shall give sequences that do not (splitmix64). */
+static uint64_t mixed(uint64_t z) {
+  z += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
+  uint64_t rain = (uint64_t)(r - e->model->rains);
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  gsl_rng *numbers = gsl_rng_alloc(gsl_rng_mt19937);
+  gsl_set_error_handler(handler);
+  uint64_t seed = mixed(mixed(mixed(e->model->seed) ^ rain) ^ (uint64_t)batch);
+  if (numbers) gsl_rng_set(numbers, (unsigned long)(seed & 0xffffffffu));
+  return numbers;
+}
+
+static void set_out(engine *e, size_t i, double x, double y, double speed) {
+  sd_state *s = e->state;
+  s->activity[i] = SD_IN_PLAY;
+  s->x[i] = x;
+  s->y[i] = y;
+  s->vy[i] = -speed;
+  s->released++;
+}
+
+/* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. */
+static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, double low, double end,
+                           gsl_rng *numbers, double *gaps, sd_messages *messages) {
+  const sd_model *m = e->model;
+  double taken = 0.0, largest = 0.0;
+  for (size_t k = 0; k < n; k++) {
+    taken += 2.0 * m->disks[first + k].radius;
+    largest = fmax(largest, m->disks[first + k].radius);
+    gaps[k] = gsl_rng_uniform(numbers);
+  }
+  gsl_sort(gaps, 1, n);
+  double left = r->lower, slack = r->upper - r->lower - taken;
+  for (size_t k = 0; k < n; k++) {
+    uint32_t disk = (uint32_t)(first + k);
+    double radius = m->disks[disk].radius, x = left + slack * gaps[k] + radius;
+    double y = low + radius + 2.0 * (largest - radius) * gsl_rng_uniform(numbers);
+    char name[96], wall[96];
+    const char *what = obstacle(e, x, y, radius, end, wall, sizeof wall);
+    if (what)
+      return sd_fail(messages, SD_ERROR_NUMERIC,
+                     "step %lld: rain: %s has no room at (%g, %g), %s is in the way; expected a higher "
+                     "container, fewer disks, or more time between batches",
+                     (long long)e->state->step, sd_model_body_name(m, disk, name, sizeof name), x, y, what);
+    set_out(e, e->work.slot[disk], x, y, r->speed);
+    left += 2.0 * radius;
+  }
   return SD_OK;
 }
-bool rain_waits(const engine *e) { return e->state->released < 0; }
+
+static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_messages *messages) {
+  const sd_model *m = e->model;
+  size_t first = r->first + (size_t)batch * r->batch, end = r->first + r->count;
+  if (end - first > r->batch) end = first + r->batch;
+  double top = top_of(e, r), low = top + r->gap, *gaps = malloc((end - first) * sizeof *gaps);
+  gsl_rng *numbers = numbers_of(e, r, batch);
+  sd_status status =
+      gaps && numbers ? SD_OK : sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
+  for (size_t n; status == SD_OK && first < end; first += n) {
+    double largest = 0.0;
+    n = rain_row(m, first, end, r->upper - r->lower);
+    for (size_t k = 0; k < n; k++) largest = fmax(largest, m->disks[first + k].radius);
+    status = place_row(e, r, first, n, low, fmax(top, r->floor), numbers, gaps, messages);
+    low += (2.0 + ROW_GAP) * largest;
+  }
+  free(gaps);
+  if (numbers) gsl_rng_free(numbers);
+  return status;
+}
+
+/* --- release ------------------------------------------------------------------------------------------ */
+
+/* They fall freely: accelerations without contacts. */
+static void accelerate(const engine *e, const sd_rain *r, int64_t batch) {
+  size_t first = (size_t)batch * r->batch;
+  for (size_t k = first; k < r->count && k < first + r->batch; k++) {
+    uint32_t i = e->work.slot[r->first + k];
+    for (int c = 0; c < SD_COORDINATES; c++) {
+      const columns *q = &e->work.columns[c];
+      q->q2[i] = e->work.half_dt2 * (q->constant[i] * q->inverse[i]);
+    }
+  }
+}
+
+static bool due(const engine *e, const sd_rain *r) {
+  int64_t batch = e->state->step / r->interval;
+  return e->state->step % r->interval == 0 && batch < (int64_t)((r->count + r->batch - 1) / r->batch);
+}
+
+sd_status rain_release(engine *e, sd_messages *messages) {
+  const sd_model *m = e->model;
+  sd_state *s = e->state;
+  sd_energy before = energy_of(e);
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < m->n_rains && status == SD_OK; k++)
+    if (due(e, &m->rains[k]))
+      status = place_batch_of(e, &m->rains[k], s->step / m->rains[k].interval, messages);
+  if (status != SD_OK) return status;
+  engine_fill_constants(e);
+  for (size_t k = 0; k < m->n_rains; k++)
+    if (due(e, &m->rains[k])) accelerate(e, &m->rains[k], s->step / m->rains[k].interval);
+  status = neighbours_build(e, messages);
+  sd_energy after = energy_of(e);
+  s->energy_start += energy_total(&after) - energy_total(&before);
+  return status;
+}

@@ -1,5 +1,52 @@
 /* settle.c: see settle.h. */
 #include "pack/settle.h"
 
-settle_measure settle_look(const engine *e) { return (settle_measure){e->state->relaxed, 0.0}; }
-bool settle_reached(const engine *e) { return e->state->released < 0; }
+#include <math.h>
+
+#include "pack/rain.h"
+
+/* 0 for a coordinate that is held. */
+static double resultant(const columns *c, size_t i) {
+  return c->inverse[i] != 0.0 ? c->force[i] + c->constant[i] : 0.0;
+}
+
+static double moving(const columns *c, const double *mass, size_t i) {
+  return c->inverse[i] != 0.0 ? 0.5 * mass[i] * c->v[i] * c->v[i] : 0.0;
+}
+
+static double mean_force(const engine *e) {
+  const pairs *p = &e->work.pairs;
+  double sum = 0.0;
+  size_t n = 0;
+  for (size_t k = 0; k < p->count; k++) {
+    if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
+    sum += p->force[k];
+    n++;
+  }
+  return n > 0 ? sum / (double)n : 0.0;
+}
+
+settle_measure settle_look(const engine *e) {
+  const sd_state *s = e->state;
+  const columns *c = e->work.columns;
+  double kinetic = 0.0, force = 0.0;
+  size_t n = 0;
+  for (size_t i = 0; i < s->n_free; i++) {
+    if (s->activity[i] != SD_IN_PLAY) continue;
+    kinetic +=
+        moving(&c[SD_X], s->mass, i) + moving(&c[SD_Y], s->mass, i) + moving(&c[SD_THETA], s->inertia, i);
+    force += hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i));
+    n++;
+  }
+  if (n == 0) return (settle_measure){0.0, 0.0};
+  double contact = mean_force(e), mean = force / (double)n;
+  return (settle_measure){kinetic / (double)n, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
+}
+
+bool settle_reached(const engine *e) {
+  const sd_settle *asked = &e->model->phases[e->state->phase].settle;
+  if (rain_waits(e)) return false;
+  settle_measure now = settle_look(e);
+  return (asked->kinetic <= 0.0 || now.kinetic <= asked->kinetic) &&
+         (asked->unbalanced <= 0.0 || now.unbalanced <= asked->unbalanced);
+}

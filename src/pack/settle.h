@@ -4,14 +4,15 @@
 
 #include "physics/work.h"
 
-/* Kinetic energy per free disk in play; mean resultant force on one (contacts, gravity, body forces) over the
- * mean normal force of a closed contact, 0 when there is neither, infinite without contacts. */
+/* Over the free disks in play and within the bounds: kinetic energy per disk, of translation and rotation; mean
+ * resultant force on one (contacts, gravity, body forces; coordinates that are free) over the mean normal force of
+ * the closed contacts, 0 when there is neither, infinite without contacts. */
 typedef struct settle_measure {
   double kinetic, unbalanced;
 } settle_measure;
 
 settle_measure settle_look(const engine *e);
-/* All criteria of the running phase hold. */
+/* All criteria of the running phase hold, and no disk waits. */
 bool settle_reached(const engine *e);
 
 #endif

@@ -40,10 +40,8 @@ sd_energy energy_of(const engine *e) {
   sum.start = e->state->energy_start;
   sum.work = e->state->work_driven;
   sum.relaxed = e->state->relaxed;
-  double now =
-      sum.kinetic_translation + sum.kinetic_rotation + sum.elastic_normal + sum.elastic_skin + sum.external;
-  sum.residual =
-      (now - sum.start) - (sum.work + sum.variant) + (sum.viscous + sum.friction + sum.opening + sum.relaxed);
+  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.variant) +
+                 (sum.viscous + sum.friction + sum.opening + sum.relaxed);
   /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale */
   sum.scale =
       fmax(fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening) + fabs(sum.relaxed),

@@ -24,7 +24,9 @@ static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t sl
   s->base_theta[slot] = d->position[SD_THETA];
   s->turn[slot] = turn;
   s->theta[slot] = d->position[SD_THETA] - turn;
-  if (!d->driven) {
+  if (d->waiting && !d->driven) {
+    s->activity[slot] = SD_WAITING;
+  } else if (!d->driven) {
     s->vx[slot] = d->velocity[SD_X];
     s->vy[slot] = d->velocity[SD_Y];
     s->omega[slot] = d->velocity[SD_THETA];
@@ -134,13 +136,17 @@ static void fill_laws(const sd_model *m, work *w) {
   }
 }
 
-/* What a coordinate that is locked or named by a motion feels changes nothing. */
-static void fill_constants(const engine *e) {
+void engine_fill_constants(const engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   const work *w = &e->work;
   for (size_t i = 0; i < s->n_free; i++) {
     const sd_disk *d = &m->disks[s->id[i]];
+    if (!engine_in_play(s, i)) {
+      w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
+      w->constant_x[i] = w->constant_y[i] = w->constant_torque[i] = 0.0;
+      continue;
+    }
     w->inverse_mass_x[i] = d->locked[SD_X] ? 0.0 : 1.0 / d->mass;
     w->inverse_mass_y[i] = d->locked[SD_Y] ? 0.0 : 1.0 / d->mass;
     w->inverse_inertia[i] = d->locked[SD_THETA] ? 0.0 : 1.0 / d->inertia;
@@ -246,7 +252,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   engine_place_box(e);
   fill_skin(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
-  fill_constants(e);
+  engine_fill_constants(e);
   sd_status status = motion_new(e, messages);
   if (status == SD_OK) status = motion_resume(e);
   walls_place(e);
@@ -320,7 +326,6 @@ sd_status engine_start(engine *e, sd_messages *messages) {
     s->theta2[i] = w->half_dt2 * ((s->torque[i] + w->constant_torque[i]) * w->inverse_inertia[i]);
   }
   sd_energy now = energy_of(e);
-  s->energy_start =
-      now.kinetic_translation + now.kinetic_rotation + now.elastic_normal + now.elastic_skin + now.external;
+  s->energy_start = energy_total(&now);
   return status;
 }

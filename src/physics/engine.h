@@ -12,6 +12,15 @@ sd_status engine_fill_state(const sd_model *model, sd_state *state);
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
 
+/* Inverse masses and constant forces in work: 0 where a coordinate is locked or named by a motion, since what
+ * it feels changes nothing, and of disks that are not in play. */
+void engine_fill_constants(const engine *e);
+
+/* Does the free disk in this slot take part, wherever it is? */
+static inline bool engine_in_play(const sd_state *s, size_t slot) {
+  return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
+}
+
 /* About which the lengths of the region change: its lower corner. */
 double engine_corner(const sd_model *model, int coordinate);
 /* Edges of the periodic box in work, from model and state->box_scale. */

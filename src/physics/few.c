@@ -8,11 +8,21 @@
 #include "physics/kernels.h"
 #include "physics/neighbours.h"
 
+/* Something is done to the system between steps, or looked at after them, that struct few does not follow, or a
+ * wall moves by itself. */
+static bool has_more_to_do(const sd_model *m) {
+  bool more = m->measure_disks || m->n_rains > 0 || (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE);
+  for (size_t k = 0; k < m->n_phases; k++) more = more || m->phases[k].relax || m->phases[k].compress.asked;
+  for (size_t k = 0; k < m->n_motions; k++)
+    more = more || m->motions[k].kind == SD_MOTION_LOAD || m->motions[k].kind == SD_MOTION_SERVO;
+  return more;
+}
+
 sd_status few_new(engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
   if (s->n_free > FEW_FREE || s->n_bodies > FEW_BODIES || e->model->n_segments > 0 || w->periodic[0] ||
-      w->periodic[1] || w->n_threads != 1)
+      w->periodic[1] || w->n_threads != 1 || has_more_to_do(e->model))
     return SD_OK;
   few *f = aligned_alloc(64, (sizeof *f + 63) / 64 * 64);
   if (!f) return SD_ERROR_IO;

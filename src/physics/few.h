@@ -42,8 +42,8 @@ typedef struct few {
   int64_t builds; /* of the list that a, b belong to */
 } few;
 
-/* Room for it when the system is of that kind (no straight walls, open box, one thread), else nothing:
- * e->work.few stays NULL. */
+/* Room for it when the system is of that kind (no straight walls, open box, one thread, neither rain nor
+ * relaxer, compression, loads, servos, disks that are taken out or whose means are asked for), else nothing: e->work.few stays NULL. */
 sd_status few_new(engine *e);
 void few_free(engine *e);
 

@@ -88,12 +88,28 @@ typedef struct grid {
 } grid;
 
 static int64_t cell_of(const grid *g, int c, double at) {
-  int64_t k = (int64_t)((at - g->lower[c]) * g->per_cell[c]);
-  return k < 0 ? 0 : k >= g->cells[c] ? g->cells[c] - 1 : k;
+  double k = fmin((at - g->lower[c]) * g->per_cell[c], (double)(g->cells[c] - 1));
+  return k > 0.0 ? (int64_t)k : 0;
 }
 
 static size_t cell_index(const grid *g, double x, double y) {
   return (size_t)(cell_of(g, 1, y) * g->cells[0] + cell_of(g, 0, x));
+}
+
+/* Does the body in this slot touch anything? */
+static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || engine_in_play(s, slot); }
+
+/* Where the disks are; those that got lost far away would make the cells of all others large. Beyond the grid
+ * the nearest cell counts. */
+static void grid_extent(const sd_state *s, const double *at, double *low, double *high) {
+  bool any = false;
+  for (size_t i = 0; i < s->n_disks; i++) {
+    if (i < s->n_free && s->activity[i] != SD_IN_PLAY) continue;
+    *low = any ? fmin(*low, at[i]) : at[i];
+    *high = any ? fmax(*high, at[i]) : at[i];
+    any = true;
+  }
+  if (!any) *low = *high = 0.0;
 }
 
 /* Cells no smaller than the reach of a pair; fewer, larger ones where disks are sparse. */
@@ -102,13 +118,7 @@ static void grid_size(const engine *e, double reach, grid *g) {
   for (int c = 0; c < 2; c++) {
     const double *at = c ? s->y : s->x;
     double low = e->work.lower[c], high = e->work.upper[c];
-    if (!e->work.periodic[c]) {
-      low = high = at[0];
-      for (size_t i = 1; i < s->n_disks; i++) {
-        low = fmin(low, at[i]);
-        high = fmax(high, at[i]);
-      }
-    }
+    if (!e->work.periodic[c]) grid_extent(s, at, &low, &high);
     double most = 2.0 * sqrt((double)s->n_disks) + 3.0, span = high - low;
     double cells = fmin(floor(span / reach), 8.0 * most);
     if (cells < 1.0) cells = 1.0;
@@ -126,10 +136,11 @@ static sd_status grid_fill(const engine *e, grid *g) {
   g->start = calloc(cells + 2, sizeof *g->start);
   g->disks = malloc((s->n_disks + 1) * sizeof *g->disks);
   if (!g->start || !g->disks) return SD_ERROR_IO;
-  for (size_t i = 0; i < s->n_disks; i++) g->start[cell_index(g, s->x[i], s->y[i]) + 2]++;
+  for (size_t i = 0; i < s->n_disks; i++)
+    if (in_play(s, i)) g->start[cell_index(g, s->x[i], s->y[i]) + 2]++;
   for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
   for (size_t i = 0; i < s->n_disks; i++)
-    g->disks[g->start[cell_index(g, s->x[i], s->y[i]) + 1]++] = (uint32_t)i;
+    if (in_play(s, i)) g->disks[g->start[cell_index(g, s->x[i], s->y[i]) + 1]++] = (uint32_t)i;
   return SD_OK;
 }
 
@@ -235,7 +246,8 @@ static sd_status add_closed(const engine *e, const closed_before *c, uint32_t i,
   const pairs *old = &e->work.pairs;
   for (size_t k = c->from; k < c->to; k++) {
     uint32_t j = (uint32_t)old->b[k];
-    if (!closed(old, k) || j >= e->state->n_disks || near(e, i, j, e->work.skin)) continue;
+    if (!closed(old, k) || j >= e->state->n_disks || !in_play(e->state, j) || near(e, i, j, e->work.skin))
+      continue;
     if (partners_add(found, j) != SD_OK) return SD_ERROR_IO;
   }
   return SD_OK;
@@ -250,6 +262,7 @@ static sd_status push_round(const engine *e, const grid *g, pairs *p) {
   for (uint32_t i = 0; i < s->n_free && status == SD_OK; i++) {
     found.n = 0;
     next_disk(old, old->n_round, i, &before);
+    if (!in_play(s, i)) continue;
     status = find_partners(e, g, i, &found);
     if (status == SD_OK) status = add_closed(e, &before, i, &found);
     sort_by_id(s->id, found.slot, found.n);
@@ -269,6 +282,7 @@ static sd_status push_pieces(const engine *e, pairs *p) {
   if (e->model->n_segments == 0) return SD_OK;
   for (uint32_t i = 0; i < e->state->n_free; i++) {
     next_disk(old, old->count, i, &before);
+    if (!in_play(e->state, i)) continue;
     for (size_t k = 0; k < e->model->n_segments && status == SD_OK; k++) {
       uint32_t b = e->work.slot[e->model->segments[k].body];
       if (near_piece(e, i, &e->work.segments[k]) || was_closed(old, &before, b, k))
@@ -374,7 +388,8 @@ static void note_poses(engine *e) {
     w->theta0[b] = s->theta[b] + s->turn[b];
     double reach = 0.0;
     for (size_t i = 0; i < s->n_free; i++)
-      reach = fmax(reach, hypot(s->x[i] - s->x[b], s->y[i] - s->y[b]) + s->radius[i] + w->skin);
+      if (in_play(s, i))
+        reach = fmax(reach, hypot(s->x[i] - s->x[b], s->y[i] - s->y[b]) + s->radius[i] + w->skin);
     w->reach[b - s->n_disks] = reach;
   }
 }

@@ -27,23 +27,6 @@ double session_clock(void) {
 
 /* --- cadence -------------------------------------------------------------------------------------- */
 
-/* Phase p covers the steps after start up to and including end. */
-typedef struct span {
-  size_t phase;
-  int64_t start, end;
-} span;
-
-/* The phase in which the step after `step` lies; of a finished run the last one. */
-static span span_at(const sd_model *model, int64_t step) {
-  span s = {0, 0, model->phases[0].steps};
-  while (step >= s.end && s.phase + 1 < model->n_phases) {
-    s.phase++;
-    s.start = s.end;
-    s.end += model->phases[s.phase].steps;
-  }
-  return s;
-}
-
 static bool hits(int64_t every, int64_t offset) { return every > 0 && offset % every == 0; }
 
 static unsigned phase_due(const sd_phase *phase, int64_t offset) {
@@ -52,16 +35,14 @@ static unsigned phase_due(const sd_phase *phase, int64_t offset) {
          (hits(phase->contacts_every, offset) ? RECORD_CONTACTS : 0u);
 }
 
-unsigned session_due(const sd_model *model, int64_t step) {
+static bool is_over(const sd_model *model, sd_stage now) { return now.phase >= (int64_t)model->n_phases; }
+
+unsigned session_due(const sd_model *model, sd_stage now) {
   /* both ends of a run are always recorded */
-  if (step == 0 || step == sd_model_steps(model)) return RECORD_ALL;
-  span now = span_at(model, step);
-  unsigned due = phase_due(&model->phases[now.phase], step - now.start);
+  if (now.step == 0 || is_over(model, now)) return RECORD_ALL;
+  unsigned due = phase_due(&model->phases[now.phase], now.phase_step);
   /* the last step of a phase is step 0 of the next */
-  if (step == now.start && now.phase > 0) {
-    const sd_phase *before = &model->phases[now.phase - 1];
-    due |= phase_due(before, before->steps);
-  }
+  if (now.phase_step == 0 && now.phase > 0) due |= phase_due(&model->phases[now.phase - 1], now.before);
   return due;
 }
 
@@ -71,20 +52,27 @@ static int64_t next_of(int64_t every, int64_t offset, int64_t best) {
   return next < best ? next : best;
 }
 
-static bool has_goal(const sd_model *model, span now) {
-  return model->until.asked && now.phase + 1 == model->n_phases;
+static bool has_goal(const sd_model *model, sd_stage now) {
+  return model->until.asked && now.phase + 1 == (int64_t)model->n_phases;
 }
 
-int64_t session_next(const sd_model *model, int64_t step) {
-  span now = span_at(model, step);
+int64_t session_next(const sd_model *model, sd_stage now) {
   const sd_phase *phase = &model->phases[now.phase];
-  int64_t offset = step - now.start;
-  /* where the last phase may end a row is due */
+  int64_t offset = now.phase_step;
+  /* where a phase may end a row may be due */
   int64_t next = has_goal(model, now) ? sd_goal_look(model, offset) : phase->steps;
+  if (phase->settle.asked) next = next_of(phase->settle.every, offset, next);
   next = next_of(phase->series_every, offset, next);
   next = next_of(phase->frames_every, offset, next);
   next = next_of(phase->contacts_every, offset, next);
-  return now.start + next;
+  return now.step - offset + next;
+}
+
+/* The step at which the run ends if no phase from here on ends before its length. */
+static int64_t most_steps(const sd_model *model, sd_stage now) {
+  int64_t most = now.step - now.phase_step;
+  for (size_t k = (size_t)now.phase; k < model->n_phases; k++) most += model->phases[k].steps;
+  return most;
 }
 
 /* --- writing -------------------------------------------------------------------------------------- */
@@ -168,23 +156,25 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
 static bool stopped(const session *s) { return s->options.stop && *s->options.stop; }
 
 /* Errors fall with the root of the length; nothing ends before the next look. */
-static int64_t expected_end(const session *s, span phase, const sd_goal *goal) {
+static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal) {
   const sd_model *m = s->model;
-  if (sd_simulation_finished(s->simulation)) return s->step;
-  if (!goal) return m->until.asked ? s->steps - m->phases[m->n_phases - 1].steps + m->until.least : s->steps;
+  int64_t most = most_steps(m, now);
+  if (!goal && m->until.asked && !is_over(m, now))
+    return most - m->phases[m->n_phases - 1].steps + m->until.least;
+  if (!goal || is_over(m, now)) return most;
   double ratio = goal->error / goal->goal;
   double more = goal->measured / m->dt * (ratio * ratio - 1);
-  int64_t look = phase.start + sd_goal_look(m, s->step - phase.start);
-  if (!(more < (double)(s->steps - s->step))) return s->steps; /* NAN too */
+  int64_t look = s->step - now.phase_step + sd_goal_look(m, now.phase_step);
+  if (!(more < (double)(most - s->step))) return most; /* NAN too */
   return s->step + (int64_t)more > look ? s->step + (int64_t)more : look;
 }
 
 static void report(session *s, bool always) {
   if (!s->options.progress) return;
   double now = session_clock(), passed = now - s->told_at;
-  span phase = span_at(s->model, s->step);
-  bool finished = sd_simulation_finished(s->simulation);
-  bool new_phase = !finished && (int64_t)phase.phase != s->told_phase;
+  sd_stage stage = sd_simulation_stage(s->simulation);
+  bool finished = is_over(s->model, stage);
+  bool new_phase = !finished && stage.phase != s->told_phase;
   if (!always && !new_phase && passed < PROGRESS_SECONDS) return;
 
   /* an average over the last few seconds */
@@ -193,15 +183,15 @@ static void report(session *s, bool always) {
     s->rate = s->rate > 0 ? s->rate + weight * (rate - s->rate) : rate;
   }
   sd_energy energy = sd_simulation_energy(s->simulation);
-  const char *name = s->model->phases[phase.phase].name;
-  bool asked = has_goal(s->model, phase);
+  const char *name = finished ? NULL : s->model->phases[stage.phase].name;
+  bool asked = has_goal(s->model, stage) || (finished && s->model->until.asked);
   sd_goal goal = asked ? sd_simulation_goal(s->simulation) : (sd_goal){0};
-  int64_t expected = expected_end(s, phase, asked ? &goal : NULL);
+  int64_t expected = expected_end(s, stage, asked ? &goal : NULL);
   session_progress progress = {.step = s->step,
-                               .steps = s->steps,
+                               .steps = finished ? s->steps : most_steps(s->model, stage),
                                .expected = expected,
                                .time = (double)s->step * s->model->dt,
-                               .phase = !finished && name ? name : "",
+                               .phase = name ? name : "",
                                .new_phase = new_phase,
                                .rate = s->rate,
                                .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
@@ -210,12 +200,12 @@ static void report(session *s, bool always) {
   s->options.progress(s->options.user, &progress);
   s->told_at = now;
   s->told_step = s->step;
-  if (!finished) s->told_phase = (int64_t)phase.phase;
+  if (!finished) s->told_phase = stage.phase;
 }
 
 /* One chunk; its length follows the speed that was seen. */
 static sd_status advance(session *s, sd_messages *messages) {
-  int64_t n = session_next(s->model, s->step) - s->step;
+  int64_t n = session_next(s->model, sd_simulation_stage(s->simulation)) - s->step;
   if (n > s->chunk) n = s->chunk;
   double start = session_clock();
   sd_status status = sd_simulation_advance(s->simulation, n, messages);
@@ -230,11 +220,6 @@ static sd_status advance(session *s, sd_messages *messages) {
   return SD_OK;
 }
 
-/* What is to be recorded now: both ends of a run in any case. */
-static unsigned to_record(const session *s) {
-  return sd_simulation_finished(s->simulation) ? RECORD_ALL : session_due(s->model, s->step);
-}
-
 static sd_status run_steps(session *s, sd_messages *messages) {
   sd_status status = SD_OK;
   while (status == SD_OK && !sd_simulation_finished(s->simulation)) {
@@ -244,7 +229,8 @@ static sd_status run_steps(session *s, sd_messages *messages) {
     }
     status = advance(s, messages);
     if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
-    if (status == SD_OK) status = session_sample(s, to_record(s), messages);
+    if (status == SD_OK)
+      status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
     if (status == SD_OK && record_bytes(&s->rows) > MOST_BYTES) status = seal(s, messages);
     if (status == SD_OK) report(s, false);
     if (status == SD_OK && !sd_simulation_finished(s->simulation) &&
@@ -288,6 +274,34 @@ static void warn_of_goal(const session *s, sd_messages *messages) {
             f->observable, f->goal.error, f->goal.converged ? "" : " and not reliable", f->goal.goal);
 }
 
+/* " kinetic energy per disk 1e-3, asked for is 1e-6"; nothing where nothing was asked for or it is there. */
+static int tell_goal(char *text, size_t size, const char *what, double value, double goal, bool missed) {
+  if (!(goal > 0.0) || !missed) return 0;
+  return snprintf(text, size, "; %s %.3g, asked for is %.3g", what, value, goal);
+}
+
+/* Phases that took all their steps and did not get there, and disks that never fell. */
+static void warn_of_phases(const session *s, sd_messages *messages) {
+  const summary *f = &s->found;
+  for (size_t k = 0; k < f->n_stages; k++) {
+    const summary_phase *p = &f->stages[k];
+    if (!p->asked || p->reached) continue;
+    char text[400] = "";
+    size_t n = 0;
+    n += (size_t)tell_goal(text + n, sizeof text - n, "kinetic energy per disk", p->kinetic, p->kinetic_goal,
+                           p->kinetic > p->kinetic_goal);
+    n += (size_t)tell_goal(text + n, sizeof text - n, "unbalanced force", p->unbalanced, p->unbalanced_goal,
+                           p->unbalanced > p->unbalanced_goal);
+    const sd_compress *c = &s->model->phases[k].compress;
+    tell_goal(text + n, sizeof text - n, c->pressure > 0.0 ? "pressure" : "packing fraction", p->target,
+              p->target_goal, fabs(p->target - p->target_goal) > c->tolerance * p->target_goal);
+    sd_warn(messages, "phase \"%s\" has taken all its %" PRId64 " steps and is not %s%s", f->stage_names[k],
+            p->steps, p->asked & SUMMARY_SETTLE ? "at rest" : "at its target", text);
+  }
+  if (f->waiting > 0)
+    sd_warn(messages, "the run is over and %" PRId64 " disks still wait for their rain", f->waiting);
+}
+
 sd_status session_run(session *s, sd_messages *messages) {
   if (s->was_finished) return SD_OK;
   s->told_at = session_clock();
@@ -295,7 +309,10 @@ sd_status session_run(session *s, sd_messages *messages) {
   sd_status status = run_steps(s, messages);
   if (status == SD_OK) report(s, true);
   if (status == SD_OK) status = finish(s, messages);
-  if (status == SD_OK) warn_of_goal(s, messages);
+  if (status == SD_OK) {
+    warn_of_goal(s, messages);
+    warn_of_phases(s, messages);
+  }
   if (status == SD_ERROR_IO && s->saved_step >= 0)
     sd_fail(messages, SD_ERROR_IO,
             "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);

@@ -16,7 +16,7 @@
 typedef struct session session;
 
 typedef struct session_progress {
-  int64_t step, steps; /* done, of all phases; with `until` steps is the most */
+  int64_t step, steps; /* done, and the most that there can be: phases end early by settle and until */
   int64_t expected;    /* steps at which the run will probably end */
   double time;         /* of the model */
   const char *phase;   /* name; "" when finished */

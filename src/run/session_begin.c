@@ -115,7 +115,8 @@ static sd_status begin_fresh(session *s, sd_messages *messages) {
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
   if (status == SD_OK) status = sd_simulation_new(s->model, s->options.threads, &s->simulation, messages);
-  if (status == SD_OK) status = session_sample(s, session_due(s->model, 0), messages);
+  if (status == SD_OK)
+    status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
   s->origin.sessions = 1;
   /* at once: so that a full disk or a missing permission shows now, and the deck is safe */
   if (status == SD_OK) status = session_checkpoint(s, messages);

@@ -28,10 +28,9 @@ struct session {
 };
 
 double session_clock(void); /* seconds, monotonic */
-/* What is to be recorded when `step` steps are done, and the next step at which something may be. That a run has
- * ended before all its steps (`until`) is not known to them. */
-unsigned session_due(const sd_model *model, int64_t step);
-int64_t session_next(const sd_model *model, int64_t step);
+/* What is to be recorded now, and the next step at which something may be, the run not being over. */
+unsigned session_due(const sd_model *model, sd_stage now);
+int64_t session_next(const sd_model *model, sd_stage now);
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
 sd_status session_checkpoint(session *s, sd_messages *messages);
 

@@ -91,6 +91,7 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
   assert(*out);
   engine *e = &(*out)->engine;
   status = begin_phase(e, messages);
+  if (status == SD_OK && rain_next(e, -1) == 0) status = rain_release(e, messages);
   if (status == SD_OK) status = engine_start(e, messages);
   if (status == SD_OK && measures(e)) measure_begin(e);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
@@ -182,11 +183,29 @@ static void advance_team(engine *e, int64_t n, bool measure) {
 #endif
 }
 
+/* What the phase asked for, and what has come of it. */
+static void note_end(const engine *e) {
+  sd_state *s = e->state;
+  const sd_phase *p = &e->model->phases[s->phase];
+  s->phase_steps[s->phase] = s->phase_step;
+  if (p->settle.asked) {
+    settle_measure now = settle_look(e);
+    s->phase_kinetic[s->phase] = now.kinetic;
+    s->phase_unbalanced[s->phase] = now.unbalanced;
+  }
+  if (p->compress.asked)
+    s->phase_target[s->phase] =
+        p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e->model, s);
+  s->phase_reached[s->phase] =
+      (!p->settle.asked || settle_reached(e)) && (!p->compress.asked || compress_done(e));
+}
+
 static sd_status end_phase(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   bool measured = measures(e);
   if (measured) measure_end(e);
   motion_store(e);
+  note_end(e);
   s->phase++;
   s->phase_step = 0;
   sd_status status = begin_phase(e, messages);
@@ -213,16 +232,17 @@ static int64_t next_stop(const engine *e) {
   int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
   if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
   if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
-  if (e->model->bounds.given) stop = nearer(stop, now, OUTSIDE_EVERY);
-  int64_t batch = rain_next(e, e->state->step);
-  return batch < INT64_MAX && batch - e->state->step + now < stop ? batch - e->state->step + now : stop;
+  /* rain and looks at the bounds count steps since the start */
+  int64_t step = e->state->step, next = rain_next(e, step);
+  if (e->model->bounds.given) next = nearer(next, step, OUTSIDE_EVERY);
+  return next - step < stop - now ? now + (next - step) : stop;
 }
 
 static sd_status between_steps(engine *e, sd_messages *messages) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step;
   sd_status status = SD_OK;
-  if (e->model->bounds.given && now % OUTSIDE_EVERY == 0) status = outside_look(e, messages);
+  if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0) status = outside_look(e, messages);
   if (status == SD_OK && rain_next(e, e->state->step - 1) == e->state->step)
     status = rain_release(e, messages);
   if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0) status = compress_step(e, messages);
@@ -252,7 +272,10 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
     if (e->work.status != SD_OK) return e->work.status;
     sd_status status = between_steps(e, messages);
     if (status != SD_OK) return status;
-    if (phase_is_over(e) && end_phase(e, messages) != SD_OK) return SD_ERROR_IO;
+    if (!phase_is_over(e)) continue;
+    if (e->model->bounds.given) status = outside_look(e, messages);
+    if (status == SD_OK) status = end_phase(e, messages);
+    if (status != SD_OK) return status;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */
   return neighbours_check_finite(e, s->step, messages);
@@ -271,6 +294,14 @@ double sd_simulation_time(const sd_simulation *sim) {
 
 bool sd_simulation_finished(const sd_simulation *sim) {
   return sim->engine.state->phase >= (int64_t)sim->engine.model->n_phases;
+}
+
+sd_stage sd_simulation_stage(const sd_simulation *sim) {
+  const sd_state *s = sim->engine.state;
+  return (sd_stage){.step = s->step,
+                    .phase = s->phase,
+                    .phase_step = s->phase_step,
+                    .before = s->phase > 0 ? s->phase_steps[s->phase - 1] : 0};
 }
 
 sd_goal sd_simulation_goal(const sd_simulation *sim) {
