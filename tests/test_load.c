@@ -489,6 +489,7 @@ static void mistakes_are_refused(void **unused) {
       {G10, "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"load\"; mass = 1; } );",
        "nothing will hold it", 0},
       {"", LID("type = \"servo\"; force = 1; speed = 1;"), "nothing will hold it", 0},
+      {G10, LID("type = \"load\"; mass = 1e-9;"), "0.199 time steps", 0},
       {"", LID("type = \"servo\"; force = 0; speed = 1;"), "other than 0", 1},
       {"", LID("type = \"servo\"; force = -1; speed = 0;"), "speed = 0", 1},
       {"", LID("type = \"servo\"; pressure = -1; speed = 1; length = 1;"), "> 0", 1},

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/loads.h"
+
 sd_model *sd_model_new(void) {
   sd_model *m = calloc(1, sizeof *m);
   if (!m) return NULL;
@@ -78,65 +80,6 @@ int64_t sd_model_steps(const sd_model *m) {
   int64_t steps = 0;
   for (size_t k = 0; k < m->n_phases; k++) steps += m->phases[k].steps;
   return steps;
-}
-
-/* Mean of the free disks in play; of the region when there are none. */
-static void middle(const sd_model *m, double at[2]) {
-  size_t n = 0;
-  double sum[2] = {0.0, 0.0};
-  for (size_t i = 0; i < m->n_disks; i++) {
-    if (m->disks[i].driven || m->disks[i].waiting) continue;
-    for (int c = 0; c < 2; c++) sum[c] += m->disks[i].position[c];
-    n++;
-  }
-  for (int c = 0; c < 2; c++)
-    at[c] = n ? sum[c] / (double)n : 0.5 * (m->region_lower[c] + m->region_upper[c]);
-}
-
-static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
-
-int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
-  const sd_wall *w = &m->walls[body - m->n_disks];
-  double disks[2], at = w->pivot[coordinate];
-  middle(m, disks);
-  if (w->inside || w->closed || (w->kind != SD_WALL_CIRCLE && w->n_points < 2)) return 0;
-  if (w->kind == SD_WALL_LINE || w->kind == SD_WALL_SEGMENT) {
-    const double *p = w->points[0], *q = w->points[1];
-    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
-    double normal[2] = {-dy / length, dx / length};
-    if (fabs(normal[coordinate]) < 1e-9) return 0;
-    double away = (disks[0] - p[0]) * normal[0] + (disks[1] - p[1]) * normal[1];
-    return sign_of(away) * sign_of(normal[coordinate]);
-  }
-  if (w->kind == SD_WALL_POLYLINE) {
-    at = 0.0;
-    for (size_t k = 0; k < w->n_points; k++) at += w->points[k][coordinate] / (double)w->n_points;
-  }
-  return sign_of(disks[coordinate] - at);
-}
-
-/* Does motion k leave a coordinate to the disks that motion j moves too? */
-static bool clash(const sd_model *m, size_t k, size_t j) {
-  const sd_motion *a = &m->motions[k], *b = &m->motions[j];
-  if (a->n_bodies == 0 || a->coordinate != b->coordinate) return false;
-  for (size_t i = 0; i < b->n_bodies; i++)
-    if (b->bodies[i] == a->bodies[0]) return true;
-  return false;
-}
-
-bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
-  const bool *active = m->phases[phase].active;
-  for (size_t k = 0; active && k < m->n_motions; k++) {
-    if (!active[k] || (m->motions[k].kind != SD_MOTION_LOAD && m->motions[k].kind != SD_MOTION_SERVO))
-      continue;
-    for (size_t j = 0; j < m->n_motions; j++) {
-      if (j == k || !active[j] || !clash(m, k, j)) continue;
-      motion[0] = k;
-      motion[1] = j;
-      return true;
-    }
-  }
-  return false;
 }
 
 double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
@@ -222,50 +165,6 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
-static bool is_wall(const sd_model *m, uint32_t body) {
-  return body >= m->n_disks && body < sd_model_bodies(m);
-}
-
-/* Walls that the disks move (physics.md 6). */
-static void check_feedback(const sd_model *m, const sd_motion *q, sd_messages *msg) {
-  const char *name = q->name ? q->name : "?", *kind = q->kind == SD_MOTION_LOAD ? "load" : "servo";
-  size_t before = sd_messages_errors(msg);
-  char wall[96];
-  if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate == SD_THETA)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": a %s moves one wall along x or y", name, kind);
-  if (!isfinite(q->force) || !isfinite(q->pressure) || q->ramp > 0.0)
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected a finite force or pressure, and no ramp", name);
-  if (q->kind == SD_MOTION_LOAD && !(q->mass > 0.0))
-    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": mass = %g: expected a number > 0", name, q->mass);
-  if (q->kind == SD_MOTION_SERVO) {
-    if (!(q->velocity > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": speed = %g: expected a number > 0", name, q->velocity);
-    if ((q->force == 0.0) == (q->pressure == 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected either a force or a pressure, not 0", name);
-    if (q->pressure != 0.0 && !(q->length > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": length = %g: expected a number > 0", name, q->length);
-    for (int k = 0; k < 2; k++)
-      if (q->beside[k] != 0 && !is_wall(m, q->beside[k]))
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u is no wall", name, q->beside[k]);
-  }
-  if (sd_messages_errors(msg) > before) return;
-  double push = q->kind == SD_MOTION_SERVO && q->pressure != 0.0 ? q->pressure : q->force;
-  if (sd_model_side(m, q->bodies[0], q->coordinate) * push < 0.0)
-    sd_warn(msg, "motion \"%s\": a %s of %g along %c pushes %s away from the disks, and nothing will hold it",
-            name, kind, push, q->coordinate == SD_X ? 'x' : 'y',
-            sd_model_body_name(m, q->bodies[0], wall, sizeof wall));
-}
-
-static void check_clashes(const sd_model *m, sd_messages *msg) {
-  size_t q[2];
-  for (size_t k = 0; k < m->n_phases; k++)
-    if (sd_model_clash(m, k, q))
-      sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu]: motion \"%s\" leaves a wall to the disks that motion \"%s\" moves too", k,
-              m->motions[q[0]].name ? m->motions[q[0]].name : "?",
-              m->motions[q[1]].name ? m->motions[q[1]].name : "?");
-}
-
 static void check_motions(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
@@ -275,7 +174,6 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
       if (q->bodies[b] >= sd_model_bodies(m))
         sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
     if (q->ramp < 0.0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": ramp = %g: expected >= 0", name, q->ramp);
-    if (q->kind == SD_MOTION_LOAD || q->kind == SD_MOTION_SERVO) check_feedback(m, q, msg);
     if (q->kind == SD_MOTION_RANDOM) {
       if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)
         sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected omega > 0, damping > 0, interval >= 1", name);
@@ -570,7 +468,7 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_disks(m, own);
   check_walls(m, own);
   check_motions(m, own);
-  check_clashes(m, own);
+  loads_check(m, own);
   check_box(m, own);
   check_compress(m, own);
   check_rains(m, own);
@@ -584,6 +482,7 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
   if (status == SD_OK) status = check_laws(m, own);
   if (status == SD_OK) check_round_walls(m, own);
+  if (status == SD_OK) loads_check_steps(m, own);
   if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (own != msg) sd_messages_free(own);
   return status;

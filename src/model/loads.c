@@ -1,0 +1,157 @@
+/* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see loads.h. */
+#include "model/loads.h"
+
+#include <math.h>
+
+static bool driven_by_disks(const sd_motion *q) {
+  return q->kind == SD_MOTION_LOAD || q->kind == SD_MOTION_SERVO;
+}
+
+/* Mean of the free disks in play; of the region when there are none. */
+static void middle(const sd_model *m, double at[2]) {
+  size_t n = 0;
+  double sum[2] = {0.0, 0.0};
+  for (size_t i = 0; i < m->n_disks; i++) {
+    if (m->disks[i].driven || m->disks[i].waiting) continue;
+    for (int c = 0; c < 2; c++) sum[c] += m->disks[i].position[c];
+    n++;
+  }
+  for (int c = 0; c < 2; c++)
+    at[c] = n ? sum[c] / (double)n : 0.5 * (m->region_lower[c] + m->region_upper[c]);
+}
+
+static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
+
+int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
+  const sd_wall *w = &m->walls[body - m->n_disks];
+  double disks[2], at = w->pivot[coordinate];
+  middle(m, disks);
+  if (w->inside || w->closed || (w->kind != SD_WALL_CIRCLE && w->n_points < 2)) return 0;
+  if (w->kind == SD_WALL_LINE || w->kind == SD_WALL_SEGMENT) {
+    const double *p = w->points[0], *q = w->points[1];
+    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+    double normal[2] = {-dy / length, dx / length};
+    if (fabs(normal[coordinate]) < 1e-9) return 0;
+    double away = (disks[0] - p[0]) * normal[0] + (disks[1] - p[1]) * normal[1];
+    return sign_of(away) * sign_of(normal[coordinate]);
+  }
+  if (w->kind == SD_WALL_POLYLINE) {
+    at = 0.0;
+    for (size_t k = 0; k < w->n_points; k++) at += w->points[k][coordinate] / (double)w->n_points;
+  }
+  return sign_of(disks[coordinate] - at);
+}
+
+/* Does motion k leave a coordinate to the disks that motion j moves too? */
+static bool clash(const sd_model *m, size_t k, size_t j) {
+  const sd_motion *a = &m->motions[k], *b = &m->motions[j];
+  if (a->n_bodies == 0 || a->coordinate != b->coordinate) return false;
+  for (size_t i = 0; i < b->n_bodies; i++)
+    if (b->bodies[i] == a->bodies[0]) return true;
+  return false;
+}
+
+bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
+  const bool *active = m->phases[phase].active;
+  for (size_t k = 0; active && k < m->n_motions; k++) {
+    if (!active[k] || (m->motions[k].kind != SD_MOTION_LOAD && m->motions[k].kind != SD_MOTION_SERVO))
+      continue;
+    for (size_t j = 0; j < m->n_motions; j++) {
+      if (j == k || !active[j] || !clash(m, k, j)) continue;
+      motion[0] = k;
+      motion[1] = j;
+      return true;
+    }
+  }
+  return false;
+}
+
+/* --- checks ------------------------------------------------------------------------------------------ */
+
+static bool is_wall(const sd_model *m, uint32_t body) {
+  return body >= m->n_disks && body < sd_model_bodies(m);
+}
+
+/* Walls that the disks move (physics.md 6). */
+static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
+  const char *name = q->name ? q->name : "?", *kind = q->kind == SD_MOTION_LOAD ? "load" : "servo";
+  size_t before = sd_messages_errors(msg);
+  char wall[96];
+  if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate == SD_THETA)
+    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": a %s moves one wall along x or y", name, kind);
+  if (!isfinite(q->force) || !isfinite(q->pressure) || q->ramp > 0.0)
+    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected a finite force or pressure, and no ramp", name);
+  if (q->kind == SD_MOTION_LOAD && !(q->mass > 0.0))
+    sd_fail(msg, SD_ERROR_USER, "motion \"%s\": mass = %g: expected a number > 0", name, q->mass);
+  if (q->kind == SD_MOTION_SERVO) {
+    if (!(q->velocity > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": speed = %g: expected a number > 0", name, q->velocity);
+    if ((q->force == 0.0) == (q->pressure == 0.0))
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected either a force or a pressure, not 0", name);
+    if (q->pressure != 0.0 && !(q->length > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": length = %g: expected a number > 0", name, q->length);
+    for (int k = 0; k < 2; k++)
+      if (q->beside[k] != 0 && !is_wall(m, q->beside[k]))
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u is no wall", name, q->beside[k]);
+  }
+  if (sd_messages_errors(msg) > before) return;
+  double push = q->kind == SD_MOTION_SERVO && q->pressure != 0.0 ? q->pressure : q->force;
+  if (sd_model_side(m, q->bodies[0], q->coordinate) * push < 0.0)
+    sd_warn(msg, "motion \"%s\": a %s of %g along %c pushes %s away from the disks, and nothing will hold it",
+            name, kind, push, q->coordinate == SD_X ? 'x' : 'y',
+            sd_model_body_name(m, q->bodies[0], wall, sizeof wall));
+}
+
+static void check_clashes(const sd_model *m, sd_messages *msg) {
+  size_t q[2];
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (sd_model_clash(m, k, q))
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu]: motion \"%s\" leaves a wall to the disks that motion \"%s\" moves too", k,
+              m->motions[q[0]].name ? m->motions[q[0]].name : "?",
+              m->motions[q[1]].name ? m->motions[q[1]].name : "?");
+}
+
+void loads_check(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (driven_by_disks(&m->motions[k])) check_one(m, &m->motions[k], msg);
+  check_clashes(m, msg);
+}
+
+/* --- the time step ------------------------------------------------------------------------------------- */
+
+enum { STEPS_PER_PERIOD = 20 };
+
+/* How many free disks can lie side by side along a wall. */
+static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
+  double low = HUGE_VAL, high = -HUGE_VAL, radius = HUGE_VAL;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    if (d->driven) continue;
+    low = fmin(low, d->position[across] - d->radius);
+    high = fmax(high, d->position[across] + d->radius);
+    radius = fmin(radius, d->radius);
+  }
+  if (m->region_upper[across] > m->region_lower[across])
+    high = low + m->region_upper[across] - m->region_lower[across];
+  if (wall->kind == SD_WALL_SEGMENT)
+    high = low + hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
+  return fmin(fmax(floor((high - low) / (2.0 * radius)), 1.0), (double)m->n_free);
+}
+
+void loads_check_steps(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    if (q->kind != SD_MOTION_LOAD || m->n_free == 0) continue;
+    const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
+    double stiffness = 0.0, n = disks_along(m, wall, q->coordinate == SD_X ? SD_Y : SD_X);
+    for (int b = 0; b < (int)m->n_materials; b++)
+      stiffness = fmax(stiffness, sd_model_law(m, wall->material, b)->k_n);
+    double period = 2.0 * M_PI * sqrt(q->mass / (n * stiffness));
+    if (m->dt * STEPS_PER_PERIOD > period)
+      sd_warn(msg,
+              "motion \"%s\": mass = %g is small: its period on the disks that fit along the wall (%g) is "
+              "%.3g, or %.3g time steps; expected %d or more",
+              q->name ? q->name : "?", q->mass, n, period, period / m->dt, STEPS_PER_PERIOD);
+  }
+}
