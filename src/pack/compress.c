@@ -63,7 +63,7 @@ double compress_stored_pressure(const sd_model *m, const sd_state *s) {
 double compress_fraction(const sd_model *m, const sd_state *s) {
   double sum = 0.0;
   for (size_t i = 0; i < s->n_free; i++)
-    if (s->activity[i] == SD_IN_PLAY || s->activity[i] == SD_OUTSIDE) sum += s->radius[i] * s->radius[i];
+    if (engine_in_play(s, i)) sum += s->radius[i] * s->radius[i];
   return M_PI * sum / area_of(m, s);
 }
 

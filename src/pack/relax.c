@@ -12,6 +12,8 @@
 
 #include <math.h>
 
+#include "physics/engine.h"
+
 enum { PATIENCE = 5 };
 static const double ALPHA = 0.1, SHRINK = 0.99, LEAST = 0.01;
 
@@ -22,8 +24,7 @@ void relax_begin(engine *e) {
 
 /* Has this coordinate of this disk an equilibrium to find? */
 static bool moves(const engine *e, const columns *c, size_t i) {
-  int32_t activity = e->state->activity[i];
-  return c->inverse[i] != 0.0 && (activity == SD_IN_PLAY || activity == SD_OUTSIDE);
+  return c->inverse[i] != 0.0 && engine_in_play(e->state, i);
 }
 
 static const double *inertia_of(const sd_state *s, int coordinate) {
