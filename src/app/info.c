@@ -156,6 +156,32 @@ static json_t *until_json(const summary *s) {
                    "step", s->until_step >= 0 ? json_integer(s->until_step) : json_null());
 }
 
+/* The totals, and an array over disks for each of the means. */
+static json_t *disks_json(const summary *s) {
+  const summary_disks *p = &s->packing;
+  if (p->n == 0) return json_null();
+  json_t *totals = json_object(), *id = json_array(), *converged = json_array(), *object = json_object();
+  for (size_t k = 0; k < summary_total_count; k++)
+    json_object_set_new(totals, summary_totals[k].name, real(summary_total_value(&p->totals, k)));
+  json_object_set_new(object, "measured", real(p->measured));
+  json_object_set_new(object, "looks", json_integer(p->looks));
+  json_object_set_new(object, "bins", json_integer(p->bins));
+  json_object_set_new(object, "totals", totals);
+  for (size_t i = 0; i < p->n; i++) {
+    json_array_append_new(id, json_integer(p->disks[i].disk));
+    json_array_append_new(converged, json_boolean(p->disks[i].converged));
+  }
+  json_object_set_new(object, "id", id);
+  for (size_t k = 0; k < summary_mean_count; k++) {
+    json_t *values = json_array();
+    for (size_t i = 0; i < p->n; i++)
+      json_array_append_new(values, real(summary_mean_value(&p->disks[i], k)));
+    json_object_set_new(object, summary_means[k].name, values);
+  }
+  json_object_set_new(object, "converged", converged);
+  return object;
+}
+
 static json_t *provenance_json(const provenance *p) {
   json_t *object = json_object();
   for (size_t k = 0; k < provenance_text_count; k++)
@@ -176,14 +202,15 @@ static int print_json(const facts *f) {
     json_object_set_new(energy, series_energies[k].name, real(series_energy_value(&s->energy, k)));
   json_t *root = json_pack(
       "{s:s, s:b, s:I, s:I, s:o, s:o, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, "
-      "s:O}",
+      "s:o, s:O}",
       "file", f->path, "finished", (int)f->finished, "step", (json_int_t)s->step, "steps",
       (json_int_t)s->steps, "time", real((double)s->step * s->dt), "dt", real(s->dt), "phase",
       (json_int_t)s->phase, "phases", (json_int_t)s->phases, "phase_name", s->phase_name, "measured_steps",
       (json_int_t)s->measured, "measured", real((double)s->measured * s->dt), "disks", (json_int_t)s->disks,
       "walls", (json_int_t)s->walls, "contacts", (json_int_t)s->contacts, "step_nanoseconds",
       real(s->step_nanoseconds), "rotation", rotation_json(s), "until", until_json(s), "sliding",
-      slide_json(s), "energy", energy, "provenance", provenance_json(&f->origin), "datasets", f->datasets);
+      slide_json(s), "means", disks_json(s), "energy", energy, "provenance", provenance_json(&f->origin),
+      "datasets", f->datasets);
   int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : SD_ERROR_IO;
   putchar('\n');
   json_decref(root);

@@ -113,6 +113,63 @@ static void report_slides(FILE *out, const summary *found) {
   if (n < found->n_slides) fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }
 
+/* The fastest disks that are listed; the file has all. */
+enum { FASTEST = 10 };
+
+static double speed_of(const sd_disk_mean *d) { return isnan(d->omega) ? -1 : fabs(d->omega); }
+
+static void report_fastest(FILE *out, const summary_disks *p) {
+  const sd_disk_mean *list[FASTEST];
+  size_t n = 0;
+  for (size_t k = 0; k < p->n; k++) {
+    const sd_disk_mean *d = &p->disks[k];
+    if (!(speed_of(d) > 0) || (n == FASTEST && speed_of(d) <= speed_of(list[n - 1]))) continue;
+    size_t at = n < FASTEST ? n++ : n - 1;
+    for (; at > 0 && speed_of(list[at - 1]) < speed_of(d); at--) list[at] = list[at - 1];
+    list[at] = d;
+  }
+  if (n == 0) return;
+  fprintf(out, "  fastest disks        %-26s %9s %9s %9s %9s\n", "Omega", "1st half", "2nd half", "contacts",
+          "sliding");
+  for (size_t k = 0; k < n; k++) {
+    const sd_disk_mean *d = list[k];
+    char omega[64];
+    fprintf(out, "    disk %-14" PRIu32 "  %-26s %9.3g %9.3g %9.3g %9.3g%s\n", d->disk,
+            with_error(d->omega, d->error, omega, sizeof omega), d->first, d->second, d->coordination,
+            d->sliding, d->converged ? "" : " *");
+  }
+}
+
+/* Of a total with an error bar both stand in its line. */
+static void report_disks(FILE *out, const summary *found) {
+  const summary_disks *p = &found->packing;
+  if (p->n == 0) return;
+  fprintf(out, "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
+          isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
+  if (!(p->totals.disks > 0)) return;
+  for (size_t k = 0; k < summary_total_count; k++) {
+    const summary_total *t = &summary_totals[k];
+    size_t next = k + 1 < summary_total_count ? k + 1 : k, length = strlen(t->name);
+    const char *follows = summary_totals[next].name;
+    bool paired = strncmp(follows, t->name, length) == 0 && strcmp(follows + length, "_error") == 0;
+    char value[64];
+    if (k == 0) continue; /* how many: said above */
+    if (paired)
+      with_error(summary_total_value(&p->totals, k), summary_total_value(&p->totals, next), value,
+                 sizeof value);
+    else
+      snprintf(value, sizeof value, "%.6g", summary_total_value(&p->totals, k));
+    fprintf(out, "  %-20s %-26s %-9s %s\n", t->name, value, t->unit, t->meaning);
+    k += paired;
+  }
+  report_fastest(out, p);
+  if (p->bins < SUMMARY_FEWEST_BINS)
+    fprintf(out, "  too short a record: there are no error bars\n");
+  else if (p->totals.reliable < 1)
+    fprintf(out, "  * too short a record for %.0f of the disks: the error is not reliable\n",
+            p->totals.disks * (1 - p->totals.reliable));
+}
+
 /* Steps per shortest contact period below which a run is warned of, and the residual of the energy budget,
  * relative to its scale, above which its result is. */
 enum { FEWEST_STEPS = 20 };
@@ -144,6 +201,7 @@ void report_summary(FILE *out, const summary *found) {
   report_lost(out, found);
   report_until(out, found);
   report_slides(out, found);
+  report_disks(out, found);
   report_energy(out, &found->energy);
 }
 

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "io/deck_read.h"
+#include "io/summary_disks.h"
 
 /* --- values ------------------------------------------------------------------------------------------------ */
 
@@ -335,6 +336,8 @@ static bool reserved(const char *name) {
                                          "pp",    "pm",      "mp",        "mm",       "stick",
                                          "open",  "sliding", "force_min", "openings"};
   const char *last = strrchr(name, '.');
+  for (size_t k = 0; k < summary_total_count; k++)
+    if (strcmp(name, summary_totals[k].name) == 0) return true;
   return among(name, columns, sizeof columns / sizeof *columns) ||
          (last && among(last + 1, of_disks, sizeof of_disks / sizeof *of_disks)) || ends_in(name, "_error") ||
          ends_in(name, "_scatter");

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "io/file.h"
+#include "io/members.h"
 #include "io/series.h"
 #include "pack/rain.h"
 #include "physics/outside.h"
@@ -127,10 +128,12 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   }
   status = named ? collect_until(s, model, state, messages) : no_memory(messages);
   if (status == SD_OK) status = collect_stages(s, model, state, messages);
-  return status == SD_OK ? collect_lost(s, model, state, messages) : status;
+  if (status == SD_OK) status = collect_lost(s, model, state, messages);
+  return status == SD_OK ? summary_disks_collect(&s->packing, model, state, messages) : status;
 }
 
 void summary_free(summary *s) {
+  summary_disks_free(&s->packing);
   for (size_t k = 0; s->rotation_names && k < s->n_rotations; k++) free(s->rotation_names[k]);
   for (size_t k = 0; s->slide_names && k < 3 * s->n_slides; k++) free(s->slide_names[k]);
   for (size_t k = 0; s->stage_names && k < s->n_stages; k++) free(s->stage_names[k]);
@@ -147,14 +150,6 @@ void summary_free(summary *s) {
 }
 
 /* --- tables of what is stored --------------------------------------------------------------------- */
-
-/* A member of a structure, of which an array is stored as one dataset [n] or [n][width]. */
-typedef struct member {
-  const char *name;
-  sd_type type;
-  size_t offset, width;
-  const char *unit, *meaning;
-} member;
 
 static const member rotation_members[] = {
     {"disk", SD_U32, offsetof(sd_rotation, disk), 1, "1", "body number"},
@@ -200,48 +195,6 @@ static const member stage_members[] = {
     {"target_goal", SD_F64, offsetof(summary_phase, target_goal), 1, "force/length or 1",
      "asked for; 0: nothing"},
 };
-
-/* Copies a member between the structures and a dense array. */
-static void pack(const member *m, char *first, size_t stride, size_t n, char *dense, bool out) {
-  size_t bytes = m->width * sd_type_size(m->type);
-  for (size_t k = 0; k < n; k++) {
-    char *at = first + k * stride + m->offset;
-    memcpy(out ? dense + k * bytes : at, out ? at : dense + k * bytes, bytes);
-  }
-}
-
-static void write_members(h5_file *file, const char *group, const member *members, size_t n_members,
-                          void *first, size_t stride, size_t n) {
-  h5_group(file, group);
-  for (size_t k = 0; k < n_members; k++) {
-    const member *m = &members[k];
-    size_t dims[2] = {n, m->width};
-    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
-    if (dense && path) {
-      pack(m, first, stride, n, dense, true);
-      h5_put(file, path, m->type, m->width > 1 ? 2 : 1, dims, dense, true);
-      h5_attr_text(file, path, "unit", m->unit);
-      h5_attr_text(file, path, "description", m->meaning);
-    }
-    free(dense);
-    free(path);
-  }
-}
-
-static sd_status read_members(const h5_file *file, const char *group, const member *members, size_t n_members,
-                              void *first, size_t stride, size_t n, sd_messages *messages) {
-  sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < n_members; k++) {
-    const member *m = &members[k];
-    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
-    if (!dense || !path) status = no_memory(messages);
-    if (status == SD_OK) status = h5_get(file, path, m->type, n * m->width, dense, messages);
-    if (status == SD_OK) pack(m, first, stride, n, dense, false);
-    free(dense);
-    free(path);
-  }
-  return status;
-}
 
 enum {
   ROTATION_MEMBERS = sizeof rotation_members / sizeof *rotation_members,
@@ -355,7 +308,7 @@ void summary_write(const summary *s, h5_file *file) {
   for (size_t k = 0; k < series_energy_count; k++)
     h5_attr_f64(file, "/summary/energy", series_energies[k].name, series_energy_value(&s->energy, k));
 
-  write_members(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
+  members_write(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
                 sizeof *s->rotations, s->n_rotations);
   int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
   for (size_t k = 0; converged && k < s->n_rotations; k++) converged[k] = s->rotations[k].converged;
@@ -364,15 +317,16 @@ void summary_write(const summary *s, h5_file *file) {
   write_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names);
   h5_attr_i64(file, "/summary/rotation", "count", (int64_t)s->n_rotations);
 
-  write_members(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
+  members_write(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
                 s->n_slides);
   write_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names);
   h5_attr_i64(file, "/summary/slide", "count", (int64_t)s->n_slides);
-  write_members(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
+  members_write(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
                 s->n_stages);
   write_names(file, "/summary/phase/name", s->n_stages, s->stage_names);
   h5_attr_i64(file, "/summary/phase", "count", (int64_t)s->n_stages);
   write_until(s, file);
+  summary_disks_write(&s->packing, file);
 }
 
 /* Sizes that the file gives, and room for what they count. */
@@ -411,7 +365,7 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   if (!s->lost) s->lost = file_path("%s", "");
   sd_status status = s->lost ? read_counts(s, file, messages) : no_memory(messages);
   if (status == SD_OK)
-    status = read_members(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
+    status = members_read(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
                           sizeof *s->rotations, s->n_rotations, messages);
   int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
   if (status == SD_OK && converged)
@@ -419,17 +373,18 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   for (size_t k = 0; converged && k < s->n_rotations; k++) s->rotations[k].converged = converged[k] != 0;
   free(converged);
   if (status == SD_OK)
-    status = read_members(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
+    status = members_read(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
                           s->n_slides, messages);
   if (status == SD_OK)
     status = read_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names, messages);
   if (status == SD_OK)
     status = read_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names, messages);
   if (status == SD_OK && s->n_stages > 0)
-    status = read_members(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
+    status = members_read(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
                           s->n_stages, messages);
   if (status == SD_OK && s->n_stages > 0)
     status = read_names(file, "/summary/phase/name", s->n_stages, s->stage_names, messages);
   if (status == SD_OK) status = read_until(s, file, messages);
+  if (status == SD_OK) status = summary_disks_read(&s->packing, file, messages);
   return status;
 }

@@ -5,6 +5,7 @@
 #define SLIPDISK_IO_SUMMARY_H
 
 #include "io/h5.h"
+#include "io/summary_disks.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
 
@@ -37,6 +38,7 @@ typedef struct summary {
   sd_slide *slides;
   char **rotation_names; /* [n_rotations] */
   char **slide_names;    /* [3 n_slides]: disk, first and second partner */
+  summary_disks packing; /* means of every free disk; n = 0: not asked for */
   bool has_until;        /* the deck has `until`, and what follows */
   char *observable;      /* "upper.omega" */
   double relative;       /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */

@@ -1,6 +1,200 @@
 /* disks.c: see disks.h. */
 #include "measure/disks.h"
 
-void disks_begin(engine *e) { (void)e; }
-void disks_step(engine *e) { (void)e; }
-void disks_end(engine *e) { (void)e; }
+#include <math.h>
+#include <string.h>
+
+#include "physics/engine.h"
+
+static double angle_of(const sd_state *s, size_t i) { return s->theta[i] + s->turn[i]; }
+
+static double absolute_x(const engine *e, size_t i) {
+  return e->state->x[i] + e->state->image_x[i] * e->work.length[0];
+}
+
+static double absolute_y(const engine *e, size_t i) {
+  return e->state->y[i] + e->state->image_y[i] * e->work.length[1];
+}
+
+void disks_begin(engine *e) {
+  sd_state *s = e->state;
+  for (size_t i = 0; i < s->n_means; i++) {
+    double angle = angle_of(s, i);
+    if (s->measured == 0) {
+      bool there = engine_in_play(s, i);
+      s->mean_angle[i] = s->mean_last[i] = angle;
+      s->mean_x0[i] = there ? absolute_x(e, i) : NAN;
+      s->mean_y0[i] = there ? absolute_y(e, i) : NAN;
+    } else {
+      double unmeasured = angle - s->mean_stop[i];
+      s->mean_angle[i] += unmeasured;
+      s->mean_last[i] += unmeasured;
+    }
+    s->mean_viscous[i] -= s->loss_viscous[i];
+    s->mean_friction[i] -= s->loss_friction[i];
+    s->mean_opening[i] -= s->loss_opening[i];
+  }
+}
+
+void disks_end(engine *e) {
+  sd_state *s = e->state;
+  for (size_t i = 0; i < s->n_means; i++) {
+    s->mean_stop[i] = angle_of(s, i);
+    s->mean_viscous[i] += s->loss_viscous[i];
+    s->mean_friction[i] += s->loss_friction[i];
+    s->mean_opening[i] += s->loss_opening[i];
+  }
+}
+
+/* --- angle record ------------------------------------------------------------------------------------------ */
+
+/* Steps per bin after so many measured steps: the least power of two with which the record is not full. */
+static int64_t bin_length(int64_t measured) {
+  int64_t steps = 1;
+  while (measured / steps >= SD_MEAN_BINS) steps *= 2;
+  return steps;
+}
+
+/* Closes bin b of the disks; neighbours become one when it was the last. */
+static void close_bin(sd_state *s, size_t begin, size_t end, size_t b) {
+  for (size_t i = begin; i < end; i++) {
+    double *bin = s->mean_bin + i * SD_MEAN_BINS, angle = angle_of(s, i);
+    bin[b] = angle - s->mean_last[i];
+    s->mean_last[i] = angle;
+    if (b + 1 < SD_MEAN_BINS) continue;
+    for (size_t k = 0; k < SD_MEAN_BINS / 2; k++) bin[k] = bin[2 * k] + bin[2 * k + 1];
+    memset(bin + SD_MEAN_BINS / 2, 0, SD_MEAN_BINS / 2 * sizeof *bin);
+  }
+}
+
+/* --- looks ------------------------------------------------------------------------------------------------- */
+
+/* Sums of what a look finds at the contacts of the disks. Open candidates have no overlap, no force, and do not
+ * slide: they add nothing. */
+static void look_at_contacts(engine *e, size_t begin, size_t end) {
+  sd_state *s = e->state;
+  const double *overlap = e->work.pairs.overlap, *slide = e->work.pairs.slide, *push = e->work.pairs.force;
+  const size_t *start = e->work.incidence.start;
+  const uint32_t *entry = e->work.incidence.entry;
+  for (size_t i = begin; i < end; i++) {
+    double contacts = 0.0, sliding = 0.0, force = 0.0;
+    for (size_t at = start[i]; at < start[i + 1]; at++) {
+      size_t k = entry[at] / 2;
+      contacts += overlap[k] > 0.0 ? 1.0 : 0.0;
+      sliding += fabs(slide[k]);
+      force += push[k];
+    }
+    s->mean_contacts[i] += contacts;
+    s->mean_sliding[i] += sliding;
+    s->mean_force[i] += force;
+  }
+}
+
+/* n coordinates less their starts, along a box of the given length (0: it does not repeat). */
+static void add_displacements(size_t n, const double *restrict x, const int32_t *restrict image,
+                              double length, const double *restrict start, double *restrict sum,
+                              double *restrict square) {
+  for (size_t i = 0; i < n; i++) {
+    double d = x[i] + image[i] * length - start[i];
+    sum[i] += d;
+    square[i] += d * d;
+  }
+}
+
+static void add_energies(size_t n, const double *restrict mass, const double *restrict vx,
+                         const double *restrict vy, double *restrict sum) {
+  for (size_t i = 0; i < n; i++) sum[i] += 0.5 * mass[i] * (vx[i] * vx[i] + vy[i] * vy[i]);
+}
+
+static void look_at_poses(engine *e, size_t begin, size_t end) {
+  sd_state *s = e->state;
+  const double *length = e->work.length;
+  size_t k = begin, n = end - begin;
+  add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->mean_x + k, s->mean_xx + k);
+  add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->mean_y + k, s->mean_yy + k);
+  add_energies(n, s->mass + k, s->vx + k, s->vy + k, s->mean_kinetic + k);
+  for (size_t i = begin; i < end; i++) s->mean_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+}
+
+/* --- power of prescribed bodies ---------------------------------------------------------------------------- */
+
+/* Velocities of a body's prescribed coordinates; of the others 0. */
+typedef struct drive {
+  double vx, vy, omega;
+} drive;
+
+static drive drive_of(const engine *e, size_t slot) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  drive d = {s->vx[slot], s->vy[slot], s->omega[slot]};
+  if (slot >= s->n_free) return d;
+  if (w->inverse_mass_x[slot] != 0.0) d.vx = 0.0;
+  if (w->inverse_mass_y[slot] != 0.0) d.vy = 0.0;
+  if (w->inverse_inertia[slot] != 0.0) d.omega = 0.0;
+  return d;
+}
+
+/* What the motion d of the body in this slot, one of contact k's, does through the contact per time: minus the
+ * power of the contact on the body, with the forces that motion_work books. */
+static double power_of(const engine *e, size_t k, size_t slot, drive d) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  double sign = (size_t)p->b[k] == slot ? 1.0 : -1.0, torque = p->tau[k] * s->radius[slot];
+  if (s->radius[slot] == 0.0) { /* a straight wall, about its pivot */
+    size_t a = (size_t)p->a[k];
+    double rx = s->x[a] - s->x[slot], ry = s->y[a] - s->y[slot];
+    torque = rx * p->fy[k] - ry * p->fx[k] - p->tau[k] * s->radius[a];
+  }
+  return -(sign * (p->fx[k] * d.vx + p->fy[k] * d.vy) + torque * d.omega);
+}
+
+/* It goes to the disk at the other side; what the prescribed coordinates of a free disk do against a wall or a
+ * prescribed disk goes to that disk itself, since there is no other. */
+static void add_power(engine *e, size_t slot) {
+  sd_state *s = e->state;
+  const incidence *n = &e->work.incidence;
+  drive d = drive_of(e, slot);
+  if (d.vx == 0.0 && d.vy == 0.0 && d.omega == 0.0) return;
+  for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
+    size_t k = n->entry[at] / 2;
+    size_t other = (size_t)(n->entry[at] & 1 ? e->work.pairs.a[k] : e->work.pairs.b[k]);
+    if (e->work.pairs.overlap[k] > 0.0)
+      s->mean_injected[other < s->n_free ? other : slot] += power_of(e, k, slot, d);
+  }
+}
+
+/* Does a motion name a coordinate of a free disk? */
+static bool any_partly_driven(const engine *e) {
+  const sd_model *m = e->model;
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++)
+      if (e->work.slot[m->motions[k].bodies[b]] < e->state->n_free) return true;
+  return false;
+}
+
+/* From the prescribed bodies' side, which are few: by one member, in the order of slots. */
+static void look_at_powers(engine *e) {
+  size_t first = any_partly_driven(e) ? 0 : e->state->n_free;
+  for (size_t slot = first; slot < e->state->n_bodies; slot++) add_power(e, slot);
+}
+
+/* --- step -------------------------------------------------------------------------------------------------- */
+
+void disks_step(engine *e, const team *t, int64_t measured) {
+  sd_state *s = e->state;
+  if (s->n_means == 0) return;
+  size_t begin, end;
+  team_share(t, s->n_means, &begin, &end);
+  int64_t length = bin_length(measured - 1);
+  bool look = measured % e->model->measure_every == 0;
+  if (measured % length == 0) close_bin(s, begin, end, (size_t)(measured / length - 1));
+  if (look) {
+    look_at_contacts(e, begin, end);
+    look_at_poses(e, begin, end);
+  }
+  if (t->rank != 0) return;
+  if (look) look_at_powers(e);
+  s->mean_looks += look;
+  s->mean_bin_steps = bin_length(measured);
+  s->mean_bins = measured / s->mean_bin_steps;
+}

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "measure/blocking.h"
-#include "slipdisk/measure.h"
+#include "measure/mean.h"
 
 /* What a drift adds to the error. Without noise: exp(-t/T) has a mean of half the difference of its halves times
  * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
@@ -34,8 +34,7 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
 
 /* --- a periodic drive -------------------------------------------------------------------------------------- */
 
-/* The common period of all motions of the measured phases, 0: there is none. */
-static double period_of(const sd_model *model) {
+double mean_period(const sd_model *model) {
   enum { MOST = 16 };
   double each[MOST];
   size_t n = 0;
@@ -104,6 +103,10 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   return mean;
 }
 
+sd_mean mean_of_record(const double *x, size_t n, double period) {
+  return period > 0 ? mean_of_ripple(x, n, period) : sd_mean_of(x, n, true);
+}
+
 sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t k) {
   uint32_t disk = model->rotations[k];
   double gravity = hypot(model->gravity[0], model->gravity[1]);
@@ -112,8 +115,7 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
   size_t bins = state->bins > 0 ? (size_t)state->bins : 0;
 
   const double *record = state->rotation_bin + k * SD_BINS;
-  double period = period_of(model) / bin;
-  sd_mean mean = period > 0 ? mean_of_ripple(record, bins, period) : sd_mean_of(record, bins, true);
+  sd_mean mean = mean_of_record(record, bins, mean_period(model) / bin);
   return (sd_rotation){
       .disk = disk,
       .omega = mean.mean * scale,

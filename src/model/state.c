@@ -108,8 +108,8 @@ const sd_field sd_fields[] = {
     COLUMN(mean_last, SD_F64, SD_PER_MEAN, "rad", "angle at the end of the last full bin"),
     COLUMN(mean_stop, SD_F64, SD_PER_MEAN, "rad", "angle when measuring last stopped"),
     COLUMN(mean_bin, SD_F64, SD_PER_MEAN_BIN, "rad", "angle turned in each full bin"),
-    COLUMN(mean_x0, SD_F64, SD_PER_MEAN, "length", "absolute x when measuring began"),
-    COLUMN(mean_y0, SD_F64, SD_PER_MEAN, "length", "absolute y when measuring began"),
+    COLUMN(mean_x0, SD_F64, SD_PER_MEAN, "length", "absolute x when measuring began; NAN: not in play"),
+    COLUMN(mean_y0, SD_F64, SD_PER_MEAN, "length", "absolute y when measuring began; NAN: not in play"),
     COLUMN(mean_x, SD_F64, SD_PER_MEAN, "length", "sum of displacements along x"),
     COLUMN(mean_y, SD_F64, SD_PER_MEAN, "length", "sum of displacements along y"),
     COLUMN(mean_xx, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along x"),
@@ -120,9 +120,9 @@ const sd_field sd_fields[] = {
     COLUMN(mean_injected, SD_F64, SD_PER_MEAN, "power", "sum of the power of prescribed bodies"),
     COLUMN(mean_kinetic, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of translation"),
     COLUMN(mean_spin, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of rotation"),
-    COLUMN(mean_viscous, SD_F64, SD_PER_MEAN, "energy", "lost to viscosity in measured steps"),
-    COLUMN(mean_friction, SD_F64, SD_PER_MEAN, "energy", "lost to sliding in measured steps"),
-    COLUMN(mean_opening, SD_F64, SD_PER_MEAN, "energy", "left in contacts that opened in measured steps"),
+    COLUMN(mean_viscous, SD_F64, SD_PER_MEAN, "energy", "lost to viscosity in measured phases; in one: less loss_* at its start"),
+    COLUMN(mean_friction, SD_F64, SD_PER_MEAN, "energy", "lost to sliding, likewise"),
+    COLUMN(mean_opening, SD_F64, SD_PER_MEAN, "energy", "left in contacts that opened, likewise"),
     COLUMN(mean_openings, SD_I64, SD_PER_MEAN, "1", "contacts that opened in measured steps"),
 };
 

@@ -115,6 +115,9 @@ static void book_opening(engine *e, size_t k, double energy) {
   bool shared = (size_t)b < s->n_free;
   s->loss_opening[a] += shared ? 0.5 * energy : energy;
   if (shared) s->loss_opening[b] += 0.5 * energy;
+  if (s->n_means == 0 || !e->model->phases[s->phase].measure) return;
+  s->mean_openings[a]++;
+  if (shared) s->mean_openings[b]++;
 }
 
 static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {

@@ -51,11 +51,6 @@ static void measure_begin(engine *e) {
   disks_begin(e);
 }
 
-static void measure_step(engine *e) {
-  watch_step(e);
-  disks_step(e);
-}
-
 static void measure_end(engine *e) {
   watch_end(e);
   disks_end(e);
@@ -122,13 +117,17 @@ void sd_simulation_free(sd_simulation *sim) {
 /* One member's share of n steps within a phase. */
 static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
   const bool relax = e->model->phases[e->state->phase].relax;
-  for (int64_t k = 0; k < n; k++) {
+  const int64_t measured = e->state->measured;
+  for (int64_t k = 1; k <= n; k++) {
     step_once(e, t);
     team_wait(t);
     if (e->work.status != SD_OK) return;
     if (t->rank == 0 && relax) relax_step(e);
-    if (t->rank == 0 && measure) measure_step(e);
-    if (measure || relax) team_wait(t);
+    if (relax) team_wait(t);
+    if (!measure) continue;
+    disks_step(e, t, measured + k);
+    if (t->rank == 0) watch_step(e);
+    team_wait(t);
   }
 }
 
@@ -141,7 +140,7 @@ static void load_few(engine *e) {
 static void advance_few(engine *e, int64_t n, bool measure) {
   const team alone = {0, 1};
   const kernels *k = e->work.kernels;
-  few_measure *each = measure ? measure_step : NULL;
+  few_measure *each = measure ? watch_step : NULL;
   load_few(e);
   if (e->work.status != SD_OK) return;
   for (int64_t done = 0; done < n && e->work.status == SD_OK; done++) {

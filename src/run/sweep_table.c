@@ -81,6 +81,10 @@ static void put_result(sheet *t, size_t row, const sweep_result *r) {
   sheet_number(t, row, "time", "time", "time of the model", (double)f->step * f->dt);
   for (size_t k = 0; k < f->n_rotations; k++) put_rotation(t, row, f->rotation_names[k], &f->rotations[k]);
   for (size_t k = 0; k < f->n_slides; k++) put_slide(t, row, &f->slide_names[3 * k], &f->slides[k]);
+  for (size_t k = 0; f->packing.n > 0 && k < summary_total_count; k++) {
+    const summary_total *one = &summary_totals[k];
+    sheet_number(t, row, one->name, one->unit, one->meaning, summary_total_value(&f->packing.totals, k));
+  }
   if (f->has_until)
     sheet_number(t, row, "goal", "1", "1: ended with the goal of `until`; 0: at its max_time",
                  f->until_step >= 0 ? 1 : 0);

@@ -1,0 +1,239 @@
+/* disks_mean.c: means of the free disks and of all of them, from what a state has gathered; see slipdisk/measure.h. */
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "measure/mean.h"
+
+/* --- one disk ---------------------------------------------------------------------------------------------- */
+
+/* Mean over `count` bins from `first` on, per time. */
+static double part_of(const double *bin, size_t first, size_t count, double per_bin) {
+  return count > 0 ? gsl_stats_mean(bin + first, 1, count) * per_bin : NAN;
+}
+
+static void fill_rotation(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
+  const double *bin = state->mean_bin + i * SD_MEAN_BINS;
+  double length = (double)state->mean_bin_steps * model->dt, period = mean_period(model) / length;
+  size_t bins = (size_t)state->mean_bins, half = bins / 2;
+  /* a ripple that repeats within a bin is no more than noise at the bins' edges */
+  sd_mean mean = mean_of_record(bin, bins, period >= 1 ? period : 0);
+  d->omega = mean.mean / length;
+  d->error = mean.error / length;
+  d->significance = d->omega == 0 && d->error == 0 ? 0 : d->omega / d->error;
+  d->converged = mean.converged;
+  d->first = part_of(bin, 0, half, 1 / length);
+  d->second = part_of(bin, bins - half, half, 1 / length);
+  d->turned = state->mean_last[i] - state->mean_angle[i];
+}
+
+/* Length of the box along a coordinate, 0 where it does not repeat. */
+static double period_along(const sd_model *model, const sd_state *state, int c) {
+  return model->periodic[c] ? state->box_scale * (model->upper[c] - model->lower[c]) : 0;
+}
+
+static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
+  double looks = (double)state->mean_looks, dx = state->mean_x[i] / looks, dy = state->mean_y[i] / looks;
+  double spread = (state->mean_xx[i] + state->mean_yy[i]) / looks - (dx * dx + dy * dy);
+  double x = state->x[i] + state->image_x[i] * period_along(model, state, SD_X);
+  double y = state->y[i] + state->image_y[i] * period_along(model, state, SD_Y);
+  d->x = state->mean_x0[i] + dx;
+  d->y = state->mean_y0[i] + dy;
+  d->rms = spread < 0 ? 0 : sqrt(spread);
+  d->displacement = hypot(x - state->mean_x0[i], y - state->mean_y0[i]);
+}
+
+static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
+  double looks = (double)state->mean_looks, time = (double)state->measured * model->dt;
+  bool running = state->phase < (int64_t)model->n_phases && model->phases[state->phase].measure;
+  double now = running ? 1 : 0; /* of a phase that goes on the sums lack what stands in the state */
+  d->coordination = state->mean_contacts[i] / looks;
+  d->sliding = state->mean_sliding[i] / state->mean_contacts[i];
+  d->force = state->mean_force[i] / state->mean_contacts[i];
+  d->openings = (double)state->mean_openings[i] / time;
+  d->injected = state->mean_injected[i] / looks;
+  d->viscous = (state->mean_viscous[i] + now * state->loss_viscous[i]) / time;
+  d->friction = (state->mean_friction[i] + now * state->loss_friction[i]) / time;
+  d->opening = (state->mean_opening[i] + now * state->loss_opening[i]) / time;
+  d->translation = state->mean_kinetic[i] / looks;
+  d->rotation = state->mean_spin[i] / looks;
+}
+
+sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_t slot) {
+  sd_disk_mean d = {.disk = state->id[slot],
+                    .omega = NAN,
+                    .error = NAN,
+                    .significance = NAN,
+                    .first = NAN,
+                    .second = NAN,
+                    .turned = NAN,
+                    .x = NAN,
+                    .y = NAN,
+                    .rms = NAN,
+                    .displacement = NAN,
+                    .coordination = NAN,
+                    .sliding = NAN,
+                    .force = NAN,
+                    .openings = NAN,
+                    .injected = NAN,
+                    .viscous = NAN,
+                    .friction = NAN,
+                    .opening = NAN,
+                    .translation = NAN,
+                    .rotation = NAN};
+  bool there = state->activity[slot] == SD_IN_PLAY || state->activity[slot] == SD_OUTSIDE;
+  if (!there || isnan(state->mean_x0[slot]) || state->measured == 0) return d;
+  fill_rotation(&d, model, state, slot);
+  fill_position(&d, model, state, slot);
+  fill_rates(&d, model, state, slot);
+  return d;
+}
+
+/* --- all --------------------------------------------------------------------------------------------------- */
+
+/* Disks whose Omega is known, and room for what is computed of them. */
+typedef struct sample {
+  size_t n;
+  const sd_disk_mean **disk;
+  double *x, *room; /* [n], [2 n] */
+} sample;
+
+/* Members of sd_disk_mean into x. */
+static void take(const sample *q, size_t offset) {
+  for (size_t k = 0; k < q->n; k++)
+    q->x[k] = *(const double *)(const void *)((const char *)q->disk[k] + offset);
+}
+
+static double sum_of(const sample *q, size_t offset) {
+  take(q, offset);
+  double sum = 0;
+  for (size_t k = 0; k < q->n; k++) sum += q->x[k];
+  return sum;
+}
+
+static double mean_square(const sample *q, size_t offset) {
+  take(q, offset);
+  double sum = 0;
+  for (size_t k = 0; k < q->n; k++) sum += q->x[k] * q->x[k];
+  return sum / (double)q->n;
+}
+
+#define MEMBER(name) offsetof(sd_disk_mean, name)
+
+static void fill_omega(sd_disk_totals *t, const sample *q) {
+  double n = (double)q->n;
+  take(q, MEMBER(omega));
+  t->omega_mean = gsl_stats_mean(q->x, 1, q->n);
+  t->omega_mean_error = q->n > 1 ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) : NAN;
+  t->skewness = q->n > 2 ? gsl_stats_skew(q->x, 1, q->n) : NAN;
+
+  /* the error of a mean square goes over to its root */
+  for (size_t k = 0; k < q->n; k++) q->x[k] *= q->x[k];
+  t->omega_rms = sqrt(gsl_stats_mean(q->x, 1, q->n));
+  t->omega_rms_error =
+      q->n > 1 && t->omega_rms > 0 ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) / (2 * t->omega_rms) : NAN;
+
+  /* of a median: how many lie below it has a standard deviation of sqrt(n)/2, whatever the distribution */
+  for (size_t k = 0; k < q->n; k++) q->x[k] = sqrt(q->x[k]);
+  gsl_sort(q->x, 1, q->n);
+  double off = 0.5 / sqrt(n);
+  t->omega_median = gsl_stats_median_from_sorted_data(q->x, 1, q->n);
+  t->omega_median_error = q->n > 1 ? (gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 + off) -
+                                      gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 - off)) /
+                                         2
+                                   : NAN;
+}
+
+static void fill_significance(sd_disk_totals *t, const sample *q) {
+  double n = (double)q->n, significant = 0, reliable = 0;
+  for (size_t k = 0; k < q->n; k++) {
+    significant += fabs(q->disk[k]->significance) > 3;
+    reliable += q->disk[k]->converged;
+  }
+  t->omega_noise = sqrt(mean_square(q, MEMBER(error)));
+  t->significant = isnan(t->omega_noise) ? NAN : significant / n;
+  t->reliable = reliable / n;
+
+  double *second = q->room;
+  take(q, MEMBER(second));
+  for (size_t k = 0; k < q->n; k++) second[k] = q->x[k];
+  take(q, MEMBER(first));
+  if (q->n < 3) return;
+  t->persistence = gsl_stats_correlation(q->x, 1, second, 1, q->n);
+  double *ranks = malloc(2 * q->n * sizeof *ranks);
+  if (ranks) t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, ranks);
+  free(ranks);
+}
+
+/* Pairs of free disks that touch now. */
+static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means) {
+  double sum = 0, pairs = 0;
+  size_t *slot = malloc(state->n_bodies * sizeof *slot);
+  if (!slot) return;
+  for (size_t k = 0; k < state->n_bodies; k++) slot[state->id[k]] = k;
+  for (size_t c = 0; c < state->n_contacts; c++) {
+    size_t a = slot[state->contact_a[c]], b = slot[state->contact_b[c]];
+    double both = a < state->n_means && b < state->n_means ? means[a].omega * means[b].omega : NAN;
+    if (isnan(both)) continue;
+    sum += both;
+    pairs++;
+  }
+  free(slot);
+  t->neighbours = sum / pairs / (t->omega_rms * t->omega_rms);
+}
+
+static void fill_contacts(sd_disk_totals *t, const sd_model *model, const sd_state *state, const sample *q) {
+  double n = (double)q->n, looks = (double)state->mean_looks, time = (double)state->measured * model->dt;
+  double contacts = 0, sliding = 0, force = 0, diameter = 0;
+  for (size_t k = 0; k < q->n; k++) {
+    const sd_disk_mean *d = q->disk[k];
+    diameter += 2 * model->disks[d->disk].radius / n;
+    contacts += d->coordination;
+    /* a disk that was never touched has no fraction and no force */
+    sliding += d->coordination > 0 ? d->sliding * d->coordination : 0;
+    force += d->coordination > 0 ? d->force * d->coordination : 0;
+  }
+  t->coordination = contacts / n;
+  t->sliding = sliding / contacts;
+  t->force = force / contacts;
+  t->openings = sum_of(q, MEMBER(openings)) / contacts;
+  t->position_rms = sqrt(mean_square(q, MEMBER(rms))) / diameter;
+  t->displacement_rms = sqrt(mean_square(q, MEMBER(displacement))) / diameter;
+  if (!(looks > 0 && time > 0)) t->openings = NAN;
+}
+
+static void fill_powers(sd_disk_totals *t, const sample *q) {
+  double n = (double)q->n;
+  t->power_injected = sum_of(q, MEMBER(injected));
+  t->power_viscous = sum_of(q, MEMBER(viscous));
+  t->power_friction = sum_of(q, MEMBER(friction));
+  t->power_opening = sum_of(q, MEMBER(opening));
+  t->mean_translation = sum_of(q, MEMBER(translation)) / n;
+  t->mean_rotation = sum_of(q, MEMBER(rotation)) / n;
+}
+
+sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, const sd_disk_mean *means) {
+  sd_disk_totals t;
+  for (size_t k = 0; k < sizeof t / sizeof(double); k++) ((double *)&t)[k] = NAN;
+  size_t most = state->n_means;
+  sample q = {.disk = malloc((most + 1) * sizeof(const sd_disk_mean *)),
+              .x = malloc((most + 1) * sizeof(double)),
+              .room = malloc((most + 1) * sizeof(double))};
+  if (q.disk && q.x && q.room) {
+    for (size_t k = 0; k < most; k++)
+      if (!isnan(means[k].omega)) q.disk[q.n++] = &means[k];
+    t.disks = (double)q.n;
+    if (q.n > 0) {
+      fill_omega(&t, &q);
+      fill_significance(&t, &q);
+      fill_neighbours(&t, state, means);
+      fill_contacts(&t, model, state, &q);
+      fill_powers(&t, &q);
+    }
+  }
+  free(q.disk);
+  free(q.x);
+  free(q.room);
+  return t;
+}
