@@ -86,7 +86,7 @@ const sd_field sd_fields[] = {
     COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time",
            "random motion: velocity at the last draw; load, servo: velocity"),
     COLUMN(motion_u1, SD_F64, SD_PER_MOTION, "length or rad",
-           "random motion: displacement at the next draw; load: acceleration"),
+           "random motion: displacement at the next draw; servo: smoothed force"),
     COLUMN(motion_v1, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the next draw"),
 
     COLUMN(phase_steps, SD_I64, SD_PER_PHASE, "1", "steps that the phase took, 0: not over"),
