@@ -1,1 +1,1 @@
-"""The study of packings, run and drawn: see tools/packings.sh. Look of figures, verdicts and pages are those of tools/report."""
+"""The study of packings, run and drawn: see tools/packings.sh. Figures, verdicts and pages look as in tools/report."""

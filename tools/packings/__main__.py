@@ -14,7 +14,7 @@ from report.page import Page, badge, missing_list
 from report.runs import STOPPED
 from report.verdict import NO, OPEN, YES
 
-from . import budget, controls, drive, flows, jamming, large, low, plan
+from . import budget, controls, drive, flows, jamming, large, limits, low, plan
 from .runs import ROOT, Campaign, Stopped
 
 TITLE = "Packings: shaken, compressed, poured"
@@ -22,7 +22,8 @@ MODULES = (low, drive, controls, budget, jamming, flows, large)
 
 
 def options():
-    parser = argparse.ArgumentParser(prog="tools/packings.sh", description="Runs the decks of inputs/packing and draws what they "
+    parser = argparse.ArgumentParser(prog="tools/packings.sh", description="Runs the decks of inputs/packing and "
+        "draws what they "
                                      "show into one HTML page. What is finished is not run again.")
     parser.add_argument("--quick", dest="level", action="store_const", const="quick", help="coarse, a few minutes")
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "packings"), metavar="DIR",
@@ -30,7 +31,8 @@ def options():
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count() or 1, metavar="N",
                         help="runs at a time (number of cores)")
     parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "slipdisk"), metavar="FILE")
-    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="only these: " + ", ".join(plan.ENTRIES))
+    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="only these: " + ", "
+        "".join(plan.ENTRIES))
     parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there")
     parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/packings_study.md and "
                         "DIR/figures/packings (docs, when they are to stay with the sources)")
@@ -59,6 +61,7 @@ def draw(campaign, keep=None, modules=MODULES):
     name = "packings" if campaign.level == "default" else f"packings-{campaign.level}"
     page = Page(campaign.folder, name + ".html")
     found = sections(campaign, modules)
+    found.append(limits.section(found))
     claims = [claim for section in found for claim in section.claims]
     counts = {word: sum(claim.verdict == word for claim in claims) for word in (YES, NO, OPEN)}
     for section in found:
@@ -78,7 +81,8 @@ def words_of(campaign):
 
 def head(campaign, found, counts):
     missing = list(dict.fromkeys(line for section in found for line in section.missing))
-    lines = [f"<p><b>Level: {campaign.level}</b> &ndash; {plan.DESCRIPTIONS[campaign.level]}. SI units unless said otherwise; error "
+    lines = [f"<p><b>Level: {campaign.level}</b> &ndash; {plan.DESCRIPTIONS[campaign.level]}. SI units unless said "
+             f"otherwise; error "
              "bars are single standard errors. Every verdict is computed from the numbers beside it.</p>",
              "<p>" + ", ".join(f"{counts[word]} {badge(word)}" for word in (YES, NO, OPEN)) + "</p>"]
     if missing:
@@ -93,9 +97,12 @@ def head(campaign, found, counts):
 
 def lead(campaign, counts):
     """What stands above the Markdown."""
-    return ["What the decks of `inputs/packing` show, statement by statement. The vibrated boxes follow Moukarzel, Peraza-Mues and "
-            "Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are single standard errors; "
-            "every verdict is computed from the numbers beside it, and *reproduced* means that the statement is met.", "",
+    return ["What the decks of `inputs/packing` show, statement by statement. The vibrated boxes follow Moukarzel, "
+            "Peraza-Mues and "
+            "Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are single "
+            "standard errors; "
+            "every verdict is computed from the numbers beside it, and *reproduced* means that the statement is "
+            "met.", "",
             f"Level: {campaign.level}, {plan.DESCRIPTIONS[campaign.level]}.", "",
             f"Written by `tools/packings.sh --keep docs` with {words_of(campaign)}: "
             + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."]

@@ -2,11 +2,13 @@
 import os
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from report.page import Figure, Numbers, Section
 from report.style import COLOURS, figure, points
 from report.verdict import decide, missing, number
 
+from .drive import bars
 from .statistics import mean_error, power_law
 
 AIM = 1e-3
@@ -14,8 +16,10 @@ AIM = 1e-3
 
 def sections(campaign):
     out = Section("budget", "Energy residual",
-                  "What the energy budget misses at the decks' own time steps: over a whole run, deposition included, in "
-                  "units of its scale (work of driven bodies plus losses); and over the measured time alone, in units of the "
+                  "What the energy budget misses at the decks' own time steps: over a whole run, deposition included, "
+                  "in "
+                  "units of its scale (work of driven bodies plus losses); and over the measured time alone, in units "
+                  "of the "
                   "work that the driven bodies do in it.", missing=campaign.missing("step"))
     rows, worst = [], []
     for name, entry in campaign.entries.items():
@@ -30,7 +34,8 @@ def sections(campaign):
     text = f"The energy residual of every run is below {AIM:g} of the work done, at the deck's own time step."
     if worst:
         over = [f"{name} {number(value)}" for value, name in worst if value > AIM]
-        out.claims.append(decide(text, not over, f"largest {number(max(worst)[0])} ({max(worst)[1]}), of the work of driven bodies in the "
+        out.claims.append(decide(text, not over, f"largest {number(max(worst)[0])} ({max(worst)[1]}), of the work of "
+                                                 f"driven bodies in the "
                                  "measured time where they do any, else of the scale of the whole run"
                                  + (f"; above: {', '.join(over)}" if over else "")))
     else:
@@ -45,7 +50,8 @@ def convergence(runs, out):
     text = "It falls with the time step."
     by_scheme = {}
     for run in runs:
-        by_scheme.setdefault(run.parameters.get("integrator", ""), {}).setdefault(run.parameters.get("dt"), []).append(run)
+        steps = by_scheme.setdefault(run.parameters.get("integrator", ""), {})
+        steps.setdefault(run.parameters.get("dt"), []).append(run)
     by_scheme = {name: dict(sorted(steps.items())) for name, steps in by_scheme.items() if len(steps) > 2}
     if not by_scheme:
         return [missing(text)]
@@ -56,19 +62,25 @@ def convergence(runs, out):
         size = [mean_error([abs(run.residual) for run in some]) for some in steps.values()]
         value, error = np.array(size).T
         slope, spread, factor = power_law(dt, value)
-        points(axes, dt * 1e6, value, np.minimum(error, 0.9 * value), f"{name}: slope {slope:.2f} ± {spread:.2f}", k, "os^v"[k],
+        points(axes, dt * 1e6, value, bars(value, error), f"{name}: slope {slope:.2f} ± "
+            f"{spread:.2f}", k, "os^v"[k],
                line="none")
         x = np.geomspace(dt.min(), dt.max(), 20)
         axes.plot(x * 1e6, factor * x ** slope, color=COLOURS[k], lw=0.9)
-        claims.append(decide(f"The residual falls with the time step ({name}).", slope > 2 * spread if np.isfinite(spread) else None,
-                             f"|residual|/scale ~ dt<sup>{number(slope, spread)}</sup>, from {number(value[-1], error[-1])} at "
-                             f"{dt[-1]:g} s to {number(value[0], error[0])} at {dt[0]:g} s ({len(list(steps.values())[0])} packings a point)"))
+        claims.append(decide(f"The residual falls with the time step "
+                             f"({name}).", slope > 2 * spread if np.isfinite(spread) else None,
+                             f"|residual|/scale ~ dt<sup>{number(slope, spread)}</sup>, from "
+                             f"{number(value[-1], error[-1])} at "
+                             f"{dt[-1]:g} s to {number(value[0], error[0])} at {dt[0]:g} s "
+                             f"({len(list(steps.values())[0])} packings a point)"))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(r"time step (µs)")
     axes.set_ylabel("|residual| / scale")
     axes.legend()
-    axes.xaxis.set_minor_formatter(axes.xaxis.get_major_formatter())
-    out.figures.append(Figure("residual", picture, "Residual of the energy budget of the shaken box against the time step, means over "
+    axes.set_xticks(dt * 1e6, [f"{1e6 * step:g}" for step in dt])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    out.figures.append(Figure("residual", picture, "Residual of the energy budget of the shaken box against the time "
+                                                   "step, means over "
                               "packings.", "Energy residual against time step for two integrators"))
     return claims

@@ -66,7 +66,8 @@ def against_drive(campaign):
     out = Section("drive", "Rotation against drive",
                   f"<code>inputs/packing/shake_drive.cfg</code>: {len(table)} peak accelerations with up to "
                   f"{max((r['runs'] for r in rows), default=0)} packings each, "
-                  f"{every[0].measured if every else 0:.0f} s measured. An opening is a contact that ends; it is counted per "
+                  f"{every[0].measured if every else 0:.0f} s measured. An opening is a contact that ends; it is "
+                  f"counted per "
                   "contact and period of the floor (1/80 s). Error bars: scatter of packings.",
                   missing=campaign.missing("drive"))
     if len(rows) < 3:
@@ -78,8 +79,9 @@ def against_drive(campaign):
     growth(out, rows, drives, start)
     solid(out, rows)
     lasting(out, rows)
-    names = ("rms", "median", "noise", "significant", "pearson", "spearman", "openings", "sliding", "contacts", "wander", "drift")
-    out.tables.append(Numbers("Means over packings at each drive (rad/s; errors in brackets)",
+    names = ("rms", "median", "noise", "significant", "pearson", "spearman", "openings", "sliding", "contacts",
+             "wander", "drift")
+    out.tables.append(Numbers("Means over packings at each drive (angular velocities in rad/s)",
                               ["drive/<i>g</i>", "packings", "rms &Omega;", "median |&Omega;|", "rms error bar",
                                "beyond 3 errors", "Pearson", "Spearman", "openings", "sliding", "contacts per disk",
                                "wander/d", "drift/d"],
@@ -113,14 +115,16 @@ def growth(out, rows, drives, start):
         for word, part in (("below", low), ("above", ~low)):
             if part.sum() >= 2:
                 exponent, spread, _ = power_law(drives[part], value[part])
-                told.append(f"{word} the onset |&Omega;| ~ drive<sup>{number(exponent, spread)}</sup> ({part.sum()} drives)")
+                told.append(f"{word} the onset |&Omega;| ~ drive<sup>{number(exponent, spread)}</sup> ({part.sum()} "
+                            f"drives)")
             steps += list(np.diff(value[part]) / np.hypot(error[part][1:], error[part][:-1]))
         up, down = int(np.sum(np.array(steps) > 0)), int(np.sum(np.array(steps) < -SURE))
         ends = [value[part][-1] > value[part][0] + SURE * np.hypot(error[part][-1], error[part][0])
                 for part in (low, ~low) if part.sum() >= 2]
         out.claims.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.",
                                  bool(len(ends) == 2 and all(ends) and not down),
-                                 "; ".join(told) + f"; {up} of {len(steps)} steps are up, {down} significantly down; from "
+                                 "; ".join(told) + f"; {up} of {len(steps)} steps are up, {down} significantly down; "
+                                                   f"from "
                                  f"{number(value[0], error[0])} to {number(value[-1], error[-1])} rad/s"))
 
 
@@ -128,48 +132,65 @@ def solid(out, rows):
     value = columns(rows, "wander")[0]
     loose = [r["drive"] for r in rows if r["wander"][0] > SOLID]
     far = [r["drive"] for r in rows if r["farthest"] > 1]
-    out.claims.append(decide(f"It remains a solid: disks wander by less than {SOLID:g} mean diameters (rms).", not loose,
-                             f"rms displacement about the mean place {number(value[0])} d at {rows[0]['drive']:g} <i>g</i>, "
+    out.claims.append(decide(f"It remains a solid: disks wander by less than {SOLID:g} mean diameters "
+                             f"(rms).", not loose,
+                             f"rms displacement about the mean place {number(value[0])} d at {rows[0]['drive']:g} "
+                             f"<i>g</i>, "
                              f"{number(value[-1])} d at {rows[-1]['drive']:g} <i>g</i>"
                              + (f"; above {SOLID:g} at {', '.join(f'{d:g}' for d in loose)} <i>g</i>" if loose else "")
-                             + (f"; single disks wander by more than a diameter (rms) at {', '.join(f'{d:g}' for d in far)} <i>g</i>"
+                             + (f"; single disks wander by more than a diameter (rms) at "
+                                f"{', '.join(f'{d:g}' for d in far)} <i>g</i>"
                                 if far else "; no single disk wanders by a diameter")))
 
 
 def lasting(out, rows):
     value = columns(rows, "pearson")[0]
     share = columns(rows, "significant")[0]
-    out.claims.append(decide("Rotation lasts at every drive (correlation of halves above 0.5).", bool((value > 0.5).all()),
+    out.claims.append(decide("Rotation lasts at every drive (correlation of halves above "
+                             "0.5).", bool((value > 0.5).all()),
                              "correlation " + ", ".join(f"{v:.3f}" for v in value) + " and significant disks "
                              + ", ".join(f"{100 * v:.0f} %" for v in share) + " at "
                              + ", ".join(f"{r['drive']:g}" for r in rows) + " <i>g</i>"))
 
 
+def bars(value, error):
+    """Error bars for a logarithmic axis: they end before they reach zero."""
+    error = np.nan_to_num(error)
+    return np.array([np.minimum(error, 0.7 * value), error])
+
+
 def drive_figure(rows, drives, start):
     picture, axes = figure(columns=2, rows=2, width=7.2, height=5.8, sharex=True)
-    for k, (name, label, sign) in enumerate((("rms", "rms", "o"), ("median", "median", "s"), ("noise", "rms error bar", "x"))):
+    look = {"lw": 0.7, "mfc": "white"}
+    for k, (name, label, sign) in enumerate((("rms", "rms", "o"), ("median", "median", "s"), ("noise", "rms error "
+        "bar", "x"))):
         value, error = columns(rows, name)
-        axes[0, 0].errorbar(drives, value, yerr=error, fmt=sign + "-", lw=0.7, mfc="white", color=COLOURS[k], label=label)
+        axes[0, 0].errorbar(drives, value, yerr=bars(value, error), fmt=sign + "-", color=COLOURS[k], label=label,
+                            **look)
     axes[0, 0].set_yscale("log")
     axes[0, 0].set_ylabel(r"$|\Omega|$ (rad/s)")
     axes[0, 0].legend(loc="lower right")
     value, error = columns(rows, "openings")
     shown = value > 0
-    axes[0, 1].errorbar(drives[shown], value[shown], yerr=np.minimum(error[shown], 0.9 * value[shown]), fmt="o-", lw=0.7,
+    axes[0, 1].errorbar(drives[shown], value[shown], yerr=bars(value, error)[:, shown], fmt="o-", lw=0.7,
                         mfc="white", color=COLOURS[3])
     axes[0, 1].axhline(OPEN, color=LIGHT, lw=0.8, gid="guide")
     axes[0, 1].set_yscale("log")
     axes[0, 1].set_ylabel("openings per contact and period")
     for k, (name, label, sign) in enumerate((("pearson", "correlation of halves", "o"),
-                                             ("significant", "beyond 3 errors", "s"), ("sliding", "sliding contacts", "^"))):
+                                             ("significant", "beyond 3 errors", "s"), ("sliding", "sliding "
+                                                 "contacts", "^"))):
         value, error = columns(rows, name)
-        axes[1, 0].errorbar(drives, value, yerr=error, fmt=sign + "-", lw=0.7, mfc="white", color=COLOURS[k], label=label)
+        axes[1, 0].errorbar(drives, value, yerr=error, fmt=sign + "-", color=COLOURS[k], label=label,
+                            **look)
     axes[1, 0].set_ylim(0, 1.25)
     axes[1, 0].set_ylabel("fraction")
     axes[1, 0].legend(loc="upper left", ncol=2, fontsize=8.5, columnspacing=0.8)
-    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"), ("drift", "of the mean place", "s"))):
+    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"), ("drift", "of the mean "
+        "place", "s"))):
         value, error = columns(rows, name)
-        axes[1, 1].errorbar(drives, value, yerr=error, fmt=sign + "-", lw=0.7, mfc="white", color=COLOURS[k], label=label)
+        axes[1, 1].errorbar(drives, value, yerr=bars(value, error), fmt=sign + "-", color=COLOURS[k], label=label,
+                            **look)
     axes[1, 1].axhline(SOLID, color=LIGHT, lw=0.8, gid="guide")
     axes[1, 1].set_yscale("log")
     axes[1, 1].set_ylabel("rms displacement / diameter")
@@ -183,7 +204,8 @@ def drive_figure(rows, drives, start):
             panel.axvline(start, color=GREY, lw=0.8, ls=":", gid="guide")
     for panel in axes[1]:
         panel.set_xlabel("peak acceleration of the floor / $g$")
-    return Figure("drive", picture, f"Against the drive. Dotted: where {OPEN:g} openings per contact and period are reached. "
+    return Figure("drive", picture, f"Against the drive. Dotted: where {OPEN:g} openings per contact and period are "
+                                    f"reached. "
                   "Displacement of the mean place: from where the disk was when measuring began.",
                   "Typical angular velocity, openings of contacts, persistence and displacements against drive")
 
@@ -193,9 +215,12 @@ def random_floor(campaign):
     harmonic = by_drive(campaign.runs("drive"))
     rows = [row(drive, runs) for drive, runs in table.items()]
     out = Section("random", "Random vibration of the floor",
-                  "<code>inputs/packing/shake_random.cfg</code>: the height of the floor is the randomly forced oscillator of "
-                  "physics.md, section 5, with &omega; = 2&pi; 80 Hz, <i>c</i> = 0.5; its rms displacement is that of a harmonic "
-                  "motion, <i>a</i>/&omega;&sup2;, with the acceleration <i>a</i> that is given.", missing=campaign.missing("random"))
+                  "<code>inputs/packing/shake_random.cfg</code>: the height of the floor is the randomly forced "
+                  "oscillator of "
+                  "physics.md, section 5, with &omega; = 2&pi; 80 Hz, <i>c</i> = 0.5; its rms displacement is that of "
+                  "a harmonic "
+                  "motion, <i>a</i>/&omega;&sup2;, with the acceleration <i>a</i> that is "
+                  "given.", missing=campaign.missing("random"))
     if not rows:
         out.claims.append(missing("Disks rotate under random vibration, too."))
         return out
@@ -203,10 +228,12 @@ def random_floor(campaign):
         linear = r["pearson"]
         out.claims.append(decide(f"At {r['drive']:g} <i>g</i> the rotation persists.", lasts(linear),
                                  f"{r['runs']} packings: Pearson {number(*linear)}, Spearman {number(*r['spearman'])}, "
-                                 f"{number(100 * r['significant'][0], 100 * r['significant'][1])} % beyond 3 errors; rms &Omega; "
+                                 f"{number(100 * r['significant'][0], 100 * r['significant'][1])} % beyond 3 errors; "
+                                 f"rms &Omega; "
                                  f"{number(*r['rms'])}, median {number(*r['median'])} rad/s; "
                                  f"{number(*r['openings'])} openings per contact and period"
-                                 + (f"; harmonic: rms {number(*mean_error([run.rms for run in harmonic[r['drive']]]))} rad/s"
+                                 + (f"; harmonic: rms "
+                                    f"{number(*mean_error([run.rms for run in harmonic[r['drive']]]))} rad/s"
                                     if r["drive"] in harmonic else "")))
     picture, axes = figure(columns=len(rows), height=3.3, legend=True)
     for panel, r in zip(np.atleast_1d(axes), rows):
@@ -223,6 +250,7 @@ def random_floor(campaign):
         panel.set_title(f"{r['drive']:g} $g$")
     np.atleast_1d(axes)[0].set_ylabel(r"$\Omega_i$, second half (rad/s)")
     legend_below(picture, np.atleast_1d(axes), columns=5)
-    out.figures.append(Figure("random", picture, "Mean angular velocities in two halves of the runs under random vibration.",
+    out.figures.append(Figure("random", picture, "Mean angular velocities in two halves of the runs under random "
+                                                 "vibration.",
                               "Scatter plots of mean angular velocities in two halves, random vibration"))
     return out

@@ -47,9 +47,12 @@ def flanks(x, y, radius, part=(0.25, 0.85)):
 def heap(campaign):
     runs = sorted(campaign.runs("repose"), key=lambda run: (run.parameters.get("mu", 0), run.parameters.get("r", 0)))
     out = Section("repose", "Heap and angle of repose",
-                  "<code>inputs/packing/repose.cfg</code>: disks are poured on a row of fixed disks, what rolls off its ends is taken "
-                  "away, until the heap rests. The slope is that of a line through the surface of each flank (highest point in "
-                  "every mean diameter, from 25 to 85 % of the way to the foot). Error bars: scatter of flanks and replicas.",
+                  "<code>inputs/packing/repose.cfg</code>: disks are poured on a row of fixed disks, what rolls off "
+                  "its ends is taken "
+                  "away, until the heap rests. The slope is that of a line through the surface of each flank (highest "
+                  "point in "
+                  "every mean diameter, from 25 to 85 % of the way to the foot). Error bars: scatter of flanks and "
+                  "replicas.",
                   missing=campaign.missing("repose"))
     found = {}
     for run in runs:
@@ -65,7 +68,8 @@ def heap(campaign):
     grows = mean[-1, 0] > mean[0, 0] + 3 * np.hypot(mean[0, 1], mean[-1, 1]) if len(mu) > 1 else None
     out.claims.append(decide(text, None if grows is None else bool(grows), "; ".join(
         f"&mu; = {m:g}: {number(*pair)}&deg;" for m, pair in zip(mu, mean))))
-    out.tables.append(Numbers("Angle of repose", ["&mu;", "heaps", "angle (degrees)", "error", "disks in the heap (mean)"],
+    out.tables.append(Numbers("Angle of repose", ["&mu;", "heaps", "angle (degrees)", "error", "disks in the heap "
+        "(mean)"],
                               [[float(m), len(found[m]), *map(float, pair), float(np.mean([n for *_, n in found[m]]))]
                                for m, pair in zip(mu, mean)]))
     picture, axes = figure(height=3.6)
@@ -73,7 +77,8 @@ def heap(campaign):
     axes.set_xlabel(r"coefficient of friction $\mu$")
     axes.set_ylabel("angle of repose (degrees)")
     axes.set_ylim(0, None)
-    out.figures.append(Figure("repose", picture, "Angle of repose against friction.", "Angle of repose against friction"))
+    out.figures.append(Figure("repose", picture, "Angle of repose against friction.", "Angle of repose against "
+        "friction"))
     out.figures.append(heap_figure(found[min(mu, key=lambda m: abs(m - 0.5))][0][0]))
     return out
 
@@ -91,7 +96,8 @@ def heap_figure(run):
     maps.frame(axes, x, y, radius)
     axes.set_xlabel("$x$ / mean diameter")
     axes.set_ylabel("$y$ / mean diameter")
-    return Figure("heap", picture, f"Heap at &mu; = {run.parameters.get('mu', 0):g}; contacts as wide as their forces; blue: fitted "
+    return Figure("heap", picture, f"Heap at &mu; = {run.parameters.get('mu', 0):g}; contacts as wide as their "
+                                   f"forces; blue: fitted "
                   "flanks.", "Picture of a heap with its contact forces and fitted flanks")
 
 
@@ -115,7 +121,8 @@ def discharge(run, part=(0.05, 0.45)):
     if end - begin < 6:
         return None
     middle = (begin + end) // 2
-    slope = [line(time[s], out[s])[0] for s in (slice(begin, end + 1), slice(begin, middle + 1), slice(middle, end + 1))]
+    parts = (slice(begin, end + 1), slice(begin, middle + 1), slice(middle, end + 1))
+    slope = [line(time[part], out[part])[0] for part in parts]
     return Discharge(*slope, time, out)
 
 
@@ -149,9 +156,12 @@ def beverloo(width, rate, error, exponent=None):
 
 def hopper(campaign):
     out = Section("hopper", "Discharge of a hopper",
-                  "<code>inputs/packing/hopper.cfg</code>, walls inclined by 45&deg;, lengths in mean diameters <i>d</i>, <i>g</i> = 1. "
-                  "The rate <i>W</i> is that of disks passing the outlet while 5 to 45 % of them leave. Beverloo's law in "
-                  "two dimensions: <i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k d</i>)<sup>3/2</sup>.", missing=campaign.missing("hopper"))
+                  "<code>inputs/packing/hopper.cfg</code>, walls inclined by 45&deg;, lengths in mean diameters "
+                  "<i>d</i>, <i>g</i> = 1. "
+                  "The rate <i>W</i> is that of disks passing the outlet while 5 to 45 % of them leave. Beverloo's "
+                  "law in "
+                  "two dimensions: <i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k "
+                  "d</i>)<sup>3/2</sup>.", missing=campaign.missing("hopper"))
     found = {}
     for run in campaign.runs("hopper"):
         flow = discharge(run)
@@ -169,17 +179,22 @@ def hopper(campaign):
     a, a_error, k, k_error, factor, chi2, degrees = beverloo(width, rate[:, 0], error)
     fixed = beverloo(width, rate[:, 0], error, 1.5)
     out.claims.append(decide(text, bool(abs(a - 1.5) < 2 * a_error) if a_error < 0.3 else None,
-                             f"free exponent {number(a, a_error)} with k = {number(k, k_error)} (&chi;&sup2; = {chi2:.1f} for {degrees} "
-                             f"degrees of freedom); exponent 3/2: k = {number(fixed[2], fixed[3])}, C = {number(fixed[4])}, &chi;&sup2; = "
+                             f"free exponent {number(a, a_error)} with k = {number(k, k_error)} (&chi;&sup2; = "
+                             f"{chi2:.1f} for {degrees} "
+                             f"degrees of freedom); exponent 3/2: k = {number(fixed[2], fixed[3])}, C = "
+                             f"{number(fixed[4])}, &chi;&sup2; = "
                              f"{fixed[5]:.1f} for {fixed[6]}"))
     change = [flow.late / flow.early - 1 for some in found.values() for flow in some]
     mean, spread = mean_error(change)
-    out.claims.append(decide("The rate is constant: it does not depend on the height of the filling.", bool(abs(mean) < 0.05),
-                             f"second half of the window against the first: {percent(mean)} &plusmn; {100 * spread:.1f} %, "
+    out.claims.append(decide("The rate is constant: it does not depend on the height of the "
+                             "filling.", bool(abs(mean) < 0.05),
+                             f"second half of the window against the first: {percent(mean)} &plusmn; "
+                             f"{100 * spread:.1f} %, "
                              "counted as constant up to 5 %"))
     out.tables.append(Numbers("Discharge", ["D/d", "runs", "rate (disks per sqrt(d/g))", "error", "late/early"],
                               [[float(d), len(found[d]), float(r[0]), float(r[1]),
-                                float(np.mean([flow.late / flow.early for flow in found[d]]))] for d, r in zip(width, rate)]))
+                                float(np.mean([flow.late / flow.early for flow in found[d]]))]
+                               for d, r in zip(width, rate)]))
     out.figures.append(hopper_figure(found, width, rate[:, 0], error, (a, a_error, k, factor), fixed))
     return out
 
@@ -188,7 +203,8 @@ def hopper_figure(found, width, rate, error, free, fixed):
     picture, axes = figure(columns=2, height=3.2)
     colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(found)))
     for colour, (size, some) in zip(colours, found.items()):
-        axes[0].plot(some[0].time - some[0].time[np.argmax(some[0].out > 0)], some[0].out, color=colour, label=f"{size:g}")
+        flow = some[0]
+        axes[0].plot(flow.time - flow.time[np.argmax(flow.out > 0)], flow.out, color=colour, label=f"{size:g}")
     axes[0].set_xlabel(r"time since opening / $\sqrt{d/g}$")
     axes[0].set_ylabel("disks out")
     axes[0].set_xlim(0, None)
@@ -196,20 +212,26 @@ def hopper_figure(found, width, rate, error, free, fixed):
     axes[1].errorbar(width, rate, yerr=error, fmt="o", mfc="white", color=BLACK, zorder=3)
     x = np.linspace(width.min() * 0.97, width.max() * 1.03, 200)
     axes[1].plot(x, fixed[4] * (x - fixed[2]) ** 1.5, color=COLOURS[1], label=f"$a$ = 3/2, $k$ = {fixed[2]:.2f}")
-    axes[1].plot(x, free[3] * (x - free[2]) ** free[0], color=COLOURS[0], ls="--", label=f"$a$ = {free[0]:.2f} ± {free[1]:.2f}")
+    axes[1].plot(x, free[3] * (x - free[2]) ** free[0], color=COLOURS[0], ls="--", label=f"$a$ = {free[0]:.2f} ± "
+        f"{free[1]:.2f}")
     axes[1].set_xlabel("outlet $D/d$")
     axes[1].set_ylabel(r"rate $W$ ($\sqrt{g/d}$)")
     axes[1].legend(loc="upper left", fontsize=9)
-    return Figure("hopper", picture, "Left: disks that are out against time (first replica). Right: rate against outlet with the fits "
-                  "<i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k d</i>)<sup><i>a</i></sup>.", "Discharge of a hopper against time and outlet")
+    return Figure("hopper", picture, "Left: disks that are out against time (first replica). Right: rate against "
+                                     "outlet with the fits "
+                  "<i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k d</i>)<sup><i>a</i></sup>.", "Discharge of a hopper "
+                      "against time and outlet")
 
 
 # --- drum ---------------------------------------------------------------------------------------------------
 def drum(campaign):
     out = Section("drum", "Rotating drum",
-                  "<code>inputs/packing/drum.cfg</code>: a rough drum of 40 mean diameters turns clockwise at a Froude number of "
-                  "10<sup>&minus;3</sup>. The angle is that of the line from the centre of the drum to the centre of mass, against the "
-                  "vertical: the slope of a straight surface. Its error is from ten blocks of time.", missing=campaign.missing("drum"))
+                  "<code>inputs/packing/drum.cfg</code>: a rough drum of 40 mean diameters turns clockwise at a "
+                  "Froude number of "
+                  "10<sup>&minus;3</sup>. The angle is that of the line from the centre of the drum to the centre of "
+                  "mass, against the "
+                  "vertical: the slope of a straight surface. Its error is from ten blocks of "
+                  "time.", missing=campaign.missing("drum"))
     runs = campaign.runs("drum")
     if not runs:
         out.claims.append(missing("The packing flows at a steady dynamic angle of repose."))
@@ -226,10 +248,13 @@ def drum(campaign):
     late_mean, late_error = mean_error(blocks[5:])
     early_mean, early_error = mean_error(blocks[:5])
     drift, drift_error = late_mean - early_mean, float(np.hypot(late_error, early_error))
-    out.claims.append(decide("The packing flows at a steady dynamic angle of repose.", bool(mean > 5 and abs(drift) < 3 * drift_error),
-                             f"{number(mean, error)}&deg;, standard deviation in time {angles.std():.1f}&deg;; second half minus first half "
+    out.claims.append(decide("The packing flows at a steady dynamic angle of "
+                             "repose.", bool(mean > 5 and abs(drift) < 3 * drift_error),
+                             f"{number(mean, error)}&deg;, standard deviation in time {angles.std():.1f}&deg;; second "
+                             f"half minus first half "
                              f"{number(drift, drift_error)}&deg;; median slope of the surface in the middle half "
-                             f"{np.median(slopes):.1f}&deg;; {run.n_free} disks, {len(time)} frames in {run.measured:g} time units"))
+                             f"{np.median(slopes):.1f}&deg;; {run.n_free} disks, {len(time)} frames in "
+                             f"{run.measured:g} time units"))
     out.figures.append(drum_figure(run, mean, time, angles))
     return out
 
@@ -262,5 +287,6 @@ def drum_figure(run, mean, time, angles):
     axes[1].axhline(mean, color=GREY, lw=0.9, gid="guide")
     axes[1].set_xlabel(r"time / $\sqrt{d/g}$")
     axes[1].set_ylabel("angle of the packing (degrees)")
-    return Figure("drum", picture, "Left: disks coloured by speed at the end, with velocities. Right: angle of the packing "
+    return Figure("drum", picture, "Left: disks coloured by speed at the end, with velocities. Right: angle of the "
+                                   "packing "
                   "against time.", "Rotating drum: velocities, and angle against time")

@@ -27,7 +27,9 @@ def coordination(run, least):
             break
         alive &= ~loose
     rest = int(alive.sum())
-    return (2 * len(a) / n, 2 * int(held.sum()) / rest if rest else np.nan, 1 - rest / n, 4 - 2 / rest if rest else np.nan)
+    if rest == 0:
+        return 2 * len(a) / n, np.nan, 1.0, np.nan
+    return 2 * len(a) / n, 2 * int(held.sum()) / rest, 1 - rest / n, 4 - 2 / rest
 
 
 def final(run):
@@ -37,7 +39,7 @@ def final(run):
 
 
 def stages(run):
-    """[(pressure asked for, pressure, packing fraction, contacts per disk)] at the ends of the phases that seek a pressure."""
+    """[(pressure asked for, pressure, packing fraction, contacts per disk)] where phases that seek a pressure end."""
     time, pressure, fraction, contacts = run.series("work", "pressure", "packing_fraction", "contacts")
     found = []
     for phase, end in zip(run.phases, np.cumsum([phase["steps"] for phase in run.phases])):
@@ -54,9 +56,12 @@ def sections(campaign):
 def frictionless(campaign):
     runs = campaign.runs("jam")
     out = Section("jamming", "Jamming of frictionless disks",
-                  "<code>inputs/packing/jam.cfg</code>: frictionless disks 1 : 1.4, half of each, are compressed past jamming, "
-                  "relaxed, and let down in pressure, at each pressure to force balance. &phi;<sub>J</sub> is that of a straight "
-                  "line in the pressure at zero; rattlers (fewer than three contacts) are left out of <i>z</i>. Errors: scatter of "
+                  "<code>inputs/packing/jam.cfg</code>: frictionless disks 1 : 1.4, half of each, are compressed past "
+                  "jamming, "
+                  "relaxed, and let down in pressure, at each pressure to force balance. &phi;<sub>J</sub> is that of "
+                  "a straight "
+                  "line in the pressure at zero; rattlers (fewer than three contacts) are left out of <i>z</i>. "
+                  "Errors: scatter of "
                   "packings.", missing=campaign.missing("jam"))
     text = f"The packing fraction at jamming is the known {PHI:g}."
     if not runs:
@@ -67,16 +72,20 @@ def frictionless(campaign):
     few = max(2, len(rows) // 2)  # the least pressures, where the line is straight
     phi, error = jackknife(lambda some: float(np.mean([line(*np.array(t)[:few, 1:3].T)[2] for t in some])), table)
     out.claims.append(decide(text, bool(abs(phi - PHI) < TOLERANCE),
-                             f"{number(phi, error)} from {len(runs)} packings of {runs[0].n_free} disks and the {few} least pressures; "
+                             f"{number(phi, error)} from {len(runs)} packings of {runs[0].n_free} disks and the {few} "
+                             f"least pressures; "
                              f"counted as equal up to {TOLERANCE:g}"))
     z = np.array([coordination(run, 3) for run in runs])
     mean, spread = mean_error(z[:, 1])
-    out.claims.append(decide("Without rattlers the coordination number tends to 4, the isostatic value.", bool(abs(mean - 4) < NEAR),
-                             f"{number(mean, spread)} at the least pressure, {number(rows[0][1][0])} <i>k<sub>n</sub></i> (isostatic for "
+    out.claims.append(decide("Without rattlers the coordination number tends to 4, the isostatic "
+                             "value.", bool(abs(mean - 4) < NEAR),
+                             f"{number(mean, spread)} at the least pressure, {number(rows[0][1][0])} "
+                             f"<i>k<sub>n</sub></i> (isostatic for "
                              f"as many disks, 4 &minus; 2/N: {z[:, 3].mean():.4f}); counted as equal up to {NEAR:g}; "
                              f"{100 * z[:, 2].mean():.1f} % rattlers"))
     out.tables.append(Numbers("Compressed packings, at each pressure",
-                              ["pressure/<i>k<sub>n</sub></i>", "reached", "packing fraction", "contacts per disk, rattlers included"],
+                              ["pressure/<i>k<sub>n</sub></i>", "reached", "packing fraction", "contacts per disk, "
+                                  "rattlers included"],
                               [[float(r[0][0]), *(number(*r[j]) for j in (1, 2, 3))] for r in rows]))
     out.figures.append(jamming_figure(rows, few, phi))
     return out
@@ -97,14 +106,17 @@ def jamming_figure(rows, few, phi):
     axes[0].axhline(PHI, color=LIGHT, lw=0.8, gid="guide")
     axes[0].legend(loc="upper left")
     axes[1].axhline(4, color=GREY, lw=0.8, gid="guide")
-    return Figure("jamming", picture, "Packing fraction and contacts (those of rattlers counted) of compressed frictionless disks "
+    return Figure("jamming", picture, "Packing fraction and contacts (those of rattlers counted) of compressed "
+                                      "frictionless disks "
                   "against pressure.", "Packing fraction and coordination against pressure")
 
 
 def friction(campaign):
     out = Section("jam-friction", "Coordination against friction",
-                  "<code>inputs/packing/jam_friction.cfg</code>: packings of frictional disks compressed to a low pressure. Rattlers have "
-                  "fewer than two contacts here. Friction lets fewer contacts carry a packing: between 4 without it and 3 at most.",
+                  "<code>inputs/packing/jam_friction.cfg</code>: packings of frictional disks compressed to a low "
+                  "pressure. Rattlers have "
+                  "fewer than two contacts here. Friction lets fewer contacts carry a packing: between 4 without it "
+                  "and 3 at most.",
                   missing=campaign.missing("jam_friction"))
     table = {}
     for run in campaign.runs("jam_friction"):

@@ -14,7 +14,8 @@ RUNS = (("deposit_1e4", "deposition"), ("shake_1e4", "shaken"), ("deposit_1e5", 
 
 def sections(campaign):
     out = Section("large", "Ten thousand and a hundred thousand disks",
-                  "<code>inputs/packing/deposit_1e4.cfg</code>, <code>shake_1e4.cfg</code> and the same with 10<sup>5</sup>: a "
+                  "<code>inputs/packing/deposit_1e4.cfg</code>, <code>shake_1e4.cfg</code> and the same with "
+                  "10<sup>5</sup>: a "
                   "packing is deposited once and saved; the shaken box begins with it, its contacts included.",
                   missing=campaign.missing(*(name for name, _ in RUNS)))
     rows = []
@@ -30,8 +31,10 @@ def sections(campaign):
     for name, run in shaken:
         first, second = run.halves()
         out.claims.append(decide(f"Disks rotate persistently among {run.n_free}, too.", pearson(first, second) > 0.5,
-                                 f"correlation of halves {pearson(first, second):.3f} in {run.measured:g} s; rms &Omega; "
-                                 f"{number(run.rms)}, mean {number(float(run.omega.mean()))} rad/s, {100 * run.significant:.1f} % "
+                                 f"correlation of halves {pearson(first, second):.3f} in {run.measured:g} s; rms "
+                                 f"&Omega; "
+                                 f"{number(run.rms)}, mean {number(float(run.omega.mean()))} rad/s, "
+                                 f"{100 * run.significant:.1f} % "
                                  "beyond 3 errors; neighbours' "
                                  f"&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang; "
                                  f"{number(neighbour_correlation(run)[0])}; wander {number(run.wander)} diameters"))
@@ -47,7 +50,8 @@ def map_figure(run):
     norm = maps.scale(run.omega, clip=clip)
     maps.rotation_map(axes, run, norm, edge="none", width=0, widest=0.7)
     maps.colour_bar(picture, axes, norm, r"$\Omega_i$ (rad/s)", shrink=0.8, extend="both")
-    return Figure("map-large", picture, f"{run.n_free} disks coloured by mean angular velocity (cut at three times the rms), with the "
+    return Figure("map-large", picture, f"{run.n_free} disks coloured by mean angular velocity (cut at three times "
+                                        f"the rms), with the "
                   "contact network at the end.", "Map of ten thousand disks coloured by mean angular velocity")
 
 

@@ -21,9 +21,11 @@ def persistence(campaign, name):
     runs = [run for run in campaign.runs(name) if run.has_means]
     length = f"{runs[0].measured:.0f} s" if runs else "some hundred s"
     out = Section(name, f"{'Low' if name == 'low' else 'Moderate'} drive, {PLAIN[name]}: persistent rotation",
-                  f"{len(runs)} packings of 60 disks (<code>inputs/packing/{DECK[name]}</code>), the floor harmonic at 80 Hz "
+                  f"{len(runs)} packings of 60 disks (<code>inputs/packing/{DECK[name]}</code>), the floor harmonic "
+                  f"at 80 Hz "
                   f"with peak acceleration {PLAIN[name]}, measured for {length} each after settling and a time to "
-                  "thermalise. &Omega;<sub>i</sub> is the angle that a disk has turned by over the measured time. Errors "
+                  "thermalise. &Omega;<sub>i</sub> is the angle that a disk has turned by over the measured time. "
+                  "Errors "
                   "of pooled numbers are from leaving out one packing at a time: packings are independent, disks "
                   "of one packing need not be.", missing=campaign.missing(name))
     if not runs:
@@ -48,16 +50,19 @@ def persistence(campaign, name):
 def persists(linear, order, groups):
     # Against chance: the halves of one disk compared with the second half of another of the same packing.
     shifted = jackknife(pooled(pearson), [(a, np.roll(b, 1)) for a, b in groups])
-    return decide("Each disk keeps its own mean angular velocity: those of the first and of the second half of the time are "
+    return decide("Each disk keeps its own mean angular velocity: those of the first and of the second half of the "
+                  "time are "
                   "correlated.", lasts(linear),
-                  f"Pearson {number(*linear)}, Spearman (ranks) {number(*order)}; with the next disk's second half instead "
+                  f"Pearson {number(*linear)}, Spearman (ranks) {number(*order)}; with the next disk's second half "
+                  f"instead "
                   f"{number(*shifted)}")
 
 
 def centred(runs):
     mean, error = mean_error([run.omega.mean() for run in runs])
     ratio = abs(mean) / error
-    return decide("The distribution of &Omega;<sub>i</sub> is centred at zero.", ratio < SURE if np.isfinite(ratio) else None,
+    return decide("The distribution of &Omega;<sub>i</sub> is centred at "
+                  "zero.", ratio < SURE if np.isfinite(ratio) else None,
                   f"mean over packings {number(mean, error)} rad/s, {ratio:.1f} errors from zero; rms "
                   f"{number(*mean_error([run.rms for run in runs]))} rad/s")
 
@@ -65,8 +70,10 @@ def centred(runs):
 def skewed(runs):
     value, error = jackknife(lambda groups: moments(np.concatenate(groups))[2], [run.omega / run.rms for run in runs])
     kurtosis = jackknife(lambda groups: moments(np.concatenate(groups))[3], [run.omega / run.rms for run in runs])
-    return decide("It is symmetric: both senses of rotation are alike.", abs(value) < SURE * error if error > 0 else None,
-                  f"skewness {number(value, error)}, excess kurtosis {number(*kurtosis)} (0 for a Gaussian, 3 for a Laplace "
+    return decide("It is symmetric: both senses of rotation are "
+                  "alike.", abs(value) < SURE * error if error > 0 else None,
+                  f"skewness {number(value, error)}, excess kurtosis {number(*kurtosis)} (0 for a Gaussian, 3 for a "
+                  f"Laplace "
                   "distribution), each packing scaled by its rms")
 
 
@@ -93,9 +100,11 @@ def counter(runs):
     (near, error), (every, other) = mean_error(both[:, 0]), mean_error(both[:, 1])
     opposite = mean_error([float(np.mean(run.omega[a] * run.omega[b] < 0)) for run in runs
                            for a, b, _ in [run.neighbours()] if len(a)])
-    return decide("Disks in contact turn against each other, like gears.", near + SURE * error < 0 if error > 0 else None,
+    return decide("Disks in contact turn against each other, like "
+                  "gears.", near + SURE * error < 0 if error > 0 else None,
                   "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang; over contacts "
-                  f"{number(near, error)}, over all pairs {number(every, other)}; {number(100 * opposite[0], 100 * opposite[1])}"
+                  f"{number(near, error)}, over all pairs {number(every, other)}; "
+                  f"{number(100 * opposite[0], 100 * opposite[1])}"
                   " % of the contacts join disks that turn in opposite senses")
 
 
@@ -118,7 +127,8 @@ def halves_figure(name, runs, groups, correlation):
     scatter.set_ylabel(r"$\Omega_i$, second half (rad/s)")
     scatter.set_title(f"all {len(first)} disks, $r$ = {correlation:.3f}")
     zoom.set_title("the same, up to one rms")
-    return Figure(f"halves-{name}", picture, "Mean angular velocity of each disk in the second half of the measured time against "
+    return Figure(f"halves-{name}", picture, "Mean angular velocity of each disk in the second half of the measured "
+                                             "time against "
                   "that in the first; a colour per packing; the line: equal.",
                   "Scatter plot of mean angular velocities in two halves of the runs")
 
@@ -147,7 +157,8 @@ def distribution_figure(name, runs):
     axes.set_ylabel("probability density")
     legend_above(axes, 3)
     beyond = int(np.sum(np.abs(scaled) > 5.25))
-    return Figure(f"distribution-{name}", picture, "Distribution of the mean angular velocities, each packing scaled by its rms. "
+    return Figure(f"distribution-{name}", picture, "Distribution of the mean angular velocities, each packing scaled "
+                                                   "by its rms. "
                   "Bars: from the scatter of packings." + (f" {beyond} disks are beyond the axis." if beyond else ""),
                   "Distribution of mean angular velocities on a logarithmic scale")
 

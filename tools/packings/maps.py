@@ -3,8 +3,9 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import SymLogNorm
+from matplotlib.ticker import FuncFormatter
 
-from report.style import BLACK, GREY, plt
+from report.style import BLACK, GREY, plt, power
 
 DIVERGING = "RdBu_r"
 
@@ -58,7 +59,7 @@ def _ticks(norm):
 
 
 def frame(axes, x, y, radius, margin=0.6, bottom=None):
-    reach = ((float(np.min(x - radius)), float(np.max(x + radius))), (float(np.min(y - radius)), float(np.max(y + radius))))
+    reach = tuple((float(np.min(c - radius)), float(np.max(c + radius))) for c in (x, y))
     rim = margin * float(np.max(radius))
     axes.set_xlim(reach[0][0] - rim, reach[0][1] + rim)
     axes.set_ylim((reach[1][0] if bottom is None else bottom) - rim, reach[1][1] + rim)
@@ -84,6 +85,7 @@ def colour_bar(picture, axes, norm, label, **more):
     symmetric = isinstance(norm, SymLogNorm)
     if symmetric:
         more["ticks"] = _ticks(norm)
+        more["format"] = FuncFormatter(lambda value, _: f"${power(value, 2)}$")
     bar = picture.colorbar(ScalarMappable(norm, DIVERGING if symmetric else "viridis"), ax=axes, label=label, **more)
     if symmetric:
         bar.ax.minorticks_off()

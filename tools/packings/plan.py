@@ -17,7 +17,7 @@ class Entry:
     sweep: bool = True          # a sweep, else one run
     threads: bool = False       # one run on all cores
     skip_quick: bool = False
-    first: int = 0              # so many replicas are run before the rest of any sweep, so that there is early something of all
+    first: int = 0              # so many replicas come before the rest of any sweep: there is early something of all
 
 
 SHORT = {"phases.thermalise.time": 1, "phases.measure.time": 4}
@@ -28,28 +28,31 @@ def _times(thermalise, measure):
     return {"phases.thermalise.time": thermalise, "phases.measure.time": measure}
 
 
+_SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height": 15.24}
+
 # Cheap and needed by others first.
 ENTRIES = {
     "low": Entry("shake_low.cfg", _times(5, 100), {**SHORT, "sweep.replicas": 2}, first=4),
     "drum": Entry("drum.cfg", {}, {"phases.start.time": 20, "phases.flow.time": 30}, sweep=False),
     "cage": Entry("cage.cfg", {}, SHORT),
     "frictionless": Entry("shake_drive.cfg", {"materials[0].mu": 0, **_times(5, 20), "sweep.replicas": 2,
-                                              "sweep.parameters.drive.values": "(0.5, 2, 6)"}, {**SHORT, "sweep.replicas": 1}),
+                                              "sweep.parameters.drive.values": "(0.5, 2, "
+                                                  "6)"}, {**SHORT, "sweep.replicas": 1}),
     "drive": Entry("shake_drive.cfg", {**_times(3, 40), "sweep.parameters.drive.values": DRIVES},
                    {**SHORT, "sweep.replicas": 2, "sweep.parameters.drive.values": "(0.3, 1, 3)"}, first=2),
     "step": Entry("shake_step.cfg", {}, {"phases.measure.time": 2, "sweep.replicas": 1}, first=1),
     "moderate": Entry("shake_moderate.cfg", _times(5, 60), {**SHORT, "sweep.replicas": 2}, first=3),
     "random": Entry("shake_random.cfg", _times(3, 40), {**SHORT, "sweep.replicas": 2}, first=3),
-    "hopper": Entry("hopper.cfg", {}, {"container.height": 30, "sweep.replicas": 1, "sweep.parameters.outlet.values": "(4, 6, 8, 12)"}, first=1),
-    "repose": Entry("repose.cfg", {}, {"packings[0].count": 400, "sweep.replicas": 1, "sweep.parameters.mu.values": "(0.1, 0.5)"}, first=1),
-    "jam": Entry("jam.cfg", {"sweep.replicas": 3}, {"sweep.replicas": 2, "packings[0].count": 100, "container.width": 15.24,
-                                                    "container.height": 15.24}, first=1),
-    "jam_friction": Entry("jam_friction.cfg", {}, {"packings[0].count": 100, "container.width": 15.24,
-                                                   "container.height": 15.24}),
+    "hopper": Entry("hopper.cfg", {}, {"container.height": 30, "sweep.replicas": 1,
+                                       "sweep.parameters.outlet.values": "(4, 6, 8, 12)"}, first=1),
+    "repose": Entry("repose.cfg", {}, {"packings[0].count": 400, "sweep.replicas": 1,
+                                       "sweep.parameters.mu.values": "(0.1, 0.5)"}, first=1),
+    "jam": Entry("jam.cfg", {"sweep.replicas": 3}, {**_SMALL, "sweep.replicas": 2}, first=1),
+    "jam_friction": Entry("jam_friction.cfg", {}, _SMALL),
     "deposit_1e4": Entry("deposit_1e4.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
-    "shake_1e4": Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5"}, {}, sweep=False, threads=True,
-                       skip_quick=True),
+    "shake_1e4": Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5"}, sweep=False,
+                       threads=True, skip_quick=True),
     "deposit_1e5": Entry("deposit_1e5.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
-    "shake_1e5": Entry("shake_1e5.cfg", {"disk_files[0].file": "{folder}/deposit_1e5.h5"}, {}, sweep=False, threads=True,
-                       skip_quick=True),
+    "shake_1e5": Entry("shake_1e5.cfg", {"disk_files[0].file": "{folder}/deposit_1e5.h5"}, sweep=False,
+                       threads=True, skip_quick=True),
 }

@@ -134,7 +134,8 @@ class Run:
         """Time and these observables."""
         with h5py.File(self.path, "r") as file:
             table = file["observables"]
-            clock = next(table[name]["time"] for name in table if isinstance(table[name], h5py.Group) and "time" in table[name])
+            groups = [group for group in table.values() if isinstance(group, h5py.Group)]
+            clock = next(group["time"] for group in groups if "time" in group)
             return [clock[:],
                     *(table[name]["value"][:] for name in names)]
 

@@ -49,7 +49,7 @@ class Campaign(Results):
     def files(self, name):
         """Paths of the finished results."""
         entry, place = self.entries[name], self._place(name)
-        return sorted(glob.glob(os.path.join(place, "points", "*.h5"))) if entry.sweep else sorted(glob.glob(place + ".h5"))
+        return sorted(glob.glob(os.path.join(place, "points", "*.h5") if entry.sweep else place + ".h5"))
 
     def runs(self, name):
         """The finished results of a run or sweep, read. A file that cannot be read is named among what failed."""
@@ -77,14 +77,20 @@ class Campaign(Results):
             return
         os.makedirs(os.path.join(self.folder, self.level), exist_ok=True)
         begin = time.monotonic()
-        for early in (True, False):
-            for name, entry in self.entries.items():
-                if (only and name not in only) or (self.level == "quick" and (entry.skip_quick or early)):
-                    continue
-                if early and not entry.first:
-                    continue
-                self.say(f"{name}{', first part' if early else ''} (after {time.monotonic() - begin:.0f} s)")
-                self._make(name, entry, early)
+        for name, part in self._order():
+            if only and name not in only:
+                continue
+            self.say(f"{name}{', first part' if part else ''} (after {time.monotonic() - begin:.0f} s)")
+            self._make(name, self.entries[name], part)
+
+    def _order(self):
+        """[(name, is it a first part only)]: something of everything, then the rest, then what is large."""
+        if self.level == "quick":
+            return [(name, False) for name, entry in self.entries.items() if not entry.skip_quick]
+        small = [name for name, entry in self.entries.items() if not entry.threads]
+        return ([(name, self.entries[name].first > 0) for name in small]
+                + [(name, False) for name in small if self.entries[name].first]
+                + [(name, False) for name, entry in self.entries.items() if entry.threads])
 
     def _make(self, name, entry, early):
         words, note = self._words(name), self._place(name) + ".txt"
@@ -100,7 +106,8 @@ class Campaign(Results):
         with open(note, "w") as file:
             file.write(text)
         begin = time.monotonic()
-        self._call([*words, *extra, *(["--threads", str(self.jobs)] if entry.threads else [])], name, quiet=not entry.sweep)
+        threads = ["--threads", str(self.jobs)] if entry.threads else []
+        self._call([*words, *extra, *threads], name, quiet=not entry.sweep)
         with open(self._place(name) + ".seconds", "w") as file:
             file.write(f"{time.monotonic() - begin:.1f}\n")
 

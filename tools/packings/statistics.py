@@ -1,4 +1,4 @@
-"""Numbers with error bars from several packings: packings are independent of each other, disks of one packing are not."""
+"""Numbers with error bars from several packings: packings are independent of each other, disks of one are not."""
 import numpy as np
 
 
@@ -58,7 +58,7 @@ def moments(values):
 
 
 def line(x, y, error=None):
-    """Straight line by least squares: (slope, its error, intercept, its error). Without error bars the scatter gives them."""
+    """Straight line by least squares: (slope, its error, intercept, its error). Without error bars: by scatter."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     good = np.isfinite(x) & np.isfinite(y)
     weight = np.ones(len(x)) if error is None else 1 / np.asarray(error, float) ** 2
