@@ -162,8 +162,8 @@ static void add_bed(deck_group *g, int material) {
     deck_fail_key(d, g->node, "spacing", "the floor would have %g disks; expected 1e6 at most", n);
     return;
   }
-  for (double k = 0; k < n; k++) {
-    sd_disk disk = {.position = {left + (k + 0.5) * (width / n), m->region_lower[1] - radius},
+  for (size_t k = 0; k < (size_t)n; k++) {
+    sd_disk disk = {.position = {left + ((double)k + 0.5) * (width / n), m->region_lower[1] - radius},
                     .radius = radius,
                     .mass = 3.14159265358979323846 * radius * radius, /* never felt */
                     .material = material,

@@ -252,9 +252,11 @@ static sd_status add_edges_and_walls(front *f) {
 /* Without corners there may be no pocket to begin with: then the first disk lies on the lower edge. */
 static bool first_place(const front *f, double radius, double p[2]) {
   const place_space *s = f->s;
-  double y = s->lower[1] + radius;
-  for (double x = s->lower[0] + (s->edge[0] ? radius : 0); x < s->upper[0]; x += radius) {
-    if (!place_fits(s, x, y, radius)) continue;
+  double y = s->lower[1] + radius, left = s->lower[0] + (s->edge[0] ? radius : 0);
+  size_t steps = (size_t)fmax(0, (s->upper[0] - left) / radius);
+  for (size_t k = 0; k <= steps; k++) {
+    double x = left + (double)k * radius;
+    if (x >= s->upper[0] || !place_fits(s, x, y, radius)) continue;
     p[0] = x;
     p[1] = y;
     return true;

@@ -263,22 +263,22 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
   size_t *order = malloc((n ? n : 1) * sizeof *order);
   sd_status status = order ? SD_OK : SD_ERROR_IO;
   /* equal disks come to a fraction of 0.53 with it; ten times as many tries would come to 0.54 */
-  double left = 1e6 + 300.0 * (double)n;
+  int64_t left = 1000000 + 300 * (int64_t)n;
   *placed = 0;
   if (order) gsl_sort_index(order, radius, 1, n);
   for (size_t k = 0; k < n; k++) position[k][0] = position[k][1] = NAN;
   for (size_t k = n; k-- > 0 && status == SD_OK;) {
-    double r = radius[order[k]], *at = position[order[k]], point[2];
-    for (; left > 0; left--) {
+    double r = radius[order[k]], point[2] = {0, 0};
+    bool found = false;
+    while (!found && left-- > 0) {
       for (int c = 0; c < 2; c++) {
         double margin = s->edge[c] ? r : 0, low = s->lower[c] + margin, high = s->upper[c] - margin;
         point[c] = place_wrapped(s, low + gsl_rng_uniform(rng) * (high - low), c);
       }
-      if (place_fits(s, point[0], point[1], r)) break;
+      found = place_fits(s, point[0], point[1], r);
     }
-    if (!(left > 0)) break;
-    at[0] = point[0];
-    at[1] = point[1];
+    if (!found) break;
+    for (int c = 0; c < 2; c++) position[order[k]][c] = point[c];
     status = place_add(s, point[0], point[1], r);
     ++*placed;
   }
