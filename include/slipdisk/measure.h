@@ -80,7 +80,7 @@ typedef struct sd_disk_mean {
   double force;         /* normal force per closed contact */
   double openings;      /* contacts that opened, per time */
   double injected;      /* power of prescribed bodies on it */
-  double viscous, friction, opening; /* power lost: its share, half of what two free disks lose between them */
+  double viscous, friction, opening; /* power lost; of what two free disks lose between them, half */
   double translation, rotation;      /* kinetic energies */
   bool converged;                    /* the error is reliable */
 } sd_disk_mean;
@@ -90,21 +90,21 @@ SD_API sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state
 
 /* Over the disks whose omega is known. Errors are one standard error over disks; NAN: too few disks. */
 typedef struct sd_disk_totals {
-  double disks;                           /* how many */
-  double omega_mean, omega_mean_error;    /* of Omega, rad/time */
-  double omega_rms, omega_rms_error;      /* root mean square of Omega */
+  double disks;                            /* how many */
+  double omega_mean, omega_mean_error;     /* of Omega, rad/time */
+  double omega_rms, omega_rms_error;       /* root mean square of Omega */
   double omega_median, omega_median_error; /* of |Omega| */
-  double omega_noise;                     /* root mean square of the disks' own errors */
-  double significant;                     /* fraction with |Omega| > 3 errors */
-  double reliable;                        /* fraction whose error is reliable */
-  double persistence, persistence_rank;   /* correlation of first and second half: Pearson's, Spearman's */
-  double skewness;                        /* of the distribution of Omega */
-  double neighbours; /* mean Omega_i Omega_j over pairs in contact now, over mean Omega^2; < 0: counter-rotation */
-  double coordination, sliding, force;    /* contacts per disk; of all: fraction that slides, normal force */
-  double openings;                        /* per contact and time */
-  double position_rms, displacement_rms;  /* root mean square of rms, displacement, over the mean diameter */
+  double omega_noise;                      /* root mean square of the disks' own errors */
+  double significant;                      /* fraction with |Omega| > 3 errors */
+  double reliable;                         /* fraction whose error is reliable */
+  double persistence, persistence_rank;    /* correlation of first and second half: Pearson's, Spearman's */
+  double skewness;                         /* of the distribution of Omega */
+  double neighbours;                   /* mean Omega_i Omega_j over pairs in contact now over mean Omega^2 */
+  double coordination, sliding, force; /* contacts per disk; of all: fraction that slides, normal force */
+  double openings;                     /* per contact and time */
+  double position_rms, displacement_rms; /* root mean square of rms, displacement, over the mean diameter */
   double power_injected, power_viscous, power_friction, power_opening; /* sums over disks */
-  double mean_translation, mean_rotation; /* kinetic energies per disk */
+  double mean_translation, mean_rotation;                              /* kinetic energies per disk */
 } sd_disk_totals;
 
 /* means: sd_disk_mean_of all n_means slots; contacts of the state are those of now. Without memory all is NAN. */

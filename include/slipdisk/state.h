@@ -126,14 +126,14 @@ typedef struct sd_state {
   int32_t *slide_was_open; /* at the last step */
 
   /* means of the free disks, by slot; sums over looks unless said otherwise */
-  double *mean_angle, *mean_last, *mean_stop;          /* angles as rotation_start, _last, _stop */
-  double *mean_bin;                                    /* angle turned in each full bin */
-  double *mean_x0, *mean_y0;                           /* absolute position when measuring began; NAN: not in play */
-  double *mean_x, *mean_y, *mean_xx, *mean_yy;         /* displacement from there, and its squares */
-  double *mean_contacts, *mean_sliding;                /* closed contacts, and those that slide */
-  double *mean_force;                                  /* normal forces */
-  double *mean_injected;                               /* power of prescribed bodies on this disk */
-  double *mean_kinetic, *mean_spin;                    /* kinetic energies of translation and rotation */
+  double *mean_angle, *mean_last, *mean_stop;  /* angles as rotation_start, _last, _stop */
+  double *mean_bin;                            /* angle turned in each full bin */
+  double *mean_x0, *mean_y0;                   /* absolute position at the start; NAN: was not in play */
+  double *mean_x, *mean_y, *mean_xx, *mean_yy; /* displacement from there, and its squares */
+  double *mean_contacts, *mean_sliding;        /* closed contacts, and those that slide */
+  double *mean_force;                          /* normal forces */
+  double *mean_injected;                       /* power of prescribed bodies on this disk */
+  double *mean_kinetic, *mean_spin;            /* kinetic energies of translation and rotation */
   double *mean_viscous, *mean_friction, *mean_opening; /* losses in measured phases; while one goes on, less
                                                           what had been lost (loss_*) when it began */
   int64_t *mean_openings;                              /* contacts that opened in measured steps */

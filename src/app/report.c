@@ -55,18 +55,30 @@ static void report_rotations(FILE *out, const summary *found) {
   if (doubtful) fprintf(out, "  * too short a record: the error is not reliable\n");
 }
 
+/* "-" where nothing was asked for. */
+static const char *if_asked(double value, double goal, char *text, size_t size) {
+  if (goal > 0)
+    snprintf(text, size, "%.4g", value);
+  else
+    snprintf(text, size, "-");
+  return text;
+}
+
 /* Only of runs in which a phase was asked for something. */
 static void report_phases(FILE *out, const summary *found) {
   bool any = false;
   for (size_t k = 0; k < found->n_stages; k++) {
     const summary_phase *p = &found->stages[k];
+    char kinetic[40], unbalanced[40], target[40];
     if (!p->asked || p->steps == 0) continue;
     if (!any)
       fprintf(out, "\nphase                  %12s %12s %12s %12s %12s\n", "steps", "at most", "kinetic",
               "unbalanced", "target");
     any = true;
-    fprintf(out, "  %-20.20s %12" PRId64 " %12" PRId64 " %12.4g %12.4g %12.6g%s\n", found->stage_names[k],
-            p->steps, p->most, p->kinetic, p->unbalanced, p->target, p->reached ? "" : "  NOT reached");
+    fprintf(out, "  %-20.20s %12" PRId64 " %12" PRId64 " %12s %12s %12s%s\n", found->stage_names[k], p->steps,
+            p->most, if_asked(p->kinetic, p->kinetic_goal, kinetic, sizeof kinetic),
+            if_asked(p->unbalanced, p->unbalanced_goal, unbalanced, sizeof unbalanced),
+            if_asked(p->target, p->target_goal, target, sizeof target), p->reached ? "" : "  NOT reached");
   }
 }
 
@@ -152,13 +164,13 @@ static void report_disks(FILE *out, const summary *found) {
     size_t next = k + 1 < summary_total_count ? k + 1 : k, length = strlen(t->name);
     const char *follows = summary_totals[next].name;
     bool paired = strncmp(follows, t->name, length) == 0 && strcmp(follows + length, "_error") == 0;
+    double x = summary_total_value(&p->totals, k);
     char value[64];
     if (k == 0) continue; /* how many: said above */
-    if (paired)
-      with_error(summary_total_value(&p->totals, k), summary_total_value(&p->totals, next), value,
-                 sizeof value);
+    if (paired || !isfinite(x))
+      with_error(x, summary_total_value(&p->totals, next), value, sizeof value);
     else
-      snprintf(value, sizeof value, "%.6g", summary_total_value(&p->totals, k));
+      snprintf(value, sizeof value, "%.6g", x);
     fprintf(out, "  %-20s %-26s %-9s %s\n", t->name, value, t->unit, t->meaning);
     k += paired;
   }

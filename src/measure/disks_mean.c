@@ -96,7 +96,7 @@ sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_
 typedef struct sample {
   size_t n;
   const sd_disk_mean **disk;
-  double *x, *room; /* [n], [2 n] */
+  double *x, *y; /* [n] */
 } sample;
 
 /* Members of sd_disk_mean into x. */
@@ -146,16 +146,20 @@ static void fill_omega(sd_disk_totals *t, const sample *q) {
 }
 
 static void fill_significance(sd_disk_totals *t, const sample *q) {
-  double n = (double)q->n, significant = 0, reliable = 0;
+  double known = 0, squares = 0, significant = 0, reliable = 0;
   for (size_t k = 0; k < q->n; k++) {
-    significant += fabs(q->disk[k]->significance) > 3;
-    reliable += q->disk[k]->converged;
+    const sd_disk_mean *d = q->disk[k];
+    reliable += d->converged;
+    if (isnan(d->error)) continue; /* where a transient was cut off too little may be left */
+    known++;
+    squares += d->error * d->error;
+    significant += fabs(d->significance) > 3;
   }
-  t->omega_noise = sqrt(mean_square(q, MEMBER(error)));
-  t->significant = isnan(t->omega_noise) ? NAN : significant / n;
-  t->reliable = reliable / n;
+  t->reliable = reliable / (double)q->n;
+  if (known > 0) t->omega_noise = sqrt(squares / known);
+  if (known > 0) t->significant = significant / known;
 
-  double *second = q->room;
+  double *second = q->y;
   take(q, MEMBER(second));
   for (size_t k = 0; k < q->n; k++) second[k] = q->x[k];
   take(q, MEMBER(first));
@@ -180,11 +184,11 @@ static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_d
     pairs++;
   }
   free(slot);
-  t->neighbours = sum / pairs / (t->omega_rms * t->omega_rms);
+  if (pairs > 0 && t->omega_rms > 0) t->neighbours = sum / pairs / (t->omega_rms * t->omega_rms);
 }
 
-static void fill_contacts(sd_disk_totals *t, const sd_model *model, const sd_state *state, const sample *q) {
-  double n = (double)q->n, looks = (double)state->mean_looks, time = (double)state->measured * model->dt;
+static void fill_contacts(sd_disk_totals *t, const sd_model *model, const sample *q) {
+  double n = (double)q->n;
   double contacts = 0, sliding = 0, force = 0, diameter = 0;
   for (size_t k = 0; k < q->n; k++) {
     const sd_disk_mean *d = q->disk[k];
@@ -200,7 +204,6 @@ static void fill_contacts(sd_disk_totals *t, const sd_model *model, const sd_sta
   t->openings = sum_of(q, MEMBER(openings)) / contacts;
   t->position_rms = sqrt(mean_square(q, MEMBER(rms))) / diameter;
   t->displacement_rms = sqrt(mean_square(q, MEMBER(displacement))) / diameter;
-  if (!(looks > 0 && time > 0)) t->openings = NAN;
 }
 
 static void fill_powers(sd_disk_totals *t, const sample *q) {
@@ -219,8 +222,8 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
   size_t most = state->n_means;
   sample q = {.disk = malloc((most + 1) * sizeof(const sd_disk_mean *)),
               .x = malloc((most + 1) * sizeof(double)),
-              .room = malloc((most + 1) * sizeof(double))};
-  if (q.disk && q.x && q.room) {
+              .y = malloc((most + 1) * sizeof(double))};
+  if (q.disk && q.x && q.y) {
     for (size_t k = 0; k < most; k++)
       if (!isnan(means[k].omega)) q.disk[q.n++] = &means[k];
     t.disks = (double)q.n;
@@ -228,12 +231,12 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
       fill_omega(&t, &q);
       fill_significance(&t, &q);
       fill_neighbours(&t, state, means);
-      fill_contacts(&t, model, state, &q);
+      fill_contacts(&t, model, &q);
       fill_powers(&t, &q);
     }
   }
   free(q.disk);
   free(q.x);
-  free(q.room);
+  free(q.y);
   return t;
 }

@@ -11,7 +11,8 @@
 /* Something is done to the system between steps, or looked at after them, that struct few does not follow, or a
  * wall moves by itself. */
 static bool has_more_to_do(const sd_model *m) {
-  bool more = m->measure_disks || m->n_rains > 0 || (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE);
+  bool more =
+      m->measure_disks || m->n_rains > 0 || (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE);
   for (size_t k = 0; k < m->n_phases; k++) more = more || m->phases[k].relax || m->phases[k].compress.asked;
   for (size_t k = 0; k < m->n_motions; k++)
     more = more || m->motions[k].kind == SD_MOTION_LOAD || m->motions[k].kind == SD_MOTION_SERVO;
