@@ -65,15 +65,38 @@ static void print_counts(const sd_model *m) {
   }
 }
 
+/* What may end the phase before its length, and what is done in it besides the motions. */
+static void print_phase_aims(const sd_phase *p) {
+  const sd_settle *s = &p->settle;
+  const sd_compress *c = &p->compress;
+  if (p->relax) printf(", relaxed");
+  if (c->asked && c->pressure > 0) printf(", compressed to pressure %g", c->pressure);
+  if (c->asked && c->fraction > 0) printf(", compressed to packing fraction %g", c->fraction);
+  if (s->asked) printf(", until at rest");
+}
+
+static void print_rains(const sd_model *m) {
+  for (size_t k = 0; k < m->n_rains; k++) {
+    const sd_rain *r = &m->rains[k];
+    size_t batches = (r->count + r->batch - 1) / r->batch;
+    printf("# rain        %zu disks in %zu batches of %zu, one every %g: the last at time %g\n", r->count,
+           batches, r->batch, (double)r->interval * m->dt,
+           (double)(batches - 1) * (double)r->interval * m->dt);
+  }
+}
+
 static void print_phases(const sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
     size_t on = 0;
     for (size_t j = 0; j < m->n_motions; j++) on += p->active[j];
-    printf("# phase       %s%s%lld steps, time %g, %zu of %zu prescribed signals on%s\n",
-           p->name ? p->name : "", p->name ? ": " : "", (long long)p->steps, (double)p->steps * m->dt, on,
-           m->n_motions, p->measure ? ", measured" : "");
+    printf("# phase       %s%s%s%lld steps, time %g", p->name ? p->name : "", p->name ? ": " : "",
+           p->settle.asked ? "at most " : "", (long long)p->steps, (double)p->steps * m->dt);
+    if (m->n_motions) printf(", %zu of %zu prescribed signals on", on, m->n_motions);
+    print_phase_aims(p);
+    printf("%s\n", p->measure ? ", measured" : "");
   }
+  print_rains(m);
   const sd_until *u = &m->until;
   if (u->asked)
     printf("#             at most; it ends after %lld steps, time %g, or later, with the goal of `until`\n",
