@@ -68,6 +68,9 @@ static void rebase(engine *e, size_t k) {
   }
 }
 
+static bool closed(const pairs *p, size_t k) { return p->ex[k] != 0.0 || p->ey[k] != 0.0; }
+static bool was_closed(const event *v) { return v->ex != 0.0 || v->ey != 0.0; }
+
 /* The event of this step in which the disk's contact with a piece next to k's opened, NULL: none. */
 static event *left_next_piece(engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
@@ -76,7 +79,7 @@ static event *left_next_piece(engine *e, size_t k) {
   for (int t = 0; t < e->work.n_threads; t++)
     for (size_t n = 0; n < e->work.threads[t].events.count; n++) {
       event *v = &e->work.threads[t].events.item[n];
-      bool opened = v->index >= p->n_round && p->ex[v->index] == 0.0 && p->ey[v->index] == 0.0;
+      bool opened = v->index >= p->n_round && was_closed(v) && !closed(p, v->index);
       if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
       int64_t there = p->part[v->index];
       if (pieces[there].next == here || pieces[here].next == there) return v;
@@ -84,11 +87,12 @@ static event *left_next_piece(engine *e, size_t k) {
   return NULL;
 }
 
-/* The arc length runs on through a vertex, so a disk that passes from one piece to the next keeps lambda*. */
-static void hand_over(engine *e, size_t k) {
+/* The arc length runs on through a vertex, so a disk that passes from one piece to the next keeps lambda*.
+ * False: it comes from no other piece. */
+static bool hand_over(engine *e, size_t k) {
   pairs *p = &e->work.pairs;
   event *v = left_next_piece(e, k);
-  if (!v) return;
+  if (!v) return false;
   /* around the joint of a closed polyline the arc length jumps by its whole */
   const sd_segment *there = &e->model->segments[p->part[v->index]], *here = &e->model->segments[p->part[k]];
   double jump = 0.0;
@@ -107,6 +111,7 @@ static void hand_over(engine *e, size_t k) {
   e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
   e->state->loss_viscous[p->a[k]] += p->loss_viscous[k] - viscous;
   e->state->loss_friction[p->a[k]] += p->loss_friction[k] - friction;
+  return true;
 }
 
 static void book_opening(engine *e, size_t k, double energy) {
@@ -134,16 +139,35 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
                  e->model->max_overlap, least);
 }
 
-static bool begun(const pairs *p, const event *v) {
-  bool closed = p->ex[v->index] != 0.0 || p->ey[v->index] != 0.0;
-  return closed && v->ex == 0.0 && v->ey == 0.0;
+static bool begun(const pairs *p, const event *v) { return closed(p, v->index) && !was_closed(v); }
+
+/* Does the disk touch another piece of the same wall? Its pairs with them stand side by side. */
+static bool touches_beside(const pairs *p, size_t k) {
+  for (size_t j = k; j-- > p->n_round && p->a[j] == p->a[k] && p->b[j] == p->b[k];)
+    if (closed(p, j)) return true;
+  for (size_t j = k + 1; j < p->count && p->a[j] == p->a[k] && p->b[j] == p->b[k]; j++)
+    if (closed(p, j)) return true;
+  return false;
+}
+
+/* Work of a force at the trial coordinates that the losses of the step do not know, or know without its having
+ * acted. Between pieces of a wall the one may have acted and the other be known: nothing is missing. */
+static void book_missed(engine *e, const event *v) {
+  sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  size_t k = v->index;
+  if (v->missed == 0.0 || v->handed || (k >= p->n_round && touches_beside(p, k))) return;
+  bool shared = (size_t)p->b[k] < s->n_free;
+  s->loss_viscous[p->a[k]] += shared ? 0.5 * v->missed : v->missed;
+  if (shared) s->loss_viscous[p->b[k]] += 0.5 * v->missed;
 }
 
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   const pairs *p = &e->work.pairs;
   size_t k = v->index;
-  if (p->ex[k] == 0.0 && p->ey[k] == 0.0) {
-    if (!v->handed) book_opening(e, k, v->opening);
+  if (!was_closed(v)) book_missed(e, v);
+  if (!closed(p, k)) {
+    if (was_closed(v) && !v->handed) book_opening(e, k, v->opening);
     return SD_OK;
   }
   if (!begun(p, v)) rebase(e, k);
@@ -191,8 +215,9 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
     if (list->failed || w->threads[t].returns.failed)
       return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
     for (size_t n = 0; n < list->count; n++)
-      if (list->item[n].index >= w->pairs.n_round && begun(&w->pairs, &list->item[n]))
-        hand_over(e, list->item[n].index);
+      if (list->item[n].index >= w->pairs.n_round && begun(&w->pairs, &list->item[n]) &&
+          hand_over(e, list->item[n].index))
+        list->item[n].missed = 0.0;
   }
   for (int t = 0; t < w->n_threads; t++)
     for (size_t n = 0; n < w->threads[t].events.count; n++) {
@@ -209,8 +234,6 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
 }
 
 /* --- store and load ---------------------------------------------------------------------------------- */
-
-static bool closed(const pairs *p, size_t k) { return p->ex[k] != 0.0 || p->ey[k] != 0.0; }
 
 sd_status contacts_store(engine *e) {
   sd_state *s = e->state;
@@ -253,7 +276,6 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
 void contacts_load(engine *e) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
-  /* both are in the same order, round pairs and then pieces of walls */
   size_t c = 0;
   for (size_t k = 0; k < p->count; k++) {
     /* a contact of a packing may be too far apart here to be a candidate */

@@ -33,6 +33,7 @@ typedef struct LANE(law_output) {
   LANE(real) nx, ny;       /* unit vector from a to b's surface */
   LANE(real) inverse_r;    /* 1/r, r signed as sum */
   LANE(real) delta;        /* overlap, 0 when not touching */
+  LANE(real) reach;        /* overlap, negative where there is a gap */
   LANE(real) approach;     /* u_n, separation positive */
   LANE(real) force;        /* F_n */
   LANE(real) stretch;      /* zeta after the cap */
@@ -50,6 +51,7 @@ LANE_INLINE LANE(law_output) LANE(law)(const LANE(law_input) * in, const LANE(la
   out.nx = in->dx * out.inverse_r;
   out.ny = in->dy * out.inverse_r;
   LANE(real) delta = in->sum - r, zero = LANE(splat)(0.0);
+  out.reach = delta;
   out.touching = (delta > 0.0) & in->active;
   out.closed = (in->ex * in->ex + in->ey * in->ey > 0.5) & out.touching;
   out.delta = LANE(select)(out.touching, delta, zero);

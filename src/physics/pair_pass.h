@@ -79,9 +79,20 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
   LANE(mask) opened = LANE(not )(was_open | out->touching);
   LANE(mask) far = out->closed & ((out->sine > LAW_REBASE) | (out->sine < -LAW_REBASE));
   LANE(mask) deep = out->delta > limit, begun = was_open & out->touching;
+  LANE(mask)
+  near = was_open & LANE(not )(out->touching) & in->active & (out->reach > 2.0 * dt * out->approach);
   LANE(mask) rare = opened | far | deep | begun;
+  if (!LANE(any)(rare | near)) return;
+
+  /* A disk that arrives at touch to rounding: the force at the trial coordinates acted, and the corrected ones
+   * do not touch, or the other way round. What the losses have for this step is then wrong by the force's work. */
+  LANE(real) fx = LANE(load)(p->fx + at), fy = LANE(load)(p->fy + at), acted = LANE(root)(fx * fx + fy * fy);
+  LANE(mask) felt = acted > 0.0;
+  rare = rare | (near & felt);
   if (!LANE(any)(rare)) return;
-  double drop[LANE_WIDTH], memory[6][LANE_WIDTH];
+  LANE(real) wrong = LANE(select)(out->touching, LANE(select)(felt, zero, -out->force), acted);
+  double drop[LANE_WIDTH], missed[LANE_WIDTH], memory[6][LANE_WIDTH];
+  LANE(store)(missed, LANE(select)(was_open, -(wrong * out->approach * dt), zero));
   LANE(store)(drop, viscous + half * k->k_t * stretch * stretch);
   LANE(store)(memory[0], in->star);
   LANE(store)(memory[1], in->ex);
@@ -94,7 +105,8 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
     event *v = event_add(&mine->events, (uint32_t)at + (uint32_t)l, LANE(lane_is)(opened, l) ? drop[l] : 0.0);
     if (v)
       v->star = memory[0][l], v->ex = memory[1][l], v->ey = memory[2][l], v->side = p->side[at + (size_t)l];
-    if (v) v->force = memory[3][l], v->overlap = memory[4][l], v->stretch = memory[5][l];
+    if (v)
+      v->force = memory[3][l], v->overlap = memory[4][l], v->stretch = memory[5][l], v->missed = missed[l];
   }
 }
 

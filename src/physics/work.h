@@ -62,7 +62,8 @@ typedef struct event {
   double opening;
   double star, ex, ey, side; /* what a pair remembered before the pass */
   double force, overlap, stretch;
-  bool handed; /* opened: the memory went to the next piece of the wall */
+  double missed; /* was open: work of a force that the losses of this step do not know */
+  bool handed;   /* opened: the memory went to the next piece of the wall */
 } event;
 
 typedef struct event_list {
