@@ -7,7 +7,8 @@
 set -euo pipefail
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
-          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev librandom123-dev)
+          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev
+          librandom123-dev)
 tests=no
 for option in "$@"; do
   case "$option" in

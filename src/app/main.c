@@ -30,6 +30,11 @@ static const char help[] =
     "        --point K  runs point K only --table  writes the table only\n"
     "  slipdisk info FILE [--json] [--deck]\n"
     "      What a run has found, finished or not. --json: for programs. --deck: the deck it was run from.\n"
+    "  slipdisk measure FILE [--frame K | --time T | --all] [--json] [-o FILE] [--csv FOLDER] [--bins N]\n"
+    "                        [--region x0,x1,y0,y1]\n"
+    "      What a packing is like: contacts, packing fractions, stress, fabric, forces; of the last state or "
+    "of\n"
+    "      stored frames. -o: for programs, into FILE. --csv: tables of disks, contacts, g(r), forces.\n"
     "  slipdisk theory DECK [-D path=value]... [--json] [--wave FILE] [--csv FILE]\n"
     "      What theory says of a disk on two turning supports: torques, periodic states, mean rotation.\n"
     "      --json: for programs. --wave: the curves of one period. --csv: a row per set of the sweep.\n"
@@ -90,9 +95,9 @@ static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
 } commands[] = {
-    {"run", app_run},           {"resume", app_resume}, {"check", app_check}, {"info", app_info},
-    {"theory", app_theory},     {"sweep", app_sweep},   {"help", app_help},   {"version", app_version},
-    {"--version", app_version}, {"--help", app_help},   {"-h", app_help},
+    {"run", app_run},         {"resume", app_resume},     {"check", app_check}, {"info", app_info},
+    {"measure", app_measure}, {"theory", app_theory},     {"sweep", app_sweep}, {"help", app_help},
+    {"version", app_version}, {"--version", app_version}, {"--help", app_help}, {"-h", app_help},
 };
 
 /* check has a page of its own. */

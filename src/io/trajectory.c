@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/constants.h"
 #include "io/file.h"
 
 /* --- bodies --------------------------------------------------------------------------------------- */
 
-enum { STEP, TIME, POSITION, IMAGE, VELOCITY, ANGLE, SPIN, EDGES, FRAME_COLUMNS };
+enum { STEP, TIME, POSITION, IMAGE, VELOCITY, ANGLE, SPIN, EDGES, SCALE, ACTIVITY, FRAME_COLUMNS };
 
 static const struct element {
   const char *name;
@@ -24,6 +25,8 @@ static const struct element {
     [ANGLE] = {"angle/value", SD_F64, 1, "rad", "angle, counter-clockwise positive, not wrapped"},
     [SPIN] = {"angular_velocity/value", SD_F64, 1, "rad/time", "spin, counter-clockwise positive"},
     [EDGES] = {"box/edges/value", SD_F64, 1, "length", "lengths of the periodic box, 0 where it is open"},
+    [SCALE] = {"box/scale/value", SD_F64, 0, "1", "lengths of the region over those of the deck"},
+    [ACTIVITY] = {"activity/value", SD_I32, 1, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"},
 };
 
 /* Some phase changes the lengths of the box. */
@@ -31,6 +34,15 @@ static bool box_changes(const sd_model *model) {
   for (size_t k = 0; k < model->n_phases; k++)
     if (model->phases[k].compress.asked) return true;
   return false;
+}
+
+/* Disks can wait, or be taken out. */
+static bool activity_changes(const sd_model *model) { return model->n_rains > 0 || model->bounds.given; }
+
+/* Columns that only some runs have. */
+static bool has_column(const sd_model *model, bool walls, int column) {
+  if (column == EDGES || column == SCALE) return box_changes(model);
+  return column != ACTIVITY || (!walls && activity_changes(model));
 }
 
 static void box_edges(const sd_model *model, double scale, double edges[2]) {
@@ -47,7 +59,7 @@ sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_
   for (int k = 0; status == SD_OK && k < FRAME_COLUMNS; k++) {
     const struct element *e = &elements[k];
     size_t dims[2] = {n, 2};
-    if (k == EDGES && !box_changes(model)) break;
+    if (!has_column(model, walls, k)) continue;
     if (k == EDGES) dims[0] = 2;
     char *path = file_path("%s/%s", group_of(walls), e->name);
     status = path ? table_add(t, path, e->type, e->components, dims, e->unit, e->meaning, messages)
@@ -80,7 +92,16 @@ sd_status trajectory_sample_bodies(table *t, const sd_model *model, const sd_sta
     angle[k] = state->turn[slot] + state->theta[slot];
     spin[k] = state->omega[slot];
   }
-  if (box_changes(model)) box_edges(model, state->box_scale, table_cell(t, EDGES));
+  size_t next = EDGES; /* of the columns that not all runs have */
+  if (box_changes(model)) {
+    box_edges(model, state->box_scale, table_cell(t, next++));
+    memcpy(table_cell(t, next++), &state->box_scale, sizeof state->box_scale);
+  }
+  if (has_column(model, walls, ACTIVITY)) {
+    int32_t *activity = table_cell(t, next);
+    for (size_t k = 0; k < n; k++)
+      activity[k] = slots[k] < state->n_free ? state->activity[slots[k]] : SD_IN_PLAY;
+  }
   table_commit(t, 1);
   return SD_OK;
 }
@@ -282,4 +303,5 @@ void trajectory_write_constants(h5_file *file, const sd_model *model) {
     write_names(file, model, "/particles/disks/name", 0, n);
   }
   if (model->n_walls > 0) write_walls(file, model);
+  constants_write(file, model);
 }

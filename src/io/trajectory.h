@@ -10,7 +10,8 @@
 #include "io/table.h"
 
 /* With no disks (no walls) the table has no columns and no rows. The edges of the box are a column when some
- * phase compresses, else a constant. */
+ * phase compresses, else a constant; so is the scale of the region, and whether disks take part where they may wait or
+ * leave. */
 sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_messages *messages);
 sd_status trajectory_sample_bodies(table *t, const sd_model *model, const sd_state *state, bool walls,
                                    const uint32_t *slots, sd_messages *messages);
@@ -19,7 +20,7 @@ sd_status trajectory_new_contacts(table *index, table *rows, sd_messages *messag
 sd_status trajectory_sample_contacts(table *index, table *rows, const sd_model *model, const sd_state *state,
                                      sd_messages *messages);
 
-/* What does not change: box, radius, mass, species, id, names, shapes of walls. */
+/* What does not change: box, radius, mass, species, id, names, shapes of walls, laws (constants.h). */
 void trajectory_write_constants(h5_file *file, const sd_model *model);
 
 #endif

@@ -1,0 +1,291 @@
+/* measure.c: slipdisk measure FILE: configurational observables of stored frames. See docs/measure.md. */
+#include "app/measure.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/checkpoint.h"
+#include "io/file.h"
+#include "io/folder.h"
+#include "io/frames.h"
+
+typedef struct arguments {
+  const char *name, *csv, *output; /* NULL: not asked for */
+  bool json, all, has_time, has_region;
+  long frame; /* -1: not asked for */
+  double time, region[4];
+  long bins;
+} arguments;
+
+enum { FRAME = 256, TIME, ALL, JSON, CSV, BINS, REGION };
+
+/* n numbers with commas between. */
+static bool read_numbers(const char *text, int n, double *value) {
+  for (int k = 0; k < n; k++) {
+    char *end;
+    value[k] = strtod(text, &end);
+    if (end == text || !isfinite(value[k]) || *end != (k + 1 < n ? ',' : 0)) return false;
+    text = end + 1;
+  }
+  return true;
+}
+
+/* Takes one option; returns 0, or the exit status of a mistake. */
+static int take(int option, arguments *a) {
+  switch (option) {
+    case FRAME:
+      if (app_number(optarg, 0, INT32_MAX, &a->frame)) return 0;
+      return app_misuse("measure", "--frame %s: expected the number of a stored frame, from 0 on", optarg);
+    case TIME:
+      a->has_time = read_numbers(optarg, 1, &a->time);
+      return a->has_time ? 0 : app_misuse("measure", "--time %s: expected a number", optarg);
+    case BINS:
+      if (app_number(optarg, 1, 100000, &a->bins)) return 0;
+      return app_misuse("measure", "--bins %s: expected a whole number from 1 to 100000", optarg);
+    case REGION:
+      a->has_region =
+          read_numbers(optarg, 4, a->region) && a->region[0] < a->region[1] && a->region[2] < a->region[3];
+      if (a->has_region) return 0;
+      return app_misuse("measure", "--region %s: expected x0,x1,y0,y1 with x0 < x1 and y0 < y1", optarg);
+    case ALL: a->all = true; return 0;
+    case JSON: a->json = true; return 0;
+    case CSV: a->csv = optarg; return 0;
+    default: a->output = optarg; return 0;
+  }
+}
+
+static int parse(int argc, char **argv, arguments *a) {
+  static const struct option options[] = {
+      {"frame", required_argument, NULL, FRAME},
+      {"time", required_argument, NULL, TIME},
+      {"all", no_argument, NULL, ALL},
+      {"json", no_argument, NULL, JSON},
+      {"csv", required_argument, NULL, CSV},
+      {"output", required_argument, NULL, 'o'},
+      {"bins", required_argument, NULL, BINS},
+      {"region", required_argument, NULL, REGION},
+      {NULL, 0, NULL, 0},
+  };
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
+    if (c == ':') return app_misuse("measure", "%s needs a value", argv[optind - 1]);
+    if (c == '?') return app_unknown_option("measure", options, argv[optind - 1]);
+    int mistake = take(c, a);
+    if (mistake) return mistake;
+  }
+  if (optind + 1 != argc) return app_misuse("measure", "one result is expected");
+  if ((a->frame >= 0) + a->has_time + a->all > 1)
+    return app_misuse("measure", "one of --frame, --time and --all is expected");
+  a->name = argv[optind];
+  return 0;
+}
+
+/* --- which files -------------------------------------------------------------------------------------- */
+
+/* Parts that belong to the checkpoint at `base`. */
+static sd_status open_parts(frames *f, const place *p, const char *base, int64_t parts,
+                            sd_messages *messages) {
+  char **list = calloc((size_t)(parts > 0 ? parts : 0) + 1, sizeof *list);
+  size_t n = 0;
+  if (!list) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  sd_status status = SD_OK;
+  for (int64_t k = 1; status == SD_OK && k <= parts; k++) {
+    char *path = folder_part(p->folder, k);
+    if (!path) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+    if (path && file_exists(path)) {
+      list[n++] = path;
+    } else if (path) {
+      sd_warn(messages, "%s is missing: its frames are left out", path);
+      free(path);
+    }
+  }
+  if (status == SD_OK) status = frames_open(f, base, n, (const char *const *)list, messages);
+  for (size_t k = 0; k < n; k++) free(list[k]);
+  free(list);
+  return status;
+}
+
+/* alone: a part was named, whose frames are all there is. */
+static sd_status open_unfinished(frames *f, place *p, bool *alone, sd_messages *messages) {
+  char *part = NULL, *base = NULL;
+  if (p->checkpoint && frames_is_part(p->checkpoint)) {
+    part = p->checkpoint;
+    p->checkpoint = NULL; /* the newest one has the constants */
+  }
+  bool named = p->checkpoint;
+  h5_file *file = NULL;
+  sd_status status = place_open_checkpoint(p, &file, &base, messages);
+  int64_t parts = status == SD_OK ? checkpoint_get_parts(file) : 0;
+  h5_close(file, NULL);
+  *alone = part;
+  if (status == SD_OK && part)
+    status = frames_open(f, base, 1, (const char *const *)&part, messages);
+  else if (status == SD_OK)
+    status = open_parts(f, p, base, named ? 0 : parts, messages);
+  free(part);
+  free(base);
+  return status;
+}
+
+static sd_status open_frames(frames *f, const char *name, bool *alone, sd_messages *messages) {
+  place p;
+  *alone = false;
+  sd_status status = place_find(&p, name, messages);
+  const char *result = p.result;
+  if (status == SD_OK && file_exists(result) && !p.checkpoint && !file_is_folder(name))
+    status = frames_open(f, result, 1, &result, messages);
+  else if (status == SD_OK)
+    status = open_unfinished(f, &p, alone, messages);
+  place_free(&p);
+  return status;
+}
+
+/* --- which frames ------------------------------------------------------------------------------------- */
+
+/* Numbers first ... last - 1; frames.n is the state. */
+static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first, size_t *last,
+                        sd_messages *messages) {
+  bool wanted = a->frame >= 0 || a->has_time || a->all;
+  if (f->n == 0 && (alone || (wanted && !a->all)))
+    return sd_fail(messages, SD_ERROR_USER, "%s: no frames are stored in it%s", a->name,
+                   alone ? "" : "; without --frame and --time its last state is measured");
+  if (a->frame >= 0 && (size_t)a->frame >= f->n)
+    return sd_fail(messages, SD_ERROR_USER, "%s: frame %ld: there are 0 to %zu", a->name, a->frame, f->n - 1);
+  if (a->all) {
+    bool repeated = f->n > 0 && f->entries[f->n - 1].step == f->state_step;
+    *first = 0;
+    *last = f->n + !(alone || repeated);
+    return SD_OK;
+  }
+  *first = a->frame >= 0 ? (size_t)a->frame : f->n - alone;
+  if (a->has_time) *first = frames_nearest(f, a->time);
+  if (alone && *first == f->n) *first = f->n - 1;
+  *last = *first + 1;
+  return SD_OK;
+}
+
+/* --- one frame ---------------------------------------------------------------------------------------- */
+
+sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
+                          const double *wanted, size_t bins, sd_messages *messages) {
+  sd_status status = configuration_new(&m->c, constants, frame, messages);
+  if (status != SD_OK) return status;
+  region whole = configuration_region(&m->c, NULL);
+  m->region = configuration_region(&m->c, wanted);
+  m->region_given = wanted;
+  status = stress_new(&m->s, &m->c, &m->region, messages);
+  if (status == SD_OK) status = correlation_new(&m->pairs, &m->c, &m->region, bins, messages);
+  if (status != SD_OK) return status;
+  sd_messages *own = sd_messages_new();
+  status = own ? cells_new(&m->cells, &m->c, &whole, &m->region, own) : SD_ERROR_IO;
+  m->has_cells = status == SD_OK;
+  if (!m->has_cells) {
+    m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
+    for (size_t k = 0; own && k < sd_messages_count(own); k++)
+      sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(own, k));
+  }
+  sd_messages_free(own);
+  return status == SD_ERROR_NUMERIC ? SD_OK : status;
+}
+
+void measurement_free(measurement *m) {
+  configuration_free(&m->c);
+  stress_free(&m->s);
+  cells_free(&m->cells);
+  correlation_free(&m->pairs);
+}
+
+/* --- all frames --------------------------------------------------------------------------------------- */
+
+typedef struct sinks {
+  bool page, rows, recomputed;
+  json_t *list; /* NULL: none asked for */
+  measure_tables *tables;
+} sinks;
+
+static void tell(sinks *s, const measurement *m) {
+  if (s->list) json_array_append_new(s->list, measure_json(m));
+  if (s->tables) measure_tables_add(s->tables, m);
+  if (s->rows)
+    measure_row(stdout, m);
+  else if (s->page)
+    measure_page(stdout, m);
+  s->recomputed = s->recomputed || m->c.recomputed;
+}
+
+static sd_status measure_frames(const arguments *a, const frames *f, size_t first, size_t last, sinks *s,
+                                sd_messages *messages) {
+  sd_status status = SD_OK;
+  if (s->rows) measure_rows_head(stdout);
+  for (size_t k = first; status == SD_OK && k < last; k++) {
+    frame_data frame;
+    measurement m = {.file = a->name, .frame = k < f->n ? (int64_t)k : -1};
+    status = frames_read(f, k, &frame, messages);
+    if (status == SD_OK)
+      status = measurement_new(&m, f->constants, &frame, a->has_region ? a->region : NULL, (size_t)a->bins,
+                               messages);
+    if (status == SD_OK) tell(s, &m);
+    measurement_free(&m);
+    frame_data_free(&frame);
+  }
+  if (status == SD_OK && s->rows && s->recomputed)
+    printf("* contacts were not stored: found again from positions and velocities\n");
+  return status;
+}
+
+static sd_status write_json(const arguments *a, const frames *f, json_t *list, sd_messages *messages) {
+  json_t *root = json_pack("{s:s, s:I, s:O}", "file", a->name, "stored", (json_int_t)f->n, "frames", list);
+  char *text = root ? json_dumps(root, JSON_INDENT(2)) : NULL;
+  json_decref(root);
+  if (!text) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  sd_status status = SD_OK;
+  if (a->output) {
+    file_piece pieces[] = {{text, strlen(text)}, {"\n", 1}};
+    status = file_write_atomic(a->output, 2, pieces, messages);
+  }
+  if (a->json && status == SD_OK) puts(text);
+  free(text);
+  return status;
+}
+
+static sd_status measure(const arguments *a, sd_messages *messages) {
+  frames f = {0};
+  bool alone;
+  size_t first = 0, last = 0;
+  sd_status status = open_frames(&f, a->name, &alone, messages);
+  if (status == SD_OK) status = choose(a, &f, alone, &first, &last, messages);
+  if (status != SD_OK) {
+    frames_close(&f);
+    return status;
+  }
+  measure_tables tables = {0};
+  bool quiet = a->json || a->output;
+  sinks s = {.page = !quiet, .rows = !quiet && a->all};
+  if (quiet && !(s.list = json_array())) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (status == SD_OK && a->csv) {
+    s.tables = &tables;
+    status = measure_tables_open(&tables, a->csv, messages);
+  }
+  if (status == SD_OK) status = measure_frames(a, &f, first, last, &s, messages);
+  if (a->csv) status = measure_tables_close(&tables, status, messages);
+  if (status == SD_OK && s.list) status = write_json(a, &f, s.list, messages);
+  json_decref(s.list);
+  frames_close(&f);
+  return status;
+}
+
+int app_measure(int argc, char **argv) {
+  arguments a = {.frame = -1, .bins = 100};
+  int mistake = parse(argc, argv, &a);
+  if (mistake) return mistake;
+  sd_messages *messages = sd_messages_new();
+  if (!messages) return SD_ERROR_IO;
+  sd_status status = measure(&a, messages);
+  fflush(stdout);
+  sd_messages_print(messages, stderr);
+  sd_messages_free(messages);
+  return (int)status;
+}

@@ -1,0 +1,49 @@
+/* measure.h: what slipdisk measure has found of one frame, and the forms in which it is told. */
+#ifndef SLIPDISK_APP_MEASURE_H
+#define SLIPDISK_APP_MEASURE_H
+
+#include <jansson.h>
+#include <stdio.h>
+
+#include "measure/cells.h"
+#include "measure/correlation.h"
+#include "measure/stress.h"
+
+typedef struct measurement {
+  const char *file;
+  int64_t frame; /* number of the stored frame, -1: the state */
+  configuration c;
+  region region;
+  bool region_given; /* on the command line */
+  stress s;
+  cells cells;
+  bool has_cells;
+  correlation pairs;
+} measurement;
+
+/* wanted (may be NULL): x0, x1, y0, y1. measurement_free also when it fails. A triangulation that fails is a warning:
+ * cells are then not known. */
+sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
+                          const double *wanted, size_t bins, sd_messages *messages);
+void measurement_free(measurement *m);
+
+/* --- measure_page.c ---------------------------------------------------------------------------------- */
+void measure_page(FILE *out, const measurement *m);
+/* A row per frame. */
+void measure_rows_head(FILE *out);
+void measure_row(FILE *out, const measurement *m);
+json_t *measure_json(const measurement *m);
+
+/* --- measure_tables.c: one file per table in a folder ------------------------------------------------- */
+enum { MEASURE_FRAMES, MEASURE_DISKS, MEASURE_CONTACTS, MEASURE_PAIRS, MEASURE_FORCES, MEASURE_TABLES };
+typedef struct measure_tables {
+  char *temporary[MEASURE_TABLES], *path[MEASURE_TABLES];
+  FILE *out[MEASURE_TABLES];
+} measure_tables;
+
+/* measure_tables_close also when it fails. Files get their names when all is written. */
+sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages *messages);
+void measure_tables_add(const measure_tables *t, const measurement *m);
+sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages *messages);
+
+#endif

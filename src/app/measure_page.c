@@ -1,0 +1,245 @@
+/* measure_page.c: what slipdisk measure has found, for people and for programs. Names and definitions: docs/measure.md. */
+#include <inttypes.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include "app/measure.h"
+
+static const double DEGREES = 180.0 / M_PI;
+
+static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
+
+/* --- for people --------------------------------------------------------------------------------------- */
+
+/* name, value, unit or remark; "-" for what is not known. */
+static void line(FILE *out, const char *name, double value, const char *format, ...) SD_PRINTF(4, 5);
+static void line(FILE *out, const char *name, double value, const char *format, ...) {
+  char text[32] = "-";
+  if (isfinite(value)) snprintf(text, sizeof text, "%.6g", value);
+  fprintf(out, "  %-26s %12s", name, text);
+  if (*format) fputs("  ", out);
+  va_list args;
+  va_start(args, format);
+  vfprintf(out, format, args);
+  va_end(args);
+  fputc('\n', out);
+}
+
+static void page_disks(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  fprintf(out, "\ndisks\n");
+  line(out, "free", (double)s->free, "in the region");
+  if (s->fixed > 0) line(out, "prescribed", (double)s->fixed, "in the region");
+  if (s->outside > 0) line(out, "free elsewhere", (double)s->outside, "left out below");
+  if (m->c.n_waiting > 0) line(out, "waiting", (double)m->c.n_waiting, "to be released");
+  if (m->c.n_removed > 0) line(out, "removed", (double)m->c.n_removed, " ");
+  line(out, "rattlers", (double)s->rattlers, "%.3g %%: fewer than %d load-bearing contacts",
+       100.0 * ratio((double)s->rattlers, (double)s->free), m->c.frictionless ? 3 : 2);
+  fprintf(out, "\npacking\n");
+  line(out, "packing fraction", s->fraction, "of the region");
+  if (!m->has_cells) return;
+  const cells *t = &m->cells;
+  line(out, "inside", t->inside, "of %zu closed cells (%zu are open: at a surface or edge)", t->n_closed,
+       t->n_open);
+  line(out, "local", t->mean, "+- %.4g from disk to disk, %.4g to %.4g", t->deviation, t->least, t->most);
+}
+
+static void page_contacts(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  const correlation *g = &m->pairs;
+  char a[64], b[64];
+  fprintf(out, "\ncontacts\n");
+  line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load", s->n_wall,
+       s->n_bearing);
+  line(out, "per disk", s->z, "%.6g load-bearing, %.6g without rattlers", s->z_bearing, s->z_backbone);
+  if (m->c.recomputed)
+    line(out, "sliding", NAN, "not stored with this frame");
+  else
+    line(out, "sliding", (double)s->n_sliding, "%.3g %%",
+         100.0 * ratio((double)s->n_sliding, (double)s->n_contacts));
+  line(out, "mobilised friction", g->mobilised.mean, "mean of |tau|/(mu F_n)%s",
+       m->c.frictionless ? ": there is no friction" : "");
+  line(out, "normal force", s->mean_force, "force, mean; spread %.4g, largest %.4g times that",
+       g->normal.deviation, ratio(g->normal.most, s->mean_force));
+  line(out, "tangential force", g->tangential.mean, "force, mean of |tau|");
+  line(out, "overlap", s->overlap_mean, "length, mean");
+  if (s->n_contacts > 0) {
+    const sd_model *model = m->c.model;
+    uint32_t wall = s->overlap_b - (uint32_t)model->n_disks;
+    snprintf(a, sizeof a, "disk %u", m->c.number[s->overlap_a]);
+    if (s->overlap_b < model->n_disks)
+      snprintf(b, sizeof b, "disk %u", m->c.number[s->overlap_b]);
+    else
+      snprintf(b, sizeof b, "wall %u", wall);
+    line(out, "largest overlap", s->overlap_max, "length, %s and %s", a, b);
+  }
+  line(out, "unbalanced force", s->unbalanced, "mean resultant on a disk over mean normal force");
+  line(out, "anisotropy", s->anisotropy, "of the directions of load-bearing contacts, most at %.4g deg",
+       s->fabric_angle * DEGREES);
+}
+
+static void page_stress(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  const principal *p = &s->contact_principal;
+  const correlation *g = &m->pairs;
+  const double *k = s->kinetic;
+  fprintf(out, "\nstress (compression positive)\n");
+  line(out, "pressure", p->mean, "force/length");
+  line(out, "deviator", p->deviator, "force/length, %.4g of the pressure; largest stress at %.4g deg",
+       ratio(p->deviator, p->mean), p->angle * DEGREES);
+  fprintf(out, "  %-26s %12.6g %12.6g\n  %-26s %12.6g %12.6g\n", "xx xy", s->contact[STRESS_XX],
+          s->contact[STRESS_XY], "yx yy", s->contact[STRESS_YX], s->contact[STRESS_YY]);
+  line(out, "kinetic pressure", 0.5 * (k[STRESS_XX] + k[STRESS_YY]), "force/length");
+  line(out, "kinetic energy", s->energy_translation + s->energy_rotation,
+       "energy per disk, %.3g %% in rotation",
+       100.0 * ratio(s->energy_rotation, s->energy_translation + s->energy_rotation));
+  if (!g->pairs) return;
+  fprintf(out, "\npairs\n");
+  line(out, "g(r) highest", g->peak, "at r = %.6g, %.4g mean diameters", g->peak_r,
+       g->peak_r / (2.0 * configuration_radius(&m->c)));
+}
+
+void measure_page(FILE *out, const measurement *m) {
+  const region *g = &m->region;
+  fprintf(out, "%s: ", m->file);
+  if (m->frame >= 0)
+    fprintf(out, "frame %" PRId64, m->frame);
+  else
+    fprintf(out, "last state");
+  fprintf(out, ", step %" PRId64 ", time %.6g\n", m->c.step, m->c.time);
+  if (g->round)
+    fprintf(out, "region: the drum of radius %.6g about (%.6g, %.6g), area %.6g\n", g->radius, g->centre[0],
+            g->centre[1], m->s.area);
+  else
+    fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s, area %.6g\n", g->lower[0], g->upper[0],
+            g->whole[0] ? " (periodic)" : "", g->lower[1], g->upper[1], g->whole[1] ? " (periodic)" : "",
+            m->s.area);
+  if (m->c.recomputed)
+    fprintf(out, "contacts were not stored with this frame: found again from positions and velocities%s\n",
+            m->c.frictionless ? "" : ", without what friction remembers");
+  page_disks(out, m);
+  page_contacts(out, m);
+  page_stress(out, m);
+}
+
+void measure_rows_head(FILE *out) {
+  fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %8s %10s %8s %10s\n", "frame", "step", "time", "disks",
+          "rattlers", "contacts", "z", "z back", "fraction", "pressure", "q/p", "unbalanced");
+}
+
+/* "-" for what is not known. */
+static const char *shown(double value, int digits, char text[32]) {
+  if (isfinite(value))
+    snprintf(text, 32, "%.*g", digits, value);
+  else
+    snprintf(text, 32, "-");
+  return text;
+}
+
+void measure_row(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  char text[6][32], frame[32] = "state";
+  if (m->frame >= 0) snprintf(frame, sizeof frame, "%" PRId64, m->frame);
+  fprintf(out, "%7s %12" PRId64 " %10.5g %7zu %8zu %8zu %8s %8s %8s %10s %8s %10s%s\n", frame, m->c.step,
+          m->c.time, s->free, s->rattlers, s->n_contacts, shown(s->z, 4, text[0]),
+          shown(s->z_backbone, 4, text[1]), shown(s->fraction, 5, text[2]),
+          shown(s->contact_principal.mean, 5, text[3]),
+          shown(ratio(s->contact_principal.deviator, s->contact_principal.mean), 3, text[4]),
+          shown(s->unbalanced, 3, text[5]), m->c.recomputed ? " *" : "");
+}
+
+/* --- for programs ------------------------------------------------------------------------------------- */
+
+/* JSON has no NaN: what is not known is null. */
+static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *tensor(const double t[4]) {
+  return json_pack("[[o, o], [o, o]]", real(t[0]), real(t[1]), real(t[2]), real(t[3]));
+}
+
+static json_t *reals(size_t n, const double *value) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < n; k++) json_array_append_new(list, real(value[k]));
+  return list;
+}
+
+static json_t *distribution_json(const distribution *d) {
+  json_t *object = json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean",
+                             real(d->mean), "deviation", real(d->deviation), "skewness", real(d->skewness),
+                             "kurtosis", real(d->kurtosis), "beyond", (json_int_t)d->beyond);
+  if (!d->histogram) return object;
+  json_t *density = json_array();
+  for (size_t k = 0; k < d->histogram->n; k++)
+    json_array_append_new(density, real(distribution_density(d, k)));
+  json_object_set_new(object, "least", real(d->least));
+  json_object_set_new(object, "most", real(d->most));
+  json_object_set_new(object, "edges", reals(d->histogram->n + 1, d->histogram->range));
+  json_object_set_new(object, "density", density);
+  return object;
+}
+
+static json_t *region_json(const measurement *m) {
+  const region *g = &m->region;
+  json_t *object =
+      json_pack("{s:[o, o], s:[o, o], s:[b, b], s:o, s:b}", "x", real(g->lower[0]), real(g->upper[0]), "y",
+                real(g->lower[1]), real(g->upper[1]), "periodic", (int)g->whole[0], (int)g->whole[1], "area",
+                real(m->s.area), "given", (int)m->region_given);
+  if (g->round) json_object_set_new(object, "radius", real(g->radius));
+  return object;
+}
+
+static json_t *cells_json(const measurement *m) {
+  if (!m->has_cells) return json_null();
+  const cells *t = &m->cells;
+  return json_pack("{s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "closed", (json_int_t)t->n_closed, "open",
+                   (json_int_t)t->n_open, "total", real(t->total), "inside", real(t->inside), "mean",
+                   real(t->mean), "deviation", real(t->deviation), "least", real(t->least), "most",
+                   real(t->most));
+}
+
+static json_t *contacts_json(const measurement *m) {
+  const stress *s = &m->s;
+  const correlation *g = &m->pairs;
+  bool any = s->n_contacts > 0, skin = g->mobilised.n > 0;
+  return json_pack(
+      "{s:I, s:I, s:I, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "closed",
+      (json_int_t)s->n_contacts, "bearing", (json_int_t)s->n_bearing, "fixed", (json_int_t)s->n_wall,
+      "sliding", m->c.recomputed ? json_null() : json_integer((json_int_t)s->n_sliding), "recomputed",
+      (int)m->c.recomputed, "z", real(s->z), "z_bearing", real(s->z_bearing), "z_backbone",
+      real(s->z_backbone), "mean_force", real(s->mean_force), "overlap_mean", real(s->overlap_mean),
+      "overlap_max", real(any ? s->overlap_max : NAN), "unbalanced", real(s->unbalanced), "fabric",
+      tensor(s->fabric), "anisotropy", real(s->anisotropy), "fabric_angle", real(s->fabric_angle), "at_limit",
+      real(skin && !m->c.recomputed ? (double)g->n_limit / (double)g->mobilised.n : NAN));
+}
+
+static json_t *stress_json(const measurement *m) {
+  const stress *s = &m->s;
+  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "contact", tensor(s->contact), "kinetic",
+                   tensor(s->kinetic), "pressure", real(s->contact_principal.mean), "deviator",
+                   real(s->contact_principal.deviator), "angle", real(s->contact_principal.angle),
+                   "energy_translation", real(s->energy_translation), "energy_rotation",
+                   real(s->energy_rotation));
+}
+
+static json_t *pairs_json(const measurement *m) {
+  const correlation *g = &m->pairs;
+  if (!g->pairs) return json_null();
+  return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o}", "disks", (json_int_t)g->n_disks, "density",
+                   real(g->density), "peak_r", real(g->peak_r), "peak", real(g->peak), "edges",
+                   reals(g->pairs->n + 1, g->pairs->range), "g", reals(g->pairs->n, g->pairs->bin));
+}
+
+json_t *measure_json(const measurement *m) {
+  const stress *s = &m->s;
+  const correlation *g = &m->pairs;
+  json_t *frame = m->frame >= 0 ? json_integer(m->frame) : json_null();
+  return json_pack(
+      "{s:o, s:I, s:o, s:o, s:{s:I, s:I, s:I, s:I, s:I, s:I}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
+      "frame", frame, "step", (json_int_t)m->c.step, "time", real(m->c.time), "region", region_json(m),
+      "disks", "free", (json_int_t)s->free, "rattlers", (json_int_t)s->rattlers, "prescribed",
+      (json_int_t)s->fixed, "elsewhere", (json_int_t)s->outside, "waiting", (json_int_t)m->c.n_waiting,
+      "removed", (json_int_t)m->c.n_removed, "fraction", real(s->fraction), "cells", cells_json(m),
+      "contacts", contacts_json(m), "stress", stress_json(m), "pairs", pairs_json(m), "normal_force",
+      distribution_json(&g->normal), "tangential_force", distribution_json(&g->tangential),
+      "mobilised_friction", distribution_json(&g->mobilised));
+}

@@ -1,0 +1,181 @@
+/* measure_tables.c: CSV of slipdisk measure; columns: docs/measure.md. */
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/measure.h"
+#include "io/file.h"
+
+static const struct table {
+  const char *name, *head;
+} tables[MEASURE_TABLES] = {
+    [MEASURE_FRAMES] =
+        {"frames.csv",
+         "step,time,disks,rattlers,contacts,bearing,sliding,z,z_bearing,z_backbone,fraction,"
+         "fraction_inside,local_mean,local_deviation,area,stress_xx,stress_xy,stress_yx,stress_yy,"
+         "kinetic_xx,kinetic_xy,kinetic_yy,pressure,deviator,angle,anisotropy,fabric_angle,mean_force,"
+         "overlap_mean,overlap_max,energy_translation,energy_rotation,unbalanced,mobilised_mean,limit"},
+    [MEASURE_DISKS] = {"disks.csv",
+                       "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
+                       "fraction,resultant_x,resultant_y"},
+    [MEASURE_CONTACTS] = {"contacts.csv",
+                          "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y"},
+    [MEASURE_PAIRS] = {"gr.csv", "step,r,g"},
+    [MEASURE_FORCES] = {"forces.csv",
+                        "step,low,high,normal,tangential,mobilised_low,mobilised_high,mobilised"},
+};
+
+sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages *messages) {
+  *t = (measure_tables){0};
+  sd_status status = file_make_folder(folder, messages);
+  for (int k = 0; status == SD_OK && k < MEASURE_TABLES; k++) {
+    t->path[k] = file_path("%s/%s", folder, tables[k].name);
+    t->temporary[k] = file_path("%s/%s.tmp", folder, tables[k].name);
+    if (!t->path[k] || !t->temporary[k]) return sd_fail(messages, SD_ERROR_IO, "no memory");
+    t->out[k] = fopen(t->temporary[k], "w");
+    if (!t->out[k])
+      status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", t->temporary[k], strerror(errno));
+    else
+      fprintf(t->out[k], "%s\n", tables[k].head);
+  }
+  return status;
+}
+
+sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages *messages) {
+  for (int k = 0; k < MEASURE_TABLES; k++) {
+    if (t->out[k]) {
+      bool bad = ferror(t->out[k]) != 0;
+      bad = fclose(t->out[k]) != 0 || bad;
+      if (bad && status == SD_OK)
+        status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", t->path[k], strerror(errno));
+    }
+  }
+  for (int k = 0; k < MEASURE_TABLES; k++) {
+    if (t->out[k] && status == SD_OK) status = file_commit(t->temporary[k], t->path[k], messages);
+    if (t->out[k] && status != SD_OK) file_remove(t->temporary[k], NULL);
+    free(t->temporary[k]);
+    free(t->path[k]);
+  }
+  *t = (measure_tables){0};
+  return status;
+}
+
+/* --- rows --------------------------------------------------------------------------------------------- */
+
+/* What is not known is an empty cell. */
+static void number(FILE *out, double value) {
+  if (isfinite(value))
+    fprintf(out, ",%.15g", value);
+  else
+    fputc(',', out);
+}
+
+static void add_frame(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  const correlation *g = &m->pairs;
+  fprintf(out, "%" PRId64 ",%.15g,%zu,%zu,%zu,%zu", m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts,
+          s->n_bearing);
+  number(out, m->c.recomputed ? NAN : (double)s->n_sliding);
+  size_t skin = g->mobilised.n;
+  const double values[] = {s->z,
+                           s->z_bearing,
+                           s->z_backbone,
+                           s->fraction,
+                           m->cells.inside,
+                           m->cells.mean,
+                           m->cells.deviation,
+                           s->area,
+                           s->contact[STRESS_XX],
+                           s->contact[STRESS_XY],
+                           s->contact[STRESS_YX],
+                           s->contact[STRESS_YY],
+                           s->kinetic[STRESS_XX],
+                           s->kinetic[STRESS_XY],
+                           s->kinetic[STRESS_YY],
+                           s->contact_principal.mean,
+                           s->contact_principal.deviator,
+                           s->contact_principal.angle,
+                           s->anisotropy,
+                           s->fabric_angle,
+                           s->mean_force,
+                           s->overlap_mean,
+                           s->n_contacts ? s->overlap_max : NAN,
+                           s->energy_translation,
+                           s->energy_rotation,
+                           s->unbalanced,
+                           g->mobilised.mean,
+                           skin ? (double)g->n_limit / (double)skin : NAN};
+  for (size_t k = 0; k < sizeof values / sizeof *values; k++) number(out, values[k]);
+  fputc('\n', out);
+}
+
+static void add_disks(FILE *out, const measurement *m) {
+  const sd_model *model = m->c.model;
+  const stress *s = &m->s;
+  for (size_t i = 0; i < model->n_disks; i++) {
+    const sd_disk *d = &model->disks[i];
+    bool closed = m->has_cells && m->cells.closed[i];
+    double area = m->has_cells ? m->cells.area[i] : NAN;
+    fprintf(out, "%" PRId64 ",%u,%.15g,%.15g,%.15g,%d,%d,%d,%d", m->c.step, m->c.number[i], d->position[0],
+            d->position[1], d->radius, d->driven, s->rattler[i], (int)s->contacts[i], (int)s->bearing[i]);
+    number(out, closed ? 0.5 * s->virial[i] / area : NAN);
+    number(out, area);
+    fprintf(out, ",%d", closed);
+    number(out, m->has_cells ? cells_fraction(&m->cells, &m->c, i) : NAN);
+    number(out, m->c.recomputed && !m->c.frictionless ? NAN : s->resultant[i][0]);
+    number(out, m->c.recomputed && !m->c.frictionless ? NAN : s->resultant[i][1]);
+    fputc('\n', out);
+  }
+}
+
+static uint32_t deck_number(const configuration *c, uint32_t body) {
+  size_t n = c->model->n_disks;
+  return body < n ? c->number[body] : (uint32_t)(c->n_deck + (body - n));
+}
+
+static void add_contacts(FILE *out, const measurement *m) {
+  for (size_t k = 0; k < m->c.n_contacts; k++) {
+    const config_contact *q = &m->c.contacts[k];
+    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", m->c.step,
+            deck_number(&m->c, q->a), deck_number(&m->c, q->b), q->part, q->x, q->y, q->nx, q->ny, q->overlap,
+            q->force);
+    bool known = isfinite(q->tau);
+    number(out, q->tau);
+    number(out, known && q->mu > 0.0 && q->force > 0.0 ? fabs(q->tau) / (q->mu * q->force) : NAN);
+    if (m->c.recomputed)
+      fputc(',', out);
+    else
+      fprintf(out, ",%d", q->slide);
+    number(out, known ? q->fx : NAN);
+    number(out, known ? q->fy : NAN);
+    fputc('\n', out);
+  }
+}
+
+static void add_pairs(FILE *out, const measurement *m) {
+  const gsl_histogram *h = m->pairs.pairs;
+  for (size_t k = 0; h && k < h->n; k++)
+    fprintf(out, "%" PRId64 ",%.15g,%.15g\n", m->c.step, 0.5 * (h->range[k] + h->range[k + 1]), h->bin[k]);
+}
+
+static void add_forces(FILE *out, const measurement *m) {
+  const distribution *n = &m->pairs.normal, *t = &m->pairs.tangential, *f = &m->pairs.mobilised;
+  for (size_t k = 0; n->histogram && k < n->histogram->n; k++) {
+    fprintf(out, "%" PRId64 ",%.15g,%.15g", m->c.step, n->histogram->range[k], n->histogram->range[k + 1]);
+    number(out, distribution_density(n, k));
+    number(out, t->histogram ? distribution_density(t, k) : NAN);
+    number(out, f->histogram ? f->histogram->range[k] : NAN);
+    number(out, f->histogram ? f->histogram->range[k + 1] : NAN);
+    number(out, f->histogram ? distribution_density(f, k) : NAN);
+    fputc('\n', out);
+  }
+}
+
+void measure_tables_add(const measure_tables *t, const measurement *m) {
+  add_frame(t->out[MEASURE_FRAMES], m);
+  add_disks(t->out[MEASURE_DISKS], m);
+  add_contacts(t->out[MEASURE_CONTACTS], m);
+  add_pairs(t->out[MEASURE_PAIRS], m);
+  add_forces(t->out[MEASURE_FORCES], m);
+}

@@ -1,0 +1,379 @@
+/* configuration.c: see configuration.h. */
+#include "measure/configuration.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/contacts.h"
+#include "physics/engine.h"
+#include "physics/walls.h"
+
+/* --- frame -------------------------------------------------------------------------------------------- */
+
+sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages) {
+  size_t n = n_disks + n_walls;
+  *f = (frame_data){.scale = 1.0, .n_bodies = n, .n_disks = n_disks};
+  f->position = calloc(n + 1, sizeof *f->position);
+  f->velocity = calloc(n + 1, sizeof *f->velocity);
+  f->angle = calloc(n + 1, sizeof *f->angle);
+  f->spin = calloc(n + 1, sizeof *f->spin);
+  f->activity = calloc(n_disks + 1, sizeof *f->activity);
+  if (f->position && f->velocity && f->angle && f->spin && f->activity) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "no memory for a frame of %zu bodies", n);
+}
+
+sd_status frame_data_contacts(frame_data *f, size_t n, sd_messages *messages) {
+  f->has_contacts = true;
+  f->n_contacts = n;
+  f->a = calloc(n + 1, sizeof *f->a);
+  f->b = calloc(n + 1, sizeof *f->b);
+  f->part = calloc(n + 1, sizeof *f->part);
+  f->overlap = calloc(n + 1, sizeof *f->overlap);
+  f->force = calloc(n + 1, sizeof *f->force);
+  f->tau = calloc(n + 1, sizeof *f->tau);
+  f->slide = calloc(n + 1, sizeof *f->slide);
+  if (f->a && f->b && f->part && f->overlap && f->force && f->tau && f->slide) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
+}
+
+void frame_data_free(frame_data *f) {
+  void *all[] = {f->position, f->velocity, f->angle,   f->spin,  f->activity, f->a,
+                 f->b,        f->part,     f->overlap, f->force, f->tau,      f->slide};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
+  *f = (frame_data){0};
+}
+
+/* --- bodies ------------------------------------------------------------------------------------------- */
+
+static bool in_play(int32_t activity) { return activity == SD_IN_PLAY || activity == SD_OUTSIDE; }
+
+/* Edges of box and region now: everything is stretched about the lower corner. */
+static void fill_space(sd_model *m, const sd_model *from, double scale) {
+  m->container = from->container;
+  m->variant = from->variant;
+  for (int c = 0; c < 2; c++) {
+    double corner = engine_corner(from, c);
+    m->gravity[c] = from->gravity[c];
+    m->periodic[c] = from->periodic[c];
+    m->lower[c] = from->lower[c];
+    m->upper[c] = scale == 1.0 ? from->upper[c] : from->lower[c] + scale * (from->upper[c] - from->lower[c]);
+    m->region_lower[c] = corner + scale * (from->region_lower[c] - corner);
+    m->region_upper[c] = corner + scale * (from->region_upper[c] - corner);
+  }
+}
+
+static sd_status fill_laws(sd_model *m, const sd_model *from) {
+  size_t n = from->n_materials;
+  m->materials = calloc(n + 1, sizeof *m->materials);
+  m->laws = calloc(n * n + 1, sizeof *m->laws);
+  m->phases = calloc(1, sizeof *m->phases); /* a model has one */
+  if (!m->materials || !m->laws || !m->phases) return SD_ERROR_IO;
+  memcpy(m->laws, from->laws, n * n * sizeof *m->laws);
+  m->n_materials = n;
+  m->phases[0].steps = m->n_phases = 1;
+  return SD_OK;
+}
+
+/* Rounding can leave a coordinate on the upper edge. */
+static double into_box(const sd_model *m, int c, double at) {
+  if (!m->periodic[c]) return at;
+  double length = m->upper[c] - m->lower[c];
+  at -= length * floor((at - m->lower[c]) / length);
+  return at >= m->lower[c] && at < m->upper[c] ? at : m->lower[c];
+}
+
+static void fill_disks(configuration *c, const sd_model *from, const frame_data *f, uint32_t *renumbered) {
+  sd_model *m = c->model;
+  for (uint32_t i = 0; i < from->n_disks; i++) {
+    renumbered[i] = UINT32_MAX;
+    int32_t activity = from->disks[i].driven ? SD_IN_PLAY : f->activity[i];
+    c->n_waiting += activity == SD_WAITING;
+    c->n_removed += activity == SD_REMOVED;
+    if (!in_play(activity)) continue;
+    const sd_disk *d = &from->disks[i];
+    renumbered[i] = (uint32_t)m->n_disks;
+    c->number[m->n_disks] = i;
+    m->disks[m->n_disks++] = (sd_disk){
+        .position = {into_box(m, 0, f->position[i][0]), into_box(m, 1, f->position[i][1]), f->angle[i]},
+        .velocity = {f->velocity[i][0], f->velocity[i][1], f->spin[i]},
+        .radius = d->radius,
+        .mass = d->mass,
+        .inertia = d->inertia,
+        .force = {d->force[0], d->force[1], d->force[2]},
+        .material = d->material,
+        .group = d->group,
+        .driven = d->driven};
+  }
+}
+
+/* Points turn about the pivot, and go where it goes. */
+static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size_t body) {
+  double angle = f->angle[body], cosine = cos(angle), sine = sin(angle);
+  *w = (sd_wall){.kind = from->kind,
+                 .material = from->material,
+                 .pivot = {f->position[body][0], f->position[body][1]},
+                 .closed = from->closed,
+                 .radius = from->radius,
+                 .inside = from->inside};
+  if (from->kind == SD_WALL_CIRCLE) return SD_OK;
+  w->points = calloc(from->n_points + 1, sizeof *w->points);
+  if (!w->points) return SD_ERROR_IO;
+  w->n_points = from->n_points;
+  for (size_t k = 0; k < w->n_points; k++) {
+    double x = f->scale * (from->points[k][0] - from->pivot[0]);
+    double y = f->scale * (from->points[k][1] - from->pivot[1]);
+    w->points[k][0] = w->pivot[0] + cosine * x - sine * y;
+    w->points[k][1] = w->pivot[1] + sine * x + cosine * y;
+  }
+  return SD_OK;
+}
+
+static sd_status fill_bodies(configuration *c, const sd_model *from, const frame_data *f,
+                             uint32_t *renumbered) {
+  sd_model *m = c->model;
+  m->disks = calloc(from->n_disks + 1, sizeof *m->disks);
+  m->walls = calloc(from->n_walls + 1, sizeof *m->walls);
+  c->number = calloc(from->n_disks + 1, sizeof *c->number);
+  if (!m->disks || !m->walls || !c->number) return SD_ERROR_IO;
+  fill_disks(c, from, f, renumbered);
+  for (uint32_t w = 0; w < from->n_walls; w++) {
+    m->n_walls++;
+    renumbered[from->n_disks + w] = (uint32_t)m->n_disks + w;
+    if (fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w) != SD_OK) return SD_ERROR_IO;
+  }
+  return SD_OK;
+}
+
+/* --- contacts ----------------------------------------------------------------------------------------- */
+
+static int material_of(const sd_model *m, uint32_t body) {
+  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
+}
+
+static placed_segment place(const sd_model *m, uint32_t part) {
+  const sd_segment *s = &m->segments[part];
+  const double *pivot = m->walls[s->body - m->n_disks].pivot;
+  placed_segment g = {.x = pivot[0] + s->start[0],
+                      .y = pivot[1] + s->start[1],
+                      .tx = s->tangent[0],
+                      .ty = s->tangent[1],
+                      .length = s->length,
+                      .px = s->previous[0],
+                      .py = s->previous[1],
+                      .backwards = s->length < HUGE_VAL ? 0.0 : -HUGE_VAL,
+                      .arc = s->arc,
+                      .end_cap = s->end_cap,
+                      .joined = s->next >= 0};
+  if (g.joined) {
+    const sd_segment *next = &m->segments[s->next];
+    g.end_x = pivot[0] + next->start[0];
+    g.end_y = pivot[1] + next->start[1];
+  }
+  return g;
+}
+
+/* Vector from a's centre to the centre of a round b, or to the nearest point of a straight piece; in `sum` R_a + R_b
+ * as the law has it (negative inside a drum); corner: the nearest point is an end of a piece. */
+static void distance_of(const configuration *c, const config_contact *k, double d[2], double *sum,
+                        bool *corner) {
+  const sd_model *m = c->model;
+  const sd_disk *a = &m->disks[k->a];
+  const sd_wall *wall = k->b < m->n_disks ? NULL : &m->walls[k->b - m->n_disks];
+  *sum = a->radius;
+  *corner = false;
+  if (wall && wall->kind != SD_WALL_CIRCLE) {
+    placed_segment g = place(m, k->part);
+    nearest_point q = walls_nearest(&g, a->position[0], a->position[1]);
+    d[0] = q.dx;
+    d[1] = q.dy;
+    *corner = !q.flat;
+    return;
+  }
+  for (int x = 0; x < 2; x++) {
+    double at = wall ? wall->pivot[x] : m->disks[k->b].position[x];
+    d[x] = configuration_nearest(c, x, at - a->position[x]);
+  }
+  *sum += !wall ? m->disks[k->b].radius : wall->inside ? -wall->radius : wall->radius;
+}
+
+/* Directions, branch and force from poses, F_n and tau. */
+static void complete(const configuration *c, config_contact *k) {
+  const sd_model *m = c->model;
+  const sd_disk *a = &m->disks[k->a];
+  double d[2], sum;
+  bool corner;
+  distance_of(c, k, d, &sum, &corner);
+  double r = hypot(d[0], d[1]);
+  bool straight = k->b >= m->n_disks && m->walls[k->b - m->n_disks].kind != SD_WALL_CIRCLE;
+  /* inside a drum the wall is away from its centre; a centre beyond a straight wall is pushed back through it */
+  double sign = sum < 0.0 || (straight && k->overlap > a->radius) ? -1.0 : 1.0;
+  k->nx = r > 0.0 ? sign * d[0] / r : 0.0;
+  k->ny = r > 0.0 ? sign * d[1] / r : 0.0;
+  bool free = configuration_is_free(c, k->b);
+  double to_point = a->radius - (free ? 0.5 : 1.0) * k->overlap;
+  k->x = a->position[0] + to_point * k->nx;
+  k->y = a->position[1] + to_point * k->ny;
+  k->lx = free ? d[0] : to_point * k->nx;
+  k->ly = free ? d[1] : to_point * k->ny;
+  double tau = isfinite(k->tau) ? k->tau : 0.0;
+  /* at corners of walls the skin's force is that of its energy in both variants (kernel_pairs.c) */
+  if ((corner || (m->variant == SD_CONSERVATIVE && !straight)) && r > 0.0) tau *= fabs(sum) / r;
+  k->fx = k->force * k->nx + tau * k->ny;
+  k->fy = k->force * k->ny - tau * k->nx;
+  k->mu = sd_model_law(m, material_of(m, k->a), material_of(m, k->b))->mu;
+}
+
+static sd_status take_contacts(configuration *c, const sd_model *from, const frame_data *f,
+                               const uint32_t *renumbered, sd_messages *messages) {
+  c->contacts = calloc(f->n_contacts + 1, sizeof *c->contacts);
+  if (!c->contacts) return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", f->n_contacts);
+  size_t bodies = sd_model_bodies(from);
+  for (size_t k = 0; k < f->n_contacts; k++) {
+    uint32_t a = f->a[k], b = f->b[k];
+    bool good = a < from->n_disks && b < bodies && renumbered[a] != UINT32_MAX && renumbered[b] != UINT32_MAX;
+    bool straight = good && b >= from->n_disks && from->walls[b - from->n_disks].kind != SD_WALL_CIRCLE;
+    if (!good || (straight && (f->part[k] >= c->model->n_segments ||
+                               c->model->segments[f->part[k]].body != renumbered[b])))
+      return sd_fail(messages, SD_ERROR_USER,
+                     "contact %zu of step %lld is between bodies %u and %u, which are not there", k,
+                     (long long)f->step, a, b);
+    c->contacts[c->n_contacts++] = (config_contact){.a = renumbered[a],
+                                                    .b = renumbered[b],
+                                                    .part = f->part[k],
+                                                    .overlap = f->overlap[k],
+                                                    .force = f->force[k],
+                                                    .tau = f->tau[k],
+                                                    .slide = f->slide[k]};
+  }
+  return SD_OK;
+}
+
+static sd_status copy_contacts(configuration *c, const sd_state *s) {
+  c->contacts = calloc(s->n_contacts + 1, sizeof *c->contacts);
+  if (!c->contacts) return SD_ERROR_IO;
+  c->n_contacts = s->n_contacts;
+  for (size_t k = 0; k < s->n_contacts; k++)
+    c->contacts[k] = (config_contact){.a = s->contact_a[k],
+                                      .b = s->contact_b[k],
+                                      .part = s->contact_part[k],
+                                      .overlap = s->contact_overlap[k],
+                                      .force = s->contact_force[k],
+                                      .tau = c->frictionless ? 0.0 : NAN};
+  return SD_OK;
+}
+
+/* A system that starts from this frame: the engine finds what touches, and how strongly. */
+static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_disks, sd_messages *messages) {
+  const sd_model *m = c->model;
+  engine *e = aligned_alloc(64, (sizeof *e + 63) / 64 * 64);
+  sd_state *s = sd_state_new(m);
+  sd_status status = SD_ERROR_IO;
+  if (!e || !s) sd_fail(messages, status, "no memory for the contacts");
+  if (e && s) {
+    *e = (engine){.model = m, .state = s};
+    engine_fill_state(m, s);
+    for (size_t k = s->n_free; k < s->n_bodies; k++) {
+      size_t body = s->id[k] < m->n_disks ? c->number[s->id[k]] : n_disks + (s->id[k] - m->n_disks);
+      s->vx[k] = f->velocity[body][0];
+      s->vy[k] = f->velocity[body][1];
+      s->omega[k] = f->spin[body];
+    }
+    status = engine_build(e, 1, messages);
+    if (status == SD_OK) status = engine_start(e, messages);
+    if (status == SD_OK) status = contacts_store(e);
+    if (status == SD_OK) status = copy_contacts(c, s);
+    engine_free(e);
+  }
+  sd_state_free(s);
+  free(e);
+  return status;
+}
+
+/* --- all ---------------------------------------------------------------------------------------------- */
+
+static bool is_frictionless(const sd_model *m) {
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
+    if (m->laws[k].k_n > 0.0 && m->laws[k].mu > 0.0 && m->laws[k].k_t > 0.0) return false;
+  return true;
+}
+
+sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
+                            sd_messages *messages) {
+  *c = (configuration){
+      .step = frame->step, .time = frame->time, .n_deck = frame->n_disks, .recomputed = !frame->has_contacts};
+  if (frame->n_disks != constants->n_disks || frame->n_bodies != sd_model_bodies(constants))
+    return sd_fail(messages, SD_ERROR_USER, "the frame has %zu disks and %zu walls, the run %zu and %zu",
+                   frame->n_disks, frame->n_bodies - frame->n_disks, constants->n_disks, constants->n_walls);
+  uint32_t *renumbered = calloc(frame->n_bodies + 1, sizeof *renumbered);
+  sd_model *m = c->model = sd_model_new();
+  sd_status status = SD_ERROR_IO;
+  if (renumbered && m) {
+    m->dt = 1.0;            /* nothing moves */
+    m->max_overlap = 1e300; /* whatever is there is measured */
+    fill_space(m, constants, frame->scale);
+    status = fill_laws(m, constants);
+  }
+  if (status == SD_OK) status = fill_bodies(c, constants, frame, renumbered);
+  if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
+  if (status == SD_OK && m->n_disks == 0)
+    status = sd_fail(messages, SD_ERROR_USER, "step %lld: no disk is in play", (long long)frame->step);
+  if (status == SD_OK) {
+    for (int k = 0; k < 2; k++) c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
+    c->frictionless = is_frictionless(m);
+    status = sd_model_finish(m, messages);
+  }
+  if (status == SD_OK)
+    status = frame->has_contacts ? take_contacts(c, constants, frame, renumbered, messages)
+                                 : find_contacts(c, frame, constants->n_disks, messages);
+  for (size_t k = 0; status == SD_OK && k < c->n_contacts; k++) complete(c, &c->contacts[k]);
+  free(renumbered);
+  return status;
+}
+
+void configuration_free(configuration *c) {
+  sd_model_free(c->model);
+  free(c->number);
+  free(c->contacts);
+  *c = (configuration){0};
+}
+
+/* --- region ------------------------------------------------------------------------------------------- */
+
+static void about_disks(const sd_model *m, int c, double *lower, double *upper) {
+  *lower = HUGE_VAL;
+  *upper = -HUGE_VAL;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    *lower = fmin(*lower, m->disks[i].position[c] - m->disks[i].radius);
+    *upper = fmax(*upper, m->disks[i].position[c] + m->disks[i].radius);
+  }
+}
+
+region configuration_region(const configuration *c, const double *wanted) {
+  const sd_model *m = c->model;
+  region g = {0};
+  bool given = m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1];
+  for (int k = 0; k < 2; k++) {
+    if (wanted) {
+      g.lower[k] = wanted[2 * k];
+      g.upper[k] = wanted[2 * k + 1];
+    } else if (m->periodic[k]) {
+      g.lower[k] = m->lower[k];
+      g.upper[k] = m->upper[k];
+    } else if (given) {
+      g.lower[k] = m->region_lower[k];
+      g.upper[k] = m->region_upper[k];
+    } else {
+      about_disks(m, k, &g.lower[k], &g.upper[k]);
+    }
+    double length = c->length[k];
+    g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);
+    if (g.whole[k]) g.upper[k] = g.lower[k] + length; /* more than a period is the period */
+    g.image[k] = length > 0.0 && !g.whole[k] ? length : 0.0;
+  }
+  if (!wanted && given && m->container == SD_CONTAINER_DRUM) {
+    g.round = true;
+    for (int k = 0; k < 2; k++) g.centre[k] = 0.5 * (g.lower[k] + g.upper[k]);
+    g.radius = 0.5 * (g.upper[0] - g.lower[0]);
+  }
+  return g;
+}

@@ -1,0 +1,87 @@
+/* configuration.h: one frame of a run, as measuring wants it: the disks in play, walls where they stand, and all
+ * contacts with their geometry.
+ *
+ * The bodies are a finished sd_model of their own: `model` holds only what takes part in this frame, in poses
+ * of this frame, with the edges of the periodic box and the region as they are now. Disks are numbered anew, `number`
+ * says which they are in the deck; walls follow the disks, as in any model.
+ *
+ * Contacts come with the frame (a contact table), or are found from positions and velocities by the engine's
+ * own neighbour search and law. Then skins are not stretched: tau is NAN and nothing slides.
+ */
+#ifndef MEASURE_CONFIGURATION_H
+#define MEASURE_CONFIGURATION_H
+
+#include <math.h>
+
+#include "measure/region.h"
+#include "slipdisk/model.h"
+
+/* What is stored of a frame: one row per body of the run, in the order of body numbers (disks, walls). */
+typedef struct frame_data {
+  int64_t step;
+  double time;
+  double scale; /* lengths of the region over those of the deck */
+  size_t n_bodies, n_disks;
+  double (*position)[2], (*velocity)[2]; /* in the periodic box */
+  double *angle, *spin;
+  int32_t *activity; /* [n_disks] SD_IN_PLAY ... */
+  bool has_contacts; /* a table is there, maybe with no rows */
+  size_t n_contacts;
+  uint32_t *a, *b, *part; /* body numbers of the run */
+  double *overlap, *force, *tau;
+  int32_t *slide;
+} frame_data;
+
+sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages);
+sd_status frame_data_contacts(frame_data *f, size_t n,
+                              sd_messages *messages); /* room for a table of n rows */
+void frame_data_free(frame_data *f);
+
+typedef struct config_contact {
+  uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
+  double nx, ny;       /* unit vector from a to b's surface */
+  double lx, ly;       /* branch vector: to b's centre, or to the surface of a wall or prescribed disk */
+  double x, y;         /* the point of contact */
+  double fx, fy;       /* force on b, without the skin's where tau is NAN */
+  double overlap, force, tau, mu;
+  int slide;
+} config_contact;
+
+typedef struct configuration {
+  int64_t step;
+  double time;
+  sd_model *model;
+  uint32_t *number; /* [model->n_disks] in the deck */
+  size_t n_deck;    /* disks of the deck */
+  size_t n_waiting, n_removed;
+  double length[2];  /* of the periodic box, 0 where it is open */
+  bool recomputed;   /* contacts were not stored */
+  bool frictionless; /* no pair of materials has a skin and mu > 0 */
+  size_t n_contacts;
+  config_contact *contacts;
+} configuration;
+
+/* constants: a model of the run (disks, walls, laws, box, region); only what a frame does not have is read.
+ * configuration_free also when it fails. SD_ERROR_USER: the frame does not fit the model. */
+sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
+                            sd_messages *messages);
+void configuration_free(configuration *c);
+
+/* What is called full: the region of the model, the periodic box along periodic directions, and where neither
+ * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. */
+region configuration_region(const configuration *c, const double *wanted);
+/* b of a contact can be a disk that moves. */
+static inline bool configuration_is_free(const configuration *c, uint32_t body) {
+  return body < c->model->n_disks && !c->model->disks[body].driven;
+}
+/* Shortest vector between two points. */
+static inline double configuration_nearest(const configuration *c, int k, double d) {
+  return c->length[k] > 0.0 ? d - c->length[k] * nearbyint(d / c->length[k]) : d;
+}
+static inline double configuration_radius(const configuration *c) { /* mean */
+  double sum = 0.0;
+  for (size_t i = 0; i < c->model->n_disks; i++) sum += c->model->disks[i].radius;
+  return c->model->n_disks ? sum / (double)c->model->n_disks : 0.0;
+}
+
+#endif

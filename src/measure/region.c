@@ -1,0 +1,127 @@
+/* region.c: see region.h. */
+#include "measure/region.h"
+
+#include <math.h>
+
+double region_area(const region *g) {
+  if (g->round) return M_PI * g->radius * g->radius;
+  return (g->upper[0] - g->lower[0]) * (g->upper[1] - g->lower[1]);
+}
+
+/* The image of `at` that comes first at or after the lower edge. */
+static double first_image(const region *g, int c, double at) {
+  if (g->image[c] == 0.0) return at;
+  return at - g->image[c] * floor((at - g->lower[c]) / g->image[c]);
+}
+
+bool region_holds(const region *g, double x, double y) {
+  if (g->round) return hypot(x - g->centre[0], y - g->centre[1]) <= g->radius;
+  const double at[2] = {x, y};
+  for (int c = 0; c < 2; c++) {
+    if (g->whole[c]) continue;
+    double p = first_image(g, c, at[c]);
+    if (p < g->lower[c] || p > g->upper[c]) return false;
+  }
+  return true;
+}
+
+/* --- areas -------------------------------------------------------------------------------------------- */
+
+typedef struct point {
+  double x, y;
+} point;
+
+static double sector(point p, point q, double radius) {
+  return 0.5 * radius * radius * atan2(p.x * q.y - p.y * q.x, p.x * q.x + p.y * q.y);
+}
+
+static point along(point p, point d, double t) { return (point){p.x + t * d.x, p.y + t * d.y}; }
+
+/* What the triangle of the centre and one edge shares with the circle. */
+static double edge_area(point p, point q, double radius) {
+  point d = {q.x - p.x, q.y - p.y};
+  double a = d.x * d.x + d.y * d.y, b = p.x * d.x + p.y * d.y;
+  double c = p.x * p.x + p.y * p.y - radius * radius, discriminant = b * b - a * c;
+  if (!(discriminant > 0.0) || a == 0.0) return sector(p, q, radius);
+  double root = sqrt(discriminant), enters = (-b - root) / a, leaves = (-b + root) / a;
+  if (leaves <= 0.0 || enters >= 1.0) return sector(p, q, radius);
+  point u = enters > 0.0 ? along(p, d, enters) : p, v = leaves < 1.0 ? along(p, d, leaves) : q;
+  double area = 0.5 * (u.x * v.y - u.y * v.x);
+  if (enters > 0.0) area += sector(p, u, radius);
+  if (leaves < 1.0) area += sector(v, q, radius);
+  return area;
+}
+
+double region_circle_polygon(double radius, size_t n, const double (*corner)[2]) {
+  double area = 0.0;
+  for (size_t k = 0; k < n; k++) {
+    const double *p = corner[k], *q = corner[k + 1 < n ? k + 1 : 0];
+    area += edge_area((point){p[0], p[1]}, (point){q[0], q[1]}, radius);
+  }
+  return area;
+}
+
+/* Two circles whose centres are `distance` apart. */
+static double lens(double distance, double r, double s) {
+  if (distance >= r + s) return 0.0;
+  if (distance <= fabs(r - s)) return M_PI * fmin(r, s) * fmin(r, s);
+  double u = (distance * distance + r * r - s * s) / (2.0 * distance), v = distance - u;
+  return r * r * acos(u / r) - u * sqrt(fmax(r * r - u * u, 0.0)) + s * s * acos(v / s) -
+         v * sqrt(fmax(s * s - v * v, 0.0));
+}
+
+/* One image. */
+static double rectangle_disk(const region *g, double x, double y, double radius) {
+  double low[2], high[2];
+  const double at[2] = {x, y};
+  bool inside = true;
+  for (int c = 0; c < 2; c++) {
+    low[c] = g->whole[c] ? -2.0 * radius : g->lower[c] - at[c];
+    high[c] = g->whole[c] ? 2.0 * radius : g->upper[c] - at[c];
+    if (low[c] >= radius || high[c] <= -radius) return 0.0;
+    inside = inside && low[c] <= -radius && high[c] >= radius;
+  }
+  if (inside) return M_PI * radius * radius;
+  const double corner[4][2] = {{low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
+  return region_circle_polygon(radius, 4, corner);
+}
+
+double region_disk(const region *g, double x, double y, double radius) {
+  if (g->round) return lens(hypot(x - g->centre[0], y - g->centre[1]), radius, g->radius);
+  double px = first_image(g, 0, x), py = first_image(g, 1, y), area = 0.0;
+  int nx = g->image[0] > 0.0, ny = g->image[1] > 0.0;
+  for (int j = -ny; j <= ny; j++)
+    for (int i = -nx; i <= nx; i++)
+      area += rectangle_disk(g, px + i * g->image[0], py + j * g->image[1], radius);
+  return area;
+}
+
+/* --- lines -------------------------------------------------------------------------------------------- */
+
+/* Liang and Barsky: the range of t in which p + t d is inside. */
+static double rectangle_line(const region *g, const double p[2], const double d[2]) {
+  double first = 0.0, last = 1.0;
+  for (int c = 0; c < 2; c++) {
+    if (g->whole[c]) continue;
+    if (d[c] == 0.0) {
+      if (p[c] < g->lower[c] || p[c] > g->upper[c]) return 0.0;
+      continue;
+    }
+    double s = (g->lower[c] - p[c]) / d[c], t = (g->upper[c] - p[c]) / d[c];
+    first = fmax(first, fmin(s, t));
+    last = fmin(last, fmax(s, t));
+  }
+  return fmax(last - first, 0.0);
+}
+
+double region_line(const region *g, double x, double y, double dx, double dy) {
+  if (g->round) return region_holds(g, x + 0.5 * dx, y + 0.5 * dy) ? 1.0 : 0.0;
+  double px = first_image(g, 0, x), py = first_image(g, 1, y), part = 0.0;
+  int nx = g->image[0] > 0.0, ny = g->image[1] > 0.0;
+  for (int j = -ny; j <= ny; j++)
+    for (int i = -nx; i <= nx; i++) {
+      const double p[2] = {px + i * g->image[0], py + j * g->image[1]}, d[2] = {dx, dy};
+      part += rectangle_line(g, p, d);
+    }
+  return part;
+}

@@ -1,0 +1,218 @@
+/* stress.c: see stress.h. */
+#include "measure/stress.h"
+
+#include <stdlib.h>
+
+principal stress_principal(const double t[4]) {
+  double half = 0.5 * (t[STRESS_XX] - t[STRESS_YY]), shear = 0.5 * (t[STRESS_XY] + t[STRESS_YX]);
+  principal p = {0.5 * (t[STRESS_XX] + t[STRESS_YY]), hypot(half, shear), NAN};
+  if (p.deviator > 1e-12 * fabs(p.mean)) p.angle = 0.5 * atan2(shear, half);
+  return p;
+}
+
+static double ratio(double a, size_t n) { return n > 0 ? a / (double)n : NAN; }
+
+/* --- per disk ----------------------------------------------------------------------------------------- */
+
+static void add_contact(stress *s, const configuration *c, const config_contact *k) {
+  const sd_model *m = c->model;
+  bool bears = k->force > 0.0, disk = k->b < m->n_disks;
+  uint32_t body[2] = {k->a, k->b};
+  for (int e = 0; e < (disk ? 2 : 1); e++) {
+    double sign = e ? 1.0 : -1.0; /* f is the force on b */
+    /* centre to point of contact, as seen from either side */
+    double px = k->x - m->disks[k->a].position[0], py = k->y - m->disks[k->a].position[1];
+    if (e) {
+      px = configuration_nearest(c, 0, k->x - m->disks[k->b].position[0]);
+      py = configuration_nearest(c, 1, k->y - m->disks[k->b].position[1]);
+    }
+    s->contacts[body[e]]++;
+    s->bearing[body[e]] += bears;
+    s->resultant[body[e]][0] += sign * k->fx;
+    s->resultant[body[e]][1] += sign * k->fy;
+    s->virial[body[e]] -= sign * (px * k->fx + py * k->fy);
+  }
+}
+
+static void add_body_forces(stress *s, const sd_model *m) {
+  for (size_t i = 0; i < m->n_disks; i++)
+    for (int c = 0; c < 2; c++) s->resultant[i][c] += m->disks[i].mass * m->gravity[c] + m->disks[i].force[c];
+}
+
+/* --- rattlers ----------------------------------------------------------------------------------------- */
+
+/* Contacts of each disk, as rows of one list. */
+typedef struct incidence_list {
+  size_t *start;
+  uint32_t *partner; /* a disk, or UINT32_MAX: something that stays */
+} incidence_list;
+
+static sd_status list_bearing(incidence_list *l, const configuration *c, const stress *s) {
+  size_t n = c->model->n_disks;
+  l->start = calloc(n + 2, sizeof *l->start);
+  l->partner = calloc(2 * c->n_contacts + 1, sizeof *l->partner);
+  if (!l->start || !l->partner) return SD_ERROR_IO;
+  for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)s->bearing[i];
+  for (size_t k = 0; k < c->n_contacts; k++) {
+    const config_contact *q = &c->contacts[k];
+    if (!(q->force > 0.0)) continue;
+    bool free = configuration_is_free(c, q->b);
+    l->partner[l->start[q->a + 1]++] = free ? q->b : UINT32_MAX;
+    if (q->b < n) l->partner[l->start[q->b + 1]++] = q->a;
+  }
+  return SD_OK;
+}
+
+/* Disks with too few contacts leave, and take their contacts along, until none is left with too few. left: contacts of
+ * those that stay. */
+static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left) {
+  size_t n = c->model->n_disks, waiting = 0;
+  int32_t least = c->frictionless ? 3 : 2;
+  incidence_list l = {0};
+  uint32_t *stack = calloc(n + 1, sizeof *stack);
+  sd_status status = stack ? list_bearing(&l, c, s) : SD_ERROR_IO;
+  for (uint32_t i = 0; status == SD_OK && i < n; i++) {
+    left[i] = s->bearing[i];
+    if (c->model->disks[i].driven || left[i] >= least) continue;
+    s->rattler[i] = true;
+    stack[waiting++] = i;
+  }
+  while (status == SD_OK && waiting > 0) {
+    uint32_t i = stack[--waiting];
+    for (size_t k = l.start[i]; k < l.start[i + 1]; k++) {
+      uint32_t b = l.partner[k];
+      if (b == UINT32_MAX || s->rattler[b]) continue;
+      if (--left[b] >= least || c->model->disks[b].driven) continue;
+      s->rattler[b] = true;
+      stack[waiting++] = b;
+    }
+  }
+  free(stack);
+  free(l.start);
+  free(l.partner);
+  return status;
+}
+
+/* --- of the region ------------------------------------------------------------------------------------ */
+
+static void count_disks(stress *s, const configuration *c, const region *g, const bool *inside,
+                        const int32_t *left) {
+  const sd_model *m = c->model;
+  double covered = 0.0, resultant = 0.0, closed = 0.0, bearing = 0.0, backbone = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    covered += region_disk(g, d->position[0], d->position[1], d->radius);
+    if (d->driven) {
+      s->fixed += inside[i];
+      continue;
+    }
+    s->outside += !inside[i];
+    if (!inside[i]) continue;
+    s->free++;
+    s->rattlers += s->rattler[i];
+    closed += s->contacts[i];
+    bearing += s->bearing[i];
+    if (!s->rattler[i]) backbone += left[i];
+    resultant += hypot(s->resultant[i][0], s->resultant[i][1]);
+    s->energy_translation +=
+        0.5 * d->mass * (d->velocity[0] * d->velocity[0] + d->velocity[1] * d->velocity[1]);
+    s->energy_rotation += 0.5 * d->inertia * d->velocity[2] * d->velocity[2];
+  }
+  s->fraction = covered / s->area;
+  s->z = ratio(closed, s->free);
+  s->z_bearing = ratio(bearing, s->free);
+  s->z_backbone = ratio(backbone, s->free - s->rattlers);
+  s->energy_translation = ratio(s->energy_translation, s->free);
+  s->energy_rotation = ratio(s->energy_rotation, s->free);
+  s->unbalanced = ratio(resultant, s->free); /* to be divided by the mean force */
+}
+
+static void kinetic_stress(stress *s, const configuration *c, const bool *inside) {
+  const sd_model *m = c->model;
+  double mass = 0.0, mean[2] = {0};
+  for (int pass = 0; pass < 2; pass++) {
+    for (size_t i = 0; i < m->n_disks; i++) {
+      const sd_disk *d = &m->disks[i];
+      if (d->driven || !inside[i]) continue;
+      double v[2] = {d->velocity[0] - mean[0], d->velocity[1] - mean[1]};
+      mass += pass ? 0.0 : d->mass;
+      for (int k = 0; k < 4; k++) s->kinetic[k] += d->mass * v[k / 2] * v[k % 2] / s->area * pass;
+    }
+    if (pass || !(mass > 0.0)) return;
+    for (size_t i = 0; i < m->n_disks; i++)
+      for (int k = 0; k < 2 && !m->disks[i].driven && inside[i]; k++)
+        mean[k] += m->disks[i].mass * m->disks[i].velocity[k] / mass;
+  }
+}
+
+static void sum_contacts(stress *s, const configuration *c, const region *g) {
+  const sd_model *m = c->model;
+  double overlap = 0.0, force = 0.0;
+  bool tangential = true;
+  for (size_t k = 0; k < c->n_contacts; k++) {
+    const config_contact *q = &c->contacts[k];
+    const double *centre = m->disks[q->a].position, l[2] = {q->lx, q->ly}, f[2] = {q->fx, q->fy},
+                 n[2] = {q->nx, q->ny};
+    double part = region_line(g, centre[0], centre[1], l[0], l[1]);
+    for (int e = 0; e < 4; e++) s->contact[e] += part * l[e / 2] * f[e % 2] / s->area;
+    tangential = tangential && isfinite(q->tau);
+    if (!region_holds(g, centre[0] + 0.5 * l[0], centre[1] + 0.5 * l[1])) continue;
+    s->n_contacts++;
+    s->n_wall += !configuration_is_free(c, q->b);
+    s->n_sliding += q->slide != 0;
+    overlap += q->overlap;
+    if (q->overlap > s->overlap_max) s->overlap_max = q->overlap, s->overlap_a = q->a, s->overlap_b = q->b;
+    if (!(q->force > 0.0)) continue;
+    s->n_bearing++;
+    force += q->force;
+    for (int e = 0; e < 4; e++) s->fabric[e] += n[e / 2] * n[e % 2];
+  }
+  for (int e = 0; e < 4; e++) s->fabric[e] = ratio(s->fabric[e], s->n_bearing);
+  principal p = stress_principal(s->fabric);
+  s->anisotropy = 4.0 * p.deviator;
+  s->fabric_angle = p.angle;
+  s->contact_principal = stress_principal(s->contact);
+  s->overlap_mean = ratio(overlap, s->n_contacts);
+  s->mean_force = ratio(force, s->n_bearing);
+  s->unbalanced = tangential ? s->unbalanced / s->mean_force : NAN;
+}
+
+sd_status stress_new(stress *s, const configuration *c, const region *g, sd_messages *messages) {
+  const sd_model *m = c->model;
+  size_t n = m->n_disks;
+  *s = (stress){.area = region_area(g)};
+  s->contacts = calloc(n + 1, sizeof *s->contacts);
+  s->bearing = calloc(n + 1, sizeof *s->bearing);
+  s->rattler = calloc(n + 1, sizeof *s->rattler);
+  s->resultant = calloc(n + 1, sizeof *s->resultant);
+  s->virial = calloc(n + 1, sizeof *s->virial);
+  int32_t *left = calloc(n + 1, sizeof *left);
+  bool *inside = calloc(n + 1, sizeof *inside);
+  sd_status status = SD_ERROR_IO;
+  if (s->contacts && s->bearing && s->rattler && s->resultant && s->virial && left && inside) {
+    for (size_t k = 0; k < c->n_contacts; k++) add_contact(s, c, &c->contacts[k]);
+    add_body_forces(s, m);
+    for (size_t i = 0; i < n; i++)
+      inside[i] = region_holds(g, m->disks[i].position[0], m->disks[i].position[1]);
+    status = find_rattlers(s, c, left);
+  }
+  if (status == SD_OK) {
+    count_disks(s, c, g, inside, left);
+    kinetic_stress(s, c, inside);
+    sum_contacts(s, c, g);
+  } else {
+    sd_fail(messages, status, "no memory for %zu disks", n);
+  }
+  free(left);
+  free(inside);
+  return status;
+}
+
+void stress_free(stress *s) {
+  free(s->contacts);
+  free(s->bearing);
+  free(s->rattler);
+  free(s->resultant);
+  free(s->virial);
+  *s = (stress){0};
+}
