@@ -72,7 +72,7 @@ def convergence(runs, out):
                              f"|residual|/scale ~ dt<sup>{number(slope, spread)}</sup>, from "
                              f"{number(value[-1], error[-1])} at "
                              f"{dt[-1]:g} s to {number(value[0], error[0])} at {dt[0]:g} s "
-                             f"({len(list(steps.values())[0])} packings a point)"))
+                             f"({len(list(steps.values())[0])} at each step)"))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(r"time step (µs)")

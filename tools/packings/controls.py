@@ -75,8 +75,8 @@ def cage_figure(table, low):
     for k, (name, runs_at, sign) in enumerate((("irregular packings", low, "o"), ("symmetric cages", table, "s"))):
         if runs_at:
             value, error = np.array([mean_error([run.rms for run in runs]) for runs in runs_at.values()]).T
-            axes.errorbar(list(runs_at), value, yerr=bars(value, error), fmt=sign + "-", lw=0.7, mfc="white", color=COLOURS[k],
-                          label=name)
+            axes.errorbar(list(runs_at), value, yerr=bars(value, error), fmt=sign + "-", lw=0.7, mfc="white",
+                          color=COLOURS[k], label=name)
     noise = [float(np.sqrt(np.mean([run.noise ** 2 for run in runs]))) for runs in table.values()]
     axes.plot(list(table), noise, "x:", lw=0.7, color=COLOURS[1], label="their rms error bar")
     axes.axhline(ROUNDING, color=GREY, lw=0.8, ls="--", gid="guide")
@@ -85,8 +85,8 @@ def cage_figure(table, low):
     axes.set_xlabel("peak acceleration of the floor / $g$")
     axes.set_ylabel(r"rms $\Omega$ (rad/s)")
     axes.legend(loc="lower right")
-    return Figure("cage", picture, "Typical mean angular velocity in symmetric cages and in irregular packings. Dashed: what is "
-                  "below is rounding.", "Typical mean angular velocity against drive, symmetric and irregular packings")
+    return Figure("cage", picture, "Typical mean angular velocity in symmetric cages and in irregular packings. Dashed: what "
+                  "is below is rounding.", "Typical mean angular velocity against drive, symmetric and irregular packings")
 
 
 def cage_map(run):

@@ -34,13 +34,13 @@ def coordination(run, least):
 
 def final(run):
     """(pressure, packing fraction) at the end."""
-    _, pressure, fraction = run.series("work", "pressure", "packing_fraction")
+    _, pressure, fraction = run.series("pressure", "packing_fraction")
     return float(pressure[-1]), float(fraction[-1])
 
 
 def stages(run):
     """[(pressure asked for, pressure, packing fraction, contacts per disk)] where phases that seek a pressure end."""
-    time, pressure, fraction, contacts = run.series("work", "pressure", "packing_fraction", "contacts")
+    time, pressure, fraction, contacts = run.series("pressure", "packing_fraction", "contacts")
     found = []
     for phase, end in zip(run.phases, np.cumsum([phase["steps"] for phase in run.phases])):
         row = int(np.searchsorted(time, (end + 0.5) * run.dt)) - 1
@@ -72,7 +72,7 @@ def frictionless(campaign):
     few = max(2, len(rows) // 2)  # the least pressures, where the line is straight
     phi, error = jackknife(lambda some: float(np.mean([line(*np.array(t)[:few, 1:3].T)[2] for t in some])), table)
     out.claims.append(decide(text, bool(abs(phi - PHI) < TOLERANCE),
-                             f"{number(phi, error)} from {len(runs)} packings of {runs[0].n_free} disks and the {few} "
+                             f"{number(phi, error)} from {len(runs)} packing{'s' * (len(runs) > 1)} of {runs[0].n_free} disks and the {few} "
                              f"least pressures; "
                              f"counted as equal up to {TOLERANCE:g}"))
     z = np.array([coordination(run, 3) for run in runs])

@@ -38,6 +38,12 @@ def sections(campaign):
                                  "beyond 3 errors; neighbours' "
                                  f"&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang; "
                                  f"{number(neighbour_correlation(run)[0])}; wander {number(run.wander)} diameters"))
+        fast = np.abs(run.omega) > run.rms
+        near = run.contacts
+        out.claims.append(decide(f"Among {run.n_free} disks those that turn fast are loose: they have fewer contacts.",
+                                 bool(near[fast].mean() < near[~fast].mean()),
+                                 f"{int(fast.sum())} disks with |&Omega;| above the rms have {near[fast].mean():.2f} contacts in "
+                                 f"the mean, the others {near[~fast].mean():.2f}"))
     for name, run in shaken[:1]:
         out.figures.append(map_figure(run))
     return [out]
@@ -54,5 +60,3 @@ def map_figure(run):
                                         f"the rms), with the "
                   "contact network at the end.", "Map of ten thousand disks coloured by mean angular velocity")
 
-
-__all__ = ["sections", "np"]

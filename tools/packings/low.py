@@ -2,7 +2,7 @@
 import numpy as np
 
 from report.page import Figure, Numbers, Section
-from report.style import BLACK, COLOURS, GREY, figure, legend_above, zero_line
+from report.style import COLOURS, GREY, figure, legend_above, zero_line
 from report.verdict import SURE, decide, missing, number
 
 from . import maps
@@ -172,5 +172,3 @@ def map_figure(name, run):
                   "counter-clockwise, linear up to a tenth of the rms and logarithmic beyond. Lines: contacts between "
                   "disks, as wide as their normal forces.", "Map of a packing coloured by mean angular velocity")
 
-
-__all__ = ["sections", "neighbour_correlation", "BLACK"]

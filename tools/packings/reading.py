@@ -52,6 +52,7 @@ class Run:
         """Columns of /summary/disks (docs/results.md), and the totals of the packing."""
         self.omega, self.error = means["omega"][:], means["error"][:]
         self.first, self.second = means["omega_first"][:], means["omega_second"][:]
+        self.contacts = means["coordination"][:]
         diameter = 2 * float(self.radius.mean())
         totals = {key: float(value) for key, value in means.attrs.items() if np.isscalar(value)}
         self.wander = totals["position_rms"]        # rms distance from the mean places, over the mean diameter
@@ -87,7 +88,8 @@ class Run:
     def _contacts(self):
         with h5py.File(self.path, "r") as file:
             state, particles = file["state"], file["particles"]
-            edges = particles["disks/box/edges"][:]
+            edges = particles["disks/box/edges"]
+            edges = edges["value"][-1] if isinstance(edges, h5py.Group) else edges[:]  # a group when it was compressed
             periodic = [word in (b"periodic", "periodic") for word in particles["disks/box"].attrs["boundary"]]
             box = [edge if p else 0.0 for edge, p in zip(edges, periodic)]
             order = np.full(int(state.attrs["n_bodies"]), -1)
