@@ -307,7 +307,7 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
   deck *d = g->d;
   lammps in;
   size_t before = d->reported;
-  int from[COLUMN_KINDS];
+  int from[COLUMN_KINDS] = {0};
   if (!open_file(&in, d, file) || !read_sections(&in)) return;
   if (d->reported == before && in.announced != (long long)in.n_atoms)
     deck_fail(d, file, "%zu atoms in section Atoms; the header says %lld", in.n_atoms, in.announced);

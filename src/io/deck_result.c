@@ -346,7 +346,7 @@ static bool box_of_particles(const h5_file *file, double lower[2], double upper[
 /* As the engine places them. */
 static bool box_of_text(deck *d, const h5_file *file, double lower[2], double upper[2]) {
   deck_result r = {0};
-  double scale;
+  double scale = 1.0;
   char *text = h5_get_text(file, "/parameters/deck_bodies");
   if (text) parse_text(d, &r, text);
   if (r.boxed && h5_get(file, "/state/box_scale", SD_F64, 1, &scale, NULL) != SD_OK) r.boxed = false;
