@@ -297,7 +297,7 @@ static void same_bits(void **unused) {
   free(deck.s);
   sd_simulation *whole = begin_run(m, 1);
   advance(whole, 2900);
-  for (int threads = 1; threads <= 4; threads++) {
+  for (int threads = 1; threads <= 3; threads += 2) {
     sd_simulation *cut = begin_run(m, threads);
     const int64_t pieces[] = {299, 2, 127, 129, 1, 1000, 343};
     int64_t left = 2900;
