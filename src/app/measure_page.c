@@ -11,6 +11,15 @@ static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
 
 /* --- for people --------------------------------------------------------------------------------------- */
 
+/* "-" for what is not known. */
+static const char *shown(double value, int digits, char text[32]) {
+  if (isfinite(value))
+    snprintf(text, 32, "%.*g", digits, value);
+  else
+    snprintf(text, 32, "-");
+  return text;
+}
+
 /* name, value, unit or remark; "-" for what is not known. */
 static void line(FILE *out, const char *name, double value, const char *format, ...) SD_PRINTF(4, 5);
 static void line(FILE *out, const char *name, double value, const char *format, ...) {
@@ -27,55 +36,58 @@ static void line(FILE *out, const char *name, double value, const char *format, 
 
 static void page_disks(FILE *out, const measurement *m) {
   const stress *s = &m->s;
+  char text[32];
   fprintf(out, "\ndisks\n");
   line(out, "free", (double)s->free, "in the region");
   if (s->fixed > 0) line(out, "prescribed", (double)s->fixed, "in the region");
   if (s->outside > 0) line(out, "free elsewhere", (double)s->outside, "left out below");
   if (m->c.n_waiting > 0) line(out, "waiting", (double)m->c.n_waiting, "to be released");
-  if (m->c.n_removed > 0) line(out, "removed", (double)m->c.n_removed, " ");
-  line(out, "rattlers", (double)s->rattlers, "%.3g %%: fewer than %d load-bearing contacts",
-       100.0 * ratio((double)s->rattlers, (double)s->free), m->c.frictionless ? 3 : 2);
+  if (m->c.n_removed > 0) line(out, "removed", (double)m->c.n_removed, "beyond the bounds");
+  line(out, "rattlers", (double)s->rattlers, "%s %%: fewer than %d load-bearing contacts",
+       shown(100.0 * ratio((double)s->rattlers, (double)s->free), 3, text), m->c.frictionless ? 3 : 2);
   fprintf(out, "\npacking\n");
   line(out, "packing fraction", s->fraction, "of the region");
   if (!m->has_cells) return;
+  char local[3][32];
   const cells *t = &m->cells;
   line(out, "inside", t->inside, "of %zu closed cells (%zu are open: at a surface or edge)", t->n_closed,
        t->n_open);
-  line(out, "local", t->mean, "+- %.4g from disk to disk, %.4g to %.4g", t->deviation, t->least, t->most);
+  line(out, "local", t->mean, "+- %s from disk to disk, %s to %s", shown(t->deviation, 4, local[0]),
+       shown(t->least, 4, local[1]), shown(t->most, 4, local[2]));
 }
 
 static void page_contacts(FILE *out, const measurement *m) {
   const stress *s = &m->s;
   const correlation *g = &m->pairs;
-  char a[64], b[64];
+  char text[2][32];
   fprintf(out, "\ncontacts\n");
-  line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load", s->n_wall,
-       s->n_bearing);
-  line(out, "per disk", s->z, "%.6g load-bearing, %.6g without rattlers", s->z_bearing, s->z_backbone);
-  if (m->c.recomputed)
+  if (s->n_contacts == 0)
+    fprintf(out, "  %-26s %12d\n", "closed", 0);
+  else
+    line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load", s->n_wall,
+         s->n_bearing);
+  if (s->n_contacts == 0) return;
+  line(out, "per disk", s->z, "%s load-bearing, %s without rattlers", shown(s->z_bearing, 6, text[0]),
+       shown(s->z_backbone, 6, text[1]));
+  double sliding = 100.0 * ratio((double)s->n_sliding, (double)s->n_contacts);
+  if (m->c.frictionless)
+    line(out, "sliding", NAN, "there is no friction");
+  else if (m->c.recomputed)
     line(out, "sliding", NAN, "not stored with this frame");
   else
-    line(out, "sliding", (double)s->n_sliding, "%.3g %%",
-         100.0 * ratio((double)s->n_sliding, (double)s->n_contacts));
-  line(out, "mobilised friction", g->mobilised.mean, "mean of |tau|/(mu F_n)%s",
-       m->c.frictionless ? ": there is no friction" : "");
-  line(out, "normal force", s->mean_force, "force, mean; spread %.4g, largest %.4g times that",
-       g->normal.deviation, ratio(g->normal.most, s->mean_force));
+    line(out, "sliding", (double)s->n_sliding, "%s %%", shown(sliding, 3, text[0]));
+  line(out, "mobilised friction", g->mobilised.mean, "mean of |tau|/(mu F_n)");
+  line(out, "normal force", s->mean_force, "force, mean; spread %s, largest %s times that",
+       shown(g->normal.deviation, 4, text[0]), shown(ratio(g->normal.most, s->mean_force), 4, text[1]));
   line(out, "tangential force", g->tangential.mean, "force, mean of |tau|");
   line(out, "overlap", s->overlap_mean, "length, mean");
-  if (s->n_contacts > 0) {
-    const sd_model *model = m->c.model;
-    uint32_t wall = s->overlap_b - (uint32_t)model->n_disks;
-    snprintf(a, sizeof a, "disk %u", m->c.number[s->overlap_a]);
-    if (s->overlap_b < model->n_disks)
-      snprintf(b, sizeof b, "disk %u", m->c.number[s->overlap_b]);
-    else
-      snprintf(b, sizeof b, "wall %u", wall);
-    line(out, "largest overlap", s->overlap_max, "length, %s and %s", a, b);
-  }
+  const sd_model *model = m->c.model;
+  bool disk = s->overlap_b < model->n_disks;
+  line(out, "largest overlap", s->overlap_max, "length, disk %u and %s %u", m->c.number[s->overlap_a],
+       disk ? "disk" : "wall", disk ? m->c.number[s->overlap_b] : s->overlap_b - (uint32_t)model->n_disks);
   line(out, "unbalanced force", s->unbalanced, "mean resultant on a disk over mean normal force");
-  line(out, "anisotropy", s->anisotropy, "of the directions of load-bearing contacts, most at %.4g deg",
-       s->fabric_angle * DEGREES);
+  line(out, "anisotropy", s->anisotropy, "of the directions of load-bearing contacts, most at %s deg",
+       shown(s->fabric_angle * DEGREES, 4, text[0]));
 }
 
 static void page_stress(FILE *out, const measurement *m) {
@@ -83,16 +95,17 @@ static void page_stress(FILE *out, const measurement *m) {
   const principal *p = &s->contact_principal;
   const correlation *g = &m->pairs;
   const double *k = s->kinetic;
+  char text[2][32];
   fprintf(out, "\nstress (compression positive)\n");
   line(out, "pressure", p->mean, "force/length");
-  line(out, "deviator", p->deviator, "force/length, %.4g of the pressure; largest stress at %.4g deg",
-       ratio(p->deviator, p->mean), p->angle * DEGREES);
+  line(out, "deviator", p->deviator, "force/length, %s of the pressure; largest stress at %s deg",
+       shown(ratio(p->deviator, p->mean), 4, text[0]), shown(p->angle * DEGREES, 4, text[1]));
   fprintf(out, "  %-26s %12.6g %12.6g\n  %-26s %12.6g %12.6g\n", "xx xy", s->contact[STRESS_XX],
           s->contact[STRESS_XY], "yx yy", s->contact[STRESS_YX], s->contact[STRESS_YY]);
   line(out, "kinetic pressure", 0.5 * (k[STRESS_XX] + k[STRESS_YY]), "force/length");
-  line(out, "kinetic energy", s->energy_translation + s->energy_rotation,
-       "energy per disk, %.3g %% in rotation",
-       100.0 * ratio(s->energy_rotation, s->energy_translation + s->energy_rotation));
+  double energy = s->energy_translation + s->energy_rotation;
+  line(out, "kinetic energy", energy, "energy per disk, %s %% in rotation",
+       shown(100.0 * ratio(s->energy_rotation, energy), 3, text[0]));
   if (!g->pairs) return;
   fprintf(out, "\npairs\n");
   line(out, "g(r) highest", g->peak, "at r = %.6g, %.4g mean diameters", g->peak_r,
@@ -125,15 +138,6 @@ void measure_page(FILE *out, const measurement *m) {
 void measure_rows_head(FILE *out) {
   fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %8s %10s %8s %10s\n", "frame", "step", "time", "disks",
           "rattlers", "contacts", "z", "z back", "fraction", "pressure", "q/p", "unbalanced");
-}
-
-/* "-" for what is not known. */
-static const char *shown(double value, int digits, char text[32]) {
-  if (isfinite(value))
-    snprintf(text, 32, "%.*g", digits, value);
-  else
-    snprintf(text, 32, "-");
-  return text;
 }
 
 void measure_row(FILE *out, const measurement *m) {
@@ -204,7 +208,7 @@ static json_t *contacts_json(const measurement *m) {
   return json_pack(
       "{s:I, s:I, s:I, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "closed",
       (json_int_t)s->n_contacts, "bearing", (json_int_t)s->n_bearing, "fixed", (json_int_t)s->n_wall,
-      "sliding", m->c.recomputed ? json_null() : json_integer((json_int_t)s->n_sliding), "recomputed",
+      "sliding", real(m->c.recomputed || m->c.frictionless ? NAN : (double)s->n_sliding), "recomputed",
       (int)m->c.recomputed, "z", real(s->z), "z_bearing", real(s->z_bearing), "z_backbone",
       real(s->z_backbone), "mean_force", real(s->mean_force), "overlap_mean", real(s->overlap_mean),
       "overlap_max", real(any ? s->overlap_max : NAN), "unbalanced", real(s->unbalanced), "fabric",

@@ -76,7 +76,7 @@ static void add_frame(FILE *out, const measurement *m) {
   const correlation *g = &m->pairs;
   fprintf(out, "%" PRId64 ",%.15g,%zu,%zu,%zu,%zu", m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts,
           s->n_bearing);
-  number(out, m->c.recomputed ? NAN : (double)s->n_sliding);
+  number(out, m->c.recomputed || m->c.frictionless ? NAN : (double)s->n_sliding);
   size_t skin = g->mobilised.n;
   const double values[] = {s->z,
                            s->z_bearing,

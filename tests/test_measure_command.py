@@ -1,0 +1,195 @@
+"""slipdisk measure: frames of finished, unfinished and moved results, against h5py; tables, options, messages."""
+import csv
+import json
+import math
+import shutil
+import signal
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+import results_common
+from results_common import run, start, wait_for
+
+MATERIAL = '{ name = "m"; k_n = 1e4; k_t = 5e3; gamma_n = 5.0; mu = 0.4; }'
+BOX = f"""
+dt = 2e-4;
+gravity = {{ g = 10.0; }};
+materials = ( {MATERIAL} );
+container = {{ type = "box"; width = 1.0; height = 1.5; }};
+packings = ( {{ type = "rain"; count = 30; rows = 1; sizes = "uniform"; lower = 0.05; upper = 0.08; density = 100.0; }} );
+phases = ( {{ steps = 8000; frames = 2000; contacts = 4000; }} );
+"""
+PERIODIC = f"""
+dt = 2e-4;
+materials = ( {MATERIAL} );
+container = {{ type = "periodic"; width = 1.0; height = 2.0; }};
+packings = ( {{ type = "random"; count = 60; sizes = "uniform"; lower = 0.03; upper = 0.06; density = 100.0; }} );
+phases = ( {{ steps = 4000; frames = 1000; contacts = 1000; compress = {{ fraction = 0.7; rate = 0.2; }}; }} );
+"""
+
+
+def rows(path):
+    with open(path) as file:
+        return [{k: float(v) if v else math.nan for k, v in row.items()} for row in csv.DictReader(file)]
+
+
+class Measure(results_common.Folder):
+    def make(self, deck):
+        self.deck = self.folder / "deck.cfg"
+        self.deck.write_text(deck)
+        self.run_ok("run", self.deck, "-o", self.result, "--quiet")
+
+    def json(self, *words):
+        out, _ = self.run_ok("measure", self.result, "--json", *words)
+        return json.loads(out)["frames"]
+
+    def refused(self, status, *words):
+        got, out, err = run("measure", *words)
+        self.assertEqual((got, out), (status, ""), err)
+        return err
+
+    def test_every_frame(self):
+        self.make(BOX)
+        self.deck.unlink()  # the result is enough
+        frames = self.json("--all")
+        with h5py.File(self.result) as file:
+            disks = file["particles/disks"]
+            self.assertEqual([f["step"] for f in frames], list(disks["position/step"]))
+            tables = set(file["contacts/step"][:])
+            radius, mass = disks["radius"][:], disks["mass"][:]
+            for k, frame in enumerate(frames):
+                self.assertEqual(frame["frame"], k)
+                free = disks["activity/value"][k] != 1
+                self.assertEqual(frame["disks"]["free"], np.count_nonzero(free))
+                self.assertEqual(frame["disks"]["waiting"], np.count_nonzero(~free))
+                self.assertEqual(frame["contacts"]["recomputed"], frame["step"] not in tables)
+                # pairs that overlap, counted the slow way
+                at = disks["position/value"][k][free]
+                gap = np.hypot(*(at[:, None] - at[None]).transpose(2, 0, 1)) - radius[free][:, None] - radius[free]
+                pairs = np.count_nonzero(np.triu(gap < 0, 1))
+                contacts = frame["contacts"]
+                self.assertEqual(contacts["closed"] - contacts["fixed"], pairs)
+                self.assertAlmostEqual(contacts["z"], (2 * pairs + contacts["fixed"]) / np.count_nonzero(free), 12)
+                v, spin = disks["velocity/value"][k][free], disks["angular_velocity/value"][k][free]
+                energy = 0.5 * mass[free] @ (v ** 2).sum(axis=1) / np.count_nonzero(free)
+                self.assertAlmostEqual(frame["stress"]["energy_translation"], energy, delta=1e-12 * energy)
+            self.assertTrue(frames[0]["disks"]["waiting"] > 0 and frames[-1]["contacts"]["closed"] > 30)
+            self.assertLess(frames[-1]["contacts"]["unbalanced"], 0.5)
+
+    def test_last_state(self):
+        self.make(BOX)
+        (state,) = self.json()
+        (frame,) = self.json("--frame", 4)
+        self.assertIsNone(state.pop("frame"))
+        self.assertEqual(frame.pop("frame"), 4)
+        self.assertEqual(state, frame)
+        (near,) = self.json("--time", 0.9)
+        self.assertEqual(near["frame"], 2)
+        with h5py.File(self.result, "a") as file:  # an older result: laws and walls come from the deck
+            del file["parameters/model"]
+        (old,) = self.json()
+        old.pop("frame")
+        self.assertEqual(old, state)
+        with h5py.File(self.result, "a") as file:
+            del file["parameters/deck_full"]
+        self.assertIn("is not a result", self.refused(2, self.result))
+
+    def test_tables(self):
+        self.make(BOX)
+        folder = self.folder / "tables"
+        out, _ = self.run_ok("measure", self.result, "--csv", folder, "--bins", 20)
+        self.assertIn("per disk", out)
+        (frame,) = self.json("--bins", 20)
+        self.assertEqual(sorted(p.name for p in folder.iterdir()),
+                         ["contacts.csv", "disks.csv", "forces.csv", "frames.csv", "gr.csv"])
+        disks, contacts = rows(folder / "disks.csv"), rows(folder / "contacts.csv")
+        (total,) = rows(folder / "frames.csv")
+        self.assertEqual(total["z"], frame["contacts"]["z"])
+        self.assertEqual(len(contacts), frame["contacts"]["closed"])
+        self.assertEqual(sum(d["contacts"] for d in disks), frame["contacts"]["z"] * len(disks))
+        self.assertAlmostEqual(sum(d["cell"] for d in disks), frame["cells"]["total"], 12)
+        self.assertAlmostEqual(sum(d["cell"] for d in disks), 1.5, 6)  # the box, but for overlaps with walls
+        with h5py.File(self.result) as file:
+            c = file["contacts"]
+            last = slice(c["first"][-1], c["first"][-1] + c["count"][-1])
+            for name in ("a", "b", "overlap", "force", "tau", "sliding"):
+                self.assertTrue(np.allclose([row[name] for row in contacts], c[name][last], rtol=1e-13, atol=0), name)
+        self.assertEqual(len(rows(folder / "gr.csv")), 20)
+        forces = rows(folder / "forces.csv")
+        self.assertEqual(len(forces), 20)
+        inside = 1 - frame["normal_force"]["beyond"] / frame["normal_force"]["count"]
+        self.assertAlmostEqual(sum(f["normal"] * (f["high"] - f["low"]) for f in forces), inside, 12)
+        self.assertAlmostEqual(sum(f["mobilised"] / 20 for f in forces), 1, 12)
+        written = self.folder / "found.json"
+        out, _ = self.run_ok("measure", self.result, "-o", written, "--bins", 20)
+        self.assertEqual(out, "")
+        self.assertEqual(json.loads(written.read_text())["frames"], [frame])
+
+    def test_changing_box(self):
+        self.make(PERIODIC)
+        frames = self.json("--all")
+        with h5py.File(self.result) as file:
+            edges = file["particles/disks/box/edges/value"][:]
+            covered = np.pi * (file["particles/disks/radius"][:] ** 2).sum()
+        self.assertGreater(edges[0, 0], 1.05 * edges[-1, 0])
+        for frame, edge in zip(frames, edges):
+            self.assertAlmostEqual(frame["region"]["area"], edge[0] * edge[1], 12)
+            self.assertAlmostEqual(frame["fraction"], covered / (edge[0] * edge[1]), 11)
+            self.assertEqual(frame["region"]["periodic"], [True, True])
+            self.assertEqual(frame["cells"]["open"], 0)
+            self.assertAlmostEqual(frame["cells"]["total"] / frame["region"]["area"], 1, 12)
+        (part,) = self.json("--region", "-0.2,0.1,0.3,0.5")
+        self.assertAlmostEqual(part["region"]["area"], 0.06, 12)
+        self.assertLess(part["disks"]["free"], 12)
+
+    def test_unfinished(self):
+        self.deck = self.folder / "deck.cfg"
+        self.deck.write_text(BOX)
+        words = ["run", self.deck, "-o", self.result, "-D", "phases[0].steps=200000000", "-D", "checkpoint=0.05"]
+        process = start(*words)
+        wait_for(lambda: len(self.checkpoints()) > 1)
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 75)
+        frames = self.json("--all")
+        self.assertGreater(len(frames), 2)
+        self.assertEqual([f["frame"] for f in frames[:-1]], list(range(len(frames) - 1)))
+        part = self.parts / "part-000001.h5"
+        out, _ = self.run_ok("measure", part, "--json", "--all")
+        some = json.loads(out)["frames"]
+        self.assertEqual(some, frames[:len(some)])
+        checkpoint = self.parts / f"checkpoint-{self.checkpoints()[0]}.h5"
+        out, _ = self.run_ok("measure", checkpoint, "--json")
+        (state,) = json.loads(out)["frames"]
+        self.assertEqual(state["step"], self.checkpoints()[0])
+        self.assertIn("no frames are stored", self.refused(2, checkpoint, "--frame", 0))
+
+    def test_mistakes(self):
+        self.make(BOX)
+        self.assertIn("frame 5: there are 0 to 4", self.refused(2, self.result, "--frame", 5))
+        self.assertIn("expected x0,x1,y0,y1", self.refused(2, self.result, "--region", "1,0,0,1"))
+        self.assertIn("one of --frame, --time and --all", self.refused(2, self.result, "--all", "--time", 1))
+        self.assertIn("did you mean --frame?", self.refused(2, self.result, "--frames", 1))
+        self.assertIn("whole number", self.refused(2, self.result, "--bins", 0))
+        self.assertIn("one result is expected", self.refused(2))
+        self.assertIn("is not an HDF5 file", self.refused(4, self.deck))
+        self.assertIn("there is neither", self.refused(2, self.folder / "nothing.h5"))
+        other = self.folder / "other.h5"
+        with h5py.File(other, "w") as file:
+            file["x"] = [1.0]
+        self.assertIn("is not a result of slipdisk", self.refused(2, other))
+        damaged = self.folder / "damaged.h5"
+        shutil.copy(self.result, damaged)
+        with h5py.File(damaged, "a") as file:
+            file["state/contact_b"][0] = 4000000
+        self.assertIn("damaged", self.refused(4, damaged))
+        with h5py.File(damaged, "a") as file:
+            file["contacts/count"][1] += 1000000
+        self.assertIn("damaged", self.refused(4, damaged, "--frame", 2))
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(verbosity=1))
