@@ -187,10 +187,12 @@ static void add_atom(lammps *in) {
   }
   atom *a = &in->atoms[in->n_atoms];
   *a = (atom){.type = in->word[s->type], .place = in->here};
-  if (whole(in, 0, "id", &a->id) & number(in, s->diameter, "diameter", &a->diameter) &
-      number(in, s->density, "density", &a->density) & number(in, s->x, "x", &a->x) &
-      number(in, s->x + 1, "y", &a->y))
-    in->n_atoms++;
+  bool good = whole(in, 0, "id", &a->id); /* every value that is wrong is told */
+  good = number(in, s->diameter, "diameter", &a->diameter) && good;
+  good = number(in, s->density, "density", &a->density) && good;
+  good = number(in, s->x, "x", &a->x) && good;
+  good = number(in, s->x + 1, "y", &a->y) && good;
+  in->n_atoms += good;
 }
 
 static int by_id(const void *a, const void *b) {

@@ -8,7 +8,7 @@
 
 #include "io/deck_result.h"
 
-enum { NOWHERE = UINT32_MAX };
+#define NOWHERE UINT32_MAX /* of a body number */
 
 /* The walls of the deck, as read, and where files have put them. */
 typedef struct our_walls {
