@@ -21,7 +21,7 @@ status() {
 
 for deck in "$source_dir"/inputs/*/*.cfg; do
   # a deck that begins with what another one makes is refused until that is there
-  if made=$(grep -o 'file = "deposit[^"]*"' "$deck"); then
+  if made=$(grep -v '^#' "$deck" | grep -o 'file = "deposit[^"]*"'); then
     status 2 "$program" check "$deck" --brief
     grep -q "$made" "$work/err" || fail "no word about $made in $deck"
     continue

@@ -21,7 +21,9 @@ typedef struct sd_energy {
   double viscous, friction, opening; /* lost */
   double relaxed;                    /* taken out by the relaxer */
   double residual;
-  double scale; /* the larger of |work| + losses and the kinetic energy: what the residual is compared with */
+  double
+      scale; /* the larger of |work| + losses and the kinetic energy, at rest 1e-9 of the other energies: what the
+                   residual is compared with */
 } sd_energy;
 
 /* Starts a simulation at step 0 of a finished model. The model must outlive it.

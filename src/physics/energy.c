@@ -42,9 +42,11 @@ sd_energy energy_of(const engine *e) {
   sum.relaxed = e->state->relaxed;
   sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.variant) +
                  (sum.viscous + sum.friction + sum.opening + sum.relaxed);
-  /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale */
-  sum.scale =
-      fmax(fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening) + fabs(sum.relaxed),
-           sum.kinetic_translation + sum.kinetic_rotation);
+  /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale; at
+   * rest it is what rounding can do to the energies that are there */
+  double done =
+      fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening) + fabs(sum.relaxed);
+  double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_skin + fabs(sum.external));
+  sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;
 }
