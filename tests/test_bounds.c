@@ -16,8 +16,8 @@ static char *leaking_box(const char *more) {
   text t = {0};
   text_add(&t, "dt = 2e-5; gravity = { g = 9.81; };\n"
                "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n"
-               "walls = ( { type = \"segment\"; points = ((0, 0), (0.1, 0)); },\n"
-               "  { type = \"segment\"; points = ((0.18, 0), (0.25, 0)); },\n"
+               "walls = ( { type = \"segment\"; points = ((0, 0), (0.07, 0)); },\n"
+               "  { type = \"segment\"; points = ((0.19, 0), (0.25, 0)); },\n"
                "  { type = \"segment\"; points = ((0, 1), (0, 0)); },\n"
                "  { type = \"segment\"; points = ((0.25, 0), (0.25, 1)); } );\n"
                "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
@@ -86,8 +86,8 @@ static void reason_to_stop(void **unused) {
   const sd_state *s = sd_simulation_state(sim);
   assert_int_equal(s->step % OUTSIDE_EVERY, 0);
   assert_int_equal(s->outside, 1);
-  char name[40];
-  for (size_t i = 0; i < s->n_free; i++)
+  char name[60] = "";
+  for (size_t i = 0; i < s->n_free && !*name; i++) /* the first of those that are out */
     if (s->y[i] < -0.1) snprintf(name, sizeof name, "step %lld: disk %u left", (long long)s->step, s->id[i]);
   assert_non_null(strstr(last_text(messages), name));
   sd_messages_free(messages);

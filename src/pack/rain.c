@@ -156,14 +156,12 @@ static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, 
   return SD_OK;
 }
 
-static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_messages *messages) {
+/* Disks first ... end - 1, row upon row. */
+static sd_status place_rows(engine *e, const sd_rain *r, size_t first, size_t end, gsl_rng *numbers,
+                            double *gaps, sd_messages *messages) {
   const sd_model *m = e->model;
-  size_t first = r->first + (size_t)batch * r->batch, end = r->first + r->count;
-  if (end - first > r->batch) end = first + r->batch;
-  double top = top_of(e, r), low = top + r->gap, *gaps = malloc((end - first) * sizeof *gaps);
-  gsl_rng *numbers = numbers_of(e, r, batch);
-  sd_status status =
-      gaps && numbers ? SD_OK : sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
+  double top = top_of(e, r), low = top + r->gap;
+  sd_status status = SD_OK;
   for (size_t n; status == SD_OK && first < end; first += n) {
     double largest = 0.0;
     n = rain_row(m, first, end, r->upper - r->lower);
@@ -171,6 +169,19 @@ static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_m
     status = place_row(e, r, first, n, low, fmax(top, r->floor), numbers, gaps, messages);
     low += (2.0 + ROW_GAP) * largest;
   }
+  return status;
+}
+
+static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_messages *messages) {
+  size_t first = r->first + (size_t)batch * r->batch, end = r->first + r->count;
+  if (end - first > r->batch) end = first + r->batch;
+  double *gaps = malloc((end - first) * sizeof *gaps);
+  gsl_rng *numbers = numbers_of(e, r, batch);
+  sd_status status = SD_ERROR_IO;
+  if (gaps && numbers)
+    status = place_rows(e, r, first, end, numbers, gaps, messages);
+  else
+    sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   free(gaps);
   if (numbers) gsl_rng_free(numbers);
   return status;
