@@ -18,6 +18,7 @@ from . import budget, controls, drive, flows, jamming, large, limits, low, plan
 from .runs import ROOT, Campaign, Stopped
 
 TITLE = "Packings: shaken, compressed, poured"
+LARGE = 1 << 20  # bytes of a picture that is kept at half its size
 MODULES = (low, drive, controls, budget, jamming, flows, large)
 
 
@@ -118,7 +119,10 @@ def keep_in(folder, page, figures):
         file.write(text.replace("](figures/", "](figures/packings/"))
     for name in figures:
         with Image.open(os.path.join(os.path.dirname(page), "figures", name + ".png")) as picture:
-            small = picture.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+            colours = picture.convert("RGB")
+            if os.path.getsize(picture.filename) > LARGE:
+                colours = colours.reduce(2)
+            small = colours.quantize(128, dither=Image.Dither.NONE)
             small.save(os.path.join(place, name + ".png"), optimize=True)
 
 

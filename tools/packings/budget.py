@@ -68,7 +68,7 @@ def convergence(runs, out):
         x = np.geomspace(dt.min(), dt.max(), 20)
         axes.plot(x * 1e6, factor * x ** slope, color=COLOURS[k], lw=0.9)
         claims.append(decide(f"The residual falls with the time step "
-                             f"({name}).", slope > 2 * spread if np.isfinite(spread) else None,
+                             f"({name}).", True if slope > 2 * spread else False if slope < 0 else None,
                              f"|residual|/scale ~ dt<sup>{number(slope, spread)}</sup>, from "
                              f"{number(value[-1], error[-1])} at "
                              f"{dt[-1]:g} s to {number(value[0], error[0])} at {dt[0]:g} s "

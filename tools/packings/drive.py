@@ -3,7 +3,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from report.page import Figure, Numbers, Section
-from report.style import COLOURS, GREY, LIGHT, figure, legend_below
+from report.style import COLOURS, GREY, LIGHT, figure
 from report.verdict import SURE, decide, missing, number
 
 from .statistics import crossing, jackknife, mean_error, pearson, pooled, power_law, spearman
@@ -11,6 +11,7 @@ from .statistics import crossing, jackknife, mean_error, pearson, pooled, power_
 FREQUENCY = 80.0
 OPEN = 0.1           # openings per contact and period that separate the regimes
 FEW, MANY = 0.01, 1.0  # how sharp it is: the drives at which this many are reached
+SHARP = 5.0
 SOLID = 0.25         # rms displacement about the mean place over the mean diameter, below which it is a solid
 
 
@@ -102,8 +103,11 @@ def separates(out, table, rows, drives):
     text = (f"{OPEN:g} openings per contact and period are reached at {number(start, error)} <i>g</i>; {FEW:g} at "
             f"{number(low)} <i>g</i> and {MANY:g} at {number(high)} <i>g</i>. At {drives[0]:g} <i>g</i> there are "
             f"{number(weakest)}, at {drives[-1]:g} <i>g</i> {number(strongest)}")
-    sure = np.isfinite(start) and weakest < 1e-2 * strongest
-    out.claims.append(decide("The opening of contacts separates two regimes.", bool(sure), text))
+    if not np.isfinite(low):
+        text += f"; nowhere there are fewer than {FEW:g}, so it cannot be said how sharp the change is"
+    sharp = None if not (np.isfinite(low) and np.isfinite(high)) else bool(high < SHARP * low)
+    out.claims.append(decide("The opening of contacts separates two regimes: from few to many openings it takes less "
+                             f"than a factor of {SHARP:g} in the drive.", sharp, text))
     return start, error
 
 
@@ -122,7 +126,7 @@ def growth(out, rows, drives, start):
         ends = [value[part][-1] > value[part][0] + SURE * np.hypot(error[part][-1], error[part][0])
                 for part in (low, ~low) if part.sum() >= 2]
         out.claims.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.",
-                                 bool(len(ends) == 2 and all(ends) and not down),
+                                 False if down else True if len(ends) == 2 and all(ends) else None,
                                  "; ".join(told) + f"; {up} of {len(steps)} steps are up, {down} significantly down; "
                                                    f"from "
                                  f"{number(value[0], error[0])} to {number(value[-1], error[-1])} rad/s"))
@@ -143,12 +147,19 @@ def solid(out, rows):
                                 if far else "; no single disk wanders by a diameter")))
 
 
+def _all(verdicts):
+    """True, False or None of several such."""
+    verdicts = list(verdicts)
+    return False if False in verdicts else None if None in verdicts else True
+
+
 def lasting(out, rows):
     value = columns(rows, "pearson")[0]
     share = columns(rows, "significant")[0]
+    marks = [" (not significant)" if lasts(r["pearson"]) is None else "" for r in rows]
     out.claims.append(decide("Rotation lasts at every drive (correlation of halves above "
-                             "0.5).", bool((value > 0.5).all()),
-                             "correlation " + ", ".join(f"{v:.3f}" for v in value) + " and significant disks "
+                             "0.5).", _all(lasts(r["pearson"]) for r in rows),
+                             "correlation " + ", ".join(f"{v:.3f}{mark}" for v, mark in zip(value, marks)) + " and significant disks "
                              + ", ".join(f"{100 * v:.0f} %" for v in share) + " at "
                              + ", ".join(f"{r['drive']:g}" for r in rows) + " <i>g</i>"))
 
@@ -235,12 +246,11 @@ def random_floor(campaign):
                                  + (f"; harmonic: rms "
                                     f"{number(*mean_error([run.rms for run in harmonic[r['drive']]]))} rad/s"
                                     if r["drive"] in harmonic else "")))
-    picture, axes = figure(columns=len(rows), height=3.3, legend=True)
+    picture, axes = figure(columns=len(rows), height=3.6)
     for panel, r in zip(np.atleast_1d(axes), rows):
         groups = [run.halves() for run in table[r["drive"]]]
         for k, (a, b) in enumerate(groups):
-            panel.plot(a, b, "o", ms=3, mew=0.6, mfc="none", color=COLOURS[k % len(COLOURS)],
-                       label=f"packing {k + 1}")
+            panel.plot(a, b, "o", ms=3, mew=0.6, mfc="none", color=COLOURS[k % len(COLOURS)])
         top = 1.08 * max(np.abs(np.concatenate([np.concatenate(g) for g in groups])).max(), 1e-12)
         panel.plot([-top, top], [-top, top], color=GREY, lw=0.8, gid="guide")
         panel.set_xlim(-top, top)
@@ -249,7 +259,6 @@ def random_floor(campaign):
         panel.set_xlabel(r"$\Omega_i$, first half (rad/s)")
         panel.set_title(f"{r['drive']:g} $g$")
     np.atleast_1d(axes)[0].set_ylabel(r"$\Omega_i$, second half (rad/s)")
-    legend_below(picture, np.atleast_1d(axes), columns=5)
     out.figures.append(Figure("random", picture, "Mean angular velocities in two halves of the runs under random "
                                                  "vibration.",
                               "Scatter plots of mean angular velocities in two halves, random vibration"))

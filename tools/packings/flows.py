@@ -11,6 +11,7 @@ from . import maps
 from .statistics import line, mean_error
 
 DEGREE = 180 / np.pi
+STEADY = 0.05  # relative change of a rate that still counts as none
 NARROW = 10  # widest outlet that enters Beverloo's law: a third of the width of the hopper
 
 
@@ -159,8 +160,8 @@ def hopper(campaign):
     out = Section("hopper", "Discharge of a hopper",
                   "<code>inputs/packing/hopper.cfg</code>, walls inclined by 45&deg;, lengths in mean diameters "
                   "<i>d</i>, <i>g</i> = 1. "
-                  "The rate <i>W</i> is that of disks passing the outlet while 5 to 45 % of them leave. Outlets up to a "
-                  "third of the width are fitted. Beverloo's "
+                  "The rate <i>W</i> is that of disks passing the outlet while 5 to 45 % of them leave. Outlets up "
+                  "to a third of the width are fitted. Beverloo's "
                   "law in "
                   "two dimensions: <i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k "
                   "d</i>)<sup>3/2</sup>.", missing=campaign.missing("hopper"))
@@ -185,7 +186,7 @@ def hopper(campaign):
     a, a_error, k, k_error, factor, chi2, degrees = beverloo(width[narrow], rate[narrow, 0], error[narrow])
     fixed = beverloo(width[narrow], rate[narrow, 0], error[narrow], 1.5)
     every = beverloo(width, rate[:, 0], error)
-    out.claims.append(decide(text, bool(abs(a - 1.5) < 2 * a_error) if a_error < 0.3 else None,
+    out.claims.append(decide(text, bool(abs(a - 1.5) < 2 * a_error) if a_error < 0.15 else None,
                              f"free exponent {number(a, a_error)} with k = {number(k, k_error)} (&chi;&sup2; = {chi2:.1f} "
                              f"for {degrees} degrees of freedom); exponent 3/2: k = {number(fixed[2], fixed[3])}, C = "
                              f"{number(fixed[4])}, &chi;&sup2; = {fixed[5]:.1f} for {fixed[6]}. With all outlets, also "
@@ -193,11 +194,10 @@ def hopper(campaign):
                              f"{number(every[2], every[3])}"))
     change = [flow.late / flow.early - 1 for some in found.values() for flow in some]
     mean, spread = mean_error(change)
-    out.claims.append(decide("The rate is constant: it does not depend on the height of the "
-                             "filling.", bool(abs(mean) < 0.05),
-                             f"second half of the window against the first: {percent(mean)} &plusmn; "
-                             f"{100 * spread:.1f} %, "
-                             "counted as constant up to 5 %"))
+    steady = True if abs(mean) + spread < STEADY else False if abs(mean) - 2 * spread > STEADY else None
+    out.claims.append(decide("The rate is constant: it does not depend on the height of the filling.", steady,
+                             f"second half of the window against the first: {percent(mean)} &plusmn; {100 * spread:.1f} %, "
+                             f"counted as constant up to {100 * STEADY:g} %"))
     out.tables.append(Numbers("Discharge", ["D/d", "runs", "rate (disks per sqrt(d/g))", "error", "late/early"],
                               [[float(d), len(found[d]), float(r[0]), float(r[1]),
                                 float(np.mean([flow.late / flow.early for flow in found[d]]))]
