@@ -128,6 +128,26 @@ static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f,
   return SD_OK;
 }
 
+/* Where a wall stands across direction c; NAN when it is no line along the other one. */
+static double across(const sd_wall *w, int c) {
+  if (w->kind != SD_WALL_LINE) return NAN;
+  double rise = w->points[1][c] - w->points[0][c], run = w->points[1][1 - c] - w->points[0][1 - c];
+  return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
+}
+
+/* An edge of the region that was a straight wall at the start goes where the wall has gone: lids and servo walls
+ * make a container smaller. */
+static void follow_walls(sd_model *m, const sd_model *from) {
+  for (size_t w = 0; w < m->n_walls; w++)
+    for (int c = 0; c < 2; c++) {
+      double before = across(&from->walls[w], c), now = across(&m->walls[w], c);
+      double near = 1e-9 * (from->region_upper[c] - from->region_lower[c]);
+      if (!isfinite(now)) continue;
+      if (fabs(before - from->region_lower[c]) <= near) m->region_lower[c] = now;
+      if (fabs(before - from->region_upper[c]) <= near) m->region_upper[c] = now;
+    }
+}
+
 static sd_status fill_bodies(configuration *c, const sd_model *from, const frame_data *f,
                              uint32_t *renumbered) {
   sd_model *m = c->model;
@@ -141,6 +161,7 @@ static sd_status fill_bodies(configuration *c, const sd_model *from, const frame
     renumbered[from->n_disks + w] = (uint32_t)m->n_disks + w;
     if (fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w) != SD_OK) return SD_ERROR_IO;
   }
+  follow_walls(m, from);
   return SD_OK;
 }
 

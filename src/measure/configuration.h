@@ -67,7 +67,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
                             sd_messages *messages);
 void configuration_free(configuration *c);
 
-/* What is called full: the region of the model, the periodic box along periodic directions, and where neither
+/* What is called full: the region of the model, with walls that have moved, the periodic box along periodic directions, and where neither
  * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. */
 region configuration_region(const configuration *c, const double *wanted);
 /* b of a contact can be a disk that moves. */

@@ -43,9 +43,24 @@ settle_measure settle_look(const engine *e) {
   return (settle_measure){kinetic / (double)n, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
 }
 
+/* A servo whose disks do not feel its force yet creeps on, however slowly; a lid must not swing. */
+static const double SERVO_NEAR = 0.01; /* of the force, as its speed is of the largest */
+
+static bool walls_rest(const engine *e, double kinetic) {
+  const sd_state *s = e->state;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const sd_motion *m = &e->model->motions[k];
+    double v = s->motion_v0[k];
+    if (s->motion_start[k] < 0) continue;
+    if (m->kind == SD_MOTION_SERVO && fabs(v) > SERVO_NEAR * m->velocity) return false;
+    if (m->kind == SD_MOTION_LOAD && kinetic > 0.0 && 0.5 * m->mass * v * v > kinetic) return false;
+  }
+  return true;
+}
+
 bool settle_reached(const engine *e) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
-  if (rain_waits(e)) return false;
+  if (rain_waits(e) || !walls_rest(e, asked->kinetic)) return false;
   settle_measure now = settle_look(e);
   return (asked->kinetic <= 0.0 || now.kinetic <= asked->kinetic) &&
          (asked->unbalanced <= 0.0 || now.unbalanced <= asked->unbalanced);

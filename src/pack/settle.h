@@ -12,7 +12,8 @@ typedef struct settle_measure {
 } settle_measure;
 
 settle_measure settle_look(const engine *e);
-/* All criteria of the running phase hold, and no disk waits. */
+/* All criteria of the running phase hold, no disk waits, servo walls are within 1 % of their force, and walls under a
+ * load have no more kinetic energy than a disk may have. */
 bool settle_reached(const engine *e);
 
 #endif
