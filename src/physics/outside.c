@@ -37,10 +37,12 @@ static sd_status treat(engine *e, size_t i, sd_messages *messages) {
   if (how == SD_OUTSIDE_STOP)
     return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s left the bounds, it is at (%g, %g)",
                    (long long)s->step, name, s->x[i], s->y[i]);
-  if (s->outside <= OUTSIDE_TOLD)
+  /* what is meant to leave is told of once; the end of the run says how many, and which */
+  int64_t told = how == SD_OUTSIDE_REMOVE ? 1 : OUTSIDE_TOLD;
+  if (s->outside <= told)
     sd_warn(messages, "step %lld: %s left the bounds, it is at (%g, %g)%s", (long long)s->step, name, s->x[i],
             s->y[i], how == SD_OUTSIDE_REMOVE ? " and is taken out" : "");
-  if (s->outside == OUTSIDE_TOLD + 1)
+  if (s->outside == told + 1)
     sd_warn(messages, "step %lld: more disks leave the bounds; they are only counted from here on",
             (long long)s->step);
   s->activity[i] = SD_OUTSIDE;

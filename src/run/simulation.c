@@ -164,7 +164,7 @@ static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
   if (threads == 1) {
     unsigned mode = subnormal_off();
-    if (e->work.few && !e->model->phases[e->state->phase].relax)
+    if (e->work.few)
       advance_few(e, n, measure);
     else
       advance_member(e, &(team){0, 1}, n, measure);

@@ -12,7 +12,7 @@ from .statistics import line, mean_error
 
 DEGREE = 180 / np.pi
 STEADY = 0.05  # relative change of a rate that still counts as none
-NARROW = 10  # widest outlet that enters Beverloo's law: a third of the width of the hopper
+NARROW = 12  # widest outlet that enters Beverloo's law: a third of the width of the hopper
 
 
 def sections(campaign):

@@ -9,7 +9,7 @@ from . import maps
 from .drive import lasts
 from .statistics import jackknife, mean_error, moments, pearson, pooled, spearman
 
-PLAIN = {"low": "0.5 <i>g</i>", "moderate": "2 <i>g</i>"}
+PLAIN = {"low": "0.3 <i>g</i>", "moderate": "2 <i>g</i>"}
 DECK = {"low": "shake_low.cfg", "moderate": "shake_moderate.cfg"}
 
 
