@@ -65,7 +65,8 @@ static sd_status check_extents(const h5_file *file, const sd_state *state, sd_me
   int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
   if (format != CHECKPOINT_FORMAT)
     return sd_fail(messages, SD_ERROR_USER,
-                   "the state is stored in format %" PRId64 ", this program reads %d", format, CHECKPOINT_FORMAT);
+                   "the state is stored in format %" PRId64 ", this program reads %d", format,
+                   CHECKPOINT_FORMAT);
   sd_status status = SD_OK;
   for (size_t k = 0; k < EXTENTS; k++) {
     int64_t stored = h5_get_attr_i64(file, "/state", extents[k].name, -1);

@@ -45,7 +45,8 @@ static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
   const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
   const deck_node *file = deck_get(g, "file");
   if (!file)
-    deck_fail_key(g->d, g->node, key, "missing: expected (lower, upper), since the box is periodic in %s", key);
+    deck_fail_key(g->d, g->node, key, "missing: expected (lower, upper), since the box is periodic in %s",
+                  key);
   if (!file || !name) return false;
   if (!from->tried)
     from->found = deck_file_format(name) == DECK_HDF5 ? deck_result_box(g->d, file, from->lower, from->upper)

@@ -136,7 +136,8 @@ static const deck_key file_keys[] = {
     {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
     {"contacts", BOOL, "false", NULL,
-     "result or checkpoint of a run: take its contacts over too, so that the packing stays exactly as it was"},
+     "result or checkpoint of a run: take its contacts over too, so that the packing stays exactly as it "
+     "was"},
     DISK("-")};
 TABLE(deck_disk_files, "disk_files", false,
       "Many disks from a file; keys of `disks` that are not columns hold for all rows.", file_keys);
