@@ -130,7 +130,7 @@ static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f,
 
 /* Where a wall stands across direction c; NAN when it is no line along the other one. */
 static double across(const sd_wall *w, int c) {
-  if (w->kind != SD_WALL_LINE) return NAN;
+  if (w->kind != SD_WALL_LINE || !w->points) return NAN;
   double rise = w->points[1][c] - w->points[0][c], run = w->points[1][1 - c] - w->points[0][1 - c];
   return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
 }
