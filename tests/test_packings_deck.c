@@ -629,7 +629,7 @@ static void test_rain_mistakes(void **state) {
   refused(HEAD DRUM RAIN("x = (-2, 2); y = (0, 1.5); "),
           "packings[0].rows: a batch is 2 high, the region only 1.5");
   refused("dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );" BOX RAIN(""),
-          "packings[0].interval: missing: nothing falls without gravity or speed");
+          "packings[0]: nothing falls; expected gravity that points down (g > 0), or a speed > 0");
   sd_model_free(
       good("dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );" BOX RAIN("speed = 1; ")));
 }

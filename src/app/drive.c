@@ -82,11 +82,11 @@ static void show(void *user, const session_progress *p) {
 
 /* --- run ------------------------------------------------------------------------------------------ */
 
-/* Errors go to the screen even with --quiet. */
+/* Errors and warnings go to the screen even with --quiet. */
 static void tell_messages(teller *t, const sd_messages *messages) {
   if (sd_messages_count(messages) == 0) return;
   if (t->screen) end_line(t);
-  if (t->screen || sd_messages_errors(messages) > 0) sd_messages_print(messages, stderr);
+  sd_messages_print(messages, stderr);
   if (t->log) sd_messages_print(messages, t->log);
 }
 

@@ -111,16 +111,35 @@ static bool may_leak(const sd_model *m) {
 
 /* --- the group ------------------------------------------------------------------------------------------- */
 
+static bool starts_inside(const deck *d, size_t i) {
+  const sd_bounds *b = &d->model->bounds;
+  const sd_disk *disk = &d->model->disks[i];
+  bool inside = disk->waiting || deck_is_driven(d, i);
+  for (int c = 0; c < 2 && !inside; c++)
+    if (disk->position[c] < b->lower[c] || disk->position[c] > b->upper[c]) return false;
+  return true;
+}
+
+/* Limits that nobody has written are no reason to refuse the deck. */
+static void warn_start(const deck *d) {
+  const sd_model *m = d->model;
+  size_t found = 0, first = 0;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (!starts_inside(d, i) && found++ == 0) first = i;
+  if (found == 0) return;
+  char name[96];
+  sd_warn(d->messages, "%s:%d: %s at (%g, %g) starts outside the container%s", d->disk_place[first].file,
+          d->disk_place[first].line, sd_model_body_name(m, (uint32_t)first, name, sizeof name),
+          m->disks[first].position[SD_X], m->disks[first].position[SD_Y],
+          found > 1 ? ", and so do others" : "");
+}
+
 static void check_start(deck *d) {
   const sd_model *m = d->model;
-  const sd_bounds *b = &m->bounds;
   size_t found = 0;
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *disk = &m->disks[i];
-    bool inside = true;
-    for (int c = 0; c < 2; c++)
-      inside = inside && !(disk->position[c] < b->lower[c] || disk->position[c] > b->upper[c]);
-    if (inside || disk->waiting || deck_is_driven(d, i) || found++ >= MOST_ALIKE) continue;
+    if (starts_inside(d, i) || found++ >= MOST_ALIKE) continue;
     char name[96];
     deck_fail_place(d, d->disk_place[i], "%s at (%g, %g) starts outside the bounds",
                     sd_model_body_name(m, (uint32_t)i, name, sizeof name), disk->position[SD_X],
@@ -159,4 +178,5 @@ void deck_read_bounds(deck *d) {
   b->outside = (sd_outside)deck_choice(&g, "outside");
   if (written && !b->given) deck_fail(d, g.node, "there is nothing to leave; expected x, y or both");
   if (set && d->reported == 0) check_start(d);
+  if (!set && d->reported == 0 && m->container != SD_CONTAINER_NONE) warn_start(d);
 }

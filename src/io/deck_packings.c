@@ -417,8 +417,8 @@ static void make_rain(packing *p) {
                   .speed = deck_number(g, "speed")};
   rain.floor = rain_floor(p);
   double interval = fall_time(m, height, rain.speed);
-  if (!deck_get(g, "interval") && isnan(interval))
-    deck_fail_key(d, g->node, "interval", "missing: nothing falls without gravity or speed");
+  if (isnan(interval))
+    deck_fail(d, g->node, "nothing falls; expected gravity that points down (g > 0), or a speed > 0");
   else
     deck_default_number(g, "interval", interval);
   check_rain(p, height);

@@ -4,9 +4,11 @@
  * count. No quoting: names and numbers need none.
  */
 #include <ctype.h>
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "io/deck_result.h"
 #include "io/file.h"
@@ -266,6 +268,10 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
       deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; a dataset gives numbers only",
                     deck_column_names[t->column[c]]);
   const char *dataset = deck_text_of(g, "dataset");
+  if (access(path, R_OK) != 0) {
+    deck_fail(d, file, "cannot be read: %s", strerror(errno));
+    return;
+  }
   if (!dataset) {
     deck_fail_key(d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
     return;

@@ -135,8 +135,19 @@ static double across(const sd_wall *w, int c) {
   return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
 }
 
-/* An edge of the region that was a straight wall at the start goes where the wall has gone: lids and servo walls
- * make a container smaller. */
+/* All disks that move are on one side of a line across c at `at`: -1 below, +1 above, 0 on both. */
+static int side_of_disks(const sd_model *m, int c, double at) {
+  bool below = false, above = false;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    if (m->disks[i].driven) continue;
+    below |= m->disks[i].position[c] < at;
+    above |= m->disks[i].position[c] > at;
+  }
+  return (above ? 1 : 0) - (below ? 1 : 0);
+}
+
+/* An edge of the region that was a straight wall at the start goes where the wall has gone, and a straight wall within
+ * the region ends it where no disk is behind: lids and servo walls make a container smaller. */
 static void follow_walls(sd_model *m, const sd_model *from) {
   for (size_t w = 0; w < m->n_walls; w++)
     for (int c = 0; c < 2; c++) {
@@ -145,6 +156,14 @@ static void follow_walls(sd_model *m, const sd_model *from) {
       if (!isfinite(now)) continue;
       if (fabs(before - from->region_lower[c]) <= near) m->region_lower[c] = now;
       if (fabs(before - from->region_upper[c]) <= near) m->region_upper[c] = now;
+    }
+  for (size_t w = 0; w < m->n_walls; w++)
+    for (int c = 0; c < 2; c++) {
+      double now = across(&m->walls[w], c);
+      if (!(now > m->region_lower[c] && now < m->region_upper[c])) continue;
+      int side = side_of_disks(m, c, now);
+      if (side > 0) m->region_lower[c] = now;
+      if (side < 0) m->region_upper[c] = now;
     }
 }
 

@@ -292,6 +292,21 @@ static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages 
               phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
 }
 
+/* The area would be that of the container as it was, not of what a lid has left of it. */
+static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  for (size_t q = 0; q < m->n_motions; q++) {
+    const sd_motion *motion = &m->motions[q];
+    bool moved = false;
+    for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
+    if (moved && (motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO))
+      sd_fail(
+          msg, SD_ERROR_USER,
+          "phases[%zu].compress: the wall of motion \"%s\" may be anywhere by then; expected walls that only "
+          "compression moves, or servo walls all the time",
+          phase, motion->name ? motion->name : "?");
+  }
+}
+
 static void check_compress(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
@@ -314,6 +329,7 @@ static void check_compress(const sd_model *m, sd_messages *msg) {
             "phases[%zu].compress: motion \"%s\" prescribes positions that compression changes; expected a "
             "phase in which it is off",
             k, m->motions[q].name ? m->motions[q].name : "?");
+    check_moved_walls(m, k, msg);
   }
 }
 

@@ -166,7 +166,9 @@ static sd_status place_rows(engine *e, const sd_rain *r, size_t first, size_t en
     double largest = 0.0;
     n = rain_row(m, first, end, r->upper - r->lower);
     for (size_t k = 0; k < n; k++) largest = fmax(largest, m->disks[first + k].radius);
-    status = place_row(e, r, first, n, low, fmax(top, r->floor), numbers, gaps, messages);
+    /* a lid that presses on the highest disk is in the way, too */
+    double end_of_fall = fmax(top - 0.5 * largest, r->floor);
+    status = place_row(e, r, first, n, low, end_of_fall, numbers, gaps, messages);
     low += (2.0 + ROW_GAP) * largest;
   }
   return status;

@@ -31,14 +31,17 @@ settle_measure settle_look(const engine *e) {
   const columns *c = e->work.columns;
   double kinetic = 0.0, force = 0.0;
   size_t n = 0;
+  bool outside = false;
   for (size_t i = 0; i < s->n_free; i++) {
+    outside |= s->activity[i] == SD_OUTSIDE;
     if (s->activity[i] != SD_IN_PLAY) continue;
     kinetic +=
         moving(&c[SD_X], s->mass, i) + moving(&c[SD_Y], s->mass, i) + moving(&c[SD_THETA], s->inertia, i);
     force += hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i));
     n++;
   }
-  if (n == 0) return (settle_measure){0.0, 0.0};
+  /* what falls beyond the bounds is not at rest */
+  if (n == 0) return outside ? (settle_measure){HUGE_VAL, HUGE_VAL} : (settle_measure){0.0, 0.0};
   double contact = mean_force(e), mean = force / (double)n;
   return (settle_measure){kinetic / (double)n, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
 }

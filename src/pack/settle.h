@@ -6,7 +6,7 @@
 
 /* Over the free disks in play and within the bounds: kinetic energy per disk, of translation and rotation; mean
  * resultant force on one (contacts, gravity, body forces; coordinates that are free) over the mean normal force of
- * the closed contacts, 0 when there is neither, infinite without contacts. */
+ * the closed contacts, 0 when there is neither, infinite without contacts. Both infinite when all are beyond. */
 typedef struct settle_measure {
   double kinetic, unbalanced;
 } settle_measure;
