@@ -231,6 +231,28 @@ static void a_servo_reaches_its_force(void **unused) {
     }
 }
 
+/* A run that begins in equilibrium stays there: the servo knows the forces of step 0. */
+static void a_servo_begins_at_its_force(void **unused) {
+  (void)unused;
+  text t = {0};
+  text_add(&t,
+           "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 1; } );\n"
+           "disks = ( { x = 0; y = %.17g; radius = 1; mass = 1; } );\n" FLOOR_AND_LID
+           "motions = ( { wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force = -4; speed = 1; } );\n"
+           "steps = 1000;\n",
+           1 - 4e-4, 2 - 8e-4, 2 - 8e-4);
+  sd_model *m = model_with("verlet", 1e-4, t.s);
+  free(t.s);
+  sd_simulation *sim = begin_run(m, 1);
+  for (int k = 0; k < 20; k++) {
+    advance(sim, 1 + 3 * k);
+    wall_now lid = wall_of(sim, "lid");
+    between(lid.vy, -1e-9, 1e-9, "velocity of the lid");
+    between(lid.y - (2 - 8e-4), -1e-12, 1e-12, "way of the lid");
+  }
+  end(sim);
+}
+
 /* Four walls around a lattice, or around the same disks with friction, each under its own servo. */
 static void add_box(text *t, const char *friction, double speed) {
   text_add(t, "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 2; %s } );\n", friction);
@@ -538,6 +560,7 @@ int main(void) {
       cmocka_unit_test(a_lid_oscillates_as_theory_says),
       cmocka_unit_test(the_energy_budget_closes),
       cmocka_unit_test(a_servo_reaches_its_force),
+      cmocka_unit_test(a_servo_begins_at_its_force),
       cmocka_unit_test(four_walls_hold_a_pressure),
       cmocka_unit_test(bits_do_not_depend_on_the_way),
       cmocka_unit_test(a_round_load_among_few_disks),

@@ -76,7 +76,7 @@ class Ends(Runs):
 
     def test_not_at_rest(self):
         out, err = self.run_ok("run", self.deck(most=3000), "-o", self.result)
-        self.assertIn('warning: phase "fall" has taken all its 3000 steps and is not at rest; kinetic energy per disk', err)
+        self.assertIn('warning: phase "fall" has ended after all its 3000 steps and is not at rest; kinetic energy per disk', err)
         self.assertIn("asked for is 1e-08", err)
         self.assertIn("NOT reached", out)
         with h5py.File(self.result) as file:

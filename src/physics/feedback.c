@@ -60,6 +60,11 @@ void feedback_begin(engine *e, size_t k) {
   s->motion_u1[k] = m->kind == SD_MOTION_SERVO ? -force : 0.0;
 }
 
+void feedback_start(engine *e) {
+  for (size_t k = 0; k < e->model->n_motions; k++)
+    if (feedback_drives(&e->model->motions[k]) && e->state->motion_start[k] >= 0) feedback_begin(e, k);
+}
+
 void feedback_end(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   sd_state *s = e->state;

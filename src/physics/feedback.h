@@ -38,6 +38,8 @@ void feedback_list(engine *e, feedbacks *all);
 
 /* Motion k was switched on: its wall begins at rest where it is. */
 void feedback_begin(engine *e, size_t k);
+/* The forces of step 0 are known now: what runs begins with them. */
+void feedback_start(engine *e);
 /* Motion k was switched off: its wall stays where it is. */
 void feedback_end(engine *e, size_t k);
 

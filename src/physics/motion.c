@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "physics/engine.h"
 #include "physics/feedback.h"
 #include "physics/kernels.h"
 #include "physics/neighbours.h"
@@ -509,6 +510,8 @@ void motion_place(engine *e, thread_work *mine) {
   int64_t k = motion_index(e);
   for (placed *p = q->places; p < q->places + q->n_placed; p++) {
     double after = p->value[k];
+    p->moved = 0.0;
+    if (p->slot < s->n_free && !engine_in_play(s, p->slot)) continue; /* it waits, or was taken out */
     p->moved = after - p->last;
     p->force_before = *p->force;
     *p->at = p->last = after;

@@ -17,6 +17,7 @@
 #include "physics/contacts.h"
 #include "physics/energy.h"
 #include "physics/engine.h"
+#include "physics/feedback.h"
 #include "physics/few.h"
 #include "physics/kernels.h"
 #include "physics/motion.h"
@@ -88,6 +89,7 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
   status = begin_phase(e, messages);
   if (status == SD_OK && rain_next(e, -1) == 0) status = rain_release(e, messages);
   if (status == SD_OK) status = engine_start(e, messages);
+  if (status == SD_OK) feedback_start(e);
   if (status == SD_OK && measures(e)) measure_begin(e);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }
