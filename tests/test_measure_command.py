@@ -145,6 +145,25 @@ class Measure(results_common.Folder):
         self.assertAlmostEqual(part["region"]["area"], 0.06, 12)
         self.assertLess(part["disks"]["free"], 12)
 
+    def test_lid(self):
+        """The region ends at a lid that has come down, in the run itself and in one that begins with its result."""
+        lid = ('dt = 2e-4; gravity = { g = 10.0; }; materials = ( %s );\n'
+               'container = { type = "box"; width = 1.0; height = 1.5; open = false; };\n' % MATERIAL)
+        press = 'motions = ( { wall = "lid"; coordinate = "y"; type = "load"; mass = 1.0; force = -5; } );\n'
+        self.make(lid + press + 'packings = ( { type = "random"; count = 30; radius = 0.07; density = 10.0; } );\n'
+                  'phases = ( { steps = 8000; } );')
+        first, = self.json()
+        with h5py.File(self.result) as file:
+            height = file["state/y"][-1]
+        self.assertLess(height, 1.0)
+        self.assertAlmostEqual(first["region"]["y"][1], height, 12)
+        self.assertGreater(first["fraction"], 0.45)
+        shutil.copy(self.result, self.folder / "pressed.h5")
+        self.result.unlink()
+        self.make(lid + 'disk_files = ( { file = "pressed.h5"; contacts = true; } ); steps = 10;')
+        second, = self.json()
+        self.assertAlmostEqual(second["region"]["y"][1], height, 12)
+
     def test_unfinished(self):
         self.deck = self.folder / "deck.cfg"
         self.deck.write_text(BOX)
