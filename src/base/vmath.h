@@ -44,9 +44,11 @@ LANE_INLINE void LANE(sine_cosine)(LANE(real) t, LANE(real) * sine, LANE(real) *
   c = c * z + 4.16666666666666019037e-02;
   c = 1.0 - (z * 0.5 - z * z * c);
   /* q = 0: (s, c); 1: (c, -s); -1: (-c, s); +-2: (-s, -c) */
-  LANE(mask) swap = (q == 1.0) | (q == -1.0);
-  LANE(mask) flip_sine = (q == -1.0) | (q == 2.0) | (q == -2.0);
-  LANE(mask) flip_cosine = (q == 1.0) | (q == 2.0) | (q == -2.0);
+  LANE(mask) one = LANE(equal)(q, LANE(splat)(1.0)), less_one = LANE(equal)(q, LANE(splat)(-1.0));
+  LANE(mask) two = LANE(equal)(q, LANE(splat)(2.0)) | LANE(equal)(q, LANE(splat)(-2.0));
+  LANE(mask) swap = one | less_one;
+  LANE(mask) flip_sine = less_one | two;
+  LANE(mask) flip_cosine = one | two;
   LANE(real) a = LANE(select)(swap, c, s), b = LANE(select)(swap, s, c);
   *sine = LANE(select)(flip_sine, -a, a);
   *cosine = LANE(select)(flip_cosine, -b, b);

@@ -129,7 +129,7 @@ static void fill_laws(const sd_model *m, work *w) {
   w->one_law = true;
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
     const sd_contact_law *l = &m->laws[k];
-    w->laws[k] = (law_row){l->k_n, l->k_t, l->k_t > 0.0 ? 1.0 / l->k_t : 0.0, l->gamma_n, l->mu};
+    w->laws[k] = (law_row){l->k_n, l->k_t, l->gamma_n, l->k_t > 0.0 ? l->mu / l->k_t : 0.0};
     if (l->k_n != m->laws->k_n || l->k_t != m->laws->k_t || l->gamma_n != m->laws->gamma_n ||
         l->mu != m->laws->mu)
       w->one_law = false;

@@ -23,7 +23,7 @@
 #define LANE_WIDTH 4
 #include "base/lane.h"
 #include "physics/integrate_pass.h"
-#define FOR_ROW(pass, i, a, b) pass##_w4(&f->columns, 4 * (i), a, b)
+#define FOR_ROW(pass, i, a, b) pass##_at_w4(&f->columns, 4 * (i), a, b)
 LANE_INLINE void store_row(double *row, double x, double y, double theta) {
   store_w4(row, (real_w4){x, y, theta, 0.0});
 }
@@ -34,8 +34,8 @@ LANE_INLINE void store_row(double *row, double x, double y, double theta) {
 }
 #define FOR_ROW(pass, i, a, b)                                                                               \
   do {                                                                                                       \
-    pass##_w2(&f->columns, 4 * (i), a, b);                                                                   \
-    pass##_w2(&f->columns, 4 * (i) + 2, a, b);                                                               \
+    pass##_at_w2(&f->columns, 4 * (i), a, b);                                                                   \
+    pass##_at_w2(&f->columns, 4 * (i) + 2, a, b);                                                               \
   } while (0)
 #endif
 

@@ -23,7 +23,7 @@
 #define COORDINATE_PASS(pass)                                                                                \
   static __attribute__((noinline)) void pass##_range(const columns *k, size_t begin, size_t end, double a,   \
                                                      double b) {                                             \
-    FOR_LANES(LANE(pass)(k, i, a, b), LANE_PASTE(pass, 1)(k, i, a, b));                                      \
+    FOR_LANES(LANE(pass##_at)(k, i, a, b), LANE_PASTE(pass##_at, 1)(k, i, a, b));                            \
   }
 COORDINATE_PASS(gear_predict)
 COORDINATE_PASS(gear_correct)

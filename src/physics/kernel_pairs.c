@@ -42,6 +42,7 @@ static inline nearest_point segment_input(const engine *e, size_t at, law_input_
   in->star = p->star[at];
   in->ex = p->ex[at];
   in->ey = p->ey[at];
+  in->was_closed = law_is_closed_w1(in->ex, in->ey);
   in->active = q.active;
   /* an open contact begins on the side where the disk is */
   q.crossed = p->side[at] != 0.0 && p->side[at] != q.side;
@@ -56,11 +57,12 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
   law_input_w1 in;
   nearest_point q = segment_input(e, at, &in);
   law_constants_w1 k = constants_w1(w, p->law + at);
-  law_output_w1 out = law_w1(&in, &k);
+  law_geometry_w1 g = law_geometry_of_w1(&in);
+  law_output_w1 out = law_w1(&in, &g, &k);
   /* the force that derives from the skin's energy, in both variants: the paper has no walls */
-  if (pass & PASS_FORCE) store_force_w1(p, at, &out, &k, q.flat ? 1.0 : in.sum * out.inverse_r);
+  if (pass & PASS_FORCE) store_force_w1(p, at, &in, &g, &out, &k, q.flat ? 1.0 : in.sum * g.inverse_r);
   if (pass & PASS_COMMIT) {
-    commit_w1(p, mine, at, &in, &out, &k, e->model->max_overlap * in.sum, 0, w->dt);
+    commit_w1(p, mine, at, &in, &g, &out, &k, e->model->max_overlap * in.sum, 0, w->dt);
     p->side[at] = out.touching ? q.side : 0.0;
     /* it went around a free end */
     event *v = out.closed && q.crossed ? event_add(&mine->events, (uint32_t)at, 0.0) : NULL;

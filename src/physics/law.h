@@ -1,7 +1,7 @@
 /* law.h: the contact law of one pair (eqs. 2, 4, tau, 36), branch-free over lanes.
  *
- * Included once per LANE_WIDTH after base/lane.h. The same text serves the single run (pairs along the
- * lanes) and tails of width 1; a lane's bits do not depend on the width.
+ * Included once per LANE_WIDTH after base/lane.h. The same text serves one system (pairs along the lanes, and
+ * tails of width 1) and several side by side; a lane's bits do not depend on the width.
  *
  *   F_n  = max(k_n delta - gamma_n u_n, 0) while delta > 0
  *   zeta = lambda - lambda*, |zeta| <= mu F_n / k_t by shifting lambda*
@@ -9,15 +9,16 @@
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, arc = R_a th_a +
  * R_b th_b, turned = angle from e to n. The contact is re-based after a step in which |sin(turned)| exceeds
- * LAW_REBASE, so a short series of asin(e x n) is exact to rounding.
+ * LAW_REBASE, so that two terms of the series of asin(e x n) are exact to rounding.
  */
 #ifndef LAW_COMMON
 #define LAW_COMMON
-#define LAW_REBASE 0.015625
+#define LAW_REBASE 0.00390625
+#define LAW_SIGN 0x8000000000000000u
 #endif
 
 typedef struct LANE(law_constants) {
-  LANE(real) k_n, k_t, inverse_k_t, gamma_n, mu; /* inverse_k_t is 0 where k_t is: no skin */
+  LANE(real) k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: no skin */
 } LANE(law_constants);
 
 typedef struct LANE(law_input) {
@@ -26,52 +27,152 @@ typedef struct LANE(law_input) {
   LANE(real) sum;          /* R_a + R_b; negative inside a round container */
   LANE(real) arc;          /* lambda but for the turning of the contact line */
   LANE(real) star, ex, ey; /* memory: lambda*, reference direction (0, 0) when open */
+  LANE(mask) was_closed;   /* the contact has a memory */
   LANE(mask) active;       /* false: cannot touch here (another piece of the wall does) */
 } LANE(law_input);
 
-typedef struct LANE(law_output) {
-  LANE(real) nx, ny;       /* unit vector from a to b's surface */
+/* What follows from the places alone. */
+typedef struct LANE(law_geometry) {
   LANE(real) inverse_r;    /* 1/r, r signed as sum */
-  LANE(real) delta;        /* overlap, 0 when not touching */
   LANE(real) reach;        /* overlap, negative where there is a gap */
-  LANE(real) approach;     /* u_n, separation positive */
-  LANE(real) force;        /* F_n */
-  LANE(real) stretch;      /* zeta after the cap */
-  LANE(real) slip;         /* what the cap took off zeta */
   LANE(real) turned, sine; /* angle and sine from e to n */
+} LANE(law_geometry);
+
+typedef struct LANE(law_output) {
+  LANE(real) delta;    /* overlap, 0 when not touching */
+  LANE(real) elastic;  /* k_n delta */
+  LANE(real) approach; /* u_n, separation positive */
+  LANE(real) force;    /* F_n */
+  LANE(real) stretch;  /* zeta after the cap */
+  LANE(real) slip;     /* what the cap took off zeta */
   LANE(mask) touching, closed;
 } LANE(law_output);
 
-LANE_INLINE LANE(law_output) LANE(law)(const LANE(law_input) * in, const LANE(law_constants) * k) {
-  LANE(law_output) out;
-  /* geometry; the floor under r^2 only keeps a centre on a centre finite */
+LANE_INLINE LANE(law_geometry) LANE(law_geometry_of)(const LANE(law_input) * in) {
+  LANE(law_geometry) g;
+  /* the floor under r^2 only keeps a centre on a centre finite */
   LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
-  r = LANE(select)(in->sum < 0.0, -r, r);
-  out.inverse_r = 1.0 / r;
-  out.nx = in->dx * out.inverse_r;
-  out.ny = in->dy * out.inverse_r;
-  LANE(real) delta = in->sum - r, zero = LANE(splat)(0.0);
-  out.reach = delta;
-  out.touching = (delta > 0.0) & in->active;
-  out.closed = (in->ex * in->ex + in->ey * in->ey > 0.5) & out.touching;
-  out.delta = LANE(select)(out.touching, delta, zero);
+  r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & LAW_SIGN));
+  g.inverse_r = 1.0 / r;
+  g.reach = in->sum - r;
+  /* angle since the reference direction: asin series */
+  LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * g.inverse_r, z = s * s;
+  g.sine = s;
+  g.turned = s + (s * z) * ((3.0 / 40.0) * z + 1.0 / 6.0);
+  return g;
+}
+
+LANE_INLINE LANE(law_output)
+    LANE(law)(const LANE(law_input) * in, const LANE(law_geometry) * g, const LANE(law_constants) * k) {
+  LANE(law_output) out;
+  LANE(real) zero = LANE(splat)(0.0);
+  out.touching = LANE(greater)(g->reach, zero) & in->active;
+  out.closed = in->was_closed & out.touching;
+  out.delta = LANE(keep)(out.touching, g->reach);
 
   /* normal force: never pulls */
-  out.approach = (in->dvx * in->dx + in->dvy * in->dy) * out.inverse_r;
-  LANE(real) force = LANE(most)(k->k_n * out.delta - k->gamma_n * out.approach, zero);
-  out.force = LANE(select)(out.touching, force, zero);
-
-  /* angle since the reference direction: asin series to s^9, exact to rounding up to twice LAW_REBASE */
-  LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * out.inverse_r, z = s * s;
-  out.sine = s;
-  out.turned =
-      s + (s * z) * (((3.0 / 40.0) * z + 1.0 / 6.0) + (z * z) * ((35.0 / 1152.0) * z + 15.0 / 336.0));
+  out.approach = (in->dvx * in->dx + in->dvy * in->dy) * g->inverse_r;
+  out.elastic = k->k_n * out.delta;
+  out.force = LANE(keep)(out.touching, LANE(most)(out.elastic - k->gamma_n * out.approach, zero));
 
   /* skin: stretch, and Amonton's cap */
-  LANE(real) zeta = (in->arc - in->sum * out.turned) - in->star;
-  zeta = LANE(select)(out.closed, zeta, zero);
-  LANE(real) cap = k->mu * out.force * k->inverse_k_t;
+  LANE(real) zeta = LANE(keep)(out.closed, (in->arc - in->sum * g->turned) - in->star);
+  LANE(real) cap = k->cap * out.force;
   out.stretch = LANE(most)(LANE(least)(zeta, cap), -cap);
   out.slip = zeta - out.stretch;
   return out;
+}
+
+/* On b: the force, and tau. */
+typedef struct LANE(law_push) {
+  LANE(real) fx, fy, tau;
+} LANE(law_push);
+
+/* F_n n - scale tau t, with t = (-n_y, n_x); scale is 1, or (R_a + R_b)/r in the conservative variant. */
+LANE_INLINE LANE(law_push)
+    LANE(law_force)(const LANE(law_input) * in, const LANE(law_geometry) * g, const LANE(law_output) * out,
+                    const LANE(law_constants) * k, LANE(real) scale) {
+  LANE(real) nx = in->dx * g->inverse_r, ny = in->dy * g->inverse_r, tau = -(k->k_t * out->stretch);
+  LANE(real) push = tau * scale;
+  return (LANE(law_push)){out->force * nx + push * ny, out->force * ny - push * nx, tau};
+}
+
+/* What a contact remembers, as of its last commit. */
+typedef struct LANE(law_memory) {
+  LANE(real) star, ex, ey;
+  LANE(real) force, overlap, stretch, turned;
+  LANE(real) slip; /* of that step: which way it slides */
+} LANE(law_memory);
+
+/* What a commit books: losses of the step, and what must be looked at one by one. */
+typedef struct LANE(law_booked) {
+  LANE(real) viscous, friction, gain;
+  LANE(real) drop;                /* energy that was left in contacts that opened */
+  LANE(mask) opened, begun, rare; /* rare: these, and contacts that turned far or overlap too deeply */
+} LANE(law_booked);
+
+/* Slides the skin, opens and closes contacts, and books the losses of the step: trapezoid between the last committed
+ * values and the new ones (physics.md 9). limit: largest overlap allowed. variant: the paper's tangential force
+ * does work that is not the skin's. */
+LANE_INLINE LANE(law_booked)
+    LANE(law_commit)(const LANE(law_input) * in, const LANE(law_geometry) * g, const LANE(law_output) * out,
+                     const LANE(law_constants) * k, LANE(real) limit, int variant, LANE(real) dt,
+                     LANE(law_memory) * m) {
+  LANE(law_booked) b;
+  LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5), half_k_t = half * k->k_t;
+  LANE(real) rise = out->delta - m->overlap, stretch = m->stretch;
+  b.viscous = half * ((m->force - k->k_n * m->overlap) + (out->force - out->elastic)) * rise;
+  b.friction = half_k_t * (stretch + out->stretch) * out->slip;
+  b.gain = variant ? half_k_t * (stretch * m->overlap + out->stretch * out->delta) * (m->turned - g->turned)
+                   : zero;
+  b.opened = in->was_closed & LANE(not )(out->touching);
+  b.begun = LANE(not )(in->was_closed) & out->touching;
+  LANE(mask)
+  far = LANE(greater)(g->sine, LANE(splat)(LAW_REBASE)) | LANE(greater)(LANE(splat)(-LAW_REBASE), g->sine);
+  b.rare = b.opened | b.begun | (far & out->closed) | LANE(greater)(out->delta, limit);
+
+  m->star = m->star + out->slip;
+  m->force = out->force;
+  m->overlap = out->delta;
+  m->stretch = out->stretch;
+  m->turned = g->turned;
+  m->slip = out->slip;
+  b.drop = zero;
+  if (!LANE(any)(b.opened | b.begun)) return b;
+
+  /* The force with which a contact begins worked over the whole way of the step, not only over the part of it on
+   * which the disks overlapped. What an opening contact loses is booked as such. */
+  b.drop = LANE(keep)(b.opened, b.viscous + half_k_t * stretch * stretch);
+  LANE(real) way = LANE(keep)(b.begun, -(out->approach * dt) - rise);
+  b.viscous = LANE(keep)(out->touching, b.viscous + half * out->force * way);
+  b.friction = LANE(keep)(out->closed, b.friction);
+  b.gain = LANE(keep)(out->closed, b.gain);
+  /* memory: keep, start (lambda* = lambda, reference direction = n), or forget */
+  m->star = LANE(keep)(out->touching, LANE(select)(out->closed, m->star, in->arc));
+  m->ex = LANE(keep)(out->touching, LANE(select)(out->closed, m->ex, in->dx * g->inverse_r));
+  m->ey = LANE(keep)(out->touching, LANE(select)(out->closed, m->ey, in->dy * g->inverse_r));
+  m->turned = LANE(keep)(out->closed, m->turned);
+  return b;
+}
+
+/* Is there a memory: does the reference direction have a length? */
+LANE_INLINE LANE(mask) LANE(law_is_closed)(LANE(real) ex, LANE(real) ey) {
+  return LANE(greater)(ex * ex + ey * ey, LANE(splat)(0.5));
+}
+
+/* A disk that arrives at touch to rounding: the force at the trial coordinates acted, and the corrected ones do not
+ * touch, or the other way round. What the losses have for this step is then wrong by the force's work. near: open
+ * contacts for which this may be so; missed: that work, with the size of the force that acted. */
+LANE_INLINE LANE(mask) LANE(law_near)(const LANE(law_input) * in, const LANE(law_geometry) * g,
+                                      const LANE(law_output) * out, LANE(real) dt) {
+  return LANE(not )(in->was_closed | out->touching) & in->active &
+         LANE(greater)(g->reach, 2.0 * dt * out->approach);
+}
+
+LANE_INLINE LANE(real) LANE(law_missed)(const LANE(law_input) * in, const LANE(law_output) * out,
+                                        LANE(real) acted, LANE(real) dt) {
+  LANE(real) zero = LANE(splat)(0.0);
+  LANE(mask) felt = LANE(greater)(acted, zero);
+  LANE(real) wrong = LANE(select)(out->touching, LANE(select)(felt, zero, -out->force), acted);
+  return LANE(select)(in->was_closed, zero, -(wrong * out->approach * dt));
 }

@@ -16,7 +16,7 @@
 
 /* Contact constants of one pair of materials, ready for the law. */
 typedef struct law_row {
-  double k_n, k_t, inverse_k_t, gamma_n, mu;
+  double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 without a skin */
 } law_row;
 
 /* Candidate pairs, ordered by (slot of a, key of b): round ones first, then pieces of straight walls.
