@@ -156,7 +156,7 @@ static void fade_in(batch *b) {
   }
 }
 
-static bool in_range(const engine *e, int coordinate, double at) {
+bool motion_in_range(const engine *e, int coordinate, double at) {
   if (coordinate == SD_THETA) return at >= -4.0 && at <= 4.0;
   return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
 }
@@ -188,8 +188,8 @@ static bool place_is_quiet(const engine *e, const placed *p) {
   double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
   double most = (wall ? 0.04 : 0.12) * w->moved_limit2;
   double down = (p->low - from) * arm, up = (p->high - from) * arm;
-  return down * down <= most && up * up <= most && in_range(e, p->coordinate, p->low) &&
-         in_range(e, p->coordinate, p->high);
+  return down * down <= most && up * up <= most && motion_in_range(e, p->coordinate, p->low) &&
+         motion_in_range(e, p->coordinate, p->high);
 }
 
 /* New draws of every running random motion, up to the one after the batch's last step. */
@@ -206,6 +206,7 @@ static void draw_ahead(engine *e, int64_t first) {
       if (start < 0) continue;
       /* keep the two draws around the step before the batch */
       int64_t low = (first - start - 1) / m, high = (first - start + MOTION_BATCH - 1) / m + 1;
+      if (low < s->base) low = s->base; /* the batch begins with the last step that was taken */
       for (int64_t two = 0; two < 2; two++) {
         s->draw_u[two] = s->draw_u[two + low - s->base];
         s->draw_v[two] = s->draw_v[two + low - s->base];
@@ -421,7 +422,7 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
   double *base = base_of(s, m->coordinate);
   if (feedback_drives(m))
     feedback_end(e, k);
-  else if (q->first >= 0 && s->step >= q->first)
+  else if (s->step > s->motion_start[k])
     for (size_t b = 0; b < m->n_bodies; b++)
       base[e->work.slot[m->bodies[b]]] += q->signals[k].u[s->step - q->first];
   s->motion_start[k] = -1;
@@ -448,6 +449,7 @@ sd_status motion_begin_phase(engine *e) {
   if (!movers) return SD_ERROR_IO;
   for (size_t k = 0; k < m->n_motions; k++)
     if (s->motion_start[k] >= 0) count_mover(e, movers, k, 1);
+  if (e->work.motions->first < 0) fill(e, s->step); /* the last values are not known */
   for (size_t k = 0; k < m->n_motions; k++) {
     bool on = s->motion_start[k] >= 0;
     if (on && !active[k]) switch_off(e, movers, k);
@@ -457,7 +459,7 @@ sd_status motion_begin_phase(engine *e) {
   return motion_resume(e);
 }
 
-sd_status motion_resume(engine *e) {
+void motion_reload(engine *e) {
   motions *q = e->work.motions;
   const sd_state *s = e->state;
   for (size_t k = 0; k < e->model->n_motions; k++) {
@@ -470,6 +472,11 @@ sd_status motion_resume(engine *e) {
     g->draw_v[1] = s->motion_v1[k];
   }
   q->first = INT64_MIN / 2; /* nothing computed yet */
+  for (size_t k = 0; k < q->n_placed; k++) q->places[k].last = *q->places[k].at;
+}
+
+sd_status motion_resume(engine *e) {
+  motion_reload(e);
   return list_places(e);
 }
 
@@ -522,7 +529,8 @@ void motion_place(engine *e, thread_work *mine) {
   for (const placed *p = q->places; p < q->places + q->n_placed; p++) {
     if (neighbours_moved(e, p->slot)) mine->stale = true;
     /* free disks with a prescribed coordinate are looked at by the corrector */
-    if (p->slot >= s->n_free && !in_range(e, p->coordinate, *p->at)) event_add(&mine->returns, p->slot, 0.0);
+    if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
+      event_add(&mine->returns, p->slot, 0.0);
   }
 }
 

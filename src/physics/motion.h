@@ -32,6 +32,8 @@ void motion_free(engine *e);
 sd_status motion_begin_phase(engine *e);
 /* The lists of running motions, from the state; called after loading a state. */
 sd_status motion_resume(engine *e);
+/* The state went on by other means while the same motions run: what was computed ahead is forgotten. */
+void motion_reload(engine *e);
 /* Sets every prescribed coordinate and its velocity to their values at step state->step + 1. */
 void motion_place(engine *e, thread_work *mine);
 /* Books the work that the placed bodies did in this step: trapezoid of the contact forces, which must be new.
@@ -43,6 +45,8 @@ bool motion_ahead(engine *e);
 /* Of the next step in the batch. */
 int64_t motion_index(const engine *e);
 placed *motion_places(engine *e, size_t *n);
+/* Turns stay within half of 8 rad, positions within the box. */
+bool motion_in_range(const engine *e, int coordinate, double at);
 /* The turn or image of a body changed: the values computed ahead follow. */
 void motion_came_back(engine *e, uint32_t slot);
 /* Brings the oscillators in the state to the step that is completed. */
