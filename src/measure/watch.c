@@ -89,6 +89,16 @@ void watch_step(engine *e) {
   sd_state *s = e->state;
   s->measured++;
   for (size_t k = 0; k < s->n_slides; k++) count_slides(e, k);
-  /* bin_steps is a power of two */
+  watch_bins(e);
+}
+
+/* bin_steps is a power of two */
+void watch_bins(engine *e) {
+  const sd_state *s = e->state;
   if (s->n_rotations && (s->measured & (s->bin_steps - 1)) == 0) close_bin(e);
+}
+
+int64_t watch_room(const engine *e) {
+  const sd_state *s = e->state;
+  return s->n_rotations ? s->bin_steps - (s->measured & (s->bin_steps - 1)) : INT64_MAX;
 }

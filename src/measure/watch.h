@@ -10,5 +10,9 @@ void watch_begin(engine *e);
 void watch_end(engine *e);
 /* One measured step was completed. */
 void watch_step(engine *e);
+/* The parts of it, for a loop that counts configurations and steps by itself: the angles, which must be new, at the
+ * end of a bin; measured steps until then. */
+void watch_bins(engine *e);
+int64_t watch_room(const engine *e);
 
 #endif

@@ -7,8 +7,8 @@
 
 #include "physics/contacts.h"
 #include "physics/energy.h"
-#include "physics/few.h"
 #include "physics/kernels.h"
+#include "physics/lanes.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
 #include "physics/walls.h"
@@ -258,14 +258,14 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   walls_place(e);
   if (status == SD_OK) status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);
-  if (status == SD_OK && few_new(e) != SD_OK)
+  if (status == SD_OK && threads == 1 && lanes_suit(e->model) && lanes_new(true, 1, &e, &w->lanes) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   return status;
 }
 
 void engine_free(engine *e) {
   work *w = &e->work;
-  few_free(e);
+  lanes_free(w->lanes);
   motion_free(e);
   neighbours_free(e);
   for (int t = 0; w->threads && t < w->n_threads; t++) {

@@ -69,8 +69,7 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
-extern void KERNEL(kernel_few_step)(engine *e, few_measure *measure);
-extern void KERNEL(kernel_few_finish)(engine *e, few_measure *measure);
+extern void KERNEL(kernel_lanes)(lanes *l, int64_t n);
 extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_losses)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
@@ -83,8 +82,8 @@ extern const kernels KERNEL(kernels);
 const kernels KERNEL(kernels) = {
     .name = KERNEL_NAME(SD_PATH),
     .pairs = KERNEL(kernel_pairs),
-    .few_step = KERNEL(kernel_few_step),
-    .few_finish = KERNEL(kernel_few_finish),
+    .lane_width = VECTOR_WIDTH,
+    .lanes = KERNEL(kernel_lanes),
     .gather = KERNEL(kernel_gather),
     .losses = KERNEL(kernel_losses),
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},

@@ -46,9 +46,9 @@ typedef struct kernels {
   /* Free disks [begin, end), by sd_integrator. */
   void (*predict[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
-  /* One whole step of few disks, and the end of what it left pending; few.h. */
-  void (*few_step)(engine *e, few_measure *measure);
-  void (*few_finish)(engine *e, few_measure *measure);
+  /* n steps of small systems side by side (lanes.h), lane_width of them or one. */
+  size_t lane_width;
+  void (*lanes)(lanes *l, int64_t n);
   /* n pairs of independent standard normal numbers: draw first + k of a stream in a[k], b[k].
    * n is rounded up to a multiple of 16 (room for that must be there). */
   void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n, double *a,

@@ -11,7 +11,7 @@
 
 typedef struct lanes_motion lanes_motion;
 
-enum { POSE_X, POSE_Y, POSE_THETA, POSE_VX, POSE_VY, POSES };
+enum { POSE_X, POSE_Y, POSE_THETA, POSE_VX, POSE_VY, POSE_OMEGA, POSES };
 
 /* Values of a slot's coordinate or velocity, one per lane: those at step first + k stand at at[k * stride * width]; k = 0
  * is the step before the batch. A stride of 0: never changes. The range covers the batch (k > 0). */

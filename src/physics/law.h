@@ -18,7 +18,7 @@
 #endif
 
 typedef struct LANE(law_constants) {
-  LANE(real) k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: no skin */
+  LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: no skin */
 } LANE(law_constants);
 
 typedef struct LANE(law_input) {
@@ -101,7 +101,8 @@ LANE_INLINE LANE(law_push)
 typedef struct LANE(law_memory) {
   LANE(real) star, ex, ey;
   LANE(real) force, overlap, stretch, turned;
-  LANE(real) slip; /* of that step: which way it slides */
+  LANE(real) slip;          /* of that step: which way it slides */
+  LANE(real) damping, torn; /* force - k_n overlap; stretch overlap: follow from the others */
 } LANE(law_memory);
 
 /* What a commit books: losses of the step, and what must be looked at one by one. */
@@ -119,12 +120,12 @@ LANE_INLINE LANE(law_booked)
                      const LANE(law_constants) * k, LANE(real) limit, int variant, LANE(real) dt,
                      LANE(law_memory) * m) {
   LANE(law_booked) b;
-  LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5), half_k_t = half * k->k_t;
+  LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5), half_k_t = k->half_k_t;
   LANE(real) rise = out->delta - m->overlap, stretch = m->stretch;
-  b.viscous = half * ((m->force - k->k_n * m->overlap) + (out->force - out->elastic)) * rise;
+  LANE(real) damping = out->force - out->elastic, torn = out->stretch * out->delta;
+  b.viscous = half * (m->damping + damping) * rise;
   b.friction = half_k_t * (stretch + out->stretch) * out->slip;
-  b.gain = variant ? half_k_t * (stretch * m->overlap + out->stretch * out->delta) * (m->turned - g->turned)
-                   : zero;
+  b.gain = variant ? half_k_t * (m->torn + torn) * (m->turned - g->turned) : zero;
   b.opened = in->was_closed & LANE(not )(out->touching);
   b.begun = LANE(not )(in->was_closed) & out->touching;
   LANE(mask)
@@ -137,6 +138,8 @@ LANE_INLINE LANE(law_booked)
   m->stretch = out->stretch;
   m->turned = g->turned;
   m->slip = out->slip;
+  m->damping = damping;
+  m->torn = torn;
   b.drop = zero;
   if (!LANE(any)(b.opened | b.begun)) return b;
 

@@ -10,6 +10,7 @@ LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *la
   if (w->one_law) {
     k.k_n = LANE(splat)(w->laws->k_n);
     k.k_t = LANE(splat)(w->laws->k_t);
+    k.half_k_t = 0.5 * k.k_t;
     k.gamma_n = LANE(splat)(w->laws->gamma_n);
     k.cap = LANE(splat)(w->laws->cap);
     return k;
@@ -24,6 +25,7 @@ LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *la
   }
   k.k_n = LANE(load)(row[0]);
   k.k_t = LANE(load)(row[1]);
+  k.half_k_t = 0.5 * k.k_t;
   k.gamma_n = LANE(load)(row[2]);
   k.cap = LANE(load)(row[3]);
   return k;
@@ -72,6 +74,8 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
        .overlap = LANE(load)(p->overlap + at),
        .stretch = LANE(load)(p->stretch + at),
        .turned = LANE(load)(p->turned + at)};
+  m.damping = m.force - k->k_n * m.overlap;
+  m.torn = m.stretch * m.overlap;
   const LANE(law_memory) before = m;
   LANE(real) zero = LANE(splat)(0.0), step = LANE(splat)(dt);
   LANE(law_booked) b = LANE(law_commit)(in, g, out, k, limit, variant, step, &m);

@@ -88,10 +88,9 @@ typedef struct thread_work {
 } thread_work;
 
 typedef struct motions motions; /* motion.h */
-typedef struct few few;         /* few.h */
+typedef struct lanes lanes;     /* lanes.h */
 typedef struct engine engine;
-typedef void few_measure(engine *e); /* called when a step's history is written; NULL: not measured */
-typedef struct kernels kernels;      /* kernels.h */
+typedef struct kernels kernels; /* kernels.h */
 
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
@@ -119,7 +118,7 @@ typedef struct work {
   int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
   motions *motions;
-  few *few;             /* NULL: the general step only */
+  lanes *lanes;         /* of this system alone; NULL: the general step only */
   thread_work *threads; /* [n_threads] */
   sd_status status;     /* of the step that is being done; set by one thread, read by all after a wait */
   sd_messages *messages;

@@ -18,12 +18,13 @@
 #include "physics/energy.h"
 #include "physics/engine.h"
 #include "physics/feedback.h"
-#include "physics/few.h"
 #include "physics/kernels.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
 #include "physics/outside.h"
 #include "physics/step.h"
+#include "run/lanes_loop.h"
+#include "run/simulation_private.h"
 
 struct sd_simulation {
   engine engine;
@@ -133,41 +134,12 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
   }
 }
 
-static void load_few(engine *e) {
-  if (few_load(e) != SD_OK)
-    e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the system");
-}
-
-/* Few disks: the whole step in one call where it can be, the general one where not. */
-static void advance_few(engine *e, int64_t n, bool measure) {
-  const team alone = {0, 1};
-  const kernels *k = e->work.kernels;
-  few_measure *each = measure ? watch_step : NULL;
-  load_few(e);
-  if (e->work.status != SD_OK) return;
-  for (int64_t done = 0; done < n && e->work.status == SD_OK; done++) {
-    if (few_ready(e)) {
-      k->few_step(e, each);
-      continue;
-    }
-    k->few_finish(e, each);
-    few_store(e);
-    if (e->work.status != SD_OK) return;
-    step_once(e, &alone);
-    if (e->work.status != SD_OK) return;
-    if (each) each(e);
-    load_few(e);
-  }
-  if (e->work.status == SD_OK) k->few_finish(e, each);
-  few_store(e);
-}
-
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
   if (threads == 1) {
     unsigned mode = subnormal_off();
-    if (e->work.few)
-      advance_few(e, n, measure);
+    if (e->work.lanes)
+      lanes_loop(e->work.lanes, n, measure);
     else
       advance_member(e, &(team){0, 1}, n, measure);
     subnormal_restore(mode);
@@ -260,22 +232,29 @@ static bool phase_is_over(const engine *e) {
   return has_goal(e) && now == sd_goal_look(e->model, now - 1) && sd_goal_of(e->model, e->state).reached;
 }
 
+engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
+
+int64_t simulation_room(const engine *e) { return next_stop(e) - e->state->phase_step; }
+
+sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
+  e->state->phase_step += e->state->step - from;
+  if (e->work.status != SD_OK) return e->work.status;
+  sd_status status = between_steps(e, messages);
+  if (status != SD_OK || !phase_is_over(e)) return status;
+  if (e->model->bounds.given) status = outside_look(e, messages);
+  return status == SD_OK ? end_phase(e, messages) : status;
+}
+
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
   e->work.messages = messages;
   e->work.status = SD_OK;
-  while (n > 0 && s->phase < (int64_t)e->model->n_phases) {
-    int64_t left = next_stop(e) - s->phase_step, now = n < left ? n : left, from = s->step;
-    advance_team(e, now, e->model->phases[s->phase].measure);
-    s->phase_step += s->step - from;
+  while (n > 0 && !sd_simulation_finished(sim)) {
+    int64_t left = simulation_room(e), from = s->step;
+    advance_team(e, n < left ? n : left, measures(e));
     n -= s->step - from;
-    if (e->work.status != SD_OK) return e->work.status;
-    sd_status status = between_steps(e, messages);
-    if (status != SD_OK) return status;
-    if (!phase_is_over(e)) continue;
-    if (e->model->bounds.given) status = outside_look(e, messages);
-    if (status == SD_OK) status = end_phase(e, messages);
+    sd_status status = simulation_pause(e, from, messages);
     if (status != SD_OK) return status;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */

@@ -1,0 +1,60 @@
+/* lanes_loop.c: see lanes_loop.h. */
+#include "run/lanes_loop.h"
+
+#include "measure/watch.h"
+#include "physics/motion.h"
+#include "physics/step.h"
+
+static int64_t least_room(const lanes *l) {
+  int64_t least = INT64_MAX;
+  for (size_t k = 0; k < l->count; k++) {
+    int64_t room = watch_room(l->system[k]);
+    if (room < least) least = room;
+  }
+  return least;
+}
+
+/* An angle leaves its range, or a batch of motions cannot tell: one step of each system by itself. */
+static void general_step(lanes *l, bool measure) {
+  const team alone = {0, 1};
+  lanes_store(l);
+  for (size_t k = 0; k < l->count; k++) {
+    engine *e = l->system[k];
+    if (e->work.status != SD_OK) continue;
+    if (l->motion && motion_resume(e) != SD_OK)
+      e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the motions");
+    if (e->work.status == SD_OK) step_once(e, &alone);
+    if (e->work.status == SD_OK && measure) watch_step(e);
+    if (l->motion) motion_store(e);
+  }
+}
+
+static bool any_wrong(const lanes *l) {
+  bool wrong = false;
+  for (size_t k = 0; k < l->count; k++) wrong = wrong || l->system[k]->work.status != SD_OK;
+  return wrong;
+}
+
+void lanes_loop(lanes *l, int64_t n, bool measure) {
+  lanes_load(l);
+  while (n > 0) {
+    int64_t ready = lanes_ready(l), room = measure ? least_room(l) : INT64_MAX;
+    if (ready == 0) {
+      general_step(l, measure);
+      n--;
+      if (any_wrong(l)) return;
+      lanes_load(l);
+      continue;
+    }
+    if (ready > room) ready = room;
+    int64_t taken = lanes_take(l, n < ready ? n : ready, measure);
+    n -= taken;
+    if (measure && taken == room) {
+      lanes_show_angles(l);
+      for (size_t k = 0; k < l->count; k++)
+        if (l->system[k]->work.status == SD_OK) watch_bins(l->system[k]);
+    }
+    if (any_wrong(l)) break;
+  }
+  lanes_store(l);
+}

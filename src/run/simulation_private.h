@@ -1,0 +1,14 @@
+/* simulation_private.h: the parts of sd_simulation_advance, for those who advance several simulations together. */
+#ifndef SLIPDISK_RUN_SIMULATION_PRIVATE_H
+#define SLIPDISK_RUN_SIMULATION_PRIVATE_H
+
+#include "physics/work.h"
+#include "slipdisk/simulation.h"
+
+engine *simulation_engine(sd_simulation *simulation);
+/* Steps until something is looked at or done between steps. Not for a finished simulation. */
+int64_t simulation_room(const engine *e);
+/* After steps since `from`, simulation_room at most: what is due is done, and the next phase begins. */
+sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages);
+
+#endif
