@@ -1,20 +1,33 @@
-/* ensemble.c: see ensemble.h. */
+/* ensemble.c: see ensemble.h.
+ *
+ * Members that stand at the same place of their phases go in lanes together, up to the next pause of any of them. Who
+ * is in which lane is found anew at each pause, and the tables are kept as long as it is the same.
+ */
 #include "run/ensemble.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+#include "base/subnormal.h"
+#include "physics/kernels.h"
+#include "physics/lanes.h"
+#include "physics/neighbours.h"
+#include "run/lanes_loop.h"
+#include "run/simulation_private.h"
 
 struct ensemble {
-  size_t n;
+  size_t n, in_lanes;
   sd_simulation **members;
+  /* systems in lanes, and their tables; NULL: none */
+  lanes *lanes;
+  size_t n_together;
+  engine *together[LANES_MOST];
 };
 
-size_t ensemble_width(void) { return 8; }
-
-bool ensemble_takes(const sd_model *model) { return model->n_free <= 4; }
-
-bool ensemble_alike(const sd_model *a, const sd_model *b) {
-  return a->n_disks == b->n_disks && a->n_phases == b->n_phases;
-}
+size_t ensemble_width(void) { return kernels_choose()->lane_width; }
+bool ensemble_takes(const sd_model *model) { return lanes_suit(model); }
+bool ensemble_alike(const sd_model *a, const sd_model *b) { return lanes_alike(a, b); }
+size_t ensemble_in_lanes(const ensemble *e) { return e->in_lanes; }
 
 sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, sd_messages *messages) {
   ensemble *e = calloc(1, sizeof *e);
@@ -26,19 +39,107 @@ sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, 
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the ensemble");
   }
   e->n = n;
-  for (size_t k = 0; k < n; k++) e->members[k] = members[k];
+  memcpy(e->members, members, n * sizeof(sd_simulation *));
   return SD_OK;
 }
 
 void ensemble_free(ensemble *e) {
   if (!e) return;
+  lanes_free(e->lanes);
   free(e->members);
   free(e);
 }
 
-void ensemble_advance(ensemble *e, int64_t n, sd_status *status, sd_messages *const *messages) {
-  for (size_t k = 0; k < e->n; k++)
-    if (status[k] == SD_OK) status[k] = sd_simulation_advance(e->members[k], n, messages[k]);
+/* One member's share of a call. */
+typedef struct share {
+  engine *engine; /* NULL: it has had its steps, or goes no further */
+  int64_t left;   /* steps of this call */
+} share;
+
+/* Members that can go with the first that is left, and how far. */
+static size_t find_together(const ensemble *e, const share *shares, size_t first, size_t *who,
+                            int64_t *steps) {
+  size_t n = 0, most = shares[first].engine->work.kernels->lane_width;
+  const engine *leader = shares[first].engine;
+  *steps = INT64_MAX;
+  for (size_t k = first; k < e->n && n < most; k++) {
+    const share *s = &shares[k];
+    if (!s->engine || !s->engine->work.lanes || s->engine->work.kernels != leader->work.kernels) continue;
+    if (k != first && (!lanes_alike(leader->model, s->engine->model) || !lanes_in_step(leader, s->engine)))
+      continue;
+    who[n++] = k;
+    int64_t room = simulation_room(s->engine), now = s->left < room ? s->left : room;
+    if (now < *steps) *steps = now;
+  }
+  return n;
 }
 
-size_t ensemble_in_lanes(const ensemble *e) { return (void)e, 0; }
+static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
+  if (e->lanes && e->n_together == n && memcmp(e->together, systems, n * sizeof(engine *)) == 0)
+    return e->lanes;
+  lanes_free(e->lanes);
+  e->n_together = n;
+  memcpy(e->together, systems, n * sizeof(engine *));
+  return lanes_new(false, n, systems, &e->lanes) == SD_OK ? e->lanes : NULL;
+}
+
+/* Takes the steps; false: there is no memory for the lanes. */
+static bool go_together(ensemble *e, size_t n, engine *const *systems, int64_t steps) {
+  const sd_state *s = systems[0]->state;
+  bool measure = systems[0]->model->phases[s->phase].measure;
+  lanes *l = lanes_for(e, n, systems);
+  if (!l) return false;
+  for (size_t k = 0; k < n; k++) motion_store(systems[k]); /* who was alone until now */
+  unsigned mode = subnormal_off();
+  lanes_loop(l, steps, measure);
+  subnormal_restore(mode);
+  if (n > e->in_lanes) e->in_lanes = n;
+  return true;
+}
+
+/* Advances the first that is left with whoever can go along, up to the next pause; returns their pauses' results. */
+static void advance_some(ensemble *e, share *shares, size_t first, sd_status *status,
+                         sd_messages *const *messages) {
+  size_t who[LANES_MOST];
+  engine *systems[LANES_MOST];
+  int64_t steps, from[LANES_MOST];
+  size_t n = shares[first].engine->work.lanes ? find_together(e, shares, first, who, &steps) : 0;
+  for (size_t k = 0; k < n; k++) {
+    systems[k] = shares[who[k]].engine;
+    from[k] = systems[k]->state->step;
+  }
+  if (n < 2 || !go_together(e, n, systems, steps)) {
+    share *alone = &shares[first];
+    status[first] = sd_simulation_advance(e->members[first], alone->left, messages[first]);
+    alone->engine = NULL;
+    return;
+  }
+  for (size_t k = 0; k < n; k++) {
+    share *s = &shares[who[k]];
+    s->left -= systems[k]->state->step - from[k];
+    status[who[k]] = simulation_pause(systems[k], from[k], messages[who[k]]);
+    bool over = s->left == 0 || sd_simulation_finished(e->members[who[k]]);
+    if (status[who[k]] == SD_OK && !over) continue;
+    if (status[who[k]] == SD_OK)
+      status[who[k]] = neighbours_check_finite(systems[k], systems[k]->state->step, messages[who[k]]);
+    s->engine = NULL;
+  }
+}
+
+void ensemble_advance(ensemble *e, int64_t n, sd_status *status, sd_messages *const *messages) {
+  e->in_lanes = 0;
+  share *shares = calloc(e->n + 1, sizeof *shares);
+  for (size_t k = 0; k < e->n; k++) {
+    if (!shares) {
+      if (status[k] == SD_OK) status[k] = sd_simulation_advance(e->members[k], n, messages[k]);
+      continue;
+    }
+    if (status[k] != SD_OK || sd_simulation_finished(e->members[k]) || n <= 0) continue;
+    shares[k] = (share){simulation_engine(e->members[k]), n};
+    shares[k].engine->work.messages = messages[k];
+    shares[k].engine->work.status = SD_OK;
+  }
+  for (size_t k = 0; shares && k < e->n; k++)
+    while (shares[k].engine) advance_some(e, shares, k, status, messages);
+  free(shares);
+}

@@ -1,4 +1,4 @@
-/* test_few.c: the one-call step of few disks gives the bits of the general step.
+/* test_lanes.c: the step of small systems in lanes gives the bits of the general step.
  *
  * A run with two threads takes the general step, one with one thread the other; both cross the ends of
  * motion batches, phases, openings, new reference directions and angles that return into range.
