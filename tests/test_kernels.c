@@ -1,5 +1,5 @@
-/* test_kernels.c: the kernels of every instruction set: Philox against Random123, accuracy of sine, cosine
- * and logarithm, quality of the normal numbers, and the same bits from all of them. */
+/* test_kernels.c: the kernels of every instruction set: Philox against Random123, accuracy and quality of the normal
+ * numbers, accuracy of sine and cosine, and the same bits from all of them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 #include <Random123/philox.h>
+#include <gsl/gsl_cdf.h>
 
 #include "deck_runs.h"
 #include "physics/kernels.h"
@@ -15,18 +16,7 @@
 #define LANE_WIDTH 1
 #include "base/lane.h"
 #include "base/vmath.h"
-#undef LANE_WIDTH
-#define LANE_WIDTH 2
-#include "base/lane.h"
-#include "base/vmath.h"
-#undef LANE_WIDTH
-#define LANE_WIDTH 4
-#include "base/lane.h"
-#include "base/vmath.h"
-#undef LANE_WIDTH
-#define LANE_WIDTH 8
-#include "base/lane.h"
-#include "base/vmath.h"
+#include "physics/draws.h"
 #undef LANE_WIDTH
 
 enum { PATHS = 3 };
@@ -34,18 +24,18 @@ static const char *const path_names[PATHS] = {"baseline", "avx2", "avx512"};
 
 /* --- Philox ------------------------------------------------------------------------------------------ */
 
-/* One draw from Random123's own generator: counter = (index low, index high, stream, purpose), key = seed. */
+/* One draw from Random123's own generator: counter = (block low, block high, stream, purpose), key = seed. */
 static void reference_draw(uint64_t seed, uint32_t stream, uint32_t purpose, uint64_t index, double *a,
                            double *b) {
-  philox4x32_ctr_t counter = {{(uint32_t)index, (uint32_t)(index >> 32), stream, purpose}};
+  uint64_t block = index / 2, word[DRAW_BLOCKS][4];
+  philox4x32_ctr_t counter = {{(uint32_t)block, (uint32_t)(block >> 32), stream, purpose}};
   philox4x32_key_t key = {{(uint32_t)seed, (uint32_t)(seed >> 32)}};
   philox4x32_ctr_t out = philox4x32_R(10, counter, key);
-  uint64_t first = (uint64_t)out.v[1] << 32 | out.v[0], second = (uint64_t)out.v[3] << 32 | out.v[2];
-  double u = ((double)(first >> 12) + 0.5) * 0x1p-52, v = ((double)(second >> 12) + 0.5) * 0x1p-52, s, c;
-  double r = sqrt(-2.0 * logarithm_w1(u));
-  sine_cosine_w1(v, &s, &c);
-  *a = r * c;
-  *b = r * s;
+  double x[2 * DRAW_BLOCKS], y[2 * DRAW_BLOCKS];
+  for (int k = 0; k < 4; k++) word[0][k] = out.v[k];
+  draw_pairs_w1(word, 1, x, y);
+  *a = x[index % 2];
+  *b = y[index % 2];
 }
 
 static void philox_is_random123s(void **unused) {
@@ -54,7 +44,7 @@ static void philox_is_random123s(void **unused) {
   const uint64_t seeds[] = {0, 1, 0xdeadbeefcafef00d, UINT64_MAX};
   const uint32_t streams[] = {0, 5, 0x12345678, UINT32_MAX};
   const int64_t firsts[] = {0, 3, 0xffffff80, ((int64_t)1 << 40) + 7};
-  double a[N + 8], b[N + 8];
+  double a[N + 1], b[N + 1];
   for (int p = 0; p < PATHS; p++) {
     const kernels *k = kernels_named(path_names[p]);
     if (!k) {
@@ -65,8 +55,11 @@ static void philox_is_random123s(void **unused) {
       uint64_t seed = seeds[c & 3];
       uint32_t stream = streams[c >> 2 & 3], purpose = (uint32_t)c & 1;
       int64_t first = firsts[c >> 4];
-      k->normals(seed, stream, purpose, first, N, a, b);
-      for (uint64_t n = 0; n < N; n++) {
+      uint64_t count = (uint64_t)(N - c);
+      a[count] = b[count] = 7.0;
+      k->normals(seed, stream, purpose, first, count, a, b);
+      assert_true(a[count] == 7.0 && b[count] == 7.0); /* and no more */
+      for (uint64_t n = 0; n < count; n++) {
         double x, y;
         reference_draw(seed, stream, purpose, (uint64_t)first + n, &x, &y);
         assert_memory_equal(&x, &a[n], 8);
@@ -76,26 +69,42 @@ static void philox_is_random123s(void **unused) {
   }
 }
 
-/* The same, through the C library in extended precision: Box and Muller as they are known. */
+/* Error of the pair that two words give, against Box and Muller in extended precision; relative to what draws.h
+ * says of radius and direction. */
+static double pair_error(uint32_t w, uint32_t place, double *radius) {
+  uint64_t word[DRAW_BLOCKS][4] = {{w, place, w, place}};
+  double a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS];
+  draw_pairs_w1(word, 1, a, b);
+  const long double half = acosl(-1.0L) / 2;
+  long double r = sqrtl(-2 * logl(((long double)w + 0.5L) * 0x1p-32L));
+  long double angle = half * ((long double)(place >> 1 & 0x3fffffffu) + 0.5L) * 0x1p-30L;
+  long double x = r * cosl(angle) * (place & 1 ? -1 : 1), y = r * sinl(angle) * (place >> 31 ? -1 : 1);
+  long double measured = sqrtl((long double)a[0] * a[0] + (long double)b[0] * b[0]);
+  *radius = (double)r;
+  return (double)(fmaxl(fabsl(a[0] - x), fabsl(b[0] - y)) / (4e-10L + 9e-10L * r)) +
+         (isfinite((double)measured) ? 0.0 : HUGE_VAL);
+}
+
 static void normals_are_box_and_mullers(void **unused) {
   (void)unused;
-  enum { N = 100000 };
-  double *a = malloc((N + 8) * sizeof *a), *b = malloc((N + 8) * sizeof *b), worst = 0.0;
-  kernels_choose()->normals(99, 3, RANDOM_STEP, 0, N, a, b);
-  const long double turn = 2 * acosl(-1.0L);
-  for (uint32_t n = 0; n < N; n++) {
-    philox4x32_ctr_t counter = {{n, 0, 3, RANDOM_STEP}};
-    philox4x32_ctr_t out = philox4x32_R(10, counter, (philox4x32_key_t){{99, 0}});
-    long double u = ((long double)(((uint64_t)out.v[1] << 32 | out.v[0]) >> 12) + 0.5L) * 0x1p-52L;
-    long double v = ((long double)(((uint64_t)out.v[3] << 32 | out.v[2]) >> 12) + 0.5L) * 0x1p-52L;
-    long double r = sqrtl(-2 * logl(u));
-    double e = (double)fmaxl(fabsl(a[n] - r * cosl(turn * v)), fabsl(b[n] - r * sinl(turn * v))) / (double)r;
-    worst = fmax(worst, e);
+  double worst = 0.0, largest = 0.0, least = HUGE_VAL, r;
+  uint64_t seed = 5;
+  for (int k = 0; k < 400000; k++) {
+    uint64_t bits = next_bits(&seed);
+    uint32_t w = (uint32_t)bits, place = (uint32_t)(bits >> 32);
+    if (k % 4 == 1) w >>= k / 4 % 33 == 32 ? 31 : k / 4 % 33; /* every octave */
+    if (k % 4 == 2) w = UINT32_MAX - (w >> k / 4 % 32);
+    if (k % 4 == 3)
+      place = (place & 0x80000001u) | (uint32_t)(k & 4 ? k / 8 & 0xff : 0x3fffffff - (k / 8 & 0xff)) << 1;
+    if (k < 64) w = k & 1 ? UINT32_MAX - (uint32_t)k / 2 : (uint32_t)k / 2;
+    worst = fmax(worst, pair_error(w, place, &r));
+    largest = fmax(largest, r);
+    least = fmin(least, r);
   }
-  print_message("  largest error of a normal number / its radius: %.3g\n", worst);
-  between(worst, 0, 4.5e-16, "error of a normal number / radius");
-  free(a);
-  free(b);
+  print_message("  largest error of a normal number / the bound: %.3g; radii %.3g to %.4g\n", worst, least,
+                largest);
+  between(worst, 0, 1.0, "error of a normal number / its bound");
+  between(largest, sqrt(2 * log(0x1p33)) - 1e-8, sqrt(2 * log(0x1p33)) + 1e-8, "largest radius");
 }
 
 /* --- elementary functions ---------------------------------------------------------------------------- */
@@ -151,38 +160,6 @@ static void sine_and_cosine_are_accurate(void **unused) {
   free(c);
 }
 
-static void logarithm_is_accurate_in_every_width(void **unused) {
-  (void)unused;
-  enum { N = 400000 };
-  uint64_t seed = 11;
-  double worst = 0.0;
-  for (int k = 0; k < N / 8; k++) {
-    double x[8];
-    for (int l = 0; l < 8; l++) {
-      double u = next_uniform(&seed);
-      x[l] = l == 0   ? 0x1p-53 * (1.0 + 1000 * u)
-             : l == 1 ? 1.0 - 1e-6 * u
-             : l == 2 ? 1.0 - 0x1p-53 * (double)(k + 1)
-             : l == 3 ? ldexp(1.0 + u, k % 2000 - 1000)
-             : l == 4 ? sqrt(0.5) + 1e-10 * (u - 0.5)
-                      : u + 0x1p-53;
-    }
-    double y8[8], y4[8], y2[8];
-    store_w8(y8, logarithm_w8(load_w8(x)));
-    for (int l = 0; l < 8; l += 4) store_w4(y4 + l, logarithm_w4(load_w4(x + l)));
-    for (int l = 0; l < 8; l += 2) store_w2(y2 + l, logarithm_w2(load_w2(x + l)));
-    for (int l = 0; l < 8; l++) {
-      double y = logarithm_w1(x[l]);
-      assert_memory_equal(&y, &y8[l], 8);
-      assert_memory_equal(&y, &y4[l], 8);
-      assert_memory_equal(&y, &y2[l], 8);
-      worst = fmax(worst, ulps(y, logl(x[l])));
-    }
-  }
-  print_message("  logarithm within %.3f ulp\n", worst);
-  between(worst, 0, 1.0, "ulps of the logarithm");
-}
-
 /* --- quality of the normal numbers ------------------------------------------------------------------- */
 
 enum { DRAWS = 1 << 20 };
@@ -231,11 +208,61 @@ static void normals_are_normal(void **unused) {
   qsort(first, DRAWS, sizeof *first, ascending);
   double d = 0.0;
   for (int n = 0; n < DRAWS; n++) {
-    double cdf = 0.5 * erfc(-first[n] / sqrt(2));
+    double cdf = gsl_cdf_ugaussian_P(first[n]);
     d = fmax(d, fmax(cdf - (double)n / DRAWS, (double)(n + 1) / DRAWS - cdf));
   }
   print_message("  Kolmogorov-Smirnov: sqrt(n) D = %.3f (1.63 at 1 per cent)\n", d * sqrt(DRAWS));
   between(d * sqrt(DRAWS), 0, 1.95, "sqrt(n) D");
+}
+
+/* Far out: 2^24 draws. */
+static void tails_are_normal(void **unused) {
+  (void)unused;
+  const double limit[] = {4, 4.5, 5, 5.5, 6.8};
+  double count[5] = {0}, n = 0.0;
+  for (int part = 0; part < 16; part++) {
+    kernels_choose()->normals(1, 0, RANDOM_STEP, (int64_t)part * DRAWS, DRAWS, first, second);
+    for (int k = 0; k < DRAWS; k++) {
+      double a = fabs(first[k]), b = fabs(second[k]);
+      for (int l = 0; fmax(a, b) > 4 && l < 5; l++) count[l] += (a > limit[l]) + (b > limit[l]);
+    }
+    n += 2.0 * DRAWS;
+  }
+  for (int l = 0; l < 4; l++) {
+    double expected = 2 * gsl_cdf_ugaussian_Q(limit[l]) * n;
+    print_message("  beyond %.1f: %.0f, expected %.1f\n", limit[l], count[l], expected);
+    /* Poisson: both tails at 3e-5 */
+    assert_true(gsl_cdf_poisson_P((unsigned)count[l], expected) > 3e-5);
+    assert_true(gsl_cdf_poisson_Q((unsigned)count[l], expected) > 3e-5);
+  }
+  assert_true(count[4] == 0.0); /* no radius is larger */
+}
+
+/* The four numbers of a block, and those of the next one: products, and products of squares. */
+static void numbers_of_a_block_are_independent(void **unused) {
+  (void)unused;
+  kernels_choose()->normals(7, 3, RANDOM_STEP, 0, DRAWS, first, second);
+  double plain[8][8] = {{0}}, squares[8][8] = {{0}}, n = DRAWS / 4, chi2 = 0.0, worst = 0.0;
+  for (int k = 0; k + 4 <= DRAWS; k += 4) { /* two blocks */
+    double x[8];
+    for (int i = 0; i < 4; i++) x[2 * i] = first[k + i], x[2 * i + 1] = second[k + i];
+    for (int i = 0; i < 8; i++)
+      for (int j = 0; j < i; j++) {
+        plain[i][j] += x[i] * x[j];
+        squares[i][j] += (x[i] * x[i] - 1) * (x[j] * x[j] - 1);
+      }
+  }
+  for (int i = 0; i < 8; i++)
+    for (int j = 0; j < i; j++) {
+      double z[] = {z_of(plain[i][j], n, 0, 1), z_of(squares[i][j], n, 0, 4)};
+      for (int k = 0; k < 2; k++) {
+        chi2 += z[k] * z[k];
+        worst = fmax(worst, fabs(z[k]));
+      }
+    }
+  print_message("  chi2/n of 56 correlations within two blocks: %.3f, largest |z| %.2f\n", chi2 / 56, worst);
+  between((chi2 - 56) / sqrt(2.0 * 56), -4, 4, "z of chi2 of the correlations within blocks");
+  between(worst, 0, 4.2, "largest correlation within blocks, z");
 }
 
 static double correlation(const double *x, const double *y, int n) {
@@ -281,30 +308,37 @@ static void streams_are_independent(void **unused) {
 static void oscillators_do_not_depend_on_the_path(void **unused) {
   (void)unused;
   static oscillators start, g;
+  static double u[OSCILLATORS][OSCILLATOR_ROWS], v[OSCILLATORS][OSCILLATOR_ROWS];
+  enum { BLOCKS = 35, NEW = 2 * BLOCKS };
   uint64_t seed = 3;
   for (size_t l = 0; l < OSCILLATORS; l++) {
     double *number[] = {&start.uu[l],      &start.uv[l],       &start.vu[l],      &start.vv[l],
                         &start.noise_u[l], &start.noise_vu[l], &start.noise_vv[l]};
     for (int k = 0; k < 7; k++) *number[k] = 1.4 * next_uniform(&seed) - 0.7;
-    for (int k = 0; k < 2; k++) start.u[l][k] = next_uniform(&seed), start.v[l][k] = next_uniform(&seed);
-    for (int k = 0; k < OSCILLATOR_DRAWS; k++)
-      start.normal1[l][k] = next_uniform(&seed) - 0.5, start.normal2[l][k] = next_uniform(&seed) - 0.5;
+    for (int k = 0; k < 2; k++) start.u[k][l] = next_uniform(&seed), start.v[k][l] = next_uniform(&seed);
+    start.seed[l] = next_bits(&seed);
+    start.stream[l] = next_bits(&seed) >> 32;
+    start.block[l] = next_bits(&seed) >> (l % 2 ? 30 : 40);
   }
   for (int p = 0; p < PATHS; p++) {
     const kernels *path = kernels_named(path_names[p]);
     for (size_t count = 1; path && count <= OSCILLATORS; count++) {
       g = start;
       g.count = count;
-      path->oscillate(&g, OSCILLATOR_DRAWS - 2);
+      path->oscillate(&g, 2, BLOCKS);
+      path->spread(&g, NEW + 2, u, v);
       for (size_t l = 0; l < count; l++) {
-        double u = start.u[l][1], v = start.v[l][1];
-        for (size_t k = 0; k < OSCILLATOR_DRAWS - 2; k++) {
-          double a = start.normal1[l][k], b = start.normal2[l][k];
-          double next = start.uu[l] * u + (start.uv[l] * v + start.noise_u[l] * a);
-          v = start.vv[l] * v + (start.vu[l] * u + (start.noise_vu[l] * a + start.noise_vv[l] * b));
-          u = next;
-          assert_memory_equal(&u, &g.u[l][k + 2], 8);
-          assert_memory_equal(&v, &g.v[l][k + 2], 8);
+        double x = start.u[1][l], y = start.v[1][l], a[NEW], b[NEW];
+        path->normals(start.seed[l], (uint32_t)start.stream[l], RANDOM_STEP, (int64_t)(2 * start.block[l]),
+                      NEW, a, b);
+        for (size_t k = 0; k < NEW; k++) {
+          double next = start.uu[l] * x + (start.uv[l] * y + start.noise_u[l] * a[k]);
+          y = start.vv[l] * y + (start.vu[l] * x + (start.noise_vu[l] * a[k] + start.noise_vv[l] * b[k]));
+          x = next;
+          assert_memory_equal(&x, &g.u[k + 2][l], 8);
+          assert_memory_equal(&y, &g.v[k + 2][l], 8);
+          assert_memory_equal(&x, &u[l][k + 2], 8);
+          assert_memory_equal(&y, &v[l][k + 2], 8);
         }
       }
     }
@@ -366,8 +400,9 @@ int main(void) {
       cmocka_unit_test(philox_is_random123s),
       cmocka_unit_test(normals_are_box_and_mullers),
       cmocka_unit_test(sine_and_cosine_are_accurate),
-      cmocka_unit_test(logarithm_is_accurate_in_every_width),
       cmocka_unit_test(normals_are_normal),
+      cmocka_unit_test(tails_are_normal),
+      cmocka_unit_test(numbers_of_a_block_are_independent),
       cmocka_unit_test(streams_are_independent),
       cmocka_unit_test(oscillators_do_not_depend_on_the_path),
       cmocka_unit_test(runs_do_not_depend_on_the_path),

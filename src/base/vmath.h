@@ -1,29 +1,9 @@
-/* vmath.h: logarithm, sine and cosine over lanes; included once per LANE_WIDTH after base/lane.h.
+/* vmath.h: sine and cosine over lanes; included once per LANE_WIDTH after base/lane.h.
  *
  * Basic operations only, in a fixed order, so the value does not depend on the width of the vectors or on
- * the C library. Polynomials: the classical minimax ones on [-pi/4, pi/4] and on |f| < 0.415 (as in
- * Cody & Waite, Software Manual for the Elementary Functions); error about one unit in the last place.
+ * the C library. Polynomials: the classical minimax ones on [-pi/4, pi/4] (as in Cody & Waite, Software Manual for
+ * the Elementary Functions); error about one unit in the last place.
  */
-
-/* log(a) for normal, positive a. */
-LANE_INLINE LANE(real) LANE(logarithm)(LANE(real) a) {
-  /* a = 2^e m, m in [sqrt(1/2), sqrt(2)) */
-  LANE(bits) b = LANE(as_bits)(a) - 0x3fe6a09e00000000u;
-  LANE(bits) e = (b >> 52) & 0xfffu;
-  /* the exponent's sign is in its 12th bit: bring it to a double through the magic number */
-  LANE(bits) biased = (e ^ 0x800u) | 0x4330000000000000u;
-  LANE(real) k = LANE(as_real)(biased) - (0x1p52 + 2048.0);
-  LANE(real) m = LANE(as_real)((b & 0x000fffffffffffffu) + 0x3fe6a09e00000000u);
-  LANE(real) f = m - 1.0;
-  LANE(real) s = f / (f + 2.0), z = s * s, w = z * z;
-  LANE(real) even = w * (w * (w * 0.15313837699209373 + 0.22222198432149784) + 0.3999999999940942);
-  LANE(real)
-  odd = z *
-        (w * (w * (w * 0.14798198605116586 + 0.1818357216161805) + 0.28571428743662391) + 0.6666666666666735);
-  LANE(real) half = f * f * 0.5;
-  return k * 6.93147180369123816490e-01 -
-         ((half - (s * (half + (even + odd)) + k * 1.90821492927058770002e-10)) - f);
-}
 
 /* sin and cos of 2 pi t for |t| < 2^50. */
 LANE_INLINE void LANE(sine_cosine)(LANE(real) t, LANE(real) * sine, LANE(real) * cosine) {

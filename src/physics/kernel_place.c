@@ -13,14 +13,14 @@ void KERNEL(kernel_place)(place_batch *b, size_t n);
 void KERNEL(kernel_place)(place_batch *b, size_t n) {
   LANE(real) low = LANE(splat)(HUGE_VAL), high = LANE(splat)(-HUGE_VAL);
   for (size_t k = 0; k < n; k += LANE_WIDTH) {
-    LANE(real) u = LANE(splat)(0.0), v = LANE(splat)(0.0), rest = LANE(splat)(0.0);
-    for (size_t t = 0; t < b->n_signals; t++) {
-      const double *signal = b->signals[t] + k;
-      u = u + LANE(load)(signal);
-      v = v + LANE(load)(signal + n);
-      rest = rest + LANE(load)(signal + 2 * n);
+    LANE(real) u = LANE(load)(b->signals[0]->u + k), v = LANE(load)(b->signals[0]->v + k);
+    for (size_t t = 1; t < b->n_signals; t++) {
+      u = u + LANE(load)(b->signals[t]->u + k);
+      v = v + LANE(load)(b->signals[t]->v + k);
     }
-    u = ((u - b->off) + b->base) + rest;
+    u = (u - b->off) + b->base;
+    for (size_t t = 0; t < b->n_signals; t++)
+      if (b->signals[t]->low) u = u + LANE(load)(b->signals[t]->low + k);
     LANE(store)(b->value + k, u);
     LANE(store)(b->velocity + k, v);
     low = LANE(least)(u, low);

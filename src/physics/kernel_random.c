@@ -1,8 +1,7 @@
-/* kernel_random.c: counter-based normal numbers, and sines, over lanes; compiled once per instruction set.
+/* kernel_random.c: normal numbers and randomly forced oscillators over lanes; compiled once per instruction set.
  *
- * Philox4x32-10 (Salmon, Moraes, Dror & Shaw, SC'11), written over lanes because the six streams of the
- * 3-disk deck would else cost more than the mechanics; tests compare it with Random123's. One block gives
- * two uniform numbers of 52 bits, and Box-Muller two normal ones. The same number for every width.
+ * Philox is written over lanes because the six streams of the 3-disk deck would else cost more than the mechanics;
+ * tests compare it with Random123's.
  */
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
@@ -10,87 +9,154 @@
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "base/vmath.h"
-
-/* So many blocks at a time: their chains of dependent operations overlap. */
-enum { BLOCKS = 8 / LANE_WIDTH > 2 ? 8 / LANE_WIDTH : 2 };
-
-/* Words are the low halves of 64-bit lanes; what stands above them is not cleared on the way, because the
- * multiplication does not see it. */
-LANE_INLINE void philox(LANE(bits) word[BLOCKS][4], uint64_t key) {
-  uint32_t k0 = (uint32_t)key, k1 = (uint32_t)(key >> 32);
-  const LANE(bits) m0 = LANE(splat_bits)(0xD2511F53u), m1 = LANE(splat_bits)(0xCD9E8D57u);
-  for (int round = 0; round < 10; round++) {
-    for (int n = 0; n < BLOCKS; n++) {
-      LANE(bits) p0 = LANE(multiply32)(m0, word[n][0]), p1 = LANE(multiply32)(m1, word[n][2]);
-      word[n][0] = (p1 >> 32) ^ word[n][1] ^ k0;
-      word[n][1] = p1;
-      word[n][2] = (p0 >> 32) ^ word[n][3] ^ k1;
-      word[n][3] = p0;
-    }
-    k0 += 0x9E3779B9u;
-    k1 += 0xBB67AE85u;
-  }
-}
-
-/* 64 bits -> uniform in (0, 1): 52 bits and half a unit. */
-LANE_INLINE LANE(real) uniform(LANE(bits) high, LANE(bits) low) {
-  LANE(bits) b = (high << 32) | (low & 0xffffffffu);
-  return LANE(as_real)((b >> 12) | 0x3ff0000000000000u) - (1.0 - 0x1p-53);
-}
+#include "physics/draws.h"
 
 void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                             double *a, double *b);
 void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
-void KERNEL(kernel_oscillate)(oscillators *g, size_t n);
+void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
+void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
+                           double (*v)[OSCILLATOR_ROWS]);
 
+LANE_INLINE LANE(bits) load_bits(const uint64_t *p) {
+  LANE(bits) a;
+  memcpy(&a, p, sizeof a);
+  return a;
+}
+
+static void copy_draws(const double *from, uint64_t index, uint64_t first, size_t n, double *to) {
+  for (uint64_t l = 0; l < LANE_WIDTH; l++)
+    if (index + 2 * l >= first && index + 2 * l < first + n) to[index + 2 * l - first] = from[l];
+}
+
+/* Blocks that follow one another in the lanes. */
 void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                             double *a, double *b) {
+  LANE(draw_keys) keys;
+  LANE(draw_keys_from)(&keys, LANE(splat_bits)(seed));
   LANE(bits) lane = LANE(splat_bits)(0);
   for (int l = 0; l < LANE_WIDTH; l++) lane[l] = (uint64_t)l;
-  for (size_t k = 0; k < n; k += BLOCKS * LANE_WIDTH) {
-    LANE(bits) word[BLOCKS][4];
-    for (size_t m = 0; m < BLOCKS; m++) {
-      LANE(bits) index = LANE(splat_bits)((uint64_t)first + k + m * LANE_WIDTH) + lane;
-      word[m][0] = index & 0xffffffffu;
-      word[m][1] = index >> 32;
-      word[m][2] = LANE(splat_bits)(stream);
-      word[m][3] = LANE(splat_bits)(purpose);
-    }
-    philox(word, seed);
-    LANE(real) r[BLOCKS], s[BLOCKS], c[BLOCKS];
-    for (size_t m = 0; m < BLOCKS; m++)
-      r[m] = LANE(root)(-2.0 * LANE(logarithm)(uniform(word[m][1], word[m][0])));
-    for (size_t m = 0; m < BLOCKS; m++) LANE(sine_cosine)(uniform(word[m][3], word[m][2]), &s[m], &c[m]);
-    for (size_t m = 0; m < BLOCKS; m++) {
-      LANE(store)(a + k + m * LANE_WIDTH, r[m] * c[m]);
-      LANE(store)(b + k + m * LANE_WIDTH, r[m] * s[m]);
+  for (uint64_t from = (uint64_t)first / 2; 2 * from < (uint64_t)first + n; from += LANE_WIDTH) {
+    LANE(bits) block = LANE(splat_bits)(from) + lane, word[DRAW_BLOCKS][4];
+    LANE(real) x[2 * DRAW_BLOCKS], y[2 * DRAW_BLOCKS];
+    word[0][0] = block & 0xffffffffu;
+    word[0][1] = block >> 32;
+    word[0][2] = LANE(splat_bits)(stream);
+    word[0][3] = LANE(splat_bits)(purpose);
+    LANE(draw_normals)(word, 1, &keys, x, y);
+    for (uint64_t half = 0; half < 2; half++) {
+      double row[LANE_WIDTH];
+      LANE(store)(row, x[half]);
+      copy_draws(row, 2 * from + half, (uint64_t)first, n, a);
+      LANE(store)(row, y[half]);
+      copy_draws(row, 2 * from + half, (uint64_t)first, n, b);
     }
   }
 }
 
-LANE_INLINE LANE(real) column(double (*row)[OSCILLATOR_DRAWS], size_t k) {
-  LANE(real) a;
-  for (int l = 0; l < LANE_WIDTH; l++) a[l] = row[l][k];
-  return a;
+/* What a vector of oscillators carries from draw to draw. */
+typedef struct swing {
+  LANE(draw_keys) keys;
+  LANE(bits) block, stream;
+  LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv;
+} swing;
+
+/* The next rows of lanes from l on: two from each of so many blocks. */
+LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int blocks) {
+  LANE(bits) word[DRAW_BLOCKS][4];
+  LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS];
+  EACH_BLOCK {
+    LANE(bits) block = s->block + (uint64_t)n;
+    word[n][0] = block;
+    word[n][1] = block >> 32;
+    word[n][2] = s->stream;
+    word[n][3] = LANE(splat_bits)(RANDOM_STEP);
+  }
+  s->block = s->block + (uint64_t)blocks;
+  LANE(draw_normals)(word, blocks, &s->keys, a, b);
+  EACH_PAIR {
+    LANE(real) next = s->uu * s->u + (s->uv * s->v + s->noise_u * a[k]);
+    s->v = s->vv * s->v + (s->vu * s->u + (s->noise_vu * a[k] + s->noise_vv * b[k]));
+    s->u = next;
+    LANE(store)(g->u[row + (size_t)k] + l, s->u);
+    LANE(store)(g->v[row + (size_t)k] + l, s->v);
+  }
 }
 
-LANE_INLINE void set_column(double (*row)[OSCILLATOR_DRAWS], size_t k, LANE(real) a) {
-  for (int l = 0; l < LANE_WIDTH; l++) row[l][k] = a[l];
-}
-
-void KERNEL(kernel_oscillate)(oscillators *g, size_t n) {
+void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
   for (size_t l = 0; l < g->count; l += LANE_WIDTH) {
-    LANE(real) uu = LANE(load)(g->uu + l), uv = LANE(load)(g->uv + l), vu = LANE(load)(g->vu + l);
-    LANE(real) vv = LANE(load)(g->vv + l), nu = LANE(load)(g->noise_u + l), nvu = LANE(load)(g->noise_vu + l);
-    LANE(real) nvv = LANE(load)(g->noise_vv + l), u = column(g->u + l, 1), v = column(g->v + l, 1);
-    for (size_t k = 0; k < n; k++) {
-      LANE(real) a = column(g->normal1 + l, k), b = column(g->normal2 + l, k);
-      LANE(real) next = uu * u + (uv * v + nu * a);
-      v = vv * v + (vu * u + (nvu * a + nvv * b));
-      u = next;
-      set_column(g->u + l, k + 2, u);
-      set_column(g->v + l, k + 2, v);
+    swing s = {.block = load_bits(g->block + l),
+               .stream = load_bits(g->stream + l),
+               .u = LANE(load)(g->u[row - 1] + l),
+               .v = LANE(load)(g->v[row - 1] + l),
+               .uu = LANE(load)(g->uu + l),
+               .uv = LANE(load)(g->uv + l),
+               .vu = LANE(load)(g->vu + l),
+               .vv = LANE(load)(g->vv + l),
+               .noise_u = LANE(load)(g->noise_u + l),
+               .noise_vu = LANE(load)(g->noise_vu + l),
+               .noise_vv = LANE(load)(g->noise_vv + l)};
+    LANE(draw_keys_from)(&s.keys, load_bits(g->seed + l));
+    size_t n = 0;
+    for (; n + DRAW_BLOCKS <= blocks; n += DRAW_BLOCKS) swing_on(&s, g, l, row + 2 * n, DRAW_BLOCKS);
+    for (; n + 2 <= blocks; n += 2) swing_on(&s, g, l, row + 2 * n, 2);
+    for (; n < blocks; n++) swing_on(&s, g, l, row + 2 * n, 1);
+  }
+}
+
+/* Squares of LANE_WIDTH rows and lanes: one bit of the index changes places in each round. */
+LANE_INLINE void transpose(LANE(real) a[LANE_WIDTH]) {
+#if LANE_WIDTH == 8 && defined(__AVX512F__)
+  LANE(real) b[8];
+  for (int k = 0; k < 8; k += 2) {
+    b[k] = (LANE(real))_mm512_unpacklo_pd((__m512d)a[k], (__m512d)a[k + 1]);
+    b[k + 1] = (LANE(real))_mm512_unpackhi_pd((__m512d)a[k], (__m512d)a[k + 1]);
+  }
+  for (int k = 0; k < 8; k += 4)
+    for (int j = 0; j < 2; j++) {
+      a[k + j] = (LANE(real))_mm512_shuffle_f64x2((__m512d)b[k + j], (__m512d)b[k + j + 2], 0x88);
+      a[k + j + 2] = (LANE(real))_mm512_shuffle_f64x2((__m512d)b[k + j], (__m512d)b[k + j + 2], 0xdd);
     }
+  for (int j = 0; j < 4; j++) {
+    b[j] = (LANE(real))_mm512_shuffle_f64x2((__m512d)a[j], (__m512d)a[j + 4], 0x88);
+    b[j + 4] = (LANE(real))_mm512_shuffle_f64x2((__m512d)a[j], (__m512d)a[j + 4], 0xdd);
+  }
+  memcpy(a, b, sizeof b);
+#elif LANE_WIDTH == 4 && defined(__AVX2__)
+  LANE(real) b[4];
+  for (int k = 0; k < 4; k += 2) {
+    b[k] = (LANE(real))_mm256_unpacklo_pd((__m256d)a[k], (__m256d)a[k + 1]);
+    b[k + 1] = (LANE(real))_mm256_unpackhi_pd((__m256d)a[k], (__m256d)a[k + 1]);
+  }
+  for (int j = 0; j < 2; j++) {
+    a[j] = (LANE(real))_mm256_permute2f128_pd((__m256d)b[j], (__m256d)b[j + 2], 0x20);
+    a[j + 2] = (LANE(real))_mm256_permute2f128_pd((__m256d)b[j], (__m256d)b[j + 2], 0x31);
+  }
+#else
+  for (int k = 0; k < LANE_WIDTH; k++)
+    for (int j = 0; j < k; j++) {
+      double t = a[k][j];
+      a[k][j] = a[j][k];
+      a[j][k] = t;
+    }
+#endif
+}
+
+LANE_INLINE void spread(const double (*rows)[OSCILLATORS], size_t n, size_t l,
+                        double (*to)[OSCILLATOR_ROWS]) {
+  for (size_t r = 0; r < n; r += LANE_WIDTH) {
+    LANE(real) a[LANE_WIDTH];
+    for (size_t k = 0; k < LANE_WIDTH; k++) a[k] = LANE(load)(rows[r + k] + l);
+    transpose(a);
+    for (size_t k = 0; k < LANE_WIDTH; k++) LANE(store)(to[l + k] + r, a[k]);
+  }
+}
+
+void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
+                           double (*v)[OSCILLATOR_ROWS]) {
+  for (size_t l = 0; l < g->count; l += LANE_WIDTH) {
+    spread(g->u, n, l, u);
+    spread(g->v, n, l, v);
   }
 }
 

@@ -88,7 +88,7 @@ static void load_still(lanes_motion *m) {
     for (size_t l = 0; l < m->width; l++) {
       const sd_state *s = m->systems[l]->state;
       size_t slot = m->first_slot + i;
-      double now[POSES] = {s->x[slot], s->y[slot], s->theta[slot], s->vx[slot], s->vy[slot]};
+      double now[POSES] = {s->x[slot], s->y[slot], s->theta[slot], s->vx[slot], s->vy[slot], s->omega[slot]};
       for (size_t c = 0; c < POSES; c++) m->still[(i * POSES + c) * m->width + l] = now[c];
     }
   for (size_t k = 0; k < m->n_slots * POSES; k++)
@@ -109,8 +109,7 @@ static void load_place(lanes_motion *m, lanes_place *p, size_t k) {
     p->velocity[l] = speed[p->coordinate][p->slot];
   }
   pose[p->coordinate] = (lanes_pose){p->value, stride, p->low, p->high};
-  if (p->coordinate != SD_THETA)
-    pose[p->coordinate == SD_X ? POSE_VX : POSE_VY] = (lanes_pose){p->velocity, stride, NULL, NULL};
+  pose[POSE_VX + p->coordinate] = (lanes_pose){p->velocity, stride, NULL, NULL};
 }
 
 void lanes_motion_load(lanes_motion *m) {

@@ -1,15 +1,13 @@
-/* motion.h: prescribed motions: signals u(t), and the coordinates that they are added to; and the walls whose
- * motion depends on the disks (feedback.h), which are switched and placed here too.
+/* motion.h: prescribed motions: the coordinates that signals (signals.h) are added to; and the walls whose motion
+ * depends on the disks (feedback.h), which are switched and placed here too.
  *
- * Signals do not depend on the dynamics, so they are computed MOTION_BATCH steps ahead, over lanes. A row of
- * motion_kinds per kind of signal; adding a kind is a row, a function and a name in the deck.
+ * Signals do not depend on the dynamics, so they are computed MOTION_BATCH steps ahead, over lanes.
  */
 #ifndef PHYSICS_MOTION_H
 #define PHYSICS_MOTION_H
 
+#include "physics/signals.h"
 #include "physics/work.h"
-
-enum { MOTION_BATCH = 64 };
 
 /* A prescribed coordinate: the signals that are added to it, and its values over the batch. */
 typedef struct placed {

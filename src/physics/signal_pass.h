@@ -1,0 +1,84 @@
+/* signal_pass.h: values of signals, over lanes; included once per LANE_WIDTH after base/lane.h.
+ *
+ * Lanes are consecutive steps of one system, or one step of several systems: the same text, the same bits. A value is
+ * a function of the motion's constants and of the number of steps since it began, so batches may begin anywhere.
+ */
+
+/* Turns of a motion after `at` steps, but for whole ones: rate = high + low, where high has so few digits that its
+ * product with 64 times a number of up to 2^27 is exact. */
+LANE_INLINE LANE(real) LANE(turns)(LANE(real) high, LANE(real) low, LANE(real) offset, LANE(real) at) {
+  LANE(real) t = high * at;
+  return ((t - LANE(nearest)(t)) + low * at) + offset;
+}
+
+/* (sine, cosine) turned on. */
+LANE_INLINE void LANE(turn_on)(LANE(real) * sine, LANE(real) * cosine, LANE(real) s, LANE(real) c) {
+  LANE(real) turned = *sine * c + *cosine * s;
+  *cosine = *cosine * c - *sine * s;
+  *sine = turned;
+}
+
+/* Sine and cosine times the scales of u and u'. */
+typedef struct LANE(arm) {
+  LANE(real) sine_u, cosine_u, sine_v, cosine_v;
+} LANE(arm);
+
+LANE_INLINE LANE(arm)
+    LANE(arm_of)(LANE(real) sine, LANE(real) cosine, LANE(real) scale_u, LANE(real) scale_v) {
+  LANE(arm) a = {sine * scale_u, cosine * scale_u, sine * scale_v, cosine * scale_v};
+  return a;
+}
+
+/* Harmonic signal, and its derivative, when the arm has turned on by an angle of sine s and cosine c. */
+LANE_INLINE void LANE(arm_at)(const LANE(arm) * a, LANE(real) s, LANE(real) c, LANE(real) * u,
+                              LANE(real) * v) {
+  *u = a->sine_u * c + a->cosine_u * s;
+  *v = a->cosine_v * c - a->sine_v * s;
+}
+
+/* eq. 21 and its derivative (22) after t turns: with w in [-1/2, 1/2], u = 8 A w (1 - 2 |w|), u' = 4 A (omega/pi)
+ * (1 - 4 |w|); a, b: 8 A and 4 A omega/pi. */
+LANE_INLINE void LANE(parabola)(LANE(real) t, LANE(real) a, LANE(real) b, LANE(real) * u, LANE(real) * v) {
+  LANE(real) w = t - LANE(nearest)(t);
+  LANE(real) size = LANE(as_real)(LANE(as_bits)(w) & 0x7fffffffffffffffu);
+  *u = w * (a - (2.0 * a) * size);
+  *v = b - (4.0 * b) * size;
+}
+
+/* Cubic between two draws a time h apart, which matches displacement and velocity at both, and its derivative. */
+typedef struct LANE(cubic) {
+  LANE(real) u[4], v[3];
+} LANE(cubic);
+
+LANE_INLINE LANE(cubic) LANE(cubic_between)(LANE(real) u0, LANE(real) v0, LANE(real) u1, LANE(real) v1,
+                                            LANE(real) h, LANE(real) per_h) {
+  LANE(real) rise = u1 - u0, a = h * v0 - rise, c = rise - h * v1;
+  LANE(real) second = c - (a + a), third = a - c;
+  LANE(cubic) p = {{u0, h * v0, second, third}, {v0, (second + second) * per_h, (3.0 * third) * per_h}};
+  return p;
+}
+
+/* At z = (time since the first draw)/h. */
+LANE_INLINE void LANE(cubic_at)(const LANE(cubic) * p, LANE(real) z, LANE(real) * u, LANE(real) * v) {
+  *u = p->u[0] + z * (p->u[1] + z * (p->u[2] + z * p->u[3]));
+  *v = p->v[0] + z * (p->v[1] + z * p->v[2]);
+}
+
+/* Fades in: u r(s), r = 6 s^5 - 15 s^4 + 10 s^3, s = t/ramp; the velocity follows. From s = 1 on, and without a ramp
+ * (s infinite), nothing changes. Returns r. */
+LANE_INLINE LANE(real) LANE(fade)(LANE(real) t, LANE(real) ramp, LANE(real) * u, LANE(real) * v) {
+  LANE(real) one = LANE(splat)(1.0), s = t / ramp, rest = s - 1.0;
+  LANE(mask) fading = LANE(greater)(one, s);
+  LANE(real) r = s * s * s * (s * (6.0 * s - 15.0) + 10.0), dr = 30.0 * s * s * rest * rest / ramp;
+  *v = LANE(select)(fading, *v * r + *u * dr, *v);
+  *u = LANE(select)(fading, *u * r, *u);
+  return LANE(select)(fading, r, one);
+}
+
+/* Of c at, exactly as product and rest (Dekker). */
+LANE_INLINE LANE(real) LANE(product_rest)(LANE(real) c, LANE(real) at, LANE(real) product) {
+  LANE(real) p = c * 134217729.0, q = at * 134217729.0;
+  LANE(real) c_high = p - (p - c), at_high = q - (q - at);
+  LANE(real) c_low = c - c_high, at_low = at - at_high;
+  return ((c_high * at_high - product) + (c_high * at_low + c_low * at_high)) + c_low * at_low;
+}
