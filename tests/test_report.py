@@ -22,7 +22,7 @@ except ImportError:
     sys.exit(0)
 
 from report import __main__ as report  # noqa: E402
-from report import configurations, fits, levels, markdown, turning, verdict, vibration  # noqa: E402
+from report import configurations, effort, errors, fits, levels, markdown, turning, verdict, vibration  # noqa: E402
 from report.data import Table  # noqa: E402
 from report.page import Page, Section  # noqa: E402
 from report.runs import Results, overrides  # noqa: E402
@@ -79,11 +79,11 @@ def read_page(path):
 
 
 class Synthetic(Results):
-    """Results made up from formulas instead of runs. sign: -1 turns all rotation round."""
+    """Results made up from formulas instead of runs. sign: -1 turns all rotation round; replicas: of the tilt curve."""
 
-    def __init__(self, folder, sign=1, unfinished=0):
-        super().__init__(folder, "default", "/bin/false", dry=True, strict=True)
-        self.sign, self.unfinished = sign, unfinished
+    def __init__(self, folder, sign=1, unfinished=0, replicas=0):
+        super().__init__(folder, "full" if replicas else "default", "/bin/false", dry=True, strict=True)
+        self.sign, self.unfinished, self.replicas = sign, unfinished, replicas
 
     def _row(self, name, omega, error, **parameters):
         row = {"name": name, "status": "done", "set": float(zlib.crc32(name.encode())),
@@ -104,6 +104,13 @@ class Synthetic(Results):
                 for tilt in numpy.linspace(0, 0.1, 11) * PI:
                     rows.append(self._row(f"tilt={tilt:g},eps_b={eps:g}", -4e4 * eps ** 2
                                           * numpy.sin(tilt / (0.12 * PI) * PI), 1e-6, tilt=tilt, eps_b=eps))
+        elif name == "random_replicas" and self.replicas:
+            rng = numpy.random.default_rng(2)
+            for row in self.sweep("random").rows:
+                for replica in range(self.replicas):
+                    off = 1e-6 * rng.normal()
+                    rows.append({**row, "replica": float(replica), "upper.omega": row["upper.omega"] + off,
+                                 "upper.scaled": row["upper.scaled"] + off / 5 ** 0.5})
         elif name in ("sync", "async"):
             for theta in (0.01, 0.1):
                 for tilt in numpy.linspace(0, 0.08, 5) * PI:
@@ -130,13 +137,13 @@ class Fits(unittest.TestCase):
         x = numpy.linspace(0, 0.1, 11)
         true, found, said = 0.1 / numpy.sqrt(3), [], []
         rng = numpy.random.default_rng(3)
-        for _ in range(40):
+        for _ in range(30):
             y = -(x - x ** 3 / 0.1 ** 2) + rng.normal(size=len(x)) * 1e-3
             e = fits.extremum(x, y, numpy.full(len(x), 1e-3), samples=60)
             found.append(e.position)
             said.append(e.error)
             self.assertGreater(e.inside, 0.97)
-        self.assertLess(abs(numpy.mean(found) - true), 3 * numpy.std(found) / 40 ** 0.5 + 1e-4)
+        self.assertLess(abs(numpy.mean(found) - true), 3 * numpy.std(found) / 30 ** 0.5 + 1e-4)
         self.assertLess(abs(numpy.mean(said) / numpy.std(found) - 1), 0.5)
 
     def test_extremum_of_a_steep_rise(self):
@@ -144,6 +151,18 @@ class Fits(unittest.TestCase):
         e = fits.extremum(x, -x / (1 + (x / 0.012) ** 2), numpy.full(len(x), 1e-4), samples=30)
         self.assertEqual(e.form, "quotient")
         self.assertAlmostEqual(e.position, 0.012, delta=3e-4)
+
+    def test_power_law(self):
+        """Exponents found from scattered points are as far from the true one as their errors say."""
+        x, rng = numpy.array([2.0, 4.0, 6.0, 8.0, 10.0]), numpy.random.default_rng(4)
+        y = 0.3 * x ** 0.8
+        off = []
+        for _ in range(60):
+            law = fits.power_law(x, y * (1 + 0.02 * rng.normal(size=5)), 0.02 * y)
+            off.append((law.exponent - 0.8) / law.error)
+        self.assertTrue(0.75 < numpy.std(off) < 1.25 and abs(numpy.mean(off)) < 0.4, (numpy.std(off), numpy.mean(off)))
+        self.assertGreater(fits.power_law(x, numpy.minimum(y, 1.1), 0.02 * y).chi2, 20)
+        self.assertIsNone(fits.power_law(x[:2], y[:2], y[:2]))
 
     def test_no_extremum_inside(self):
         x = numpy.linspace(0, 0.1, 11)
@@ -213,6 +232,14 @@ class Pages(unittest.TestCase):
         self.assertIn("random tilt=0,eps_b=2e-05: waiting", text)
         self.assertGreater(counts[verdict.YES], 10)
 
+    def test_nothing_there(self):
+        """A page can be drawn before anything has been run; axes that are logarithmic, too."""
+        with tempfile.TemporaryDirectory() as folder:
+            path, counts = report.draw(Results(folder, "full", "/bin/false", dry=True, strict=True),
+                                       modules=(configurations,))
+            self.assertIn("no data yet", read_page(path))
+        self.assertEqual((counts[verdict.YES], counts[verdict.NO]), (0, 0))
+
     def test_verdicts_follow_the_data(self):
         """Rotation turned round: what was reproduced is not any more."""
         with tempfile.TemporaryDirectory() as folder:
@@ -223,6 +250,46 @@ class Pages(unittest.TestCase):
                          "is clockwise" in claim.text]
                 self.assertEqual(signs, [wanted] * 4)
         plt.close("all")
+
+    def test_replicas(self):
+        """Means over replicas are drawn, the extremum's error shrinks, and single replicas agree with it."""
+        with tempfile.TemporaryDirectory() as folder:
+            one, five = (vibration.sections(Synthetic(folder, replicas=n)) for n in (0, 5))
+        plt.close("all")
+        places, more = one[1].tables[0].rows, five[1].tables[0].rows
+        self.assertEqual([len(five[0].tables[0].rows), len(more)], [33, 3])
+        for a, b in zip(places, more):
+            self.assertTrue(numpy.isnan(a[-2]) and b[-1] == 5)
+            self.assertLess(b[2], 0.7 * a[2])
+            self.assertLess(abs(b[1] - b[-3]), 4 * b[-2] + 1e-4)
+        self.assertTrue(all(row[-2] == 5 and row[3] < 1e-6 / 10 ** 0.5 * 0.64 for row in five[0].tables[0].rows))
+        verdicts = {claim.text: claim for claim in five[1].claims}
+        self.assertEqual(verdicts["Replicas scatter as their error bars say."].verdict, verdict.YES)
+        self.assertNotIn("Replicas scatter as their error bars say.", [claim.text for claim in one[1].claims])
+
+    def test_time_is_added_up(self):
+        """Calls of a level add up, also those that another process takes up; other levels are not touched."""
+        with tempfile.TemporaryDirectory() as folder:
+            for call in range(2):
+                ledger = effort.Ledger(folder, "full", jobs=2)
+                ledger.call("a machine")
+                ledger.begin("random", lambda call=call: (3 + call, 30.0))
+                ledger.since -= 10
+                ledger.tick(60)
+                self.assertLess(ledger.seconds(), 10 * call + 1)
+                ledger.end()
+                self.assertAlmostEqual(ledger.seconds(), 10 * (call + 1), delta=1)
+            effort.Ledger(folder, "quick").call("another")
+            entry = effort.Ledger(folder, "full").read()
+            results = Synthetic(folder, replicas=1)
+            text = effort.told(results)
+            results.size = lambda _: (33, 1e9)
+            table = effort.sections(results)[0].tables[0]
+        self.assertEqual((entry["calls"], entry["made_by"], entry["parts"]["random"]["found"]), (2, ["a machine"], 3))
+        self.assertAlmostEqual(entry["parts"]["random"]["core_seconds"], 40, delta=2)
+        self.assertIn("20 s (2 calls) by a machine", text)
+        self.assertEqual(table.rows[0][:3], ["random", 3, 30])
+        self.assertAlmostEqual(table.rows[0][-1], 40, delta=2)  # core-nanoseconds per step
 
     def test_one_broken_figure(self):
         """A figure that fails is reported and does not take the others with it."""
@@ -273,6 +340,61 @@ class Pages(unittest.TestCase):
             self.assertIn(line.count("|"), (4, len(section.tables[0].columns) + 1), line)
 
 
+class Study(unittest.TestCase):
+    """Time to a given error, from made-up tables."""
+    STEPS = (1e-6, 1e-5, 1e-4, 2e-4)
+
+    def table(self, bias, noise, same=False):
+        """bias(dt): relative change of Omega; noise: of one run, relative. same: the noise belongs to the seed."""
+        rng, rows = numpy.random.default_rng(1), []
+        seeds = rng.normal(size=8)
+        for dt in self.STEPS:
+            for integrator in ("gear5", "verlet"):
+                for seed in range(8):
+                    value = -1e-4 * (1 + bias(dt) + noise * (seeds[seed] if same else rng.normal()))
+                    rows.append({"dt": dt, "h": dt, "integrator": integrator, "noise": float(seed), "ns_per_step": 10.0,
+                                 "upper.scaled": value, "upper.scaled_error": 1e-4 * noise, "upper.measured": 100.0})
+        return Table(rows)
+
+    def test_limits(self):
+        for bias, best in ((lambda dt: 0.1 * (dt > 5e-5), 1e-5), (lambda dt: 0, 2e-4),
+                           (lambda dt: 0.1 * (dt > 5e-6), 1e-6)):
+            for paired, noise in ((False, 0.02), (True, 0.2)):
+                for series in errors.random_series("error_both", "", "dt", self.table(bias, noise, paired), paired):
+                    self.assertEqual(series.best().dt, best)
+
+    def test_noise_hides_a_change_unless_paired(self):
+        table = self.table(lambda dt: 0.04 * (dt > 5e-5), 0.3, True)
+        self.assertEqual(errors.random_series("error_step", "", "dt", table, True)[0].best().dt, 1e-5)
+        loose = self.table(lambda dt: 0.04 * (dt > 5e-5), 0.3)
+        self.assertEqual(errors.random_series("error_both", "", "dt", loose, False)[0].best().dt, 2e-4)
+
+    def test_cost(self):
+        """8 runs of 100 with errors of 2 %: 0.71 % in a time of 800, so 1 % in 400 and the start."""
+        series = errors.random_series("error_both", "", "dt", self.table(lambda dt: 0, 0.02), False)[0]
+        self.assertAlmostEqual(series.settings[0].cost / (401 * 1e6 * 10e-9), 1, delta=0.05)
+        self.assertAlmostEqual(series.settings[0].cost / series.settings[2].cost, 100, delta=10)
+
+    def test_turning(self):
+        rows = []
+        for dt in self.STEPS:
+            for theta, change in ((0.004, 300.0), (0.04, 3.0)):
+                rows.append({"dt": dt, "phase": 0.0, "integrator": "gear5", "theta_b": theta, "tilt": 0.1,
+                             "ns_per_step": 20.0, "upper.omega": 0.1 * (1 - change * dt), "upper.omega_error": 1e-7,
+                             "upper.measured": 60.0, "upper.transient": 10.0})
+        series, = [s for s in errors.turning_series(Table(rows)) if s.settings]
+        self.assertEqual(series.best().dt, 1e-5)
+        self.assertAlmostEqual(series.settings[2].change, -0.0297, delta=1e-3)
+        self.assertAlmostEqual(series.settings[0].cost, (0.5 + 10 + 0.1) / 1e-6 * 20e-9, delta=1e-4)
+
+    def test_page(self):
+        """The page is drawn from what is there, here nothing."""
+        with tempfile.TemporaryDirectory() as folder:
+            path, _ = report.draw(Results(folder, "errors", "/bin/false", dry=True, strict=True), keep=folder)
+            self.assertIn("error_both", read_page(path))
+            self.assertTrue(os.path.exists(os.path.join(folder, "errors.md")))
+
+
 @unittest.skipUnless(os.path.exists(PROGRAM), "the program is not built")
 class Levels(unittest.TestCase):
     def call(self, *words):
@@ -284,7 +406,7 @@ class Levels(unittest.TestCase):
         """Every sweep of every level is one that the program understands, and more is run at each level."""
         points = {}
         for name, (deck, plans) in levels.SWEEPS.items():
-            self.assertLessEqual(set(plans), set(levels.LEVELS))
+            self.assertLessEqual(set(plans), {*levels.LEVELS, *levels.STUDIES})
             for level, plan in plans.items():
                 points[name, level] = int(self.call("sweep", ROOT / "inputs/paper" / deck, "--count",
                                                     *overrides({**plan.keys, **plan.points})))
@@ -292,7 +414,24 @@ class Levels(unittest.TestCase):
             counts = [points[name, level] for level in levels.LEVELS if (name, level) in points]
             self.assertEqual(counts, sorted(counts), name)
         self.assertEqual(points["random", "full"], 80)
+        self.assertEqual(points["random_replicas", "full"], 300)
         self.assertEqual((points["sync", "full"], points["async", "full"]), (63, 63))
+
+    def test_replicas_go_on_from_single_runs(self):
+        """The first replica of each point is the point of the sweep without replicas, of the same seed."""
+        with tempfile.TemporaryDirectory() as folder:
+            deck = ROOT / "inputs/paper/random.cfg"
+            short = overrides({"phases.settle.time": 1e-5, "phases.measure.steps": 10,
+                               "sweep[0].parameters.eps_b.values": "(2e-5)",
+                               "sweep[1].parameters.eps_b.values": "(2e-5)"})
+            self.call("sweep", deck, "-o", folder, "--quiet", *short)
+            before = {path.name: path.stat().st_mtime_ns for path in pathlib.Path(folder, "points").glob("*.h5")}
+            self.call("sweep", deck, "-o", folder, "--quiet", *short, *overrides(levels.FIVE))
+            after = {path.name: path.stat().st_mtime_ns for path in pathlib.Path(folder, "points").glob("*.h5")}
+            table = Table.read(os.path.join(folder, "table.csv"))
+        self.assertEqual((len(before), len(after)), (11, 55))
+        self.assertEqual({name: after[name] for name in before}, before)
+        self.assertEqual([len(part) for part in table.sets()], [5] * 11)
 
     def test_runs(self):
         for name, (deck, by_level, keys) in levels.RUNS.items():
@@ -303,7 +442,7 @@ class Levels(unittest.TestCase):
     def test_folders_are_not_mixed(self):
         """Points whose deck differs never share a folder; those of equal decks do."""
         decks = {}
-        for level in levels.LEVELS:
+        for level in (*levels.LEVELS, *levels.STUDIES):
             with tempfile.TemporaryDirectory() as folder:
                 results = Results(folder, level, PROGRAM)
                 for name, (deck, plans) in levels.SWEEPS.items():

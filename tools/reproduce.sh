@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Computes the figures of the paper anew and writes one HTML page with figures, numbers and verdicts.
 #
-#   tools/reproduce.sh           a telling subset at the paper's length: about an hour on two cores
+#   tools/reproduce.sh           a telling subset at the paper's length
 #   tools/reproduce.sh --quick   everything, coarse: about two minutes
-#   tools/reproduce.sh --full    the paper's whole campaign: hours
+#   tools/reproduce.sh --full    the paper's whole campaign, and five times its statistics for the tilt curve
+#   tools/reproduce.sh --errors  instead: how far time step and noise interval can be raised, and what it buys
 #   tools/reproduce.sh --draw    runs nothing, draws what is there
-#   tools/reproduce.sh --help    all options: -o DIR, -j N, --only NAME, --program FILE
+#   tools/reproduce.sh --help    all options: -o DIR, -j N, --only NAME, --keep DIR, --program FILE
 # Results go to build/reproduce. It may be stopped at any time: the same command goes on, and the page shows what is
-# there, with a list of what is missing. docs/reproduce.md says more.
+# there, with a list of what is missing, and what it took in all calls. docs/reproduce.md says more.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 

@@ -6,6 +6,8 @@
     fits.py      extremum, crossing, and tests of significance
     verdict.py   claims, and how data decide about them
     style.py     one look for all figures
+    effort.py    time of all calls, and the machine
     page.py      one self-contained HTML page
+    errors.py    the study of --errors: how far time step and noise interval can be raised
     the others   one module per group of figures; each has sections(results) -> list of page.Section
 """

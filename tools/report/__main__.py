@@ -1,19 +1,20 @@
 """python3 -m report: makes the results of one level and draws the report. Called by tools/reproduce.sh."""
 import argparse
 import os
-import platform
 import signal
 import sys
 import time
 
-from . import (configurations, convergence, frequency, geometry, levels, markdown, oscillator, phase, statements,
-               turning, vibration, waves)
+from . import (configurations, convergence, effort, errors, frequency, geometry, levels, markdown, oscillator, phase,
+               statements, turning, vibration, waves)
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
 from .verdict import NO, OPEN, YES
 
 TITLE = "Sustained rotation in a vibrated disk: the paper's figures, computed anew"
-MODULES = (geometry, oscillator, vibration, waves, turning, configurations, phase, convergence, frequency)
+MODULES = (geometry, oscillator, vibration, waves, turning, configurations, phase, convergence, frequency, effort)
+STUDY_TITLE = "Three disks: time to a given error"
+STUDY_MODULES = (errors, effort)
 
 
 def options():
@@ -22,7 +23,9 @@ def options():
     level = parser.add_mutually_exclusive_group()
     level.add_argument("--quick", dest="level", action="store_const", const="quick", help="coarse, under two minutes")
     level.add_argument("--full", dest="level", action="store_const", const="full",
-                       help="the paper's whole campaign, hours")
+                       help="the paper's whole campaign")
+    parser.add_argument("--errors", action="store_true", help="instead of the paper's figures: how far time step and "
+                        "noise interval can be raised, and what it buys; with --quick: whether it works")
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "reproduce"), metavar="DIR",
                         help="where results and report go (build/reproduce)")
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count() or 1, metavar="N",
@@ -31,10 +34,14 @@ def options():
     parser.add_argument("--only", action="append", default=[], metavar="NAME",
                         help="only these runs and sweeps: " + ", ".join([*levels.SWEEPS, *levels.RUNS]))
     parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there")
-    parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/paper.md and DIR/figures "
-                        "(docs, when they are to stay with the sources)")
+    parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/paper.md (--errors: "
+                        "DIR/errors.md) and DIR/figures (docs, when they are to stay with the sources)")
     parser.set_defaults(level="default")
     args = parser.parse_args()
+    if args.errors:
+        if args.level == "full":
+            parser.error("--errors has one length, and --quick")
+        args.level = "errors-quick" if args.level == "quick" else "errors"
     unknown = [name for name in args.only if name not in levels.SWEEPS and name not in levels.RUNS]
     if unknown:
         parser.error(f"--only {unknown[0]}: no run or sweep is called that; there are "
@@ -42,11 +49,12 @@ def options():
     return args
 
 
-def draw(results, seconds=None, modules=MODULES, keep=None):
+def draw(results, modules=None, keep=None):
     """Writes the page; returns its path and the number of each verdict."""
+    study = results.level in levels.STUDIES
     page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html")
     found = []
-    for module in modules:
+    for module in modules or (STUDY_MODULES if study else MODULES):
         try:
             found += module.sections(results)
         except Exception as error:  # one figure that fails must not take the others with it
@@ -54,20 +62,24 @@ def draw(results, seconds=None, modules=MODULES, keep=None):
                 raise
             results.failed.append(f"figures of {module.__name__}: {type(error).__name__}: {error}")
     claims = [claim for section in found for claim in section.claims]
-    summary = statements.sections(results, claims)
-    counts = {word: sum(c.verdict == word for c in claims + summary[0].claims) for word in (YES, NO, OPEN)}
-    found = summary + found
+    if not study:
+        summary = statements.sections(results, claims)
+        claims += summary[0].claims
+        found = summary + found
+    counts = {word: sum(c.verdict == word for c in claims) for word in (YES, NO, OPEN)}
     for section in found:
         page.add(section)
-    page.write(TITLE, head(results, found, counts, seconds))
+    title = STUDY_TITLE if study else TITLE
+    page.write(title, head(results, found, counts))
     text = page.path[:-len(".html")] + ".md"
-    markdown.write(text, TITLE, lead(results, counts), found, "figures")
+    markdown.write(text, title, lead(results, counts), found, "figures")
     if keep:
-        markdown.keep(keep, text, [figure.name for section in found for figure in section.figures])
+        markdown.keep(keep, text, [figure.name for section in found for figure in section.figures],
+                      "errors.md" if study else "paper.md")
     return page.path, counts
 
 
-def head(results, sections, counts, seconds):
+def head(results, sections, counts):
     missing = list(dict.fromkeys(line for section in sections for line in section.missing))
     lines = ["<p>Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk "
              "with asymmetric supports</i>. All numbers are in the paper's units, <i>R</i> = <i>mg</i> = 1, <i>g</i> "
@@ -80,22 +92,23 @@ def head(results, sections, counts, seconds):
         lines.append('<div class="missing"><p>What went wrong:</p><ul>' +
                      "".join(f"<li>{escape(line)}</li>" for line in results.failed) + "</ul></div>")
     made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
-    took = f", its last call took {seconds / 60:.1f} min on {results.jobs} core{'s' * (results.jobs > 1)}" if seconds else ""
-    program = escape((results.provenance() or "?").splitlines()[0])
-    lines.append(f'<p class="small">Drawn {made} UTC by {program} on {platform.machine()}{took}. The figures lie '
-                 "beside this page as PDF and PNG, the tables as CSV.</p>")
+    lines.append(f'<p class="small">{effort.told(results, html=True)} Drawn {made} UTC with '
+                 f"{escape(results.program_line())}. The figures lie beside this page as PDF and PNG, the tables as "
+                 "CSV.</p>")
     return "\n".join(lines)
 
 
 def lead(results, counts):
     """What stands above the Markdown."""
-    program = (results.provenance() or "?").splitlines()[0]
+    by = effort.told(results, html=True) or f"Drawn with {escape(results.program_line())}."
+    if results.level in levels.STUDIES:
+        return [f"What `tools/reproduce.sh --errors` gives: {levels.DESCRIPTIONS[results.level]}.", "", by]
     return ["Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, *Sustained rotation in a vibrated disk with "
             "asymmetric supports*. R = mg = 1, g = 10; error bars are single standard errors. Every verdict is computed "
             "from the numbers beside it; [reproduce.md](reproduce.md) has the rules and the reasons of what is not "
             "reproduced.", "", f"Level: {results.level}, " + levels.DESCRIPTIONS[results.level] + ".", "",
-            f"Written by `tools/reproduce.sh` with {program} on {platform.machine()}: "
-            + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."]
+            "Written by `tools/reproduce.sh`: " + ", ".join(f"{number} {word}" for word, number in counts.items())
+            + f". {by}"]
 
 
 def escape(text):
@@ -107,14 +120,18 @@ def main():
     results = Results(args.folder, args.level, args.program, args.jobs, dry=args.draw)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, results.stop)
-    begin, status = time.monotonic(), 0
+    status = 0
     try:
         results.make(args.only)
     except Stopped:
         status = STOPPED
         print("stopped; drawing what is there. The same command goes on.")
-    path, counts = draw(results, None if args.draw else time.monotonic() - begin, keep=args.keep)
-    print(f"{path}: " + ", ".join(f"{number} {word}" for word, number in counts.items()))
+    begin = time.monotonic()
+    path, counts = draw(results, keep=args.keep)
+    if effort.told(results):
+        print(effort.told(results))
+    print(f"drawn in {time.monotonic() - begin:.0f} s: {path}, "
+          + ", ".join(f"{number} {word}" for word, number in counts.items()))
     for line in results.failed:
         print(line, file=sys.stderr)
     sys.exit(status or (3 if results.failed else 0))

@@ -33,13 +33,14 @@ def panel(axes, table, x, title):
     elif x == "eps_b":
         axes.set_xlabel(r"amplitude $\epsilon_b\times10^5$")
     else:
-        axes.set_xscale("log")
+        if line:  # without points an axis has no place for its ticks
+            axes.set_xscale("log")
         axes.set_xlabel(r"amplitude $\Theta_b$")
     axes.set_title(title)
 
 
 def sections(results):
-    tables = {name: results.sweep(name).joined() for name in ("random", "sync", "async")}
+    tables = {name: results.best(name).joined() for name in ("random", "sync", "async")}
     out = Section("configurations", "Sliding configurations", "Fractions of the measured time. The first sign is that "
                   "of the tangential force at the left contact, the second at the right one; a contact that sticks "
                   "for a moment while its sliding turns round counts as sticking.", new=True,

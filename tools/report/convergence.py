@@ -4,6 +4,7 @@ import math
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
+from .data import Table
 from .page import Figure, Numbers, Section
 from .style import COLOURS, figure, legend_above, points
 from .turning import OMEGA_B
@@ -24,7 +25,7 @@ def sections(results):
     tables = {name: results.sweep(name) for name in ("step", "step_turning", "interval", "seeds")}
     out.missing = [line for table in tables.values() for line in table.missing]
     picture, axes = figure(2, 2, height=5.8)
-    step(axes[0, 0], tables["step"].joined())
+    step(axes[0, 0], over_noise(tables["step"]))
     turning(axes[0, 1], tables["step_turning"].joined())
     interval(axes[1, 0], tables["interval"].joined())
     seeds(axes[1, 1], tables["seeds"])
@@ -37,11 +38,11 @@ def sections(results):
                               "(points with error bars; grey: mean of the seeds with its error); turning supports: "
                               "change of &Omega; relative to the smallest step.", "Convergence of the angular velocity "
                               "in time step and noise interval, and its scatter over seeds"))
-    out.claims = [step_claim(tables["step"].joined()), integrator_claim(tables),
+    out.claims = [step_claim(over_noise(tables["step"])), integrator_claim(tables),
                   turning_claim(tables["step_turning"].joined()), interval_claim(tables["interval"].joined()),
                   seeds_claim(tables["seeds"])]
     out.tables += [
-        numbers("Time step, random vibration", tables["step"].joined(), ("dt", "integrator")),
+        numbers("Time step, random vibration", over_noise(tables["step"]), ("dt", "integrator")),
         numbers("Time step, turning supports", tables["step_turning"].joined(), ("phase", "dt", "integrator")),
         numbers("Noise interval", tables["interval"].joined(), ("interval",)),
         numbers("Seeds", tables["seeds"], ("replica", "seed"))]
@@ -55,6 +56,15 @@ def numbers(title, table, names):
                                                for c in ("upper.omega", "upper.omega_error", "upper.scaled",
                                                          "upper.transient", "residual", "ns_per_step"))]
                                             for row in table.rows])
+
+
+def over_noise(table):
+    """Means over the realisations of the noise, which the deck counts as points and not as replicas."""
+    sets = {}
+    for row in table.rows:
+        sets.setdefault((row["dt"], row["integrator"]), len(sets))
+    return Table([{**row, "set": sets[row["dt"], row["integrator"]]} for row in table.rows], table.missing,
+                 table.source).joined()
 
 
 def step(axes, table):

@@ -83,12 +83,17 @@ class Table:
         return Table(sorted((row for row in self.rows if isinstance(row.get(name), float) and math.isfinite(row[name])),
                             key=lambda row: row[name]), [], self.source)
 
+    def sets(self):
+        """A table of each set of values: its replicas."""
+        found = {}
+        for row in self.rows:
+            found.setdefault(row.get("set", len(found)), []).append(row)
+        return [Table(rows, [], self.source) for rows in found.values()]
+
     def joined(self):
         """One row per set: replicas averaged, errors joined; `scatter` is the standard error from the replicas."""
-        sets, rows = {}, []
-        for row in self.rows:
-            sets.setdefault(row.get("set", len(sets)), []).append(row)
-        for members in sets.values():
+        rows = []
+        for members in (part.rows for part in self.sets()):
             n, row = len(members), dict(members[0])
             for key in row:
                 values = [m[key] for m in members]

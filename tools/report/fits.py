@@ -1,5 +1,6 @@
 """Numbers drawn from curves: an extremum or a crossing with its error, and whether the data contain one."""
 import dataclasses
+import math
 
 import numpy as np
 
@@ -7,7 +8,7 @@ import numpy as np
 @dataclasses.dataclass
 class Extremum:
     position: float
-    error: float     # standard deviation over the bootstrap, enlarged when chi^2 is
+    error: float     # half the width of 68 % of the bootstrap, enlarged when chi^2 is
     value: float
     inside: float    # fraction of the bootstrap samples whose extremum is inside the range
     form: str        # "polynomial" or "quotient"
@@ -73,11 +74,20 @@ def _lowest(function, sign):
     return x[k], k < len(x) - 1
 
 
+def best_form(x, y, error, start=None):
+    """(form, terms, coefficients, chi^2) of the form with the least AICc: an odd polynomial of two to five terms, or
+    the quotient. start: coefficients from which the quotient sets out."""
+    forms = [("polynomial", n, *fit_odd(x, y, error, n)) for n in range(2, min(5, len(x) - 2) + 1)]
+    if len(x) >= 5:
+        forms.append(("quotient", 3, *fit_quotient(x, y, error, start)))
+    return min(forms, key=lambda f: f[3] + 2 * f[1] + 2 * f[1] * (f[1] + 1) / max(len(x) - f[1] - 1, 0.5))
+
+
 def extremum(x, y, error, samples=400, seed=1):
     """Extremum of an odd function through points with error bars; None when they are fewer than four.
 
-    The form (odd polynomial of two to four terms, or the quotient) is the one with the least AICc. The error is
-    the standard deviation of the extremum when each point is scattered by its error bar, times
+    The error is half of what holds the middle 68 % of the extrema when each point is scattered by its error bar and
+    the form is chosen anew each time (so that it contains what the choice of the form does), times
     sqrt(chi^2/degrees) where that is above 1.
     """
     x, y, error = (np.asarray(v, float) for v in (x, y, error))
@@ -88,24 +98,46 @@ def extremum(x, y, error, samples=400, seed=1):
         return None
     last = x.max()
     u = x / last
-    forms = [("polynomial", n, *fit_odd(u, y, error, n)) for n in range(2, min(4, len(x) - 2) + 1)]
-    if len(x) >= 5:
-        forms.append(("quotient", 3, *fit_quotient(u, y, error)))
-    form, n, c, chi2 = min(forms, key=lambda f: f[3] + 2 * f[1] + 2 * f[1] * (f[1] + 1) / max(len(x) - f[1] - 1, 0.5))
-    shape = odd if form == "polynomial" else quotient
+    form, n, c, chi2 = best_form(u, y, error)
+    shapes = {"polynomial": odd, "quotient": quotient}
+    start = c if form == "quotient" else fit_quotient(u, y, error)[0] if len(x) >= 5 else None
     sign = 1 if y[np.argmax(np.abs(y / error))] < 0 else -1
-    position, _ = _lowest(lambda v: shape(v, c), sign)
+    position, _ = _lowest(lambda v: shapes[form](v, c), sign)
     rng = np.random.default_rng(seed)
     places, inside = [], 0
     for _ in range(samples):
-        noisy = y + rng.normal(size=len(y)) * error
-        drawn, _ = fit_odd(u, noisy, error, n) if form == "polynomial" else fit_quotient(u, noisy, error, start=c)
-        place, turning = _lowest(lambda v, d=drawn: shape(v, d), sign)
+        drawn = best_form(u, y + rng.normal(size=len(y)) * error, error, start)
+        place, turning = _lowest(lambda v, d=drawn: shapes[d[0]](v, d[2]), sign)
         places.append(place)
         inside += turning
     stretch = max(1.0, np.sqrt(chi2 / (len(x) - n)))
-    return Extremum(float(position * last), float(np.std(places) * last * stretch), float(shape(position, c)),
-                    inside / samples, form, n, chi2, len(x) - n, lambda v: shape(np.asarray(v, float) / last, c))
+    low, high = np.percentile(places, (15.87, 84.13)) if samples else (math.nan, math.nan)
+    return Extremum(float(position * last), float(high - low) / 2 * last * stretch,
+                    float(shapes[form](position, c)), inside / samples if samples else math.nan, form, n, chi2,
+                    len(x) - n, lambda v: shapes[form](np.asarray(v, float) / last, c))
+
+
+@dataclasses.dataclass
+class Power:
+    exponent: float
+    error: float
+    chi2: float
+    degrees: int
+    curve: object  # function of x
+
+
+def power_law(x, y, error):
+    """y = a x^b by weighted least squares in logarithms; None for fewer than three points."""
+    x, y, error = (np.asarray(v, float) for v in (x, y, error))
+    if len(x) < 3 or not (np.all(y > 0) and np.all(error > 0)):
+        return None
+    middle = np.log(x).mean()
+    weight = y / error
+    design = np.stack([np.ones(len(x)), np.log(x) - middle], axis=1) * weight[:, None]
+    c, *_ = np.linalg.lstsq(design, np.log(y) * weight, rcond=None)
+    spread = np.linalg.inv(design.T @ design)
+    return Power(float(c[1]), float(np.sqrt(spread[1, 1])), float(np.sum((design @ c - np.log(y) * weight) ** 2)),
+                 len(x) - 2, lambda v: np.exp(c[0] + c[1] * (np.log(np.asarray(v, float)) - middle)))
 
 
 def crossing(x, y, error=None, samples=1000, seed=1):

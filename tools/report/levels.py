@@ -1,19 +1,23 @@
 """What is run at which level: the one table to change.
 
-A sweep is a deck of inputs/paper; the deck as it stands is the level "full". `points` thins out or extends the
-sweep (it changes which points there are, not what a point is), `keys` change the points themselves. Results of
-points whose deck is unchanged lie in a folder that levels share, so that --full goes on from the default.
+A sweep is a deck of inputs/paper; the deck as it stands is the level "full" (or a study's). `points` thins out or
+extends the sweep (it changes which points there are, not what a point is), `keys` change the points themselves.
+Results of points whose deck is unchanged lie in a folder that levels share, so that --full goes on from the default.
 """
 import dataclasses
 
 LEVELS = ("quick", "default", "full")
+STUDIES = ("errors", "errors-quick")  # runs and pages of their own: errors.py
 DESCRIPTIONS = {
     "quick": "a coarse look: large time steps, short runs, few points. Error bars are more than twice those of the "
              "paper's length, and slow transients may not be over",
     "default": "random vibration at the paper's length (5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup>) at a "
                "part of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at "
                "four points at the paper's length",
-    "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points",
+    "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points, "
+            "and five independent runs of that length at each point of the tilt curve",
+    "errors": "how far time step and noise interval can be raised, and what it buys",
+    "errors-quick": "the same, so short that it only shows that everything works",
 }
 
 
@@ -36,13 +40,23 @@ LONG = {"sweep.parameters.theta_b.values": "(0.04, 0.1)", "sweep.parameters.tilt
 FEW_TILTS = {"sweep.parameters.tilt.values": '(0, "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi")'}
 NO_FINE = "(2e-5, 1e-5, 5e-6)"
 
-# name: (deck, {level: plan}); without a level it is not run there. Cheap ones first.
+FIVE = {"sweep[1].replicas": 5}  # of the tilt curve; the first of each is the point of "random"
+# Time step: eight realisations of the noise, a full vector, each shorter than the deck's one.
+NOISES = Plan({"phases.measure.time": 100}, {"sweep.parameters.noise.values": "(1, 2, 3, 4, 5, 6, 7, 8)"})
+FEW_SEEDS = {"sweep.parameters.noise.values": "(1, 2, 3)"}
+
+# name: (deck, {level: plan}); without a level it is not run there. The paper's figures first.
 SWEEPS = {
     "sync": ("sync.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
     "async": ("async.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
+    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, HALF_EPS), "full": AS_IS}),
+    "random_replicas": ("random.cfg", {"full": Plan({}, FIVE)}),
+    "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),  # at level full these are among the points of "sync"
+    "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
     "phase": ("phase.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "waveform": ("waveform.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "frequency": ("frequency.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
+    "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE), "default": AS_IS, "full": AS_IS}),
     "step_turning": ("step_turning.cfg", {
         "quick": Plan({"phases.measure.time": 30}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": AS_IS, "full": AS_IS}),
@@ -50,16 +64,22 @@ SWEEPS = {
                             "full": Plan({}, {"sweep.replicas": 32})}),
     "interval": ("interval.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 1}), "default": AS_IS,
                                   "full": Plan({}, {"sweep.replicas": 8})}),
-    "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE), "default": AS_IS, "full": AS_IS}),
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
-        "default": AS_IS, "full": Plan({}, {"sweep.parameters.noise.values": "(1, 2, 3, 4)"})}),
-    "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, HALF_EPS), "full": AS_IS}),
-    "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),  # at level full these are among the points of "sync"
-    "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
+        "default": NOISES, "full": NOISES}),
+    "error_turning": ("error_turning.cfg", {"errors": AS_IS, "errors-quick": Plan(
+        {"phases.measure.time": 25}, {"sweep.parameters.dt.values": "(1e-5, 2e-5, 5e-5, 1e-4, 2e-4)"})}),
+    "error_step": ("error_step.cfg", {"errors": AS_IS, "errors-quick": Plan(
+        {"phases.measure.time": 10}, {"sweep.parameters.dt.values": "(2e-5, 5e-5, 1e-4, 2e-4)",
+                                      "sweep.parameters.interval.values": "(10, 4, 2, 1)", **FEW_SEEDS})}),
+    "error_both": ("error_both.cfg", {"errors": AS_IS, "errors-quick": Plan(
+        {"phases.measure.time": 20}, {"sweep.parameters.dt.values": "(2e-5, 5e-5, 1e-4, 2e-4)", **FEW_SEEDS})}),
+    "error_interval": ("error_interval.cfg", {"errors": AS_IS, "errors-quick": Plan(
+        {"phases.measure.time": 20}, {"sweep.parameters.interval.values": "(1, 10, 100, 1000)", **FEW_SEEDS})}),
 }
 
 # Single runs: name: (deck, {level: keys}, {keys at all levels}). Frames and contact tables are dense: they are short.
+# The longest first: then no core waits long for the last.
 _FINE = {"dt": 1e-6, "phases.rest.time": 40, "phases.measure.time": 0.2, "phases.measure.frames": 100,
          "phases.measure.contacts": 100}
 _ROUGH = {"dt": 1e-5, "phases.rest.time": 20, "phases.measure.time": 0.2, "phases.measure.frames": 10,
@@ -94,16 +114,16 @@ def _steady(left, right):
 
 
 RUNS = {
-    "epo_symmetric": ("epo/symmetric.cfg", _EPO, _OSCILLATOR),
-    "epo_asymmetric": ("epo/asymmetric.cfg", _EPO, _OSCILLATOR),
-    "epo_soft_symmetric": ("epo/symmetric.cfg", _EPO, {**_OSCILLATOR, **SOFT}),
-    "epo_soft_asymmetric": ("epo/asymmetric.cfg", _EPO, {**_OSCILLATOR, **SOFT}),
     "sync_weak": ("three_disk/sync.cfg", _WAVE, _in_phase(WEAK_DRIVE)),
     "sync_strong": ("three_disk/sync.cfg", _WAVE, _in_phase(STRONG_DRIVE)),
     "sync_sine": ("three_disk/sync.cfg", _WAVE, _in_phase(STRONG_DRIVE, "harmonic")),
     "async_weak": ("three_disk/async.cfg", _WAVE, _opposite(WEAK_DRIVE)),
     "async_strong": ("three_disk/async.cfg", _WAVE, _opposite(STRONG_DRIVE)),
     "async_sine": ("three_disk/async.cfg", _WAVE, _opposite(STRONG_DRIVE, "harmonic")),
+    "epo_symmetric": ("epo/symmetric.cfg", _EPO, _OSCILLATOR),
+    "epo_asymmetric": ("epo/asymmetric.cfg", _EPO, _OSCILLATOR),
+    "epo_soft_symmetric": ("epo/symmetric.cfg", _EPO, {**_OSCILLATOR, **SOFT}),
+    "epo_soft_asymmetric": ("epo/asymmetric.cfg", _EPO, {**_OSCILLATOR, **SOFT}),
     "frozen": ("three_disk/frozen.cfg", _FROZEN, {}),
     "weak": ("three_disk/weak.cfg", _WEAK, {}),
     "steady_pp": ("three_disk/steady.cfg", _STEADY, _steady(-1, -1)),

@@ -25,17 +25,17 @@ def _table(columns, rows):
     return out + [_row([cell(value)[0] for value in row]) for row in rows]
 
 
-def keep(folder, page, figures):
-    """Copies a page of write() to folder/paper.md, and its figures (names), with few colours, to folder/figures."""
+def keep(folder, page, figures, name="paper.md"):
+    """Copies a page of write() to a file in the folder, and its figures (names), with few colours, to folder/figures."""
     os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
     with open(page) as file:
         text = file.read()
-    with open(os.path.join(folder, "paper.md"), "w") as file:
+    with open(os.path.join(folder, name), "w") as file:
         file.write(text)
-    for name in figures:
-        with Image.open(os.path.join(os.path.dirname(page), "figures", name + ".png")) as picture:
+    for figure in figures:
+        with Image.open(os.path.join(os.path.dirname(page), "figures", figure + ".png")) as picture:
             small = picture.convert("RGB").quantize(64, dither=Image.Dither.NONE)
-            small.save(os.path.join(folder, "figures", name + ".png"), optimize=True)
+            small.save(os.path.join(folder, "figures", figure + ".png"), optimize=True)
 
 
 def write(path, title, lead, sections, pictures=None):

@@ -6,13 +6,17 @@ import shlex
 import shutil
 import subprocess
 import sys
-import time
+
+import h5py
+import numpy as np
 
 from . import levels
 from .data import Table
+from .effort import Ledger, duration, machine
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STOPPED = 75  # exit status of a run that a signal stopped
+BOOKED = 5.0  # seconds after which the time of what runs is booked
 
 
 class Stopped(Exception):
@@ -44,11 +48,16 @@ class Results:
         self.failed = []  # messages about what did not work
         self.tables = {}
         self.processes, self.stopping = set(), False
+        self.ledger = Ledger(folder, level, jobs)
         os.makedirs(folder, exist_ok=True)
 
     # --- single runs ---------------------------------------------------------------------------------------
     def _run_folder(self):
         return os.path.join(self.folder, "runs" if self.level != "quick" else "runs-quick")
+
+    def runs(self):
+        """Names of the runs of this level."""
+        return list(levels.RUNS) if self.level in levels.LEVELS else []
 
     def _run_path(self, name):
         return os.path.join(self._run_folder(), name + ".h5")
@@ -96,6 +105,28 @@ class Results:
 
     def has(self, name):
         return self.level in levels.SWEEPS[name][1]
+
+    def sweeps(self):
+        """Names of the sweeps of this level, in the order in which they are run."""
+        return [name for name in levels.SWEEPS if self.has(name)]
+
+    def size(self, name):
+        """(points that are finished, their steps) of a sweep, or of all "runs"."""
+        if name == "runs":
+            made = [self.run(run) for run in self.runs() if self.run(run)]
+            steps = 0.0
+            for path in made:
+                with h5py.File(path) as file:
+                    steps += float(file["state/step"][()].item())
+            return len(made), steps
+        table = self._table(name)
+        return len(table), float(np.nansum(table.column("steps")))
+
+    def best(self, name):
+        """The sweep with replicas of its points where this level has it and any is there."""
+        more = name + "_replicas"
+        table = self.sweep(more) if more in levels.SWEEPS else Table()
+        return table or self.sweep(name)
 
     def sweep(self, name):
         """Table of a sweep as far as it has got; empty when this level does not have it."""
@@ -148,19 +179,26 @@ class Results:
         """Runs what is not there yet. Raises Stopped when a signal arrives."""
         if self.dry:
             return
-        os.makedirs(self._run_folder(), exist_ok=True)
-        names = [name for name in levels.RUNS if not only or name in only]
-        begin = time.monotonic()
-        if names:
-            self.say(f"runs: {len(names)}")
-            with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
-                for task in [pool.submit(self._make_run, name) for name in names]:
-                    task.result()
-        for name in levels.SWEEPS:
-            if (only and name not in only) or not self.has(name):
-                continue
-            self.say(f"sweep {name} (after {time.monotonic() - begin:.0f} s)")
-            self._make_sweep(name)
+        names = [name for name in self.runs() if not only or name in only]
+        self.ledger.call(f"{self.program_line()} on {machine()}, {self.jobs} "
+                         f"job{'s' * (self.jobs != 1)}")
+        try:
+            if names:
+                os.makedirs(self._run_folder(), exist_ok=True)
+                self.say(f"runs: {len(names)}")
+                self.ledger.begin("runs", lambda: self.size("runs"))
+                with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
+                    for task in [pool.submit(self._make_run, name) for name in names]:
+                        task.result()
+            for name in self.sweeps():
+                if only and name not in only:
+                    continue
+                self.ledger.end()
+                self.say(f"sweep {name} (so far {duration(self.ledger.seconds())})")
+                self.ledger.begin(name, lambda name=name: self.size(name))
+                self._make_sweep(name)
+        finally:
+            self.ledger.end()
 
     def _call(self, words, name, quiet=True):
         if self.stopping:
@@ -168,7 +206,7 @@ class Results:
         pipe = subprocess.PIPE if quiet else None
         process = subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True)
         self.processes.add(process)
-        _, errors = process.communicate()
+        errors = self._wait(process)
         self.processes.discard(process)
         if process.returncode == STOPPED or self.stopping:
             raise Stopped(name)
@@ -176,6 +214,14 @@ class Results:
             message = f"{name}: exit status {process.returncode}" + (f": {errors.strip()}" if quiet else "")
             self.failed.append(message)
             print(message, file=sys.stderr)
+
+    def _wait(self, process):
+        """What it wrote to its standard error, when it has ended; the time is booked meanwhile."""
+        while True:
+            try:
+                return process.communicate(timeout=BOOKED)[1]
+            except subprocess.TimeoutExpired:
+                self.ledger.tick(BOOKED)
 
     def stop(self, *_):
         """Handler of signals: what runs writes a checkpoint and stops, nothing else is begun."""
@@ -186,3 +232,7 @@ class Results:
     def provenance(self):
         done = subprocess.run([self.program, "version"], capture_output=True, text=True, check=False)
         return done.stdout.strip()
+
+    def program_line(self):
+        """Version, revision and compiler of the program."""
+        return (self.provenance() or "?").splitlines()[0]

@@ -39,7 +39,7 @@ def order(place):
 def contact_claims(results):
     text, place = "The upper disk never loses contact with the supports.", "section 3"
     out = []
-    table = results.sweep("random")
+    table = results.best("random").joined()
     if not table:
         out.append(missing(text, place))
     else:
@@ -48,7 +48,7 @@ def contact_claims(results):
         told = (f"contacts opened at {int((openings[~steep] > 0).sum())} of {int((~steep).sum())} points with tilts up "
                 f"to 0.08 &pi;, and at {int((openings[steep] > 0).sum())} of {int(steep.sum())} beyond")
         if openings.max() > 0:
-            told += (f", most often ({int(openings.max())} times in {worst['time']:g} time units) at "
+            told += (f", most often ({int(openings.max())} times in {worst['replicas'] * worst['time']:g} time units) at "
                      f"&epsilon;<sub>b</sub> = {worst['eps_b']:g}, tilt {worst['tilt'] / PI:g} &pi;")
         out.append(decide(text, not openings.max() > 0, told, place))
     text, place = "Normal forces are never zero in this regime.", "section 1"
@@ -119,7 +119,7 @@ def slight_tilt_claim(results):
     found, told = [], [f"(19) = {number(predicted[0])}, (31) = {number(predicted[1])}"]
     for name, aim, title in (("random", predicted[0], "random"), ("async", predicted[0], "opposite"),
                              ("sync", predicted[1], "in phase")):
-        table = results.sweep(name).such(lambda row: row["tilt"] > 0)
+        table = results.best(name).joined().such(lambda row: row["tilt"] > 0)
         if not table:
             return missing(text, place)
         z = table.disk("omega") / table.disk("omega_error")

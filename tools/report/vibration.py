@@ -16,32 +16,45 @@ VELOCITY, TILT = "section 3, fig. random-ex-vel", "section 3, fig. random-ex-til
 
 
 def sections(results):
-    table = results.sweep("random").joined()
+    every = results.best("random")
+    table = every.joined()
     first = Section("random-ex-vel", "Random vibration: rotation against amplitude (fig. random-ex-vel)",
                     "All three coordinates of both supports vibrate at random (52), &omega; = 20&pi;, <i>c</i> = 0.5; "
                     "deck <code>inputs/paper/random.cfg</code>.", missing=list(table.missing))
     second = Section("random-ex-tilt", "Random vibration: rotation against tilt (fig. random-ex-tilt)",
                      "The same runs, and " "further tilts. For each amplitude an odd function of the tilt is fitted by "
-                     "weighted least " "squares: a polynomial of two to four terms, or <i>ax</i>/(1 + "
+                     "weighted least " "squares: a polynomial of two to five terms, or <i>ax</i>/(1 + "
                      "<i>b</i>&sup2;<i>x</i>&sup2; + " "<i>c</i>&sup2;<i>x</i><sup>4</sup>), chosen by AICc. The error "
-                     "of its extremum is the standard " "deviation that it gets when all points are scattered by their "
-                     "error bars, larger by " "&radic;(&chi;&sup2;/degrees) where the fit is poor. A fit whose &chi;&sup2; has a "
-                     "chance below 10<sup>&minus;3</sup>, as when there are few tilts, is not used.",
+                     "of its extremum is half the width that holds 68 % of the extrema when all points are scattered by "
+                     "their error bars and the form is chosen anew, larger by " "&radic;(&chi;&sup2;/degrees) where the fit "
+                     "is poor. A fit whose &chi;&sup2; has a "
+                     "chance below 10<sup>&minus;3</sup>, as when there are few tilts, is not used." + replicas_told(every),
                      missing=list(table.missing))
     against_amplitude(table, first)
-    against_tilt(table, second)
+    against_tilt(table, every, second)
     rows = [[row["tilt"] / PI, row["eps_b"],
              *(row[f"upper.{c}"] for c in ("scaled", "scaled_error", "pp", "pm", "mp", "mm", "stick", "open",
                                            "left.force_min", "right.force_min")), row["upper.left.openings"]
-             + row["upper.right.openings"], row["residual"], row["steps"]]
+             + row["upper.right.openings"], row["residual"], row["replicas"] * row["steps"], row["replicas"],
+             row["scatter"] * row["upper.scaled"] / row["upper.omega"] if row["upper.omega"] else math.nan]
             for row in sorted(table.rows, key=lambda r: (r["tilt"], r["eps_b"]))]
     first.tables.append(Numbers("All points of random vibration",
                                 ["&theta;<sub>T</sub>/&pi;", "&epsilon;<sub>b</sub>", "<i>t<sub>g</sub></i>&Omega;",
                                  "error", "S<sup>++</sup>", "S<sup>+&minus;</sup>", "S<sup>&minus;+</sup>",
                                  "S<sup>&minus;&minus;</sup>", "a contact sticks", "a contact is open",
                                  "least <i>n</i><sub>1</sub>", "least <i>n</i><sub>2</sub>", "openings", "residual",
-                                 "steps"], rows))
+                                 "steps", "replicas", "error from their scatter"], rows))
     return [first, second]
+
+
+def replicas_told(every):
+    """A sentence for the lead when points have several independent runs."""
+    most = int(max((row["replicas"] for row in every.joined().rows), default=1))
+    if most < 2:
+        return ""
+    return (f" Each point of the tilt curve is the mean of up to {most} independent runs; its error is that of the "
+            "mean of their error bars. The last columns of the table below hold the extrema of the curves of single "
+            "runs: their mean, and its error from their scatter, which owes nothing to the error bars.")
 
 
 def against_amplitude(table, out):
@@ -85,7 +98,78 @@ def growth(table):
                  f"amplitude to the next {up} are up by more than {SURE:g} errors, {down} down", VELOCITY)
 
 
-def against_tilt(table, out):
+def single_runs(every, amplitude):
+    """(mean, its standard error, number) of the extrema of the curves of single replicas, in units of pi."""
+    places = []
+    for replica in every.values("replica"):
+        line = every.where(eps_b=amplitude, replica=replica).sorted("tilt")
+        if len(line) < 8:
+            continue
+        found = fits.extremum(line.column("tilt"), line.disk("scaled"), line.disk("scaled_error"), samples=0)
+        if found and found.position < 0.999 * line.column("tilt").max():
+            places.append(found.position / PI)
+    if len(places) < 2:
+        return math.nan, math.nan, len(places)
+    return float(np.mean(places)), float(np.std(places, ddof=1) / math.sqrt(len(places))), len(places)
+
+
+def scatter_claim(every):
+    """Do replicas of a point scatter as their error bars say? None when there are none."""
+    chi2 = degrees = 0
+    for members in every.sets():
+        value, error = members.disk("omega"), members.disk("omega_error")
+        good = np.isfinite(value) & (error > 0)
+        value, error = value[good], error[good]
+        if len(value) > 1:
+            mean = np.sum(value / error ** 2) / np.sum(1 / error ** 2)
+            chi2, degrees = chi2 + float(np.sum(((value - mean) / error) ** 2)), degrees + len(value) - 1
+    if not degrees:
+        return None
+    chance = survival(chi2, degrees)
+    ratio = math.sqrt(chi2 / degrees)
+    return Claim("Replicas scatter as their error bars say.", YES if abs(ratio - 1) < 0.15 else NO
+                 if chance < 1e-4 else OPEN, f"&chi;&sup2; = {chi2:.1f} for {degrees} degrees (a chance of "
+                 f"{100 * chance:.2g} %): scatter over error bar {ratio:.2f} (counted as equal up to 15 %)")
+
+
+def scaling(extrema, out):
+    """How the extremum's tilt goes with the amplitude: figure and claim, from three amplitudes on."""
+    text = "The tilt of the extremum grows with the amplitude."
+    sure = [(a, e) for a, e in extrema if e.inside >= 0.975]
+    if len(sure) < 3:
+        out.claims.append(missing(text, why="fewer than three amplitudes have an extremum"))
+        return
+    amplitude = np.array([a for a, _ in sure])
+    place, error = (np.array([getattr(e, key) / PI for _, e in sure]) for key in ("position", "error"))
+    steps = np.diff(place) / np.hypot(error[1:], error[:-1])
+    law = fits.power_law(amplitude, place, error)
+    chance = survival(law.chi2, law.degrees)
+    local = np.diff(np.log(place)) / np.diff(np.log(amplitude))
+    told = (f"exponent of a power law {number(law.exponent, law.error)}, &chi;&sup2; = {law.chi2:.1f} for "
+            f"{law.degrees} degree{'s' * (law.degrees != 1)} (a chance of {100 * chance:.2g} %"
+            + (": it is none)" if chance < LEAST_CHANCE else ")"))
+    out.claims.append(Claim(text, NO if (steps < -SURE).any() else YES if (steps > SURE).sum() > len(steps) / 2
+                            else OPEN, f"of {len(steps)} steps from one amplitude to the next "
+                            f"{int((steps > SURE).sum())} are up by more than {SURE:g} errors, "
+                            f"{int((steps < -SURE).sum())} down; exponents from one to the next "
+                            + ", ".join(f"{x:.2f}" for x in local) + "; " + told))
+    picture, axes = figure(height=3.4, width=4.6)
+    points(axes, 1e5 * amplitude, place, error, "", 0, "o", line="none")
+    if chance > LEAST_CHANCE:
+        fine = np.geomspace(amplitude.min(), amplitude.max(), 60)
+        axes.plot(1e5 * fine, law.curve(fine), color=COLOURS[1], lw=0.9)
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    in_pi(axes.yaxis, 0.02)
+    axes.set_xlabel(r"amplitude $\epsilon_b\times10^{5}$")
+    axes.set_ylabel(r"tilt of the extremum")
+    out.figures.append(Figure("random-extrema", picture, "Tilt at which the rotation is fastest against the "
+                              "amplitude" + (f"; line: power law with exponent {number(law.exponent, law.error)}."
+                                             if chance > LEAST_CHANCE else "; no power law fits."),
+                              "Tilt of the fastest rotation against vibration amplitude"))
+
+
+def against_tilt(table, every, out):
     amplitudes = [e for e in table.values("eps_b") if len(table.where(eps_b=e)) >= 4 and
                   any(abs(e - known) < 1e-9 for known in RANDOM_MARKERS)]
     picture, axes = figure(height=4.2)
@@ -111,7 +195,7 @@ def against_tilt(table, out):
                           color=COLOURS[rank])
         rows.append([amplitude, found.position / PI if inside else math.nan, found.error / PI if inside else math.nan,
                      found.value, found.inside, f"{found.form}, {found.terms} terms", found.chi2, found.degrees,
-                     float(tilt.max() / PI)])
+                     float(tilt.max() / PI), *single_runs(every, amplitude)])
     zero_line(axes)
     in_pi(axes.xaxis, 0.02)
     axes.set_xlabel(r"tilt $\theta_T$")
@@ -137,6 +221,11 @@ def against_tilt(table, out):
             told += f"; no form fits the tilts at &epsilon;<sub>b</sub> = {', '.join(number(a) for a in poor)}"
         out.claims.append(decide(text, True if all(sure) else False if all(e.inside < 0.025 for _, e in extrema)
                                  else None, "extremum at " + told, TILT))
+    scaling(extrema, out)
+    scatters = scatter_claim(every)
+    if scatters:
+        out.claims.append(scatters)
     out.tables.append(Numbers("Extrema", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi; at the extremum", "error",
                                           "<i>t<sub>g</sub></i>&Omega; there", "samples with an extremum inside",
-                                          "form", "&chi;&sup2;", "degrees", "largest tilt/&pi;"], rows))
+                                          "form", "&chi;&sup2;", "degrees", "largest tilt/&pi;", "single runs: mean",
+                                          "error", "number"], rows))
