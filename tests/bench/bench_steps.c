@@ -1,50 +1,27 @@
-/* bench_steps.c: cost of a step, one thread, in ns; what is timed stands in cases.h.
+/* bench_steps.c: cost of a step of one system, one thread, in ns; what is timed stands in cases.h.
  *
- *   bench_steps [--quick] [--only NAME] [--repeats N] [--csv FILE] [--compare OTHER]
+ *   bench_steps [--quick] [--only NAME,...] [--repeats N] [--csv FILE] [--compare OTHER]
+ *   bench_steps --markdown FILE.csv
  *
  * One repeat of every case, then the next of every case, and so on, so that a slow spell of the machine falls
  * on all of them alike. Printed: median, least value and quartiles of the repeats.
  * --compare runs this program and OTHER, the same program of another build, case by case in turn (each as a
  * server that answers the name of a case with the ns per step of one repeat), and prints the ratio of medians.
+ * Cases that OTHER, an older build, does not have are left out.
  */
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bench/cases.h"
-#include "version.h"
-
-enum { MAX_REPEATS = 1000 };
+#include "bench/table.h"
 
 typedef struct options {
-  const char *only, *csv, *compare;
+  const char *only, *csv, *compare, *markdown;
   int repeats;
   double seconds; /* of a repeat */
   bool quick, serve, list;
 } options;
-
-typedef struct spread {
-  double median, least, low, high; /* low, high: quartiles */
-} spread;
-
-static int by_value(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return x < y ? -1 : x > y;
-}
-
-static double quantile(const double *sorted, int n, double q) {
-  double at = q * (n - 1);
-  int k = (int)at;
-  return k + 1 < n ? sorted[k] + (at - k) * (sorted[k + 1] - sorted[k]) : sorted[k];
-}
-
-static spread spread_of(const double *values, int n) {
-  double sorted[MAX_REPEATS];
-  memcpy(sorted, values, (size_t)n * sizeof *sorted);
-  qsort(sorted, (size_t)n, sizeof *sorted, by_value);
-  return (spread){quantile(sorted, n, 0.5), sorted[0], quantile(sorted, n, 0.25), quantile(sorted, n, 0.75)};
-}
 
 static void *room(size_t n, size_t size) {
   void *p = calloc(n, size);
@@ -52,68 +29,35 @@ static void *room(size_t n, size_t size) {
   return p;
 }
 
-/* --- what was measured where ------------------------------------------------------------------------- */
+/* --- this build alone -------------------------------------------------------------------------------- */
 
-static const char *processor(char *text, int size) {
-  snprintf(text, (size_t)size, "unknown processor");
-  FILE *f = fopen("/proc/cpuinfo", "r");
-  char line[256], *colon;
-  while (f && fgets(line, sizeof line, f))
-    if (strncmp(line, "model name", 10) == 0 && (colon = strchr(line, ':'))) {
-      colon[1 + strcspn(colon + 1, "\n")] = '\0';
-      snprintf(text, (size_t)size, "%s", colon + 2);
-      break;
-    }
-  if (f) fclose(f);
-  return text;
-}
-
-static void print_head(FILE *out, const char *mark, const options *o) {
-  char text[256];
-  fprintf(out, "%sslipdisk %s (%s), %s, %s\n", mark, SD_VERSION, SD_GIT_REVISION, SD_COMPILER, SD_BUILD_TYPE);
-  fprintf(out, "%s%s, 1 thread, %d repeats of about %g s of CPU time, in alternation\n", mark,
-          processor(text, sizeof text), o->repeats, o->seconds);
-}
-
-static void write_csv(const options *o, const bench_case *cases, size_t n, double (*ns)[MAX_REPEATS]) {
-  FILE *f = fopen(o->csv, "w");
-  if (!f) {
-    perror(o->csv);
-    exit(EXIT_FAILURE);
-  }
-  print_head(f, "# ", o);
-  fprintf(f, "system,integrator,path,free_disks,contacts,steps,repeats,median_ns,least_ns,quartile1_ns,"
-             "quartile3_ns,median_ns_per_disk\n");
+static void print_cases(const bench_case *cases, size_t n, double (*ns)[MAX_REPEATS], int repeats) {
+  printf("\nns per step of one system: time / (steps x members)\n");
+  printf("%-32s %7s %5s %8s %10s %10s %21s %12s\n", "case", "members", "disks", "contacts", "ns/step",
+         "least", "quartiles", "ns/disk-step");
   for (size_t k = 0; k < n; k++) {
     const bench_case *c = &cases[k];
-    spread s = spread_of(ns[k], o->repeats);
-    fprintf(f, "%s,%s,%s,%zu,%zu,%lld,%d,%.3f,%.3f,%.3f,%.3f,%.4f\n", c->system->name, c->integrator, c->path,
-            c->free_disks, c->contacts, (long long)c->steps, o->repeats, s.median, s.least, s.low, s.high,
-            s.median / (double)c->free_disks);
-  }
-  if (fclose(f) != 0) {
-    perror(o->csv);
-    exit(EXIT_FAILURE);
+    spread s = spread_of(ns[k], repeats);
+    printf("%-32s %7zu %5zu %8zu %10.2f %10.2f %10.2f %10.2f %12.2f\n", c->name, c->members, c->free_disks,
+           c->contacts, s.median, s.least, s.low, s.high, s.median / (double)c->free_disks);
   }
 }
-
-/* --- this build alone -------------------------------------------------------------------------------- */
 
 static void measure(const options *o, bench_case *cases, size_t n) {
   double(*ns)[MAX_REPEATS] = room(n, sizeof *ns);
-  print_head(stdout, "", o);
+  FILE *csv = o->csv ? open_table(o->csv, "w") : NULL;
+  print_head(stdout, "", o->repeats, o->seconds);
+  fflush(stdout);
   for (size_t k = 0; k < n; k++) prepare(&cases[k], o->seconds);
   for (int r = 0; r < o->repeats; r++)
     for (size_t k = 0; k < n; k++) ns[k][r] = time_once(&cases[k]);
-  printf("\n%-24s %5s %8s %10s %10s %21s %12s\n", "case", "disks", "contacts", "ns/step", "least",
-         "quartiles", "ns/disk-step");
-  for (size_t k = 0; k < n; k++) {
-    const bench_case *c = &cases[k];
-    spread s = spread_of(ns[k], o->repeats);
-    printf("%-24s %5zu %8zu %10.1f %10.1f %10.1f %10.1f %12.1f\n", c->name, c->free_disks, c->contacts,
-           s.median, s.least, s.low, s.high, s.median / (double)c->free_disks);
+  print_cases(cases, n, ns, o->repeats);
+  if (csv) {
+    print_head(csv, "# ", o->repeats, o->seconds);
+    write_csv(csv, cases, n, ns, o->repeats);
+    close_table(csv, o->csv);
+    printf("\ntable: %s\n", o->csv);
   }
-  if (o->csv) write_csv(o, cases, n, ns);
   free(ns);
 }
 
@@ -178,47 +122,49 @@ static void stop_server(server *s) {
   waitpid(s->pid, NULL, 0);
 }
 
-static FILE *open_ratios(const char *path) {
-  FILE *f = path ? fopen(path, "w") : NULL;
-  if (path && !f) give_up(path, NULL);
-  if (f) fprintf(f, "case,this_median_ns,other_median_ns,ratio,ratio_quartile1,ratio_quartile3\n");
-  return f;
-}
-
 static void print_ratio(FILE *csv, const char *name, int n, const double *mine, const double *theirs) {
   double ratio[MAX_REPEATS];
   for (int r = 0; r < n; r++) ratio[r] = mine[r] / theirs[r];
   spread a = spread_of(mine, n), b = spread_of(theirs, n), q = spread_of(ratio, n);
-  printf("%-24s %10.1f %10.1f %10.3f %10.3f %10.3f\n", name, a.median, b.median, a.median / b.median, q.low,
+  printf("%-32s %10.2f %10.2f %10.3f %10.3f %10.3f\n", name, a.median, b.median, a.median / b.median, q.low,
          q.high);
   if (csv)
     fprintf(csv, "%s,%.3f,%.3f,%.4f,%.4f,%.4f\n", name, a.median, b.median, a.median / b.median, q.low,
             q.high);
 }
 
-/* The case is asked of both in turn; which goes first changes every time. */
+/* The case is asked of both in turn; which goes first changes every time. False: the other does not have it. */
+static bool ask_both(const server *here, const server *there, const char *name, int repeat, double *mine,
+                     double *theirs) {
+  bool first = repeat % 2 == 0;
+  if (first) ask_server(here, name, mine);
+  bool has = ask_server(there, name, theirs);
+  if (!first && has) ask_server(here, name, mine);
+  return has;
+}
+
 static void compare(const options *o, const char *self, const bench_case *cases, size_t n) {
   double(*mine)[MAX_REPEATS] = room(n, sizeof *mine), (*theirs)[MAX_REPEATS] = room(n, sizeof *theirs);
   bool *both = room(n, sizeof *both);
+  FILE *csv = o->csv ? open_table(o->csv, "w") : NULL;
   signal(SIGPIPE, SIG_IGN);
-  server here = start_server(self, o), there = start_server(o->compare, o);
-  print_head(stdout, "", o);
+  print_head(stdout, "", o->repeats, o->seconds);
   printf("other: %s\n", o->compare);
-  for (int r = -1; r < o->repeats; r++) /* the first prepares the cases and does not count */
-    for (size_t k = 0; k < n; k++) {
-      size_t at = r < 0 ? 0 : (size_t)r;
-      if (r % 2 == 0) both[k] = ask_server(&here, cases[k].name, &mine[k][at]);
-      both[k] = ask_server(&there, cases[k].name, &theirs[k][at]);
-      if (r % 2 != 0) ask_server(&here, cases[k].name, &mine[k][at]);
-    }
-  FILE *csv = open_ratios(o->csv);
-  printf("\n%-24s %10s %10s %10s %21s\n", "case", "this, ns", "other, ns", "ratio", "quartiles of ratios");
+  fflush(stdout);
+  server here = start_server(self, o), there = start_server(o->compare, o);
+  for (size_t k = 0; k < n; k++) /* prepares the cases and does not count */
+    both[k] = ask_both(&here, &there, cases[k].name, -1, mine[k], theirs[k]);
+  for (int r = 0; r < o->repeats; r++)
+    for (size_t k = 0; k < n; k++)
+      if (both[k]) ask_both(&here, &there, cases[k].name, r, &mine[k][r], &theirs[k][r]);
+  if (csv) fprintf(csv, "case,this_median_ns,other_median_ns,ratio,ratio_quartile1,ratio_quartile3\n");
+  printf("\n%-32s %10s %10s %10s %21s\n", "case", "this, ns", "other, ns", "ratio", "quartiles of ratios");
   for (size_t k = 0; k < n; k++)
     if (both[k])
       print_ratio(csv, cases[k].name, o->repeats, mine[k], theirs[k]);
     else
-      printf("%-24s the other has no such case\n", cases[k].name);
-  if (csv) fclose(csv);
+      printf("%-32s the other has no such case\n", cases[k].name);
+  if (csv) close_table(csv, o->csv);
   stop_server(&here);
   stop_server(&there);
   free(mine);
@@ -230,13 +176,14 @@ static void compare(const options *o, const char *self, const bench_case *cases,
 
 static _Noreturn void usage(int status) {
   fprintf(status ? stderr : stdout,
-          "bench_steps: cost of a step in ns, one thread\n"
+          "bench_steps: cost of a step of one system in ns, one thread\n"
           "  --quick          short and rough\n"
-          "  --only NAME      cases whose name holds NAME, such as random or /gear5/avx512\n"
+          "  --only NAME,...  cases whose name holds one of these, such as random/ or /gear5/avx512,lanes\n"
           "  --repeats N      repeats of each case (15; with --quick 5)\n"
           "  --csv FILE       writes a table\n"
           "  --compare OTHER  runs OTHER, bench_steps of another build, in alternation and prints ratios "
           "this/other\n"
+          "  --markdown FILE  prints the table of --csv FILE as Markdown, and measures nothing\n"
           "  --list           names of the cases\n");
   exit(status);
 }
@@ -261,16 +208,22 @@ static options read_options(int argc, char **argv) {
       o.csv = value;
     else if (strcmp(a, "--compare") == 0)
       o.compare = value;
+    else if (strcmp(a, "--markdown") == 0)
+      o.markdown = value;
     else if (strcmp(a, "--repeats") != 0 || (o.repeats = atoi(value)) < 1 || o.repeats > MAX_REPEATS)
       usage(EXIT_FAILURE);
   }
   if (o.repeats == 0) o.repeats = o.quick ? 5 : 15;
-  o.seconds = o.quick ? 0.02 : 0.05;
+  o.seconds = o.quick ? 0.02 : 0.04;
   return o;
 }
 
 int main(int argc, char **argv) {
   options o = read_options(argc, argv);
+  if (o.markdown) {
+    print_markdown(o.markdown);
+    return EXIT_SUCCESS;
+  }
   static bench_case cases[MAX_CASES];
   size_t n = list_cases(cases, o.only);
   if (n == 0) give_up("no such case (--list names them)", NULL);
