@@ -84,6 +84,8 @@ extern void KERNEL(kernel_cubics)(const draw_series *d, int64_t local, size_t n,
 extern void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n, double *u, double *v,
                                 double *low);
 extern void KERNEL(kernel_place)(place_batch *b, size_t n);
+extern void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
+extern void KERNEL(kernel_lanes_place)(lanes_place *p, size_t n);
 extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 extern const kernels KERNEL(kernels);
 
@@ -105,5 +107,7 @@ const kernels KERNEL(kernels) = {
     .cubics = KERNEL(kernel_cubics),
     .fade = KERNEL(kernel_fade),
     .place = KERNEL(kernel_place),
+    .lanes_signal = KERNEL(kernel_lanes_signal),
+    .lanes_place = KERNEL(kernel_lanes_place),
     .sine_cosine = KERNEL(kernel_sine_cosine),
 };

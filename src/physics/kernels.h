@@ -61,6 +61,9 @@ typedef struct place_batch {
   double low, high;
 } place_batch;
 
+typedef struct lanes_signal lanes_signal;
+typedef struct lanes_place lanes_place;
+
 typedef struct kernels {
   const char *name;
   /* Pairs [begin, end) in one pass; begin is a multiple of 8. */
@@ -95,6 +98,9 @@ typedef struct kernels {
   void (*fade)(double dt, double ramp, int64_t local, size_t n, double *u, double *v, double *low);
   /* n is a multiple of 8. */
   void (*place)(place_batch *b, size_t n);
+  /* The same of several systems side by side (lanes_signal.h), for any n. Draws must reach far enough. */
+  void (*lanes_signal)(lanes_signal *s, int64_t local, size_t n);
+  void (*lanes_place)(lanes_place *p, size_t n);
   /* sin and cos of 2 pi t[k]; n is rounded up to a multiple of 8. */
   void (*sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 } kernels;

@@ -5,28 +5,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "physics/lanes_signal.h"
 #include "physics/motion.h"
+#include "physics/oscillators.h"
 
-/* A prescribed coordinate with a running motion. */
-typedef struct lanes_place {
-  uint32_t slot;
-  int coordinate;
-  double *value, *velocity; /* [ROWS][width] each, with the stride of the rows */
-  double *low, *high;       /* [width] */
-} lanes_place;
-
-enum { ROWS = MOTION_BATCH + 1 };
+enum { BATCH = 32 }; /* steps: what a batch writes stays in the nearest cache */
 
 struct lanes_motion {
   size_t width, n, first_slot, n_slots; /* prescribed bodies */
   engine **systems;                     /* [width] */
-  lanes_pose *poses;                    /* [n_slots][POSES] */
-  double *still;                        /* [n_slots][POSES][width]: where nothing moves */
+  const kernels *kernels;
+  lanes_pose *poses;     /* [n_slots][POSES] */
+  double *still;         /* [n_slots][POSES][width]: where nothing moves */
+  lanes_signal *signals; /* [n_motions] */
+  oscillators *draws;    /* [n_motions] */
+  double *room;          /* [n_motions][3][BATCH][width] */
   size_t n_places, capacity;
   lanes_place *places;
-  double *rows;   /* [ROWS][2 n_places][width] */
-  double *ranges; /* [2 n_places][width] */
-  int64_t first;  /* step of system 0 before the batch */
+  const lanes_signal **terms;
+  double *rows;  /* [1 + BATCH][2 n_places][width]: value and velocity of each place */
+  int64_t first; /* step of system 0 before the batch */
   bool filled;
   int64_t known; /* last row in range */
 };
@@ -38,30 +36,79 @@ static double *vectors(size_t n, size_t width) {
   return p;
 }
 
+static void set_wave(lanes_signal *s, size_t l, const wave *w) {
+  s->rate[l] = w->rate;
+  s->rate_high[l] = w->rate_high;
+  s->rate_low[l] = w->rate_low;
+  s->offset[l] = w->offset;
+  s->scale_u[l] = w->scale_u;
+  s->scale_v[l] = w->scale_v;
+  for (size_t k = 0; k < 2 * WAVE_FINE; k++) {
+    s->sine[k][l] = w->sine[k];
+    s->cosine[k][l] = w->cosine[k];
+  }
+}
+
+/* Constants of a motion, from those that the systems keep. */
+static void set_signal(lanes_motion *m, size_t k) {
+  lanes_signal *s = &m->signals[k];
+  s->kind = m->systems[0]->model->motions[k].kind;
+  s->motion = k;
+  s->anchor = -1;
+  s->draws = &m->draws[k];
+  s->draws->count = m->width;
+  s->interval = m->systems[0]->model->motions[k].interval;
+  s->per_interval = 1.0 / (double)s->interval;
+  for (size_t part = 0; part < 3; part++) s->room[part] = m->room + (3 * k + part) * BATCH * m->width;
+  for (size_t l = 0; l < m->width; l++) {
+    const engine *e = m->systems[l];
+    const sd_motion *motion = &e->model->motions[k];
+    const signal *from = &motion_signals(e)->item[k];
+    assert(motion->kind == s->kind && motion->interval == s->interval);
+    set_wave(s, l, &from->wave);
+    s->dt[l] = e->work.dt;
+    s->ramp[l] = motion->ramp;
+    s->ramped = s->ramped || motion->ramp > 0.0;
+    s->h[l] = (double)motion->interval * e->work.dt;
+    s->per_h[l] = 1.0 / s->h[l];
+    s->velocity[l] = motion->velocity;
+    s->per_step[l] = motion->velocity * e->work.dt;
+    if (s->kind == SD_MOTION_RANDOM)
+      oscillators_set(s->draws, l, &from->step, e->model->seed, motion->stream);
+  }
+}
+
 sd_status lanes_motion_new(size_t width, size_t n, engine *const *systems, lanes_motion **out) {
   lanes_motion *m = calloc(1, sizeof *m);
   *out = m;
   if (!m) return SD_ERROR_IO;
   const sd_state *s = systems[0]->state;
   const sd_model *model = systems[0]->model;
+  size_t n_motions = model->n_motions, terms = 0;
   m->width = width;
   m->n = n;
+  m->kernels = systems[0]->work.kernels;
   m->first_slot = s->n_free;
   m->n_slots = s->n_bodies - s->n_free;
-  for (size_t k = 0; k < model->n_motions; k++) m->capacity += model->motions[k].n_bodies;
-  if (m->capacity > 3 * m->n_slots) m->capacity = 3 * m->n_slots;
+  for (size_t k = 0; k < n_motions; k++) terms += model->motions[k].n_bodies;
+  m->capacity = terms < 3 * m->n_slots ? terms : 3 * m->n_slots;
   m->systems = calloc(width, sizeof *m->systems);
   m->poses = calloc(m->n_slots * POSES + 1, sizeof *m->poses);
-  m->places = calloc(m->capacity + 1, sizeof *m->places);
+  m->terms = calloc(terms + 1, sizeof *m->terms);
   m->still = vectors(m->n_slots * POSES, width);
-  m->rows = vectors(ROWS * 2 * m->capacity, width);
-  m->ranges = vectors(2 * m->capacity, width);
-  if (!m->systems || !m->poses || !m->places || !m->still || !m->rows || !m->ranges) {
+  m->signals = (lanes_signal *)vectors(n_motions + 1, sizeof *m->signals / sizeof(double));
+  m->places = (lanes_place *)vectors(m->capacity + 1, sizeof *m->places / sizeof(double));
+  m->draws = oscillators_new(n_motions + 1);
+  m->room = vectors(3 * BATCH * n_motions, width);
+  m->rows = vectors((BATCH + 1) * 2 * m->capacity, width);
+  if (!m->systems || !m->poses || !m->terms || !m->still || !m->signals || !m->places || !m->draws ||
+      !m->room || !m->rows) {
     lanes_motion_free(m);
     *out = NULL;
     return SD_ERROR_IO;
   }
   for (size_t l = 0; l < width; l++) m->systems[l] = systems[l < n ? l : 0];
+  for (size_t k = 0; k < n_motions; k++) set_signal(m, k);
   return SD_OK;
 }
 
@@ -69,10 +116,13 @@ void lanes_motion_free(lanes_motion *m) {
   if (!m) return;
   free(m->systems);
   free(m->poses);
-  free(m->places);
+  free(m->terms);
   free(m->still);
+  free(m->signals);
+  free(m->places);
+  free(m->draws);
+  free(m->room);
   free(m->rows);
-  free(m->ranges);
   free(m);
 }
 
@@ -95,78 +145,115 @@ static void load_still(lanes_motion *m) {
     m->poses[k] = (lanes_pose){m->still + k * m->width, 0, NULL, NULL};
 }
 
-static void load_place(lanes_motion *m, lanes_place *p, size_t k) {
-  size_t stride = 2 * m->n_places, w = m->width;
-  p->value = m->rows + 2 * k * w;
-  p->velocity = p->value + w;
-  p->low = m->ranges + 2 * k * w;
-  p->high = p->low + w;
-  lanes_pose *pose = pose_of(m, p->slot);
-  memcpy(p->value, pose[p->coordinate].at, w * sizeof(double));
-  for (size_t l = 0; l < w; l++) {
-    const sd_state *s = m->systems[l]->state;
-    const double *speed[] = {s->vx, s->vy, s->omega};
-    p->velocity[l] = speed[p->coordinate][p->slot];
+static void load_signals(lanes_motion *m) {
+  for (size_t k = 0; k < m->systems[0]->model->n_motions; k++) {
+    lanes_signal *s = &m->signals[k];
+    s->runs = m->systems[0]->state->motion_start[k] >= 0;
+    for (size_t l = 0; s->runs && s->kind == SD_MOTION_RANDOM && l < m->width; l++)
+      oscillators_load(s->draws, l, m->systems[l]->state, k, s->interval);
   }
-  pose[p->coordinate] = (lanes_pose){p->value, stride, p->low, p->high};
-  pose[POSE_VX + p->coordinate] = (lanes_pose){p->velocity, stride, NULL, NULL};
+}
+
+/* Place k: that of motion.c, whose terms say which signals. */
+static void load_place(lanes_motion *m, size_t k, const placed *from, const lanes_signal **terms) {
+  lanes_place *p = &m->places[k];
+  size_t w = m->width;
+  p->slot = from->slot;
+  p->coordinate = from->coordinate;
+  p->signals = terms;
+  p->n_signals = from->count;
+  p->stride = 2 * m->n_places * w;
+  double *value = m->rows + 2 * k * w, *velocity = value + w;
+  p->value = value + p->stride;
+  p->velocity = velocity + p->stride;
+  lanes_pose *pose = pose_of(m, p->slot);
+  memcpy(value, pose[p->coordinate].at, w * sizeof(double));
+  memcpy(velocity, pose[POSE_VX + p->coordinate].at, w * sizeof(double));
+  for (size_t t = 0; t < from->count; t++) terms[t] = &m->signals[motion_term(m->systems[0], from, t)];
+  for (size_t l = 0; l < w; l++)
+    motion_offset(m->systems[l], p->slot, p->coordinate, &p->off[l], &p->base[l]);
+  pose[p->coordinate] = (lanes_pose){value, 2 * m->n_places, p->low, p->high};
+  pose[POSE_VX + p->coordinate] = (lanes_pose){velocity, 2 * m->n_places, NULL, NULL};
 }
 
 void lanes_motion_load(lanes_motion *m) {
   for (size_t l = 0; l < m->n; l++) motion_reload(m->systems[l]);
   load_still(m);
-  size_t n;
-  const placed *from = motion_places(m->systems[0], &n);
-  m->n_places = 0;
-  for (size_t k = 0; k < n; k++)
-    if (from[k].slot >= m->first_slot) m->n_places++;
-  assert(m->n_places == n && n <= m->capacity);
-  for (size_t k = 0; k < n; k++) {
-    m->places[k] = (lanes_place){.slot = from[k].slot, .coordinate = from[k].coordinate};
-    load_place(m, &m->places[k], k);
-  }
+  load_signals(m);
+  const placed *from = motion_places(m->systems[0], &m->n_places);
+  assert(m->n_places <= m->capacity);
+  const lanes_signal **terms = m->terms;
+  for (size_t k = 0; k < m->n_places; terms += from[k++].count) load_place(m, k, &from[k], terms);
   m->first = m->systems[0]->state->step;
   m->filled = false;
 }
 
 void lanes_motion_store(lanes_motion *m) {
-  for (size_t l = 0; l < m->n; l++) {
-    motion_store(m->systems[l]);
-    motion_reload(m->systems[l]);
+  for (size_t k = 0; m->filled && k < m->systems[0]->model->n_motions; k++) {
+    const lanes_signal *s = &m->signals[k];
+    for (size_t l = 0; s->runs && s->kind == SD_MOTION_RANDOM && l < m->n; l++)
+      oscillators_store(s->draws, l, m->systems[l]->state, k, s->interval);
   }
+  for (size_t l = 0; l < m->n; l++) motion_reload(m->systems[l]);
 }
 
 /* --- the batch --------------------------------------------------------------------------------------- */
 
-static void fill(lanes_motion *m) {
-  size_t w = m->width, row = 2 * m->n_places * w;
-  m->known = MOTION_BATCH;
-  m->filled = true;
-  for (size_t l = 0; l < w; l++) {
-    engine *e = m->systems[l];
-    size_t n;
-    motion_ahead(e);
-    assert(motion_index(e) == 0);
-    const placed *from = motion_places(e, &n);
-    for (size_t p = 0; p < n; p++) {
-      lanes_place *to = &m->places[p];
-      for (size_t k = 0; k < MOTION_BATCH; k++) {
-        to->value[(k + 1) * row + l] = from[p].value[k];
-        to->velocity[(k + 1) * row + l] = from[p].velocity[k];
-        if (!motion_in_range(e, to->coordinate, from[p].value[k]) && (int64_t)k < m->known)
-          m->known = (int64_t)k;
-      }
-      to->low[l] = from[p].low;
-      to->high[l] = from[p].high;
+/* Tables are looked up system by system. */
+static void fill_table(lanes_motion *m, lanes_signal *s, int64_t local) {
+  s->u = s->room[0];
+  s->v = s->room[1];
+  s->stride = m->width;
+  for (size_t l = 0; l < m->width; l++) {
+    signal *from = &motion_signals(m->systems[l])->item[s->motion];
+    signals_fill_one(m->systems[l], from, s->motion, local);
+    for (size_t k = 0; k < BATCH; k++) {
+      s->room[0][k * m->width + l] = from->now.u[k];
+      s->room[1][k * m->width + l] = from->now.v[k];
     }
   }
+}
+
+/* The last row before some lane's coordinate leaves its range. */
+static int64_t last_in_range(const lanes_motion *m, const lanes_place *p) {
+  int64_t last = BATCH;
+  for (size_t l = 0; l < m->width; l++) {
+    const engine *e = m->systems[l];
+    if (motion_in_range(e, p->coordinate, p->low[l]) && motion_in_range(e, p->coordinate, p->high[l]))
+      continue;
+    for (int64_t k = 0; k < last; k++)
+      if (!motion_in_range(e, p->coordinate, p->value[(size_t)k * p->stride + l])) last = k;
+  }
+  return last;
+}
+
+static void fill(lanes_motion *m) {
+  int64_t first[OSCILLATORS] = {0};
+  const sd_state *s = m->systems[0]->state;
+  for (size_t l = 0; l < m->width; l++) first[l] = m->systems[l]->state->step + 1;
+  for (size_t k = 0; k < m->systems[0]->model->n_motions; k++) {
+    lanes_signal *one = &m->signals[k];
+    if (!one->runs) continue;
+    if (one->kind == SD_MOTION_RANDOM) oscillators_ahead(m->kernels, one->draws, first, BATCH, one->interval);
+    if (one->kind == SD_MOTION_TABLE)
+      fill_table(m, one, first[0] - s->motion_start[k]);
+    else
+      m->kernels->lanes_signal(one, first[0] - s->motion_start[k], BATCH);
+  }
+  m->known = BATCH;
+  for (size_t k = 0; k < m->n_places; k++) {
+    m->kernels->lanes_place(&m->places[k], BATCH);
+    int64_t last = last_in_range(m, &m->places[k]);
+    if (last < m->known) m->known = last;
+  }
+  m->filled = true;
 }
 
 int64_t lanes_motion_ahead(lanes_motion *m) {
   size_t row = 2 * m->n_places * m->width;
   int64_t k = m->systems[0]->state->step + 1 - m->first;
-  if (!m->filled || k > MOTION_BATCH) {
-    memcpy(m->rows, m->rows + (size_t)(k - 1) * row, row * sizeof(double));
+  if (!m->filled || k > BATCH) {
+    memmove(m->rows, m->rows + (size_t)(k - 1) * row, row * sizeof(double));
     m->first += k - 1;
     k = 1;
     fill(m);

@@ -16,6 +16,7 @@ struct motions {
   size_t n_placed;
   placed *places;
   const signal_values **terms;
+  size_t *term_motions; /* of each term */
   feedbacks feedbacks;
   bool moves_walls;
   bool quiet; /* nothing in this batch can make the lists stale or leave its range */
@@ -26,16 +27,18 @@ bool motion_in_range(const engine *e, int coordinate, double at) {
   return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
 }
 
+void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, double *base) {
+  const sd_state *s = e->state;
+  *off = coordinate == SD_X   ? s->image_x[slot] * e->work.length[0]
+         : coordinate == SD_Y ? s->image_y[slot] * e->work.length[1]
+                              : s->turn[slot];
+  *base = (coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta)[slot];
+}
+
 /* Sums a coordinate's signals. */
 static void fill_place(engine *e, placed *p) {
-  const motions *q = e->work.motions;
-  const sd_state *s = e->state;
-  uint32_t i = p->slot;
-  double off = p->coordinate == SD_X   ? s->image_x[i] * e->work.length[0]
-               : p->coordinate == SD_Y ? s->image_y[i] * e->work.length[1]
-                                       : s->turn[i];
-  const double *base = p->coordinate == SD_X ? s->base_x : p->coordinate == SD_Y ? s->base_y : s->base_theta;
-  place_batch b = {q->terms + p->first, p->count, off, base[i], p->value, p->velocity, 0.0, 0.0};
+  place_batch b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
+  motion_offset(e, p->slot, p->coordinate, &b.off, &b.base);
   e->work.kernels->place(&b, MOTION_BATCH);
   p->low = b.low;
   p->high = b.high;
@@ -80,8 +83,9 @@ sd_status motion_new(engine *e, sd_messages *messages) {
     q->places =
         calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
     q->terms = calloc(terms + 1, sizeof *q->terms);
+    q->term_motions = calloc(terms + 1, sizeof *q->term_motions);
   }
-  if (!q || !q->places || !q->terms || feedback_new(e, &q->feedbacks) != SD_OK)
+  if (!q || !q->places || !q->terms || !q->term_motions || feedback_new(e, &q->feedbacks) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   return signals_new(e, &q->signals, messages);
 }
@@ -92,6 +96,7 @@ void motion_free(engine *e) {
   signals_free(e, &q->signals);
   free(q->places);
   free(q->terms);
+  free(q->term_motions);
   feedback_free(&q->feedbacks);
   free(q);
   e->work.motions = NULL;
@@ -128,10 +133,12 @@ static sd_status list_places(engine *e) {
         size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
         if (slot >= e->state->n_disks) q->moves_walls = true;
         if (feedback_drives(&m->motions[k])) continue;
-        if (pass == 0)
+        if (pass == 0) {
           count[c]++;
-        else
-          q->terms[at[c]++] = &q->signals.item[k].now;
+        } else {
+          q->terms[at[c]] = &q->signals.item[k].now;
+          q->term_motions[at[c]++] = k;
+        }
       }
     }
     for (size_t c = 0; pass == 0 && c < n; c++) {
@@ -246,6 +253,12 @@ placed *motion_places(engine *e, size_t *n) {
   *n = e->work.motions->n_placed;
   return e->work.motions->places;
 }
+
+size_t motion_term(const engine *e, const placed *p, size_t t) {
+  return e->work.motions->term_motions[p->first + t];
+}
+
+signals *motion_signals(const engine *e) { return &e->work.motions->signals; }
 
 bool motion_ahead(engine *e) {
   int64_t k = motion_index(e);

@@ -43,6 +43,11 @@ bool motion_ahead(engine *e);
 /* Of the next step in the batch. */
 int64_t motion_index(const engine *e);
 placed *motion_places(engine *e, size_t *n);
+/* The motion whose signal is term t of a place. */
+size_t motion_term(const engine *e, const placed *p, size_t t);
+/* What is taken off the sum of a coordinate's signals (turn or image), and what is added then. */
+void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, double *base);
+signals *motion_signals(const engine *e);
 /* Turns stay within half of 8 rad, positions within the box. */
 bool motion_in_range(const engine *e, int coordinate, double at);
 /* The turn or image of a body changed: the values computed ahead follow. */
