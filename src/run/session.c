@@ -1,4 +1,5 @@
-/* session.c: the loop of a run; see session.h. How a session begins is in session_begin.c. */
+/* session.c: what a session does between steps: rows, checkpoints, progress, the end; see session.h. How it begins is
+ * in session_begin.c, the loop in session_group.c. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -13,11 +14,7 @@
 #include "io/merge.h"
 #include "run/session_private.h"
 
-/* Steps are taken in chunks of about this much wall time, so that signals and progress do not wait. */
-static const double CHUNK_SECONDS = 0.05;
 static const double PROGRESS_SECONDS = 0.2;
-/* Rows beyond this are sealed at once: memory stays bounded whatever the cadence. */
-static const size_t MOST_BYTES = (size_t)64 << 20;
 
 double session_clock(void) {
   struct timespec t;
@@ -151,9 +148,7 @@ sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   return record_sample(&s->rows, what, state, &energy, messages);
 }
 
-/* --- loop ----------------------------------------------------------------------------------------- */
-
-static bool stopped(const session *s) { return s->options.stop && *s->options.stop; }
+/* --- progress ------------------------------------------------------------------------------------- */
 
 /* Errors fall with the root of the length; nothing ends before the next look. */
 static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal) {
@@ -169,7 +164,7 @@ static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal)
   return s->step + (int64_t)more > look ? s->step + (int64_t)more : look;
 }
 
-static void report(session *s, bool always) {
+void session_report(session *s, bool always) {
   if (!s->options.progress) return;
   double now = session_clock(), passed = now - s->told_at;
   sd_stage stage = sd_simulation_stage(s->simulation);
@@ -203,45 +198,24 @@ static void report(session *s, bool always) {
   if (!finished) s->told_phase = stage.phase;
 }
 
-/* One chunk; its length follows the speed that was seen. */
-static sd_status advance(session *s, sd_messages *messages) {
-  int64_t n = session_next(s->model, sd_simulation_stage(s->simulation)) - s->step;
-  if (n > s->chunk) n = s->chunk;
-  double start = session_clock();
-  sd_status status = sd_simulation_advance(s->simulation, n, messages);
-  double took = session_clock() - start;
-  s->origin.step_seconds += took;
-  if (status != SD_OK) return status;
-  s->step += n;
-  if (took > 2 * CHUNK_SECONDS && s->chunk > 1)
-    s->chunk = s->chunk / 2;
-  else if (took < CHUNK_SECONDS / 2 && n == s->chunk && s->chunk < INT64_MAX / 4)
-    s->chunk *= 2;
-  return SD_OK;
+/* --- steps in the life of a run ------------------------------------------------------------------- */
+
+sd_status session_stop(session *s, sd_messages *messages) {
+  sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
+  return status == SD_OK ? SD_INTERRUPTED : status;
 }
 
-static sd_status run_steps(session *s, sd_messages *messages) {
-  sd_status status = SD_OK;
-  while (status == SD_OK && !sd_simulation_finished(s->simulation)) {
-    if (stopped(s)) {
-      status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
-      return status == SD_OK ? SD_INTERRUPTED : status;
-    }
-    status = advance(s, messages);
-    if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
-    if (status == SD_OK)
-      status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
-    if (status == SD_OK && record_bytes(&s->rows) > MOST_BYTES) status = seal(s, messages);
-    if (status == SD_OK) report(s, false);
-    if (status == SD_OK && !sd_simulation_finished(s->simulation) &&
-        session_clock() - s->saved_at >= s->model->checkpoint_seconds)
-      status = session_checkpoint(s, messages);
-  }
+sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messages *messages) {
+  if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
+  if (status == SD_OK)
+    status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
+  if (status == SD_OK && record_bytes(&s->rows) > most_bytes) status = seal(s, messages);
+  if (status == SD_OK) session_report(s, false);
   return status;
 }
 
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
-static sd_status finish(session *s, sd_messages *messages) {
+static sd_status merge(session *s, sd_messages *messages) {
   sd_status status = s->saved_step == s->step && s->has_found ? SD_OK : session_checkpoint(s, messages);
   if (status != SD_OK) return status;
   const sd_state *state = present_state(s, messages);
@@ -303,19 +277,11 @@ static void warn_of_phases(const session *s, sd_messages *messages) {
     sd_warn(messages, "the run is over and %" PRId64 " disks still wait for their rain", f->waiting);
 }
 
-sd_status session_run(session *s, sd_messages *messages) {
-  if (s->was_finished) return SD_OK;
-  s->told_at = session_clock();
-  report(s, true);
-  sd_status status = run_steps(s, messages);
-  if (status == SD_OK) report(s, true);
-  if (status == SD_OK) status = finish(s, messages);
-  if (status == SD_OK) {
-    warn_of_goal(s, messages);
-    warn_of_phases(s, messages);
-  }
-  if (status == SD_ERROR_IO && s->saved_step >= 0)
-    sd_fail(messages, SD_ERROR_IO,
-            "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);
-  return status;
+sd_status session_finish(session *s, sd_messages *messages) {
+  session_report(s, true);
+  sd_status status = merge(s, messages);
+  if (status != SD_OK) return status;
+  warn_of_goal(s, messages);
+  warn_of_phases(s, messages);
+  return SD_OK;
 }

@@ -41,8 +41,9 @@ typedef struct session_options {
  * differ), or is being written by another process. */
 sd_status session_open(const sd_model *model, const session_options *options, session **out,
                        sd_messages *messages);
-/* Runs to the end and merges; warns when `until` had to be given up. SD_INTERRUPTED: stopped at a checkpoint; SD_ERROR_NUMERIC: the state is kept as
- * emergency-<step>.h5; SD_ERROR_IO: the last checkpoint is still good. In all three a new session continues. */
+/* Runs to the end and merges; warns when `until` had to be given up. SD_INTERRUPTED: stopped at a checkpoint;
+ * SD_ERROR_NUMERIC: the state is kept as emergency-<step>.h5; SD_ERROR_IO: the last checkpoint is still good. In all
+ * three a new session continues. Several at once: session_group.h. */
 sd_status session_run(session *s, sd_messages *messages);
 void session_close(session *s);
 

@@ -201,7 +201,6 @@ sd_status session_open(const sd_model *model, const session_options *options, se
   s->parts_folder.lock = -1;
   s->steps = sd_model_steps(model);
   s->saved_step = s->told_phase = -1;
-  s->chunk = 1;
   s->saved_at = s->wall_mark = session_clock();
   sd_status status = begin(s, messages);
   /* a run that never began leaves no folder */

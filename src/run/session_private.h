@@ -1,4 +1,4 @@
-/* session_private.h: what session.c and session_begin.c share. */
+/* session_private.h: what the files of a session share. */
 #ifndef SLIPDISK_RUN_SESSION_PRIVATE_H
 #define SLIPDISK_RUN_SESSION_PRIVATE_H
 
@@ -21,7 +21,6 @@ struct session {
   bool fresh;                             /* nothing to continue was found */
   int64_t parts;                          /* sealed */
   int64_t began, step, steps, saved_step; /* saved_step -1: no checkpoint yet */
-  int64_t chunk;
   double saved_at, wall_mark;
   double told_at, rate; /* progress */
   int64_t told_step, told_phase;
@@ -33,5 +32,15 @@ unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
 sd_status session_checkpoint(session *s, sd_messages *messages);
+/* Tells how far it is, when it is time again, or always. */
+void session_report(session *s, bool always);
+
+/* After steps were taken, with what the simulation has said of them: samples, seals a part when its rows take more than
+ * so many bytes, reports. SD_ERROR_NUMERIC: the state is kept. */
+sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messages *messages);
+/* Stops at a checkpoint: SD_INTERRUPTED. */
+sd_status session_stop(session *s, sd_messages *messages);
+/* The run is over: merges, and warns of goals that were not reached. */
+sd_status session_finish(session *s, sd_messages *messages);
 
 #endif

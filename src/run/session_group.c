@@ -1,0 +1,203 @@
+/* session_group.c: the loop of runs, one or several side by side; see session_group.h. */
+#include "run/session_group.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+#include "run/ensemble.h"
+#include "run/session_private.h"
+
+/* Steps are taken in chunks of about this much wall time, so that signals and progress do not wait. */
+static const double CHUNK_SECONDS = 0.05;
+/* Rows beyond this are sealed at once: memory stays bounded whatever the cadence. */
+static const size_t MOST_BYTES = (size_t)64 << 20;
+
+typedef struct group {
+  session_member *members; /* the caller's */
+  size_t n;                /* still running */
+  size_t *which;           /* [n], places in members; likewise below */
+  sd_simulation **simulations;
+  sd_messages **messages;
+  sd_status *status;
+  bool *waits;     /* for others to catch up */
+  ensemble *lanes; /* NULL: one by one */
+  int64_t chunk;
+  size_t most_bytes; /* of rows, for each */
+  session_left *left;
+  void *user;
+} group;
+
+static session *session_of(const group *g, size_t k) { return g->members[g->which[k]].session; }
+
+static bool is_stopped(const session *s) { return s->options.stop && *s->options.stop; }
+
+static bool is_leaving(const group *g, size_t k) {
+  const session *s = session_of(g, k);
+  return g->status[k] != SD_OK || sd_simulation_finished(s->simulation) || is_stopped(s);
+}
+
+/* The end of a session, good or bad. */
+static void leave(group *g, size_t member, sd_status status) {
+  session_member *m = &g->members[member];
+  session *s = m->session;
+  if (status == SD_OK && !s->was_finished)
+    status =
+        sd_simulation_finished(s->simulation) ? session_finish(s, m->messages) : session_stop(s, m->messages);
+  if (status == SD_ERROR_IO && s->saved_step >= 0)
+    sd_fail(m->messages, SD_ERROR_IO,
+            "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);
+  m->status = status;
+  if (g->left) g->left(g->user, member);
+}
+
+/* Without memory for an ensemble the members are advanced one by one, to the same results. */
+static void put_in_lanes(group *g) {
+  if (g->n > 1) ensemble_new(g->n, g->simulations, &g->lanes, NULL);
+}
+
+/* Lets those go who have come to their ends. */
+static void sort_out(group *g) {
+  size_t first = 0, kept = 0;
+  while (first < g->n && !is_leaving(g, first)) first++;
+  if (first == g->n) return;
+  ensemble_free(g->lanes);
+  g->lanes = NULL;
+  for (size_t k = 0; k < g->n; k++) {
+    if (is_leaving(g, k)) {
+      leave(g, g->which[k], g->status[k]);
+      continue;
+    }
+    g->which[kept] = g->which[k];
+    g->simulations[kept] = g->simulations[k];
+    g->messages[kept] = g->messages[k];
+    g->status[kept++] = SD_OK;
+  }
+  g->n = kept;
+  put_in_lanes(g);
+}
+
+static bool is_behind(sd_stage a, sd_stage b) {
+  return a.phase < b.phase || (a.phase == b.phase && a.phase_step < b.phase_step);
+}
+
+static sd_stage stage_of(const group *g, size_t k) { return sd_simulation_stage(g->simulations[k]); }
+
+/* Lanes are for systems at the same place of the same phase. So those who are behind go first, and the others wait: in
+ * lanes a few take as long as many. Returns how many go, and the steps until something may be due for one of them or
+ * another is caught up with. */
+static size_t find_going(group *g, int64_t *steps) {
+  sd_stage last = stage_of(g, 0);
+  size_t going = 0;
+  for (size_t k = 1; k < g->n; k++)
+    if (is_behind(stage_of(g, k), last)) last = stage_of(g, k);
+  *steps = g->chunk;
+  for (size_t k = 0; k < g->n; k++) {
+    const session *s = session_of(g, k);
+    sd_stage now = stage_of(g, k);
+    g->waits[k] = is_behind(last, now);
+    int64_t next = g->waits[k] ? now.phase_step - last.phase_step : session_next(s->model, now) - s->step;
+    if (now.phase == last.phase && next < *steps) *steps = next;
+    going += !g->waits[k];
+  }
+  return going;
+}
+
+/* One chunk; its length follows the speed that was seen. */
+static void advance(group *g) {
+  int64_t n;
+  size_t going = find_going(g, &n);
+  for (size_t k = 0; k < g->n; k++)
+    if (g->waits[k]) g->status[k] = SD_INTERRUPTED; /* so ensemble_advance leaves it */
+  double start = session_clock();
+  if (g->lanes)
+    ensemble_advance(g->lanes, n, g->status, g->messages);
+  else
+    for (size_t k = 0; k < g->n; k++)
+      if (!g->waits[k]) g->status[k] = sd_simulation_advance(g->simulations[k], n, g->messages[k]);
+  double took = session_clock() - start;
+  for (size_t k = 0; k < g->n; k++) {
+    session *s = session_of(g, k);
+    if (g->waits[k]) {
+      g->status[k] = SD_OK;
+      continue;
+    }
+    s->origin.step_seconds += took / (double)going;
+    if (g->status[k] == SD_OK) s->step += n;
+    g->status[k] = session_step(s, g->status[k], g->most_bytes, g->messages[k]);
+  }
+  if (took > 2 * CHUNK_SECONDS && g->chunk > 1)
+    g->chunk = g->chunk / 2;
+  else if (took < CHUNK_SECONDS / 2 && n == g->chunk && g->chunk < INT64_MAX / 4)
+    g->chunk *= 2;
+}
+
+static bool can_be_saved(const group *g, size_t k) {
+  const session *s = session_of(g, k);
+  return g->status[k] == SD_OK && s->saved_step != s->step && !sd_simulation_finished(s->simulation);
+}
+
+/* Checkpoints of all when it is time for one of them: after a kill they are at the same step again. */
+static void save(group *g) {
+  bool due = false;
+  for (size_t k = 0; k < g->n; k++) {
+    const session *s = session_of(g, k);
+    due = due || (can_be_saved(g, k) && session_clock() - s->saved_at >= s->model->checkpoint_seconds);
+  }
+  for (size_t k = 0; due && k < g->n; k++)
+    if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);
+}
+
+static void enter(group *g, size_t member) {
+  session_member *m = &g->members[member];
+  session *s = m->session;
+  if (s->was_finished) {
+    leave(g, member, SD_OK);
+    return;
+  }
+  s->told_at = session_clock();
+  session_report(s, true);
+  g->which[g->n] = member;
+  g->simulations[g->n] = s->simulation;
+  g->messages[g->n] = m->messages;
+  g->status[g->n++] = SD_OK;
+}
+
+static void run_group(group *g, size_t n) {
+  for (size_t k = 0; k < n; k++) enter(g, k);
+  put_in_lanes(g);
+  while (sort_out(g), g->n > 0) {
+    advance(g);
+    save(g);
+  }
+}
+
+void session_group_run(size_t n, session_member *members, session_left *left, void *user) {
+  group g = {.members = members,
+             .which = calloc(n + 1, sizeof *g.which),
+             .simulations = calloc(n + 1, sizeof *g.simulations),
+             .messages = calloc(n + 1, sizeof *g.messages),
+             .status = calloc(n + 1, sizeof *g.status),
+             .waits = calloc(n + 1, sizeof *g.waits),
+             .chunk = 1,
+             .most_bytes = MOST_BYTES / (n > 0 ? n : 1),
+             .left = left,
+             .user = user};
+  if (g.which && g.simulations && g.messages && g.status && g.waits) {
+    run_group(&g, n);
+  } else {
+    for (size_t k = 0; k < n; k++)
+      leave(&g, k, sd_fail(members[k].messages, SD_ERROR_IO, "no memory to run"));
+  }
+  ensemble_free(g.lanes);
+  free(g.which);
+  free(g.simulations);
+  free(g.messages);
+  free(g.status);
+  free(g.waits);
+}
+
+sd_status session_run(session *s, sd_messages *messages) {
+  session_member alone = {.session = s, .messages = messages};
+  session_group_run(1, &alone, NULL, NULL);
+  return alone.status;
+}
