@@ -3,6 +3,7 @@ import csv
 import os
 import pathlib
 import shutil
+import subprocess
 import tempfile
 import unittest
 
@@ -84,6 +85,19 @@ class SweepTest(unittest.TestCase):
 
     def tearDown(self):
         shutil.rmtree(self.folder, ignore_errors=True)
+
+    def small_disk(self, size, place=None):
+        """A folder with room for so much."""
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        small = place or self.folder / "small"
+        small.mkdir(parents=True)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", small]).returncode:
+            self.skipTest("mounting is not allowed here")
+        # after tearDown, the last first
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.addCleanup(subprocess.run, ["umount", small], stderr=subprocess.DEVNULL)
+        return small
 
     def deck(self, text, name="deck.cfg"):
         path = self.folder / name

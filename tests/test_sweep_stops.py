@@ -17,7 +17,8 @@ FOUR = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 
 
 
 class Interrupted(SweepTest):
-    """Four points that take a while. However they are stopped: what comes out in the end is the same."""
+    """Four points that take a while, each by itself. However they are stopped: what comes out in the end is the same.
+    Points in lanes are in test_sweep_lanes.py."""
 
     @classmethod
     def setUpClass(cls):
@@ -36,7 +37,8 @@ class Interrupted(SweepTest):
         self.assertEqual(self.status, 0, self.err)
 
     def started(self, n, *words, **more):
-        return self.begin(n, self.path, *words, **more)
+        alone = () if "--point" in words else ("--no-lanes",)
+        return self.begin(n, self.path, *alone, *words, **more)
 
     def stop(self, process, number, status):
         """Sends a signal to the sweep alone; returns what it has said."""
@@ -140,7 +142,7 @@ class Interrupted(SweepTest):
 
     def test_at_once(self):
         """Two sweeps share the points: none is run twice, and what one leaves unfinished the other takes up."""
-        both = [start("sweep", self.path, "-j", 1, "-o", self.out) for _ in range(2)]
+        both = [start("sweep", self.path, "-j", 1, "--no-lanes", "-o", self.out) for _ in range(2)]
         said = [p.communicate(timeout=100)[1] for p in both]
         self.assertEqual([p.returncode for p in both], [0, 0], said)
         self.assertEqual(sum(text.count("Omega =") for text in said), 4, said)
@@ -150,7 +152,7 @@ class Interrupted(SweepTest):
         self.assert_same_results(self.out, self.reference)
         shutil.rmtree(self.out)
         one = self.started(1, "-j", 1)
-        other = start("sweep", self.path, "-j", 1, "-o", self.out)
+        other = start("sweep", self.path, "-j", 1, "--no-lanes", "-o", self.out)
         wait_for(lambda: len(self.unfinished()) == 2)
         self.stop(one, signal.SIGINT, 75)
         _, err = other.communicate(timeout=100)
@@ -187,18 +189,6 @@ class Interrupted(SweepTest):
             self.assertEqual(list(self.out.rglob("*.tmp")), [])
         self.sweep(path, "-j", 2, *words)
         self.assert_same_results(self.out, whole)
-
-    def small_disk(self, size):
-        if os.geteuid() != 0:
-            self.skipTest("only root can mount a small disk")
-        small = self.folder / "small"
-        small.mkdir()
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", small]).returncode:
-            self.skipTest("mounting is not allowed here")
-        # after tearDown, the last first
-        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.addCleanup(subprocess.run, ["umount", small])
-        return small
 
     def test_full_disk(self):
         small = self.small_disk("64k")

@@ -11,6 +11,7 @@
 #include "app/app.h"
 #include "app/sweep.h"
 #include "io/deck_keys.h"
+#include "run/ensemble.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
 #include "slipdisk/theory.h"
@@ -201,9 +202,14 @@ static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) 
 
 /* --- sweep --------------------------------------------------------------------------------------------------- */
 
-static void print_sweep(const sweep *s, const int64_t *steps, const sd_model *m, double speed) {
+static void print_sweep(const sweep *s, const int64_t *steps, const int *kinds, const sd_model *m,
+                        double speed) {
   double all = 0;
-  for (size_t k = 0; k < s->deck.n_points; k++) all += (double)steps[k];
+  size_t together = 0;
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    all += (double)steps[k];
+    together += kinds[k] != SWEEP_ALONE;
+  }
   printf("# sweep       %zu point%s", s->deck.n_points, s->deck.n_points == 1 ? "" : "s");
   if (s->deck.n_sets < s->deck.n_points)
     printf(", %zu set%s of values", s->deck.n_sets, s->deck.n_sets == 1 ? "" : "s");
@@ -215,6 +221,8 @@ static void print_sweep(const sweep *s, const int64_t *steps, const sd_model *m,
     printf(" at this speed, one after the other");
   }
   printf("\n");
+  if (together > 1 && ensemble_width() > 1)
+    printf("#             %zu of them can go in lanes, up to %zu side by side\n", together, ensemble_width());
 }
 
 static sd_status check_sweep(const options *o, const sd_model *m, double speed, sd_messages *messages) {
@@ -222,10 +230,13 @@ static sd_status check_sweep(const options *o, const sd_model *m, double speed, 
   size_t usable;
   sd_status status = sweep_open(&s, o->deck, o->n_overrides, o->overrides, "", messages);
   int64_t *steps = calloc(s.deck.n_points + 1, sizeof *steps);
-  if (status == SD_OK && !steps) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
-  if (status == SD_OK) status = sweep_survey(&s, steps, &usable, messages);
-  if (steps) print_sweep(&s, steps, m, speed);
+  int *kinds = calloc(s.deck.n_points + 1, sizeof *kinds);
+  if (status == SD_OK && (!steps || !kinds))
+    status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  if (status == SD_OK) status = sweep_survey(&s, steps, kinds, &usable, messages);
+  if (steps && kinds) print_sweep(&s, steps, kinds, m, speed);
   free(steps);
+  free(kinds);
   sweep_close(&s);
   return status;
 }

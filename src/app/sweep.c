@@ -11,23 +11,46 @@
 
 /* How long --table waits for another process that is writing the tables, s. */
 static const double TABLE_PATIENCE = 600;
+/* The largest number that --point takes. */
+static const long MOST_POINT = 999999;
 
-enum { FORCE = 256, QUIET, THREADS, STATUS, LIST, TABLE, COUNT, POINT };
+enum { FORCE = 256, QUIET, THREADS, STATUS, LIST, TABLE, COUNT, POINT, NO_LANES };
 
 static int parse_number(const char *option, const char *text, long least, long most, long *out) {
   if (app_number(text, least, most, out)) return 0;
   return app_misuse("sweep", "%s %s is no whole number from %ld to %ld", option, text, least, most);
 }
 
+/* "17", or "16-23". */
+static int parse_points(const char *text, sweep_command *c) {
+  const char *dash = *text ? strchr(text + 1, '-') : NULL;
+  char from[24];
+  int status = 0;
+  if (dash && (size_t)snprintf(from, sizeof from, "%.*s", (int)(dash - text), text) < sizeof from) {
+    status = parse_number("--point", from, 0, MOST_POINT, &c->point);
+    return status ? status : parse_number("--point: after", dash + 1, c->point, MOST_POINT, &c->last);
+  }
+  status = parse_number("--point", text, 0, MOST_POINT, &c->point);
+  c->last = c->point;
+  return status;
+}
+
 /* Returns 0, or the exit status of a mistake. */
 static int parse(int argc, char **argv, sweep_command *c) {
   static const struct option options[] = {
-      {"output", required_argument, NULL, 'o'},  {"define", required_argument, NULL, 'D'},
-      {"jobs", required_argument, NULL, 'j'},    {"force", no_argument, NULL, FORCE},
-      {"quiet", no_argument, NULL, QUIET},       {"threads", required_argument, NULL, THREADS},
-      {"status", no_argument, NULL, STATUS},     {"list", no_argument, NULL, LIST},
-      {"table", no_argument, NULL, TABLE},       {"count", no_argument, NULL, COUNT},
-      {"point", required_argument, NULL, POINT}, {NULL, 0, NULL, 0},
+      {"output", required_argument, NULL, 'o'},
+      {"define", required_argument, NULL, 'D'},
+      {"jobs", required_argument, NULL, 'j'},
+      {"force", no_argument, NULL, FORCE},
+      {"quiet", no_argument, NULL, QUIET},
+      {"threads", required_argument, NULL, THREADS},
+      {"status", no_argument, NULL, STATUS},
+      {"list", no_argument, NULL, LIST},
+      {"table", no_argument, NULL, TABLE},
+      {"count", no_argument, NULL, COUNT},
+      {"point", required_argument, NULL, POINT},
+      {"no-lanes", no_argument, NULL, NO_LANES},
+      {NULL, 0, NULL, 0},
   };
   opterr = 0;
   int status = 0;
@@ -43,7 +66,8 @@ static int parse(int argc, char **argv, sweep_command *c) {
       case LIST: c->list = true; break;
       case TABLE: c->table = true; break;
       case COUNT: c->count = true; break;
-      case POINT: status = parse_number("--point", optarg, 0, 999999, &c->point); break;
+      case NO_LANES: c->no_lanes = true; break;
+      case POINT: status = parse_points(optarg, c); break;
       case THREADS:
         status = parse_number("--threads", optarg, 1, 4096, &n);
         c->threads = (int)n;
@@ -58,7 +82,7 @@ static int parse(int argc, char **argv, sweep_command *c) {
     return app_misuse("sweep", "one deck is expected, \"%s\" is a second", argv[optind + 1]);
   if (c->status + c->list + c->table + c->count + (c->point >= 0) > 1)
     return app_misuse("sweep", "--status, --list, --table, --count and --point exclude each other");
-  if (c->point >= 0 && c->workers > 0)
+  if (c->point >= 0 && c->point == c->last && c->workers > 0)
     return app_misuse("sweep", "--point runs one point: -j has no meaning");
   c->deck = argv[optind];
   return 0;
@@ -198,7 +222,7 @@ static int command(const sweep_command *c, const char *where, sd_messages *messa
   sd_messages_print(messages, stderr);
   sd_messages_clear(messages);
   if (status == SD_OK && !c->count && !c->status && !c->list && !c->table)
-    status = c->point >= 0 ? run_one(&s, c, messages) : sweep_run_all(&s, c);
+    status = c->point >= 0 && c->point == c->last ? run_one(&s, c, messages) : sweep_run_all(&s, c);
   sweep_close(&s);
   return status;
 }

@@ -1,8 +1,8 @@
 /* sweep_run.c: runs the points of a sweep.
  *
- * With -j N each point is run by a process of its own: what goes wrong in one, even a crash, does not touch the others.
- * Workers tell how far they are and what went wrong through shared memory, all else through the folder. Without -j
- * points are run one after the other here, or shared among the ranks of an MPI job.
+ * Points go in groups (sweep_groups.c) whose systems are advanced side by side. With -j N each group is run by a process of
+ * its own (sweep_workers.c): what goes wrong in one, even a crash, does not touch the others. Without -j groups are
+ * run one after the other here, or shared among the ranks of an MPI job. All else goes through the folder.
  *
  * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: a worker
  * inherits app_stop, so one that came before the fork stops it too, and one that comes after is passed on. A
@@ -11,158 +11,54 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
-#include <errno.h>
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
 #include "app/app.h"
-#include "app/sweep.h"
-#include "base/comm.h"
+#include "app/sweep_crew.h"
 #include "io/file.h"
+#include "run/ensemble.h"
 
 /* Between tables while points are run: at least so long, and a multiple of what the last ones took. */
 static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
 /* How long the last tables wait for another process that is writing them. */
 static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
 
-/* What a worker tells. */
-typedef struct slot {
-  volatile double fraction; /* of its steps */
-  volatile double began;    /* fraction at its first report; negative: none yet */
-  char text[1000];          /* its messages, a line each; to be read when it has ended */
-} slot;
-
-typedef struct worker {
-  pid_t pid; /* 0: idle */
-  size_t point;
-  double started;
-} worker;
-
-/* What became of a point in this call. SKIPPED: another process was running it when its turn came. */
-typedef enum attempt { UNTRIED, SKIPPED, TRIED } attempt;
-
-typedef struct crew {
-  const sweep *s;
-  const sweep_command *c;
-  int64_t *steps;       /* [n_points] */
-  unsigned char *tried; /* [n_points], an attempt */
-  size_t done, failed, refused, elsewhere, left;
-  int worst; /* exit status */
-  double began, tabled, table_cost, drawn;
-  double steps_total, steps_done; /* of the points that this call runs */
-  bool terminal, line_open, stars;
-  size_t n_workers;
-  worker *workers;
-  slot *slots; /* [n_workers], shared */
-  comm_queue queue;
-} crew;
-
-static double now_seconds(void) {
+double sweep_seconds(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void worsen(crew *w, int status) {
+void sweep_worsen(crew *w, int status) {
   if (w->worst < status) w->worst = status;
-}
-
-/* --- screen ------------------------------------------------------------------------------------------------ */
-
-static void clear_line(crew *w) {
-  if (w->line_open) fputs("\r\033[K", stderr);
-  w->line_open = false;
-}
-
-/* The lines of a worker, further in. */
-static void tell_lines(const char *text) {
-  for (size_t n; *text; text += n + (text[n] == '\n')) {
-    n = strcspn(text, "\n");
-    fprintf(stderr, "    %.*s\n", (int)n, text);
-  }
-}
-
-static const char *short_duration(double seconds, char *text, size_t size) {
-  if (seconds >= 60) return report_duration(seconds, text, size);
-  snprintf(text, size, "%.1f s", seconds);
-  return text;
-}
-
-/* A line that stays. text: what was said by the one that ran the point. */
-static void tell(crew *w, size_t point, const sweep_result *r, const char *text, double seconds) {
-  char finding[200], duration[40];
-  bool bad = r->status >= SWEEP_FAILED;
-  if (w->c->quiet && !bad) return;
-  clear_line(w);
-  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->refused, w->s->deck.n_points, point,
-          w->s->deck.points[point].name);
-  if (r->status == SWEEP_DONE) {
-    sweep_finding(r, finding, sizeof finding);
-    w->stars = w->stars || strchr(finding, '*');
-    fprintf(stderr, "%s  (%s)\n", *finding ? finding : "done",
-            short_duration(seconds, duration, sizeof duration));
-    tell_lines(text);
-  } else if (bad) {
-    fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
-            r->status > SWEEP_FAILED ? "; --force runs the point again" : "");
-  } else {
-    fprintf(stderr, "%s\n", sweep_status_names[r->status]);
-  }
-}
-
-/* The line at the bottom of a terminal. */
-static void draw(crew *w) {
-  double now = now_seconds(), progressed = w->steps_done, left = NAN;
-  if (!w->terminal || w->c->quiet || now - w->drawn < 0.5) return;
-  w->drawn = now;
-  char text[400], duration[40];
-  int n = snprintf(text, sizeof text, "%zu of %zu done", w->done, w->s->deck.n_points);
-  if (w->failed) n += snprintf(text + n, sizeof text - (size_t)n, ", %zu failed", w->failed);
-  for (size_t k = 0; k < w->n_workers; k++) {
-    if (w->workers[k].pid == 0) continue;
-    double part = w->slots[k].fraction, since = fmax(w->slots[k].began, 0);
-    progressed += (part - since) * (double)w->steps[w->workers[k].point];
-    if ((size_t)n + 60 < sizeof text)
-      n += snprintf(text + n, sizeof text - (size_t)n, "  #%zu %.0f %%", w->workers[k].point, 100 * part);
-  }
-  if (progressed > 0) left = (w->steps_total - progressed) / progressed * (now - w->began);
-  snprintf(text + n, sizeof text - (size_t)n, "  ETA %s", report_duration(left, duration, sizeof duration));
-  struct winsize window;
-  int width = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;
-  fprintf(stderr, "\r\033[K%.*s", width, text);
-  fflush(stderr);
-  w->line_open = true;
 }
 
 /* --- results ----------------------------------------------------------------------------------------------- */
 
 /* Those in between are left to another process that is writing them. */
 static void make_tables(crew *w, bool last) {
-  double start = now_seconds();
+  double start = sweep_seconds();
+  if (sweep_is_part(w->c)) return; /* others make the rest */
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = sd_messages_new();
   sd_status status = sweep_write_tables(w->s, !last ? 0 : app_stop ? PATIENCE_STOPPED : PATIENCE, messages);
   if (last || status == SD_ERROR_IO) {
-    clear_line(w);
+    sweep_clear_line(w);
     sd_messages_print(messages, stderr);
-    worsen(w, status);
+    sweep_worsen(w, status);
   }
   sd_messages_free(messages);
-  w->tabled = now_seconds();
+  w->tabled = sweep_seconds();
   w->table_cost = w->tabled - start;
 }
 
-/* A point has been left: what does the folder say? status, text: of the process or call that ran it. */
-static void account(crew *w, size_t point, sd_status status, const char *text, const slot *ran,
-                    double seconds) {
+void sweep_account(crew *w, size_t point, sd_status status, const char *text, const cell *ran,
+                   double seconds) {
   sweep_result r;
   sd_status looked = sweep_look(w->s, point, &r, NULL);
   if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
@@ -171,19 +67,20 @@ static void account(crew *w, size_t point, sd_status status, const char *text, c
     free(r.message);
     r.message = file_path("%.*s", (int)strcspn(text, "\n"), text);
   }
-  double part = 1 - fmax(ran->began, 0);
+  double spared = fmax(ran->began, 0);
   w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
   w->done += r.status == SWEEP_DONE;
   w->failed += r.status == SWEEP_FAILED;
   w->refused += r.status > SWEEP_FAILED;
-  if (r.status == SWEEP_FAILED) worsen(w, SD_ERROR_NUMERIC);
-  if (r.status > SWEEP_FAILED) worsen(w, SD_ERROR_USER);
-  if (status == SD_ERROR_IO || looked != SD_OK) worsen(w, SD_ERROR_IO);
+  if (r.status == SWEEP_FAILED) sweep_worsen(w, SD_ERROR_NUMERIC);
+  if (r.status > SWEEP_FAILED) sweep_worsen(w, SD_ERROR_USER);
+  if (status == SD_ERROR_IO || looked != SD_OK) sweep_worsen(w, SD_ERROR_IO);
   if (r.status == SWEEP_RUNNING)
     w->steps_total -= (double)w->steps[point];
   else
-    w->steps_done += part * (double)w->steps[point];
-  if (r.message) tell(w, point, &r, text, seconds);
+    w->steps_done += (1 - spared) * (double)w->steps[point];
+  w->steps_total -= spared * (double)w->steps[point];
+  if (r.message) sweep_show(w, point, &r, text, seconds);
   sweep_result_free(&r);
   make_tables(w, false);
 }
@@ -209,147 +106,97 @@ static void write_messages(const sd_messages *messages, char *text, size_t size)
   text[size - 1] = 0;
 }
 
-/* --- processes --------------------------------------------------------------------------------------------- */
+/* --- who runs what ----------------------------------------------------------------------------------------- */
 
-static void tell_parent(void *user, const session_progress *p) {
-  slot *mine = user;
-  mine->fraction = p->expected > 0 ? (double)p->step / (double)p->expected : 0;
-  if (mine->began < 0) mine->began = mine->fraction;
-}
-
-/* In the worker; never returns. */
-static void work(const crew *w, size_t point, slot *mine, pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != parent) _exit(SD_INTERRUPTED);
-  sweep_options options = {.threads = w->c->threads,
-                           .force = w->c->force,
-                           .stop = &app_stop,
-                           .progress = tell_parent,
-                           .user = mine};
-  sd_messages *messages = sd_messages_new();
-  sweep_status what;
-  sd_status status = messages ? sweep_run(w->s, point, &options, &what, messages) : SD_ERROR_IO;
-  write_messages(messages, mine->text, sizeof mine->text);
-  _exit((int)status);
-}
-
-/* False with errno: no process could be started. */
-static bool start(crew *w, size_t k, size_t point) {
-  w->slots[k] = (slot){.began = -1};
-  fflush(NULL);
-  pid_t parent = getpid(), pid = fork();
-  if (pid == 0) work(w, point, &w->slots[k], parent);
-  if (pid < 0) return false;
-  w->workers[k] = (worker){pid, point, now_seconds()};
-  return true;
-}
-
-static bool is_status(int status) {
-  return status == SD_OK || status == SD_ERROR_USER || status == SD_ERROR_NUMERIC || status == SD_ERROR_IO ||
-         status == SD_INTERRUPTED;
-}
-
-static void finish(crew *w, size_t k, int ended) {
-  worker *one = &w->workers[k];
-  slot *mine = &w->slots[k];
-  sd_status status = SD_ERROR_NUMERIC;
-  char died[200] = "";
-  if (WIFEXITED(ended) && is_status(WEXITSTATUS(ended)))
-    status = (sd_status)WEXITSTATUS(ended);
-  else if (WIFSIGNALED(ended) && app_stop)
-    status = SD_INTERRUPTED;
-  else if (WIFSIGNALED(ended))
-    snprintf(died, sizeof died, "the process that ran it was ended by signal %d (%s)", WTERMSIG(ended),
-             strsignal(WTERMSIG(ended)));
-  else
-    snprintf(died, sizeof died, "the process that ran it ended with status %d", WEXITSTATUS(ended));
-  if (*died) sweep_note(w->s, one->point, died);
-  one->pid = 0;
-  account(w, one->point, status, *died ? died : mine->text, mine, now_seconds() - one->started);
-}
-
-/* Takes up workers that have ended; how many did. */
-static size_t reap(crew *w) {
+/* Those of a group that are still to be run. */
+static size_t sift(crew *w, sweep_group one, size_t *points) {
   size_t n = 0;
-  for (size_t k = 0; k < w->n_workers; k++) {
-    int ended;
-    if (w->workers[k].pid == 0 || waitpid(w->workers[k].pid, &ended, WNOHANG) != w->workers[k].pid) continue;
-    finish(w, k, ended);
-    n++;
+  for (size_t k = 0; k < one.n; k++) {
+    size_t point = w->groups.order[one.first + k];
+    if (!is_taken(w, point)) points[n++] = point;
   }
   return n;
 }
 
-static size_t count_running(const crew *w) {
-  size_t n = 0;
-  for (size_t k = 0; k < w->n_workers; k++) n += w->workers[k].pid != 0;
-  return n;
-}
-
-static void pass_stop_on(crew *w, bool *told) {
-  for (size_t k = 0; k < w->n_workers && !*told; k++)
-    if (w->workers[k].pid > 0) kill(w->workers[k].pid, SIGTERM);
-  *told = true;
-}
-
-/* Gives work to whoever is idle. Returns errno when no process can be started. */
-static int start_idle(crew *w, const size_t *todo, size_t n, size_t *next) {
-  for (size_t k = 0; k < w->n_workers; k++) {
-    if (w->workers[k].pid != 0) continue;
-    while (*next < n && is_taken(w, todo[*next])) ++*next;
-    if (*next >= n || app_stop) return 0;
-    if (!start(w, k, todo[*next])) return errno;
-    ++*next;
+size_t sweep_next(crew *w, size_t *points) {
+  sweep_groups *g = &w->groups;
+  while (g->next < g->n) {
+    sweep_group one = g->list[g->next++];
+    /* another process has begun with it: it will take the rest, too, unless there is nothing else to do */
+    bool begun = false;
+    for (size_t k = 0; one.n > 1 && !one.late && k < one.n; k++)
+      begun = begun || sweep_peek(w->s, g->order[one.first + k]) == SWEEP_RUNNING;
+    if (begun && sweep_groups_put_off(g, one)) continue;
+    size_t n = sift(w, one, points);
+    if (n > 0) return n;
   }
   return 0;
 }
 
-static void run_workers(crew *w, const size_t *todo, size_t n) {
-  size_t next = 0;
-  bool told_to_stop = false;
-  long pause = 1000000; /* ns; grows to 20 ms while nothing happens */
-  do {
-    int error = app_stop ? 0 : start_idle(w, todo, n, &next);
-    if (error && count_running(w) == 0) {
-      clear_line(w);
-      fprintf(stderr, "error: cannot start a process: %s\n", strerror(error));
-      worsen(w, SD_ERROR_IO);
-      return;
-    }
-    if (app_stop) pass_stop_on(w, &told_to_stop);
-    draw(w);
-    pause = reap(w) > 0 ? 1000000 : pause < 10000000 ? 2 * pause : 20000000;
-    if (count_running(w) > 0) nanosleep(&(struct timespec){.tv_nsec = pause}, NULL);
-  } while (count_running(w) > 0 || (next < n && !app_stop));
+void sweep_tell(cell *mine, const session_progress *p) {
+  mine->fraction = p->expected > 0 ? (double)p->step / (double)p->expected : 0;
+  if (mine->began < 0) mine->began = mine->fraction;
+}
+
+void sweep_tell_left(cell *mine, const sweep_end *end) {
+  write_messages(end->messages, mine->text, sizeof mine->text);
+  atomic_store(&mine->left, 1 + (int)end->ran);
+}
+
+void sweep_assign(worker *one, size_t n) {
+  one->n = n;
+  one->started = sweep_seconds();
+  for (size_t i = 0; i < n; i++) {
+    one->told[i] = false;
+    one->cells[i].fraction = 0;
+    one->cells[i].began = -1;
+    one->cells[i].text[0] = 0;
+    atomic_store(&one->cells[i].left, 0);
+  }
 }
 
 /* --- here, or in ranks ------------------------------------------------------------------------------------- */
 
-static void serve(void *user, const session_progress *p) {
+static void serve(void *user, size_t k, const session_progress *p) {
   crew *w = user;
-  comm_serve(&w->queue);
-  tell_parent(&w->slots[0], p);
-  if (comm_size() == 1) draw(w);
+  if (comm_size() > 1) comm_serve(&w->queue);
+  sweep_tell(&w->workers[0].cells[k], p);
+  if (comm_size() == 1) sweep_draw(w);
 }
 
-static void run_queue(crew *w, const size_t *todo, size_t n) {
-  comm_queue_begin(&w->queue, (int64_t)n, &app_stop);
+static void leave(void *user, size_t k, const sweep_end *end) {
+  crew *w = user;
+  worker *me = &w->workers[0];
+  cell *mine = &me->cells[k];
+  sweep_tell_left(mine, end);
+  me->told[k] = true;
+  if (comm_size() > 1) comm_serve(&w->queue);
+  sweep_account(w, end->point, end->ran, mine->text, mine, sweep_seconds() - me->started);
+}
+
+static void run_here(crew *w, size_t n) {
+  worker *me = &w->workers[0];
+  sweep_options options = {.threads = w->c->threads,
+                           .force = w->c->force,
+                           .stop = &app_stop,
+                           .progress = serve,
+                           .left = leave,
+                           .user = w};
+  sweep_assign(me, n);
+  me->pid = 1;
+  sweep_run(w->s, n, me->points, &options);
+  me->pid = 0;
+}
+
+static void run_one_after_the_other(crew *w) {
+  for (size_t n; !app_stop && (n = sweep_next(w, w->workers[0].points)) > 0;) run_here(w, n);
+}
+
+static void run_ranks(crew *w) {
+  comm_queue_begin(&w->queue, (int64_t)w->groups.n, &app_stop);
   for (int64_t k; (k = comm_next(&w->queue)) >= 0;) {
-    if (comm_size() == 1 && is_taken(w, todo[k])) continue;
-    sweep_options options = {
-        .threads = w->c->threads, .force = w->c->force, .stop = &app_stop, .progress = serve, .user = w};
-    sd_messages *messages = sd_messages_new();
-    sweep_status what;
-    slot *mine = &w->slots[0];
-    *mine = (slot){.began = -1};
-    w->workers[0] = (worker){1, todo[k], now_seconds()};
-    bool was_done = !w->c->force && sweep_peek(w->s, todo[k]) == SWEEP_DONE;
-    sd_status status = messages ? sweep_run(w->s, todo[k], &options, &what, messages) : SD_ERROR_IO;
-    write_messages(messages, mine->text, sizeof mine->text);
-    w->workers[0].pid = 0;
-    if (!was_done || status != SD_OK)
-      account(w, todo[k], status, mine->text, mine, now_seconds() - w->workers[0].started);
-    sd_messages_free(messages);
+    size_t n = sift(w, w->groups.list[k], w->workers[0].points);
+    if (n > 0) run_here(w, n);
   }
   comm_queue_end(&w->queue);
 }
@@ -359,15 +206,15 @@ static void run_queue(crew *w, const size_t *todo, size_t n) {
 /* Points to be run, in order; those that are done are counted, and those that are refused told. */
 static size_t find_todo(crew *w, size_t *todo) {
   size_t n = 0;
-  for (size_t k = 0; k < w->s->deck.n_points; k++) {
+  for (size_t k = w->first; k < w->end; k++) {
     sweep_result r = {.status = SWEEP_WAITING};
     if (!w->c->force) sweep_look(w->s, k, &r, NULL);
     if (r.status == SWEEP_DONE) {
       w->done++;
     } else if (r.status > SWEEP_FAILED) {
       w->refused++;
-      worsen(w, SD_ERROR_USER);
-      tell(w, k, &r, "", 0);
+      sweep_worsen(w, SD_ERROR_USER);
+      sweep_show(w, k, &r, "", 0);
     } else {
       todo[n++] = k;
       w->steps_total += (double)w->steps[k];
@@ -377,22 +224,20 @@ static size_t find_todo(crew *w, size_t *todo) {
   return n;
 }
 
-/* Ranks must agree on the list, and the folder may change between their looks at it: each skips what is done when
- * its turn comes. */
-static size_t take_all(crew *w, size_t *todo) {
-  for (size_t k = 0; k < w->s->deck.n_points; k++) {
-    todo[k] = k;
-    w->done += !w->c->force && sweep_peek(w->s, k) == SWEEP_DONE;
-  }
-  return w->s->deck.n_points;
+/* Ranks must agree on the list, and the folder may change between their looks at it: the first one looks. */
+static size_t agree_on_todo(crew *w, size_t *todo) {
+  size_t places = w->s->deck.n_points + 1;
+  if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo);
+  comm_share(todo, places * sizeof *todo);
+  return todo[places - 1];
 }
 
-/* Points that another process was running and has left unfinished since. */
+/* Points that another process was running and has left unfinished since, and those of groups that crashed. */
 static size_t find_abandoned(crew *w, size_t *todo) {
   size_t n = 0;
-  for (size_t k = 0; k < w->s->deck.n_points; k++) {
+  for (size_t k = w->first; k < w->end; k++) {
     sweep_status status = w->tried[k] == SKIPPED ? sweep_peek(w->s, k) : SWEEP_DONE;
-    if (status != SWEEP_WAITING && status != SWEEP_STOPPED) continue;
+    if (status != SWEEP_WAITING && status != SWEEP_STOPPED && w->tried[k] != CRASHED) continue;
     w->steps_total += (double)w->steps[k];
     todo[n++] = k;
   }
@@ -403,7 +248,7 @@ static size_t find_abandoned(crew *w, size_t *todo) {
  * was not is left. */
 static void count_all(crew *w) {
   w->done = w->failed = w->elsewhere = w->left = 0;
-  for (size_t k = 0; k < w->s->deck.n_points; k++) {
+  for (size_t k = w->first; k < w->end; k++) {
     sweep_status status = sweep_peek(w->s, k);
     bool untried = app_stop && w->tried[k] == UNTRIED && (status == SWEEP_FAILED || w->c->force);
     if (status == SWEEP_RUNNING)
@@ -417,39 +262,39 @@ static void count_all(crew *w) {
   }
   /* refused ones have results, too */
   w->done -= w->done < w->refused ? w->done : w->refused;
-  if (w->failed > 0) worsen(w, SD_ERROR_NUMERIC);
+  if (w->failed > 0) sweep_worsen(w, SD_ERROR_NUMERIC);
 }
 
-static void tell_end(crew *w) {
-  clear_line(w);
-  if (w->c->quiet) return;
-  if (w->stars) fprintf(stderr, "*: the error bar is not reliable yet\n");
-  fprintf(stderr, "%zu of %zu points done", w->done, w->s->deck.n_points);
-  if (w->failed) fprintf(stderr, ", %zu failed", w->failed);
-  if (w->refused) fprintf(stderr, ", %zu with a result that is not this deck's", w->refused);
-  if (w->elsewhere) fprintf(stderr, ", %zu run by another process", w->elsewhere);
-  fprintf(stderr, "; table: %s/table.csv\n", w->s->folder);
-  if (w->left && w->worst != SD_ERROR_IO)
-    fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
+static size_t count_hands(const crew *w) { return w->c->workers > 0 ? w->n_workers : (size_t)comm_size(); }
+
+static bool run_round(crew *w, const size_t *todo, size_t n) {
+  if (!sweep_groups_make(&w->groups, w, todo, n, count_hands(w))) {
+    fprintf(stderr, "error: no memory for the sweep\n");
+    sweep_worsen(w, SD_ERROR_IO);
+    if (comm_size() > 1) comm_abort(SD_ERROR_IO); /* the others would wait */
+    return false;
+  }
+  if (w->round++ == 0 && comm_rank() == 0 && !w->c->quiet) sweep_show_start(w);
+  if (w->c->workers > 0)
+    sweep_run_workers(w);
+  else if (comm_size() > 1)
+    run_ranks(w);
+  else
+    run_one_after_the_other(w);
+  return true;
 }
 
 static int run_all(crew *w, size_t *todo) {
-  bool first = comm_rank() == 0;
-  size_t n = comm_size() > 1 ? take_all(w, todo) : find_todo(w, todo);
-  if (first && !w->c->quiet)
-    fprintf(stderr, "%s: %zu points, %zu done\n", w->s->folder, w->s->deck.n_points, w->done);
-  do {
-    if (w->c->workers > 0)
-      run_workers(w, todo, n);
-    else
-      run_queue(w, todo, n);
+  size_t n = agree_on_todo(w, todo);
+  while (run_round(w, todo, n)) {
     n = comm_size() > 1 || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
-  } while (n > 0);
+    if (n == 0) break;
+  }
   /* one rank judges: the others may see the files of their neighbours late */
-  if (!first) return w->worst;
+  if (comm_rank() != 0) return w->worst;
   make_tables(w, true);
   count_all(w);
-  tell_end(w);
+  sweep_show_end(w);
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
@@ -457,7 +302,7 @@ static int run_all(crew *w, size_t *todo) {
 static int check(crew *w) {
   sd_messages *messages = sd_messages_new();
   size_t usable = 0;
-  int status = sweep_survey(w->s, w->steps, &usable, messages);
+  int status = sweep_survey(w->s, w->steps, w->kinds, &usable, messages);
   if (comm_rank() == 0) {
     if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)
@@ -479,6 +324,42 @@ static int prepare_and_run(crew *w, size_t *todo) {
   return status == SD_OK ? run_all(w, todo) : status;
 }
 
+/* False: no memory. */
+static bool make_crew(crew *w) {
+  size_t n_points = w->s->deck.n_points;
+  size_t places = w->n_workers * w->width;
+  w->workers = calloc(w->n_workers, sizeof *w->workers);
+  w->steps = calloc(n_points + 1, sizeof *w->steps);
+  w->kinds = calloc(n_points + 1, sizeof *w->kinds);
+  w->tried = calloc(n_points + 1, 1);
+  w->points = calloc(places, sizeof *w->points);
+  w->told = calloc(places, sizeof *w->told);
+  w->cells = mmap(NULL, places * sizeof *w->cells, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (w->cells == MAP_FAILED) w->cells = NULL;
+  if (!w->workers || !w->steps || !w->kinds || !w->tried || !w->points || !w->told || !w->cells) return false;
+  for (size_t k = 0; k < w->n_workers; k++)
+    w->workers[k] = (worker){
+        .points = w->points + k * w->width, .told = w->told + k * w->width, .cells = w->cells + k * w->width};
+  return true;
+}
+
+static void free_crew(crew *w) {
+  if (w->cells) munmap(w->cells, w->n_workers * w->width * sizeof *w->cells);
+  free(w->workers);
+  free(w->steps);
+  free(w->kinds);
+  free(w->tried);
+  free(w->points);
+  free(w->told);
+  sweep_groups_free(&w->groups);
+}
+
+/* Lanes are for systems of one thread. */
+static size_t choose_width(const sweep_command *c) {
+  size_t width = ensemble_width();
+  return c->no_lanes || c->threads > 1 || width < 1 ? 1 : width;
+}
+
 int sweep_run_all(const sweep *s, const sweep_command *c) {
   app_catch_signals();
   sd_messages *messages = sd_messages_new();
@@ -488,26 +369,24 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   if (status != SD_OK) return status;
   crew w = {.s = s,
             .c = c,
+            .end = s->deck.n_points,
+            .width = choose_width(c),
             .n_workers = c->workers > 0 ? (size_t)c->workers : 1,
             .terminal = isatty(STDERR_FILENO)};
-  w.began = w.tabled = now_seconds();
-  w.workers = calloc(w.n_workers, sizeof *w.workers);
-  w.steps = calloc(s->deck.n_points + 1, sizeof *w.steps);
-  w.tried = calloc(s->deck.n_points + 1, 1);
+  if (sweep_is_part(c)) {
+    w.first = (size_t)c->point;
+    if ((size_t)c->last < w.end) w.end = (size_t)c->last + 1;
+  }
+  w.began = w.tabled = sweep_seconds();
   size_t *todo = calloc(s->deck.n_points + 1, sizeof *todo);
-  w.slots =
-      mmap(NULL, w.n_workers * sizeof *w.slots, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (w.workers && w.steps && w.tried && todo && w.slots != MAP_FAILED) {
+  if (make_crew(&w) && todo) {
     status = prepare_and_run(&w, todo);
   } else {
     fprintf(stderr, "error: no memory for the sweep\n");
     status = SD_ERROR_IO;
     if (comm_size() > 1) comm_abort(status); /* the others would wait */
   }
-  if (w.slots != MAP_FAILED) munmap(w.slots, w.n_workers * sizeof *w.slots);
-  free(w.workers);
-  free(w.steps);
-  free(w.tried);
+  free_crew(&w);
   free(todo);
   if (c->workers == 0) {
     status = comm_max(status);

@@ -141,6 +141,16 @@ static int largest(int value) {
   return most;
 }
 
+/* In pieces, since MPI counts with an int. */
+static void share(unsigned char *data, size_t bytes) {
+  const size_t most = (size_t)1 << 24;
+  for (size_t at = 0; at < bytes; at += most) {
+    MPI_Request request;
+    MPI_Ibcast(data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0, ranks, &request);
+    await(&request);
+  }
+}
+
 static void end_all(int status) { MPI_Abort(ranks, status); }
 
 /* NOLINTEND(clang-analyzer-optin.mpi.*) */
@@ -163,6 +173,7 @@ static bool receive(int *from, int64_t *word) {
   return false;
 }
 static int largest(int value) { return value; }
+static void share(unsigned char *data, size_t bytes) { (void)data, (void)bytes; }
 static void end_all(int status) { (void)status; }
 
 #endif
@@ -189,6 +200,10 @@ void comm_end(void) {
 }
 
 int comm_max(int value) { return comm.size > 1 ? largest(value) : value; }
+
+void comm_share(void *data, size_t bytes) {
+  if (comm.size > 1) share(data, bytes);
+}
 
 void comm_abort(int status) {
   if (comm.size > 1) end_all(status);

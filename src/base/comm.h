@@ -25,6 +25,7 @@
 
 #include <signal.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "slipdisk/status.h"
@@ -40,6 +41,8 @@ int comm_rank(void);
 int comm_size(void);
 /* The largest value of all ranks, on all ranks; every rank must call it. It serves as a barrier as well. */
 int comm_max(int value);
+/* What rank 0 has at data, on all ranks; every rank must call it with the same size. */
+void comm_share(void *data, size_t bytes);
 /* Ends the processes of all ranks at once with this exit status, after an error that leaves the others waiting
  * for ever. With one rank it does nothing: to end the process is the caller's affair. */
 void comm_abort(int status);

@@ -1,4 +1,4 @@
-/* sweep.c: see sweep.h. The tables are written by sweep_table.c. */
+/* sweep.c: see sweep.h. Points are run in sweep_points.c, the tables are written by sweep_table.c. */
 #include "run/sweep.h"
 
 #include <inttypes.h>
@@ -106,7 +106,7 @@ sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *
     sd_messages *mine = sd_messages_new();
     sd_model *model;
     sd_status one = deck_sweep_model(&s->deck, k, &model, mine);
-    if (one == SD_OK && visit) visit(user, k, model);
+    if (one == SD_OK && visit && visit(user, k, model)) model = NULL;
     *usable += one == SD_OK;
     if (one != SD_OK) status = one;
     for (size_t m = 0; one != SD_OK && m < sd_messages_count(mine); m++)
@@ -276,7 +276,7 @@ void sweep_result_free(sweep_result *r) {
   *r = (sweep_result){0};
 }
 
-/* --- running ----------------------------------------------------------------------------------------------- */
+/* --- for those who run points ------------------------------------------------------------------------------ */
 
 void sweep_note(const sweep *s, size_t point, const char *text) {
   char *path = point_path(s, point, ".failed");
@@ -303,71 +303,4 @@ sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **resu
   *model = NULL;
   *result = point_path(s, point, ".h5");
   return *result ? deck_sweep_model(&s->deck, point, model, messages) : no_memory(messages);
-}
-
-static sd_status run_session(const sd_model *model, const char *result, const sweep_options *options,
-                             sd_messages *messages) {
-  session_options how = {.result = result,
-                         .threads = options->threads,
-                         .force = options->force,
-                         .stop = options->stop,
-                         .progress = options->progress,
-                         .user = options->user};
-  session *run;
-  sd_status status = session_open(model, &how, &run, messages);
-  if (status == SD_OK) {
-    status = session_run(run, messages);
-    session_close(run);
-  }
-  return status;
-}
-
-/* A finished result stays, unless it is none of this deck's: that is a mistake. */
-static sd_status leave_finished(const sweep *s, size_t point, sweep_status *status, sd_messages *messages) {
-  sweep_result r;
-  sd_status looked = sweep_look(s, point, &r, messages);
-  *status = r.status;
-  if (looked == SD_OK && (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED))
-    looked = sd_fail(messages, SD_ERROR_USER,
-                     "%s/points/%s.h5 %s (%s); --force runs the point again, -o writes elsewhere", s->folder,
-                     s->deck.points[point].name,
-                     r.status == SWEEP_OTHER ? "is the result of another deck" : "cannot be read", r.message);
-  sweep_result_free(&r);
-  return looked;
-}
-
-/* One attempt. *again: the session has not begun, perhaps because another process was faster. */
-static sd_status try_to_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
-                            bool *again, sd_messages *messages) {
-  *again = false;
-  *status = sweep_peek(s, point);
-  if (*status == SWEEP_DONE && !options->force) return leave_finished(s, point, status, messages);
-  if (*status == SWEEP_RUNNING) return SD_OK;
-  char *result;
-  sd_model *model;
-  sd_status ran = sweep_load(s, point, &model, &result, messages);
-  if (ran == SD_OK) {
-    ran = run_session(model, result, options, messages);
-    *again = ran == SD_ERROR_USER;
-  }
-  sd_model_free(model);
-  free(result);
-  *status = ran == SD_OK ? SWEEP_DONE : ran == SD_INTERRUPTED ? SWEEP_STOPPED : SWEEP_FAILED;
-  return ran;
-}
-
-sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
-                    sd_messages *messages) {
-  enum { ATTEMPTS = 3 };
-  for (int k = 1;; k++) {
-    bool again;
-    sd_status ran = try_to_run(s, point, options, status, &again, messages);
-    if (*status == SWEEP_DONE || *status == SWEEP_STOPPED) sweep_note(s, point, NULL);
-    if (*status != SWEEP_FAILED) return ran;
-    if (!again || k == ATTEMPTS) {
-      sweep_note_messages(s, point, messages);
-      return ran;
-    }
-    sd_messages_clear(messages);
-  }
 }

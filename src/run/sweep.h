@@ -1,4 +1,4 @@
-/* sweep.h: the points of a deck's sweep in a folder: what is there, one point at a time, and the table of results.
+/* sweep.h: the points of a deck's sweep in a folder: what is there, running them, and the table of results.
  *
  *   FOLDER/points/NAME.h5        result of a point, as of `run` (NAME.h5.parts while it is not finished)
  *   FOLDER/points/NAME.failed    why a point failed; goes away when it is run again
@@ -23,9 +23,10 @@ typedef struct sweep {
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
                      const char *folder, sd_messages *messages);
 void sweep_close(sweep *s);
-/* Loads the model of the first point of each set and shows it to visit (may be NULL). SD_ERROR_USER with the
- * mistakes, each once and with the points that make it, when any has one; *usable counts the sets without. */
-typedef void sweep_visitor(void *user, size_t point, const sd_model *model);
+/* Loads the model of the first point of each set and shows it to visit (may be NULL), which returns true when it
+ * takes the model over. SD_ERROR_USER with the mistakes, each once and with the points that make it, when any has
+ * one; *usable counts the sets without. */
+typedef bool sweep_visitor(void *user, size_t point, sd_model *model);
 sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *usable,
                       sd_messages *messages);
 /* Makes the folders. */
@@ -57,19 +58,28 @@ void sweep_result_free(sweep_result *result);
 /* The status only, without reading results: whatever result is there counts as done. */
 sweep_status sweep_peek(const sweep *s, size_t point);
 
+/* What became of a point that sweep_run was given. */
+typedef struct sweep_end {
+  size_t point;
+  sd_status ran;               /* SD_INTERRUPTED: stopped at a checkpoint */
+  sweep_status status;         /* of the point after that; SWEEP_RUNNING: left to the process that runs it */
+  const sd_messages *messages; /* till the call returns */
+} sweep_end;
+
+/* k counts the points given to sweep_run. */
 typedef struct sweep_options {
-  int threads;
-  bool force; /* run finished points again */
+  int threads; /* of a point alone; several together have one each */
+  bool force;  /* run finished points again */
   const volatile sig_atomic_t *stop;
-  void (*progress)(void *user, const session_progress *progress); /* may be NULL */
+  void (*progress)(void *user, size_t k, const session_progress *progress); /* may be NULL */
+  void (*left)(void *user, size_t k, const sweep_end *end); /* of each point, once, when its time has come */
   void *user;
 } sweep_options;
 
-/* Runs a point, or continues it. A finished one, and one that another process runs, are left alone (SD_OK; *status
- * says which); the result of another deck, or a damaged one, is SD_ERROR_USER. When a run fails its messages are
- * kept in NAME.failed, too. SD_INTERRUPTED: stopped at a checkpoint. messages must be empty, and not NULL. */
-sd_status sweep_run(const sweep *s, size_t point, const sweep_options *options, sweep_status *status,
-                    sd_messages *messages);
+/* Runs points, or continues them, side by side (session_group.h). A finished one, and one that another process runs, are
+ * left alone (SD_OK); the result of another deck, or a damaged one, is SD_ERROR_USER. Each point ends by itself:
+ * when a run fails its messages are kept in NAME.failed, too, and the others go on. */
+void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options);
 /* The model of a point and where its result goes (to be freed), for those who run it themselves. */
 sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **result, sd_messages *messages);
 /* Keeps in NAME.failed why a point did not come to its end; NULL: it did, and the file goes. */

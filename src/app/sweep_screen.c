@@ -1,0 +1,121 @@
+/* sweep_screen.c: what the user sees of a sweep that is being run. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "app/app.h"
+#include "app/sweep_crew.h"
+
+void sweep_clear_line(crew *w) {
+  if (w->line_open) fputs("\r\033[K", stderr);
+  w->line_open = false;
+}
+
+/* The lines of a worker, further in. */
+static void show_lines(const char *text) {
+  for (size_t n; *text; text += n + (text[n] == '\n')) {
+    n = strcspn(text, "\n");
+    fprintf(stderr, "    %.*s\n", (int)n, text);
+  }
+}
+
+static const char *short_duration(double seconds, char *text, size_t size) {
+  if (seconds >= 60) return report_duration(seconds, text, size);
+  snprintf(text, size, "%.1f s", seconds);
+  return text;
+}
+
+void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, double seconds) {
+  char finding[200], duration[40];
+  bool bad = r->status >= SWEEP_FAILED;
+  if (w->c->quiet && !bad) return;
+  sweep_clear_line(w);
+  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->refused, w->end - w->first, point,
+          w->s->deck.points[point].name);
+  if (r->status == SWEEP_DONE) {
+    sweep_finding(r, finding, sizeof finding);
+    w->stars = w->stars || strchr(finding, '*');
+    fprintf(stderr, "%s  (%s)\n", *finding ? finding : "done",
+            short_duration(seconds, duration, sizeof duration));
+    show_lines(text);
+  } else if (bad) {
+    fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
+            r->status > SWEEP_FAILED ? "; --force runs the point again" : "");
+  } else {
+    fprintf(stderr, "%s\n", sweep_status_names[r->status]);
+  }
+}
+
+/* "  #17 45 %", "  8 points 45 %"; steps that the worker has done and those that it did not have to do. */
+static int show_worker(const crew *w, const worker *one, char *text, size_t size, double *done,
+                       double *spared) {
+  size_t running = 0, last = 0;
+  double parts = 0;
+  for (size_t i = 0; one->pid != 0 && i < one->n; i++) {
+    if (one->told[i]) continue;
+    double steps = (double)w->steps[one->points[i]], part = one->cells[i].fraction,
+           since = fmax(one->cells[i].began, 0);
+    *done += (part - since) * steps;
+    *spared += since * steps;
+    parts += part;
+    last = one->points[i];
+    running++;
+  }
+  if (running == 0 || size < 60) return 0;
+  if (running == 1) return snprintf(text, size, "  #%zu %.0f %%", last, 100 * parts);
+  return snprintf(text, size, "  %zu points %.0f %%", running, 100 * parts / (double)running);
+}
+
+void sweep_draw(crew *w) {
+  double now = sweep_seconds(), done = w->steps_done, spared = 0, left = NAN;
+  if (!w->terminal || w->c->quiet || now - w->drawn < 0.5) return;
+  w->drawn = now;
+  char text[400], duration[40];
+  int n = snprintf(text, sizeof text, "%zu of %zu done", w->done, w->end - w->first);
+  if (w->failed) n += snprintf(text + n, sizeof text - (size_t)n, ", %zu failed", w->failed);
+  for (size_t k = 0; k < w->n_workers; k++)
+    n += show_worker(w, &w->workers[k], text + n, sizeof text - (size_t)n, &done, &spared);
+  if (done > 0) left = (w->steps_total - spared - done) / done * (now - w->began);
+  snprintf(text + n, sizeof text - (size_t)n, "  ETA %s", report_duration(left, duration, sizeof duration));
+  struct winsize window;
+  int width = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;
+  fprintf(stderr, "\r\033[K%.*s", width, text);
+  fflush(stderr);
+  w->line_open = true;
+}
+
+void sweep_show_start(const crew *w) {
+  size_t groups = 0, together = 0, most = 0, alone = 0;
+  for (size_t k = 0; k < w->groups.n; k++) {
+    size_t n = w->groups.list[k].n;
+    groups += n > 1;
+    together += n > 1 ? n : 0;
+    alone += n == 1;
+    if (n > most) most = n;
+  }
+  fprintf(stderr, "%s: %zu points, %zu done", w->s->folder, w->end - w->first, w->done);
+  if (groups == 1)
+    fprintf(stderr, "; %zu side by side in lanes", together);
+  else if (groups > 1)
+    fprintf(stderr, "; %zu in lanes: %zu groups of up to %zu side by side", together, groups, most);
+  if (groups > 0 && alone > 0) fprintf(stderr, ", %zu one by one", alone);
+  fputc('\n', stderr);
+}
+
+void sweep_show_end(crew *w) {
+  sweep_clear_line(w);
+  if (w->c->quiet) return;
+  if (w->stars) fprintf(stderr, "*: the error bar is not reliable yet\n");
+  fprintf(stderr, "%zu of %zu points done", w->done, w->end - w->first);
+  if (w->failed) fprintf(stderr, ", %zu failed", w->failed);
+  if (w->refused) fprintf(stderr, ", %zu with a result that is not this deck's", w->refused);
+  if (w->elsewhere) fprintf(stderr, ", %zu run by another process", w->elsewhere);
+  if (sweep_is_part(w->c))
+    fprintf(stderr, "; --table makes the table\n");
+  else
+    fprintf(stderr, "; table: %s/table.csv\n", w->s->folder);
+  if (w->left && w->worst != SD_ERROR_IO)
+    fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
+}
