@@ -127,8 +127,6 @@ static void compare_step(herd *h) {
       double value = p->value[motion_index(e)], velocity = p->velocity[motion_index(e)];
       *p->at = value;
       *p->speed = velocity;
-      const lanes_pose *range = &lanes_motion_pose(h->m, p->slot)[p->coordinate];
-      assert_true(range->low[l] <= value && value <= range->high[l]);
     }
     for (uint32_t i = FIRST; i < FIRST + BODIES; i++) {
       const double poses[POSES] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};

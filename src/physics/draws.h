@@ -30,18 +30,18 @@ LANE_INLINE void LANE(draw_keys_from)(LANE(draw_keys) * keys, LANE(bits) seed) {
   }
 }
 
-/* Words are the low halves of 64-bit lanes; what stands above them is not cleared on the way, because the
- * multiplication does not see it. */
-LANE_INLINE void LANE(philox)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, const LANE(draw_keys) * keys) {
+/* One of DRAW_ROUNDS rounds. Words are the low halves of 64-bit lanes; what stands above them is not cleared on the way,
+ * because the multiplication does not see it. */
+LANE_INLINE void LANE(philox_round)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, const LANE(draw_keys) * keys,
+                                    int round) {
   const LANE(bits) m0 = LANE(splat_bits)(0xD2511F53u), m1 = LANE(splat_bits)(0xCD9E8D57u);
-#pragma GCC unroll 10
-  for (int round = 0; round < DRAW_ROUNDS; round++) EACH_BLOCK {
-      LANE(bits) p0 = LANE(multiply32)(m0, word[n][0]), p1 = LANE(multiply32)(m1, word[n][2]);
-      word[n][0] = (p1 >> 32) ^ word[n][1] ^ keys->round[round][0];
-      word[n][1] = p1;
-      word[n][2] = (p0 >> 32) ^ word[n][3] ^ keys->round[round][1];
-      word[n][3] = p0;
-    }
+  EACH_BLOCK {
+    LANE(bits) p0 = LANE(multiply32)(m0, word[n][0]), p1 = LANE(multiply32)(m1, word[n][2]);
+    word[n][0] = (p1 >> 32) ^ word[n][1] ^ keys->round[round][0];
+    word[n][1] = p1;
+    word[n][2] = (p0 >> 32) ^ word[n][3] ^ keys->round[round][1];
+    word[n][3] = p0;
+  }
 }
 
 /* The low bits of a word as an integer, by way of the last bits of 2^52 or 2^20 and some more. */
@@ -98,6 +98,7 @@ LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, L
 /* Draws of so many blocks, of which the words are the counters; these are lost. */
 LANE_INLINE void LANE(draw_normals)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, const LANE(draw_keys) * keys,
                                     LANE(real) a[2 * DRAW_BLOCKS], LANE(real) b[2 * DRAW_BLOCKS]) {
-  LANE(philox)(word, blocks, keys);
+#pragma GCC unroll 10
+  for (int round = 0; round < DRAW_ROUNDS; round++) LANE(philox_round)(word, blocks, keys, round);
   LANE(draw_pairs)(word, blocks, a, b);
 }

@@ -85,7 +85,8 @@ extern void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n,
                                 double *low);
 extern void KERNEL(kernel_place)(place_batch *b, size_t n);
 extern void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
-extern void KERNEL(kernel_lanes_place)(lanes_place *p, size_t n);
+extern void KERNEL(kernel_lanes_place)(const lanes_place *p, size_t n);
+extern bool KERNEL(kernel_lanes_beyond)(const lanes_place *p, size_t n, double limit);
 extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 extern const kernels KERNEL(kernels);
 
@@ -109,5 +110,6 @@ const kernels KERNEL(kernels) = {
     .place = KERNEL(kernel_place),
     .lanes_signal = KERNEL(kernel_lanes_signal),
     .lanes_place = KERNEL(kernel_lanes_place),
+    .lanes_beyond = KERNEL(kernel_lanes_beyond),
     .sine_cosine = KERNEL(kernel_sine_cosine),
 };

@@ -57,30 +57,58 @@ void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, in
 /* What a vector of oscillators carries from draw to draw. */
 typedef struct swing {
   LANE(draw_keys) keys;
-  LANE(bits) block, stream;
+  LANE(bits) block, high, stream; /* high: word of the block's number, the same for a while */
   LANE(real) u, v, uu, uv, vu, vv, noise_u, noise_vu, noise_vv;
+  LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS]; /* normal numbers that wait */
 } swing;
 
-/* The next rows of lanes from l on: two from each of so many blocks. */
-LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int blocks) {
+LANE_INLINE void swing_on(swing *s, oscillators *g, size_t l, size_t row, int k) {
+  LANE(real) a = s->a[k], b = s->b[k], next = s->uu * s->u + (s->uv * s->v + s->noise_u * a);
+  s->v = s->vv * s->v + (s->vu * s->u + (s->noise_vu * a + s->noise_vv * b));
+  s->u = next;
+  LANE(store)(g->u[row + (size_t)k] + l, s->u);
+  LANE(store)(g->v[row + (size_t)k] + l, s->v);
+}
+
+/* Normal numbers of the next blocks. Meanwhile, between the rounds, the oscillators swing on with those that wait,
+ * 2 * waiting of them, from `row` on: they are a chain of operations each of which waits for the one before. */
+LANE_INLINE void draw_beside(swing *s, oscillators *g, size_t l, size_t row, int waiting, int blocks) {
   LANE(bits) word[DRAW_BLOCKS][4];
-  LANE(real) a[2 * DRAW_BLOCKS], b[2 * DRAW_BLOCKS];
   EACH_BLOCK {
-    LANE(bits) block = s->block + (uint64_t)n;
-    word[n][0] = block;
-    word[n][1] = block >> 32;
+    word[n][0] = s->block + (uint64_t)n;
+    word[n][1] = s->high;
     word[n][2] = s->stream;
     word[n][3] = LANE(splat_bits)(RANDOM_STEP);
   }
   s->block = s->block + (uint64_t)blocks;
-  LANE(draw_normals)(word, blocks, &s->keys, a, b);
-  EACH_PAIR {
-    LANE(real) next = s->uu * s->u + (s->uv * s->v + s->noise_u * a[k]);
-    s->v = s->vv * s->v + (s->vu * s->u + (s->noise_vu * a[k] + s->noise_vv * b[k]));
-    s->u = next;
-    LANE(store)(g->u[row + (size_t)k] + l, s->u);
-    LANE(store)(g->v[row + (size_t)k] + l, s->v);
+#pragma GCC unroll 10
+  for (int round = 0; round < DRAW_ROUNDS; round++) {
+    LANE(philox_round)(word, blocks, &s->keys, round);
+    if (round < 2 * waiting) swing_on(s, g, l, row, round);
   }
+  LANE(draw_pairs)(word, blocks, s->a, s->b);
+}
+
+LANE_INLINE void swing_rest(swing *s, oscillators *g, size_t l, size_t row, int waiting) {
+  for (int k = 0; k < 2 * waiting; k++) swing_on(s, g, l, row, k);
+}
+
+/* One lane vector. */
+static void oscillate(swing *s, oscillators *g, size_t l, size_t row, size_t blocks) {
+  if (blocks >= DRAW_BLOCKS) {
+    draw_beside(s, g, l, row, 0, DRAW_BLOCKS);
+    for (blocks -= DRAW_BLOCKS; blocks >= DRAW_BLOCKS; blocks -= DRAW_BLOCKS, row += 2 * DRAW_BLOCKS)
+      draw_beside(s, g, l, row, DRAW_BLOCKS, DRAW_BLOCKS);
+    swing_rest(s, g, l, row, DRAW_BLOCKS);
+    row += 2 * DRAW_BLOCKS;
+  }
+  for (; blocks >= 2; blocks -= 2, row += 4) {
+    draw_beside(s, g, l, row, 0, 2);
+    swing_rest(s, g, l, row, 2);
+  }
+  if (blocks == 0) return;
+  draw_beside(s, g, l, row, 0, 1);
+  swing_rest(s, g, l, row, 1);
 }
 
 void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
@@ -97,10 +125,14 @@ void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks) {
                .noise_vu = LANE(load)(g->noise_vu + l),
                .noise_vv = LANE(load)(g->noise_vv + l)};
     LANE(draw_keys_from)(&s.keys, load_bits(g->seed + l));
-    size_t n = 0;
-    for (; n + DRAW_BLOCKS <= blocks; n += DRAW_BLOCKS) swing_on(&s, g, l, row + 2 * n, DRAW_BLOCKS);
-    for (; n + 2 <= blocks; n += 2) swing_on(&s, g, l, row + 2 * n, 2);
-    for (; n < blocks; n++) swing_on(&s, g, l, row + 2 * n, 1);
+    /* block by block where the high word changes */
+    size_t at_once = blocks;
+    for (size_t k = l; k < l + LANE_WIDTH; k++)
+      if (g->block[k] >> 32 != (g->block[k] + blocks - 1) >> 32) at_once = 1;
+    for (size_t n = 0; n < blocks; n += at_once) {
+      s.high = s.block >> 32;
+      oscillate(&s, g, l, row + 2 * n, at_once);
+    }
   }
 }
 

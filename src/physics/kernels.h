@@ -100,7 +100,9 @@ typedef struct kernels {
   void (*place)(place_batch *b, size_t n);
   /* The same of several systems side by side (lanes_signal.h), for any n. Draws must reach far enough. */
   void (*lanes_signal)(lanes_signal *s, int64_t local, size_t n);
-  void (*lanes_place)(lanes_place *p, size_t n);
+  void (*lanes_place)(const lanes_place *p, size_t n);
+  /* Is some value of some lane not within [-limit, limit]? */
+  bool (*lanes_beyond)(const lanes_place *p, size_t n, double limit);
   /* sin and cos of 2 pi t[k]; n is rounded up to a multiple of 8. */
   void (*sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
 } kernels;

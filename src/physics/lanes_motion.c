@@ -9,7 +9,7 @@
 #include "physics/motion.h"
 #include "physics/oscillators.h"
 
-enum { BATCH = 32 }; /* steps: what a batch writes stays in the nearest cache */
+enum { BATCH = MOTION_BATCH };
 
 struct lanes_motion {
   size_t width, n, first_slot, n_slots; /* prescribed bodies */
@@ -23,8 +23,9 @@ struct lanes_motion {
   size_t n_places, capacity;
   lanes_place *places;
   const lanes_signal **terms;
-  double *rows;  /* [1 + BATCH][2 n_places][width]: value and velocity of each place */
-  int64_t first; /* step of system 0 before the batch */
+  lanes_place **movers; /* of each signal: as many as its motion has bodies */
+  double *rows;         /* [1 + BATCH][2 n_places][width]: value and velocity of each place */
+  int64_t first;        /* step of system 0 before the batch */
   bool filled;
   int64_t known; /* last row in range */
 };
@@ -95,20 +96,25 @@ sd_status lanes_motion_new(size_t width, size_t n, engine *const *systems, lanes
   m->systems = calloc(width, sizeof *m->systems);
   m->poses = calloc(m->n_slots * POSES + 1, sizeof *m->poses);
   m->terms = calloc(terms + 1, sizeof *m->terms);
+  m->movers = calloc(terms + 1, sizeof *m->movers);
   m->still = vectors(m->n_slots * POSES, width);
   m->signals = (lanes_signal *)vectors(n_motions + 1, sizeof *m->signals / sizeof(double));
   m->places = (lanes_place *)vectors(m->capacity + 1, sizeof *m->places / sizeof(double));
   m->draws = oscillators_new(n_motions + 1);
   m->room = vectors(3 * BATCH * n_motions, width);
   m->rows = vectors((BATCH + 1) * 2 * m->capacity, width);
-  if (!m->systems || !m->poses || !m->terms || !m->still || !m->signals || !m->places || !m->draws ||
-      !m->room || !m->rows) {
+  if (!m->systems || !m->poses || !m->terms || !m->movers || !m->still || !m->signals || !m->places ||
+      !m->draws || !m->room || !m->rows) {
     lanes_motion_free(m);
     *out = NULL;
     return SD_ERROR_IO;
   }
   for (size_t l = 0; l < width; l++) m->systems[l] = systems[l < n ? l : 0];
-  for (size_t k = 0; k < n_motions; k++) set_signal(m, k);
+  lanes_place **movers = m->movers;
+  for (size_t k = 0; k < n_motions; movers += model->motions[k++].n_bodies) {
+    set_signal(m, k);
+    m->signals[k].places = movers;
+  }
   return SD_OK;
 }
 
@@ -117,6 +123,7 @@ void lanes_motion_free(lanes_motion *m) {
   free(m->systems);
   free(m->poses);
   free(m->terms);
+  free(m->movers);
   free(m->still);
   free(m->signals);
   free(m->places);
@@ -141,18 +148,21 @@ static void load_still(lanes_motion *m) {
       double now[POSES] = {s->x[slot], s->y[slot], s->theta[slot], s->vx[slot], s->vy[slot], s->omega[slot]};
       for (size_t c = 0; c < POSES; c++) m->still[(i * POSES + c) * m->width + l] = now[c];
     }
-  for (size_t k = 0; k < m->n_slots * POSES; k++)
-    m->poses[k] = (lanes_pose){m->still + k * m->width, 0, NULL, NULL};
+  for (size_t k = 0; k < m->n_slots * POSES; k++) m->poses[k] = (lanes_pose){m->still + k * m->width, 0};
 }
 
 static void load_signals(lanes_motion *m) {
   for (size_t k = 0; k < m->systems[0]->model->n_motions; k++) {
     lanes_signal *s = &m->signals[k];
     s->runs = m->systems[0]->state->motion_start[k] >= 0;
+    s->n_places = 0;
+    s->elsewhere = false;
     for (size_t l = 0; s->runs && s->kind == SD_MOTION_RANDOM && l < m->width; l++)
       oscillators_load(s->draws, l, m->systems[l]->state, k, s->interval);
   }
 }
+
+static void add_place(lanes_signal *s, lanes_place *p) { s->places[s->n_places++] = p; }
 
 /* Place k: that of motion.c, whose terms say which signals. */
 static void load_place(lanes_motion *m, size_t k, const placed *from, const lanes_signal **terms) {
@@ -170,10 +180,17 @@ static void load_place(lanes_motion *m, size_t k, const placed *from, const lane
   memcpy(value, pose[p->coordinate].at, w * sizeof(double));
   memcpy(velocity, pose[POSE_VX + p->coordinate].at, w * sizeof(double));
   for (size_t t = 0; t < from->count; t++) terms[t] = &m->signals[motion_term(m->systems[0], from, t)];
-  for (size_t l = 0; l < w; l++)
+  p->turned = false;
+  for (size_t l = 0; l < w; l++) {
     motion_offset(m->systems[l], p->slot, p->coordinate, &p->off[l], &p->base[l]);
-  pose[p->coordinate] = (lanes_pose){value, 2 * m->n_places, p->low, p->high};
-  pose[POSE_VX + p->coordinate] = (lanes_pose){velocity, 2 * m->n_places, NULL, NULL};
+    p->turned = p->turned || p->off[l] != 0.0;
+  }
+  if (p->n_signals == 1 && !p->turned)
+    add_place(&m->signals[terms[0]->motion], p);
+  else
+    for (size_t t = 0; t < from->count; t++) m->signals[terms[t]->motion].elsewhere = true;
+  pose[p->coordinate] = (lanes_pose){value, 2 * m->n_places};
+  pose[POSE_VX + p->coordinate] = (lanes_pose){velocity, 2 * m->n_places};
 }
 
 void lanes_motion_load(lanes_motion *m) {
@@ -204,6 +221,7 @@ static void fill_table(lanes_motion *m, lanes_signal *s, int64_t local) {
   s->u = s->room[0];
   s->v = s->room[1];
   s->stride = m->width;
+  s->placed = false;
   for (size_t l = 0; l < m->width; l++) {
     signal *from = &motion_signals(m->systems[l])->item[s->motion];
     signals_fill_one(m->systems[l], from, s->motion, local);
@@ -214,16 +232,13 @@ static void fill_table(lanes_motion *m, lanes_signal *s, int64_t local) {
   }
 }
 
-/* The last row before some lane's coordinate leaves its range. */
+/* The last row before some lane's angle leaves its range. */
 static int64_t last_in_range(const lanes_motion *m, const lanes_place *p) {
+  if (p->coordinate != SD_THETA || !m->kernels->lanes_beyond(p, BATCH, 4.0)) return BATCH;
   int64_t last = BATCH;
-  for (size_t l = 0; l < m->width; l++) {
-    const engine *e = m->systems[l];
-    if (motion_in_range(e, p->coordinate, p->low[l]) && motion_in_range(e, p->coordinate, p->high[l]))
-      continue;
+  for (size_t l = 0; l < m->width; l++)
     for (int64_t k = 0; k < last; k++)
-      if (!motion_in_range(e, p->coordinate, p->value[(size_t)k * p->stride + l])) last = k;
-  }
+      if (!motion_in_range(m->systems[l], SD_THETA, p->value[(size_t)k * p->stride + l])) last = k;
   return last;
 }
 
@@ -242,8 +257,9 @@ static void fill(lanes_motion *m) {
   }
   m->known = BATCH;
   for (size_t k = 0; k < m->n_places; k++) {
-    m->kernels->lanes_place(&m->places[k], BATCH);
-    int64_t last = last_in_range(m, &m->places[k]);
+    const lanes_place *p = &m->places[k];
+    if (p->n_signals > 1 || p->turned || !p->signals[0]->placed) m->kernels->lanes_place(p, BATCH);
+    int64_t last = last_in_range(m, p);
     if (last < m->known) m->known = last;
   }
   m->filled = true;

@@ -2,7 +2,8 @@
  *
  * Values are those that motion.c computes for each system by itself, bit for bit. The systems have the same bodies
  * and the same running motions, and each of these runs for the same number of steps; everything else, the step
- * itself included, may differ. Loads and servos do not come here, nor free disks with a prescribed coordinate.
+ * itself included, may differ. Boxes are open. Loads and servos do not come
+ * here, nor free disks with a prescribed coordinate.
  */
 #ifndef PHYSICS_LANES_MOTION_H
 #define PHYSICS_LANES_MOTION_H
@@ -14,11 +15,10 @@ typedef struct lanes_motion lanes_motion;
 enum { POSE_X, POSE_Y, POSE_THETA, POSE_VX, POSE_VY, POSE_OMEGA, POSES };
 
 /* Values of a slot's coordinate or velocity, one per lane: those at step first + k stand at at[k * stride * width]; k = 0
- * is the step before the batch. A stride of 0: never changes. The range covers the batch (k > 0). */
+ * is the step before the batch. A stride of 0: never changes. */
 typedef struct lanes_pose {
   const double *at;
   size_t stride;
-  const double *low, *high; /* [width]; NULL: never changes, or a velocity */
 } lanes_pose;
 
 /* Lanes beyond n <= width repeat system 0. SD_ERROR_IO: no memory, *out is NULL. */
@@ -32,7 +32,7 @@ void lanes_motion_load(lanes_motion *m);
 void lanes_motion_store(lanes_motion *m);
 
 /* Computes ahead when the batch is used up, so that the step after state->step is in it. Returns how many steps are
- * ready from there, up to the last one before some lane's coordinate leaves its range; 0: the next step needs the
+ * ready from there, up to the last one before an angle of some lane leaves its range; 0: the next step needs the
  * general path, and lanes_motion_load after it. */
 int64_t lanes_motion_ahead(lanes_motion *m);
 /* Step state->step + 1 of system 0 has the index k = state->step + 1 - first. */

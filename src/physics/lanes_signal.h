@@ -25,17 +25,21 @@ struct lanes_signal {
   size_t motion;
   int64_t interval;
   double per_interval;
-  bool ramped;
-  bool runs;
+  bool ramped, runs;
+  size_t n_places; /* to which it is the only one to add, at no turns or images: written to at once */
+  lanes_place **places;
+  bool elsewhere;     /* some coordinate needs its values, too */
   oscillators *draws; /* random */
   /* of the batch: rows of `stride` numbers; low is NULL where nothing is lost to rounding */
+  bool placed; /* its places are done */
   const double *u, *v, *low;
   size_t stride;
   double *room[3]; /* u, v, low: rows of the machine's width */
 };
 
 struct lanes_place {
-  _Alignas(64) double off[SIGNAL_LANES], base[SIGNAL_LANES], low[SIGNAL_LANES], high[SIGNAL_LANES];
+  _Alignas(64) double off[SIGNAL_LANES], base[SIGNAL_LANES];
+  bool turned; /* some `off` is not 0 */
   uint32_t slot;
   int coordinate;
   const lanes_signal **signals;
