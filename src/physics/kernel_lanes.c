@@ -18,40 +18,45 @@
 #include "physics/lanes_pass.h"
 #endif
 
-void KERNEL(kernel_lanes)(lanes *l, int64_t n);
+void KERNEL(kernel_lanes)(lanes *const *l, size_t vectors, int64_t n);
 
 /* Disk on two supports, the paper's variant: what is known here costs nothing in the loop. One system by itself fills
  * both lanes of the narrowest vector: scalar code would have branches where vectors have masks. */
-#define SHAPES(name, width, single)                                                                          \
-  static void name##_gear(lanes *l, int64_t n) {                                                             \
-    steps_w##width(l, n, (shape_w##width){1, 2, true, false, single});                                       \
+#define SHAPES(name, width, vectors, single)                                                                 \
+  static void name##_gear(lanes *const *l, int64_t n) {                                                      \
+    steps_w##width(l, vectors, n, (shape_w##width){1, 2, true, false, single});                              \
   }                                                                                                          \
-  static void name##_verlet(lanes *l, int64_t n) {                                                           \
-    steps_w##width(l, n, (shape_w##width){1, 2, false, false, single});                                      \
+  static void name##_verlet(lanes *const *l, int64_t n) {                                                    \
+    steps_w##width(l, vectors, n, (shape_w##width){1, 2, false, false, single});                             \
   }                                                                                                          \
-  static void name##_general(lanes *l, int64_t n) {                                                          \
-    steps_w##width(l, n, (shape_w##width){l->n_free, l->n_pairs, l->gear, l->conservative, single});         \
-  }                                                                                                          \
-  static void name(lanes *l, int64_t n) {                                                                    \
-    if (l->n_free != 1 || l->n_pairs != 2 || l->conservative)                                                \
-      name##_general(l, n);                                                                                  \
-    else if (l->gear)                                                                                        \
+  static void name(lanes *const *l, int64_t n) {                                                             \
+    const lanes *a = l[0];                                                                                   \
+    if (a->n_free != 1 || a->n_pairs != 2 || a->conservative)                                                \
+      for (size_t v = 0; v < (vectors); v++)                                                                 \
+        steps_w##width(l + v, 1, n,                                                                          \
+                       (shape_w##width){a->n_free, a->n_pairs, a->gear, a->conservative, single});           \
+    else if (a->gear)                                                                                        \
       name##_gear(l, n);                                                                                     \
     else                                                                                                     \
       name##_verlet(l, n);                                                                                   \
   }
-SHAPES(one, 2, true)
+SHAPES(alone, 2, 1, true)
 #if VECTOR_WIDTH == 8
-SHAPES(many, 8, false)
+SHAPES(one, 8, 1, false)
+SHAPES(two, 8, 2, false)
 #elif VECTOR_WIDTH == 4
-SHAPES(many, 4, false)
+SHAPES(one, 4, 1, false)
+SHAPES(two, 4, 2, false)
 #else
-SHAPES(many, 2, false)
+SHAPES(one, 2, 1, false)
+SHAPES(two, 2, 2, false)
 #endif
 
-void KERNEL(kernel_lanes)(lanes *l, int64_t n) {
-  if (l->motion)
-    many(l, n);
-  else
+void KERNEL(kernel_lanes)(lanes *const *l, size_t vectors, int64_t n) {
+  if (!l[0]->motion)
+    alone(l, n);
+  else if (vectors == 1)
     one(l, n);
+  else
+    two(l, n);
 }

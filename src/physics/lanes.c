@@ -33,8 +33,8 @@ static bool suits_watch(const sd_model *m, const sd_slide_watch *w) {
 
 bool lanes_suit(const sd_model *m) {
   if (m->n_free < 1 || m->n_free > LANES_FREE || m->n_disks + m->n_walls > LANES_BODIES ||
-      count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES || m->n_segments > 0 || m->periodic[0] ||
-      m->periodic[1] || m->measure_disks || m->n_rains > 0 ||
+      count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES || m->n_segments > 0 ||
+      m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 ||
       (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
     return false;
   bool suits = true;
@@ -305,7 +305,6 @@ static void load_lane(lanes *l, size_t lane) {
       const columns *q = &e->work.columns[c];
       const double column[DISK_COLUMNS] = {q->q[i], q->v[i], q->q2[i], q->q3[i], q->q4[i], q->q5[i]};
       for (size_t r = 0; r < DISK_COLUMNS; r++) *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane) = column[r];
-      *cell(l, l->disk[i], DISK_FORCE + c, lane) = q->force[i];
     }
   const double *at[] = {s->x, s->y, s->theta}, *force[] = {s->force_x, s->force_y, s->torque};
   const double *speed[] = {s->vx, s->vy, s->omega};
@@ -436,20 +435,28 @@ void lanes_show_angles(const lanes *l) {
   }
 }
 
-int64_t lanes_take(lanes *l, int64_t n, bool measure) {
+static void begin_take(lanes *l, bool measure) {
   l->measure = measure;
   l->stepped = true;
   l->dead_now = false;
   for (size_t lane = 0; lane < l->count; lane++) l->from[lane] = l->system[lane]->state->step;
-  l->system[0]->work.kernels->lanes(l, n);
+}
+
+static void end_take(lanes *l) {
   keep_poses(l);
   for (size_t lane = 0; lane < l->count; lane++) {
     if (is_dead(l, lane)) continue;
     sd_state *s = l->system[lane]->state;
     s->step += l->done;
-    if (measure) s->measured += l->done;
+    if (l->measure) s->measured += l->done;
   }
-  return l->done;
+}
+
+int64_t lanes_take(lanes *const *l, size_t vectors, int64_t n, bool measure) {
+  for (size_t v = 0; v < vectors; v++) begin_take(l[v], measure);
+  l[0]->system[0]->work.kernels->lanes(l, vectors, n);
+  for (size_t v = 0; v < vectors; v++) end_take(l[v]);
+  return l[0]->done;
 }
 
 /* --- rare events --------------------------------------------------------------------------------------- */
@@ -474,12 +481,8 @@ static void list_events(const lanes *l, size_t lane) {
     if (n == SIZE_MAX) continue;
     event *v = event_add(&mine->events, (uint32_t)n, *cell(l, p, PAIR_DROP, lane));
     if (!v) return; /* the list knows */
-    v->star = *cell(l, p, PAIR_WAS + PAIR_STAR, lane);
-    v->ex = *cell(l, p, PAIR_WAS + PAIR_EX, lane);
-    v->ey = *cell(l, p, PAIR_WAS + PAIR_EY, lane);
-    v->force = *cell(l, p, PAIR_WAS + PAIR_FORCE, lane);
-    v->overlap = *cell(l, p, PAIR_WAS + PAIR_OVERLAP, lane);
-    v->stretch = *cell(l, p, PAIR_WAS + PAIR_STRETCH, lane);
+    v->ex = *cell(l, p, PAIR_WAS_EX, lane);
+    v->ey = *cell(l, p, PAIR_WAS_EY, lane);
     v->missed = *cell(l, p, PAIR_MISSED, lane);
   }
   for (size_t i = 0; i < l->n_free; i++)

@@ -16,15 +16,21 @@
 #include "physics/motion.h"
 #include "physics/work.h"
 
-enum { LANES_MOST = 8, LANES_FREE = 2, LANES_BODIES = 8, LANES_PAIRS = 8, LANES_SLIDES = 2 };
+enum {
+  LANES_VECTORS = 2,
+  LANES_MOST = 8,
+  LANES_FREE = 2,
+  LANES_BODIES = 8,
+  LANES_PAIRS = 8,
+  LANES_SLIDES = 2
+};
 
 /* Rows of a free disk: six columns of each coordinate (q, v, q2 ... q5), then these. */
 enum {
   DISK_COLUMNS = 6,
   DISK_GAIN = DISK_COLUMNS * SD_COORDINATES, /* dt^2/2 over the mass, by coordinate */
   DISK_PUSH = DISK_GAIN + SD_COORDINATES,    /* the same times the constant force */
-  DISK_FORCE = DISK_PUSH + SD_COORDINATES,   /* of the contacts */
-  DISK_VISCOUS = DISK_FORCE + SD_COORDINATES,
+  DISK_VISCOUS = DISK_PUSH + SD_COORDINATES,
   DISK_FRICTION,
   DISK_VARIANT,
   DISK_ROWS
@@ -52,8 +58,9 @@ enum {
   PAIR_FX, /* last force pass */
   PAIR_FY,
   PAIR_TAU,
-  PAIR_WAS, /* rare events of a commit: the memory before it up to the stretch, and what it booked */
-  PAIR_DROP = PAIR_WAS + PAIR_STRETCH + 1,
+  PAIR_WAS_EX, /* rare events of a commit: what was remembered, and what is to be booked */
+  PAIR_WAS_EY,
+  PAIR_DROP,
   PAIR_MISSED,
   PAIR_ROWS
 };
@@ -113,8 +120,9 @@ void lanes_store(lanes *l);
 int64_t lanes_ready(lanes *l);
 /* Takes n <= lanes_ready steps within a phase, or fewer when a lane goes wrong: then its work.status says so, and its
  * state is that of the step in which it happened. Steps and measured steps of the states are counted on. Rows must be
- * loaded, and are to be stored. Returns the steps that were taken. */
-int64_t lanes_take(lanes *l, int64_t n, bool measure);
+ * loaded, and are to be stored. vectors: so many of them, at most LANES_VECTORS, take the same steps with their
+ * parts interleaved. Returns the steps that were taken. */
+int64_t lanes_take(lanes *const *l, size_t vectors, int64_t n, bool measure);
 /* Brings the angles to the states. */
 void lanes_show_angles(const lanes *l);
 

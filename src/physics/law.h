@@ -101,8 +101,8 @@ LANE_INLINE LANE(law_push)
 typedef struct LANE(law_memory) {
   LANE(real) star, ex, ey;
   LANE(real) force, overlap, stretch, turned;
-  LANE(real) slip;          /* of that step: which way it slides */
-  LANE(real) damping, torn; /* force - k_n overlap; stretch overlap: follow from the others */
+  LANE(real) slip;    /* of that step: which way it slides */
+  LANE(real) damping; /* force - k_n overlap: follows from these */
 } LANE(law_memory);
 
 /* What a commit books: losses of the step, and what must be looked at one by one. */
@@ -122,10 +122,10 @@ LANE_INLINE LANE(law_booked)
   LANE(law_booked) b;
   LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5), half_k_t = k->half_k_t;
   LANE(real) rise = out->delta - m->overlap, stretch = m->stretch;
-  LANE(real) damping = out->force - out->elastic, torn = out->stretch * out->delta;
+  LANE(real) damping = out->force - out->elastic, torn = stretch * m->overlap + out->stretch * out->delta;
   b.viscous = half * (m->damping + damping) * rise;
   b.friction = half_k_t * (stretch + out->stretch) * out->slip;
-  b.gain = variant ? half_k_t * (m->torn + torn) * (m->turned - g->turned) : zero;
+  b.gain = variant ? half_k_t * torn * (m->turned - g->turned) : zero;
   b.opened = in->was_closed & LANE(not )(out->touching);
   b.begun = LANE(not )(in->was_closed) & out->touching;
   LANE(mask)
@@ -139,7 +139,6 @@ LANE_INLINE LANE(law_booked)
   m->turned = g->turned;
   m->slip = out->slip;
   m->damping = damping;
-  m->torn = torn;
   b.drop = zero;
   if (!LANE(any)(b.opened | b.begun)) return b;
 

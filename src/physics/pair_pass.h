@@ -75,7 +75,6 @@ LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE
        .stretch = LANE(load)(p->stretch + at),
        .turned = LANE(load)(p->turned + at)};
   m.damping = m.force - k->k_n * m.overlap;
-  m.torn = m.stretch * m.overlap;
   const LANE(law_memory) before = m;
   LANE(real) zero = LANE(splat)(0.0), step = LANE(splat)(dt);
   LANE(law_booked) b = LANE(law_commit)(in, g, out, k, limit, variant, step, &m);

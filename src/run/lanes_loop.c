@@ -35,26 +35,33 @@ static bool any_wrong(const lanes *l) {
   return wrong;
 }
 
-void lanes_loop(lanes *l, int64_t n, bool measure) {
-  lanes_load(l);
-  while (n > 0) {
-    int64_t ready = lanes_ready(l), room = measure ? least_room(l) : INT64_MAX;
-    if (ready == 0) {
-      general_step(l, measure);
+static void close_bins(const lanes *l) {
+  lanes_show_angles(l);
+  for (size_t k = 0; k < l->count; k++)
+    if (l->system[k]->work.status == SD_OK) watch_bins(l->system[k]);
+}
+
+void lanes_loop(lanes *const *l, size_t vectors, int64_t n, bool measure) {
+  bool wrong = false;
+  for (size_t v = 0; v < vectors; v++) lanes_load(l[v]);
+  while (n > 0 && !wrong) {
+    int64_t now = n, room = INT64_MAX;
+    for (size_t v = 0; v < vectors; v++) {
+      int64_t ready = lanes_ready(l[v]), bin = measure ? least_room(l[v]) : INT64_MAX;
+      now = ready < now ? ready : now;
+      room = bin < room ? bin : room;
+    }
+    if (now == 0) {
+      for (size_t v = 0; v < vectors; v++) general_step(l[v], measure);
       n--;
-      if (any_wrong(l)) return;
-      lanes_load(l);
-      continue;
+    } else {
+      now = room < now ? room : now;
+      n -= lanes_take(l, vectors, now, measure);
+      for (size_t v = 0; v < vectors && measure && now == room; v++) close_bins(l[v]);
     }
-    if (ready > room) ready = room;
-    int64_t taken = lanes_take(l, n < ready ? n : ready, measure);
-    n -= taken;
-    if (measure && taken == room) {
-      lanes_show_angles(l);
-      for (size_t k = 0; k < l->count; k++)
-        if (l->system[k]->work.status == SD_OK) watch_bins(l->system[k]);
-    }
-    if (any_wrong(l)) break;
+    for (size_t v = 0; v < vectors; v++) wrong = wrong || any_wrong(l[v]);
+    for (size_t v = 0; v < vectors && now == 0 && !wrong; v++) lanes_load(l[v]);
+    if (wrong && now == 0) return;
   }
-  lanes_store(l);
+  for (size_t v = 0; v < vectors; v++) lanes_store(l[v]);
 }
