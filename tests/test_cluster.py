@@ -100,6 +100,19 @@ class Cluster(unittest.TestCase):
         self.assert_undisturbed(1)
         self.wait(self.start_task(1), 0)  # done already
 
+    def test_shares(self):
+        """A task runs some of the points; the last one has fewer."""
+        process = self.start_task(0, SLIPDISK_POINTS="2")
+        self.wait_for_checkpoint(process, 2)
+        process.send_signal(signal.SIGUSR1)
+        self.wait(process, 75)
+        self.assertEqual(self.requeued(), ["requeue 12_0"])
+        for task in 0, 1:
+            self.wait(self.start_task(task, SLIPDISK_POINTS="2", SLURM_CPUS_PER_TASK="2"), 0)
+            self.assertEqual(len(list(self.points.glob("*.h5"))), min(POINTS, 2 * task + 2))
+        self.assertFalse((self.top / "deck.sweep/table.csv").exists())
+        self.wait(self.start_task(2, SLIPDISK_POINTS="2"), 2)
+
     def test_signals_to_all_processes(self):
         process = self.start_task(0)
         self.wait_for_checkpoint(process)

@@ -37,6 +37,9 @@ class Lanes(SweepTest):
         cls.path.write_text(three_disks(TILTS % 2, steps_for(SECONDS), checkpoint=0.03))
         cls.reference = cls.where / "out"
         cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, "--no-lanes", "-o", cls.reference)
+        _, out, _ = run("check", cls.path, "--brief", "--no-probe")
+        cls.width = int(re.search(r"8 of them can go in lanes, up to (\d+) side by side", out)[1])
+        cls.together = min(8, cls.width)
 
     @classmethod
     def tearDownClass(cls):
@@ -71,15 +74,11 @@ class Lanes(SweepTest):
                 (["-j", 5], "6 in lanes: 3 groups of up to 2 side by side, 2 one by one"), \
                 (["-j", 8], "0 done\n"), (["--threads", 2], "0 done\n"):
             with self.subTest(words=words):
-                found = self.sweep(self.path, *words, "-D", "phases.measure.steps=1000")
-                if self.width() == 8:
+                found = self.sweep(self.path, *words, "-D", "phases.measure.steps=20")
+                if self.width == 8:
                     self.assertIn(said, found)
                 self.assertIn("8 of 8 points done", found)
                 shutil.rmtree(self.out)
-
-    def width(self):
-        _, out, _ = run("check", self.path, "--brief", "--no-probe")
-        return int(re.search(r"8 of them can go in lanes, up to (\d+) side by side", out)[1])
 
     def test_same_results(self):
         for words in (), ("-j", 3):
@@ -96,7 +95,7 @@ class Lanes(SweepTest):
             with h5py.File(path) as file:
                 p = file["parameters"].attrs
                 self.assertGreater(p["step_seconds"], 0)
-                self.assertLess(p["step_seconds"], p["wall_seconds"] / min(8, self.width()) * 1.05, name)
+                self.assertLess(p["step_seconds"], p["wall_seconds"] / self.together * 1.05, name)
 
     def test_killed_again_and_again(self):
         """kill -9, and continued by other groups, or one by one."""
@@ -123,21 +122,21 @@ class Lanes(SweepTest):
     def test_signals(self):
         """All points of a group stop at checkpoints; one of them goes on alone, the rest in other groups."""
         for words in ("-j", 1), ():
-            process = self.begin(8, self.path, *words)
-            self.assertIn("8 running", self.sweep(self.path, "--status"))
+            process = self.begin(self.together, self.path, *words)
+            self.assertIn(f"{self.together} running", self.sweep(self.path, "--status"))
             said = self.stop(process, signal.SIGTERM, 75)
             self.assertIn("stopped, everything is saved: give the command again", said)
-            self.assertEqual(len(list((self.out / "points").glob("*.parts"))), 8)
-            self.assertEqual(column(self.out, "status"), ["stopped"] * 8)
-        self.assertEqual(run("resume", self.out / "points/tilt=0.01pi,r=1.h5", "--quiet")[0], 0)
+            self.assertEqual(len(list((self.out / "points").glob("*.parts"))), self.together)
+            self.assertEqual(column(self.out, "status"), ["stopped"] * self.together + ["waiting"] * (8 - self.together))
+        self.assertEqual(run("resume", self.out / "points/tilt=0,r=1.h5", "--quiet")[0], 0)
         process = self.begin(1, self.path, "--no-lanes")
         self.stop(process, signal.SIGINT, 75)
         self.finish("-j", 2)
-        self.assertEqual(set(self.sessions().values()), {3, 4})
+        self.assertEqual(max(self.sessions().values()), 4)
 
     def test_crash(self):
         """Of a group that crashes each point is run again by itself."""
-        process = self.begin(4, self.path, "-j", 1)
+        process = self.begin(self.together, self.path, "-j", 1)
         os.kill(children(process.pid)[0], signal.SIGSEGV)
         _, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, err)
@@ -147,16 +146,17 @@ class Lanes(SweepTest):
 
     def test_crash_again(self):
         """Only the point that crashes by itself, too, has failed."""
-        process = self.begin(4, self.path, "-j", 1)
+        n = self.together
+        process = self.begin(n, self.path, "-j", 1, "--point", f"0-{n - 1}")
         first, = children(process.pid)
         os.kill(first, signal.SIGKILL)
         wait_for(lambda: (children(process.pid) or [first]) != [first])
         os.kill(children(process.pid)[0], signal.SIGKILL)
         _, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 3, err)
-        self.assertIn("7 of 8 points done, 1 failed", err)
-        self.assertEqual(column(self.out, "status").count("failed"), 1)
-        self.assertIn("was ended by signal 9", "".join(column(self.out, "message")))
+        self.assertIn(f"{n - 1} of {n} points done, 1 failed", err)
+        failed, = (self.out / "points").glob("*.failed")
+        self.assertIn("was ended by signal 9", failed.read_text())
         self.finish("-j", 1)
 
     def test_at_once(self):

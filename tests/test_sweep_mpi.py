@@ -64,6 +64,8 @@ class Sweep(unittest.TestCase):
             sweep = {{ parameters = ( {{ path = "gravity.tilt"; values = (0, "0.02 pi", "0.04 pi"); }} );
                        replicas = {POINTS // 3}; }};""")
         cls.steps = steps_for(1)
+        _, out, _ = run("check", cls.deck, "--brief", "--no-probe")
+        cls.has_lanes = "side by side" in out
 
     @classmethod
     def tearDownClass(cls):
@@ -92,12 +94,12 @@ class Sweep(unittest.TestCase):
     def finish(self, ranks, status=0, *more):
         self.assertEqual(self.start(ranks, *more).wait(timeout=200), status, self.said())
 
-    def ranks_at_work(self, process, ranks):
-        """Their process ids, once each runs a point."""
+    def ranks_at_work(self, process, ranks, points):
+        """Their process ids, once so many points are run."""
         def at_work():
             self.assertIsNone(process.poll(), f"ended too soon\n{self.said()}")
             locks = self.folder.glob("points/*.parts/lock")
-            return len(children(process.pid)) == ranks and sum(is_locked(path) for path in locks) == ranks
+            return len(children(process.pid)) == ranks and sum(is_locked(path) for path in locks) == points
 
         wait_for(at_work)
         return children(process.pid)
@@ -134,18 +136,22 @@ class Sweep(unittest.TestCase):
             with self.subTest(ranks=ranks):
                 self.finish(ranks)
                 self.assert_complete()
+                if self.has_lanes and ranks == 2:
+                    self.assertIn("6 in lanes: ", self.said())
                 if ranks == 2:  # finished already: nothing happens
                     self.finish(ranks)
                     self.assert_complete()
                 shutil.rmtree(self.folder)
 
     def interrupt(self, how, status=None):
-        """how(launcher, ranks) ends a job of two ranks that are at work; status None: any but 0."""
+        """how(launcher, ranks) ends a job of two ranks that are at work, with all points in lanes and one by one in turn;
+        status None: any but 0."""
+        self.lanes = not getattr(self, "lanes", False) and self.has_lanes
         for path in self.folder.glob("points/*.h5"):  # always enough to do, however fast the machine
             if path.is_file():
                 path.unlink()
-        process = self.start(2)
-        ranks = self.ranks_at_work(process, 2)
+        process = self.start(2) if self.lanes else self.start(2, "--no-lanes")
+        ranks = self.ranks_at_work(process, 2, POINTS if self.lanes else 2)
         how(process.pid, ranks)
         found = process.wait(timeout=60)
         if status is None:

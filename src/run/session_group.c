@@ -143,8 +143,11 @@ static void save(group *g) {
     const session *s = session_of(g, k);
     due = due || (can_be_saved(g, k) && session_clock() - s->saved_at >= s->model->checkpoint_seconds);
   }
-  for (size_t k = 0; due && k < g->n; k++)
+  if (!due) return;
+  for (size_t k = 0; k < g->n; k++)
     if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);
+  /* the time that all of them took is not counted */
+  for (size_t k = 0; k < g->n; k++) session_of(g, k)->saved_at = session_clock();
 }
 
 static void enter(group *g, size_t member) {
