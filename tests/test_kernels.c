@@ -242,7 +242,7 @@ static void tails_are_normal(void **unused) {
 static void numbers_of_a_block_are_independent(void **unused) {
   (void)unused;
   kernels_choose()->normals(7, 3, RANDOM_STEP, 0, DRAWS, first, second);
-  double plain[8][8] = {{0}}, squares[8][8] = {{0}}, n = DRAWS / 4, chi2 = 0.0, worst = 0.0;
+  double plain[8][8] = {{0}}, squares[8][8] = {{0}}, n = DRAWS / 4.0, chi2 = 0.0, worst = 0.0;
   for (int k = 0; k + 4 <= DRAWS; k += 4) { /* two blocks */
     double x[8];
     for (int i = 0; i < 4; i++) x[2 * i] = first[k + i], x[2 * i + 1] = second[k + i];

@@ -73,7 +73,7 @@ typedef struct herd {
 
 static herd herd_new(const char *const *moves, size_t n_moves, size_t n, int rest) {
   herd h = {0};
-  engine *systems[MOST];
+  engine *systems[MOST] = {NULL};
   for (size_t l = 0; l < n; l++) {
     int waits = rest + 3 * (int)l;
     h.model[l] = system_of(moves, n_moves, (int)l, waits);
@@ -85,7 +85,7 @@ static herd herd_new(const char *const *moves, size_t n_moves, size_t n, int res
     h.lane[l] = systems[l] = engine_of(h.beside[l]);
     assert_int_equal(h.one[l]->state->phase, 1);
   }
-  h.width = h.lane[0]->work.kernels->lane_width;
+  h.width = kernels_choose()->lane_width;
   assert_true(n <= h.width);
   assert_int_equal(lanes_motion_new(h.width, n, systems, &h.m), SD_OK);
   lanes_motion_load(h.m);
@@ -109,7 +109,10 @@ static double pose_of(const herd *h, uint32_t slot, int which, size_t l) {
 
 static void same_pose(const herd *h, uint32_t slot, int which, size_t l, double expected) {
   double now = pose_of(h, slot, which, l);
-  if (memcmp(&now, &expected, 8) == 0) return;
+  uint64_t bits, expected_bits;
+  memcpy(&bits, &now, sizeof bits);
+  memcpy(&expected_bits, &expected, sizeof bits);
+  if (bits == expected_bits) return;
   print_error("slot %u, pose %d, lane %zu, after %lld steps: %.17g, alone %.17g\n", slot, which, l,
               (long long)h->steps, now, expected);
   fail();
