@@ -69,7 +69,7 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
-extern void KERNEL(kernel_lanes)(lanes *const *l, size_t vectors, int64_t n);
+extern void KERNEL(kernel_lanes)(lanes *l, int64_t n);
 extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_losses)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,

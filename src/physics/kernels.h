@@ -77,9 +77,9 @@ typedef struct kernels {
   /* Free disks [begin, end), by sd_integrator. */
   void (*predict[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
-  /* n steps of small systems side by side (lanes.h), lane_width of them or one in each of `vectors`. */
+  /* n steps of small systems side by side (lanes.h), lane_width of them or one. */
   size_t lane_width;
-  void (*lanes)(lanes *const *l, size_t vectors, int64_t n);
+  void (*lanes)(lanes *l, int64_t n);
   /* n pairs of independent standard normal numbers: draw first + k of a stream in a[k], b[k], which is half
    * (first + k) & 1 of block (first + k)/2. */
   void (*normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n, double *a,

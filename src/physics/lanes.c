@@ -435,28 +435,20 @@ void lanes_show_angles(const lanes *l) {
   }
 }
 
-static void begin_take(lanes *l, bool measure) {
+int64_t lanes_take(lanes *l, int64_t n, bool measure) {
   l->measure = measure;
   l->stepped = true;
   l->dead_now = false;
   for (size_t lane = 0; lane < l->count; lane++) l->from[lane] = l->system[lane]->state->step;
-}
-
-static void end_take(lanes *l) {
+  l->system[0]->work.kernels->lanes(l, n);
   keep_poses(l);
   for (size_t lane = 0; lane < l->count; lane++) {
     if (is_dead(l, lane)) continue;
     sd_state *s = l->system[lane]->state;
     s->step += l->done;
-    if (l->measure) s->measured += l->done;
+    if (measure) s->measured += l->done;
   }
-}
-
-int64_t lanes_take(lanes *const *l, size_t vectors, int64_t n, bool measure) {
-  for (size_t v = 0; v < vectors; v++) begin_take(l[v], measure);
-  l[0]->system[0]->work.kernels->lanes(l, vectors, n);
-  for (size_t v = 0; v < vectors; v++) end_take(l[v]);
-  return l[0]->done;
+  return l->done;
 }
 
 /* --- rare events --------------------------------------------------------------------------------------- */

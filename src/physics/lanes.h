@@ -16,14 +16,7 @@
 #include "physics/motion.h"
 #include "physics/work.h"
 
-enum {
-  LANES_VECTORS = 2,
-  LANES_MOST = 8,
-  LANES_FREE = 2,
-  LANES_BODIES = 8,
-  LANES_PAIRS = 8,
-  LANES_SLIDES = 2
-};
+enum { LANES_MOST = 8, LANES_FREE = 2, LANES_BODIES = 8, LANES_PAIRS = 8, LANES_SLIDES = 2 };
 
 /* Rows of a free disk: six columns of each coordinate (q, v, q2 ... q5), then these. */
 enum {
@@ -120,9 +113,8 @@ void lanes_store(lanes *l);
 int64_t lanes_ready(lanes *l);
 /* Takes n <= lanes_ready steps within a phase, or fewer when a lane goes wrong: then its work.status says so, and its
  * state is that of the step in which it happened. Steps and measured steps of the states are counted on. Rows must be
- * loaded, and are to be stored. vectors: so many of them, at most LANES_VECTORS, take the same steps with their
- * parts interleaved. Returns the steps that were taken. */
-int64_t lanes_take(lanes *const *l, size_t vectors, int64_t n, bool measure);
+ * loaded, and are to be stored. Returns the steps that were taken. */
+int64_t lanes_take(lanes *l, int64_t n, bool measure);
 /* Brings the angles to the states. */
 void lanes_show_angles(const lanes *l);
 

@@ -1,32 +1,18 @@
-/* lanes_pass.h: the step of small systems in lanes (lanes.h); included once per width after law.h and
- * integrate_pass.h.
+/* lanes_pass.h: the step of small systems in lanes (lanes.h); included after law.h and integrate_pass.h, once per width
+ * and LANES_TEXT: `three` with LANES_KNOWN for a disk on two supports, `any` for whatever goes in lanes.
  *
  * With Gear, history is written beside the forces of the next step: commit and forces do not depend on each other
- * but for lambda*, and a processor that has both at hand waits for one chain of operations instead of two. For the
- * same reason several vectors of systems can be in flight: each part of the step is done for one after the other.
+ * but for lambda*, and a processor that has both at hand waits for one chain of operations instead of two.
  * The function returns with nothing pending.
  *
- * What the loop carries stands in struct flight. For a disk on two supports all numbers are known when this is
- * compiled, and the macros EACH_... write the turns out, so that it is held in registers.
+ * What the loop carries stands in struct flight. For a disk on two supports the macros EACH_... write the turns out, so
+ * that it is held in registers; the other text has loops.
  */
 #ifndef LANES_PASS_COMMON
 #define LANES_PASS_COMMON
-#define EACH(k, n, most, statement)                                                                          \
-  do {                                                                                                       \
-    {                                                                                                        \
-      const size_t k = 0;                                                                                    \
-      statement;                                                                                             \
-    }                                                                                                        \
-    if ((n) > 1) {                                                                                           \
-      const size_t k = 1;                                                                                    \
-      statement;                                                                                             \
-    }                                                                                                        \
-    for (size_t k = 2; k < (n) && k < (most); k++) {                                                         \
-      statement;                                                                                             \
-    }                                                                                                        \
-  } while (0)
-#define EACH_PAIR(k, n, statement) EACH(k, n, LANES_PAIRS, statement)
-#define EACH_DISK(i, n, statement) EACH(i, n, LANES_FREE, statement)
+#define LANES_PASTE2(name, text) name##_##text
+#define LANES_PASTE(name, text) LANES_PASTE2(name, text)
+#define PASS(name) LANE(LANES_PASTE(name, LANES_TEXT))
 #define EACH_COORDINATE(c, statement)                                                                        \
   do {                                                                                                       \
     {                                                                                                        \
@@ -44,99 +30,128 @@
   } while (0)
 #endif
 
-typedef struct LANE(shape) {
+#undef EACH_PAIR
+#undef EACH_DISK
+#if LANES_KNOWN
+/* one disk, two pairs */
+#define EACH_DISK(i, n, statement)                                                                           \
+  do {                                                                                                       \
+    (void)(n);                                                                                               \
+    const size_t i = 0;                                                                                      \
+    statement;                                                                                               \
+  } while (0)
+#define EACH_PAIR(k, n, statement)                                                                           \
+  do {                                                                                                       \
+    (void)(n);                                                                                               \
+    {                                                                                                        \
+      const size_t k = 0;                                                                                    \
+      statement;                                                                                             \
+    }                                                                                                        \
+    {                                                                                                        \
+      const size_t k = 1;                                                                                    \
+      statement;                                                                                             \
+    }                                                                                                        \
+  } while (0)
+#else
+#define EACH_DISK(i, number, statement)                                                                      \
+  for (size_t i = 0; i < (number); i++) statement
+#define EACH_PAIR(k, number, statement)                                                                      \
+  for (size_t k = 0; k < (number); k++) statement
+#endif
+
+typedef struct PASS(shape) {
   size_t n_free, n_pairs;
   bool gear, conservative;
   bool single; /* one system in all lanes: poses stand one by one */
-} LANE(shape);
+} PASS(shape);
 
 /* Pairs as they are seen from some poses: of the forces of a step, or of its commit. */
-typedef struct LANE(look) {
+typedef struct PASS(look) {
   LANE(real) free[LANES_FREE][POSES];
   LANE(law_input) in[LANES_PAIRS];
   LANE(law_geometry) geometry[LANES_PAIRS];
   LANE(law_output) out[LANES_PAIRS];
-} LANE(look);
+} PASS(look);
 
-typedef struct LANE(flight) {
+typedef struct PASS(flight) {
   LANE(nordsieck) c[LANES_FREE][SD_COORDINATES];
   LANE(law_memory) m[LANES_PAIRS];
   LANE(law_push) push[LANES_PAIRS];
   LANE(law_booked) booked[LANES_PAIRS];
-  LANE(look) before, now; /* corrected poses of the step whose history is pending; trial poses */
+  PASS(look) before, now; /* corrected poses of the step whose history is pending; trial poses */
   LANE(mask) returns;
   bool pending, treated;
-} LANE(flight);
+} PASS(flight);
 
-LANE_INLINE LANE(real) LANE(row)(const double *rows, size_t k) { return LANE(load)(rows + k * LANE_WIDTH); }
-LANE_INLINE void LANE(set_row)(double *rows, size_t k, LANE(real) a) {
+LANE_INLINE LANE(real) PASS(row)(const double *rows, size_t k) { return LANE(load)(rows + k * LANE_WIDTH); }
+LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
   LANE(store)(rows + k * LANE_WIDTH, a);
 }
 
 /* --- rows -------------------------------------------------------------------------------------------- */
 
-LANE_INLINE void LANE(pick_up_disk)(const lanes *l, LANE(flight) * f, size_t i, int c) {
+LANE_INLINE void PASS(pick_up_disk)(const lanes *l, PASS(flight) * f, size_t i, int c) {
   const double *rows = l->disk[i] + c * DISK_COLUMNS * LANE_WIDTH;
-  f->c[i][c] = (LANE(nordsieck)){LANE(row)(rows, 0), LANE(row)(rows, 1), LANE(row)(rows, 2),
-                                 LANE(row)(rows, 3), LANE(row)(rows, 4), LANE(row)(rows, 5)};
+  f->c[i][c] = (LANE(nordsieck)){PASS(row)(rows, 0), PASS(row)(rows, 1), PASS(row)(rows, 2),
+                                 PASS(row)(rows, 3), PASS(row)(rows, 4), PASS(row)(rows, 5)};
 }
 
-LANE_INLINE void LANE(put_disk)(const lanes *l, const LANE(flight) * f, size_t i, int c) {
+LANE_INLINE void PASS(put_disk)(const lanes *l, const PASS(flight) * f, size_t i, int c) {
   double *rows = l->disk[i] + c * DISK_COLUMNS * LANE_WIDTH;
   const LANE(nordsieck) *q = &f->c[i][c];
-  LANE(set_row)(rows, 0, q->q);
-  LANE(set_row)(rows, 1, q->v);
-  LANE(set_row)(rows, 2, q->q2);
-  LANE(set_row)(rows, 3, q->q3);
-  LANE(set_row)(rows, 4, q->q4);
-  LANE(set_row)(rows, 5, q->q5);
+  PASS(set_row)(rows, 0, q->q);
+  PASS(set_row)(rows, 1, q->v);
+  PASS(set_row)(rows, 2, q->q2);
+  PASS(set_row)(rows, 3, q->q3);
+  PASS(set_row)(rows, 4, q->q4);
+  PASS(set_row)(rows, 5, q->q5);
 }
 
-LANE_INLINE void LANE(pick_up_pair)(const lanes *l, LANE(flight) * f, size_t k) {
+LANE_INLINE void PASS(pick_up_pair)(const lanes *l, PASS(flight) * f, size_t k) {
   const double *p = l->pair[k];
   LANE(law_memory) *m = &f->m[k];
-  m->star = LANE(row)(p, PAIR_STAR);
-  m->ex = LANE(row)(p, PAIR_EX);
-  m->ey = LANE(row)(p, PAIR_EY);
-  m->force = LANE(row)(p, PAIR_FORCE);
-  m->overlap = LANE(row)(p, PAIR_OVERLAP);
-  m->stretch = LANE(row)(p, PAIR_STRETCH);
-  m->turned = LANE(row)(p, PAIR_TURNED);
-  m->slip = LANE(row)(p, PAIR_SLIP);
-  m->damping = m->force - LANE(row)(p, PAIR_KN) * m->overlap;
+  m->star = PASS(row)(p, PAIR_STAR);
+  m->ex = PASS(row)(p, PAIR_EX);
+  m->ey = PASS(row)(p, PAIR_EY);
+  m->force = PASS(row)(p, PAIR_FORCE);
+  m->overlap = PASS(row)(p, PAIR_OVERLAP);
+  m->stretch = PASS(row)(p, PAIR_STRETCH);
+  m->turned = PASS(row)(p, PAIR_TURNED);
+  m->slip = PASS(row)(p, PAIR_SLIP);
+  m->damping = m->force - PASS(row)(p, PAIR_KN) * m->overlap;
 }
 
-LANE_INLINE void LANE(put_pair)(const lanes *l, const LANE(flight) * f, size_t k) {
+LANE_INLINE void PASS(put_pair)(const lanes *l, const PASS(flight) * f, size_t k) {
   double *p = l->pair[k];
   const LANE(law_memory) *m = &f->m[k];
-  LANE(set_row)(p, PAIR_STAR, m->star);
-  LANE(set_row)(p, PAIR_EX, m->ex);
-  LANE(set_row)(p, PAIR_EY, m->ey);
-  LANE(set_row)(p, PAIR_FORCE, m->force);
-  LANE(set_row)(p, PAIR_OVERLAP, m->overlap);
-  LANE(set_row)(p, PAIR_STRETCH, m->stretch);
-  LANE(set_row)(p, PAIR_TURNED, m->turned);
-  LANE(set_row)(p, PAIR_SLIP, m->slip);
+  PASS(set_row)(p, PAIR_STAR, m->star);
+  PASS(set_row)(p, PAIR_EX, m->ex);
+  PASS(set_row)(p, PAIR_EY, m->ey);
+  PASS(set_row)(p, PAIR_FORCE, m->force);
+  PASS(set_row)(p, PAIR_OVERLAP, m->overlap);
+  PASS(set_row)(p, PAIR_STRETCH, m->stretch);
+  PASS(set_row)(p, PAIR_TURNED, m->turned);
+  PASS(set_row)(p, PAIR_SLIP, m->slip);
 }
 
-LANE_INLINE void LANE(put_push)(const lanes *l, const LANE(flight) * f, size_t k) {
+LANE_INLINE void PASS(put_push)(const lanes *l, const PASS(flight) * f, size_t k) {
   double *p = l->pair[k];
-  LANE(set_row)(p, PAIR_FX, f->push[k].fx);
-  LANE(set_row)(p, PAIR_FY, f->push[k].fy);
-  LANE(set_row)(p, PAIR_TAU, f->push[k].tau);
+  PASS(set_row)(p, PAIR_FX, f->push[k].fx);
+  PASS(set_row)(p, PAIR_FY, f->push[k].fy);
+  PASS(set_row)(p, PAIR_TAU, f->push[k].tau);
 }
 
-LANE_INLINE LANE(law_constants) LANE(law_of)(const double *p) {
-  return (LANE(law_constants)){.k_n = LANE(row)(p, PAIR_KN),
-                               .k_t = LANE(row)(p, PAIR_KT),
-                               .half_k_t = 0.5 * LANE(row)(p, PAIR_KT),
-                               .gamma_n = LANE(row)(p, PAIR_GAMMA),
-                               .cap = LANE(row)(p, PAIR_CAP)};
+LANE_INLINE LANE(law_constants) PASS(law_of)(const double *p) {
+  return (LANE(law_constants)){.k_n = PASS(row)(p, PAIR_KN),
+                               .k_t = PASS(row)(p, PAIR_KT),
+                               .half_k_t = 0.5 * PASS(row)(p, PAIR_KT),
+                               .gamma_n = PASS(row)(p, PAIR_GAMMA),
+                               .cap = PASS(row)(p, PAIR_CAP)};
 }
 
 /* --- places ------------------------------------------------------------------------------------------ */
 
-LANE_INLINE void LANE(see_free)(const LANE(flight) * f, LANE(look) * w, size_t i) {
+LANE_INLINE void PASS(see_free)(const PASS(flight) * f, PASS(look) * w, size_t i) {
   w->free[i][POSE_X] = f->c[i][SD_X].q;
   w->free[i][POSE_Y] = f->c[i][SD_Y].q;
   w->free[i][POSE_THETA] = f->c[i][SD_THETA].q;
@@ -146,31 +161,31 @@ LANE_INLINE void LANE(see_free)(const LANE(flight) * f, LANE(look) * w, size_t i
 }
 
 LANE_INLINE LANE(real)
-    LANE(prescribed)(const lanes *l, const LANE(shape) * s, size_t slot, int which, int64_t at) {
+    PASS(prescribed)(const lanes *l, const PASS(shape) * s, size_t slot, int which, int64_t at) {
   const lanes_pose *p = &l->pose[slot][which];
   if (s->single) return LANE(splat)(p->at[(size_t)at * p->stride]);
   return LANE(load)(p->at + (size_t)at * p->stride * LANE_WIDTH);
 }
 
-LANE_INLINE LANE(real) LANE(pose)(const lanes *l, const LANE(shape) * s, const LANE(look) * w, size_t slot,
+LANE_INLINE LANE(real) PASS(pose)(const lanes *l, const PASS(shape) * s, const PASS(look) * w, size_t slot,
                                   int which, int64_t at) {
-  return s->n_free > 1 && slot < s->n_free ? w->free[slot][which] : LANE(prescribed)(l, s, slot, which, at);
+  return s->n_free > 1 && slot < s->n_free ? w->free[slot][which] : PASS(prescribed)(l, s, slot, which, at);
 }
 
 /* Geometry of a pair: of the free disks as seen, and prescribed ones at step `at`. With one free disk pair k is
  * that of slots 0 and k + 1. */
-LANE_INLINE void LANE(see_pair)(const lanes *l, const LANE(shape) * s, const LANE(flight) * f, LANE(look) * w,
+LANE_INLINE void PASS(see_pair)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, PASS(look) * w,
                                 int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const double *p = l->pair[k];
   LANE(law_input) *in = &w->in[k];
-  in->dx = LANE(pose)(l, s, w, b, POSE_X, at) - w->free[a][POSE_X];
-  in->dy = LANE(pose)(l, s, w, b, POSE_Y, at) - w->free[a][POSE_Y];
-  in->dvx = LANE(pose)(l, s, w, b, POSE_VX, at) - w->free[a][POSE_VX];
-  in->dvy = LANE(pose)(l, s, w, b, POSE_VY, at) - w->free[a][POSE_VY];
-  in->sum = LANE(row)(p, PAIR_SUM);
-  in->arc = LANE(row)(p, PAIR_RA) * w->free[a][POSE_THETA] +
-            LANE(row)(p, PAIR_RB) * LANE(pose)(l, s, w, b, POSE_THETA, at);
+  in->dx = PASS(pose)(l, s, w, b, POSE_X, at) - w->free[a][POSE_X];
+  in->dy = PASS(pose)(l, s, w, b, POSE_Y, at) - w->free[a][POSE_Y];
+  in->dvx = PASS(pose)(l, s, w, b, POSE_VX, at) - w->free[a][POSE_VX];
+  in->dvy = PASS(pose)(l, s, w, b, POSE_VY, at) - w->free[a][POSE_VY];
+  in->sum = PASS(row)(p, PAIR_SUM);
+  in->arc = PASS(row)(p, PAIR_RA) * w->free[a][POSE_THETA] +
+            PASS(row)(p, PAIR_RB) * PASS(pose)(l, s, w, b, POSE_THETA, at);
   in->ex = f->m[k].ex;
   in->ey = f->m[k].ey;
   in->active = LANE(all_lanes)(1);
@@ -178,8 +193,8 @@ LANE_INLINE void LANE(see_pair)(const lanes *l, const LANE(shape) * s, const LAN
 }
 
 /* What the contact does there, with the present memory. */
-LANE_INLINE void LANE(meet)(const lanes *l, const LANE(flight) * f, LANE(look) * w, size_t k) {
-  const LANE(law_constants) c = LANE(law_of)(l->pair[k]);
+LANE_INLINE void PASS(meet)(const lanes *l, const PASS(flight) * f, PASS(look) * w, size_t k) {
+  const LANE(law_constants) c = PASS(law_of)(l->pair[k]);
   w->in[k].star = f->m[k].star;
   w->in[k].was_closed = LANE(greater)(f->m[k].overlap, LANE(splat)(0.0)); /* else it would be 0 */
   w->out[k] = LANE(law)(&w->in[k], &w->geometry[k], &c);
@@ -187,131 +202,131 @@ LANE_INLINE void LANE(meet)(const lanes *l, const LANE(flight) * f, LANE(look) *
 
 /* --- forces ------------------------------------------------------------------------------------------ */
 
-LANE_INLINE void LANE(push)(const lanes *l, const LANE(shape) * s, LANE(flight) * f, size_t k) {
-  const LANE(law_constants) c = LANE(law_of)(l->pair[k]);
-  const LANE(look) *w = &f->now;
+LANE_INLINE void PASS(push)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t k) {
+  const LANE(law_constants) c = PASS(law_of)(l->pair[k]);
+  const PASS(look) *w = &f->now;
   LANE(real) scale = s->conservative ? w->in[k].sum * w->geometry[k].inverse_r : LANE(splat)(1.0);
   f->push[k] = LANE(law_force)(&w->in[k], &w->geometry[k], &w->out[k], &c, scale);
   /* a commit looks at the force that acted where the contact was open */
-  if (__builtin_expect(LANE(any)(LANE(not )(w->in[k].was_closed)), 0)) LANE(put_push)(l, f, k);
+  if (__builtin_expect(LANE(any)(LANE(not )(w->in[k].was_closed)), 0)) PASS(put_push)(l, f, k);
 }
 
-LANE_INLINE LANE(real) LANE(component)(const LANE(law_push) * push, int c) {
+LANE_INLINE LANE(real) PASS(component)(const LANE(law_push) * push, int c) {
   return c == SD_X ? push->fx : c == SD_Y ? push->fy : push->tau;
 }
 
-LANE_INLINE LANE(real) LANE(add)(LANE(real) sum, const LANE(law_push) * push, int c, bool on_b) {
-  LANE(real) part = LANE(component)(push, c);
+LANE_INLINE LANE(real) PASS(add)(LANE(real) sum, const LANE(law_push) * push, int c, bool on_b) {
+  LANE(real) part = PASS(component)(push, c);
   return c == SD_THETA || on_b ? sum + part : sum - part;
 }
 
 /* Of the contacts of a body along a coordinate. */
 LANE_INLINE LANE(real)
-    LANE(force_on)(const lanes *l, const LANE(shape) * s, const LANE(flight) * f, size_t slot, int c) {
+    PASS(force_on)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, size_t slot, int c) {
   LANE(real) sum = LANE(splat)(0.0);
   if (s->n_free == 1 && slot > 0)
-    sum = LANE(add)(sum, &f->push[slot - 1], c, true);
+    sum = PASS(add)(sum, &f->push[slot - 1], c, true);
   else if (s->n_free == 1)
-    EACH_PAIR(k, s->n_pairs, sum = LANE(add)(sum, &f->push[k], c, false));
+    EACH_PAIR(k, s->n_pairs, sum = PASS(add)(sum, &f->push[k], c, false));
   else
     for (size_t n = 0; n < l->touching[slot]; n++)
-      sum = LANE(add)(sum, &f->push[l->entry[slot][n] / 2], c, l->entry[slot][n] & 1);
-  return c == SD_THETA ? sum * LANE(row)(l->radius, slot) : sum;
+      sum = PASS(add)(sum, &f->push[l->entry[slot][n] / 2], c, l->entry[slot][n] & 1);
+  return c == SD_THETA ? sum * PASS(row)(l->radius, slot) : sum;
 }
 
-LANE_INLINE void LANE(predict)(const lanes *l, const LANE(shape) * s, LANE(flight) * f, size_t i, int c) {
-  LANE(real) dt = LANE(row)(l->dt, 0), per_dt = LANE(row)(l->per_dt, 0);
+LANE_INLINE void PASS(predict)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t i, int c) {
+  LANE(real) dt = PASS(row)(l->dt, 0), per_dt = PASS(row)(l->per_dt, 0);
   if (s->gear)
     LANE(gear_predict)(&f->c[i][c], dt, per_dt);
   else
     LANE(verlet_predict)(&f->c[i][c], dt, per_dt);
 }
 
-LANE_INLINE void LANE(correct)(const lanes *l, const LANE(shape) * s, LANE(flight) * f, size_t i, int c) {
+LANE_INLINE void PASS(correct)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t i, int c) {
   double *d = l->disk[i];
-  LANE(real) force = LANE(force_on)(l, s, f, i, c), per_dt = LANE(row)(l->per_dt, 0);
-  LANE(real) acceleration = force * LANE(row)(d, DISK_GAIN + (size_t)c) + LANE(row)(d, DISK_PUSH + (size_t)c);
+  LANE(real) force = PASS(force_on)(l, s, f, i, c), per_dt = PASS(row)(l->per_dt, 0);
+  LANE(real) acceleration = force * PASS(row)(d, DISK_GAIN + (size_t)c) + PASS(row)(d, DISK_PUSH + (size_t)c);
   if (s->gear)
     LANE(gear_correct)(&f->c[i][c], acceleration, per_dt);
   else
     LANE(verlet_correct)(&f->c[i][c], acceleration, per_dt);
 }
 
-LANE_INLINE LANE(mask) LANE(out_of_turn)(const LANE(flight) * f, size_t i) {
+LANE_INLINE LANE(mask) PASS(out_of_turn)(const PASS(flight) * f, size_t i) {
   LANE(real) theta = f->c[i][SD_THETA].q;
   return LANE(greater)(theta, LANE(splat)(4.0)) | LANE(greater)(LANE(splat)(-4.0), theta);
 }
 
 /* Work of a prescribed coordinate: trapezoid of the contact forces over the step to `at`. */
-LANE_INLINE double *LANE(work_of)(const lanes *l, const LANE(shape) * s, const LANE(flight) * f, int64_t at,
+LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, int64_t at,
                                   size_t slot, int c, double *p, LANE(real) * done) {
   if (!l->placed[slot][c]) return p;
-  LANE(real) now = LANE(prescribed)(l, s, slot, c, at), force = LANE(force_on)(l, s, f, slot, c);
-  *done = *done + (LANE(row)(p, PLACE_FORCE) + force) * (now - LANE(row)(p, PLACE_LAST));
-  LANE(set_row)(p, PLACE_FORCE, force);
-  LANE(set_row)(p, PLACE_LAST, now);
+  LANE(real) now = PASS(prescribed)(l, s, slot, c, at), force = PASS(force_on)(l, s, f, slot, c);
+  *done = *done + (PASS(row)(p, PLACE_FORCE) + force) * (now - PASS(row)(p, PLACE_LAST));
+  PASS(set_row)(p, PLACE_FORCE, force);
+  PASS(set_row)(p, PLACE_LAST, now);
   return p + PLACE_ROWS * LANE_WIDTH;
 }
 
-LANE_INLINE void LANE(book_work)(const lanes *l, const LANE(shape) * s, const LANE(flight) * f, int64_t at) {
+LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, int64_t at) {
   LANE(real) done = LANE(splat)(0.0);
   size_t n = s->n_free == 1 ? s->n_pairs : l->n_bodies - s->n_free;
   double *p = l->place;
-  EACH(b, n, LANES_BODIES, EACH_COORDINATE(c, p = LANE(work_of)(l, s, f, at, s->n_free + b, c, p, &done)));
-  LANE(set_row)(l->work, 0, LANE(row)(l->work, 0) - 0.5 * done);
+  EACH_PAIR(b, n, EACH_COORDINATE(c, p = PASS(work_of)(l, s, f, at, s->n_free + b, c, p, &done)));
+  PASS(set_row)(l->work, 0, PASS(row)(l->work, 0) - 0.5 * done);
 }
 
 /* --- history ----------------------------------------------------------------------------------------- */
 
-LANE_INLINE void LANE(add_losses)(LANE(law_booked) * sum, const LANE(law_booked) * b, bool shared) {
+LANE_INLINE void PASS(add_losses)(LANE(law_booked) * sum, const LANE(law_booked) * b, bool shared) {
   sum->viscous = sum->viscous + (shared ? 0.5 * b->viscous : b->viscous);
   sum->friction = sum->friction + (shared ? 0.5 * b->friction : b->friction);
   sum->gain = sum->gain + (shared ? 0.5 * b->gain : b->gain);
 }
 
-LANE_INLINE void LANE(book_losses)(const lanes *l, const LANE(shape) * s, const LANE(flight) * f, size_t i) {
+LANE_INLINE void PASS(book_losses)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, size_t i) {
   LANE(real) zero = LANE(splat)(0.0);
   LANE(law_booked) sum = {.viscous = zero, .friction = zero, .gain = zero};
   if (s->n_free == 1)
-    EACH_PAIR(k, s->n_pairs, LANE(add_losses)(&sum, &f->booked[k], false));
+    EACH_PAIR(k, s->n_pairs, PASS(add_losses)(&sum, &f->booked[k], false));
   else
     for (size_t n = 0; n < l->touching[i]; n++) {
       size_t k = l->entry[i][n] / 2;
-      LANE(add_losses)(&sum, &f->booked[k], l->b[k] < s->n_free);
+      PASS(add_losses)(&sum, &f->booked[k], l->b[k] < s->n_free);
     }
   double *d = l->disk[i];
-  LANE(set_row)(d, DISK_VISCOUS, LANE(row)(d, DISK_VISCOUS) + sum.viscous);
-  LANE(set_row)(d, DISK_FRICTION, LANE(row)(d, DISK_FRICTION) + sum.friction);
-  if (!s->conservative) LANE(set_row)(d, DISK_VARIANT, LANE(row)(d, DISK_VARIANT) + sum.gain);
+  PASS(set_row)(d, DISK_VISCOUS, PASS(row)(d, DISK_VISCOUS) + sum.viscous);
+  PASS(set_row)(d, DISK_FRICTION, PASS(row)(d, DISK_FRICTION) + sum.friction);
+  if (!s->conservative) PASS(set_row)(d, DISK_VARIANT, PASS(row)(d, DISK_VARIANT) + sum.gain);
 }
 
 /* Bits of a mask. */
-LANE_INLINE unsigned LANE(bits_of)(LANE(mask) m) {
+LANE_INLINE unsigned PASS(bits_of)(LANE(mask) m) {
   unsigned bits = 0;
   for (int k = 0; k < LANE_WIDTH; k++) bits |= LANE(lane_is)(m, k) ? 1u << k : 0u;
   return bits;
 }
 
 /* A contact's state as a number: positive 0, negative 1, stuck 2, open 3, as in sd_state. */
-LANE_INLINE LANE(real) LANE(doing)(const LANE(law_memory) * m) {
+LANE_INLINE LANE(real) PASS(doing)(const LANE(law_memory) * m) {
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
   return LANE(keep)(LANE(greater)(m->slip, zero) | LANE(equal)(m->overlap, zero), one) +
          LANE(keep)(LANE(equal)(m->slip, zero), LANE(splat)(2.0));
 }
 
-LANE_INLINE void LANE(watch)(const lanes *l, const LANE(flight) * f, size_t at, size_t k,
+LANE_INLINE void PASS(watch)(const lanes *l, const PASS(flight) * f, size_t at, size_t k,
                              LANE(real) * doing) {
-  LANE(set_row)(l->least, at, LANE(least)(f->m[k].force, LANE(row)(l->least, at)));
-  *doing = LANE(doing)(&f->m[k]);
+  PASS(set_row)(l->least, at, LANE(least)(f->m[k].force, PASS(row)(l->least, at)));
+  *doing = PASS(doing)(&f->m[k]);
 }
 
 /* Configurations of the watched contacts in the step whose history was just written. */
-LANE_INLINE void LANE(count)(lanes *l, const LANE(shape) * s, const LANE(flight) * f, size_t w) {
+LANE_INLINE void PASS(count)(lanes *l, const PASS(shape) * s, const PASS(flight) * f, size_t w) {
   LANE(real) doing[2] = {LANE(splat)(0.0), LANE(splat)(0.0)};
   for (size_t side = 0; side < 2; side++)
     EACH_PAIR(k, s->n_pairs,
               if (l->watched[2 * w + side] == k)
-                  LANE(watch)(l, f, 2 * w + side, k, &doing[side])); /* k: no index that varies */
+                  PASS(watch)(l, f, 2 * w + side, k, &doing[side])); /* k: no index that varies */
   /* small integers, in the low bits of the sum */
   uint64_t index[LANE_WIDTH];
   LANE(bits) bits = LANE(as_bits)((4.0 * doing[0] + doing[1]) + 0x1p52);
@@ -320,155 +335,155 @@ LANE_INLINE void LANE(count)(lanes *l, const LANE(shape) * s, const LANE(flight)
 }
 
 /* Writes down what a rare event is treated with. */
-LANE_INLINE void LANE(note)(double *p, const LANE(law_input) * in, const LANE(law_booked) * b,
+LANE_INLINE void PASS(note)(double *p, const LANE(law_input) * in, const LANE(law_booked) * b,
                             LANE(real) missed) {
-  LANE(set_row)(p, PAIR_WAS_EX, in->ex);
-  LANE(set_row)(p, PAIR_WAS_EY, in->ey);
-  LANE(set_row)(p, PAIR_DROP, b->drop);
-  LANE(set_row)(p, PAIR_MISSED, missed);
+  PASS(set_row)(p, PAIR_WAS_EX, in->ex);
+  PASS(set_row)(p, PAIR_WAS_EY, in->ey);
+  PASS(set_row)(p, PAIR_DROP, b->drop);
+  PASS(set_row)(p, PAIR_MISSED, missed);
 }
 
 /* Commits a pair as seen; lanes in which something rare happened, which is noted. */
 LANE_INLINE LANE(mask)
-    LANE(commit)(const lanes *l, const LANE(shape) * s, LANE(flight) * f, const LANE(look) * w, size_t k) {
+    PASS(commit)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, const PASS(look) * w, size_t k) {
   double *p = l->pair[k];
-  const LANE(law_constants) c = LANE(law_of)(p);
+  const LANE(law_constants) c = PASS(law_of)(p);
   const LANE(law_input) *in = &w->in[k];
-  const LANE(real) dt = LANE(row)(l->dt, 0);
-  f->booked[k] = LANE(law_commit)(in, &w->geometry[k], &w->out[k], &c, LANE(row)(p, PAIR_LIMIT),
+  const LANE(real) dt = PASS(row)(l->dt, 0);
+  f->booked[k] = LANE(law_commit)(in, &w->geometry[k], &w->out[k], &c, PASS(row)(p, PAIR_LIMIT),
                                   !s->conservative, dt, &f->m[k]);
   LANE(mask) rare = f->booked[k].rare;
   if (__builtin_expect(LANE(any)(rare | LANE(not )(in->was_closed)), 0)) {
-    LANE(real) fx = LANE(row)(p, PAIR_FX), fy = LANE(row)(p, PAIR_FY), acted = LANE(root)(fx * fx + fy * fy);
+    LANE(real) fx = PASS(row)(p, PAIR_FX), fy = PASS(row)(p, PAIR_FY), acted = LANE(root)(fx * fx + fy * fy);
     LANE(mask) near = LANE(law_near)(in, &w->geometry[k], &w->out[k], dt);
     rare = rare | (near & LANE(greater)(acted, LANE(splat)(0.0)));
-    if (LANE(any)(rare)) LANE(note)(p, in, &f->booked[k], LANE(law_missed)(in, &w->out[k], acted, dt));
+    if (LANE(any)(rare)) PASS(note)(p, in, &f->booked[k], LANE(law_missed)(in, &w->out[k], acted, dt));
   }
   return rare;
 }
 
-LANE_INLINE void LANE(put_completed)(const lanes *l, const LANE(flight) * f, const LANE(look) * w, size_t i,
+LANE_INLINE void PASS(put_completed)(const lanes *l, const PASS(flight) * f, const PASS(look) * w, size_t i,
                                      int c) {
-  LANE(put_disk)(l, f, i, c);
+  PASS(put_disk)(l, f, i, c);
   double *rows = l->disk[i] + c * DISK_COLUMNS * LANE_WIDTH;
-  LANE(set_row)(rows, 0, w->free[i][POSE_X + c]);
-  LANE(set_row)(rows, 1, w->free[i][POSE_VX + c]);
+  PASS(set_row)(rows, 0, w->free[i][POSE_X + c]);
+  PASS(set_row)(rows, 1, w->free[i][POSE_VX + c]);
 }
 
 /* Rare events of a completed step whose free poses are those of w: to the rows, through the systems, and back. What
  * has been predicted since stays: an angle that returns into its range does not wait for the next step. */
-LANE_INLINE void LANE(treat)(lanes *l, const LANE(shape) * s, LANE(flight) * f, const LANE(look) * w,
+LANE_INLINE void PASS(treat)(lanes *l, const PASS(shape) * s, PASS(flight) * f, const PASS(look) * w,
                              int64_t at, bool returns) {
-  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, LANE(put_completed)(l, f, w, i, c)));
-  EACH_PAIR(k, s->n_pairs, LANE(put_pair)(l, f, k));
-  EACH_PAIR(k, s->n_pairs, LANE(put_push)(l, f, k));
+  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(put_completed)(l, f, w, i, c)));
+  EACH_PAIR(k, s->n_pairs, PASS(put_pair)(l, f, k));
+  EACH_PAIR(k, s->n_pairs, PASS(put_push)(l, f, k));
   l->at = at;
   lanes_events(l);
-  EACH_PAIR(k, s->n_pairs, LANE(pick_up_pair)(l, f, k));
-  if (returns) EACH_DISK(i, s->n_free, LANE(pick_up_disk)(l, f, i, SD_THETA));
+  EACH_PAIR(k, s->n_pairs, PASS(pick_up_pair)(l, f, k));
+  if (returns) EACH_DISK(i, s->n_free, PASS(pick_up_disk)(l, f, i, SD_THETA));
 }
 
 /* Commits all pairs as seen. When something rare happens the rest of the step's history is written at once. */
-LANE_INLINE void LANE(commit_all)(lanes *l, const LANE(shape) * s, LANE(flight) * f, const LANE(look) * w,
+LANE_INLINE void PASS(commit_all)(lanes *l, const PASS(shape) * s, PASS(flight) * f, const PASS(look) * w,
                                   int64_t at, bool returns) {
   LANE(mask) rare[LANES_PAIRS] = {0}, any = LANE(all_lanes)(0);
-  EACH_PAIR(k, s->n_pairs, any = any | (rare[k] = LANE(commit)(l, s, f, w, k)));
+  EACH_PAIR(k, s->n_pairs, any = any | (rare[k] = PASS(commit)(l, s, f, w, k)));
   f->treated = returns || LANE(any)(any);
   if (__builtin_expect(!f->treated, 1)) return;
-  EACH_PAIR(k, s->n_pairs, l->rare[k] = LANE(bits_of)(rare[k]));
-  EACH_DISK(i, s->n_free, LANE(book_losses)(l, s, f, i));
-  LANE(treat)(l, s, f, w, at, returns);
+  EACH_PAIR(k, s->n_pairs, l->rare[k] = PASS(bits_of)(rare[k]));
+  EACH_DISK(i, s->n_free, PASS(book_losses)(l, s, f, i));
+  PASS(treat)(l, s, f, w, at, returns);
 }
 
 /* What is left to do for a step once it is committed. */
-LANE_INLINE void LANE(conclude)(lanes *l, const LANE(shape) * s, const LANE(flight) * f) {
-  if (__builtin_expect(!f->treated, 1)) EACH_DISK(i, s->n_free, LANE(book_losses)(l, s, f, i));
+LANE_INLINE void PASS(conclude)(lanes *l, const PASS(shape) * s, const PASS(flight) * f) {
+  if (__builtin_expect(!f->treated, 1)) EACH_DISK(i, s->n_free, PASS(book_losses)(l, s, f, i));
   if (l->measure)
-    for (size_t w = 0; w < l->n_slides; w++) LANE(count)(l, s, f, w);
+    for (size_t w = 0; w < l->n_slides; w++) PASS(count)(l, s, f, w);
 }
 
 /* --- the step ---------------------------------------------------------------------------------------- */
 
 /* Trial coordinates; what they look like, and the pending step's corrected ones. */
-LANE_INLINE void LANE(go)(const lanes *l, const LANE(shape) * s, LANE(flight) * f, int64_t at) {
-  if (s->gear) EACH_DISK(i, s->n_free, LANE(see_free)(f, &f->before, i));
-  if (s->gear && f->pending) EACH_PAIR(k, s->n_pairs, LANE(see_pair)(l, s, f, &f->before, at - 1, k));
-  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, LANE(predict)(l, s, f, i, c)));
-  EACH_DISK(i, s->n_free, LANE(see_free)(f, &f->now, i));
-  EACH_PAIR(k, s->n_pairs, LANE(see_pair)(l, s, f, &f->now, at, k));
+LANE_INLINE void PASS(go)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, int64_t at) {
+  if (s->gear) EACH_DISK(i, s->n_free, PASS(see_free)(f, &f->before, i));
+  if (s->gear && f->pending) EACH_PAIR(k, s->n_pairs, PASS(see_pair)(l, s, f, &f->before, at - 1, k));
+  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(predict)(l, s, f, i, c)));
+  EACH_DISK(i, s->n_free, PASS(see_free)(f, &f->now, i));
+  EACH_PAIR(k, s->n_pairs, PASS(see_pair)(l, s, f, &f->now, at, k));
 }
 
 /* History of the step before; events change what the memory says of the contact line. */
-LANE_INLINE void LANE(look_back)(lanes *l, const LANE(shape) * s, LANE(flight) * f, int64_t at) {
+LANE_INLINE void PASS(look_back)(lanes *l, const PASS(shape) * s, PASS(flight) * f, int64_t at) {
   if (!s->gear || !f->pending) return;
-  EACH_PAIR(k, s->n_pairs, LANE(meet)(l, f, &f->before, k));
-  LANE(commit_all)(l, s, f, &f->before, at - 1, false);
-  if (__builtin_expect(f->treated, 0)) EACH_PAIR(k, s->n_pairs, LANE(see_pair)(l, s, f, &f->now, at, k));
+  EACH_PAIR(k, s->n_pairs, PASS(meet)(l, f, &f->before, k));
+  PASS(commit_all)(l, s, f, &f->before, at - 1, false);
+  if (__builtin_expect(f->treated, 0)) EACH_PAIR(k, s->n_pairs, PASS(see_pair)(l, s, f, &f->now, at, k));
 }
 
-LANE_INLINE void LANE(force)(const lanes *l, const LANE(shape) * s, LANE(flight) * f) {
-  EACH_PAIR(k, s->n_pairs, LANE(meet)(l, f, &f->now, k));
-  EACH_PAIR(k, s->n_pairs, LANE(push)(l, s, f, k));
-  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, LANE(correct)(l, s, f, i, c)));
+LANE_INLINE void PASS(force)(const lanes *l, const PASS(shape) * s, PASS(flight) * f) {
+  EACH_PAIR(k, s->n_pairs, PASS(meet)(l, f, &f->now, k));
+  EACH_PAIR(k, s->n_pairs, PASS(push)(l, s, f, k));
+  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(correct)(l, s, f, i, c)));
   f->returns = LANE(all_lanes)(0);
-  EACH_DISK(i, s->n_free, f->returns = f->returns | LANE(out_of_turn)(f, i));
+  EACH_DISK(i, s->n_free, f->returns = f->returns | PASS(out_of_turn)(f, i));
 }
 
-LANE_INLINE void LANE(put_contacts)(const lanes *l, const LANE(shape) * s, const LANE(flight) * f) {
-  EACH_PAIR(k, s->n_pairs, LANE(put_pair)(l, f, k));
-  EACH_PAIR(k, s->n_pairs, LANE(put_push)(l, f, k));
+LANE_INLINE void PASS(put_contacts)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f) {
+  EACH_PAIR(k, s->n_pairs, PASS(put_pair)(l, f, k));
+  EACH_PAIR(k, s->n_pairs, PASS(put_push)(l, f, k));
 }
 
 /* Writes the history of the last step now. With Gear this is rare: forces and slips of a commit are kept no longer
  * than the step. */
-LANE_INLINE void LANE(finish)(lanes *l, const LANE(shape) * s, LANE(flight) * f, int64_t at) {
+LANE_INLINE void PASS(finish)(lanes *l, const PASS(shape) * s, PASS(flight) * f, int64_t at) {
   bool returns = LANE(any)(f->returns);
-  EACH_DISK(i, s->n_free, LANE(see_free)(f, &f->now, i));
+  EACH_DISK(i, s->n_free, PASS(see_free)(f, &f->now, i));
   if (s->gear) {
-    EACH_PAIR(k, s->n_pairs, LANE(see_pair)(l, s, f, &f->now, at, k));
-    EACH_PAIR(k, s->n_pairs, LANE(meet)(l, f, &f->now, k));
+    EACH_PAIR(k, s->n_pairs, PASS(see_pair)(l, s, f, &f->now, at, k));
+    EACH_PAIR(k, s->n_pairs, PASS(meet)(l, f, &f->now, k));
   }
-  if (returns) EACH_DISK(i, s->n_free, l->returns[i] = LANE(bits_of)(LANE(out_of_turn)(f, i)));
-  LANE(commit_all)(l, s, f, &f->now, at, returns);
-  LANE(conclude)(l, s, f);
+  if (returns) EACH_DISK(i, s->n_free, l->returns[i] = PASS(bits_of)(PASS(out_of_turn)(f, i)));
+  PASS(commit_all)(l, s, f, &f->now, at, returns);
+  PASS(conclude)(l, s, f);
   f->pending = false;
-  if (s->gear) LANE(put_contacts)(l, s, f);
+  if (s->gear) PASS(put_contacts)(l, s, f);
 }
 
 /* After the step: what nothing waits for. */
-LANE_INLINE void LANE(settle)(lanes *l, const LANE(shape) * s, LANE(flight) * f, int64_t at) {
-  LANE(book_work)(l, s, f, at);
-  if (s->gear && f->pending) LANE(conclude)(l, s, f);
+LANE_INLINE void PASS(settle)(lanes *l, const PASS(shape) * s, PASS(flight) * f, int64_t at) {
+  PASS(book_work)(l, s, f, at);
+  if (s->gear && f->pending) PASS(conclude)(l, s, f);
   l->done++;
   f->pending = s->gear;
-  if (!s->gear || __builtin_expect(LANE(any)(f->returns), 0)) LANE(finish)(l, s, f, at);
+  if (!s->gear || __builtin_expect(LANE(any)(f->returns), 0)) PASS(finish)(l, s, f, at);
 }
 
-LANE_INLINE void LANE(start)(lanes *l, const LANE(shape) * s, LANE(flight) * f) {
+LANE_INLINE void PASS(start)(lanes *l, const PASS(shape) * s, PASS(flight) * f) {
   l->done = 0;
-  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, LANE(pick_up_disk)(l, f, i, c)));
-  EACH_PAIR(k, s->n_pairs, LANE(pick_up_pair)(l, f, k));
+  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(pick_up_disk)(l, f, i, c)));
+  EACH_PAIR(k, s->n_pairs, PASS(pick_up_pair)(l, f, k));
 }
 
-LANE_INLINE void LANE(stop)(lanes *l, const LANE(shape) * s, LANE(flight) * f, int64_t at) {
+LANE_INLINE void PASS(stop)(lanes *l, const PASS(shape) * s, PASS(flight) * f, int64_t at) {
   f->returns = LANE(all_lanes)(0);
-  if (f->pending) LANE(finish)(l, s, f, at);
-  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, LANE(put_disk)(l, f, i, c)));
-  if (!s->gear) LANE(put_contacts)(l, s, f);
+  if (f->pending) PASS(finish)(l, s, f, at);
+  EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(put_disk)(l, f, i, c)));
+  if (!s->gear) PASS(put_contacts)(l, s, f);
   l->at = at;
 }
 
-/* n steps of `vectors` vectors of systems, or fewer when something goes wrong in one. */
-LANE_INLINE void LANE(steps)(lanes *const *l, size_t vectors, int64_t n, const LANE(shape) s) {
-  LANE(flight) f[LANES_VECTORS] = {0};
-  int64_t at[LANES_VECTORS];
-  bool wrong = false;
-  EACH(v, vectors, LANES_VECTORS, LANE(start)(l[v], &s, &f[v]); at[v] = l[v]->at);
-  for (int64_t done = 0; done < n && !wrong; done++) {
-    EACH(v, vectors, LANES_VECTORS, at[v]++; LANE(go)(l[v], &s, &f[v], at[v]));
-    EACH(v, vectors, LANES_VECTORS, LANE(look_back)(l[v], &s, &f[v], at[v]));
-    EACH(v, vectors, LANES_VECTORS, LANE(force)(l[v], &s, &f[v]));
-    EACH(v, vectors, LANES_VECTORS, LANE(settle)(l[v], &s, &f[v], at[v]); wrong = wrong || l[v]->dead_now);
+/* n steps, or fewer when something goes wrong in a lane. */
+LANE_INLINE void PASS(steps)(lanes *l, int64_t n, const PASS(shape) s) {
+  PASS(flight) f = {0};
+  int64_t at = l->at;
+  PASS(start)(l, &s, &f);
+  while (l->done < n && !l->dead_now) {
+    at++;
+    PASS(go)(l, &s, &f, at);
+    PASS(look_back)(l, &s, &f, at);
+    PASS(force)(l, &s, &f);
+    PASS(settle)(l, &s, &f, at);
   }
-  EACH(v, vectors, LANES_VECTORS, LANE(stop)(l[v], &s, &f[v], at[v]));
+  PASS(stop)(l, &s, &f, at);
 }

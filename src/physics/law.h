@@ -9,11 +9,11 @@
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, arc = R_a th_a +
  * R_b th_b, turned = angle from e to n. The contact is re-based after a step in which |sin(turned)| exceeds
- * LAW_REBASE, so that two terms of the series of asin(e x n) are exact to rounding.
+ * LAW_REBASE, so that three terms of the series of asin(e x n) are exact to rounding.
  */
 #ifndef LAW_COMMON
 #define LAW_COMMON
-#define LAW_REBASE 0.00390625
+#define LAW_REBASE 0.015625
 #define LAW_SIGN 0x8000000000000000u
 #endif
 
@@ -58,7 +58,7 @@ LANE_INLINE LANE(law_geometry) LANE(law_geometry_of)(const LANE(law_input) * in)
   /* angle since the reference direction: asin series */
   LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * g.inverse_r, z = s * s;
   g.sine = s;
-  g.turned = s + (s * z) * ((3.0 / 40.0) * z + 1.0 / 6.0);
+  g.turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
   return g;
 }
 

@@ -15,15 +15,13 @@
 #include "run/lanes_loop.h"
 #include "run/simulation_private.h"
 
-enum { MOST = LANES_VECTORS * LANES_MOST };
-
 struct ensemble {
   size_t n, in_lanes;
   sd_simulation **members;
   /* the systems in lanes, and their tables */
-  lanes *lanes[LANES_VECTORS];
+  lanes *lanes;
   size_t n_together;
-  engine *together[MOST];
+  engine *together[LANES_MOST];
 };
 
 size_t ensemble_width(void) { return kernels_choose()->lane_width; }
@@ -47,7 +45,7 @@ sd_status ensemble_new(size_t n, sd_simulation *const *members, ensemble **out, 
 
 void ensemble_free(ensemble *e) {
   if (!e) return;
-  for (size_t v = 0; v < LANES_VECTORS; v++) lanes_free(e->lanes[v]);
+  lanes_free(e->lanes);
   free(e->members);
   free(e);
 }
@@ -76,32 +74,24 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
   return n;
 }
 
-/* Their tables, in as few vectors as they fill; 0: no memory. */
-static size_t lanes_for(ensemble *e, size_t n, engine *const *systems) {
-  size_t width = systems[0]->work.kernels->lane_width, vectors = (n + width - 1) / width;
-  if (e->lanes[0] && e->n_together == n && memcmp(e->together, systems, n * sizeof(engine *)) == 0)
-    return vectors;
-  bool made = true;
-  for (size_t v = 0; v < LANES_VECTORS; v++) {
-    lanes_free(e->lanes[v]);
-    e->lanes[v] = NULL;
-    size_t first = v * width, count = n - first < width ? n - first : width;
-    if (v < vectors) made = made && lanes_new(false, count, systems + first, &e->lanes[v]) == SD_OK;
-  }
-  e->n_together = made ? n : 0;
+static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
+  if (e->lanes && e->n_together == n && memcmp(e->together, systems, n * sizeof(engine *)) == 0)
+    return e->lanes;
+  lanes_free(e->lanes);
+  e->n_together = n;
   memcpy(e->together, systems, n * sizeof(engine *));
-  return made ? vectors : 0;
+  return lanes_new(false, n, systems, &e->lanes) == SD_OK ? e->lanes : NULL;
 }
 
 /* Takes the steps; false: there is no memory for the lanes. */
 static bool go_together(ensemble *e, size_t n, engine *const *systems, int64_t steps) {
   const sd_state *s = systems[0]->state;
   bool measure = systems[0]->model->phases[s->phase].measure;
-  size_t vectors = lanes_for(e, n, systems);
-  if (vectors == 0) return false;
+  lanes *l = lanes_for(e, n, systems);
+  if (!l) return false;
   for (size_t k = 0; k < n; k++) motion_store(systems[k]); /* who was alone until now */
   unsigned mode = subnormal_off();
-  lanes_loop(e->lanes, vectors, steps, measure);
+  lanes_loop(l, steps, measure);
   subnormal_restore(mode);
   if (n > e->in_lanes) e->in_lanes = n;
   return true;
@@ -110,9 +100,9 @@ static bool go_together(ensemble *e, size_t n, engine *const *systems, int64_t s
 /* Advances the first that is left with whoever can go along, up to the next pause; returns their pauses' results. */
 static void advance_some(ensemble *e, share *shares, size_t first, sd_status *status,
                          sd_messages *const *messages) {
-  size_t who[MOST];
-  engine *systems[MOST];
-  int64_t steps = 0, from[MOST];
+  size_t who[LANES_MOST];
+  engine *systems[LANES_MOST];
+  int64_t steps = 0, from[LANES_MOST];
   size_t n = shares[first].engine->work.lanes ? find_together(e, shares, first, who, &steps) : 0;
   for (size_t k = 0; k < n; k++) {
     systems[k] = shares[who[k]].engine;

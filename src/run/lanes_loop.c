@@ -41,27 +41,22 @@ static void close_bins(const lanes *l) {
     if (l->system[k]->work.status == SD_OK) watch_bins(l->system[k]);
 }
 
-void lanes_loop(lanes *const *l, size_t vectors, int64_t n, bool measure) {
-  bool wrong = false;
-  for (size_t v = 0; v < vectors; v++) lanes_load(l[v]);
-  while (n > 0 && !wrong) {
-    int64_t now = n, room = INT64_MAX;
-    for (size_t v = 0; v < vectors; v++) {
-      int64_t ready = lanes_ready(l[v]), bin = measure ? least_room(l[v]) : INT64_MAX;
-      now = ready < now ? ready : now;
-      room = bin < room ? bin : room;
-    }
+void lanes_loop(lanes *l, int64_t n, bool measure) {
+  lanes_load(l);
+  while (n > 0) {
+    int64_t now = lanes_ready(l), room = measure ? least_room(l) : INT64_MAX;
     if (now == 0) {
-      for (size_t v = 0; v < vectors; v++) general_step(l[v], measure);
+      general_step(l, measure);
       n--;
-    } else {
-      now = room < now ? room : now;
-      n -= lanes_take(l, vectors, now, measure);
-      for (size_t v = 0; v < vectors && measure && now == room; v++) close_bins(l[v]);
+      if (any_wrong(l)) return;
+      lanes_load(l);
+      continue;
     }
-    for (size_t v = 0; v < vectors; v++) wrong = wrong || any_wrong(l[v]);
-    for (size_t v = 0; v < vectors && now == 0 && !wrong; v++) lanes_load(l[v]);
-    if (wrong && now == 0) return;
+    if (now > room) now = room;
+    int64_t taken = lanes_take(l, n < now ? n : now, measure);
+    n -= taken;
+    if (measure && taken == room) close_bins(l);
+    if (any_wrong(l)) break;
   }
-  for (size_t v = 0; v < vectors; v++) lanes_store(l[v]);
+  lanes_store(l);
 }

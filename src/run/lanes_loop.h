@@ -4,8 +4,8 @@
 
 #include "physics/lanes.h"
 
-/* n steps within a phase of the systems in so many vectors (1 ... LANES_VECTORS), or fewer when one of them goes wrong:
- * the others are then where it was, and its work.status says so. States are complete before and after. */
-void lanes_loop(lanes *const *l, size_t vectors, int64_t n, bool measure);
+/* n steps within a phase, or fewer when one of the systems goes wrong: the others are then where it was, and its
+ * work.status says so. States are complete before and after. */
+void lanes_loop(lanes *l, int64_t n, bool measure);
 
 #endif

@@ -139,7 +139,7 @@ static void advance_team(engine *e, int64_t n, bool measure) {
   if (threads == 1) {
     unsigned mode = subnormal_off();
     if (e->work.lanes)
-      lanes_loop(&e->work.lanes, 1, n, measure);
+      lanes_loop(e->work.lanes, n, measure);
     else
       advance_member(e, &(team){0, 1}, n, measure);
     subnormal_restore(mode);
