@@ -106,6 +106,22 @@ static void the_largest_reaches_all(void **unused) {
     }
 }
 
+/* Also what is longer than one message. */
+static void the_first_ranks_data_reach_all(void **unused) {
+  (void)unused;
+  const size_t sizes[] = {0, 1, 1000, ((size_t)1 << 24) + 1};
+  for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+    unsigned char *data = malloc(sizes[s] + 1);
+    assert_non_null(data);
+    for (size_t k = 0; k <= sizes[s]; k++) data[k] = (unsigned char)(comm_rank() == 0 ? k % 251 : 255);
+    comm_share(data, sizes[s]);
+    bool right = data[sizes[s]] == (comm_rank() == 0 ? sizes[s] % 251 : 255);
+    for (size_t k = 0; k < sizes[s]; k++) right = right && data[k] == k % 251;
+    free(data);
+    agree(right, "comm_share: other data than those of rank 0");
+  }
+}
+
 /* --- tasks ---------------------------------------------------------------------------------------- */
 
 /* One queue after the other without a pause: a word that belongs to one must not reach the next. */
@@ -360,6 +376,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(ranks_know_each_other),
       cmocka_unit_test(the_largest_reaches_all),
+      cmocka_unit_test(the_first_ranks_data_reach_all),
       cmocka_unit_test(every_task_is_given_once),
       cmocka_unit_test(many_queues_in_a_row),
       cmocka_unit_test(rank_0_serves_while_it_works),

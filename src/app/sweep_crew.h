@@ -80,7 +80,7 @@ void sweep_tell_left(cell *mine, const sweep_end *end);
 void sweep_assign(worker *one, size_t n);
 
 /* --- sweep_groups.c ---------------------------------------------------------------------------------- */
-/* Puts n points into groups for so many workers. False: no memory. */
+/* Puts n points into groups for so many workers; *g holds nothing yet. False: no memory. */
 bool sweep_groups_make(sweep_groups *g, const crew *w, const size_t *points, size_t n, size_t workers);
 /* Puts one at the end of the list. False: no memory. */
 bool sweep_groups_put_off(sweep_groups *g, sweep_group one);

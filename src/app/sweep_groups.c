@@ -50,7 +50,6 @@ static size_t largest(const sweep_groups *g) {
 }
 
 bool sweep_groups_make(sweep_groups *g, const crew *w, const size_t *points, size_t n, size_t workers) {
-  sweep_groups_free(g);
   size_t n_kinds = w->s->deck.n_sets;
   entry *entries = calloc(n + 1, sizeof *entries);
   size_t *begins = malloc((n_kinds + 1) * sizeof *begins);

@@ -268,6 +268,7 @@ static void count_all(crew *w) {
 static size_t count_hands(const crew *w) { return w->c->workers > 0 ? w->n_workers : (size_t)comm_size(); }
 
 static bool run_round(crew *w, const size_t *todo, size_t n) {
+  sweep_groups_free(&w->groups);
   if (!sweep_groups_make(&w->groups, w, todo, n, count_hands(w))) {
     fprintf(stderr, "error: no memory for the sweep\n");
     sweep_worsen(w, SD_ERROR_IO);
