@@ -27,6 +27,11 @@ for deck in "$source_dir"/inputs/*/*.cfg; do
     continue
   fi
   status 0 "$program" check "$deck" --brief
+  # decks that ask how long a step may be have steps that are too long
+  if [[ $deck == */error_*.cfg ]]; then
+    grep -v 'is more than 1/20 of the shortest contact period' "$work/err" >"$work/other" || true
+    mv "$work/other" "$work/err"
+  fi
   [[ ! -s $work/err ]] || { cat "$work/err" >&2; fail "messages about $deck"; }
   grep -q '^# run time ' "$work/out" || fail "no run time for $deck"
 done

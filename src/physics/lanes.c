@@ -45,16 +45,19 @@ bool lanes_suit(const sd_model *m) {
   return suits;
 }
 
+/* Nothing is the same as nothing, wherever it stands. */
+static bool same_bytes(const void *a, const void *b, size_t n) { return n == 0 || memcmp(a, b, n) == 0; }
+
 static bool same_motion(const sd_motion *a, const sd_motion *b) {
   return a->kind == b->kind && a->coordinate == b->coordinate && a->n_bodies == b->n_bodies &&
-         a->interval == b->interval && memcmp(a->bodies, b->bodies, a->n_bodies * sizeof *a->bodies) == 0;
+         a->interval == b->interval && same_bytes(a->bodies, b->bodies, a->n_bodies * sizeof *a->bodies);
 }
 
 static bool same_phase(const sd_phase *a, const sd_phase *b, size_t n_motions) {
   return a->steps == b->steps && a->measure == b->measure && a->series_every == b->series_every &&
          a->frames_every == b->frames_every && a->contacts_every == b->contacts_every &&
          a->settle.asked == b->settle.asked && a->settle.every == b->settle.every &&
-         memcmp(a->active, b->active, n_motions * sizeof *a->active) == 0;
+         same_bytes(a->active, b->active, n_motions * sizeof *a->active);
 }
 
 bool lanes_alike(const sd_model *a, const sd_model *b) {
@@ -62,8 +65,8 @@ bool lanes_alike(const sd_model *a, const sd_model *b) {
       a->n_phases != b->n_phases || a->n_rotations != b->n_rotations || a->n_slides != b->n_slides ||
       a->integrator != b->integrator || a->variant != b->variant || !lanes_suit(a) || !lanes_suit(b))
     return false;
-  bool same = memcmp(a->rotations, b->rotations, a->n_rotations * sizeof *a->rotations) == 0 &&
-              memcmp(a->slides, b->slides, a->n_slides * sizeof *a->slides) == 0;
+  bool same = same_bytes(a->rotations, b->rotations, a->n_rotations * sizeof *a->rotations) &&
+              same_bytes(a->slides, b->slides, a->n_slides * sizeof *a->slides);
   for (size_t k = 0; k < a->n_disks; k++) same = same && a->disks[k].driven == b->disks[k].driven;
   for (size_t k = 0; k < a->n_motions; k++) same = same && same_motion(&a->motions[k], &b->motions[k]);
   for (size_t k = 0; k < a->n_phases; k++)
