@@ -102,9 +102,9 @@ static void herd_free(herd *h) {
 }
 
 static double pose_of(const herd *h, uint32_t slot, int which, size_t l) {
-  const lanes_pose *p = &lanes_motion_pose(h->m, slot)[which];
   int64_t k = h->lane[0]->state->step + 1 - lanes_motion_first(h->m);
-  return p->at[(size_t)k * p->stride * h->width + l];
+  size_t stretch = (slot - h->lane[0]->state->n_free) * POSES + (size_t)which;
+  return lanes_motion_scene(h->m)[(stretch * SCENE_STEPS + (size_t)k) * h->width + l];
 }
 
 static void same_pose(const herd *h, uint32_t slot, int which, size_t l, double expected) {

@@ -116,30 +116,24 @@ static void list_pairs(lanes *l) {
     }
 }
 
-static void lay_rows(lanes *l) {
-  double *at = l->memory;
-  size_t w = l->width;
-  for (size_t i = 0; i < l->n_free; i++, at += DISK_ROWS * w) l->disk[i] = at;
-  for (size_t k = 0; k < l->n_pairs; k++, at += PAIR_ROWS * w) l->pair[k] = at;
-  l->place = at;
-  at += (size_t)PLACE_ROWS * SD_COORDINATES * LANES_BODIES * w;
-  l->radius = at;
-  l->dt = l->radius + LANES_BODIES * w;
-  l->per_dt = l->dt + w;
-  l->work = l->per_dt + w;
-  l->least = l->work + w;
-}
+static double *rows_at(const lanes *l, size_t row) { return l->memory + row * l->width; }
 
-enum {
-  MOST_ROWS = DISK_ROWS * LANES_FREE + PAIR_ROWS * LANES_PAIRS + PLACE_ROWS * SD_COORDINATES * LANES_BODIES +
-              LANES_BODIES + 3 + 2 * LANES_SLIDES
-};
+static void lay_rows(lanes *l) {
+  for (size_t i = 0; i < LANES_FREE; i++) l->disk[i] = rows_at(l, ROWS_DISK + i * DISK_ROWS);
+  for (size_t k = 0; k < LANES_PAIRS; k++) l->pair[k] = rows_at(l, ROWS_PAIR + k * PAIR_ROWS);
+  l->place = rows_at(l, ROWS_PLACE);
+  l->radius = rows_at(l, ROWS_RADIUS);
+  l->dt = rows_at(l, ROWS_DT);
+  l->per_dt = rows_at(l, ROWS_PER_DT);
+  l->work = rows_at(l, ROWS_WORK);
+  l->least = rows_at(l, ROWS_LEAST);
+}
 
 sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out) {
   const size_t width = alone ? 2 : system[0]->work.kernels->lane_width;
   lanes *l = calloc(1, sizeof *l);
   *out = l;
-  size_t bytes = MOST_ROWS * LANES_MOST * sizeof(double) / 64 * 64 + 64;
+  size_t bytes = (size_t)ROWS_ALL * LANES_MOST * sizeof(double) / 64 * 64 + 64;
   if (l) l->memory = aligned_alloc(64, bytes);
   if (!l || !l->memory) {
     lanes_free(l);
@@ -181,27 +175,32 @@ void lanes_free(lanes *l) {
 
 /* --- poses --------------------------------------------------------------------------------------------- */
 
-/* Where prescribed poses stand: in the state, or in the batch where a motion runs. */
+/* Where prescribed poses stand: in the scene; alone: as in the state, or in the batch where a motion runs. */
 static void find_poses(lanes *l) {
   engine *e = l->system[0];
-  sd_state *s = e->state;
+  const sd_state *s = e->state;
   memset(l->placed, 0, sizeof l->placed);
   size_t n;
   const placed *p = motion_places(e, &n);
   for (size_t k = 0; k < n; k++) l->placed[p[k].slot][p[k].coordinate] = true;
-  for (uint32_t i = (uint32_t)l->n_free; i < l->n_bodies; i++) {
-    if (l->motion) {
-      memcpy(l->pose[i], lanes_motion_pose(l->motion, i), sizeof l->pose[i]);
-      continue;
+  l->scene = l->motion ? lanes_motion_scene(l->motion) : NULL;
+  for (size_t i = l->n_free; i < l->n_bodies && !l->motion; i++) {
+    const double now[POSES] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
+    for (int c = 0; c < POSES; c++) {
+      l->pose[i][c] = l->still[i][c];
+      for (size_t k = 0; k < MOTION_BATCH; k++) l->still[i][c][k] = now[c];
     }
-    const double *at[POSES] = {s->x + i, s->y + i, s->theta + i, s->vx + i, s->vy + i, s->omega + i};
-    for (size_t c = 0; c < POSES; c++) l->pose[i][c] = (lanes_pose){.at = at[c], .stride = 0};
   }
   for (size_t k = 0; !l->motion && k < n; k++) {
-    int c = p[k].coordinate;
-    l->pose[p[k].slot][c] = (lanes_pose){.at = p[k].value, .stride = 1};
-    l->pose[p[k].slot][POSE_VX + c] = (lanes_pose){.at = p[k].velocity, .stride = 1};
+    l->pose[p[k].slot][p[k].coordinate] = p[k].value;
+    l->pose[p[k].slot][POSE_VX + p[k].coordinate] = p[k].velocity;
   }
+}
+
+static double pose_now(const lanes *l, size_t slot, int which, size_t lane) {
+  if (!l->motion) return l->pose[slot][which][l->at];
+  return l
+      ->scene[(((slot - l->n_free) * POSES + (size_t)which) * SCENE_STEPS + (size_t)l->at) * l->width + lane];
 }
 
 static double *cell(const lanes *l, double *rows, size_t row, size_t lane) {
@@ -215,10 +214,8 @@ static void keep_poses(lanes *l) {
     for (int c = 0; c < SD_COORDINATES; c++) {
       if (!l->placed[i][c]) continue;
       for (size_t lane = 0; lane < l->width; lane++) {
-        const lanes_pose *at = &l->pose[i][c], *speed = &l->pose[i][POSE_VX + c];
-        size_t step = (size_t)l->at * (l->motion ? l->width : 1), of = l->motion ? lane : 0;
-        *cell(l, p, PLACE_LAST, lane) = at->at[step * at->stride + of];
-        *cell(l, p, PLACE_SPEED, lane) = speed->at[step * speed->stride + of];
+        *cell(l, p, PLACE_LAST, lane) = pose_now(l, i, c, lane);
+        *cell(l, p, PLACE_SPEED, lane) = pose_now(l, i, POSE_VX + c, lane);
       }
       p += PLACE_ROWS * l->width;
     }

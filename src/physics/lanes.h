@@ -61,6 +61,19 @@ enum {
 /* Rows of a prescribed coordinate. */
 enum { PLACE_LAST, PLACE_SPEED, PLACE_FORCE, PLACE_ROWS };
 
+/* Where rows stand. */
+enum {
+  ROWS_DISK,
+  ROWS_PAIR = ROWS_DISK + DISK_ROWS * LANES_FREE,
+  ROWS_PLACE = ROWS_PAIR + PAIR_ROWS * LANES_PAIRS,
+  ROWS_RADIUS = ROWS_PLACE + PLACE_ROWS * SD_COORDINATES * LANES_BODIES, /* of each slot */
+  ROWS_DT = ROWS_RADIUS + LANES_BODIES,
+  ROWS_PER_DT,
+  ROWS_WORK,
+  ROWS_LEAST, /* force of each watched contact */
+  ROWS_ALL = ROWS_LEAST + 2 * LANES_SLIDES
+};
+
 typedef struct lanes {
   size_t width, count; /* lanes, systems; lanes beyond repeat the first system */
   engine *system[LANES_MOST];
@@ -81,7 +94,10 @@ typedef struct lanes {
   double *disk[LANES_FREE], *pair[LANES_PAIRS], *place; /* place: of each that is placed, in order */
   double *radius;                                       /* of each slot */
   double *dt, *per_dt, *work, *least;                   /* least: force of each watched contact */
-  lanes_pose pose[LANES_BODIES][POSES];
+  const double *scene;                                  /* lanes_motion.h */
+  /* alone: values of the batch, or of a coordinate that does not move as often */
+  const double *pose[LANES_BODIES][POSES];
+  double still[LANES_BODIES][POSES][MOTION_BATCH];
   int64_t count_of[LANES_SLIDES][16][LANES_MOST]; /* measured steps by configuration, since the last store */
 
   /* of the present call of the kernel */

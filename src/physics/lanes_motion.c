@@ -10,13 +10,13 @@
 #include "physics/oscillators.h"
 
 enum { BATCH = MOTION_BATCH };
+_Static_assert(SCENE_STEPS == BATCH + 1, "a scene holds a batch and the step before");
 
 struct lanes_motion {
   size_t width, n, first_slot, n_slots; /* prescribed bodies */
   engine **systems;                     /* [width] */
   const kernels *kernels;
-  lanes_pose *poses;     /* [n_slots][POSES] */
-  double *still;         /* [n_slots][POSES][width]: where nothing moves */
+  double *scene;         /* [n_slots][POSES][SCENE_STEPS][width] */
   lanes_signal *signals; /* [n_motions] */
   oscillators *draws;    /* [n_motions] */
   double *room;          /* [n_motions][3][BATCH][width] */
@@ -24,7 +24,6 @@ struct lanes_motion {
   lanes_place *places;
   const lanes_signal **terms;
   lanes_place **movers; /* of each signal: as many as its motion has bodies */
-  double *rows;         /* [1 + BATCH][2 n_places][width]: value and velocity of each place */
   int64_t first;        /* step of system 0 before the batch */
   bool filled;
   int64_t known; /* last row in range */
@@ -94,17 +93,15 @@ sd_status lanes_motion_new(size_t width, size_t n, engine *const *systems, lanes
   for (size_t k = 0; k < n_motions; k++) terms += model->motions[k].n_bodies;
   m->capacity = terms < 3 * m->n_slots ? terms : 3 * m->n_slots;
   m->systems = calloc(width, sizeof *m->systems);
-  m->poses = calloc(m->n_slots * POSES + 1, sizeof *m->poses);
   m->terms = calloc(terms + 1, sizeof *m->terms);
   m->movers = calloc(terms + 1, sizeof *m->movers);
-  m->still = vectors(m->n_slots * POSES, width);
+  m->scene = vectors(m->n_slots * POSES * SCENE_STEPS, width);
   m->signals = (lanes_signal *)vectors(n_motions + 1, sizeof *m->signals / sizeof(double));
   m->places = (lanes_place *)vectors(m->capacity + 1, sizeof *m->places / sizeof(double));
   m->draws = oscillators_new(n_motions + 1);
   m->room = vectors(3 * BATCH * n_motions, width);
-  m->rows = vectors((BATCH + 1) * 2 * m->capacity, width);
-  if (!m->systems || !m->poses || !m->terms || !m->movers || !m->still || !m->signals || !m->places ||
-      !m->draws || !m->room || !m->rows) {
+  if (!m->systems || !m->terms || !m->movers || !m->scene || !m->signals || !m->places || !m->draws ||
+      !m->room) {
     lanes_motion_free(m);
     *out = NULL;
     return SD_ERROR_IO;
@@ -121,34 +118,32 @@ sd_status lanes_motion_new(size_t width, size_t n, engine *const *systems, lanes
 void lanes_motion_free(lanes_motion *m) {
   if (!m) return;
   free(m->systems);
-  free(m->poses);
   free(m->terms);
   free(m->movers);
-  free(m->still);
+  free(m->scene);
   free(m->signals);
   free(m->places);
   free(m->draws);
   free(m->room);
-  free(m->rows);
   free(m);
 }
 
 /* --- load and store ---------------------------------------------------------------------------------- */
 
-static lanes_pose *pose_of(lanes_motion *m, uint32_t slot) {
-  return m->poses + (slot - m->first_slot) * POSES;
+static double *stretch_of(const lanes_motion *m, uint32_t slot, int which) {
+  return m->scene + ((slot - m->first_slot) * POSES + (size_t)which) * SCENE_STEPS * m->width;
 }
 
 /* Everything at rest where the states say. */
 static void load_still(lanes_motion *m) {
-  for (size_t i = 0; i < m->n_slots; i++)
+  for (uint32_t i = 0; i < m->n_slots; i++)
     for (size_t l = 0; l < m->width; l++) {
       const sd_state *s = m->systems[l]->state;
-      size_t slot = m->first_slot + i;
+      uint32_t slot = (uint32_t)m->first_slot + i;
       double now[POSES] = {s->x[slot], s->y[slot], s->theta[slot], s->vx[slot], s->vy[slot], s->omega[slot]};
-      for (size_t c = 0; c < POSES; c++) m->still[(i * POSES + c) * m->width + l] = now[c];
+      for (int c = 0; c < POSES; c++)
+        for (size_t k = 0; k < SCENE_STEPS; k++) stretch_of(m, slot, c)[k * m->width + l] = now[c];
     }
-  for (size_t k = 0; k < m->n_slots * POSES; k++) m->poses[k] = (lanes_pose){m->still + k * m->width, 0};
 }
 
 static void load_signals(lanes_motion *m) {
@@ -172,13 +167,9 @@ static void load_place(lanes_motion *m, size_t k, const placed *from, const lane
   p->coordinate = from->coordinate;
   p->signals = terms;
   p->n_signals = from->count;
-  p->stride = 2 * m->n_places * w;
-  double *value = m->rows + 2 * k * w, *velocity = value + w;
-  p->value = value + p->stride;
-  p->velocity = velocity + p->stride;
-  lanes_pose *pose = pose_of(m, p->slot);
-  memcpy(value, pose[p->coordinate].at, w * sizeof(double));
-  memcpy(velocity, pose[POSE_VX + p->coordinate].at, w * sizeof(double));
+  p->stride = w;
+  p->value = stretch_of(m, p->slot, p->coordinate) + w;
+  p->velocity = stretch_of(m, p->slot, POSE_VX + p->coordinate) + w;
   for (size_t t = 0; t < from->count; t++) terms[t] = &m->signals[motion_term(m->systems[0], from, t)];
   p->turned = false;
   for (size_t l = 0; l < w; l++) {
@@ -189,8 +180,6 @@ static void load_place(lanes_motion *m, size_t k, const placed *from, const lane
     add_place(&m->signals[terms[0]->motion], p);
   else
     for (size_t t = 0; t < from->count; t++) m->signals[terms[t]->motion].elsewhere = true;
-  pose[p->coordinate] = (lanes_pose){value, 2 * m->n_places};
-  pose[POSE_VX + p->coordinate] = (lanes_pose){velocity, 2 * m->n_places};
 }
 
 void lanes_motion_load(lanes_motion *m) {
@@ -265,12 +254,21 @@ static void fill(lanes_motion *m) {
   m->filled = true;
 }
 
+/* Step k of the scene becomes the one before the batch. */
+static void turn_over(lanes_motion *m, int64_t k) {
+  size_t w = m->width;
+  for (size_t p = 0; k > 0 && p < m->n_places; p++) {
+    double *value = m->places[p].value - w, *velocity = m->places[p].velocity - w;
+    memcpy(value, value + (size_t)k * w, w * sizeof(double));
+    memcpy(velocity, velocity + (size_t)k * w, w * sizeof(double));
+  }
+  m->first += k;
+}
+
 int64_t lanes_motion_ahead(lanes_motion *m) {
-  size_t row = 2 * m->n_places * m->width;
   int64_t k = m->systems[0]->state->step + 1 - m->first;
   if (!m->filled || k > BATCH) {
-    memmove(m->rows, m->rows + (size_t)(k - 1) * row, row * sizeof(double));
-    m->first += k - 1;
+    turn_over(m, k - 1);
     k = 1;
     fill(m);
   }
@@ -279,6 +277,4 @@ int64_t lanes_motion_ahead(lanes_motion *m) {
 
 int64_t lanes_motion_first(const lanes_motion *m) { return m->first; }
 
-const lanes_pose *lanes_motion_pose(const lanes_motion *m, uint32_t slot) {
-  return m->poses + (slot - m->first_slot) * POSES;
-}
+const double *lanes_motion_scene(const lanes_motion *m) { return m->scene; }

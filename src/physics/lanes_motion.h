@@ -14,12 +14,8 @@ typedef struct lanes_motion lanes_motion;
 
 enum { POSE_X, POSE_Y, POSE_THETA, POSE_VX, POSE_VY, POSE_OMEGA, POSES };
 
-/* Values of a slot's coordinate or velocity, one per lane: those at step first + k stand at at[k * stride * width]; k = 0
- * is the step before the batch. A stride of 0: never changes. */
-typedef struct lanes_pose {
-  const double *at;
-  size_t stride;
-} lanes_pose;
+/* So many steps stand in the scene: the one before the batch, and the batch. */
+enum { SCENE_STEPS = 65 };
 
 /* Lanes beyond n <= width repeat system 0. SD_ERROR_IO: no memory, *out is NULL. */
 sd_status lanes_motion_new(size_t width, size_t n, engine *const *systems, lanes_motion **out);
@@ -37,7 +33,7 @@ void lanes_motion_store(lanes_motion *m);
 int64_t lanes_motion_ahead(lanes_motion *m);
 /* Step state->step + 1 of system 0 has the index k = state->step + 1 - first. */
 int64_t lanes_motion_first(const lanes_motion *m);
-/* [POSES] of a prescribed body's slot; valid until load. */
-const lanes_pose *lanes_motion_pose(const lanes_motion *m, uint32_t slot);
+/* Prescribed poses [slots from the first prescribed one][POSES][SCENE_STEPS][width]: step first + k has index k. */
+const double *lanes_motion_scene(const lanes_motion *m);
 
 #endif

@@ -83,6 +83,7 @@ typedef struct PASS(flight) {
   bool pending, treated;
 } PASS(flight);
 
+LANE_INLINE double *PASS(rows_at)(const lanes *l, size_t row) { return l->memory + row * LANE_WIDTH; }
 LANE_INLINE LANE(real) PASS(row)(const double *rows, size_t k) { return LANE(load)(rows + k * LANE_WIDTH); }
 LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
   LANE(store)(rows + k * LANE_WIDTH, a);
@@ -91,13 +92,13 @@ LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
 /* --- rows -------------------------------------------------------------------------------------------- */
 
 LANE_INLINE void PASS(pick_up_disk)(const lanes *l, PASS(flight) * f, size_t i, int c) {
-  const double *rows = l->disk[i] + c * DISK_COLUMNS * LANE_WIDTH;
+  const double *rows = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS) + c * DISK_COLUMNS * LANE_WIDTH;
   f->c[i][c] = (LANE(nordsieck)){PASS(row)(rows, 0), PASS(row)(rows, 1), PASS(row)(rows, 2),
                                  PASS(row)(rows, 3), PASS(row)(rows, 4), PASS(row)(rows, 5)};
 }
 
 LANE_INLINE void PASS(put_disk)(const lanes *l, const PASS(flight) * f, size_t i, int c) {
-  double *rows = l->disk[i] + c * DISK_COLUMNS * LANE_WIDTH;
+  double *rows = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS) + c * DISK_COLUMNS * LANE_WIDTH;
   const LANE(nordsieck) *q = &f->c[i][c];
   PASS(set_row)(rows, 0, q->q);
   PASS(set_row)(rows, 1, q->v);
@@ -108,7 +109,7 @@ LANE_INLINE void PASS(put_disk)(const lanes *l, const PASS(flight) * f, size_t i
 }
 
 LANE_INLINE void PASS(pick_up_pair)(const lanes *l, PASS(flight) * f, size_t k) {
-  const double *p = l->pair[k];
+  const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(law_memory) *m = &f->m[k];
   m->star = PASS(row)(p, PAIR_STAR);
   m->ex = PASS(row)(p, PAIR_EX);
@@ -122,7 +123,7 @@ LANE_INLINE void PASS(pick_up_pair)(const lanes *l, PASS(flight) * f, size_t k) 
 }
 
 LANE_INLINE void PASS(put_pair)(const lanes *l, const PASS(flight) * f, size_t k) {
-  double *p = l->pair[k];
+  double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(law_memory) *m = &f->m[k];
   PASS(set_row)(p, PAIR_STAR, m->star);
   PASS(set_row)(p, PAIR_EX, m->ex);
@@ -135,7 +136,7 @@ LANE_INLINE void PASS(put_pair)(const lanes *l, const PASS(flight) * f, size_t k
 }
 
 LANE_INLINE void PASS(put_push)(const lanes *l, const PASS(flight) * f, size_t k) {
-  double *p = l->pair[k];
+  double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   PASS(set_row)(p, PAIR_FX, f->push[k].fx);
   PASS(set_row)(p, PAIR_FY, f->push[k].fy);
   PASS(set_row)(p, PAIR_TAU, f->push[k].tau);
@@ -162,9 +163,9 @@ LANE_INLINE void PASS(see_free)(const PASS(flight) * f, PASS(look) * w, size_t i
 
 LANE_INLINE LANE(real)
     PASS(prescribed)(const lanes *l, const PASS(shape) * s, size_t slot, int which, int64_t at) {
-  const lanes_pose *p = &l->pose[slot][which];
-  if (s->single) return LANE(splat)(p->at[(size_t)at * p->stride]);
-  return LANE(load)(p->at + (size_t)at * p->stride * LANE_WIDTH);
+  if (s->single) return LANE(splat)(l->pose[slot][which][at]);
+  size_t stretch = (slot - s->n_free) * POSES + (size_t)which;
+  return PASS(row)(l->scene + stretch * SCENE_STEPS * LANE_WIDTH, (size_t)at);
 }
 
 LANE_INLINE LANE(real) PASS(pose)(const lanes *l, const PASS(shape) * s, const PASS(look) * w, size_t slot,
@@ -177,7 +178,7 @@ LANE_INLINE LANE(real) PASS(pose)(const lanes *l, const PASS(shape) * s, const P
 LANE_INLINE void PASS(see_pair)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, PASS(look) * w,
                                 int64_t at, size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
-  const double *p = l->pair[k];
+  const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(law_input) *in = &w->in[k];
   in->dx = PASS(pose)(l, s, w, b, POSE_X, at) - w->free[a][POSE_X];
   in->dy = PASS(pose)(l, s, w, b, POSE_Y, at) - w->free[a][POSE_Y];
@@ -194,7 +195,7 @@ LANE_INLINE void PASS(see_pair)(const lanes *l, const PASS(shape) * s, const PAS
 
 /* What the contact does there, with the present memory. */
 LANE_INLINE void PASS(meet)(const lanes *l, const PASS(flight) * f, PASS(look) * w, size_t k) {
-  const LANE(law_constants) c = PASS(law_of)(l->pair[k]);
+  const LANE(law_constants) c = PASS(law_of)(PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS));
   w->in[k].star = f->m[k].star;
   w->in[k].was_closed = LANE(greater)(f->m[k].overlap, LANE(splat)(0.0)); /* else it would be 0 */
   w->out[k] = LANE(law)(&w->in[k], &w->geometry[k], &c);
@@ -203,7 +204,7 @@ LANE_INLINE void PASS(meet)(const lanes *l, const PASS(flight) * f, PASS(look) *
 /* --- forces ------------------------------------------------------------------------------------------ */
 
 LANE_INLINE void PASS(push)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t k) {
-  const LANE(law_constants) c = PASS(law_of)(l->pair[k]);
+  const LANE(law_constants) c = PASS(law_of)(PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS));
   const PASS(look) *w = &f->now;
   LANE(real) scale = s->conservative ? w->in[k].sum * w->geometry[k].inverse_r : LANE(splat)(1.0);
   f->push[k] = LANE(law_force)(&w->in[k], &w->geometry[k], &w->out[k], &c, scale);
@@ -231,11 +232,12 @@ LANE_INLINE LANE(real)
   else
     for (size_t n = 0; n < l->touching[slot]; n++)
       sum = PASS(add)(sum, &f->push[l->entry[slot][n] / 2], c, l->entry[slot][n] & 1);
-  return c == SD_THETA ? sum * PASS(row)(l->radius, slot) : sum;
+  return c == SD_THETA ? sum * PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), slot) : sum;
 }
 
 LANE_INLINE void PASS(predict)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t i, int c) {
-  LANE(real) dt = PASS(row)(l->dt, 0), per_dt = PASS(row)(l->per_dt, 0);
+  LANE(real)
+  dt = PASS(row)(PASS(rows_at)(l, ROWS_DT), 0), per_dt = PASS(row)(PASS(rows_at)(l, ROWS_PER_DT), 0);
   if (s->gear)
     LANE(gear_predict)(&f->c[i][c], dt, per_dt);
   else
@@ -243,8 +245,8 @@ LANE_INLINE void PASS(predict)(const lanes *l, const PASS(shape) * s, PASS(fligh
 }
 
 LANE_INLINE void PASS(correct)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t i, int c) {
-  double *d = l->disk[i];
-  LANE(real) force = PASS(force_on)(l, s, f, i, c), per_dt = PASS(row)(l->per_dt, 0);
+  double *d = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS);
+  LANE(real) force = PASS(force_on)(l, s, f, i, c), per_dt = PASS(row)(PASS(rows_at)(l, ROWS_PER_DT), 0);
   LANE(real) acceleration = force * PASS(row)(d, DISK_GAIN + (size_t)c) + PASS(row)(d, DISK_PUSH + (size_t)c);
   if (s->gear)
     LANE(gear_correct)(&f->c[i][c], acceleration, per_dt);
@@ -271,9 +273,9 @@ LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s, const P
 LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, int64_t at) {
   LANE(real) done = LANE(splat)(0.0);
   size_t n = s->n_free == 1 ? s->n_pairs : l->n_bodies - s->n_free;
-  double *p = l->place;
+  double *p = PASS(rows_at)(l, ROWS_PLACE);
   EACH_PAIR(b, n, EACH_COORDINATE(c, p = PASS(work_of)(l, s, f, at, s->n_free + b, c, p, &done)));
-  PASS(set_row)(l->work, 0, PASS(row)(l->work, 0) - 0.5 * done);
+  PASS(set_row)(PASS(rows_at)(l, ROWS_WORK), 0, PASS(row)(PASS(rows_at)(l, ROWS_WORK), 0) - 0.5 * done);
 }
 
 /* --- history ----------------------------------------------------------------------------------------- */
@@ -294,7 +296,7 @@ LANE_INLINE void PASS(book_losses)(const lanes *l, const PASS(shape) * s, const 
       size_t k = l->entry[i][n] / 2;
       PASS(add_losses)(&sum, &f->booked[k], l->b[k] < s->n_free);
     }
-  double *d = l->disk[i];
+  double *d = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS);
   PASS(set_row)(d, DISK_VISCOUS, PASS(row)(d, DISK_VISCOUS) + sum.viscous);
   PASS(set_row)(d, DISK_FRICTION, PASS(row)(d, DISK_FRICTION) + sum.friction);
   if (!s->conservative) PASS(set_row)(d, DISK_VARIANT, PASS(row)(d, DISK_VARIANT) + sum.gain);
@@ -316,7 +318,8 @@ LANE_INLINE LANE(real) PASS(doing)(const LANE(law_memory) * m) {
 
 LANE_INLINE void PASS(watch)(const lanes *l, const PASS(flight) * f, size_t at, size_t k,
                              LANE(real) * doing) {
-  PASS(set_row)(l->least, at, LANE(least)(f->m[k].force, PASS(row)(l->least, at)));
+  PASS(set_row)
+  (PASS(rows_at)(l, ROWS_LEAST), at, LANE(least)(f->m[k].force, PASS(row)(PASS(rows_at)(l, ROWS_LEAST), at)));
   *doing = PASS(doing)(&f->m[k]);
 }
 
@@ -346,10 +349,10 @@ LANE_INLINE void PASS(note)(double *p, const LANE(law_input) * in, const LANE(la
 /* Commits a pair as seen; lanes in which something rare happened, which is noted. */
 LANE_INLINE LANE(mask)
     PASS(commit)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, const PASS(look) * w, size_t k) {
-  double *p = l->pair[k];
+  double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(law_constants) c = PASS(law_of)(p);
   const LANE(law_input) *in = &w->in[k];
-  const LANE(real) dt = PASS(row)(l->dt, 0);
+  const LANE(real) dt = PASS(row)(PASS(rows_at)(l, ROWS_DT), 0);
   f->booked[k] = LANE(law_commit)(in, &w->geometry[k], &w->out[k], &c, PASS(row)(p, PAIR_LIMIT),
                                   !s->conservative, dt, &f->m[k]);
   LANE(mask) rare = f->booked[k].rare;
@@ -365,7 +368,7 @@ LANE_INLINE LANE(mask)
 LANE_INLINE void PASS(put_completed)(const lanes *l, const PASS(flight) * f, const PASS(look) * w, size_t i,
                                      int c) {
   PASS(put_disk)(l, f, i, c);
-  double *rows = l->disk[i] + c * DISK_COLUMNS * LANE_WIDTH;
+  double *rows = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS) + c * DISK_COLUMNS * LANE_WIDTH;
   PASS(set_row)(rows, 0, w->free[i][POSE_X + c]);
   PASS(set_row)(rows, 1, w->free[i][POSE_VX + c]);
 }
