@@ -1,9 +1,10 @@
 /* lanes.h: small systems in lanes: few free disks among prescribed bodies, one system, or several alike ones side by
  * side in the lanes of vectors.
  *
- * The step is one function over rows of `width` numbers, one of each system (lanes_pass.h); a single
- * small system stands in both lanes of the narrowest vector. The text of law, commit, predictor and corrector is that of the general step, the
- * sums run in the same order, and lanes do not mix: every bit is that of the general step (tests compare).
+ * The step is one function over rows of `width` numbers, one of each system (lanes_pass.h); a system that is alone
+ * stands in both lanes of the narrowest vector. The text of law, commit, predictor and corrector is that of the
+ * general step, the sums run in the same order, and lanes do not mix: every bit is that of the general step (tests
+ * compare).
  *
  * Every pair of a free disk and another body is a candidate all the time: for so few bodies that is cheaper than
  * looking after lists, and no lane can leave what they share. While lanes run, what a step changes lives in the rows;
