@@ -55,6 +55,15 @@ def results(folder):
     return {p.name[:-3]: p for p in (folder / "points").glob("*.h5") if p.is_file()}
 
 
+def sessions(folder):
+    """name -> how many processes have worked on it, of all that is finished"""
+    found = {}
+    for name, path in results(folder).items():
+        with h5py.File(path) as file:
+            found[name] = int(file["parameters"].attrs["sessions"])
+    return found
+
+
 def stamps(folder):
     """What changes when a result is written again."""
     return {name: (p.stat().st_ino, p.stat().st_mtime_ns) for name, p in results(folder).items()}
@@ -144,6 +153,49 @@ class SweepTest(unittest.TestCase):
                         self.assertEqual(f[group][name][()].tobytes(), g[group][name][()].tobytes(), name)
         self.assertEqual(sorted(p.name for p in a.iterdir()), sorted(p.name for p in b.iterdir()))
         self.assertEqual(sorted(p.name for p in (a / "points").iterdir()), sorted(f"{name}.h5" for name in two))
+
+
+class ReferenceTest(SweepTest):
+    """A class sweeps its deck once, by make(); however its tests come to their results, they are to be the same."""
+
+    POINTS = 0
+
+    @classmethod
+    def make(cls, text, *words):
+        cls.where = temporary_folder()
+        cls.addClassCleanup(shutil.rmtree, cls.where)
+        cls.path = cls.where / "deck.cfg"
+        cls.path.write_text(text)
+        cls.reference = cls.where / "deck.sweep"  # where a sweep goes by itself
+        cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, *words, cwd=cls.where)
+
+    def setUp(self):
+        super().setUp()
+        self.assertEqual(self.status, 0, self.err)
+        self.assert_all_done(self.err)
+
+    def assert_all_done(self, said):
+        self.assertIn(f"{self.POINTS} of {self.POINTS} points done", said)
+
+    def stop(self, process, number, status):
+        """Sends a signal to the sweep alone; returns what it has said."""
+        process.send_signal(number)
+        _, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, status, err)
+        return err
+
+    def finish(self, *words):
+        """Sweeps what is not done yet."""
+        self.assert_all_done(self.sweep(self.path, *words))
+        self.assert_same_results(self.out, self.reference)
+
+    def sweep_twice_at_once(self, *words):
+        """Two sweeps share the points: none is run twice."""
+        both = [start("sweep", self.path, *words, "-o", self.out) for _ in range(2)]
+        said = [p.communicate(timeout=100)[1] for p in both]
+        self.assertEqual([p.returncode for p in both], [0, 0], said)
+        self.assertEqual(sum(text.count("Omega =") for text in said), self.POINTS, said)
+        self.assertEqual(list(sessions(self.out).values()), [1] * self.POINTS)
 
 
 def number(text):

@@ -11,7 +11,8 @@ import unittest
 import h5py
 
 from results_common import DECK, assert_same, run, start, steps_for, wait_for
-from sweep_common import (SweepTest, children, column, is_alive, results, rows, temporary_folder, three_disks)
+from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, temporary_folder,
+                          three_disks)
 
 SECONDS = 0.1  # of a point alone
 TILTS = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); replicas = %d; }'
@@ -27,46 +28,21 @@ def has_lanes():
 
 
 @unittest.skipUnless(has_lanes(), "this machine has no lanes")
-class Lanes(SweepTest):
+class Lanes(ReferenceTest):
     """Eight points; the reference are the same, one by one."""
+
+    POINTS = 8
 
     @classmethod
     def setUpClass(cls):
-        cls.where = temporary_folder()
-        cls.path = cls.where / "deck.cfg"
-        cls.path.write_text(three_disks(TILTS % 2, steps_for(SECONDS), checkpoint=0.03))
-        cls.reference = cls.where / "out"
-        cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, "--no-lanes", "-o", cls.reference)
+        cls.make(three_disks(TILTS % 2, steps_for(SECONDS), checkpoint=0.03), "--no-lanes")
         _, out, _ = run("check", cls.path, "--brief", "--no-probe")
         cls.width = int(re.search(r"8 of them can go in lanes, up to (\d+) side by side", out)[1])
         cls.together = min(8, cls.width)
 
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.where)
-
     def setUp(self):
         super().setUp()
-        self.assertEqual(self.status, 0, self.err)
         self.assertNotIn(LANES, self.err)
-
-    def stop(self, process, number, status):
-        process.send_signal(number)
-        _, err = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, status, err)
-        return err
-
-    def finish(self, *words):
-        said = self.sweep(self.path, *words)
-        self.assertIn("8 of 8 points done", said)
-        self.assert_same_results(self.out, self.reference)
-
-    def sessions(self):
-        found = {}
-        for name, path in results(self.out).items():
-            with h5py.File(path) as file:
-                found[name] = int(file["parameters"].attrs["sessions"])
-        return found
 
     def test_who_goes_together(self):
         """Groups are as large as they can be, but leave no worker idle."""
@@ -77,14 +53,14 @@ class Lanes(SweepTest):
                 found = self.sweep(self.path, *words, "-D", "phases.measure.steps=20")
                 if self.width == 8:
                     self.assertIn(said, found)
-                self.assertIn("8 of 8 points done", found)
+                self.assert_all_done(found)
                 shutil.rmtree(self.out)
 
     def test_same_results(self):
         for words in (), ("-j", 3):
             with self.subTest(words=words):
                 self.finish(*words)
-                self.assertEqual(set(self.sessions().values()), {1})
+                self.assertEqual(set(sessions(self.out).values()), {1})
                 if not words:
                     self.assert_cost_is_shared()
                 shutil.rmtree(self.out)
@@ -117,7 +93,7 @@ class Lanes(SweepTest):
                 kills += 1
         self.assertGreater(kills, 2)
         self.finish()
-        self.assertGreater(max(self.sessions().values()), 1)
+        self.assertGreater(max(sessions(self.out).values()), 1)
 
     def test_signals(self):
         """All points of a group stop at checkpoints; one of them goes on alone, the rest in other groups."""
@@ -132,7 +108,7 @@ class Lanes(SweepTest):
         process = self.begin(1, self.path, "--no-lanes")
         self.stop(process, signal.SIGINT, 75)
         self.finish("-j", 2)
-        self.assertEqual(max(self.sessions().values()), 4)
+        self.assertEqual(max(sessions(self.out).values()), 4)
 
     def test_crash(self):
         """Of a group that crashes each point is run again by itself."""
@@ -141,7 +117,7 @@ class Lanes(SweepTest):
         _, err = process.communicate(timeout=60)
         self.assertEqual(process.returncode, 0, err)
         self.assertRegex(err, r"warning: the process that ran \d+ points side by side .*; they are run again one by one")
-        self.assertIn("8 of 8 points done", err)
+        self.assert_all_done(err)
         self.assert_same_results(self.out, self.reference)
 
     def test_crash_again(self):
@@ -160,12 +136,8 @@ class Lanes(SweepTest):
         self.finish("-j", 1)
 
     def test_at_once(self):
-        """Two sweeps: no point is run twice, whatever groups they find."""
-        both = [start("sweep", self.path, "-j", 1, "-o", self.out) for _ in range(2)]
-        said = [p.communicate(timeout=60)[1] for p in both]
-        self.assertEqual([p.returncode for p in both], [0, 0], said)
-        self.assertEqual(sum(text.count("Omega =") for text in said), 8, said)
-        self.assertEqual(set(self.sessions().values()), {1})
+        """Whatever groups the two find."""
+        self.sweep_twice_at_once("-j", 1)
         self.finish()
 
     def test_one_is_run_by_another_process(self):

@@ -7,53 +7,30 @@ import subprocess
 import time
 import unittest
 
-import h5py
-
-from results_common import assert_same, run, start, steps_for, wait_for
-from sweep_common import (SweepTest, children, column, is_alive, results, rows, stamps, temporary_folder, three_disks)
+from results_common import run, start, steps_for, wait_for
+from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, stamps,
+                          three_disks)
 
 SECONDS = 0.4  # of a point that is to be interrupted
 FOUR = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); }'
 
 
-class Interrupted(SweepTest):
+class Interrupted(ReferenceTest):
     """Four points that take a while, each by itself. However they are stopped: what comes out in the end is the same.
     Points in lanes are in test_sweep_lanes.py."""
 
+    POINTS = 4
+
     @classmethod
     def setUpClass(cls):
-        cls.where = temporary_folder()
-        cls.path = cls.where / "deck.cfg"
-        cls.path.write_text(three_disks(FOUR, steps_for(SECONDS), checkpoint=0.03))
-        cls.reference = cls.where / "out"
-        cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, "-o", cls.reference)
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.where)
-
-    def setUp(self):
-        super().setUp()
-        self.assertEqual(self.status, 0, self.err)
+        cls.make(three_disks(FOUR, steps_for(SECONDS), checkpoint=0.03))
 
     def started(self, n, *words, **more):
         alone = () if "--point" in words else ("--no-lanes",)
         return self.begin(n, self.path, *alone, *words, **more)
 
-    def stop(self, process, number, status):
-        """Sends a signal to the sweep alone; returns what it has said."""
-        process.send_signal(number)
-        _, err = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, status, err)
-        return err
-
     def unfinished(self):
         return sorted(p.name for p in (self.out / "points").glob("*.parts"))
-
-    def finish(self, *words):
-        said = self.sweep(self.path, *(words or ("-j", 2)))
-        self.assertIn("4 of 4 points done", said)
-        self.assert_same_results(self.out, self.reference)
 
     def test_signals(self):
         process = self.started(2, "-j", 2)
@@ -65,9 +42,8 @@ class Interrupted(SweepTest):
         process = self.started(1)
         said = self.stop(process, signal.SIGTERM, 75)
         self.assertIn("stopped", said)
-        self.finish()
-        with h5py.File(results(self.out)["tilt=0"]) as file:
-            self.assertEqual(file["parameters"].attrs["sessions"], 3)
+        self.finish("-j", 2)
+        self.assertEqual(sessions(self.out)["tilt=0"], 3)
 
     def test_terminal(self):
         """Ctrl-C goes to the sweep and to all of its workers."""
@@ -88,7 +64,7 @@ class Interrupted(SweepTest):
         self.assertLess(time.monotonic() - began, 20)
         self.assertEqual(len(self.unfinished()), 2)
         self.assertIn("2 stopped", self.sweep(self.path, "--status"))
-        self.finish()
+        self.finish("-j", 2)
 
     def test_killed_workers(self):
         """A worker that dies is one failed point, which the next sweep runs to its end."""
@@ -104,7 +80,7 @@ class Interrupted(SweepTest):
             self.assertEqual(len([m for m in column(self.out, "message") if "the process that ran it" in m]), 1)
             self.assertEqual(len(list((self.out / "points").glob("*.failed"))), 1)
             self.assertIn("the process that ran it", self.sweep(self.path, "--status"))
-            self.finish()
+            self.finish("-j", 2)
             shutil.rmtree(self.out)
 
     def test_stopped_worker(self):
@@ -119,14 +95,14 @@ class Interrupted(SweepTest):
         status, _, err = run("resume", f"out/points/{parts[:-len('.parts')]}", cwd=self.folder)
         self.assertEqual(status, 0, err)
         self.assertNotIn("has a sweep", err)
-        self.finish()
+        self.finish("-j", 2)
 
     def test_stopped_point(self):
         process = self.started(1, "--point", 1)
         said = self.stop(process, signal.SIGINT, 75)
         again = [line for line in said.splitlines() if line.startswith("continue with: slipdisk ")]
         self.assertEqual(again, [f"continue with: slipdisk resume {self.out}/points/tilt=0.01pi.h5"])
-        self.finish()
+        self.finish("-j", 2)
 
     def test_force_is_stopped(self):
         """The old results stay until new ones replace them."""
@@ -141,14 +117,8 @@ class Interrupted(SweepTest):
         self.assert_same_results(self.out, self.reference)
 
     def test_at_once(self):
-        """Two sweeps share the points: none is run twice, and what one leaves unfinished the other takes up."""
-        both = [start("sweep", self.path, "-j", 1, "--no-lanes", "-o", self.out) for _ in range(2)]
-        said = [p.communicate(timeout=100)[1] for p in both]
-        self.assertEqual([p.returncode for p in both], [0, 0], said)
-        self.assertEqual(sum(text.count("Omega =") for text in said), 4, said)
-        for path in results(self.out).values():
-            with h5py.File(path) as file:
-                self.assertEqual(file["parameters"].attrs["sessions"], 1)
+        """What one of two leaves unfinished the other takes up."""
+        self.sweep_twice_at_once("-j", 1, "--no-lanes")
         self.assert_same_results(self.out, self.reference)
         shutil.rmtree(self.out)
         one = self.started(1, "-j", 1)
@@ -157,7 +127,7 @@ class Interrupted(SweepTest):
         self.stop(one, signal.SIGINT, 75)
         _, err = other.communicate(timeout=100)
         self.assertEqual(other.returncode, 0, err)
-        self.assertIn("4 of 4 points done", err)
+        self.assert_all_done(err)
         self.assert_same_results(self.out, self.reference)
 
     def test_running_elsewhere(self):
@@ -169,7 +139,7 @@ class Interrupted(SweepTest):
         self.assertEqual(column(self.out, "status")[0], "running")
         self.stop(one, signal.SIGTERM, 75)
         self.assertEqual(list((self.out / "points").glob("*.failed")), [])
-        self.finish()
+        self.finish("-j", 2)
 
     def test_file_size_limit(self):
         """Parts can be written, the results cannot: clear words, status 4, and nothing is lost."""
