@@ -134,8 +134,9 @@ static size_t remember(const engine *e, double (*memory)[9], uint32_t (*key)[3])
   size_t n = 0;
   for (size_t k = 0; k < p->count; k++) {
     if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
-    const double row[9] = {p->star[k],    p->ex[k],      p->ey[k],     p->side[k], p->force[k],
-                           p->overlap[k], p->stretch[k], p->turned[k], p->slide[k]};
+    const double row[9] = {p->star[k],    p->ex[k],     p->ey[k],
+                           p->side[k],    p->force[k],  p->overlap[k],
+                           p->stretch[k], p->turned[k], copysign(p->slip[k] != 0.0, p->slip[k])};
     memcpy(memory[n], row, sizeof row);
     key[n][0] = e->state->id[p->a[k]];
     key[n][1] = e->state->id[p->b[k]];

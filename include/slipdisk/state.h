@@ -84,6 +84,9 @@ typedef struct sd_state {
   double *loss_friction; /* the whole where the other side is a wall or prescribed */
   double *loss_opening;  /* left in contacts when they opened */
   double *gain_variant;  /* put in by the paper's tangential force, which is not that of a potential */
+  double *past_viscous, *past_friction,
+      *past_gain; /* of loss_viscous, loss_friction, gain_variant: in contacts that
+                                                       have ended */
 
   /* per free disk: Nordsieck column k is dt^k/k! times the k-th derivative */
   int32_t *activity; /* SD_IN_PLAY ... */
@@ -102,6 +105,7 @@ typedef struct sd_state {
   double *contact_stretch; /* lambda - lambda* */
   double *contact_turned;  /* angle from the reference direction */
   int32_t *contact_slide;  /* 0 stuck, +1/-1 sliding with that sign of torque */
+  double *contact_viscous, *contact_friction, *contact_gain; /* lost and gained since it began */
 
   /* per motion */
   int64_t *motion_start;                                 /* step at which it was switched on, -1: off */

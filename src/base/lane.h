@@ -12,6 +12,7 @@
 #ifndef LANE_COMMON
 #define LANE_COMMON
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 #if defined(__SSE2__)
@@ -193,3 +194,186 @@ LANE_INLINE LANE(real) LANE(keep)(LANE(mask) m, LANE(real) a) { return LANE(sele
 
 /* Nearest integer, ties to even, for |a| < 2^51. */
 LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1.8p52; }
+
+/* --- rows ------------------------------------------------------------------------------------------------- */
+
+/* Rows of numbers, one per lane, against vectors: pick, number c of each lane's row in vector c; lay, the rows of
+ * consecutive lanes; put, the row of each lane (of four) to rows + to[lane], and with the signs of the first two
+ * turned over to rows + turned[lane]. */
+#if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
+typedef double LANE(four) __attribute__((vector_size(32)));
+typedef double LANE(two) __attribute__((vector_size(16)));
+/* the same in memory, at any double */
+typedef double LANE(loose_four) __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double LANE(loose_two) __attribute__((vector_size(16), aligned(8), may_alias));
+typedef int64_t LANE(four_bits) __attribute__((vector_size(32)));
+
+/* Four rows of four numbers. */
+typedef struct LANE(block) {
+  LANE(four) r0, r1, r2, r3;
+} LANE(block);
+
+LANE_INLINE LANE(block) LANE(transpose)(LANE(block) m) {
+  LANE(four) a = __builtin_shufflevector(m.r0, m.r1, 0, 4, 2, 6);
+  LANE(four) b = __builtin_shufflevector(m.r0, m.r1, 1, 5, 3, 7);
+  LANE(four) c = __builtin_shufflevector(m.r2, m.r3, 0, 4, 2, 6);
+  LANE(four) d = __builtin_shufflevector(m.r2, m.r3, 1, 5, 3, 7);
+  return (LANE(block)){__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
+                       __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
+}
+
+LANE_INLINE LANE(four) LANE(load_four)(const double *p) { return *(const LANE(loose_four) *)p; }
+LANE_INLINE void LANE(store_four)(double *p, LANE(four) a) { *(LANE(loose_four) *)p = a; }
+LANE_INLINE LANE(two) LANE(load_two)(const double *p) { return *(const LANE(loose_two) *)p; }
+
+LANE_INLINE LANE(block) LANE(pick_block)(const double *rows, const int32_t *at) {
+  return LANE(transpose)((LANE(block)){LANE(load_four)(rows + at[0]), LANE(load_four)(rows + at[1]),
+                                       LANE(load_four)(rows + at[2]), LANE(load_four)(rows + at[3])});
+}
+
+/* The first two columns of such a block. */
+LANE_INLINE void LANE(pick_half)(const double *rows, const int32_t *at, LANE(four) c[2]) {
+  LANE(four)
+  even = __builtin_shufflevector(LANE(load_two)(rows + at[0]), LANE(load_two)(rows + at[2]), 0, 1, 2, 3);
+  LANE(four)
+  odd = __builtin_shufflevector(LANE(load_two)(rows + at[1]), LANE(load_two)(rows + at[3]), 0, 1, 2, 3);
+  c[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
+  c[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
+}
+
+LANE_INLINE void LANE(put_row)(double *rows, int32_t to, int32_t turned, LANE(four) row) {
+  const LANE(four) sign = {-0.0, -0.0, 0.0, 0.0};
+  LANE(store_four)(rows + to, row);
+  LANE(store_four)(rows + turned, (LANE(four))((LANE(four_bits))row ^ (LANE(four_bits))sign));
+}
+
+LANE_INLINE void LANE(put_block)(double *rows, const int32_t *to, const int32_t *turned, LANE(block) m) {
+  m = LANE(transpose)(m);
+  LANE(put_row)(rows, to[0], turned[0], m.r0);
+  LANE(put_row)(rows, to[1], turned[1], m.r1);
+  LANE(put_row)(rows, to[2], turned[2], m.r2);
+  LANE(put_row)(rows, to[3], turned[3], m.r3);
+}
+
+LANE_INLINE void LANE(lay_block)(double *rows, size_t stride, LANE(block) m) {
+  m = LANE(transpose)(m);
+  LANE(store_four)(rows, m.r0);
+  LANE(store_four)(rows + stride, m.r1);
+  LANE(store_four)(rows + 2 * stride, m.r2);
+  LANE(store_four)(rows + 3 * stride, m.r3);
+}
+
+#if LANE_WIDTH == 4
+LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(block) m = LANE(pick_block)(rows, at);
+  c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
+}
+LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
+  LANE(pick_half)(rows, at, c);
+}
+LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  LANE(put_block)(rows, to, turned, (LANE(block)){c[0], c[1], c[2], c[3]});
+}
+LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
+  LANE(lay_block)(rows, stride, (LANE(block)){c[0], c[1], c[2], c[3]});
+}
+#else
+LANE_INLINE LANE(real) LANE(whole)(LANE(four) low, LANE(four) high) {
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+LANE_INLINE LANE(four) LANE(low)(LANE(real) a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3); }
+LANE_INLINE LANE(four) LANE(high)(LANE(real) a) { return __builtin_shufflevector(a, a, 4, 5, 6, 7); }
+LANE_INLINE LANE(block) LANE(lows)(const LANE(real) c[4]) {
+  return (LANE(block)){LANE(low)(c[0]), LANE(low)(c[1]), LANE(low)(c[2]), LANE(low)(c[3])};
+}
+LANE_INLINE LANE(block) LANE(highs)(const LANE(real) c[4]) {
+  return (LANE(block)){LANE(high)(c[0]), LANE(high)(c[1]), LANE(high)(c[2]), LANE(high)(c[3])};
+}
+LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(block) m = LANE(pick_block)(rows, at), n = LANE(pick_block)(rows, at + 4);
+  c[0] = LANE(whole)(m.r0, n.r0);
+  c[1] = LANE(whole)(m.r1, n.r1);
+  c[2] = LANE(whole)(m.r2, n.r2);
+  c[3] = LANE(whole)(m.r3, n.r3);
+}
+LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
+  LANE(four) m[2], n[2];
+  LANE(pick_half)(rows, at, m);
+  LANE(pick_half)(rows, at + 4, n);
+  c[0] = LANE(whole)(m[0], n[0]);
+  c[1] = LANE(whole)(m[1], n[1]);
+}
+LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  LANE(put_block)(rows, to, turned, LANE(lows)(c));
+  LANE(put_block)(rows, to + 4, turned + 4, LANE(highs)(c));
+}
+LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
+  LANE(lay_block)(rows, stride, LANE(lows)(c));
+  LANE(lay_block)(rows + 4 * stride, stride, LANE(highs)(c));
+}
+#endif
+#elif LANE_WIDTH == 2 && (defined(__clang__) || __GNUC__ >= 12)
+typedef double LANE(loose) __attribute__((vector_size(16), aligned(8), may_alias));
+LANE_INLINE LANE(real) LANE(load_two)(const double *p) { return *(const LANE(loose) *)p; }
+LANE_INLINE void LANE(store_two)(double *p, LANE(real) a) { *(LANE(loose) *)p = a; }
+LANE_INLINE LANE(real) LANE(firsts)(LANE(real) a, LANE(real) b) {
+  return __builtin_shufflevector(a, b, 0, 2);
+}
+LANE_INLINE LANE(real) LANE(seconds)(LANE(real) a, LANE(real) b) {
+  return __builtin_shufflevector(a, b, 1, 3);
+}
+LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
+  LANE(real)
+  a = LANE(load_two)(rows + at[0]), b = LANE(load_two)(rows + at[1]);
+  c[0] = LANE(firsts)(a, b);
+  c[1] = LANE(seconds)(a, b);
+}
+LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(pick2)(rows, at, c);
+  LANE(pick2)(rows + 2, at, c + 2);
+}
+LANE_INLINE void LANE(put_row)(double *rows, int32_t to, int32_t turned, LANE(real) a, LANE(real) b) {
+  LANE(store_two)(rows + to, a);
+  LANE(store_two)(rows + to + 2, b);
+  LANE(store_two)(rows + turned, -a);
+  LANE(store_two)(rows + turned + 2, b);
+}
+LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  LANE(put_row)(rows, to[0], turned[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
+  LANE(put_row)(rows, to[1], turned[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
+}
+LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
+  LANE(store_two)(rows, LANE(firsts)(c[0], c[1]));
+  LANE(store_two)(rows + 2, LANE(firsts)(c[2], c[3]));
+  LANE(store_two)(rows + stride, LANE(seconds)(c[0], c[1]));
+  LANE(store_two)(rows + stride + 2, LANE(seconds)(c[2], c[3]));
+}
+#else
+LANE_INLINE void LANE(pick)(const double *rows, const int32_t *at, int n, LANE(real) * c) {
+  double column[4][LANE_WIDTH];
+  for (int l = 0; l < LANE_WIDTH; l++)
+    for (int k = 0; k < n; k++) column[k][l] = rows[at[l] + k];
+  for (int k = 0; k < n; k++) c[k] = LANE(load)(column[k]);
+}
+LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
+  double column[4][LANE_WIDTH];
+  for (int k = 0; k < 4; k++) LANE(store)(column[k], c[k]);
+  for (int l = 0; l < LANE_WIDTH; l++)
+    for (int k = 0; k < 4; k++) rows[stride * (size_t)l + (size_t)k] = column[k][l];
+}
+LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(pick)(rows, at, 4, c);
+}
+LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
+  LANE(pick)(rows, at, 2, c);
+}
+LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  double column[4][LANE_WIDTH];
+  for (int k = 0; k < 4; k++) LANE(store)(column[k], c[k]);
+  for (int l = 0; l < LANE_WIDTH; l++)
+    for (int k = 0; k < 4; k++) {
+      rows[to[l] + k] = column[k][l];
+      rows[turned[l] + k] = k < 2 ? -column[k][l] : column[k][l];
+    }
+}
+#endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "physics/engine.h"
+#include "physics/losses.h"
 
 static double angle_of(const sd_state *s, size_t i) { return s->theta[i] + s->turn[i]; }
 
@@ -18,6 +19,7 @@ static double absolute_y(const engine *e, size_t i) {
 
 void disks_begin(engine *e) {
   sd_state *s = e->state;
+  losses_show(e);
   for (size_t i = 0; i < s->n_means; i++) {
     double angle = angle_of(s, i);
     if (s->measured == 0) {
@@ -38,6 +40,7 @@ void disks_begin(engine *e) {
 
 void disks_end(engine *e) {
   sd_state *s = e->state;
+  losses_show(e);
   for (size_t i = 0; i < s->n_means; i++) {
     s->mean_stop[i] = angle_of(s, i);
     s->mean_viscous[i] += s->loss_viscous[i];
@@ -73,7 +76,7 @@ static void close_bin(sd_state *s, size_t begin, size_t end, size_t b) {
  * slide: they add nothing. */
 static void look_at_contacts(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
-  const double *overlap = e->work.pairs.overlap, *slide = e->work.pairs.slide, *push = e->work.pairs.force;
+  const double *overlap = e->work.pairs.overlap, *slip = e->work.pairs.slip, *push = e->work.pairs.force;
   const size_t *start = e->work.incidence.start;
   const uint32_t *entry = e->work.incidence.entry;
   for (size_t i = begin; i < end; i++) {
@@ -81,7 +84,7 @@ static void look_at_contacts(engine *e, size_t begin, size_t end) {
     for (size_t at = start[i]; at < start[i + 1]; at++) {
       size_t k = entry[at] / 2;
       contacts += overlap[k] > 0.0 ? 1.0 : 0.0;
-      sliding += fabs(slide[k]);
+      sliding += slip[k] != 0.0 ? 1.0 : 0.0;
       force += push[k];
     }
     s->mean_contacts[i] += contacts;
@@ -134,18 +137,11 @@ static drive drive_of(const engine *e, size_t slot) {
   return d;
 }
 
-/* What the motion d of the body in this slot, one of contact k's, does through the contact per time: minus the
- * power of the contact on the body, with the forces that motion_work books. */
-static double power_of(const engine *e, size_t k, size_t slot, drive d) {
-  const sd_state *s = e->state;
-  const pairs *p = &e->work.pairs;
-  double sign = (size_t)p->b[k] == slot ? 1.0 : -1.0, torque = p->tau[k] * s->radius[slot];
-  if (s->radius[slot] == 0.0) { /* a straight wall, about its pivot */
-    size_t a = (size_t)p->a[k];
-    double rx = s->x[a] - s->x[slot], ry = s->y[a] - s->y[slot];
-    torque = rx * p->fy[k] - ry * p->fx[k] - p->tau[k] * s->radius[a];
-  }
-  return -(sign * (p->fx[k] * d.vx + p->fy[k] * d.vy) + torque * d.omega);
+/* What the motion d of the body in this slot does through one of its contacts per time: minus the power of what the
+ * contact does to it, with the forces that motion_work books. */
+static double power_of(const double *push, double radius, drive d) {
+  double torque = radius != 0.0 ? push[PUSH_TURN] * radius : push[PUSH_TURN];
+  return -((push[PUSH_X] * d.vx + push[PUSH_Y] * d.vy) + torque * d.omega);
 }
 
 /* It goes to the disk at the other side; what the prescribed coordinates of a free disk do against a wall or a
@@ -159,7 +155,8 @@ static void add_power(engine *e, size_t slot) {
     size_t k = n->entry[at] / 2;
     size_t other = (size_t)(n->entry[at] & 1 ? e->work.pairs.a[k] : e->work.pairs.b[k]);
     if (e->work.pairs.overlap[k] > 0.0)
-      s->mean_injected[other < s->n_free ? other : slot] += power_of(e, k, slot, d);
+      s->mean_injected[other < s->n_free ? other : slot] +=
+          power_of(n->push + PUSH_ROW * at, s->radius[slot], d);
   }
 }
 

@@ -26,7 +26,7 @@ static int contact_now(const engine *e, size_t k, double *force) {
   if ((size_t)at >= p->n_round) at = pressed_piece(p, at);
   if (p->ex[at] == 0.0 && p->ey[at] == 0.0) return SD_OPEN;
   *force = p->force[at];
-  return p->slide[at] > 0.0 ? SD_SLIDE_POSITIVE : p->slide[at] < 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
+  return p->slip[at] < 0.0 ? SD_SLIDE_POSITIVE : p->slip[at] > 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
 void watch_begin(engine *e) {

@@ -51,6 +51,9 @@ const sd_field sd_fields[] = {
     COLUMN(loss_friction, SD_F64, SD_PER_BODY, "energy", "lost to sliding in this body's contacts"),
     COLUMN(loss_opening, SD_F64, SD_PER_BODY, "energy", "left in this body's contacts when they opened"),
     COLUMN(gain_variant, SD_F64, SD_PER_BODY, "energy", "put in by the paper's tangential force"),
+    COLUMN(past_viscous, SD_F64, SD_PER_BODY, "energy", "of loss_viscous: in contacts that have ended"),
+    COLUMN(past_friction, SD_F64, SD_PER_BODY, "energy", "of loss_friction: in contacts that have ended"),
+    COLUMN(past_gain, SD_F64, SD_PER_BODY, "energy", "of gain_variant: in contacts that have ended"),
 
     COLUMN(activity, SD_I32, SD_PER_FREE, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
     COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
@@ -79,6 +82,10 @@ const sd_field sd_fields[] = {
     COLUMN(contact_stretch, SD_F64, SD_PER_CONTACT, "length", "stretch of the skin, lambda - lambda*"),
     COLUMN(contact_turned, SD_F64, SD_PER_CONTACT, "rad", "angle of the normal from the reference direction"),
     COLUMN(contact_slide, SD_I32, SD_PER_CONTACT, "1", "0 stuck, +1/-1 sliding with that sign of torque"),
+    COLUMN(contact_viscous, SD_F64, SD_PER_CONTACT, "energy", "lost to viscosity since the contact began"),
+    COLUMN(contact_friction, SD_F64, SD_PER_CONTACT, "energy", "lost to sliding since the contact began"),
+    COLUMN(contact_gain, SD_F64, SD_PER_CONTACT, "energy",
+           "put in by the paper's tangential force since the contact began"),
 
     COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
     COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad",

@@ -7,7 +7,9 @@
  */
 #include "pack/compress.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "pack/rain.h"
@@ -142,7 +144,7 @@ static void renew_overlaps(engine *e) {
       dy = q.dy;
     }
     double overlap = s->radius[a] + s->radius[b] - sqrt(dx * dx + dy * dy);
-    p->overlap[k] = overlap > 0.0 ? overlap : 0.0;
+    p->overlap[k] = overlap > 0.0 ? overlap : DBL_MIN; /* it is closed until a commit opens it */
   }
 }
 
@@ -150,11 +152,18 @@ static void renew_overlaps(engine *e) {
 static sd_status renew_contacts(engine *e, sd_messages *messages) {
   work *w = &e->work;
   const sd_state *s = e->state;
+  pairs *p = &w->pairs;
+  size_t bytes = p->count * sizeof(double);
+  double *before = malloc(2 * bytes + 1);
+  if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  memcpy(before, p->viscous, bytes);
+  memcpy(before + p->count, p->gain, bytes);
   renew_overlaps(e);
-  w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
-  memset(w->pairs.loss_viscous, 0, w->pairs.count * sizeof(double));
-  memset(w->pairs.gain, 0, w->pairs.count * sizeof(double));
-  w->kernels->losses(e, 0, s->n_free);
+  w->kernels->seat(e, 0, s->n_bodies);
+  w->kernels->pairs(e, &w->threads[0], 0, p->count, PASS_FORCE | PASS_COMMIT);
+  memcpy(p->viscous, before, bytes);
+  memcpy(p->gain, before + p->count, bytes);
+  free(before);
   sd_status status = contacts_events(e, messages);
   w->kernels->gather(e, 0, s->n_bodies);
   for (int k = 0; k < SD_COORDINATES; k++) {

@@ -1,10 +1,13 @@
 /* contacts.c: rare events, store and load; see contacts.h. */
 #include "physics/contacts.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
+#include "physics/engine.h"
 #include "physics/kernels.h"
+#include "physics/losses.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
 #include "physics/walls.h"
@@ -107,10 +110,8 @@ static bool hand_over(engine *e, size_t k) {
   p->force[k] = v->force;
   p->overlap[k] = v->overlap;
   p->stretch[k] = v->stretch;
-  double viscous = p->loss_viscous[k], friction = p->loss_friction[k];   /* as booked already */
+  p->viscous[k] = p->friction[k] = p->gain[k] = 0.0;                     /* as if it had not been committed */
   e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
-  e->state->loss_viscous[p->a[k]] += p->loss_viscous[k] - viscous;
-  e->state->loss_friction[p->a[k]] += p->loss_friction[k] - friction;
   return true;
 }
 
@@ -118,8 +119,7 @@ static void book_opening(engine *e, size_t k, double energy) {
   sd_state *s = e->state;
   int32_t a = e->work.pairs.a[k], b = e->work.pairs.b[k];
   bool shared = (size_t)b < s->n_free;
-  s->loss_opening[a] += shared ? 0.5 * energy : energy;
-  if (shared) s->loss_opening[b] += 0.5 * energy;
+  losses_share(e, s->loss_opening, a, b, energy);
   if (s->n_means == 0 || !e->model->phases[s->phase].measure) return;
   s->mean_openings[a]++;
   if (shared) s->mean_openings[b]++;
@@ -153,20 +153,19 @@ static bool touches_beside(const pairs *p, size_t k) {
 /* Work of a force at the trial coordinates that the losses of the step do not know, or know without its having
  * acted. Between pieces of a wall the one may have acted and the other be known: nothing is missing. */
 static void book_missed(engine *e, const event *v) {
-  sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   size_t k = v->index;
   if (v->missed == 0.0 || v->handed || (k >= p->n_round && touches_beside(p, k))) return;
-  bool shared = (size_t)p->b[k] < s->n_free;
-  s->loss_viscous[p->a[k]] += shared ? 0.5 * v->missed : v->missed;
-  if (shared) s->loss_viscous[p->b[k]] += 0.5 * v->missed;
+  losses_share(e, e->state->past_viscous, p->a[k], p->b[k], v->missed);
 }
 
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
-  const pairs *p = &e->work.pairs;
+  pairs *p = &e->work.pairs;
   size_t k = v->index;
   if (!was_closed(v)) book_missed(e, v);
   if (!closed(p, k)) {
+    p->overlap[k] = 0.0; /* else it has no direction: a centre on a centre */
+    losses_end(e, p, k);
     if (was_closed(v) && !v->handed) book_opening(e, k, v->opening);
     return SD_OK;
   }
@@ -194,6 +193,7 @@ static void bring_back(engine *e, uint32_t i) {
   s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
   s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
   motion_came_back(e, i);
+  engine_seat(e, i);
   if (i >= s->n_disks) walls_place(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
@@ -237,6 +237,7 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
 
 sd_status contacts_store(engine *e) {
   sd_state *s = e->state;
+  losses_show(e);
   const pairs *p = &e->work.pairs;
   size_t n = 0;
   for (size_t k = 0; k < p->count; k++) n += closed(p, k);
@@ -256,7 +257,10 @@ sd_status contacts_store(engine *e) {
     s->contact_overlap[c] = p->overlap[k];
     s->contact_stretch[c] = p->stretch[k];
     s->contact_turned[c] = p->turned[k];
-    s->contact_slide[c] = (int32_t)p->slide[k];
+    s->contact_slide[c] = (p->slip[k] < 0.0) - (p->slip[k] > 0.0);
+    s->contact_viscous[c] = p->viscous[k];
+    s->contact_friction[c] = p->friction[k];
+    s->contact_gain[c] = p->gain[k];
   }
   return SD_OK;
 }
@@ -289,10 +293,13 @@ void contacts_load(engine *e) {
     p->ey[k] = s->contact_ey[c];
     p->side[k] = s->contact_side[c];
     p->force[k] = s->contact_force[c];
-    p->overlap[k] = s->contact_overlap[c];
+    p->overlap[k] = fmax(s->contact_overlap[c], DBL_MIN); /* closed */
     p->stretch[k] = s->contact_stretch[c];
     p->turned[k] = s->contact_turned[c];
-    p->slide[k] = s->contact_slide[c];
+    p->slip[k] = -s->contact_slide[c];
+    p->viscous[k] = s->contact_viscous[c];
+    p->friction[k] = s->contact_friction[c];
+    p->gain[k] = s->contact_gain[c];
     c++;
   }
 }

@@ -21,10 +21,10 @@ static void add_disks(const engine *e, sd_energy *sum) {
       sum->kinetic_rotation += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
       sum->external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
     }
-    sum->viscous += s->loss_viscous[i];
-    sum->friction += s->loss_friction[i];
+    sum->viscous += s->past_viscous[i];
+    sum->friction += s->past_friction[i];
     sum->opening += s->loss_opening[i];
-    sum->variant += s->gain_variant[i];
+    sum->variant += s->past_gain[i];
   }
 }
 
@@ -36,6 +36,9 @@ sd_energy energy_of(const engine *e) {
     const law_row *law = &e->work.laws[p->law[k]];
     sum.elastic_normal += 0.5 * law->k_n * p->overlap[k] * p->overlap[k];
     sum.elastic_skin += 0.5 * law->k_t * p->stretch[k] * p->stretch[k];
+    sum.viscous += p->viscous[k];
+    sum.friction += p->friction[k];
+    sum.variant += p->gain[k];
   }
   sum.start = e->state->energy_start;
   sum.work = e->state->work_driven;

@@ -209,6 +209,13 @@ void engine_place_box(engine *e) {
   }
 }
 
+static void fill_limit(const engine *e, work *w) {
+  double least = HUGE_VAL;
+  for (size_t i = 0; i < e->state->n_bodies; i++)
+    if (e->state->radius[i] != 0.0) least = fmin(least, fabs(e->state->radius[i]));
+  w->least_limit = e->model->max_overlap * least;
+}
+
 static void fill_skin(const engine *e, work *w) {
   const sd_state *s = e->state;
   double mean = 0.0;
@@ -231,7 +238,8 @@ static sd_status allocate(engine *e, int threads) {
   double **free_columns[] = {&w->inverse_mass_x, &w->inverse_mass_y, &w->inverse_inertia,
                              &w->constant_x,     &w->constant_y,     &w->constant_torque};
   double **body_columns[] = {&w->x0, &w->y0, &w->theta0, &w->reach};
-  bool bad = !w->laws || !w->slot || !w->segments || !w->watched || !w->threads;
+  w->seats = column(SEAT_ROW * s->n_bodies);
+  bool bad = !w->seats || !w->laws || !w->slot || !w->segments || !w->watched || !w->threads;
   for (size_t k = 0; k < sizeof free_columns / sizeof *free_columns; k++)
     if (!(*free_columns[k] = column(s->n_free))) bad = true;
   for (size_t k = 0; k < sizeof body_columns / sizeof *body_columns; k++)
@@ -251,6 +259,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   fill_columns(e->state, w);
   engine_place_box(e);
   fill_skin(e, w);
+  fill_limit(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
   engine_fill_constants(e);
   sd_status status = motion_new(e, messages);
@@ -287,6 +296,7 @@ void engine_free(engine *e) {
   free(w->y0);
   free(w->theta0);
   free(w->reach);
+  free(w->seats);
   e->work = (work){0};
 }
 
@@ -315,10 +325,13 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   work *w = &e->work;
   size_t loaded = 0;
   for (size_t k = 0; k < w->pairs.count; k++) loaded += closed(&w->pairs, k);
+  w->kernels->seat(e, 0, s->n_bodies);
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
+  /* nothing was lost on the way here */
+  for (size_t k = 0; k < w->pairs.count; k++)
+    w->pairs.viscous[k] = w->pairs.friction[k] = w->pairs.gain[k] = 0.0;
   drop_apart(e, loaded, messages);
-  sd_status status =
-      contacts_events(e, messages); /* nothing was lost on the way here: no losses are booked */
+  sd_status status = contacts_events(e, messages);
   w->kernels->gather(e, 0, s->n_bodies);
   for (size_t i = 0; i < s->n_free; i++) {
     s->x2[i] = w->half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);

@@ -21,6 +21,18 @@ static inline bool engine_in_play(const sd_state *s, size_t slot) {
   return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
 }
 
+/* Where the pairs see the body in this slot, from its pose. */
+static inline void engine_seat(const engine *e, size_t slot) {
+  const sd_state *s = e->state;
+  double *row = e->work.seats + SEAT_ROW * slot;
+  row[SEAT_X] = s->x[slot];
+  row[SEAT_Y] = s->y[slot];
+  row[SEAT_ARC] = s->radius[slot] * s->theta[slot];
+  row[SEAT_RADIUS] = s->radius[slot];
+  row[SEAT_VX] = s->vx[slot];
+  row[SEAT_VY] = s->vy[slot];
+}
+
 /* About which the lengths of the region change: its lower corner. */
 double engine_corner(const sd_model *model, int coordinate);
 /* Edges of the periodic box in work, from model and state->box_scale. */

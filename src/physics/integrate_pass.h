@@ -127,3 +127,16 @@ LANE_INLINE int LANE(out_of_range)(const engine *e, size_t i) {
     out = out | LANE(greater)(LANE(splat)(w->lower[1]), y) | LANE(within)(LANE(splat)(w->upper[1]), y);
   return LANE(any)(out);
 }
+
+/* Rows of SEAT_ROW numbers. */
+LANE_INLINE void LANE(seat_at)(engine *e, size_t i) {
+  const sd_state *s = e->state;
+  double *row = e->work.seats + SEAT_ROW * i;
+  LANE(real) radius = LANE(load)(s->radius + i);
+  const LANE(real)
+      pose[] = {LANE(load)(s->x + i), LANE(load)(s->y + i), radius * LANE(load)(s->theta + i), radius};
+  const LANE(real)
+      speed[] = {LANE(load)(s->vx + i), LANE(load)(s->vy + i), LANE(splat)(0.0), LANE(splat)(0.0)};
+  LANE(lay4)(row, SEAT_ROW, pose);
+  LANE(lay4)(row + SEAT_VX, SEAT_ROW, speed);
+}

@@ -30,10 +30,20 @@ COORDINATE_PASS(gear_correct)
 COORDINATE_PASS(verlet_predict)
 COORDINATE_PASS(verlet_correct)
 
-LANE_INLINE void note_stale(const engine *e, thread_work *mine, size_t begin, size_t end) {
+extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
+
+/* So many disks at a time that what one loop leaves in the cache is there for the next; a multiple of 8. */
+enum { BLOCK = 128 };
+#define FOR_BLOCKS(first, last, statement)                                                                   \
+  for (size_t first = begin; first < end; first += BLOCK) {                                                  \
+    const size_t last = first + BLOCK < end ? first + BLOCK : end;                                           \
+    statement;                                                                                               \
+  }
+
+LANE_INLINE int any_stale(const engine *e, size_t begin, size_t end) {
   int stale = 0;
   FOR_LANES(stale |= LANE(stale)(e, i), stale |= stale_w1(e, i));
-  mine->stale = stale != 0;
+  return stale;
 }
 
 /* Disks whose angle or position must return into its range. */
@@ -44,34 +54,46 @@ LANE_INLINE void note_returns(engine *e, thread_work *mine, size_t begin, size_t
     if (out_of_range_w1(e, i)) event_add(&mine->returns, (uint32_t)i, 0.0);
 }
 
+/* Poses to where the pairs see them. */
+static void seat(engine *e, size_t begin, size_t end) { FOR_LANES(LANE(seat_at)(e, i), seat_at_w1(e, i)); }
+
+typedef void coordinate_pass(const columns *k, size_t begin, size_t end, double a, double b);
+
+LANE_INLINE void predict(engine *e, thread_work *mine, size_t begin, size_t end, coordinate_pass *pass) {
+  int stale = 0;
+  FOR_BLOCKS(i, next, {
+    for (int c = 0; c < SD_COORDINATES; c++) pass(&e->work.columns[c], i, next, e->work.dt, e->work.per_dt);
+    stale |= any_stale(e, i, next);
+    seat(e, i, next);
+  })
+  mine->stale = stale != 0;
+}
+
+LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, coordinate_pass *pass) {
+  FOR_BLOCKS(i, next, {
+    KERNEL(kernel_gather)(e, i, next);
+    for (int c = 0; c < SD_COORDINATES; c++)
+      pass(&e->work.columns[c], i, next, e->work.half_dt2, e->work.per_dt);
+    note_returns(e, mine, i, next);
+    if (e->model->integrator == SD_GEAR5) seat(e, i, next); /* the commit looks again */
+  })
+}
+
 static void gear_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  for (int c = 0; c < SD_COORDINATES; c++)
-    gear_predict_range(&e->work.columns[c], begin, end, e->work.dt, e->work.per_dt);
-  note_stale(e, mine, begin, end);
+  predict(e, mine, begin, end, gear_predict_range);
 }
-
 static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  for (int c = 0; c < SD_COORDINATES; c++)
-    gear_correct_range(&e->work.columns[c], begin, end, e->work.half_dt2, e->work.per_dt);
-  note_returns(e, mine, begin, end);
+  correct(e, mine, begin, end, gear_correct_range);
 }
-
 static void verlet_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  for (int c = 0; c < SD_COORDINATES; c++)
-    verlet_predict_range(&e->work.columns[c], begin, end, e->work.dt, e->work.per_dt);
-  note_stale(e, mine, begin, end);
+  predict(e, mine, begin, end, verlet_predict_range);
 }
-
 static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  for (int c = 0; c < SD_COORDINATES; c++)
-    verlet_correct_range(&e->work.columns[c], begin, end, e->work.half_dt2, e->work.per_dt);
-  note_returns(e, mine, begin, end);
+  correct(e, mine, begin, end, verlet_correct_range);
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 extern void KERNEL(kernel_lanes)(lanes *l, int64_t n);
-extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
-extern void KERNEL(kernel_losses)(engine *e, size_t begin, size_t end);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                                    double *a, double *b);
 extern void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
@@ -96,7 +118,7 @@ const kernels KERNEL(kernels) = {
     .lane_width = VECTOR_WIDTH,
     .lanes = KERNEL(kernel_lanes),
     .gather = KERNEL(kernel_gather),
-    .losses = KERNEL(kernel_losses),
+    .seat = seat,
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
     .normals = KERNEL(kernel_normals),

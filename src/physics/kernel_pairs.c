@@ -42,13 +42,23 @@ static inline nearest_point segment_input(const engine *e, size_t at, law_input_
   in->star = p->star[at];
   in->ex = p->ex[at];
   in->ey = p->ey[at];
-  in->was_closed = law_is_closed_w1(in->ex, in->ey);
+  in->was_closed = p->overlap[at] > 0.0;
   in->active = q.active;
   /* an open contact begins on the side where the disk is */
   q.crossed = p->side[at] != 0.0 && p->side[at] != q.side;
   if (q.crossed) q.side = p->side[at];
   in->arc = s->radius[a] * s->theta[a] + q.side * q.arc;
   return q;
+}
+
+/* The wall feels the torque about its pivot: -tau R_a, and the arm from there to the disk's centre. */
+static inline void store_segment_force(engine *e, size_t at, law_push_w1 push) {
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  int32_t a = w->pairs.a[at], b = w->pairs.b[at];
+  store_force_w1(w, at, &push);
+  double rx = s->x[a] - s->x[b], ry = s->y[a] - s->y[b];
+  w->incidence.push[w->pairs.push_b[at] + PUSH_TURN] = rx * push.fy - ry * push.fx - push.tau * s->radius[a];
 }
 
 static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pass) {
@@ -60,9 +70,13 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
   law_geometry_w1 g = law_geometry_of_w1(&in);
   law_output_w1 out = law_w1(&in, &g, &k);
   /* the force that derives from the skin's energy, in both variants: the paper has no walls */
-  if (pass & PASS_FORCE) store_force_w1(p, at, &in, &g, &out, &k, q.flat ? 1.0 : in.sum * g.inverse_r);
+  if (pass & PASS_FORCE) store_segment_force(e, at, law_force_w1(&g, &out, &k, q.flat ? 1.0 : g.lever));
   if (pass & PASS_COMMIT) {
-    commit_w1(p, mine, at, &in, &g, &out, &k, e->model->max_overlap * in.sum, 0, w->dt);
+    law_memory_w1 before, m;
+    law_booked_w1 b = slide_w1(w, at, &in, &g, &out, &k, 0, &before, &m);
+    if (any_w1(b.rare | law_near_w1(&in, &g, &out, w->dt)))
+      turn_over_w1(w, mine, at, &in, &g, &out, &k, e->model->max_overlap * in.sum, &before, &m, &b);
+    store_memory_w1(p, at, &m, &b, 0);
     p->side[at] = out.touching ? q.side : 0.0;
     /* it went around a free end */
     event *v = out.closed && q.crossed ? event_add(&mine->events, (uint32_t)at, 0.0) : NULL;
@@ -72,15 +86,27 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
+/* Whole vectors of pairs, as many as they are given at a time: the roots and divisions of some are under way while
+ * others are waited for. */
+enum { SIGHTS = 16 };
+LANE_INLINE void block_of_pairs(engine *e, thread_work *mine, size_t at, size_t vectors, int pass) {
+  LANE(law_geometry) seen[SIGHTS];
+  for (size_t k = 0; k < vectors; k++) seen[k] = LANE(see)(&e->work, at + k * VECTOR_WIDTH);
+  for (size_t k = 0; k < vectors; k++) LANE(meet)(e, mine, at + k * VECTOR_WIDTH, &seen[k], pass);
+}
+
 LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
-  const sd_state *s = e->state;
-  const pair_view view = {s->x, s->y, s->theta, s->vx, s->vy, s->radius, e->work.pairs.a, e->work.pairs.b};
   size_t n_round = e->work.pairs.n_round, at = begin, round_end = end < n_round ? end : n_round;
-  for (; at + VECTOR_WIDTH <= round_end; at += VECTOR_WIDTH) LANE(round_pass)(e, mine, &view, at, pass);
+  while (at + VECTOR_WIDTH <= round_end) {
+    size_t vectors = (round_end - at) / VECTOR_WIDTH;
+    if (vectors > SIGHTS) vectors = SIGHTS;
+    block_of_pairs(e, mine, at, vectors, pass);
+    at += vectors * VECTOR_WIDTH;
+  }
 #if VECTOR_WIDTH > 2
-  for (; at + 2 <= round_end; at += 2) round_pass_w2(e, mine, &view, at, pass);
+  for (; at + 2 <= round_end; at += 2) round_pass_w2(e, mine, at, pass);
 #endif
-  for (; at < round_end; at++) round_pass_w1(e, mine, &view, at, pass);
+  for (; at < round_end; at++) round_pass_w1(e, mine, at, pass);
   for (; at < end; at++) segment_pass(e, mine, at, pass);
 }
 

@@ -66,15 +66,14 @@ typedef struct lanes_place lanes_place;
 
 typedef struct kernels {
   const char *name;
-  /* Pairs [begin, end) in one pass; begin is a multiple of 8. */
+  /* Pairs [begin, end) in one pass, with the bodies where their seats are; begin is a multiple of 8. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
   /* Sums the contacts of each body [begin, end) into force_x, force_y, torque, in order of the partners'
    * keys. The torque of a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
-  /* Adds the step's losses of each free disk [begin, end): half of a contact's, the whole where the other
-   * side is a wall or prescribed. */
-  void (*losses)(engine *e, size_t begin, size_t end);
-  /* Free disks [begin, end), by sd_integrator. */
+  /* Seats of the bodies [begin, end) from their poses. */
+  void (*seat)(engine *e, size_t begin, size_t end);
+  /* Free disks [begin, end), by sd_integrator; correct gathers first. */
   void (*predict[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   /* n steps of small systems side by side (lanes.h), lane_width of them or one. */

@@ -252,18 +252,11 @@ static void load_memory(lanes *l, size_t lane) {
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
     const pairs *p = &e->work.pairs;
-    const double *from[PAIR_MEMORY] = {p->star,    p->ex,      p->ey,     p->force,
-                                       p->overlap, p->stretch, p->turned, p->slide};
+    const double *from[PAIR_MEMORY] = {p->star,   p->ex,   p->ey,      p->force,    p->overlap, p->stretch,
+                                       p->turned, p->slip, p->viscous, p->friction, p->gain};
     for (size_t r = 0; r < PAIR_MEMORY; r++) *cell(l, l->pair[k], r, lane) = n == SIZE_MAX ? 0.0 : from[r][n];
-    /* only its sign is read: against the slide's */
-    *cell(l, l->pair[k], PAIR_SLIP, lane) *= -1.0;
   }
-  for (size_t i = 0; i < l->n_free; i++) {
-    *cell(l, l->disk[i], DISK_VISCOUS, lane) = s->loss_viscous[i];
-    *cell(l, l->disk[i], DISK_FRICTION, lane) = s->loss_friction[i];
-    *cell(l, l->disk[i], DISK_VARIANT, lane) = s->gain_variant[i];
-    *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
-  }
+  for (size_t i = 0; i < l->n_free; i++) *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
 }
 
 static void load_constants(lanes *l, size_t lane) {
@@ -359,23 +352,17 @@ static sd_status store_poses(const lanes *l, size_t lane) {
 
 static void store_memory(const lanes *l, size_t lane) {
   engine *e = l->system[lane];
-  sd_state *s = e->state;
   pairs *p = &e->work.pairs;
-  double *to[PAIR_MEMORY] = {p->star, p->ex, p->ey, p->force, p->overlap, p->stretch, p->turned, p->slide};
+  double *to[PAIR_MEMORY] = {p->star,   p->ex,   p->ey,      p->force,    p->overlap, p->stretch,
+                             p->turned, p->slip, p->viscous, p->friction, p->gain};
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
     if (n == SIZE_MAX) continue; /* farther apart than any contact */
     for (size_t r = 0; r < PAIR_MEMORY; r++) to[r][n] = *cell(l, l->pair[k], r, lane);
-    double slip = p->slide[n];
-    p->slide[n] = slip > 0.0 ? -1.0 : slip < 0.0 ? 1.0 : 0.0;
-    p->fx[n] = *cell(l, l->pair[k], PAIR_FX, lane);
-    p->fy[n] = *cell(l, l->pair[k], PAIR_FY, lane);
-    p->tau[n] = *cell(l, l->pair[k], PAIR_TAU, lane);
-  }
-  for (size_t i = 0; i < l->n_free; i++) {
-    s->loss_viscous[i] = *cell(l, l->disk[i], DISK_VISCOUS, lane);
-    s->loss_friction[i] = *cell(l, l->disk[i], DISK_FRICTION, lane);
-    s->gain_variant[i] = *cell(l, l->disk[i], DISK_VARIANT, lane);
+    double fx = *cell(l, l->pair[k], PAIR_FX, lane), fy = *cell(l, l->pair[k], PAIR_FY, lane);
+    double *push = e->work.incidence.push, tau = *cell(l, l->pair[k], PAIR_TAU, lane);
+    memcpy(push + p->push_a[n], (double[]){-fx, -fy, tau, 0.0}, PUSH_ROW * sizeof *push);
+    memcpy(push + p->push_b[n], (double[]){fx, fy, tau, 0.0}, PUSH_ROW * sizeof *push);
   }
 }
 

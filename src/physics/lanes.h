@@ -24,10 +24,7 @@ enum {
   DISK_COLUMNS = 6,
   DISK_GAIN = DISK_COLUMNS * SD_COORDINATES, /* dt^2/2 over the mass, by coordinate */
   DISK_PUSH = DISK_GAIN + SD_COORDINATES,    /* the same times the constant force */
-  DISK_VISCOUS = DISK_PUSH + SD_COORDINATES,
-  DISK_FRICTION,
-  DISK_VARIANT,
-  DISK_ROWS
+  DISK_ROWS = DISK_PUSH + SD_COORDINATES
 };
 
 /* Rows of a pair. */
@@ -39,7 +36,10 @@ enum {
   PAIR_OVERLAP,
   PAIR_STRETCH,
   PAIR_TURNED,
-  PAIR_SLIP, /* so far the memory */
+  PAIR_SLIP,
+  PAIR_VISCOUS,
+  PAIR_FRICTION,
+  PAIR_VARIANT, /* so far the memory */
   PAIR_MEMORY,
   PAIR_KN = PAIR_MEMORY,
   PAIR_KT,
@@ -129,7 +129,7 @@ void lanes_store(lanes *l);
 /* Is every prescribed coordinate computed ahead? Returns for how many steps; 0: the next one needs the general step. */
 int64_t lanes_ready(lanes *l);
 /* Takes n <= lanes_ready steps within a phase, or fewer when a lane goes wrong: then its work.status says so, and its
- * state is that of the step in which it happened. Steps and measured steps of the states are counted on. Rows must be
+ * state is that of the step in which it happened (with Gear, columns 2 to 4 of the disks may be a step ahead). Steps and measured steps of the states are counted on. Rows must be
  * loaded, and are to be stored. Returns the steps that were taken. */
 int64_t lanes_take(lanes *l, int64_t n, bool measure);
 /* Brings the angles to the states. */

@@ -76,8 +76,8 @@ typedef struct PASS(look) {
 typedef struct PASS(flight) {
   LANE(nordsieck) c[LANES_FREE][SD_COORDINATES];
   LANE(law_memory) m[LANES_PAIRS];
+  LANE(real) ex[LANES_PAIRS], ey[LANES_PAIRS];
   LANE(law_push) push[LANES_PAIRS];
-  LANE(law_booked) booked[LANES_PAIRS];
   PASS(look) before, now; /* corrected poses of the step whose history is pending; trial poses */
   LANE(mask) returns;
   bool pending, treated;
@@ -112,8 +112,8 @@ LANE_INLINE void PASS(pick_up_pair)(const lanes *l, PASS(flight) * f, size_t k) 
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(law_memory) *m = &f->m[k];
   m->star = PASS(row)(p, PAIR_STAR);
-  m->ex = PASS(row)(p, PAIR_EX);
-  m->ey = PASS(row)(p, PAIR_EY);
+  f->ex[k] = PASS(row)(p, PAIR_EX);
+  f->ey[k] = PASS(row)(p, PAIR_EY);
   m->force = PASS(row)(p, PAIR_FORCE);
   m->overlap = PASS(row)(p, PAIR_OVERLAP);
   m->stretch = PASS(row)(p, PAIR_STRETCH);
@@ -126,8 +126,8 @@ LANE_INLINE void PASS(put_pair)(const lanes *l, const PASS(flight) * f, size_t k
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(law_memory) *m = &f->m[k];
   PASS(set_row)(p, PAIR_STAR, m->star);
-  PASS(set_row)(p, PAIR_EX, m->ex);
-  PASS(set_row)(p, PAIR_EY, m->ey);
+  PASS(set_row)(p, PAIR_EX, f->ex[k]);
+  PASS(set_row)(p, PAIR_EY, f->ey[k]);
   PASS(set_row)(p, PAIR_FORCE, m->force);
   PASS(set_row)(p, PAIR_OVERLAP, m->overlap);
   PASS(set_row)(p, PAIR_STRETCH, m->stretch);
@@ -187,8 +187,8 @@ LANE_INLINE void PASS(see_pair)(const lanes *l, const PASS(shape) * s, const PAS
   in->sum = PASS(row)(p, PAIR_SUM);
   in->arc = PASS(row)(p, PAIR_RA) * w->free[a][POSE_THETA] +
             PASS(row)(p, PAIR_RB) * PASS(pose)(l, s, w, b, POSE_THETA, at);
-  in->ex = f->m[k].ex;
-  in->ey = f->m[k].ey;
+  in->ex = f->ex[k];
+  in->ey = f->ey[k];
   in->active = LANE(all_lanes)(1);
   w->geometry[k] = LANE(law_geometry_of)(in);
 }
@@ -206,8 +206,8 @@ LANE_INLINE void PASS(meet)(const lanes *l, const PASS(flight) * f, PASS(look) *
 LANE_INLINE void PASS(push)(const lanes *l, const PASS(shape) * s, PASS(flight) * f, size_t k) {
   const LANE(law_constants) c = PASS(law_of)(PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS));
   const PASS(look) *w = &f->now;
-  LANE(real) scale = s->conservative ? w->in[k].sum * w->geometry[k].inverse_r : LANE(splat)(1.0);
-  f->push[k] = LANE(law_force)(&w->in[k], &w->geometry[k], &w->out[k], &c, scale);
+  LANE(real) scale = s->conservative ? w->geometry[k].lever : LANE(splat)(1.0);
+  f->push[k] = LANE(law_force)(&w->geometry[k], &w->out[k], &c, scale);
   /* a commit looks at the force that acted where the contact was open */
   if (__builtin_expect(LANE(any)(LANE(not )(w->in[k].was_closed)), 0)) PASS(put_push)(l, f, k);
 }
@@ -280,26 +280,9 @@ LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s, const PA
 
 /* --- history ----------------------------------------------------------------------------------------- */
 
-LANE_INLINE void PASS(add_losses)(LANE(law_booked) * sum, const LANE(law_booked) * b, bool shared) {
-  sum->viscous = sum->viscous + (shared ? 0.5 * b->viscous : b->viscous);
-  sum->friction = sum->friction + (shared ? 0.5 * b->friction : b->friction);
-  sum->gain = sum->gain + (shared ? 0.5 * b->gain : b->gain);
-}
-
-LANE_INLINE void PASS(book_losses)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, size_t i) {
-  LANE(real) zero = LANE(splat)(0.0);
-  LANE(law_booked) sum = {.viscous = zero, .friction = zero, .gain = zero};
-  if (s->n_free == 1)
-    EACH_PAIR(k, s->n_pairs, PASS(add_losses)(&sum, &f->booked[k], false));
-  else
-    for (size_t n = 0; n < l->touching[i]; n++) {
-      size_t k = l->entry[i][n] / 2;
-      PASS(add_losses)(&sum, &f->booked[k], l->b[k] < s->n_free);
-    }
-  double *d = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS);
-  PASS(set_row)(d, DISK_VISCOUS, PASS(row)(d, DISK_VISCOUS) + sum.viscous);
-  PASS(set_row)(d, DISK_FRICTION, PASS(row)(d, DISK_FRICTION) + sum.friction);
-  if (!s->conservative) PASS(set_row)(d, DISK_VARIANT, PASS(row)(d, DISK_VARIANT) + sum.gain);
+/* Adds to what a contact has lost. */
+LANE_INLINE void PASS(book)(double *p, size_t row, LANE(real) loss) {
+  PASS(set_row)(p, row, PASS(row)(p, row) + loss);
 }
 
 /* Bits of a mask. */
@@ -353,15 +336,23 @@ LANE_INLINE LANE(mask)
   const LANE(law_constants) c = PASS(law_of)(p);
   const LANE(law_input) *in = &w->in[k];
   const LANE(real) dt = PASS(row)(PASS(rows_at)(l, ROWS_DT), 0);
-  f->booked[k] = LANE(law_commit)(in, &w->geometry[k], &w->out[k], &c, PASS(row)(p, PAIR_LIMIT),
-                                  !s->conservative, dt, &f->m[k]);
-  LANE(mask) rare = f->booked[k].rare;
+  const LANE(law_memory) before = f->m[k];
+  LANE(law_booked)
+  b = LANE(law_commit)(in, &w->geometry[k], &w->out[k], &c, PASS(row)(p, PAIR_LIMIT), !s->conservative,
+                       &f->m[k]);
+  LANE(mask) rare = b.rare;
   if (__builtin_expect(LANE(any)(rare | LANE(not )(in->was_closed)), 0)) {
     LANE(real) fx = PASS(row)(p, PAIR_FX), fy = PASS(row)(p, PAIR_FY), acted = LANE(root)(fx * fx + fy * fy);
     LANE(mask) near = LANE(law_near)(in, &w->geometry[k], &w->out[k], dt);
+    LANE(law_turn_over)(in, &w->geometry[k], &w->out[k], &c, &before, dt, &f->m[k], &b);
     rare = rare | (near & LANE(greater)(acted, LANE(splat)(0.0)));
-    if (LANE(any)(rare)) PASS(note)(p, in, &f->booked[k], LANE(law_missed)(in, &w->out[k], acted, dt));
+    if (LANE(any)(rare)) PASS(note)(p, in, &b, LANE(law_missed)(in, &w->geometry[k], &w->out[k], acted, dt));
+    f->ex[k] = LANE(law_direction)(&b, &w->out[k], f->ex[k], w->geometry[k].nx);
+    f->ey[k] = LANE(law_direction)(&b, &w->out[k], f->ey[k], w->geometry[k].ny);
   }
+  PASS(book)(p, PAIR_VISCOUS, b.viscous);
+  PASS(book)(p, PAIR_FRICTION, b.friction);
+  if (!s->conservative) PASS(book)(p, PAIR_VARIANT, b.gain);
   return rare;
 }
 
@@ -394,13 +385,11 @@ LANE_INLINE void PASS(commit_all)(lanes *l, const PASS(shape) * s, PASS(flight) 
   f->treated = returns || LANE(any)(any);
   if (__builtin_expect(!f->treated, 1)) return;
   EACH_PAIR(k, s->n_pairs, l->rare[k] = PASS(bits_of)(rare[k]));
-  EACH_DISK(i, s->n_free, PASS(book_losses)(l, s, f, i));
   PASS(treat)(l, s, f, w, at, returns);
 }
 
 /* What is left to do for a step once it is committed. */
 LANE_INLINE void PASS(conclude)(lanes *l, const PASS(shape) * s, const PASS(flight) * f) {
-  if (__builtin_expect(!f->treated, 1)) EACH_DISK(i, s->n_free, PASS(book_losses)(l, s, f, i));
   if (l->measure)
     for (size_t w = 0; w < l->n_slides; w++) PASS(count)(l, s, f, w);
 }

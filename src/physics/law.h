@@ -31,34 +31,42 @@ typedef struct LANE(law_input) {
   LANE(mask) active;       /* false: cannot touch here (another piece of the wall does) */
 } LANE(law_input);
 
-/* What follows from the places alone. */
+/* What follows from places and velocities. */
 typedef struct LANE(law_geometry) {
-  LANE(real) inverse_r;    /* 1/r, r signed as sum */
-  LANE(real) reach;        /* overlap, negative where there is a gap */
-  LANE(real) turned, sine; /* angle and sine from e to n */
+  LANE(real) nx, ny;        /* from a to b's surface */
+  LANE(real) reach;         /* overlap, negative where there is a gap */
+  LANE(real) approach;      /* u_n, separation positive */
+  LANE(real) lambda;        /* from the reference direction */
+  LANE(real) turned, sine2; /* angle from e to n, its squared sine */
+  LANE(real) lever;         /* (R_a + R_b)/r */
 } LANE(law_geometry);
 
 typedef struct LANE(law_output) {
-  LANE(real) delta;    /* overlap, 0 when not touching */
-  LANE(real) elastic;  /* k_n delta */
-  LANE(real) approach; /* u_n, separation positive */
-  LANE(real) force;    /* F_n */
-  LANE(real) stretch;  /* zeta after the cap */
-  LANE(real) slip;     /* what the cap took off zeta */
+  LANE(real) delta;   /* overlap, 0 when not touching */
+  LANE(real) elastic; /* k_n delta */
+  LANE(real) force;   /* F_n */
+  LANE(real) stretch; /* zeta after the cap */
+  LANE(real) slip;    /* what the cap took off zeta */
   LANE(mask) touching, closed;
 } LANE(law_output);
 
 LANE_INLINE LANE(law_geometry) LANE(law_geometry_of)(const LANE(law_input) * in) {
   LANE(law_geometry) g;
-  /* the floor under r^2 only keeps a centre on a centre finite */
+  /* the floor under r^2 keeps a centre on a centre finite; it also turns a pose that is not a number into a touch, so
+   * that the step in which it came to be is the one that is looked at */
   LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
   r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & LAW_SIGN));
-  g.inverse_r = 1.0 / r;
+  LANE(real) inverse_r = 1.0 / r;
+  g.nx = in->dx * inverse_r;
+  g.ny = in->dy * inverse_r;
   g.reach = in->sum - r;
+  g.approach = (in->dvx * in->dx + in->dvy * in->dy) * inverse_r;
+  g.lever = in->sum * inverse_r;
   /* angle since the reference direction: asin series */
-  LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * g.inverse_r, z = s * s;
-  g.sine = s;
+  LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * inverse_r, z = s * s;
+  g.sine2 = z;
   g.turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
+  g.lambda = in->arc - in->sum * g.turned;
   return g;
 }
 
@@ -71,12 +79,11 @@ LANE_INLINE LANE(law_output)
   out.delta = LANE(keep)(out.touching, g->reach);
 
   /* normal force: never pulls */
-  out.approach = (in->dvx * in->dx + in->dvy * in->dy) * g->inverse_r;
   out.elastic = k->k_n * out.delta;
-  out.force = LANE(keep)(out.touching, LANE(most)(out.elastic - k->gamma_n * out.approach, zero));
+  out.force = LANE(keep)(out.touching, LANE(most)(out.elastic - k->gamma_n * g->approach, zero));
 
   /* skin: stretch, and Amonton's cap */
-  LANE(real) zeta = LANE(keep)(out.closed, (in->arc - in->sum * g->turned) - in->star);
+  LANE(real) zeta = LANE(keep)(out.closed, g->lambda - in->star);
   LANE(real) cap = k->cap * out.force;
   out.stretch = LANE(most)(LANE(least)(zeta, cap), -cap);
   out.slip = zeta - out.stretch;
@@ -89,17 +96,15 @@ typedef struct LANE(law_push) {
 } LANE(law_push);
 
 /* F_n n - scale tau t, with t = (-n_y, n_x); scale is 1, or (R_a + R_b)/r in the conservative variant. */
-LANE_INLINE LANE(law_push)
-    LANE(law_force)(const LANE(law_input) * in, const LANE(law_geometry) * g, const LANE(law_output) * out,
-                    const LANE(law_constants) * k, LANE(real) scale) {
-  LANE(real) nx = in->dx * g->inverse_r, ny = in->dy * g->inverse_r, tau = -(k->k_t * out->stretch);
-  LANE(real) push = tau * scale;
-  return (LANE(law_push)){out->force * nx + push * ny, out->force * ny - push * nx, tau};
+LANE_INLINE LANE(law_push) LANE(law_force)(const LANE(law_geometry) * g, const LANE(law_output) * out,
+                                           const LANE(law_constants) * k, LANE(real) scale) {
+  LANE(real) tau = -(k->k_t * out->stretch), push = tau * scale;
+  return (LANE(law_push)){out->force * g->nx + push * g->ny, out->force * g->ny - push * g->nx, tau};
 }
 
 /* What a contact remembers, as of its last commit. */
 typedef struct LANE(law_memory) {
-  LANE(real) star, ex, ey;
+  LANE(real) star;
   LANE(real) force, overlap, stretch, turned;
   LANE(real) slip;    /* of that step: which way it slides */
   LANE(real) damping; /* force - k_n overlap: follows from these */
@@ -108,17 +113,17 @@ typedef struct LANE(law_memory) {
 /* What a commit books: losses of the step, and what must be looked at one by one. */
 typedef struct LANE(law_booked) {
   LANE(real) viscous, friction, gain;
-  LANE(real) drop;                /* energy that was left in contacts that opened */
-  LANE(mask) opened, begun, rare; /* rare: these, and contacts that turned far or overlap too deeply */
+  LANE(real) drop;                  /* energy that was left in contacts that opened */
+  LANE(mask) opened, begun, turned; /* turned: these, and contacts that turned far */
+  LANE(mask) rare;                  /* and those that overlap too deeply */
 } LANE(law_booked);
 
-/* Slides the skin, opens and closes contacts, and books the losses of the step: trapezoid between the last committed
+/* Slides the skin and books the losses of the step: trapezoid between the last committed
  * values and the new ones (physics.md 9). limit: largest overlap allowed. variant: the paper's tangential force
  * does work that is not the skin's. */
 LANE_INLINE LANE(law_booked)
     LANE(law_commit)(const LANE(law_input) * in, const LANE(law_geometry) * g, const LANE(law_output) * out,
-                     const LANE(law_constants) * k, LANE(real) limit, int variant, LANE(real) dt,
-                     LANE(law_memory) * m) {
+                     const LANE(law_constants) * k, LANE(real) limit, int variant, LANE(law_memory) * m) {
   LANE(law_booked) b;
   LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5), half_k_t = k->half_k_t;
   LANE(real) rise = out->delta - m->overlap, stretch = m->stretch;
@@ -128,10 +133,10 @@ LANE_INLINE LANE(law_booked)
   b.gain = variant ? half_k_t * torn * (m->turned - g->turned) : zero;
   b.opened = in->was_closed & LANE(not )(out->touching);
   b.begun = LANE(not )(in->was_closed) & out->touching;
-  LANE(mask)
-  far = LANE(greater)(g->sine, LANE(splat)(LAW_REBASE)) | LANE(greater)(LANE(splat)(-LAW_REBASE), g->sine);
-  b.rare = b.opened | b.begun | (far & out->closed) | LANE(greater)(out->delta, limit);
-
+  LANE(mask) far = LANE(greater)(g->sine2, LANE(splat)(LAW_REBASE * LAW_REBASE)) & out->closed;
+  b.turned = b.opened | b.begun | far;
+  b.rare = b.turned | LANE(greater)(out->delta, limit);
+  b.drop = zero;
   m->star = m->star + out->slip;
   m->force = out->force;
   m->overlap = out->delta;
@@ -139,27 +144,32 @@ LANE_INLINE LANE(law_booked)
   m->turned = g->turned;
   m->slip = out->slip;
   m->damping = damping;
-  b.drop = zero;
-  if (!LANE(any)(b.opened | b.begun)) return b;
-
-  /* The force with which a contact begins worked over the whole way of the step, not only over the part of it on
-   * which the disks overlapped. What an opening contact loses is booked as such. */
-  b.drop = LANE(keep)(b.opened, b.viscous + half_k_t * stretch * stretch);
-  LANE(real) way = LANE(keep)(b.begun, -(out->approach * dt) - rise);
-  b.viscous = LANE(keep)(out->touching, b.viscous + half * out->force * way);
-  b.friction = LANE(keep)(out->closed, b.friction);
-  b.gain = LANE(keep)(out->closed, b.gain);
-  /* memory: keep, start (lambda* = lambda, reference direction = n), or forget */
-  m->star = LANE(keep)(out->touching, LANE(select)(out->closed, m->star, in->arc));
-  m->ex = LANE(keep)(out->touching, LANE(select)(out->closed, m->ex, in->dx * g->inverse_r));
-  m->ey = LANE(keep)(out->touching, LANE(select)(out->closed, m->ey, in->dy * g->inverse_r));
-  m->turned = LANE(keep)(out->closed, m->turned);
   return b;
 }
 
-/* Is there a memory: does the reference direction have a length? */
-LANE_INLINE LANE(mask) LANE(law_is_closed)(LANE(real) ex, LANE(real) ey) {
-  return LANE(greater)(ex * ex + ey * ey, LANE(splat)(0.5));
+/* The rest of a commit where contacts have opened or begun. before: overlap and stretch that were remembered.
+ *
+ * The force with which a contact begins worked over the whole way of the step, not only over the part of it on which
+ * the disks overlapped. What an opening contact loses is booked as such. */
+LANE_INLINE void LANE(law_turn_over)(const LANE(law_input) * in, const LANE(law_geometry) * g,
+                                     const LANE(law_output) * out, const LANE(law_constants) * k,
+                                     const LANE(law_memory) * before, LANE(real) dt, LANE(law_memory) * m,
+                                     LANE(law_booked) * b) {
+  LANE(real) half = LANE(splat)(0.5), rise = out->delta - before->overlap;
+  b->drop = LANE(keep)(b->opened, b->viscous + k->half_k_t * before->stretch * before->stretch);
+  LANE(real) way = LANE(keep)(b->begun, -(g->approach * dt) - rise);
+  b->viscous = LANE(keep)(out->touching, b->viscous + half * out->force * way);
+  b->friction = LANE(keep)(out->closed, b->friction);
+  b->gain = LANE(keep)(out->closed, b->gain);
+  /* memory: keep, start (lambda* = lambda, reference direction = n), or forget */
+  m->star = LANE(keep)(out->touching, LANE(select)(out->closed, m->star, in->arc));
+  m->turned = LANE(keep)(out->closed, m->turned);
+}
+
+/* A component of the reference direction after a commit: it begins with n, and is 0 when open. */
+LANE_INLINE LANE(real) LANE(law_direction)(const LANE(law_booked) * b, const LANE(law_output) * out,
+                                           LANE(real) e, LANE(real) n) {
+  return LANE(keep)(out->touching, LANE(select)(b->begun, n, e));
 }
 
 /* A disk that arrives at touch to rounding: the force at the trial coordinates acted, and the corrected ones do not
@@ -168,13 +178,13 @@ LANE_INLINE LANE(mask) LANE(law_is_closed)(LANE(real) ex, LANE(real) ey) {
 LANE_INLINE LANE(mask) LANE(law_near)(const LANE(law_input) * in, const LANE(law_geometry) * g,
                                       const LANE(law_output) * out, LANE(real) dt) {
   return LANE(not )(in->was_closed | out->touching) & in->active &
-         LANE(greater)(g->reach, 2.0 * dt * out->approach);
+         LANE(greater)(g->reach, 2.0 * dt * g->approach);
 }
 
-LANE_INLINE LANE(real) LANE(law_missed)(const LANE(law_input) * in, const LANE(law_output) * out,
-                                        LANE(real) acted, LANE(real) dt) {
+LANE_INLINE LANE(real) LANE(law_missed)(const LANE(law_input) * in, const LANE(law_geometry) * g,
+                                        const LANE(law_output) * out, LANE(real) acted, LANE(real) dt) {
   LANE(real) zero = LANE(splat)(0.0);
   LANE(mask) felt = LANE(greater)(acted, zero);
   LANE(real) wrong = LANE(select)(out->touching, LANE(select)(felt, zero, -out->force), acted);
-  return LANE(select)(in->was_closed, zero, -(wrong * out->approach * dt));
+  return LANE(select)(in->was_closed, zero, -(wrong * g->approach * dt));
 }

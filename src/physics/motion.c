@@ -279,6 +279,7 @@ void motion_place(engine *e, thread_work *mine) {
     p->force_before = *p->force;
     *p->at = p->last = after;
     *p->speed = p->velocity[k];
+    engine_seat(e, p->slot);
   }
   if (q->quiet) return;
   feedback_place(e, &q->feedbacks, mine);

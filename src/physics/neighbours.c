@@ -7,24 +7,23 @@
 #include <string.h>
 
 #include "physics/engine.h"
+#include "physics/kernels.h"
+#include "physics/losses.h"
 #include "physics/walls.h"
 
 /* --- room for pairs ---------------------------------------------------------------------------------- */
 
 static int32_t **whole_columns(pairs *p, size_t k) {
   assert(p);
-  int32_t **column[] = {&p->a, &p->b, &p->part, &p->law};
+  int32_t **column[] = {&p->a, &p->b, &p->part, &p->law, &p->seat_a, &p->seat_b, &p->push_a, &p->push_b};
   return k < sizeof column / sizeof *column ? column[k] : NULL;
 }
 
 static double **real_columns(pairs *p, size_t k) {
-  double **column[] = {&p->star,    &p->ex,      &p->ey,           &p->side,          &p->force,
-                       &p->overlap, &p->stretch, &p->turned,       &p->slide,         &p->fx,
-                       &p->fy,      &p->tau,     &p->loss_viscous, &p->loss_friction, &p->gain};
+  double **column[] = {&p->star,    &p->ex,     &p->ey,   &p->side,    &p->force,    &p->overlap,
+                       &p->stretch, &p->turned, &p->slip, &p->viscous, &p->friction, &p->gain};
   return k < sizeof column / sizeof *column ? column[k] : NULL;
 }
-
-enum { MEMORY_COLUMNS = 9 }; /* of real_columns: carried over a rebuild */
 
 static void *room(size_t n, size_t size) { return aligned_alloc(64, (n * size + 127) / 64 * 64); }
 
@@ -76,6 +75,7 @@ void neighbours_free(engine *e) {
   pairs_free(&e->work.spare);
   free(e->work.incidence.start);
   free(e->work.incidence.entry);
+  free(e->work.incidence.push);
   e->work.incidence = (incidence){0};
 }
 
@@ -292,6 +292,11 @@ static sd_status push_pieces(const engine *e, pairs *p) {
   return status;
 }
 
+static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
+  double **old, **new;
+  for (size_t c = 0; (old = real_columns(from, c)) && (new = real_columns(to, c)); c++) (*new)[n] = (*old)[k];
+}
+
 /* Both lists are ordered by (a, key), so one sweep finds what the old one remembers. */
 static void carry_memory(const engine *e, pairs *from, pairs *to, size_t from_begin, size_t from_end,
                          size_t to_begin, size_t to_end) {
@@ -305,7 +310,9 @@ static void carry_memory(const engine *e, pairs *from, pairs *to, size_t from_be
       k++;
     if (k == from_end) return;
     if (from->a[k] != to->a[n] || from->b[k] != to->b[n] || from->part[k] != to->part[n]) continue;
-    for (size_t c = 0; c < MEMORY_COLUMNS; c++) (*real_columns(to, c))[n] = (*real_columns(from, c))[k];
+    carry_pair(from, k, to, n);
+    from->viscous[k] = from->friction[k] = from->gain[k] =
+        0.0; /* what is left is of contacts that end here */
   }
 }
 
@@ -318,10 +325,12 @@ static sd_status list_incidence(engine *e) {
   if (!n->start) n->start = malloc((s->n_bodies + 2) * sizeof *n->start);
   if (2 * p->count > n->capacity) {
     free(n->entry);
+    free(n->push);
     n->capacity = 2 * p->capacity;
     n->entry = malloc(n->capacity * sizeof *n->entry);
+    n->push = room(n->capacity, PUSH_ROW * sizeof *n->push);
   }
-  if (!n->start || (n->capacity && !n->entry)) return SD_ERROR_IO;
+  if (!n->start || (n->capacity && !(n->entry && n->push))) return SD_ERROR_IO;
   memset(n->start, 0, (s->n_bodies + 2) * sizeof *n->start);
   for (size_t k = 0; k < p->count; k++) {
     n->start[p->a[k] + 2]++;
@@ -345,6 +354,8 @@ static sd_status list_incidence(engine *e) {
       }
       n->entry[at] = entry;
     }
+  for (size_t at = 0; at < n->start[s->n_bodies]; at++)
+    (n->entry[at] & 1 ? p->push_b : p->push_a)[n->entry[at] / 2] = (int32_t)(PUSH_ROW * at);
   return SD_OK;
 }
 
@@ -445,9 +456,13 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
   if (old->capacity) {
     carry_memory(e, old, next, 0, old->n_round, 0, next->n_round);
     carry_memory(e, old, next, old->n_round, old->count, next->n_round, next->count);
+    for (size_t k = 0; k < old->count; k++) losses_end(e, old, k);
   }
-  for (size_t k = 0; k < next->count; k++)
+  for (size_t k = 0; k < next->count; k++) {
+    next->seat_a[k] = SEAT_ROW * next->a[k];
+    next->seat_b[k] = SEAT_ROW * next->b[k];
     next->law[k] = s->material[next->a[k]] * (int32_t)e->model->n_materials + s->material[next->b[k]];
+  }
   pairs swap = *old;
   *old = *next;
   *next = swap;
@@ -456,6 +471,7 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
   find_watched(e);
   note_poses(e);
+  w->kernels->seat(e, 0, s->n_bodies);
   w->list_scale = s->box_scale;
   w->moved_limit2 = limit_of(e) * limit_of(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;

@@ -1,6 +1,6 @@
 /* pair_pass.h: one pass over LANE_WIDTH pairs; included once per width after physics/law.h.
  *
- * The force pass writes fx, fy (on b) and tau from trial coordinates and leaves the memory alone. The commit
+ * The force pass writes what each contact does to its two bodies, from trial coordinates, and leaves the memory alone. The commit
  * pass slides the skin, opens and closes contacts and books the losses of the step. Velocity Verlet does both in
  * one.
  */
@@ -31,103 +31,149 @@ LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *la
   return k;
 }
 
-/* Forces on b: F_n n - scale tau t, with t = (-n_y, n_x). */
-LANE_INLINE void LANE(store_force)(pairs *p, size_t at, const LANE(law_input) * in,
-                                   const LANE(law_geometry) * g, const LANE(law_output) * out,
-                                   const LANE(law_constants) * k, LANE(real) scale) {
-  LANE(law_push) push = LANE(law_force)(in, g, out, k, scale);
-  LANE(store)(p->fx + at, push.fx);
-  LANE(store)(p->fy + at, push.fy);
-  LANE(store)(p->tau + at, push.tau);
+/* Forces on b: F_n n - scale tau t, with t = (-n_y, n_x); on a the opposite. */
+LANE_INLINE void LANE(store_force)(work *w, size_t at, const LANE(law_push) * push) {
+  const LANE(real) row[PUSH_ROW] = {push->fx, push->fy, push->tau, LANE(splat)(0.0)};
+  LANE(put4)(w->incidence.push, w->pairs.push_b + at, w->pairs.push_a + at, row);
 }
 
-/* Writes down what has to be treated one by one after the pass. before: the memory before the commit. */
-LANE_INLINE void LANE(note)(pairs *p, thread_work *mine, size_t at, const LANE(law_memory) * before,
-                            const LANE(law_booked) * b, LANE(mask) which, LANE(real) missed) {
-  double drop[LANE_WIDTH], wrong[LANE_WIDTH], memory[6][LANE_WIDTH];
+/* Size of the forces that acted in the step. */
+LANE_INLINE LANE(real) LANE(acted)(const work *w, size_t at) {
+  LANE(real) f[2];
+  LANE(pick2)(w->incidence.push, w->pairs.push_b + at, f);
+  return LANE(root)(f[0] * f[0] + f[1] * f[1]);
+}
+
+/* Writes down what has to be treated one by one after the pass; the memory is still that of before. */
+LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, size_t at, const LANE(law_booked) * b,
+                            LANE(mask) which, LANE(real) missed) {
+  double drop[LANE_WIDTH], wrong[LANE_WIDTH];
   LANE(store)(wrong, missed);
   LANE(store)(drop, b->drop);
-  LANE(store)(memory[0], before->star);
-  LANE(store)(memory[1], before->ex);
-  LANE(store)(memory[2], before->ey);
-  LANE(store)(memory[3], before->force);
-  LANE(store)(memory[4], before->overlap);
-  LANE(store)(memory[5], before->stretch);
-  for (int l = 0; l < LANE_WIDTH; l++) {
-    if (!LANE(lane_is)(which, l)) continue;
-    event *v = event_add(&mine->events, (uint32_t)at + (uint32_t)l, drop[l]);
-    if (v)
-      v->star = memory[0][l], v->ex = memory[1][l], v->ey = memory[2][l], v->side = p->side[at + (size_t)l];
-    if (v)
-      v->force = memory[3][l], v->overlap = memory[4][l], v->stretch = memory[5][l], v->missed = wrong[l];
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    if (!LANE(lane_is)(which, (int)l)) continue;
+    event *v = event_add(&mine->events, (uint32_t)(at + l), drop[l]);
+    if (!v) return; /* the list knows */
+    v->star = p->star[at + l];
+    v->ex = p->ex[at + l];
+    v->ey = p->ey[at + l];
+    v->side = p->side[at + l];
+    v->force = p->force[at + l];
+    v->overlap = p->overlap[at + l];
+    v->stretch = p->stretch[at + l];
+    v->missed = wrong[l];
   }
 }
 
-LANE_INLINE void LANE(commit)(pairs *p, thread_work *mine, size_t at, const LANE(law_input) * in,
-                              const LANE(law_geometry) * g, const LANE(law_output) * out,
-                              const LANE(law_constants) * k, LANE(real) limit, int variant, double dt) {
-  LANE(law_memory)
-  m = {.star = in->star,
-       .ex = in->ex,
-       .ey = in->ey,
-       .force = LANE(load)(p->force + at),
-       .overlap = LANE(load)(p->overlap + at),
-       .stretch = LANE(load)(p->stretch + at),
-       .turned = LANE(load)(p->turned + at)};
-  m.damping = m.force - k->k_n * m.overlap;
-  const LANE(law_memory) before = m;
-  LANE(real) zero = LANE(splat)(0.0), step = LANE(splat)(dt);
-  LANE(law_booked) b = LANE(law_commit)(in, g, out, k, limit, variant, step, &m);
-  LANE(store)(p->loss_viscous + at, b.viscous);
-  LANE(store)(p->loss_friction + at, b.friction);
-  LANE(store)(p->gain + at, b.gain);
-  LANE(store)(p->star + at, m.star);
-  LANE(store)(p->ex + at, m.ex);
-  LANE(store)(p->ey + at, m.ey);
-  LANE(store)(p->force + at, m.force);
-  LANE(store)(p->overlap + at, m.overlap);
-  LANE(store)(p->stretch + at, m.stretch);
-  LANE(store)(p->turned + at, m.turned);
-  LANE(real)
-  slide = LANE(select)(LANE(greater)(m.slip, zero), LANE(splat)(-1.0), LANE(splat)(1.0));
-  LANE(store)(p->slide + at, LANE(select)(LANE(equal)(m.slip, zero), zero, slide));
+/* Adds to what contacts have lost. */
+LANE_INLINE void LANE(book)(double *sum, LANE(real) loss) { LANE(store)(sum, LANE(load)(sum) + loss); }
 
-  LANE(mask) near = LANE(law_near)(in, g, out, step);
-  if (!LANE(any)(b.rare | near)) return;
-  LANE(real) fx = LANE(load)(p->fx + at), fy = LANE(load)(p->fy + at), acted = LANE(root)(fx * fx + fy * fy);
-  LANE(mask) which = b.rare | (near & LANE(greater)(acted, zero));
-  if (LANE(any)(which)) LANE(note)(p, mine, at, &before, &b, which, LANE(law_missed)(in, out, acted, step));
+/* Slides the skin. Of the overlaps, those beyond the limit of the smallest body are called rare: more than there are. */
+LANE_INLINE LANE(law_booked)
+    LANE(slide)(const work *w, size_t at, const LANE(law_input) * in, const LANE(law_geometry) * g,
+                const LANE(law_output) * out, const LANE(law_constants) * k, int variant,
+                LANE(law_memory) * before, LANE(law_memory) * m) {
+  const pairs *p = &w->pairs;
+  *before = (LANE(law_memory)){.star = in->star,
+                               .force = LANE(load)(p->force + at),
+                               .overlap = LANE(load)(p->overlap + at),
+                               .stretch = LANE(load)(p->stretch + at),
+                               .turned = LANE(load)(p->turned + at)};
+  before->damping = before->force - k->k_n * before->overlap;
+  *m = *before;
+  return LANE(law_commit)(in, g, out, k, LANE(splat)(w->least_limit), variant, m);
 }
 
-LANE_INLINE void LANE(round_pass)(engine *e, thread_work *mine, const pair_view *s, size_t at, int pass) {
-  work *w = &e->work;
+/* Contacts that open and begin, and what has to be treated one by one. */
+LANE_INLINE void LANE(turn_over)(work *w, thread_work *mine, size_t at, const LANE(law_input) * in,
+                                 const LANE(law_geometry) * g, const LANE(law_output) * out,
+                                 const LANE(law_constants) * k, LANE(real) limit,
+                                 const LANE(law_memory) * before, LANE(law_memory) * m,
+                                 LANE(law_booked) * b) {
   pairs *p = &w->pairs;
-  const int32_t *a = s->a + at, *b = s->b + at;
-  LANE(law_input) in;
-  in.dx = LANE(gather)(s->x, b) - LANE(gather)(s->x, a);
-  in.dy = LANE(gather)(s->y, b) - LANE(gather)(s->y, a);
+  LANE(real) step = LANE(splat)(w->dt), acted = LANE(acted)(w, at);
+  LANE(law_turn_over)(in, g, out, k, before, step, m, b);
+  LANE(mask) near = LANE(law_near)(in, g, out, step) & LANE(greater)(acted, LANE(splat)(0.0));
+  LANE(mask) which = b->turned | LANE(greater)(out->delta, limit) | near;
+  if (LANE(any)(which)) LANE(note)(p, mine, at, b, which, LANE(law_missed)(in, g, out, acted, step));
+  LANE(store)(p->ex + at, LANE(law_direction)(b, out, LANE(load)(p->ex + at), g->nx));
+  LANE(store)(p->ey + at, LANE(law_direction)(b, out, LANE(load)(p->ey + at), g->ny));
+}
+
+LANE_INLINE void LANE(store_memory)(pairs *p, size_t at, const LANE(law_memory) * m,
+                                    const LANE(law_booked) * b, int variant) {
+  LANE(book)(p->viscous + at, b->viscous);
+  LANE(book)(p->friction + at, b->friction);
+  if (variant) LANE(book)(p->gain + at, b->gain);
+  LANE(store)(p->star + at, m->star);
+  LANE(store)(p->force + at, m->force);
+  LANE(store)(p->overlap + at, m->overlap);
+  LANE(store)(p->stretch + at, m->stretch);
+  LANE(store)(p->turned + at, m->turned);
+  LANE(store)(p->slip + at, m->slip);
+}
+
+/* Two bodies of each lane as they are seen. */
+typedef struct LANE(two_seats) {
+  LANE(real) a[4], b[4];
+} LANE(two_seats);
+
+LANE_INLINE LANE(two_seats) LANE(seats_of)(const work *w, size_t at) {
+  LANE(two_seats) s;
+  LANE(pick4)(w->seats, w->pairs.seat_a + at, s.a);
+  LANE(pick4)(w->seats, w->pairs.seat_b + at, s.b);
+  return s;
+}
+
+/* What the law needs of a vector of round pairs. */
+LANE_INLINE LANE(law_geometry) LANE(see)(const work *w, size_t at) {
+  const pairs *p = &w->pairs;
+  LANE(two_seats) s = LANE(seats_of)(w, at);
+  LANE(real) va[2], vb[2];
+  LANE(pick2)(w->seats + SEAT_VX, p->seat_a + at, va);
+  LANE(pick2)(w->seats + SEAT_VX, p->seat_b + at, vb);
+  LANE(law_input)
+  in = {.dx = s.b[SEAT_X] - s.a[SEAT_X],
+        .dy = s.b[SEAT_Y] - s.a[SEAT_Y],
+        .dvx = vb[0] - va[0],
+        .dvy = vb[1] - va[1],
+        .sum = s.a[SEAT_RADIUS] + s.b[SEAT_RADIUS],
+        .arc = s.a[SEAT_ARC] + s.b[SEAT_ARC],
+        .ex = LANE(load)(p->ex + at),
+        .ey = LANE(load)(p->ey + at)};
   if (w->periodic[0]) in.dx = in.dx - w->length[0] * LANE(nearest)(in.dx * w->inverse_length[0]);
   if (w->periodic[1]) in.dy = in.dy - w->length[1] * LANE(nearest)(in.dy * w->inverse_length[1]);
-  in.dvx = LANE(gather)(s->vx, b) - LANE(gather)(s->vx, a);
-  in.dvy = LANE(gather)(s->vy, b) - LANE(gather)(s->vy, a);
-  LANE(real) ra = LANE(gather)(s->radius, a), rb = LANE(gather)(s->radius, b);
-  in.sum = ra + rb;
-  in.arc = ra * LANE(gather)(s->theta, a) + rb * LANE(gather)(s->theta, b);
-  in.star = LANE(load)(p->star + at);
-  in.ex = LANE(load)(p->ex + at);
-  in.ey = LANE(load)(p->ey + at);
-  in.was_closed = LANE(law_is_closed)(in.ex, in.ey);
-  in.active = LANE(all_lanes)(1);
+  return LANE(law_geometry_of)(&in);
+}
 
-  LANE(law_constants) k = LANE(constants)(w, p->law + at);
-  LANE(law_geometry) g = LANE(law_geometry_of)(&in);
-  LANE(law_output) out = LANE(law)(&in, &g, &k);
+LANE_INLINE void LANE(meet)(engine *e, thread_work *mine, size_t at, const LANE(law_geometry) * g, int pass) {
+  work *w = &e->work;
+  pairs *p = &w->pairs;
+  const int variant = !w->conservative;
+  LANE(law_input)
+  in = {.star = LANE(load)(p->star + at),
+        .was_closed = LANE(greater)(LANE(load)(p->overlap + at), LANE(splat)(0.0)),
+        .active = LANE(all_lanes)(1)};
+  const LANE(law_constants) k = LANE(constants)(w, p->law + at);
+  const LANE(law_output) out = LANE(law)(&in, g, &k);
   if (pass & PASS_FORCE) {
-    LANE(real) scale = w->conservative ? in.sum * g.inverse_r : LANE(splat)(1.0);
-    LANE(store_force)(p, at, &in, &g, &out, &k, scale);
+    LANE(law_push) push = LANE(law_force)(g, &out, &k, variant ? LANE(splat)(1.0) : g->lever);
+    LANE(store_force)(w, at, &push);
   }
-  if (pass & PASS_COMMIT) {
-    LANE(real) smaller = LANE(least)(ra, LANE(most)(rb, -rb));
-    LANE(commit)(p, mine, at, &in, &g, &out, &k, e->model->max_overlap * smaller, !w->conservative, w->dt);
+  if (!(pass & PASS_COMMIT)) return;
+  LANE(law_memory) before, m;
+  LANE(law_booked) b = LANE(slide)(w, at, &in, g, &out, &k, variant, &before, &m);
+  LANE(mask) near = LANE(law_near)(&in, g, &out, LANE(splat)(w->dt));
+  if (__builtin_expect(LANE(any)(b.rare | near), 0)) {
+    LANE(two_seats) s = LANE(seats_of)(w, at);
+    LANE(real) rb = s.b[SEAT_RADIUS], smaller = LANE(least)(s.a[SEAT_RADIUS], LANE(most)(rb, -rb));
+    in.arc = s.a[SEAT_ARC] + s.b[SEAT_ARC];
+    LANE(turn_over)(w, mine, at, &in, g, &out, &k, e->model->max_overlap * smaller, &before, &m, &b);
   }
+  LANE(store_memory)(p, at, &m, &b, variant);
+}
+
+LANE_INLINE void LANE(round_pass)(engine *e, thread_work *mine, size_t at, int pass) {
+  LANE(law_geometry) g = LANE(see)(&e->work, at);
+  LANE(meet)(e, mine, at, &g, pass);
 }

@@ -1,7 +1,7 @@
 /* step.c: the step, one page.
  *
  * predict free disks -> place prescribed bodies at t + dt -> (stale? rebuild neighbours, carrying contacts)
- * -> one force per contact -> gather per disk in fixed order -> correct -> commit lambda* -> book losses.
+ * -> one force per contact -> gather per body in fixed order, correct -> commit lambda*, book losses.
  *
  * Every loop writes only its own indices; each wait makes what was written visible to the whole team.
  */
@@ -19,14 +19,17 @@ static bool any_stale(const work *w) {
   return stale;
 }
 
+void step_begin(engine *e) { e->work.kernels->seat(e, e->state->n_free, e->state->n_bodies); }
+
 void step_once(engine *e, const team *t) {
   work *w = &e->work;
   const kernels *k = w->kernels;
   thread_work *mine = &w->threads[t->rank];
   const bool first = t->rank == 0, one_pass = e->model->integrator == SD_VERLET;
+  const size_t n_free = e->state->n_free;
   size_t disk, disks_end, body, bodies_end, pair, pairs_end;
-  team_share(t, e->state->n_free, &disk, &disks_end);
-  team_share(t, e->state->n_bodies, &body, &bodies_end);
+  team_share(t, n_free, &disk, &disks_end);
+  team_share(t, e->state->n_bodies - n_free, &body, &bodies_end);
 
   /* trial coordinates at t + dt, and the exact ones of what is prescribed */
   k->predict[e->model->integrator](e, mine, disk, disks_end);
@@ -50,19 +53,17 @@ void step_once(engine *e, const team *t) {
    * so lambda* is committed at once. */
   k->pairs(e, mine, pair, pairs_end, one_pass ? PASS_FORCE | PASS_COMMIT : PASS_FORCE);
   team_wait(t);
-  k->gather(e, body, bodies_end);
-  team_wait(t);
-  if (first) motion_work(e);
+  k->gather(e, n_free + body, n_free + bodies_end);
   k->correct[e->model->integrator](e, mine, disk, disks_end);
   team_wait(t);
+  if (first) motion_work(e);
 
   /* history is written once a step, from the corrected coordinates */
   if (!one_pass) {
+    team_wait(t);
     k->pairs(e, mine, pair, pairs_end, PASS_COMMIT);
     team_wait(t);
   }
-  k->losses(e, disk, disks_end);
-  team_wait(t);
   if (first) {
     if (contacts_any_event(w)) w->status = contacts_events(e, w->messages);
     e->state->step++;

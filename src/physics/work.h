@@ -24,27 +24,31 @@ typedef struct law_row {
  * rebuilds; the others are written by the function named. */
 typedef struct pairs {
   size_t count, n_round, capacity;
-  int32_t *a, *b;                                     /* slots; neighbours_build */
-  int32_t *part;                                      /* straight piece; neighbours_build */
-  int32_t *law;                                       /* row of the law table; neighbours_build */
-  double *star, *ex, *ey, *side;                      /* M */
-  double *force, *overlap, *stretch, *turned, *slide; /* M, slide as 0, +1, -1 */
-  double *fx, *fy, *tau;                              /* force on b, and tau; pairs kernels, force pass */
-  double *loss_viscous, *loss_friction, *gain;        /* of this step; pairs kernels, commit pass */
+  int32_t *a, *b;                /* slots; neighbours_build */
+  int32_t *part;                 /* straight piece; neighbours_build */
+  int32_t *law;                  /* row of the law table; neighbours_build */
+  double *star, *ex, *ey, *side; /* M */
+  double *force, *overlap, *stretch, *turned,
+      *slip;                         /* M; of slip, what the last commit's cap took off, the sign */
+  double *viscous, *friction, *gain; /* M: lost since the contact began; 0 when open */
+  int32_t *seat_a, *seat_b, *push_a,
+      *push_b; /* where rows of seats and of its pushes begin; neighbours_build */
 } pairs;
 
-/* Where a pass over round pairs finds their bodies: columns, and each pair's two places in them. */
-typedef struct pair_view {
-  const double *x, *y, *theta, *vx, *vy, *radius;
-  const int32_t *a, *b;
-} pair_view;
-
-/* The contacts of each body in order of the partner's key: entry = 2 * pair + (1 if the body is b). */
+/* The contacts of each body in order of the partner's key: entry = 2 * pair + (1 if the body is b). What a contact
+ * does to the body stands beside it: force (x, y), and torque over the radius, about a straight wall's pivot the
+ * torque itself; pairs kernels, force pass. */
+enum { PUSH_X, PUSH_Y, PUSH_TURN, PUSH_ROW = 4 };
 typedef struct incidence {
   size_t *start; /* [n_bodies + 1] */
   uint32_t *entry;
+  double *push; /* [entries][PUSH_ROW] */
   size_t capacity;
 } incidence;
+
+/* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
+ * motion_place write it with the pose; engine_seat does after changes between steps. */
+enum { SEAT_X, SEAT_Y, SEAT_ARC, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
 
 /* A straight piece of a wall in space; walls_place. */
 typedef struct placed_segment {
@@ -109,6 +113,8 @@ typedef struct work {
   /* lists; neighbours_build */
   pairs pairs, spare; /* spare: room for the next build */
   incidence incidence;
+  double *seats;             /* [n_bodies][SEAT_ROW] */
+  double least_limit;        /* of the overlap, of the smallest body */
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
   double list_scale;         /* state->box_scale when the lists were built */
   double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */

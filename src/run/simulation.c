@@ -136,6 +136,7 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
 
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
+  step_begin(e);
   if (threads == 1) {
     unsigned mode = subnormal_off();
     if (e->work.lanes)

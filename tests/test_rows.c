@@ -1,0 +1,78 @@
+/* Rows of numbers against vectors (base/lane.h), for every width, whatever this machine's is. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#undef LANE_WIDTH
+#define LANE_WIDTH 2
+#include "base/lane.h"
+#undef LANE_WIDTH
+#define LANE_WIDTH 4
+#include "base/lane.h"
+#undef LANE_WIDTH
+#define LANE_WIDTH 8
+#include "base/lane.h"
+
+enum { MOST = 8, ROW = 12, ROWS = 40 };
+
+/* Where row k of a test begins: in no order, at any double. */
+static int32_t place(int k, int seed) { return ROW * ((k * 7 + seed * 3) % ROWS) + seed % 5; }
+
+static void fill(double *memory, size_t n) {
+  for (size_t k = 0; k < n; k++) memory[k] = 1.0 + (double)k;
+}
+
+#define TEST_OF(width)                                                                                       \
+  static void rows_w##width(void **unused) {                                                                 \
+    (void)unused;                                                                                            \
+    for (int seed = 0; seed < 50; seed++) {                                                                  \
+      double memory[ROW * ROWS + 16], expected[ROW * ROWS + 16];                                             \
+      int32_t at[MOST], other[MOST];                                                                         \
+      real_w##width c[4], two[2];                                                                            \
+      fill(memory, sizeof memory / sizeof *memory);                                                          \
+      for (int l = 0; l < width; l++) at[l] = place(l, seed), other[l] = place(l + width, seed);             \
+      pick4_w##width(memory, at, c);                                                                         \
+      pick2_w##width(memory + 1, at, two);                                                                   \
+      double column[4][MOST], half[2][MOST];                                                                 \
+      for (int k = 0; k < 4; k++) store_w##width(column[k], c[k]);                                           \
+      for (int k = 0; k < 2; k++) store_w##width(half[k], two[k]);                                           \
+      for (int l = 0; l < width; l++) {                                                                      \
+        for (int k = 0; k < 4; k++) assert_true(column[k][l] == memory[at[l] + k]);                          \
+        for (int k = 0; k < 2; k++) assert_true(half[k][l] == memory[at[l] + 1 + k]);                        \
+      }                                                                                                      \
+      memset(memory, 0, sizeof memory);                                                                      \
+      memset(expected, 0, sizeof expected);                                                                  \
+      put4_w##width(memory, at, other, c);                                                                   \
+      for (int l = 0; l < width; l++)                                                                        \
+        for (int k = 0; k < 4; k++) {                                                                        \
+          expected[at[l] + k] = column[k][l];                                                                \
+          expected[other[l] + k] = k < 2 ? -column[k][l] : column[k][l];                                     \
+        }                                                                                                    \
+      assert_memory_equal(memory, expected, sizeof memory);                                                  \
+      memset(memory, 0, sizeof memory);                                                                      \
+      memset(expected, 0, sizeof expected);                                                                  \
+      lay4_w##width(memory + 3, 6, c);                                                                       \
+      for (int l = 0; l < width; l++)                                                                        \
+        for (int k = 0; k < 4; k++) expected[3 + 6 * l + k] = column[k][l];                                  \
+      assert_memory_equal(memory, expected, sizeof memory);                                                  \
+    }                                                                                                        \
+  }
+TEST_OF(1)
+TEST_OF(2)
+TEST_OF(4)
+TEST_OF(8)
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(rows_w1),
+      cmocka_unit_test(rows_w2),
+      cmocka_unit_test(rows_w4),
+      cmocka_unit_test(rows_w8),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
