@@ -365,6 +365,30 @@ static void test_overrides(void **state) {
   assert_int_equal(sd_messages_count(messages), 1);
   assert_string_equal(sd_messages_text(messages, 0),
                       "-D gravity.g = 3: the sweep sets this key; it counts for points that do not set it");
+  /* in other words, too */
+#define SHAKEN                                                                                               \
+  HEAD "sweep = { parameters = ( { path = \"motions.p.amplitude\"; name = \"eps\"; values = (1, 2); }, { "   \
+       "path "                                                                                               \
+       "= \"gravity.tilt\"; values = (0); } ); };\n" TAIL
+  const char *const alike[] = {"motions[*].amplitude=3", "motions[0].acceleration=2",
+                               "motions.q.amplitude=4"};
+  assert_int_equal(load(SHAKEN, 3, alike), SD_OK);
+  assert_int_equal(sd_messages_count(messages), 2);
+  assert_string_equal(
+      sd_messages_text(messages, 0),
+      "-D motions[*].amplitude=3: the sweep sets this key; it counts for points that do not set it");
+  assert_string_equal(sd_messages_text(messages, 1), "-D motions[0].acceleration=2: the sweep sets a key "
+                                                     "that takes this one away; it counts for points that "
+                                                     "do not set it");
+  /* a parameter goes by its name in the table */
+  const char *const named[] = {"sweep.parameters.eps.values=(3)", "sweep.parameters.tilt.values=(1, 2)"};
+  assert_int_equal(load(SHAKEN, 2, named), SD_OK);
+  names_are("eps=3,tilt=1 eps=3,tilt=2");
+  const char *const unnamed[] = {"sweep.parameters.tlt.values=(1)"};
+  assert_int_equal(load(SHAKEN, 1, unnamed), SD_ERROR_USER);
+  assert_non_null(strstr(sd_messages_text(messages, 0),
+                         "sweep.parameters has no entry named \"tlt\"; did you mean \"tilt\"?"));
+#undef SHAKEN
   const char *const made[] = {"sweep.replicas=3"};
   assert_int_equal(load(HEAD TAIL, 1, made), SD_OK);
   names_are("base r=1 r=2");

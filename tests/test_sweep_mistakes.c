@@ -122,6 +122,42 @@ static void test_mistakes(void **state) {
       "more than 1000000 points");
 }
 
+/* A key is a key however its path is written, and of either-or keys one counts. */
+static void test_same_keys(void **state) {
+  (void)state;
+#define TWO(a, b)                                                                                            \
+  "{ parameters = ( { path = " a "; name = \"one\"; values = (1, 2); },\n{ path = " b                        \
+  "; name = \"two\"; values = (3); } ); }"
+  bad(TWO("\"dt\"", "\"dt \""), "dt  is set by another parameter already, as dt (");
+  bad(TWO("\"motions[*].amplitude\"", "\"motions.q.amplitude\""),
+      "deck.cfg:3: sweep.parameters[1].path = \"motions.q.amplitude\": motions.q.amplitude is set by another "
+      "parameter already, as motions[*].amplitude (");
+  expect_message("deck.cfg:2)");
+  bad(TWO("\"motions.q.amplitude\"", "\"motions.[1].amplitude\""), "already, as motions.q.amplitude (");
+  bad(TWO("\"motions[*].omega\"", "\"motions.[*].omega\""), "already, as motions[*].omega (");
+  bad(TWO("\"disks.b.locked\"", "\"disks[1].locked[0]\""), "already, as disks.b.locked (");
+  bad(TWO("\"box.x\"", "\"box.x[1]\""), "already, as box.x (");
+  bad(TWO("\"motions.p.acceleration\"", "\"motions.p.amplitude\""),
+      "deck.cfg:3: sweep.parameters[1].path = \"motions.p.amplitude\": motions.p.amplitude takes "
+      "motions.p.acceleration away, which another parameter sets (");
+  bad(TWO("\"motions[0].frequency\"", "\"motions[*].omega\""), "takes motions[0].frequency away");
+  bad(TWO("\"steps\"", "\"time\""), "time takes steps away");
+  bad(TWO("\"gravity.g\"", "[\"motions.p.omega\", \"skin\", \"motions[0].frequency\"]"),
+      "motions[0].frequency takes motions.p.omega away, which this parameter sets (");
+#undef TWO
+  /* what only looks alike is apart */
+  assert_int_equal(
+      load(HEAD
+           "sweep = ( { parameters = ( { path = \"motions[0].amplitude\"; values = (1); }, { path = "
+           "\"motions[1].amplitude\"; values = (1); }, { path = \"motions.p.omega\"; values = (1); }, { "
+           "path = [\"motions.q.frequency\", \"motions[1].frequency\"]; values = (1); }, { path = "
+           "\"motions.r.amplitude\"; name = \"u\"; values = (1); }, { path = \"phases.a.steps\"; name = "
+           "\"s\"; values = (1); } ); }, { parameters = ( { path = \"motions[*].acceleration\"; values = "
+           "(1); }); } );\n" TAIL,
+           0, NULL),
+      SD_OK);
+}
+
 /* Mistakes of the sweep and of the rest are told together. */
 static void test_all_at_once(void **state) {
   (void)state;
@@ -273,8 +309,8 @@ static void test_damaged(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_mistakes), cmocka_unit_test(test_all_at_once), cmocka_unit_test(test_points),
-      cmocka_unit_test(test_places),   cmocka_unit_test(test_damaged),
+      cmocka_unit_test(test_mistakes), cmocka_unit_test(test_same_keys), cmocka_unit_test(test_all_at_once),
+      cmocka_unit_test(test_points),   cmocka_unit_test(test_places),    cmocka_unit_test(test_damaged),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -26,10 +26,22 @@ static void read_run(deck *d) {
   m->checkpoint_seconds = deck_number(&top, "checkpoint");
 }
 
+void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages) {
+  if (!(fabs(tilt) > M_PI / 2)) return;
+  char line[24] = "";
+  if (place.line > 0) snprintf(line, sizeof line, ":%d", place.line);
+  sd_warn(
+      messages,
+      "%s%s: gravity.tilt = %.10g: more than a right angle; angles are in radians, degrees are \"%.10g deg\"",
+      place.file ? place.file : d->path, line, tilt, tilt);
+}
+
 static void read_gravity(deck *d) {
   deck_group g;
   if (!deck_enter_one(d, d->root, "gravity", &deck_gravity, &g)) return;
   double strength = deck_number(&g, "g"), tilt = deck_number(&g, "tilt");
+  const deck_node *written = deck_get(&g, "tilt");
+  if (written->type == DECK_FLOAT) deck_warn_tilt(d, tilt, written->place, d->messages);
   d->model->gravity[0] = -strength * sin(tilt);
   d->model->gravity[1] = -strength * cos(tilt);
   if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */

@@ -107,6 +107,8 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
 /* The model of a deck with these settings. point: it is a point of the deck's sweep, which is known to be right. */
 sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     bool point, sd_model **out, sd_messages *messages);
+/* A tilt written as a number that is beyond a right angle: degrees may have been meant. */
+void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages);
 /* The text of the deck at path, to be freed; NULL: reported, and why in status. */
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
 
@@ -163,6 +165,11 @@ void deck_parse_free(deck *d);
 /* --- deck_override.c ---------------------------------------------------------------------------------- */
 
 void deck_override(deck *d, const deck_setting *setting);
+
+/* Do two paths set the same key of some group, however they are written, or alternatives of which the second would
+ * take the first away ("amplitude", "acceleration")? A path may be followed by =value. */
+typedef enum deck_meeting { DECK_APART, DECK_SAME_KEY, DECK_ALTERNATIVES } deck_meeting;
+deck_meeting deck_paths_meet(const deck *d, const char *p, const char *q);
 
 /* --- deck_echo.c -------------------------------------------------------------------------------------- */
 

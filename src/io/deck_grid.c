@@ -217,15 +217,34 @@ static bool has_path(const grid_axis *a, const char *path) {
   return false;
 }
 
+/* Tells once where path p of axis a sets what another path does; of its own axis the same key may be named twice. */
+static void check_path(deck *d, const grid *g, const grid_axis *a, size_t p) {
+  for (const grid_axis *other = g->axes; other <= a; other++)
+    for (size_t q = 0; q < (other == a ? p : other->n_paths); q++) {
+      deck_meeting met = deck_paths_meet(d, a->paths[p], other->paths[q]);
+      if (met == DECK_APART || (other == a && met == DECK_SAME_KEY)) continue;
+      const deck_place *place = &deck_child(other->node, "path")->place;
+      const char *where = place->line > 0 ? deck_format(d, "%s:%d", place->file, place->line) : place->file;
+      const char *whose = other == a ? "this" : "another";
+      if (met == DECK_ALTERNATIVES)
+        deck_fail_key(d, a->node, "path",
+                      "%s takes %s away, which %s parameter sets (%s); expected one of them", a->paths[p],
+                      other->paths[q], whose, where);
+      else if (strcmp(a->paths[p], other->paths[q]) == 0)
+        deck_fail_key(d, a->node, "path", "%s is set by another parameter already (%s)", a->paths[p], where);
+      else
+        deck_fail_key(d, a->node, "path", "%s is set by another parameter already, as %s (%s)", a->paths[p],
+                      other->paths[q], where);
+      return;
+    }
+}
+
 /* A key is set by one parameter of a grid. The seed belongs to replicas, or to a parameter. */
 static void check_paths(deck *d, grid *g) {
   for (size_t k = 0; k < g->n_axes; k++) {
     const grid_axis *a = &g->axes[k];
     g->seed_varies = g->seed_varies || has_path(a, "seed");
-    for (size_t p = 0; p < a->n_paths; p++)
-      for (size_t j = 0; j < k; j++)
-        if (has_path(&g->axes[j], a->paths[p]))
-          deck_fail_key(d, a->node, "path", "%s is set by another parameter already", a->paths[p]);
+    for (size_t p = 0; p < a->n_paths; p++) check_path(d, g, a, p);
   }
   if (g->seed_varies && g->replicas > 1)
     deck_fail_key(d, g->node, "replicas", "a parameter sets the seed; expected either this or replicas");

@@ -447,7 +447,7 @@ TABLE(
 
 static const deck_key sweep_parameter_keys[] = {
     {"path", NAMES, "required", NULL, "the key that is set, as after -D; several are set to the same value"},
-    {"name", TEXT, "(last word of the path)", NULL, "name in the table and in file names"},
+    {"name", TEXT, "(last words of the path)", NULL, "name in the table and in file names"},
     {"values", DECK_KEY_VALUES, DECK_ANY, "-", "-", NULL, "list of values"},
     {"linspace", DECK_KEY_NUMBERS, DECK_ANY, "-", "-", NULL, "(first, last, count): evenly spaced"},
     {"logspace", DECK_KEY_NUMBERS, DECK_ANY, "-", "-", NULL,

@@ -31,6 +31,18 @@ static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);
 }
 
+static bool are_alternatives(const char *a, size_t n, const char *b, size_t m) {
+  for (size_t k = 0; k < sizeof alternatives / sizeof *alternatives; k++) {
+    bool first = false, second = false;
+    for (size_t j = 0; j < MOST_ALTERNATIVES && alternatives[k][j]; j++) {
+      first = first || same_word(a, n, alternatives[k][j]);
+      second = second || same_word(b, m, alternatives[k][j]);
+    }
+    if (first && second) return true;
+  }
+  return false;
+}
+
 /* What -D has set stands in the command line. */
 static deck_place place_of(deck *d, const deck_setting *s) {
   return s->place.file ? s->place : (deck_place){deck_format(d, "-D %s", s->text), 0};
@@ -83,27 +95,51 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   return NULL;
 }
 
+/* The name of an entry of a list; NULL: it has none. A parameter of a sweep that is not named goes by the last word of
+ * its path, as in the table of results (deck_grid.c). */
+static const char *entry_name(const deck_node *entry) {
+  const deck_node *name = deck_child(entry, "name");
+  if (name) return name->type == DECK_STRING ? name->value.text : NULL;
+  const deck_node *path = deck_child(entry, "path");
+  if (path && path->type == DECK_LIST && path->n > 0) path = path->child[0];
+  if (!path || path->type != DECK_STRING) return NULL;
+  const char *dot = strrchr(path->value.text, '.');
+  return dot ? dot + 1 : path->value.text;
+}
+
+/* The entry of this name; one that is so named by the deck goes before one that has the name from its path. */
+static deck_node *find_entry(const deck_node *list, const char *word, size_t n) {
+  deck_node *found = NULL;
+  for (size_t k = 0; k < list->n; k++) {
+    const char *name = entry_name(list->child[k]);
+    if (!name || !same_word(word, n, name)) continue;
+    if (deck_child(list->child[k], "name")) return list->child[k];
+    if (!found) found = list->child[k];
+  }
+  return found;
+}
+
 /* "; expected "a" or "b"" when a list has few names, "" when it has more, or none. */
 static const char *names_of(deck *d, const deck_node *list) {
   enum { FEW = 6 };
   const char *text = "";
   size_t n = 0;
   for (size_t k = 0; k < list->n; k++) {
-    const deck_node *name = deck_child(list->child[k], "name");
-    if (!name || name->type != DECK_STRING) continue;
-    text = deck_format(d, "%s%s\"%s\"", text, n++ == 0 ? "; expected " : " or ", name->value.text);
+    const char *name = entry_name(list->child[k]);
+    if (!name) continue;
+    text = deck_format(d, "%s%s\"%s\"", text, n++ == 0 ? "; expected " : " or ", name);
     if (n > FEW) return "";
   }
   return text;
 }
 
 static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
+  deck_node *found = find_entry(list, word, n);
+  if (found) return found;
   deck_guess guess = deck_guess_start(deck_copy(d, word, n));
   for (size_t k = 0; k < list->n; k++) {
-    const deck_node *name = deck_child(list->child[k], "name");
-    if (!name || name->type != DECK_STRING) continue;
-    if (same_word(word, n, name->value.text)) return list->child[k];
-    deck_guess_add(&guess, name->value.text);
+    const char *name = entry_name(list->child[k]);
+    if (name) deck_guess_add(&guess, name);
   }
   const char *hint = names_of(d, list), *above = deck_node_path(d, list);
   if (strspn(guess.word, "0123456789") == n)
@@ -193,4 +229,69 @@ void deck_override(deck *d, const deck_setting *setting) {
   while (n && isspace((unsigned char)text[n - 1])) n--;
   const deck_node *value = value_of(d, setting, equals + 1);
   if (value) set(d, setting, d->root, deck_copy(d, text, n), value);
+}
+
+/* --- two paths --------------------------------------------------------------------------------------------- */
+
+/* The next piece of a path, "word" or "[3]", which ends at `end`. */
+typedef struct piece {
+  const char *start;
+  size_t n;
+} piece;
+
+static piece next_piece(const char **p, const char *end) {
+  if (*p < end && **p == '.') ++*p;
+  piece one = {*p, 0};
+  const char *stop = one.start + (one.start < end && *one.start == '[');
+  while (stop < end && *stop != '.' && *stop != '[') stop++;
+  one.n = (size_t)(stop - one.start);
+  *p = stop;
+  return one;
+}
+
+/* The entries of a list to which a piece of a path leads: from *first on, how many. */
+static size_t entries_of(piece one, const deck_node *list, size_t *first) {
+  *first = 0;
+  if (same_word(one.start, one.n, "[*]")) return list->n;
+  if (*one.start == '[') {
+    *first = strtoul(one.start + 1, NULL, 10);
+    return *first < list->n;
+  }
+  const deck_node *found = find_entry(list, one.start, one.n);
+  while (found && list->child[*first] != found) ++*first;
+  return found != NULL;
+}
+
+/* at: where both have come to; NULL: a group that is not there. */
+static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, const char *q,
+                         const char *q_end) {
+  if (p == p_end || q == q_end) return DECK_SAME_KEY; /* or a part of it */
+  piece a = next_piece(&p, p_end), b = next_piece(&q, q_end);
+  if (a.n == 0 || b.n == 0) return DECK_APART; /* no paths */
+  if (at && at->type == DECK_LIST) {
+    deck_meeting met = DECK_APART;
+    size_t from_a, from_b, n_a = entries_of(a, at, &from_a), n_b = entries_of(b, at, &from_b);
+    for (size_t k = from_a > from_b ? from_a : from_b; k < from_a + n_a && k < from_b + n_b; k++)
+      if (met == DECK_APART) met = meet(at->child[k], p, p_end, q, q_end);
+    return met;
+  }
+  if (a.n == b.n && memcmp(a.start, b.start, a.n) == 0) {
+    const deck_node *child = NULL;
+    for (size_t k = 0; at && at->type == DECK_GROUP && k < at->n; k++)
+      if (same_word(a.start, a.n, at->child[k]->name)) child = at->child[k];
+    return meet(child, p, p_end, q, q_end);
+  }
+  bool last = p == p_end && q == q_end;
+  return last && are_alternatives(a.start, a.n, b.start, b.n) ? DECK_ALTERNATIVES : DECK_APART;
+}
+
+/* Where a path ends: at its =, or without it; blanks before that do not count. */
+static const char *path_end(const char *path) {
+  size_t n = strcspn(path, "=");
+  while (n > 0 && isspace((unsigned char)path[n - 1])) n--;
+  return path + n;
+}
+
+deck_meeting deck_paths_meet(const deck *d, const char *p, const char *q) {
+  return meet(d->root, p, path_end(p), q, path_end(q));
 }

@@ -249,13 +249,12 @@ static bool sets_files(const deck_grids *all) {
   return false;
 }
 
-/* The number of points that the deck asks for. */
-static size_t expand(deck *d, deck_sweep *s) {
+/* The number of points that the deck asks for, whose grids are these; `reported` mistakes were there before them. */
+static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   expansion e = {.d = d, .out = s};
-  size_t reported = d->reported;
-  deck_grids all = deck_read_grids(d);
   if (d->reported > reported) return 0;
   find_seed(&e);
+  s->written = all.n > 0;
   s->reads_files = names_files(d->root) || sets_files(&all);
   for (size_t k = 0; k < all.n; k++) add_parameters(&e, &all.grid[k]);
   e.n_slots = 16;
@@ -270,30 +269,64 @@ static size_t expand(deck *d, deck_sweep *s) {
 
 /* --- interface --------------------------------------------------------------------------------------------- */
 
-static sd_status read_deck(deck *d, void *user) {
-  deck_sweep *s = user;
-  s->deck_text = deck_keep_text(d, d->text);
-  expand(d, s);
-  return d->reported > 0 ? SD_ERROR_USER : SD_OK;
-}
-
-/* Is one of the words of text, between blanks, this path? */
-static bool has_word(const char *text, const char *path, size_t n) {
-  for (const char *p = text; (p = strstr(p, path)) && *p; p++)
-    if ((p == text || p[-1] == ' ') && (!p[n] || p[n] == ' ')) return true;
-  return false;
-}
-
-/* What the user has typed is set again by the points. */
-static void warn_of_overrides(const deck_sweep *s, sd_messages *messages) {
-  for (size_t k = 0; k < s->n_overrides; k++) {
-    char *path = file_path("%.*s", (int)strcspn(s->overrides[k], " ="), s->overrides[k]);
-    for (size_t j = 0; path && j < s->n_parameters; j++)
-      if (has_word(s->parameters[j].path, path, strlen(path)))
-        sd_warn(messages, "-D %s: the sweep sets this key; it counts for points that do not set it",
-                s->overrides[k]);
-    free(path);
+/* What the user has typed is set again by the points, perhaps in other words. */
+static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_sweep *s,
+                              sd_messages *messages) {
+  for (size_t o = 0; o < s->n_overrides; o++) {
+    deck_meeting met = DECK_APART;
+    for (size_t i = 0; i < all->n; i++)
+      for (size_t k = 0; k < all->grid[i].n_axes; k++)
+        for (size_t j = 0; j < all->grid[i].axes[k].n_paths && met == DECK_APART; j++)
+          met = deck_paths_meet(d, s->overrides[o], all->grid[i].axes[k].paths[j]);
+    if (met != DECK_APART)
+      sd_warn(messages, "-D %s: the sweep sets %s; it counts for points that do not set it", s->overrides[o],
+              met == DECK_SAME_KEY ? "this key" : "a key that takes this one away");
   }
+}
+
+/* Is a value of the axis a text such as "90 deg", or computed from such texts? */
+static bool has_unit(const grid_axis *a, const grid_value *v) {
+  static const char *const ranges[] = {"linspace", "logspace"};
+  bool unit = *v->literal == '"';
+  for (size_t k = 0; k < 2; k++) {
+    const deck_node *range = deck_child(a->node, ranges[k]);
+    for (size_t j = 0; range && j < range->n; j++) unit = unit || range->child[j]->type == DECK_STRING;
+  }
+  return unit;
+}
+
+/* As for the deck's own tilt; once a parameter. */
+static void warn_of_tilts(const deck *d, const deck_grids *all, sd_messages *messages) {
+  for (size_t i = 0; i < all->n; i++)
+    for (size_t k = 0; k < all->grid[i].n_axes; k++) {
+      const grid_axis *a = &all->grid[i].axes[k];
+      bool tilts = false;
+      for (size_t j = 0; j < a->n_paths; j++)
+        tilts = tilts || deck_paths_meet(d, a->paths[j], "gravity.tilt") == DECK_SAME_KEY;
+      const grid_value *worst = NULL;
+      for (size_t v = 0; tilts && v < a->n_values; v++)
+        if (!isnan(a->values[v].number) && !has_unit(a, &a->values[v]) &&
+            (!worst || fabs(a->values[v].number) > fabs(worst->number)))
+          worst = &a->values[v];
+      if (worst) deck_warn_tilt(d, worst->number, worst->place, messages);
+    }
+}
+
+typedef struct reading {
+  deck_sweep *out;
+  sd_messages *messages; /* of a sweep without mistakes */
+} reading;
+
+static sd_status read_deck(deck *d, void *user) {
+  const reading *r = user;
+  size_t reported = d->reported;
+  r->out->deck_text = deck_keep_text(d, d->text);
+  deck_grids all = deck_read_grids(d);
+  expand(d, all, reported, r->out);
+  if (d->reported > 0) return SD_ERROR_USER;
+  warn_of_overrides(d, &all, r->out, r->messages);
+  warn_of_tilts(d, &all, r->messages);
+  return SD_OK;
 }
 
 static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
@@ -301,14 +334,13 @@ static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
   if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
   for (size_t k = 0; k < s->n_overrides; k++) settings[k].text = s->overrides[k];
   sd_messages *mine = sd_messages_new();
-  sd_status status = deck_open(text, s->deck_path, s->n_overrides, settings, read_deck, s, mine);
+  reading r = {s, messages};
+  sd_status status = deck_open(text, s->deck_path, s->n_overrides, settings, read_deck, &r, mine);
   if (status != SD_OK) {
     /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
     sd_model *model;
     status = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
     sd_model_free(model);
-  } else {
-    warn_of_overrides(s, messages);
   }
   sd_messages_free(mine);
   free(settings);
@@ -335,7 +367,9 @@ sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *cons
 
 size_t deck_sweep_count(deck *d) {
   deck_sweep s = {0};
-  size_t n = expand(d, &s);
+  size_t reported = d->reported;
+  deck_grids all = deck_read_grids(d);
+  size_t n = expand(d, all, reported, &s);
   deck_sweep_free(&s);
   return n;
 }

@@ -51,6 +51,7 @@ typedef struct deck_sweep {
   size_t n_files; /* in which the sweep stands: the deck, and what it includes */
   char **files;
   bool reads_files; /* the deck names files of disks or of motions: its text does not say everything */
+  bool written;     /* the deck has the group, with a grid */
 } deck_sweep;
 
 /* Reads the group `sweep` of the deck at path (checked in full by deck_sweep_model only). A deck without one
