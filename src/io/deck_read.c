@@ -193,6 +193,16 @@ bool deck_angle(const char *text, double *x) {
   return true;
 }
 
+/* Behind "expected a number". Kinds of values differ in words: a sweep tells of each once. */
+static const char *but_not(const deck_node *node) {
+  switch (node->type) {
+    case DECK_BOOL: return ", not true or false";
+    case DECK_LIST: return ", not a list";
+    case DECK_GROUP: return ", not a group";
+    default: return "";
+  }
+}
+
 bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
   *x = 0;
   if (node->type == DECK_INT) {
@@ -205,9 +215,9 @@ bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
   }
   if (angle && node->type == DECK_STRING && deck_angle(node->value.text, x)) return true;
   if (angle)
-    deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"");
+    deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"%s", but_not(node));
   else
-    deck_fail(d, node, "expected a number");
+    deck_fail(d, node, "expected a number%s", but_not(node));
   return false;
 }
 
