@@ -86,6 +86,13 @@ static void print_rains(const sd_model *m) {
   }
 }
 
+/* With walls there are limits anyway, or no way out. */
+static void print_bounds(const sd_model *m) {
+  bool falls = m->n_free > 0 && (m->gravity[0] != 0 || m->gravity[1] != 0);
+  if (!m->bounds.given && m->n_walls == 0 && falls && !m->periodic[0] && !m->periodic[1])
+    printf("# bounds      none: a disk that falls off is not told of; with `bounds = { };` it is\n");
+}
+
 static void print_phases(const sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
@@ -202,41 +209,109 @@ static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) 
 
 /* --- sweep --------------------------------------------------------------------------------------------------- */
 
-static void print_sweep(const sweep *s, const int64_t *steps, const int *kinds, const sd_model *m,
-                        double speed) {
-  double all = 0;
-  size_t together = 0;
-  for (size_t k = 0; k < s->deck.n_points; k++) {
-    all += (double)steps[k];
-    together += kinds[k] != SWEEP_ALONE;
+/* What a sweep's points need on this machine. */
+typedef struct pace {
+  double alone;    /* s per step of a system by itself; 0: not known */
+  double together; /* s per step of a group in lanes, however few they are; 0: there are none, or not known */
+  size_t width;
+} pace;
+
+/* The speed in lanes, measured with the deck as it stands in all of them. */
+static double probe_lanes(const sd_model *m, size_t width) {
+  sd_simulation **all = calloc(width, sizeof *all);
+  sd_messages **messages = calloc(width, sizeof *messages);
+  sd_status *status = calloc(width, sizeof *status);
+  ensemble *e = NULL;
+  bool good = all && messages && status;
+  for (size_t k = 0; good && k < width; k++) {
+    messages[k] = sd_messages_new();
+    good = messages[k] && sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
   }
-  printf("# sweep       %zu point%s", s->deck.n_points, s->deck.n_points == 1 ? "" : "s");
-  if (s->deck.n_sets < s->deck.n_points)
-    printf(", %zu set%s of values", s->deck.n_sets, s->deck.n_sets == 1 ? "" : "s");
+  good = good && ensemble_new(width, all, &e, NULL) == SD_OK;
+  double start = seconds(), spent = 0;
+  for (int64_t chunk = 16; good && !sd_simulation_finished(all[0]) && spent < probe_seconds;) {
+    ensemble_advance(e, chunk, status, messages);
+    spent = seconds() - start;
+    good = status[0] == SD_OK && ensemble_in_lanes(e) == width;
+    if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
+  }
+  double done = good ? (double)sd_simulation_state(all[0])->step : 0;
+  ensemble_free(e);
+  for (size_t k = 0; all && messages && k < width; k++) {
+    sd_simulation_free(all[k]);
+    sd_messages_free(messages[k]);
+  }
+  free(all);
+  free(messages);
+  free(status);
+  return done > 0 ? spent / done : 0;
+}
+
+typedef struct entry {
+  int kind;
+  int64_t steps;
+} entry;
+
+static int by_kind(const void *a, const void *b) {
+  const entry *p = a, *q = b;
+  if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
+  return p->steps > q->steps ? -1 : p->steps < q->steps;
+}
+
+/* Time of all points with one worker, in groups as `sweep` makes them: the longest of each counts. */
+static double sweep_time(entry *entries, size_t n, const pace *p) {
+  double time = 0;
+  qsort(entries, n, sizeof *entries, by_kind);
+  for (size_t k = 0, size; k < n; k += size) {
+    bool lanes = p->together > 0 && entries[k].kind != SWEEP_ALONE;
+    for (size = 1; lanes && size < p->width && k + size < n; size++)
+      if (entries[k + size].kind != entries[k].kind) break;
+    time += (double)entries[k].steps * (size > 1 ? p->together : p->alone);
+  }
+  return time;
+}
+
+static void print_sweep(const sweep *s, entry *entries, const sd_model *m, const pace *p) {
+  double all = 0;
+  size_t together = 0, n = s->deck.n_points;
+  for (size_t k = 0; k < n; k++) {
+    all += (double)entries[k].steps;
+    together += entries[k].kind != SWEEP_ALONE;
+  }
+  printf("# sweep       %zu point%s", n, n == 1 ? "" : "s");
+  if (s->deck.n_sets < n) printf(", %zu set%s of values", s->deck.n_sets, s->deck.n_sets == 1 ? "" : "s");
   printf("; `slipdisk sweep` runs them, this is the deck as it stands\n");
   printf("#             %s%.4g steps in all", m->until.asked ? "at most " : "", all);
-  if (speed > 0) {
+  if (p->alone > 0) {
     printf(", about ");
-    print_duration(all / speed);
-    printf(" at this speed, one after the other");
+    print_duration(sweep_time(entries, n, p));
+    printf(" with one worker, %s", p->together > 0 && together > 1 ? "in lanes" : "one after the other");
+    if (n > 1) printf("; -j N shares them among N");
   }
   printf("\n");
-  if (together > 1 && ensemble_width() > 1)
-    printf("#             %zu of them can go in lanes, up to %zu side by side\n", together, ensemble_width());
+  if (together > 1 && p->width > 1)
+    printf("#             %zu of them can go in lanes, up to %zu side by side\n", together, p->width);
 }
 
 static sd_status check_sweep(const options *o, const sd_model *m, double speed, sd_messages *messages) {
   sweep s;
   size_t usable;
   sd_status status = sweep_open(&s, o->deck, o->n_overrides, o->overrides, "", messages);
-  int64_t *steps = calloc(s.deck.n_points + 1, sizeof *steps);
-  int *kinds = calloc(s.deck.n_points + 1, sizeof *kinds);
-  if (status == SD_OK && (!steps || !kinds))
-    status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  size_t n = s.deck.n_points;
+  int64_t *steps = calloc(n + 1, sizeof *steps);
+  int *kinds = calloc(n + 1, sizeof *kinds);
+  entry *entries = calloc(n + 1, sizeof *entries);
+  bool memory = steps && kinds && entries;
+  if (status == SD_OK && !memory) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
   if (status == SD_OK) status = sweep_survey(&s, steps, kinds, &usable, messages);
-  if (steps && kinds) print_sweep(&s, steps, kinds, m, speed);
+  pace p = {.alone = speed > 0 ? 1 / speed : 0, .width = ensemble_width()};
+  if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(m))
+    p.together = probe_lanes(m, p.width);
+  for (size_t k = 0; memory && k < n; k++) entries[k] = (entry){kinds[k], steps[k]};
+  if (memory) print_sweep(&s, entries, m, &p);
   free(steps);
   free(kinds);
+  free(entries);
   sweep_close(&s);
   return status;
 }
@@ -248,6 +323,7 @@ static sd_status check(const options *o, sd_messages *messages) {
   if (!o->brief) printf("%s\n", m->deck_full);
   printf("# deck        %s%s%s\n", o->deck, m->title && *m->title ? ": " : "", m->title ? m->title : "");
   print_counts(m);
+  print_bounds(m);
   print_phases(m);
   print_time_step(m, messages);
   print_restitution(m);

@@ -200,9 +200,16 @@ static void report_energy(FILE *out, const sd_energy *e) {
     fprintf(out, "  the budget does not close: a smaller dt is needed\n");
 }
 
+/* No mistake, since a disk may never touch anything, and the period is that of a disk between two others. */
 void report_time_step(const sd_model *m, sd_messages *messages) {
   double period = sd_model_shortest_period(m, NULL);
-  if (m->dt > period / FEWEST_STEPS)
+  if (m->dt > period / M_PI)
+    sd_warn(
+        messages,
+        "dt = %g is beyond the limit of stability, a third of the shortest contact period %.4g: what touches "
+        "flies apart, and results mean nothing; take %.2g or less",
+        m->dt, period, period / 100);
+  else if (m->dt > period / FEWEST_STEPS)
     sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less",
             m->dt, FEWEST_STEPS, period, period / 100);
 }
