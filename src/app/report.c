@@ -206,8 +206,8 @@ void report_time_step(const sd_model *m, sd_messages *messages) {
   if (m->dt > period / M_PI)
     sd_warn(
         messages,
-        "dt = %g is beyond the limit of stability, a third of the shortest contact period %.4g: what touches "
-        "flies apart, and results mean nothing; take %.2g or less",
+        "dt = %g is beyond the limit of stability, a third of the shortest contact period %.4g: results mean "
+        "nothing; take %.2g or less",
         m->dt, period, period / 100);
   else if (m->dt > period / FEWEST_STEPS)
     sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less",
