@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Compares slipdisk with LAMMPS and LIGGGHTS on the same packing: does the physics agree, and what does a step cost?
+#
+#   tools/compare_peers.sh                            packings of 1e3 and 1e4 disks, on one core and on two: minutes
+#   tools/compare_peers.sh --sizes 1e3,1e4,1e5,1e6    half an hour and more
+#   tools/compare_peers.sh --three                    instead: one disk on two supports that shake
+#   tools/compare_peers.sh --accuracy                 instead: what the tangential memory keeps, in loops and restarts
+#   tools/compare_peers.sh --help                     all options: -o DIR, --repeats N, --only NAME, --keep DIR, ...
+# Installs what is missing of the Debian packages lammps and liggghts (never needed by slipdisk itself) when it is root
+# or can become so, else says which to install and goes on with what is there; so does --no-install. Numbers are worth
+# something on a quiet machine only. docs/peers.md says more.
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+
+# The packages of commands that are missing.
+missing=()
+find_missing() {
+  missing=()
+  command -v lmp >/dev/null || missing+=(lammps)
+  command -v liggghts >/dev/null || missing+=(liggghts)
+}
+
+install_peers() {
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then as_root=(sudo); fi
+  if ! command -v apt-get >/dev/null || ! command -v "${as_root[0]:-apt-get}" >/dev/null; then
+    echo "Not here, and not installed: ${missing[*]}. As root on Debian or Ubuntu: apt-get install ${missing[*]}" >&2
+    return
+  fi
+  echo "Packages to install: ${missing[*]}"
+  "${as_root[@]}" apt-get update -q &&
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}" ||
+    echo "These packages could not be installed: ${missing[*]}" >&2
+}
+
+if [[ " $* " != *" --no-install "* && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
+  find_missing
+  if [ ${#missing[@]} -gt 0 ]; then install_peers; fi
+fi
+
+. "$root/tools/report/prepare.sh"
+PYTHONPATH="$root/tools${PYTHONPATH:+:$PYTHONPATH}" exec "$python" -B -m peers "$@"

@@ -1,0 +1,12 @@
+"""slipdisk beside LAMMPS and LIGGGHTS: see tools/compare_peers.sh.
+
+    packing.py    the packing: made by slipdisk, repeated along x, written as each program wants it
+    inputs.py     input texts of LAMMPS and LIGGGHTS, decks of slipdisk: the one place that knows how parameters match
+    programs.py   where the programs are; a run of each, bound to its cores; what they print
+    frames.py     frames of each program, and what is compared of them
+    timing.py     repeats in alternation, medians and spreads
+    bench.py      packings: agreement and time
+    three.py      one disk on two supports: agreement and time
+    accuracy.py   loops and restarts
+    page.py       Markdown
+"""

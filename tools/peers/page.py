@@ -1,0 +1,127 @@
+"""Results as Markdown: tables, and the parts of docs/peers.md that they fill."""
+import os
+import re
+
+from . import bench, inputs, timing
+
+ORDER = ("slipdisk", "slipdisk, baseline", "LAMMPS granular", "LAMMPS hooke", "LIGGGHTS")
+BUSY = 0.3  # load before the start above which a machine was not quiet
+
+
+def table(columns, rows):
+    out = ["| " + " | ".join(columns) + " |", "|---" + "|---:" * (len(columns) - 1) + "|"]
+    return out + ["| " + " | ".join(row) + " |" for row in rows]
+
+
+def percent(value):
+    return "-" if value == 0 else f"{100 * value:+.2g} %"
+
+
+def power(count):
+    """1000 as 1e3, 2500 as it is."""
+    text = f"{count:.0e}".replace("e+0", "e")
+    return text if float(text) == count else str(count)
+
+
+def names_in(rows):
+    return sorted(rows, key=lambda name: ORDER.index(name) if name in ORDER else len(ORDER))
+
+
+def time_cells(values, reference):
+    """Median with the quartiles' distance, and the ratio to the reference with its range."""
+    own = timing.Times(values)
+    middle, least, largest = timing.ratio(own, timing.Times(reference))
+    return [f"{own.median:.3g} ({100 * own.spread:.0f} %)", f"{middle:.2f} ({least:.2f} to {largest:.2f})"]
+
+
+def packings(sizes):
+    """sizes: {disks: what bench.compare gives}"""
+    out, rows = [], []
+    for count, found in sorted(sizes.items(), key=lambda item: int(item[0])):
+        for name in names_in(found["physics"]):
+            it = found["physics"][name]
+            off = it["off"]
+            rows.append([f"{power(int(count))}, {name}", f"{it['contacts']:.4f}", percent(off["contacts"]),
+                         f"{it['overlap']:.4e}", percent(off["overlap"]), f"{it['kinetic']:.3e}",
+                         percent(off["kinetic"]), f"{it['distance']:.1e}", "yes" if it["agrees"] else "**no**"])
+    bounds = ", ".join(f"{what} {100 * bound:g} %" for what, bound in bench.TOLERANCES.items())
+    out += ["Physics, means over 25 frames of "
+            + ", ".join(f"{found['check_steps']} steps ({power(int(count))})" for count, found in in_order(sizes))
+            + f"; differences to slipdisk; agreement within {bounds}. Lengths in mean radii:", "",
+            *table(["disks, program", "contacts per disk", "differs", "mean overlap", "differs",
+                    "kinetic energy per disk, J", "differs", "distance at the end", "agrees"], rows), ""]
+    for cores in ("1", "2"):
+        rows = []
+        for count, found in in_order(sizes):
+            times = found["times"].get(cores)
+            for name in names_in(times or {}):
+                rows.append([f"{power(int(count))}, {name}", *time_cells(times[name], times["slipdisk"]),
+                             str(len(times[name])), str(found["steps"])])
+        if rows:
+            title = "one core" if cores == "1" else "two cores (slipdisk: two threads; LAMMPS, LIGGGHTS: two ranks)"
+            out += [f"Time, {title}, ns per disk-step; in parentheses the quartiles' distance over the median, and the "
+                    "least and largest ratio of neighbouring repeats:", "",
+                    *table(["disks, program", "median", "ratio to slipdisk", "repeats", "steps"], rows), ""]
+    return out
+
+
+def in_order(sizes):
+    return sorted(sizes.items(), key=lambda item: int(item[0]))
+
+
+def three(found):
+    rows = [[name, *time_cells(values, found["times"]["slipdisk"]), str(len(values))]
+            for name, values in found["times"].items()]
+    out = [f"One disk on two supports that shake, {found['steps']} steps of {found['dt']:g}, one core, ns per step of one "
+           "system:", "", *table(["program", "median", "ratio to slipdisk", "repeats"], rows), ""]
+    rows = [[name, f"{it['x']:.9f}", f"{it['y']:.9f}", f"{it['omega']:.6g}", f"{it['off']:.1e}"]
+            for name, it in found["physics"].items()]
+    return out + [f"Physics: the upper disk after {found['check_steps']} steps; the last column is the largest difference "
+                  "of its path to slipdisk's, over the path's own extent:", "",
+                  *table(["program", "x", "y", "angular velocity", "path differs"], rows), ""]
+
+
+def accuracy(found):
+    rows = [[f"{row['loop']}, {row['program']}", *(f"{value:.2e}" for value in row["left"]), f"{row['expected']:.2e}"]
+            for row in found["loops"]]
+    cycles = [f"{cycle} times" if cycle > 1 else "once" for cycle in found["cycles"]]
+    out = ["What is left of the stretch of the skin when the bodies are back where they began, in radii:", "",
+           *table(["loop, program", *cycles, "expected, once"], rows), ""]
+    rows = [[row["program"], "yes" if row["same"] else "no", *(f"{value:.1e}" for value in row["off"])]
+            for row in found["restarts"]]
+    return out + [f"{found['disks']} disks, {found['before']} steps, a restart, and some steps more against a run without "
+                  "a restart (slipdisk: interrupted once, anywhere); the largest difference of a position (in mean radii), "
+                  "of a velocity and of an angular velocity (over the largest there is):", "",
+                  *table(["program, steps after the restart", "the same bits", "position", "velocity",
+                          "angular velocity"], rows), ""]
+
+
+PARTS = {"packings": packings, "three": three, "accuracy": accuracy}
+
+
+def part(name, results):
+    """Markdown of one comparison, with where and when it was made."""
+    found = results[name]
+    made = found["made"]
+    lines = [f"{made['machine']}. " + ", ".join(f"{key} {value}" for key, value in made["versions"].items()) + "."]
+    if made["load"] > BUSY and name != "accuracy":
+        lines += [f"**The machine was not quiet** (load {made['load']:.1f} before the start): times are not worth "
+                  "much."]
+    return [*lines, "", *PARTS[name](found["data"])]
+
+
+def fill(path, results):
+    """Puts the tables between the comments `<!-- NAME -->` and `<!-- end of NAME -->` of a page."""
+    with open(path) as file:
+        text = file.read()
+    for name in PARTS:
+        if name not in results:
+            continue
+        mark = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)", re.S)
+        if not mark.search(text):
+            raise ValueError(f"{path}: no <!-- {name} --> ... <!-- end of {name} -->")
+        body = "\n".join(part(name, results)).rstrip() + "\n"
+        text = mark.sub(lambda found, body=body: found.group(1) + body + found.group(2), text)
+    with open(path + ".new", "w") as file:
+        file.write(text)
+    os.replace(path + ".new", path)
