@@ -66,7 +66,7 @@ class Reading(unittest.TestCase):
         self.assertIsNone(programs.loop_time("ERROR: nothing ran"))
         self.assertEqual(programs.neighbour_builds(LAMMPS_OUTPUT), {"Neighbor list": 3, "Dangerous": 1})
         self.assertEqual(programs.banner(LAMMPS_OUTPUT), "29 Sep 2021 - Update 2")
-        self.assertEqual(programs.banner(LIGGGHTS_OUTPUT), "LIGGGHTS-PUBLIC 3.8.0")
+        self.assertEqual(programs.banner(LIGGGHTS_OUTPUT), "PUBLIC 3.8.0")
         self.assertIsNone(programs.banner("another program"))
         self.assertEqual(programs.warnings(LAMMPS_OUTPUT), ["WARNING: a warning"])
 

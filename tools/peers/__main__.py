@@ -85,11 +85,11 @@ def main():
         with open(store + ".new", "w") as file:
             json.dump(results, file, indent=1)
         os.replace(store + ".new", store)
-    for name in page.PARTS if args.what == "draw" else [args.what]:
-        if name in results:
-            print("\n".join(page.part(name, results)))
+    shown = {name: it for name, it in results.items() if args.what in ("draw", name)}
+    for name in shown:
+        print("\n".join(page.part(name, shown)))
     if args.keep:
-        page.fill(os.path.join(args.keep, "peers.md"), results)
+        page.fill(os.path.join(args.keep, "peers.md"), shown)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import h5py
 
 NAMES = {"lammps": ("lmp", "lammps", "lmp_mpi", "lmp_serial"), "liggghts": ("liggghts",)}
 LOOP = re.compile(r"^Loop time of ([-+.\deE]+) on (\d+) procs for (\d+) steps with (\d+) atoms", re.M)
-BANNER = re.compile(r"^(?:LAMMPS \(([^)]+)\)|LIGGGHTS \(Version ([^,)]+))", re.M)
+BANNER = re.compile(r"^(?:LAMMPS \(([^)]+)\)|LIGGGHTS \(Version (?:LIGGGHTS-)?([^,)]+))", re.M)
 BUILDS = re.compile(r"^(Neighbor list|Dangerous) builds = (\d+)", re.M)
 WARNING = re.compile(r"^WARNING.*", re.M)
 
