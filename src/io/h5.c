@@ -136,10 +136,10 @@ sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
   H5Pset_file_locking(access, false, true);
 #endif
   (*out)->id = H5Fopen(path, H5F_ACC_RDONLY, access);
+  char reason[200];
+  h5_reason(reason, sizeof reason); /* any other call would clear it */
   H5Pclose(access);
   if ((*out)->id >= 0) return SD_OK;
-  char reason[200];
-  h5_reason(reason, sizeof reason);
   if (H5Fis_hdf5(path) == 0)
     status = sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
   else
