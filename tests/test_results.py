@@ -156,8 +156,9 @@ class Layout(Folder):
         self.assertIn("/contacts/tau", [d["path"] for d in info["datasets"]])
         out, _ = self.run_ok("info", self.path)
         self.assertIn("finished", out)
-        out, _ = self.run_ok("info", "--deck", self.path)
-        self.assertEqual(out.encode(), self.file["parameters/deck_text"][()])
+        for option, name in ("--deck", "deck_full"), ("--deck-as-read", "deck_text"):
+            out, _ = self.run_ok("info", option, self.path)
+            self.assertEqual(out.encode(), self.file[f"parameters/{name}"][()])
 
     def test_no_leftovers(self):
         self.assertEqual([p.name for p in self.where.iterdir()], ["a.h5"])

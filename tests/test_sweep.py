@@ -198,20 +198,24 @@ class Whole(ReferenceTest):
     def test_other_deck(self):
         shutil.copytree(self.reference, self.out)
         before = stamps(self.out)
-        said = self.sweep(self.path, "-D", "gravity.g=9", "-j", 2, status=2)
-        self.assertEqual(said.count("other deck: it has: gravity = { g = 10.0;"), 8, said)
-        self.assertIn("this deck has: gravity = { g = 9.0;", said)
-        self.assertIn("--force", said)
-        self.assertIn("8 other deck", self.sweep(self.path, "-D", "gravity.g=9", "--status"))
+        difference = "gravity.g: 10.0 there, 9.0 here"
+        said = self.sweep(self.path, "-D", "gravity.g=9", "-j", 2, "--mix", status=2)
+        self.assertEqual(said.count(f"other deck: {difference}; --force runs the point again\n"), 8, said)
+        self.assertIn("0 of 8 points done, 8 with a result that is not this deck's", said)
+        said = self.sweep(self.path, "-D", "gravity.g=9", "--status")
+        self.assertIn(f"8 other deck\nother deck: {difference} (8 points)\n", said)
+        self.assertEqual(set(column(self.out, "message")), {difference})
         self.assertEqual(set(column(self.out, "status")), {"other deck"})
         self.assertEqual(set(column(self.out, "upper.omega") if "upper.omega" in rows(self.out)[0] else [""]), {""})
         said = self.sweep(self.path, "-D", "gravity.g=9", "--point", 3, status=2)
-        self.assertIn("other deck", said)
+        self.assertIn("at least 7 points", said)
+        said = self.sweep(self.path, "-D", "gravity.g=9", "--point", 3, "--mix", status=2)
+        self.assertIn("point 3, tilt=0,eps_b=0.0002,r=1, is there already: other deck: gravity.g: ", said)
         self.assertEqual(stamps(self.out), before)
         self.assertEqual(sorted(p.suffix for p in (self.out / "points").iterdir()), [".h5"] * 8)
         self.sweep(self.path, "-D", "gravity.g=9", "--point", 3, "--force", "--quiet")
         self.assertEqual(sum(a != b for a, b in zip(sorted(stamps(self.out).items()), sorted(before.items()))), 1)
-        said = self.sweep(self.path, "-j", 2, status=2)
+        said = self.sweep(self.path, "-j", 2, "--mix", status=2)
         self.assertIn("7 of 8 points done, 1 with a result that is not this deck's", said)
 
     def test_leftovers_of_a_kill(self):
@@ -230,7 +234,10 @@ class Whole(ReferenceTest):
 
     def test_command_line(self):
         for words, wanted in ((["-j", 0], "whole number"), (["-j", "many"], "whole number"), (["--point", 8], "0 to 7"),
-                              (["--point", -1], "whole number"), (["--list", "--status"], "exclude"),
+                              (["--point", -1], "expected K or K-L, points of this sweep are 0 to 7"),
+                              (["--point", "5-3"], "expected K or K-L"), (["--point", "x"], "--point x: expected K or K-L"),
+                              (["--point", "1,2"], "expected K or K-L"), (["--point", ""], "expected K or K-L"),
+                              (["--point", 1, "--point", 2], "given twice, 1 and 2"), (["--list", "--status"], "exclude"),
                               (["--point", 1, "-j", 2], "no meaning"), (["--frce"], "--force"), (["-D"], "needs a value"),
                               (["another.cfg"], "is a second")):
             with self.subTest(words=words):

@@ -148,8 +148,9 @@ class Lanes(ReferenceTest):
         self.stop(one, signal.SIGTERM, 75)
         self.assertIn("tilt=0.01pi.h5.parts", [p.name for p in (self.out / "points").iterdir()])
         # and what it was run with was another deck
-        said = self.sweep(self.path, "-j", 1, status=3)
-        self.assertIn("is an unfinished run of another deck", said)
+        said = self.sweep(self.path, "-j", 1, status=2)
+        self.assertRegex(said, r"1 point in \S+ is of another deck: nothing is run\.")
+        self.assertRegex(said, r"error: phases\.measure\.steps: \w+ there, \w+ here \(1 point\)\n")
 
     def test_part(self):
         """Some points only, as for a task of an array of jobs."""

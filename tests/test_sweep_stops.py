@@ -216,8 +216,17 @@ class Failing(SweepTest):
         self.assertEqual(status, 2)
         wanted = r"error: \S+deck\.cfg:\d+: max_overlap = 7: expected a number > 0 and <= 1 \(point 2, max_overlap=7\)\n"
         self.assertRegex(err, wanted)
+        for words in ("-j", 2), (), ("--point", "0-1"), ("--list",):
+            said = self.sweep(deck, *words, status=2)
+            self.assertRegex(said, wanted)
+            self.assertEqual(said.count("error: "), 1, said)
+            if words != ("--list",):
+                self.assertIn("nothing is run: 2 of 3 sets of values have no mistakes, --skip runs them", said)
+        self.assertRegex(self.sweep(deck, "--count", status=2), rf"\A{wanted}\Z")
+        self.assertEqual(self.sweep(deck, "--count", "--skip"), "6\n")
+        self.assertFalse(self.out.exists())
         for words in ("-j", 2), ():
-            said = self.sweep(deck, *words, status=3)
+            said = self.sweep(deck, *words, "--skip", status=3)
             self.assertRegex(said, wanted)
             self.assertIn("2 of 3 sets of values are run", said)
             self.assertIn("4 of 6 points done, 2 failed", said)
@@ -248,7 +257,8 @@ class Failing(SweepTest):
         path = results(self.out)["tilt=0.01pi"]
         path.write_bytes(path.read_bytes()[:3000])
         said = self.sweep(deck, "-j", 2, status=2)
-        self.assertIn("point 1, tilt=0.01pi: damaged: ", said)
+        self.assertRegex(said, r"point 1, tilt=0\.01pi: damaged: \S+\.h5 is not a readable HDF5 file: \w*truncated")
+        self.assertIn("3 of 4 points done, 1 with a damaged result", said)
         self.assertEqual(column(self.out, "status"), ["done", "damaged", "done", "done"])
         self.assertIn("3 done, 1 damaged", self.sweep(deck, "--status"))
         self.assertIn("damaged", self.sweep(deck, "--point", 1, status=2))
@@ -261,7 +271,7 @@ class Failing(SweepTest):
         deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 1e-4, 2e-4); } ); }', 10))
         said = self.sweep(deck, "--threads", 1, "-j", 2)
         self.assertEqual(said.count("warning: "), 1, said)
-        self.assertRegex(said, r"warning: dt = 0\.0001 is more than .* \(point 1, dt=0\.0001; 2 of 3 sets of values\)")
+        self.assertRegex(said, r"warning: dt = 0\.0002 is more than .* \(point 2, dt=0\.0002, the worst; 2 of 3 sets of values\)")
 
 
 if __name__ == "__main__":

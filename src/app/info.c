@@ -64,6 +64,61 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, sd_messa
   return status;
 }
 
+/* --- points of sweeps ----------------------------------------------------------------------------------------- */
+
+/* Why a point of a sweep failed, which is kept beside its result; NULL: it did not. To be freed. */
+static char *failure_of(const place *p) {
+  size_t length = strlen(p->result), tail = strlen(".h5");
+  char *path = NULL, *text = NULL;
+  unsigned char *bytes = NULL;
+  size_t size;
+  if (length > tail && strcmp(p->result + length - tail, ".h5") == 0)
+    path = file_path("%.*s.failed", (int)(length - tail), p->result);
+  if (path && file_exists(path) && file_read(path, SIZE_MAX, &bytes, &size, NULL) == SD_OK)
+    text = file_path("%.*s", (int)size, (const char *)bytes);
+  free(bytes);
+  free(path);
+  return text;
+}
+
+static void print_failure(const char *text) {
+  printf("FAILED when it was run last:\n");
+  for (size_t n; *text; text += n + (text[n] == '\n')) {
+    n = strcspn(text, "\n");
+    printf("  %.*s\n", (int)n, text);
+  }
+}
+
+/* A point that failed before its first checkpoint has left nothing else. True: that was told. */
+static bool tell_failure(const char *name) {
+  place p;
+  bool told = false;
+  sd_status status = place_find(&p, name, NULL);
+  char *failure = p.result && status != SD_OK ? failure_of(&p) : NULL;
+  if (failure) {
+    printf("%s: there is no result\n", p.result);
+    print_failure(failure);
+    told = true;
+  }
+  free(failure);
+  place_free(&p);
+  return told;
+}
+
+/* The folder of a sweep is no result, but something can be said of it. */
+static sd_status refuse_sweep(const char *name, sd_messages *messages) {
+  char *points = file_path("%s/points", name);
+  bool found = points && file_is_folder(points);
+  free(points);
+  return !found
+             ? SD_OK
+             : sd_fail(
+                   messages, SD_ERROR_USER,
+                   "%s is the folder of a sweep: slipdisk sweep DECK -o %s --status tells how far it is, and "
+                   "slipdisk info %s/points/NAME.h5 of a point",
+                   name, name, name);
+}
+
 /* --- for people ----------------------------------------------------------------------------------- */
 
 static void print_text(const facts *f, const place *p) {
@@ -77,6 +132,9 @@ static void print_text(const facts *f, const place *p) {
            *s->phase_name ? " in phase " : "", s->phase_name, f->parts, f->parts == 1 ? "" : "s");
   if (f->finished && file_is_folder(p->folder))
     printf("a newer run of it is not finished: slipdisk info %s\n", p->folder);
+  char *failure = f->finished ? NULL : failure_of(p);
+  if (failure) print_failure(failure);
+  free(failure);
   printf("%" PRId64 " disks, %" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n",
          s->disks, s->walls, s->contacts, s->dt, (double)s->measured * s->dt, (double)s->step * s->dt);
   report_summary(stdout, s);
@@ -219,28 +277,32 @@ static int print_json(const facts *f) {
 
 /* --- command -------------------------------------------------------------------------------------- */
 
-enum { JSON = 256, DECK };
+enum { JSON = 256, DECK, AS_READ };
 
 int app_info(int argc, char **argv) {
-  static const struct option options[] = {
-      {"json", no_argument, NULL, JSON}, {"deck", no_argument, NULL, DECK}, {NULL, 0, NULL, 0}};
-  bool json = false, deck = false;
+  static const struct option options[] = {{"json", no_argument, NULL, JSON},
+                                          {"deck", no_argument, NULL, DECK},
+                                          {"deck-as-read", no_argument, NULL, AS_READ},
+                                          {NULL, 0, NULL, 0}};
+  bool json = false, deck = false, as_read = false;
   opterr = 0;
   for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-    if (c != JSON && c != DECK) return app_unknown_option("info", options, argv[optind - 1]);
-    *(c == JSON ? &json : &deck) = true;
+    if (c != JSON && c != DECK && c != AS_READ) return app_unknown_option("info", options, argv[optind - 1]);
+    *(c == JSON ? &json : c == DECK ? &deck : &as_read) = true;
   }
   if (optind + 1 != argc) return app_misuse("info", "one result is expected");
   const char *name = argv[optind];
-  place p;
+  if (!json && !deck && !as_read && tell_failure(name)) return SD_OK;
+  place p = {0};
   facts f = {0};
   sd_messages *messages = sd_messages_new();
-  int status = place_find(&p, name, messages);
+  int status = refuse_sweep(name, messages);
+  if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);
   if (status == SD_OK) status = read_facts(&f, &p, named_parts, messages);
   sd_messages_print(messages, stderr);
-  if (status == SD_OK && deck)
-    fputs(f.origin.deck_text, stdout);
+  if (status == SD_OK && (deck || as_read))
+    fputs(deck ? f.origin.deck_full : f.origin.deck_text, stdout);
   else if (status == SD_OK && json)
     status = print_json(&f);
   else if (status == SD_OK)

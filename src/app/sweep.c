@@ -1,6 +1,6 @@
 /* sweep.c: slipdisk sweep DECK: arguments, and what a sweep's folder holds. It is run in sweep_run.c. */
 #include <assert.h>
-#include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,28 +11,14 @@
 
 /* How long --table waits for another process that is writing the tables, s. */
 static const double TABLE_PATIENCE = 600;
-/* The largest number that --point takes. */
-static const long MOST_POINT = 999999;
+/* Points that --point K looks at besides its own. */
+enum { SAMPLE = 8 };
 
-enum { FORCE = 256, QUIET, THREADS, STATUS, LIST, TABLE, COUNT, POINT, NO_LANES };
+enum { FORCE = 256, QUIET, THREADS, STATUS, LIST, TABLE, COUNT, POINT, NO_LANES, MIX, SKIP };
 
 static int parse_number(const char *option, const char *text, long least, long most, long *out) {
   if (app_number(text, least, most, out)) return 0;
   return app_misuse("sweep", "%s %s is no whole number from %ld to %ld", option, text, least, most);
-}
-
-/* "17", or "16-23". */
-static int parse_points(const char *text, sweep_command *c) {
-  const char *dash = *text ? strchr(text + 1, '-') : NULL;
-  char from[24];
-  int status = 0;
-  if (dash && (size_t)snprintf(from, sizeof from, "%.*s", (int)(dash - text), text) < sizeof from) {
-    status = parse_number("--point", from, 0, MOST_POINT, &c->point);
-    return status ? status : parse_number("--point: after", dash + 1, c->point, MOST_POINT, &c->last);
-  }
-  status = parse_number("--point", text, 0, MOST_POINT, &c->point);
-  c->last = c->point;
-  return status;
 }
 
 /* Returns 0, or the exit status of a mistake. */
@@ -50,6 +36,8 @@ static int parse(int argc, char **argv, sweep_command *c) {
       {"count", no_argument, NULL, COUNT},
       {"point", required_argument, NULL, POINT},
       {"no-lanes", no_argument, NULL, NO_LANES},
+      {"mix", no_argument, NULL, MIX},
+      {"skip", no_argument, NULL, SKIP},
       {NULL, 0, NULL, 0},
   };
   opterr = 0;
@@ -67,7 +55,12 @@ static int parse(int argc, char **argv, sweep_command *c) {
       case TABLE: c->table = true; break;
       case COUNT: c->count = true; break;
       case NO_LANES: c->no_lanes = true; break;
-      case POINT: status = parse_points(optarg, c); break;
+      case MIX: c->mix = true; break;
+      case SKIP: c->skip = true; break;
+      case POINT:
+        if (c->range) return app_misuse("sweep", "--point is given twice, %s and %s", c->range, optarg);
+        c->range = optarg;
+        break;
       case THREADS:
         status = parse_number("--threads", optarg, 1, 4096, &n);
         c->threads = (int)n;
@@ -80,11 +73,31 @@ static int parse(int argc, char **argv, sweep_command *c) {
   if (optind >= argc) return app_misuse("sweep", "no deck is given");
   if (optind + 1 < argc)
     return app_misuse("sweep", "one deck is expected, \"%s\" is a second", argv[optind + 1]);
-  if (c->status + c->list + c->table + c->count + (c->point >= 0) > 1)
+  if (c->status + c->list + c->table + c->count + (c->range != NULL) > 1)
     return app_misuse("sweep", "--status, --list, --table, --count and --point exclude each other");
-  if (c->point >= 0 && c->point == c->last && c->workers > 0)
-    return app_misuse("sweep", "--point runs one point: -j has no meaning");
   c->deck = argv[optind];
+  return 0;
+}
+
+/* "17", or "16-23", of which points beyond the last one are left out: lists of tasks are made in blocks. */
+static int parse_range(const sweep *s, sweep_command *c) {
+  long last = (long)s->deck.n_points - 1;
+  const char *text = c->range, *dash = text ? strchr(text, '-') : NULL;
+  char from[24];
+  if (!text) return 0;
+  bool good = dash ? (size_t)snprintf(from, sizeof from, "%.*s", (int)(dash - text), text) < sizeof from &&
+                         app_number(from, 0, last, &c->point) &&
+                         app_number(dash + 1, c->point, LONG_MAX, &c->last)
+                   : app_number(text, 0, last, &c->point);
+  if (!good)
+    return app_misuse("sweep", "--point %s: expected K or K-L, points of this sweep are 0 to %ld", text,
+                      last);
+  if (!dash) c->last = c->point;
+  if (c->point == c->last && c->workers > 0)
+    return app_misuse("sweep", "--point runs one point: -j has no meaning");
+  if (c->last > last && !c->quiet)
+    fprintf(stderr, "--point %s: %ld is the last point of this sweep\n", text, last);
+  if (c->last > last) c->last = last;
   return 0;
 }
 
@@ -103,37 +116,96 @@ const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
 /* True: with a star at an error bar. */
 static bool print_point(const sweep *s, size_t k, const sweep_result *r) {
   char finding[200] = "", part[24] = "";
+  bool told = r->status == SWEEP_DONE || !*r->message;
   if (r->has_found && r->status != SWEEP_DONE && r->status != SWEEP_OTHER && r->found.steps > 0)
     snprintf(part, sizeof part, " %.1f %%", 100.0 * (double)r->found.step / (double)r->found.steps);
-  printf("%6zu  %-10s%-8s %s  %s\n", k, sweep_status_names[r->status], part, s->deck.points[k].name,
-         *r->message ? r->message : sweep_finding(r, finding, sizeof finding));
-  return !*r->message && strchr(finding, '*');
+  if (told) sweep_finding(r, finding, sizeof finding);
+  printf("%6zu  %-10s%-8s %s  %s%s%s\n", k, sweep_status_names[r->status], part, s->deck.points[k].name,
+         finding, *finding && *r->message ? "; " : "", r->message);
+  return strchr(finding, '*');
 }
 
-/* list: all points; else how many of each kind, and those that are neither done nor waiting. */
-static sd_status print_points(const sweep *s, bool list, sd_messages *messages) {
-  size_t count[SWEEP_STATUSES] = {0};
-  bool stars = false;
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
-    sweep_result r;
-    status = sweep_look(s, k, &r, messages);
-    count[r.status]++;
-    if (status == SD_OK && (list || (r.status != SWEEP_DONE && r.status != SWEEP_WAITING)))
-      stars = print_point(s, k, &r) || stars;
-    sweep_result_free(&r);
+/* In what points differ from this deck, once for all. */
+static void print_tally(const sweep_tally *t) {
+  for (size_t k = 0; k < t->n; k++) {
+    char *line = sweep_tally_text(t, k);
+    if (line) printf("other deck: %s\n", line);
+    free(line);
   }
-  if (stars) printf("*: the error bar is not reliable yet\n");
-  if (list || status != SD_OK) return status;
-  printf("%s: %zu points", s->folder, s->deck.n_points);
+  if (t->more > 0) printf("other deck: ... and %zu more differences\n", t->more);
+}
+
+static void print_counts(const sweep *s, const size_t *count) {
   const char *before = ": ";
+  printf("%s: %zu points", s->folder, s->deck.n_points);
   for (size_t k = 0; k < SWEEP_STATUSES; k++) {
     if (count[k] == 0) continue;
     printf("%s%zu %s", before, count[k], sweep_status_names[k]);
     before = ", ";
   }
   printf("\n");
-  return SD_OK;
+}
+
+/* list: all points; else how many of each kind, and those of which there is more to tell: not of those that are done without
+ * doubts, that are waiting, that are another deck's. */
+static sd_status print_points(const sweep *s, bool list, sd_messages *messages) {
+  size_t count[SWEEP_STATUSES] = {0}, unclosed = 0, open = 0;
+  bool stars = false;
+  sd_status status = SD_OK;
+  sweep_tally others = {0};
+  for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
+    sweep_result r;
+    status = sweep_look(s, k, &r, messages);
+    count[r.status]++;
+    unclosed += (r.doubts & SWEEP_UNCLOSED) != 0;
+    open += (r.doubts & SWEEP_OPEN) != 0;
+    bool plain =
+        (r.status == SWEEP_DONE && !r.doubts) || r.status == SWEEP_WAITING || r.status == SWEEP_OTHER;
+    if (status == SD_OK && (list || !plain)) stars = print_point(s, k, &r) || stars;
+    sweep_tally_add(&others, &r);
+    sweep_result_free(&r);
+  }
+  if (stars) printf("*: the error bar is not reliable yet\n");
+  if (status == SD_OK && !list) print_counts(s, count);
+  if (status == SD_OK) {
+    sweep_show_doubts(stdout, unclosed, open);
+    print_tally(&others);
+    sweep_show_strangers(stdout, s);
+  }
+  sweep_tally_free(&others);
+  return status;
+}
+/* --- the folder -------------------------------------------------------------------------------------------- */
+
+/* Points of another deck among some of those outside [first, end) that are there. */
+static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first, size_t end,
+                                sd_messages *messages) {
+  sweep_tally others = {0};
+  size_t n = 0, met = 0;
+  for (size_t k = 0; k < s->deck.n_points; k++) n += there->has[k] && (k < first || k >= end);
+  size_t every = n / SAMPLE + 1;
+  others.sampled = every > 1 || n < there->known;
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    if (!there->has[k] || (k >= first && k < end) || met++ % every != 0) continue;
+    sweep_result r;
+    sweep_look(s, k, &r, NULL);
+    sweep_tally_add(&others, &r);
+    sweep_result_free(&r);
+  }
+  sd_status status = sweep_refuse_others(s, &others, "nothing is run", messages);
+  sweep_tally_free(&others);
+  return status;
+}
+
+sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size_t end,
+                      sd_messages *messages) {
+  sweep_contents there = {0};
+  if (c->mix) return SD_OK;
+  sd_status status = sweep_list(s, &there, messages);
+  if (status == SD_OK) status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
+  if (status == SD_OK && !c->force) status = look_at_sample(s, &there, first, end, messages);
+  sweep_contents_free(&there);
+  return status;
 }
 
 /* --- one point --------------------------------------------------------------------------------------------- */
@@ -171,6 +243,7 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
   char *result = NULL, *again = NULL;
   sd_model *model = NULL;
   sd_status status = sweep_prepare(s, messages);
+  if (status == SD_OK) status = sweep_guard(s, c, point, point + 1, messages);
   if (status == SD_OK && !c->force) status = look_first(s, point, c->quiet, &done, messages);
   if (status == SD_OK && !done) {
     status = sweep_load(s, point, &model, &result, messages);
@@ -199,29 +272,50 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
 
 /* --- command ----------------------------------------------------------------------------------------------- */
 
-static sd_status write_table(const sweep *s, sd_messages *messages) {
+static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
+  sweep_contents there = {0};
   if (!file_is_folder(s->folder))
     return sd_fail(messages, SD_ERROR_USER, "there is no folder %s: no point has been run yet", s->folder);
-  sd_status status = sweep_write_tables(s, TABLE_PATIENCE, messages);
-  if (status == SD_OK) printf("%s/table.csv, table.h5, means.csv\n", s->folder);
+  sd_status status = sweep_list(s, &there, messages);
+  if (status == SD_OK && !mix) status = sweep_refuse_strangers(s, &there, "no table is written", messages);
+  if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, messages);
+  if (status == SD_OK) {
+    printf("%s/table.csv, table.h5, means.csv\n", s->folder);
+    sweep_show_strangers(stdout, s);
+  }
+  sweep_contents_free(&there);
   return status;
 }
 
-static int command(const sweep_command *c, const char *where, sd_messages *messages) {
+/* Who counts points, or lists them, is about to run them: mistakes are told now. */
+static sd_status check_points(const sweep *s, sd_messages *messages) {
+  size_t usable;
+  return sweep_check(s, NULL, NULL, &usable, messages);
+}
+
+/* Without running any. */
+static sd_status tell(const sweep *s, const sweep_command *c, sd_messages *messages) {
+  sd_status status = SD_OK;
+  if (c->table) return write_table(s, c->mix, messages);
+  if (c->status) return print_points(s, false, messages);
+  if (!c->skip) status = check_points(s, messages);
+  if (c->list) {
+    sd_status listed = print_points(s, true, messages);
+    return status == SD_OK ? listed : status;
+  }
+  if (status == SD_OK) printf("%zu\n", s->deck.n_points);
+  return status;
+}
+
+static int command(sweep_command *c, const char *where, sd_messages *messages) {
   sweep s;
   int status = sweep_open(&s, c->deck, c->n_overrides, c->overrides, where, messages);
-  if (status == SD_OK && c->point >= (long)s.deck.n_points)
-    status = sd_fail(messages, SD_ERROR_USER, "--point %ld: the sweep has points 0 to %zu", c->point,
-                     s.deck.n_points - 1);
-  if (status == SD_OK && c->count)
-    printf("%zu\n", s.deck.n_points);
-  else if (status == SD_OK && (c->status || c->list))
-    status = print_points(&s, c->list, messages);
-  else if (status == SD_OK && c->table)
-    status = write_table(&s, messages);
+  bool only_tell = c->count || c->status || c->list || c->table;
+  if (status == SD_OK) status = parse_range(&s, c);
+  if (status == SD_OK && only_tell) status = tell(&s, c, messages);
   sd_messages_print(messages, stderr);
   sd_messages_clear(messages);
-  if (status == SD_OK && !c->count && !c->status && !c->list && !c->table)
+  if (status == SD_OK && !only_tell)
     status = c->point >= 0 && c->point == c->last ? run_one(&s, c, messages) : sweep_run_all(&s, c);
   sweep_close(&s);
   return status;

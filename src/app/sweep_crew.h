@@ -45,16 +45,19 @@ typedef enum attempt { UNTRIED, SKIPPED, CRASHED, TRIED } attempt;
 typedef struct crew {
   const sweep *s;
   const sweep_command *c;
-  size_t first, end;    /* the points of this call */
-  int64_t *steps;       /* [n_points] */
-  int *kinds;           /* [n_points]: points of one kind go in lanes together; SWEEP_ALONE: none */
-  unsigned char *tried; /* [n_points], an attempt */
-  size_t width;         /* most points of a group */
-  size_t done, failed, refused, elsewhere, left;
-  int worst; /* exit status */
+  size_t first, end;     /* the points of this call */
+  int64_t *steps;        /* [n_points] */
+  int *kinds;            /* [n_points]: points of one kind go in lanes together; SWEEP_ALONE: none */
+  unsigned char *tried;  /* [n_points], an attempt */
+  unsigned char *seen;   /* [n_points]: 1 + its status when it was last looked at; 0: it was not */
+  unsigned char *doubts; /* [n_points], of finished ones that were looked at */
+  size_t width;          /* most points of a group */
+  size_t done, failed, other, damaged, elsewhere, left;
+  size_t unclosed, open; /* finished ones with these doubts */
+  int worst;             /* exit status */
   double began, tabled, table_cost, drawn;
-  double steps_total, steps_done; /* of the points that this call runs */
-  bool terminal, line_open, stars;
+  double steps_total, steps_done;            /* of the points that this call runs */
+  bool terminal, line_open, stars, no_table; /* no_table: the last ones could not be written */
   size_t n_workers;
   worker *workers;
   size_t *points; /* of the workers: [n_workers * width]; likewise below */

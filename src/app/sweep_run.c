@@ -46,15 +46,30 @@ static void make_tables(crew *w, bool last) {
   if (sweep_is_part(w->c)) return; /* others make the rest */
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = sd_messages_new();
-  sd_status status = sweep_write_tables(w->s, !last ? 0 : app_stop ? PATIENCE_STOPPED : PATIENCE, messages);
+  sd_status status = sweep_write_tables(w->s,
+                                        !last      ? 0
+                                        : app_stop ? PATIENCE_STOPPED
+                                                   : PATIENCE,
+                                        true, messages);
   if (last || status == SD_ERROR_IO) {
     sweep_clear_line(w);
     sd_messages_print(messages, stderr);
     sweep_worsen(w, status);
   }
+  w->no_table = status != SD_OK;
   sd_messages_free(messages);
   w->tabled = sweep_seconds();
   w->table_cost = w->tabled - start;
+}
+
+/* Counts what was seen of a point. */
+static void remember(crew *w, size_t point, const sweep_result *r) {
+  w->seen[point] = (unsigned char)(1 + r->status);
+  w->doubts[point] = (unsigned char)r->doubts;
+  w->done += r->status == SWEEP_DONE;
+  w->failed += r->status == SWEEP_FAILED;
+  w->other += r->status == SWEEP_OTHER;
+  w->damaged += r->status == SWEEP_DAMAGED;
 }
 
 void sweep_account(crew *w, size_t point, sd_status status, const char *text, const cell *ran,
@@ -65,13 +80,13 @@ void sweep_account(crew *w, size_t point, sd_status status, const char *text, co
     /* not even the reason could be kept */
     r.status = SWEEP_FAILED;
     free(r.message);
+    static const char prefix[] = "error: ";
+    if (strncmp(text, prefix, sizeof prefix - 1) == 0) text += sizeof prefix - 1;
     r.message = file_path("%.*s", (int)strcspn(text, "\n"), text);
   }
   double spared = fmax(ran->began, 0);
   w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
-  w->done += r.status == SWEEP_DONE;
-  w->failed += r.status == SWEEP_FAILED;
-  w->refused += r.status > SWEEP_FAILED;
+  remember(w, point, &r);
   if (r.status == SWEEP_FAILED) sweep_worsen(w, SD_ERROR_NUMERIC);
   if (r.status > SWEEP_FAILED) sweep_worsen(w, SD_ERROR_USER);
   if (status == SD_ERROR_IO || looked != SD_OK) sweep_worsen(w, SD_ERROR_IO);
@@ -203,31 +218,47 @@ static void run_ranks(crew *w) {
 
 /* --- all points -------------------------------------------------------------------------------------------- */
 
-/* Points to be run, in order; those that are done are counted, and those that are refused told. */
-static size_t find_todo(crew *w, size_t *todo) {
+/* Nothing is to be run in this folder; of find_todo. */
+static const size_t REFUSED = SIZE_MAX;
+
+static size_t refuse(const sd_messages *messages) {
+  sd_messages_print(messages, stderr);
+  return REFUSED;
+}
+
+/* Points to be run, in order; those that are done are counted, and damaged ones told. Those of another deck stop everything,
+ * unless they are let be. */
+static size_t find_todo(crew *w, size_t *todo, sd_messages *messages) {
   size_t n = 0;
+  sweep_tally others = {0};
+  if (sweep_guard(w->s, w->c, w->first, w->end, messages) != SD_OK) return refuse(messages);
   for (size_t k = w->first; k < w->end; k++) {
     sweep_result r = {.status = SWEEP_WAITING};
     if (!w->c->force) sweep_look(w->s, k, &r, NULL);
     if (r.status == SWEEP_DONE) {
-      w->done++;
+      remember(w, k, &r);
     } else if (r.status > SWEEP_FAILED) {
-      w->refused++;
+      remember(w, k, &r);
       sweep_worsen(w, SD_ERROR_USER);
-      sweep_show(w, k, &r, "", 0);
+      if (r.status == SWEEP_DAMAGED || w->c->mix) sweep_show(w, k, &r, "", 0);
+      if (!w->c->mix) sweep_tally_add(&others, &r);
     } else {
       todo[n++] = k;
       w->steps_total += (double)w->steps[k];
     }
     sweep_result_free(&r);
   }
-  return n;
+  sd_status status = sweep_refuse_others(w->s, &others, "nothing is run", messages);
+  sweep_tally_free(&others);
+  return status == SD_OK ? n : refuse(messages);
 }
 
 /* Ranks must agree on the list, and the folder may change between their looks at it: the first one looks. */
 static size_t agree_on_todo(crew *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
-  if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo);
+  sd_messages *messages = sd_messages_new();
+  if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo, messages);
+  sd_messages_free(messages);
   comm_share(todo, places * sizeof *todo);
   return todo[places - 1];
 }
@@ -244,24 +275,39 @@ static size_t find_abandoned(crew *w, size_t *todo) {
   return n;
 }
 
-/* What the folder says in the end, also of what others did. When a signal came first, what was to be run (again) and
- * was not is left. */
+/* The status of a point in the end. What this process has seen it need not look at again; of a failure whose reason
+ * could not be kept nobody else knows. When a signal came first, what was to be run (again) and was not is waiting. */
+static sweep_status final_status(crew *w, size_t k) {
+  int seen = (int)w->seen[k] - 1; /* negative: it was not looked at */
+  sweep_status now = sweep_peek(w->s, k);
+  if (now == SWEEP_RUNNING) return now;
+  if (app_stop && w->tried[k] == UNTRIED && (now == SWEEP_FAILED || w->c->force)) return SWEEP_WAITING;
+  if (seen == SWEEP_OTHER || seen == SWEEP_DAMAGED) return (sweep_status)seen;
+  if ((now == SWEEP_WAITING || now == SWEEP_STOPPED) && seen == SWEEP_FAILED) return SWEEP_FAILED;
+  if (now != SWEEP_DONE || seen == SWEEP_DONE) return now;
+  sweep_result r;
+  sweep_look(w->s, k, &r, NULL);
+  now = r.status;
+  w->doubts[k] = (unsigned char)r.doubts;
+  sweep_result_free(&r);
+  return now;
+}
+
+/* What the folder says in the end, also of what others did. */
 static void count_all(crew *w) {
-  w->done = w->failed = w->elsewhere = w->left = 0;
+  size_t count[SWEEP_STATUSES] = {0};
   for (size_t k = w->first; k < w->end; k++) {
-    sweep_status status = sweep_peek(w->s, k);
-    bool untried = app_stop && w->tried[k] == UNTRIED && (status == SWEEP_FAILED || w->c->force);
-    if (status == SWEEP_RUNNING)
-      w->elsewhere++;
-    else if (status == SWEEP_WAITING || status == SWEEP_STOPPED || untried)
-      w->left++;
-    else if (status == SWEEP_FAILED)
-      w->failed++;
-    else
-      w->done++;
+    sweep_status status = final_status(w, k);
+    count[status]++;
+    w->unclosed += status == SWEEP_DONE && w->doubts[k] & SWEEP_UNCLOSED;
+    w->open += status == SWEEP_DONE && w->doubts[k] & SWEEP_OPEN;
   }
-  /* refused ones have results, too */
-  w->done -= w->done < w->refused ? w->done : w->refused;
+  w->done = count[SWEEP_DONE];
+  w->failed = count[SWEEP_FAILED];
+  w->other = count[SWEEP_OTHER];
+  w->damaged = count[SWEEP_DAMAGED];
+  w->elsewhere = count[SWEEP_RUNNING];
+  w->left = count[SWEEP_WAITING] + count[SWEEP_STOPPED];
   if (w->failed > 0) sweep_worsen(w, SD_ERROR_NUMERIC);
 }
 
@@ -287,6 +333,7 @@ static bool run_round(crew *w, const size_t *todo, size_t n) {
 
 static int run_all(crew *w, size_t *todo) {
   size_t n = agree_on_todo(w, todo);
+  if (n == REFUSED) return SD_ERROR_USER;
   while (run_round(w, todo, n)) {
     n = comm_size() > 1 || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
     if (n == 0) break;
@@ -299,7 +346,7 @@ static int run_all(crew *w, size_t *todo) {
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
-/* Mistakes of some points do not keep the others from being run. */
+/* Mistakes of some points keep the others from being run, unless these are to be skipped. */
 static int check(crew *w) {
   sd_messages *messages = sd_messages_new();
   size_t usable = 0;
@@ -307,11 +354,13 @@ static int check(crew *w) {
   if (comm_rank() == 0) {
     if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)
-      fprintf(stderr, "points with these mistakes will fail; %zu of %zu sets of values are run\n", usable,
-              w->s->deck.n_sets);
+      fprintf(stderr,
+              w->c->skip ? "points with these mistakes will fail; %zu of %zu sets of values are run\n"
+                         : "nothing is run: %zu of %zu sets of values have no mistakes, --skip runs them\n",
+              usable, w->s->deck.n_sets);
   }
   sd_messages_free(messages);
-  return usable > 0 ? SD_OK : status;
+  return usable > 0 && w->c->skip ? SD_OK : status;
 }
 
 static int prepare_and_run(crew *w, size_t *todo) {
@@ -333,11 +382,15 @@ static bool make_crew(crew *w) {
   w->steps = calloc(n_points + 1, sizeof *w->steps);
   w->kinds = calloc(n_points + 1, sizeof *w->kinds);
   w->tried = calloc(n_points + 1, 1);
+  w->seen = calloc(n_points + 1, 1);
+  w->doubts = calloc(n_points + 1, 1);
   w->points = calloc(places, sizeof *w->points);
   w->told = calloc(places, sizeof *w->told);
   w->cells = mmap(NULL, places * sizeof *w->cells, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (w->cells == MAP_FAILED) w->cells = NULL;
-  if (!w->workers || !w->steps || !w->kinds || !w->tried || !w->points || !w->told || !w->cells) return false;
+  if (!w->workers || !w->steps || !w->kinds || !w->tried || !w->seen || !w->doubts || !w->points ||
+      !w->told || !w->cells)
+    return false;
   for (size_t k = 0; k < w->n_workers; k++)
     w->workers[k] = (worker){
         .points = w->points + k * w->width, .told = w->told + k * w->width, .cells = w->cells + k * w->width};
@@ -350,6 +403,8 @@ static void free_crew(crew *w) {
   free(w->steps);
   free(w->kinds);
   free(w->tried);
+  free(w->seen);
+  free(w->doubts);
   free(w->points);
   free(w->told);
   sweep_groups_free(&w->groups);

@@ -8,6 +8,23 @@
 #include "app/app.h"
 #include "app/sweep_crew.h"
 
+void sweep_show_strangers(FILE *out, const sweep *s) {
+  sweep_contents there;
+  char *text = sweep_list(s, &there, NULL) == SD_OK ? sweep_strangers_text(s, &there) : NULL;
+  if (text) fprintf(out, "%s\n", text);
+  free(text);
+  sweep_contents_free(&there);
+}
+
+void sweep_show_doubts(FILE *out, size_t unclosed, size_t open) {
+  if (unclosed > 0)
+    fprintf(out, "%zu point%s whose energy budget does not close: a smaller dt is needed\n", unclosed,
+            unclosed == 1 ? "" : "s");
+  if (open > 0)
+    fprintf(out, "%zu point%s whose watched contacts were open nearly all the time\n", open,
+            open == 1 ? "" : "s");
+}
+
 void sweep_clear_line(crew *w) {
   if (w->line_open) fputs("\r\033[K", stderr);
   w->line_open = false;
@@ -32,12 +49,12 @@ void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, 
   bool bad = r->status >= SWEEP_FAILED;
   if (w->c->quiet && !bad) return;
   sweep_clear_line(w);
-  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->refused, w->end - w->first, point,
-          w->s->deck.points[point].name);
+  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->other + w->damaged, w->end - w->first,
+          point, w->s->deck.points[point].name);
   if (r->status == SWEEP_DONE) {
     sweep_finding(r, finding, sizeof finding);
     w->stars = w->stars || strchr(finding, '*');
-    fprintf(stderr, "%s  (%s)\n", *finding ? finding : "done",
+    fprintf(stderr, "%s%s%s  (%s)\n", *finding ? finding : "done", *r->message ? "; " : "", r->message,
             short_duration(seconds, duration, sizeof duration));
     show_lines(text);
   } else if (bad) {
@@ -110,12 +127,17 @@ void sweep_show_end(crew *w) {
   if (w->stars) fprintf(stderr, "*: the error bar is not reliable yet\n");
   fprintf(stderr, "%zu of %zu points done", w->done, w->end - w->first);
   if (w->failed) fprintf(stderr, ", %zu failed", w->failed);
-  if (w->refused) fprintf(stderr, ", %zu with a result that is not this deck's", w->refused);
+  if (w->other) fprintf(stderr, ", %zu with a result that is not this deck's", w->other);
+  if (w->damaged) fprintf(stderr, ", %zu with a damaged result", w->damaged);
   if (w->elsewhere) fprintf(stderr, ", %zu run by another process", w->elsewhere);
   if (sweep_is_part(w->c))
     fprintf(stderr, "; --table makes the table\n");
+  else if (w->no_table)
+    fprintf(stderr, "; the table could not be written\n");
   else
     fprintf(stderr, "; table: %s/table.csv\n", w->s->folder);
+  sweep_show_doubts(stderr, w->unclosed, w->open);
+  sweep_show_strangers(stderr, w->s);
   if (w->left && w->worst != SD_ERROR_IO)
     fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
 }

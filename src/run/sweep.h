@@ -39,24 +39,76 @@ typedef enum sweep_status {
   SWEEP_DONE,
   SWEEP_FAILED,
   SWEEP_DAMAGED, /* a result is there that cannot be read */
-  SWEEP_OTHER,   /* a result is there, of a deck that says something else */
+  SWEEP_OTHER,   /* a result is there, finished or begun, of a deck that says something else */
   SWEEP_STATUSES
 } sweep_status;
 extern const char *const sweep_status_names[SWEEP_STATUSES];
 
+/* Why a finished result is not to be taken as it stands; bits. */
+enum {
+  SWEEP_UNCLOSED = 1, /* its energy budget does not close */
+  SWEEP_OPEN = 2      /* watched contacts were open nearly all the time */
+};
+
+/* A key that the deck of a result says otherwise; NULL: it does not have it. Neither there nor here: path is a sentence. */
+typedef struct sweep_difference {
+  char *path, *there, *here;
+} sweep_difference;
+
 /* What the folder knows of a point. */
 typedef struct sweep_result {
   sweep_status status;
+  unsigned doubts; /* of a finished one */
   bool has_found;
   summary found;   /* finished: at the end; else as of the last checkpoint */
   double residual; /* of the energy budget, over its scale */
-  char *message;   /* failed, damaged, other deck: why, lines joined by "; ". "" else */
+  char *message;   /* failed, damaged, other deck: why, lines joined by "; "; done: its doubts. "" else */
+  size_t n_differences; /* of another deck */
+  sweep_difference *differences;
 } sweep_result;
 /* SD_ERROR_IO: no memory. */
 sd_status sweep_look(const sweep *s, size_t point, sweep_result *result, sd_messages *messages);
 void sweep_result_free(sweep_result *result);
 /* The status only, without reading results: whatever result is there counts as done. */
 sweep_status sweep_peek(const sweep *s, size_t point);
+
+/* In what the decks of many results differ from this one. */
+typedef struct sweep_tally_line {
+  sweep_difference first;
+  bool varies; /* it is another value for others */
+  size_t points;
+} sweep_tally_line;
+typedef struct sweep_tally {
+  size_t points, n, more; /* more: lines that are not kept */
+  bool sampled;           /* not all points were looked at */
+  sweep_tally_line *list; /* [n] */
+} sweep_tally;
+/* Counts the differences of a point of another deck, and takes them over. */
+void sweep_tally_add(sweep_tally *t, sweep_result *r);
+/* "gravity.tilt: 0.1 there, 0.2 here (48 points)", to be freed; NULL: no memory. */
+char *sweep_tally_text(const sweep_tally *t, size_t k);
+void sweep_tally_free(sweep_tally *t);
+
+/* What lies in the folder, by the names of files. */
+enum { SWEEP_HAS_RESULT = 1, SWEEP_HAS_PARTS = 2 };
+typedef struct sweep_contents {
+  unsigned char *has;              /* [n_points], bits */
+  size_t known;                    /* points that have any */
+  size_t results, parts, failures; /* of points that this sweep does not have: .h5, .h5.parts, .failed */
+  char *example;                   /* name of such a point; NULL: there are none */
+} sweep_contents;
+sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages);
+/* "FOLDER has 9 results and 1 unfinished run of points that this sweep does not have, such as tilt=0", to be freed; NULL:
+ * it has not, or no memory. */
+char *sweep_strangers_text(const sweep *s, const sweep_contents *c);
+void sweep_contents_free(sweep_contents *c);
+/* SD_ERROR_USER: results of points that this sweep does not have are there, and none of its own. instead: what is therefore not
+ * done, "nothing is run". */
+sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const char *instead,
+                                 sd_messages *messages);
+/* SD_ERROR_USER: points that were counted have been run with another deck. */
+sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
+                              sd_messages *messages);
 
 /* What became of a point that sweep_run was given. */
 typedef struct sweep_end {
@@ -87,7 +139,8 @@ void sweep_note(const sweep *s, size_t point, const char *text);
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);
 
 /* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. One process does so at a time:
- * waits for another for so many seconds at most, after which it is SD_ERROR_USER. */
-sd_status sweep_write_tables(const sweep *s, double patience, sd_messages *messages);
+ * waits for another for so many seconds at most, after which it is SD_ERROR_USER. mix: also when there are points of
+ * another deck, which else is SD_ERROR_USER, too. */
+sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages);
 
 #endif

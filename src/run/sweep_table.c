@@ -27,7 +27,7 @@ static void put_point(sheet *t, const sweep *s, size_t k, const sweep_result *r)
     else
       sheet_number(t, k, a->name, "", "varied; an angle in rad", p->values[j]);
   }
-  sheet_text(t, k, "message", "why the point failed", r->message);
+  sheet_text(t, k, "message", "why the point failed, or its result is in doubt", r->message);
 }
 
 /* One cell of a disk, or of a contact when there is a partner. */
@@ -216,15 +216,19 @@ static sd_status write_all(const sweep *s, const sheet *t, const sheet *m, sd_me
   return status;
 }
 
-static sd_status make_tables(const sweep *s, sd_messages *messages) {
+static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   sheet t = {.n_rows = s->deck.n_points}, m = {.n_rows = s->deck.n_sets};
+  sweep_tally others = {0};
   sd_status status = SD_OK;
   sweep_result *results = calloc(s->deck.n_points + 1, sizeof *results);
   if (!results) return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
   for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
     status = sweep_look(s, k, &results[k], messages);
     put_point(&t, s, k, &results[k]);
+    if (!mix) sweep_tally_add(&others, &results[k]);
   }
+  if (status == SD_OK) status = sweep_refuse_others(s, &others, "no table is written", messages);
+  sweep_tally_free(&others);
   sheet_keep_all(&t);
   for (size_t k = 0; k < s->deck.n_points; k++) {
     if (results[k].status == SWEEP_DONE && results[k].has_found) put_result(&t, k, &results[k]);
@@ -242,7 +246,7 @@ static sd_status make_tables(const sweep *s, sd_messages *messages) {
 }
 
 /* Of several processes one writes after the other, so that what stays is what the last one saw. */
-sd_status sweep_write_tables(const sweep *s, double patience, sd_messages *messages) {
+sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages) {
   const double pause = 0.05;
   folder lock = {.lock = -1};
   sd_status status = SD_ERROR_USER;
@@ -250,7 +254,7 @@ sd_status sweep_write_tables(const sweep *s, double patience, sd_messages *messa
     nanosleep(&(struct timespec){.tv_nsec = (long)(pause * 1e9)}, NULL);
   if (status != SD_OK) status = folder_open(s->folder, &lock, messages); /* and tell why */
   if (status != SD_OK) return status;
-  status = make_tables(s, messages);
+  status = make_tables(s, mix, messages);
   folder_close(&lock);
   return status;
 }
