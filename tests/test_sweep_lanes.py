@@ -14,7 +14,7 @@ from results_common import DECK, assert_same, run, start, steps_for, wait_for
 from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, temporary_folder,
                           three_disks)
 
-SECONDS = 0.1  # of a point alone
+SECONDS = 0.3  # of a point alone: side by side as long as all of them
 TILTS = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); replicas = %d; }'
 LANES = "side by side"
 
