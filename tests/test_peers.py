@@ -170,7 +170,7 @@ class Page(unittest.TestCase):
         it = random_packing()
         physics = bench.compared({name: frames.physics([frame_of(it)], it) for name in ("LAMMPS hooke", "slipdisk")}, 1.0)
         times = {"slipdisk": [10.0, 11.0, 12.0], "LAMMPS hooke": [20.0, 22.0, 24.0]}
-        data = {"1000": {"steps": 5, "check_steps": 25, "physics": physics, "times": {"1": times}}}
+        data = {"1000": {"steps": 5, "check_steps": 25, "frames": 5, "physics": physics, "times": {"1": times}}}
         return {"packings": {"made": self.MADE, "data": data}}
 
     def test_tables(self):

@@ -16,8 +16,8 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 missing=()
 find_missing() {
   missing=()
-  command -v lmp >/dev/null || missing+=(lammps)
-  command -v liggghts >/dev/null || missing+=(liggghts)
+  command -v "${LAMMPS:-lmp}" >/dev/null || missing+=(lammps)
+  command -v "${LIGGGHTS:-liggghts}" >/dev/null || missing+=(liggghts)
 }
 
 install_peers() {
@@ -33,7 +33,7 @@ install_peers() {
     echo "These packages could not be installed: ${missing[*]}" >&2
 }
 
-if [[ " $* " != *" --no-install "* && " $* " != *" --help "* && " $* " != *" -h "* ]]; then
+if ! [[ " $* " =~ " --no-install "|" --draw "|" --help "|" -h " ]]; then
   find_missing
   if [ ${#missing[@]} -gt 0 ]; then install_peers; fi
 fi

@@ -32,6 +32,8 @@ def options(words=None):
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="of everybody, in turn (5)")
     parser.add_argument("--work", type=float, default=1e7, metavar="X",
                         help="disk-steps in a repeat (1e7; at least 100 steps)")
+    parser.add_argument("--cores", type=int, choices=(1, 2), default=2,
+                        help="packings: on one core only, or on two, too (2)")
     parser.add_argument("--only", action="append", choices=sorted(programs.NAMES), metavar="NAME",
                         help="of the others only this one: " + ", ".join(sorted(programs.NAMES)))
     parser.add_argument("--no-install", action="store_true", help="go on with the programs that are there")
@@ -54,9 +56,14 @@ def peers_here(setup, only):
 
 
 def run(setup, args):
+    """What is found, as plain data: of packings anew after each size, so that a stop does not lose all."""
     if args.what == "packings":
-        return {str(count): bench.compare(setup, count) for count in args.sizes}
-    return three.compare(setup) if args.what == "three" else accuracy.compare(setup)
+        found = {}
+        for count in args.sizes:
+            found[str(count)] = bench.compare(setup, count, args.cores)
+            yield found
+    else:
+        yield three.compare(setup) if args.what == "three" else accuracy.compare(setup)
 
 
 def main():
@@ -77,14 +84,14 @@ def main():
         if busy > page.BUSY:
             setup.say(f"the machine is not quiet (load {busy:.1f}): times will not be worth much")
         try:
-            data = run(setup, args)
-        except programs.Failed as error:
+            for data in run(setup, args):
+                made = {"machine": timing.machine(), "load": busy, "versions": setup.versions}
+                results[args.what] = {"made": made, "data": json.loads(json.dumps(data))}
+                with open(store + ".new", "w") as file:
+                    json.dump(results, file, indent=1)
+                os.replace(store + ".new", store)
+        except (programs.Failed, ValueError) as error:
             sys.exit(f"failed: {error}")
-        made = {"machine": timing.machine(), "load": busy, "versions": setup.versions}
-        results[args.what] = {"made": made, "data": json.loads(json.dumps(data))}
-        with open(store + ".new", "w") as file:
-            json.dump(results, file, indent=1)
-        os.replace(store + ".new", store)
     shown = {name: it for name, it in results.items() if args.what in ("draw", name)}
     for name in shown:
         print("\n".join(page.part(name, shown)))

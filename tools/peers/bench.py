@@ -10,7 +10,7 @@ from . import frames, inputs, packing, programs, timing
 
 # Largest relative difference to slipdisk. Trajectories separate like those of any colliding disks: means are compared.
 TOLERANCES = {"contacts": 0.01, "overlap": 0.01, "kinetic": 0.05}
-CHECK_FRAMES = 25
+MOST_FRAMES, MOST_ROWS = 25, 1e6   # of a comparison: frames, and rows in them, which are read as text
 LEAST_STEPS, MOST_STEPS = 100, 20000
 
 
@@ -47,7 +47,9 @@ class Bench:
                 self.packing.write_data(self._path(name + ".data"), spheres)
         self.steps = int(min(max(setup.work / count, LEAST_STEPS), MOST_STEPS))
         self.warm = min(inputs.PERIOD, self.steps)
-        self.check_steps = CHECK_FRAMES * int(min(max(setup.work / count, 50), inputs.PERIOD) / CHECK_FRAMES)
+        self.frames = int(min(max(MOST_ROWS / count, 1), MOST_FRAMES))
+        self.every = int(min(max(setup.work / count, 50), inputs.PERIOD) / self.frames)
+        self.check_steps = self.frames * self.every
 
     def _path(self, name):
         return os.path.join(self.folder, name)
@@ -99,16 +101,17 @@ class Bench:
     # --- physics -----------------------------------------------------------------------------------------------
     def check(self, cores):
         """{name: frames.Physics} of a run of check_steps by each program."""
-        every, found = self.check_steps // CHECK_FRAMES, {}
-        deck = inputs.packing_deck("start.h5", self.packing.width, [("check", self.check_steps, True)], frames=every)
+        found = {}
+        deck = inputs.packing_deck("start.h5", self.packing.width, [("check", self.check_steps, True)], frames=self.every)
         programs.slipdisk(self.setup.program, self._write("check.cfg", deck), self._path("check.h5"), cores)
         found["slipdisk"] = frames.physics(frames.of_slipdisk(self._path("check.h5")), self.packing)
         for style in ("granular", "hooke") if self.setup.lammps else ():
             text = inputs.lammps_packing(style, "lammps.data", self.packing.mass.mean(), [self.check_steps],
-                                         packing.MEAN, (every, style + ".dump"))
+                                         packing.MEAN, (self.every, style + ".dump"))
             found[f"LAMMPS {style}"] = self._checked("LAMMPS", self.setup.lammps, style, text, cores)
         if self.setup.liggghts:
-            text = inputs.liggghts_packing("liggghts.data", [self.check_steps], packing.MEAN, (every, "liggghts.dump"))
+            text = inputs.liggghts_packing("liggghts.data", [self.check_steps], packing.MEAN,
+                                           (self.every, "liggghts.dump"))
             found["LIGGGHTS"] = self._checked("LIGGGHTS", self.setup.liggghts, "liggghts", text, cores)
         return found
 
@@ -116,7 +119,7 @@ class Bench:
         self.setup.note(name, programs.run_script(program, self._write(f"check-{script}.in", text), cores))
         dumped = frames.of_dump(self._path(script + ".dump"), floor_rests=name == "LIGGGHTS")
         os.remove(self._path(script + ".dump"))
-        if [frame.step for frame in dumped] != [k * self.check_steps // CHECK_FRAMES for k in range(CHECK_FRAMES + 1)]:
+        if [frame.step for frame in dumped] != list(range(0, self.check_steps + 1, self.every)):
             raise programs.Failed(f"{name}: frames at steps {[frame.step for frame in dumped]}")
         return frames.physics(dumped, self.packing)
 
@@ -132,10 +135,10 @@ def compared(found, width):
     return out
 
 
-def compare(setup, count):
+def compare(setup, count, most_cores=2):
     """Everything that is told of one size, as plain data."""
     bench = Bench(setup, count)
-    one, two = programs.cores_here(1), programs.cores_here(2)
+    one, two = programs.cores_here(1), programs.cores_here(2) if most_cores > 1 else []
     setup.say(f"{count} disks: physics over {bench.check_steps} steps")
     physics = compared(bench.check(one), bench.packing.width)
     times = {}
@@ -144,4 +147,5 @@ def compare(setup, count):
         runs = {name: lambda run=run, cores=cores: 1e9 * run(cores) / count
                 for name, run in bench.contestants().items()}
         times[len(cores)] = {name: it.values for name, it in timing.alternate(runs, setup.repeats, setup.say).items()}
-    return {"steps": bench.steps, "check_steps": bench.check_steps, "physics": physics, "times": times}
+    return {"steps": bench.steps, "check_steps": bench.check_steps, "frames": bench.frames, "physics": physics,
+            "times": times}

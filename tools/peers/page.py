@@ -45,8 +45,9 @@ def packings(sizes):
                          f"{it['overlap']:.4e}", percent(off["overlap"]), f"{it['kinetic']:.3e}",
                          percent(off["kinetic"]), f"{it['distance']:.1e}", "yes" if it["agrees"] else "**no**"])
     bounds = ", ".join(f"{what} {100 * bound:g} %" for what, bound in bench.TOLERANCES.items())
-    out += ["Physics, means over 25 frames of "
-            + ", ".join(f"{found['check_steps']} steps ({power(int(count))})" for count, found in in_order(sizes))
+    out += ["Physics, means over "
+            + ", ".join(f"{found['frames']} frames of {found['check_steps']} steps ({power(int(count))})"
+                        for count, found in in_order(sizes))
             + f"; differences to slipdisk; agreement within {bounds}. Lengths in mean radii:", "",
             *table(["disks, program", "contacts per disk", "differs", "mean overlap", "differs",
                     "kinetic energy per disk, J", "differs", "distance at the end", "agrees"], rows), ""]
