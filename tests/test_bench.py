@@ -1,4 +1,4 @@
-"""bench_steps: cases and their CSV, the Markdown of a CSV, two builds in alternation, mistakes. Not how fast anything is."""
+"""bench_steps: cases and their CSV, the Markdown of a CSV, two builds in alternation, packings, mistakes. Not how fast anything is."""
 import csv
 import os
 import pathlib
@@ -128,12 +128,43 @@ class Bench(unittest.TestCase):
         # the first answer, 1000, prepares and does not count
         self.assertEqual(float(table["sync/gear5/baseline"]["other_median_ns"]), 3000)
 
+    def test_scaling(self):
+        out = self.run_ok("--scaling", "--quick", "--repeats", "3", "--sizes", "50,1e3,2000", "--threads", "1",
+                          "--shuffle", "--csv", self.csv)
+        table = rows(self.csv)
+        names = [f"floor/{disks}/{numbers}/{integrator}/1" for numbers in ("placed", "shuffled")
+                 for disks in (50, 1000, 2000) for integrator in ("gear5", "verlet")]
+        self.assertEqual(list(table), names)
+        for name, row in table.items():
+            self.assertIn(name, out)
+            least, low, median, high = (float(row[f"{key}_ns"]) for key in ("least", "quartile1", "median",
+                                                                            "quartile3"))
+            self.assertTrue(0 < least <= low <= median <= high, row)
+            self.assertTrue(median < float(row["total_ns"]), row)
+            # what is copied keeps its contacts
+            self.assertTrue(1.5 < float(row["contacts_per_disk"]) < float(row["candidates_per_disk"]) < 3, row)
+            self.assertGreaterEqual(int(row["all_steps"]), 64 + 3 * int(row["steps"]))
+        lines = self.run_ok("--markdown", self.csv).splitlines()
+        cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| ")]
+        path = table[names[0]]["path"]
+        self.assertEqual(cells[0], ["packing", "disks", "numbers", "contacts", "candidates",
+                                    f"gear5, {path}, 1 thread", f"verlet, {path}, 1 thread"])
+        self.assertEqual([line[1:3] for line in cells[1:]],
+                         [[disks, numbers] for numbers in ("placed", "shuffled") for disks in ("50", "1000", "2000")])
+        for line in cells[1:]:
+            for k, integrator in ((5, "gear5"), (6, "verlet")):
+                total = float(table[f"floor/{line[1]}/{line[2]}/{integrator}/1"]["total_ns"])
+                self.assertAlmostEqual(float(line[k].split()[0]), total, delta=0.06)
+
     def test_mistakes(self):
         other = self.csv.with_name("other.csv")
         other.write_text("case,ratio\na,1\n")
         for words, says in ((["--only", "nothing"], "no such case"), (["--repeats", "0"], "--repeats N"),
                             (["--fast"], "--quick"), (["--markdown", self.csv], "bench.csv"),
-                            (["--markdown", other], "not a table"),
+                            (["--markdown", other], "not a table"), (["--sizes", "1000"], "--scaling"),
+                            (["--scaling", "--sizes", "1001"], "multiples of 10"),
+                            (["--scaling", "--sizes", "1e3;1e4"], "whole numbers"),
+                            (["--scaling", "--packings", "pile"], "no such packing"),
                             (["--quick", "--only", "sync/gear5/baseline", "--compare", self.csv], "bench.csv"),
                             (["--only", "sync", "--csv", self.csv / "x"], "bench.csv/x")):
             status, _, err = run(*words)

@@ -1,6 +1,7 @@
 /* bench_steps.c: cost of a step of one system, one thread, in ns; what is timed stands in cases.h.
  *
  *   bench_steps [--quick] [--only NAME,...] [--repeats N] [--csv FILE] [--compare OTHER]
+ *   bench_steps --scaling [--sizes N,...] [--threads N,...] [--packings NAME,...] [--shuffle] [...]
  *   bench_steps --markdown FILE.csv
  *
  * One repeat of every case, then the next of every case, and so on, so that a slow spell of the machine falls
@@ -8,26 +9,22 @@
  * --compare runs this program and OTHER, the same program of another build, case by case in turn (each as a
  * server that answers the name of a case with the ns per step of one repeat), and prints the ratio of medians.
  * Cases that OTHER, an older build, does not have are left out.
+ * --scaling: packings of many sizes instead, ns per disk-step; scaling.h.
  */
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bench/table.h"
+#include "bench/scaling.h"
 
 typedef struct options {
   const char *only, *csv, *compare, *markdown;
+  const char *sizes, *threads, *packings; /* --scaling */
   int repeats;
   double seconds; /* of a repeat */
-  bool quick, serve, list;
+  bool quick, serve, list, scaling, shuffle;
 } options;
-
-static void *room(size_t n, size_t size) {
-  void *p = calloc(n, size);
-  if (!p) give_up("out of memory", NULL);
-  return p;
-}
 
 /* --- this build alone -------------------------------------------------------------------------------- */
 
@@ -184,7 +181,13 @@ static _Noreturn void usage(int status) {
           "  --compare OTHER  runs OTHER, bench_steps of another build, in alternation and prints ratios "
           "this/other\n"
           "  --markdown FILE  prints the table of --csv FILE as Markdown, and measures nothing\n"
-          "  --list           names of the cases\n");
+          "  --list           names of the cases\n"
+          "  --scaling        packings of many sizes, ns per disk-step; with --only, --repeats, --csv, "
+          "--quick, and\n"
+          "    --sizes N,...      disks (1e2,1e3,1e4,1e5,1e6)\n"
+          "    --threads N,...    (1); more than one: the time that passes\n"
+          "    --packings NAME,...  (floor), or all\n"
+          "    --shuffle          also with disks whose numbers know nothing of their places\n");
   exit(status);
 }
 
@@ -198,6 +201,10 @@ static options read_options(int argc, char **argv) {
       o.serve = true;
     else if (strcmp(a, "--list") == 0)
       o.list = true;
+    else if (strcmp(a, "--scaling") == 0)
+      o.scaling = true;
+    else if (strcmp(a, "--shuffle") == 0)
+      o.shuffle = true;
     else if (strcmp(a, "--help") == 0)
       usage(EXIT_SUCCESS);
     else if (!value)
@@ -210,20 +217,43 @@ static options read_options(int argc, char **argv) {
       o.compare = value;
     else if (strcmp(a, "--markdown") == 0)
       o.markdown = value;
+    else if (strcmp(a, "--sizes") == 0)
+      o.sizes = value;
+    else if (strcmp(a, "--threads") == 0)
+      o.threads = value;
+    else if (strcmp(a, "--packings") == 0)
+      o.packings = value;
     else if (strcmp(a, "--repeats") != 0 || (o.repeats = atoi(value)) < 1 || o.repeats > MAX_REPEATS)
       usage(EXIT_FAILURE);
   }
+  if (!o.scaling && (o.sizes || o.threads || o.packings || o.shuffle)) usage(EXIT_FAILURE);
+  if (o.scaling && (o.serve || o.list || o.compare)) usage(EXIT_FAILURE);
   if (o.repeats == 0) o.repeats = o.quick ? 5 : 15;
   o.seconds = o.quick ? 0.02 : 0.04;
   return o;
 }
 
+static void scale(const options *o) {
+  measure_scaling(&(scaling_options){.sizes = o->sizes ? o->sizes : "1e2,1e3,1e4,1e5,1e6",
+                                     .threads = o->threads ? o->threads : "1",
+                                     .packings = o->packings ? o->packings : "floor",
+                                     .only = o->only,
+                                     .csv = o->csv,
+                                     .shuffle = o->shuffle,
+                                     .quick = o->quick,
+                                     .repeats = o->repeats,
+                                     .seconds = o->seconds});
+}
+
 int main(int argc, char **argv) {
   options o = read_options(argc, argv);
-  if (o.markdown) {
+  if (o.markdown && is_scaling_csv(o.markdown))
+    print_scaling_markdown(o.markdown);
+  else if (o.markdown)
     print_markdown(o.markdown);
-    return EXIT_SUCCESS;
-  }
+  else if (o.scaling)
+    scale(&o);
+  if (o.markdown || o.scaling) return EXIT_SUCCESS;
   static bench_case cases[MAX_CASES];
   size_t n = list_cases(cases, o.only);
   if (n == 0) give_up("no such case (--list names them)", NULL);

@@ -89,6 +89,12 @@ static _Noreturn void give_up(const char *what, sd_messages *messages) {
   exit(EXIT_FAILURE);
 }
 
+static void *room(size_t n, size_t size) {
+  void *p = calloc(n, size);
+  if (!p) give_up("out of memory", NULL);
+  return p;
+}
+
 /* CPU time of this thread: time for which other processes hold the core does not count. */
 static double cpu_seconds(void) {
   struct timespec t;
