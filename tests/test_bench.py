@@ -156,6 +156,18 @@ class Bench(unittest.TestCase):
                 total = float(table[f"floor/{line[1]}/{line[2]}/{integrator}/1"]["total_ns"])
                 self.assertAlmostEqual(float(line[k].split()[0]), total, delta=0.06)
 
+    def test_packings_of_few_and_many_contacts(self):
+        kinds = ["gas", "fluid", "thrown", "shaken", "floor", "smooth", "pressed"]
+        self.run_ok("--scaling", "--repeats", "15", "--sizes", "100", "--packings", "all", "--only", "verlet", "--csv",
+                    self.csv)
+        table = rows(self.csv)
+        self.assertEqual(list(table), [f"{kind}/100/placed/verlet/1" for kind in kinds])
+        contacts = {row["packing"]: float(row["contacts_per_disk"]) for row in table.values()}
+        self.assertLess(contacts["gas"], 1)
+        self.assertLess(contacts["gas"], contacts["shaken"])
+        self.assertLess(contacts["shaken"], contacts["smooth"])
+        self.assertGreater(contacts["pressed"], 2)
+
     def test_mistakes(self):
         other = self.csv.with_name("other.csv")
         other.write_text("case,ratio\na,1\n")

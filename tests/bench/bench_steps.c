@@ -186,7 +186,7 @@ static _Noreturn void usage(int status) {
           "--quick, and\n"
           "    --sizes N,...      disks (1e2,1e3,1e4,1e5,1e6)\n"
           "    --threads N,...    (1); more than one: the time that passes\n"
-          "    --packings NAME,...  (floor), or all\n"
+          "    --packings NAME,...  (floor): gas, fluid, thrown, shaken, floor, smooth, pressed, or all\n"
           "    --shuffle          also with disks whose numbers know nothing of their places\n");
   exit(status);
 }

@@ -13,17 +13,25 @@
 #include "bench/cases.h"
 
 enum { BASE_DISKS = 1000, BASE_ROWS = 25, FEW_ROWS = 10, LEAST_DISKS = 50 };
-enum { PERIOD = 625, SETTLE_STEPS = 30000, SHAKE_PERIODS = 20 }; /* 80 Hz at the time step of the packings */
+enum { PERIOD = 625, SETTLE_STEPS = 30000 }; /* 80 Hz at the time step of the packings */
 
-/* What makes the number of contacts: friction, pressure, and how hard the floor shakes. */
+/* What makes the number of contacts: friction, pressure, and how hard the floor shakes. Those with few contacts are
+ * kept apart by collisions; that their candidates are no fewer lies in the skin of the lists. */
 typedef struct packing_kind {
   const char *name;
-  double mu, gravity; /* gravity over 9.81 */
-  double shaking;     /* largest acceleration of the floor over gravity */
+  double mu, gamma_n;
+  double gravity, shaking; /* largest acceleration of the floor; both over 9.81 */
+  int64_t periods;         /* of shaking, before it is measured */
 } packing_kind;
 
 static const packing_kind packing_kinds[] = {
-    {"floor", 0.5, 1.0, 0.3},
+    {"gas", 0.1, 0.5, 0.1, 40.0, 160},    /* 0.5 contacts per disk */
+    {"fluid", 0.5, 1.0, 0.1, 20.0, 160},  /* 0.8 */
+    {"thrown", 0.5, 5.0, 1.0, 40.0, 160}, /* 1.2 */
+    {"shaken", 0.5, 5.0, 1.0, 10.0, 160}, /* 1.5 */
+    {"floor", 0.5, 5.0, 1.0, 0.3, 20},    /* 1.7: that of tools/peers */
+    {"smooth", 0.0, 5.0, 1.0, 0.3, 20},   /* 2.0 */
+    {"pressed", 0.0, 5.0, 10.0, 3.0, 20}, /* 2.2 */
 };
 enum { PACKING_KINDS = sizeof packing_kinds / sizeof *packing_kinds };
 
@@ -45,8 +53,7 @@ static void free_packing(packing *p) {
 
 /* A (1 - cos wt): a sine that begins a quarter of a period early, and a constant. */
 static void add_floor_motions(sd_model *m, const packing_kind *kind) {
-  double omega = 2.0 * acos(-1.0) / (PERIOD * m->dt),
-         amplitude = -kind->shaking * m->gravity[1] / (omega * omega);
+  double omega = 2.0 * acos(-1.0) / (PERIOD * m->dt), amplitude = 9.81 * kind->shaking / (omega * omega);
   m->n_motions = 2;
   m->motions = room(2, sizeof *m->motions);
   sd_motion *wave = &m->motions[0], *raise = &m->motions[1];
@@ -100,7 +107,7 @@ static sd_model *packing_model(packing *p, sd_integrator integrator, int64_t res
   m->n_materials = 1;
   m->materials = room(1, sizeof *m->materials);
   m->laws = room(1, sizeof *m->laws);
-  m->laws[0] = (sd_contact_law){.k_n = 1e4, .k_t = 5e3, .gamma_n = 5.0, .mu = p->kind->mu};
+  m->laws[0] = (sd_contact_law){.k_n = 1e4, .k_t = 5e3, .gamma_n = p->kind->gamma_n, .mu = p->kind->mu};
   m->n_disks = p->n_disks;
   m->disks = p->disks;
   m->n_memories = p->n_contacts;
@@ -164,7 +171,7 @@ static packing settled_packing(const packing_kind *kind, size_t count) {
   sd_simulation *simulation = NULL;
   const sd_state *state = NULL;
   if (sd_simulation_new(model, 1, &simulation, messages) == SD_OK &&
-      sd_simulation_advance(simulation, SETTLE_STEPS + SHAKE_PERIODS * PERIOD, messages) == SD_OK)
+      sd_simulation_advance(simulation, SETTLE_STEPS + kind->periods * PERIOD, messages) == SD_OK)
     state = sd_simulation_state(simulation);
   if (!state) give_up(kind->name, messages);
   p = packing_of(kind, width, state);

@@ -151,7 +151,9 @@ static void prepare_packing(const scaling_options *o, scaling_case *c) {
   int64_t steps = o->quick ? QUICK_STEPS : PERIOD, builds;
   double each = advance_packing(c, steps, &builds) / (double)steps;
   c->row.steps = (int64_t)(o->seconds / each) + 1;
-  if (c->row.steps < LEAST_STEPS) c->row.steps = LEAST_STEPS;
+  int64_t least =
+      o->quick ? LEAST_STEPS : PERIOD / o->repeats + 1; /* all repeats together: a period at least */
+  if (c->row.steps < least) c->row.steps = least;
 }
 
 static void repeat_packing(scaling_case *c, int r) {
@@ -198,32 +200,39 @@ static void measure_packing(const scaling_options *o, scaling_case *list, size_t
   if (csv) fflush(csv);
 }
 
-static bool kind_is_asked(const scaling_options *o, const packing_kind *kind) {
+/* Which packings are asked for. */
+static void choose_packings(const scaling_options *o, bool *asked) {
   char words[512], *rest = words;
-  if (strcmp(o->packings, "all") == 0) return true;
+  bool all = strcmp(o->packings, "all") == 0;
+  for (size_t k = 0; k < PACKING_KINDS; k++) asked[k] = all;
   snprintf(words, sizeof words, "%s", o->packings);
-  for (const char *word; (word = strsep(&rest, ","));)
-    if (strcmp(word, kind->name) == 0) return true;
-  return false;
+  for (const char *word; !all && (word = strsep(&rest, ","));) {
+    size_t k = 0;
+    while (k < PACKING_KINDS && strcmp(word, packing_kinds[k].name) != 0) k++;
+    if (k == PACKING_KINDS) give_up("packings: no such packing", NULL);
+    asked[k] = true;
+  }
 }
 
 static void measure_scaling(const scaling_options *o) {
   size_t sizes[MAX_CHOICES], n_sizes = read_numbers(o->sizes, sizes), all = 0;
+  bool asked[PACKING_KINDS];
   for (size_t k = 0; k < n_sizes; k++) check_size(sizes[k]);
+  choose_packings(o, asked);
   scaling_case *list = room(MAX_SCALING, sizeof *list);
   FILE *csv = o->csv ? open_table(o->csv, "w") : NULL;
   print_scaling_head(stdout, "", o->repeats, o->seconds);
   if (csv) print_scaling_head(csv, "# ", o->repeats, o->seconds);
   print_scaling_title(csv);
   for (size_t k = 0; k < PACKING_KINDS; k++)
-    for (int shuffled = 0; kind_is_asked(o, &packing_kinds[k]) && shuffled <= o->shuffle; shuffled++) {
+    for (int shuffled = 0; asked[k] && shuffled <= o->shuffle; shuffled++) {
       size_t n = add_packing(o, &packing_kinds[k], shuffled, list);
       measure_packing(o, list, n, csv);
       for (size_t c = 0; c < n; c++) free_scaling_case(&list[c]);
       all += n;
     }
   free(list);
-  if (all == 0) give_up("no such packing or case", NULL);
+  if (all == 0) give_up("no such case", NULL);
   if (!csv) return;
   close_table(csv, o->csv);
   printf("\ntable: %s\n", o->csv);

@@ -127,11 +127,11 @@ static size_t list_firsts(const scaling_row *rows, size_t n,
   return found;
 }
 
-/* Time with lists, quartiles without them. */
+/* All, the median and quartiles of what is not lists, and lists. */
 static void print_scaling_cell(const scaling_row *r) {
   if (r)
-    printf(" %.1f (%.1f-%.1f; %s%.1f %%) |", total_ns(r), r->ns.low, r->ns.high, below(r),
-           100.0 * share_of(r));
+    printf(" %.1f = %.1f (%.1f-%.1f) + %s%.1f |", total_ns(r), r->ns.median, r->ns.low, r->ns.high, below(r),
+           lists_per_step(r) * r->build_ns);
   else
     printf(" - |");
 }
@@ -158,9 +158,9 @@ static void print_scaling_markdown(const char *path) {
       print_scaling_cell(cell);
     }
   }
-  printf("\n\nns per disk-step (in brackets: quartiles without making lists; share of lists), contacts and "
-         "candidates per "
-         "disk.\n");
+  printf(
+      "\n\nns per disk-step: all = median (quartiles) without making lists + lists. Contacts and candidates "
+      "per disk.\n");
 }
 
 #endif
