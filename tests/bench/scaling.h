@@ -100,19 +100,12 @@ static size_t add_size(const scaling_options *o, const packing *base, size_t dis
   return n;
 }
 
-static size_t add_packing(const scaling_options *o, const packing_kind *kind, bool shuffled,
-                          scaling_case *list) {
-  size_t sizes[MAX_CHOICES], n_sizes = read_numbers(o->sizes, sizes), n = 0;
-  packing large = {0};
-  for (size_t k = 0; k < n_sizes; k++) {
-    packing small = {0};
-    if (sizes[k] >= BASE_DISKS && !large.n_disks) large = settled_packing(kind, BASE_DISKS);
-    if (sizes[k] < BASE_DISKS) small = settled_packing(kind, sizes[k]);
-    n = add_size(o, small.n_disks ? &small : &large, sizes[k], shuffled, list, n);
-    free_packing(&small);
-  }
-  free_packing(&large);
-  return n;
+/* The packing of which those of so many disks are copies; `bases` holds those there are. */
+static const packing *base_of(const packing_kind *kind, size_t disks, packing *bases) {
+  size_t count = disks < BASE_DISKS ? disks : BASE_DISKS, k = 0;
+  while (bases[k].n_disks && bases[k].n_disks != count) k++;
+  if (!bases[k].n_disks) bases[k] = settled_packing(kind, count);
+  return &bases[k];
 }
 
 static void free_scaling_case(scaling_case *c) {
@@ -214,6 +207,23 @@ static void choose_packings(const scaling_options *o, bool *asked) {
   }
 }
 
+/* One kind, placed and then, if asked for, shuffled; returns the number of cases. */
+static size_t measure_kind(const scaling_options *o, const packing_kind *kind, scaling_case *list,
+                           FILE *csv) {
+  size_t sizes[MAX_CHOICES], n_sizes = read_numbers(o->sizes, sizes), all = 0;
+  packing bases[MAX_CHOICES] = {0};
+  for (int shuffled = 0; shuffled <= o->shuffle; shuffled++) {
+    size_t n = 0;
+    for (size_t k = 0; k < n_sizes; k++)
+      n = add_size(o, base_of(kind, sizes[k], bases), sizes[k], shuffled, list, n);
+    measure_packing(o, list, n, csv);
+    for (size_t k = 0; k < n; k++) free_scaling_case(&list[k]);
+    all += n;
+  }
+  for (size_t k = 0; k < MAX_CHOICES; k++) free_packing(&bases[k]);
+  return all;
+}
+
 static void measure_scaling(const scaling_options *o) {
   size_t sizes[MAX_CHOICES], n_sizes = read_numbers(o->sizes, sizes), all = 0;
   bool asked[PACKING_KINDS];
@@ -225,12 +235,7 @@ static void measure_scaling(const scaling_options *o) {
   if (csv) print_scaling_head(csv, "# ", o->repeats, o->seconds);
   print_scaling_title(csv);
   for (size_t k = 0; k < PACKING_KINDS; k++)
-    for (int shuffled = 0; asked[k] && shuffled <= o->shuffle; shuffled++) {
-      size_t n = add_packing(o, &packing_kinds[k], shuffled, list);
-      measure_packing(o, list, n, csv);
-      for (size_t c = 0; c < n; c++) free_scaling_case(&list[c]);
-      all += n;
-    }
+    if (asked[k]) all += measure_kind(o, &packing_kinds[k], list, csv);
   free(list);
   if (all == 0) give_up("no such case", NULL);
   if (!csv) return;
