@@ -66,6 +66,8 @@ typedef struct sd_state {
   int64_t mean_looks;                /* looks at the contacts for the means */
   int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
 
+  void *columns; /* what the columns but those of contacts stand in */
+
   /* extents */
   size_t n_free, n_disks, n_bodies;
   size_t n_contacts, contact_capacity;

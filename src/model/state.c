@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/room.h"
+
 #define COLUMN(name, type, extent, unit, meaning)                                                            \
   { #name, type, extent, offsetof(sd_state, name), unit, meaning }
 
@@ -170,12 +172,29 @@ static void **field_pointer(sd_state *s, const sd_field *f) {
   return (void **)(void *)((char *)s + f->offset);
 }
 
-/* Columns are padded to whole 64-byte vectors, and zero. */
+/* Of contacts: padded to whole 64-byte vectors, and zero. */
 static void *column_new(size_t n, sd_type type) {
   size_t bytes = (n * sd_type_size(type) + 127) / 64 * 64;
   void *p = aligned_alloc(64, bytes);
   if (p) memset(p, 0, bytes);
   return p;
+}
+
+static bool in_room(const sd_field *f) { return f->extent != SD_PER_RUN && f->extent != SD_PER_CONTACT; }
+
+static sd_status columns_new(sd_state *s) {
+  room_plan plan = {0};
+  for (size_t k = 0; k < sd_field_count; k++)
+    if (in_room(&sd_fields[k]))
+      room_column(&plan, sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+  char *room = s->columns = room_new(&plan);
+  if (!room) return SD_ERROR_IO;
+  plan = (room_plan){0};
+  for (size_t k = 0; k < sd_field_count; k++)
+    if (in_room(&sd_fields[k]))
+      *field_pointer(s, &sd_fields[k]) =
+          room + room_column(&plan, sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+  return SD_OK;
 }
 
 sd_state *sd_state_new(const sd_model *m) {
@@ -191,27 +210,16 @@ sd_state *sd_state_new(const sd_model *m) {
   s->n_means = m->measure_disks ? m->n_free : 0;
   s->bin_steps = s->mean_bin_steps = 1;
   s->box_scale = 1.0;
-  for (size_t k = 0; k < sd_field_count; k++) {
-    const sd_field *f = &sd_fields[k];
-    if (f->extent == SD_PER_RUN || f->extent == SD_PER_CONTACT) continue;
-    void *column = column_new(sd_extent_size(s, f->extent), f->type);
-    if (!column) {
-      sd_state_free(s);
-      return NULL;
-    }
-    *field_pointer(s, f) = column;
-  }
-  if (sd_state_reserve_contacts(s, 8) != SD_OK) {
-    sd_state_free(s);
-    return NULL;
-  }
-  return s;
+  if (columns_new(s) == SD_OK && sd_state_reserve_contacts(s, 8) == SD_OK) return s;
+  sd_state_free(s);
+  return NULL;
 }
 
 void sd_state_free(sd_state *s) {
   if (!s) return;
   for (size_t k = 0; k < sd_field_count; k++)
-    if (sd_fields[k].extent != SD_PER_RUN) free(*field_pointer(s, &sd_fields[k]));
+    if (sd_fields[k].extent == SD_PER_CONTACT) free(*field_pointer(s, &sd_fields[k]));
+  room_free(s->columns);
   free(s);
 }
 

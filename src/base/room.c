@@ -1,0 +1,58 @@
+/* room.c: see room.h. */
+#include "base/room.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
+enum { LINE = 64, PAGE = 4096, APART = 3 * LINE, LARGE_PAGE = 1 << 21, LARGE = 2 * LARGE_PAGE };
+
+/* Stands before the room, whose start is on a line. */
+typedef struct header {
+  void *memory;
+  size_t bytes; /* 0: not mapped */
+} header;
+
+size_t room_column(room_plan *plan, size_t bytes) {
+  size_t at = (plan->end + LINE - 1) / LINE * LINE, apart = plan->columns++ * APART % PAGE;
+  /* small ones fit into the cache together */
+  if (bytes >= PAGE) at += (apart + PAGE - at % PAGE) % PAGE;
+  plan->end = at + bytes + LINE;
+  return at;
+}
+
+static void *new_large(size_t bytes) {
+  bytes += LINE + LARGE_PAGE;
+  char *memory = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) return NULL;
+  char *room = memory + LINE + (LARGE_PAGE - ((uintptr_t)memory + LINE) % LARGE_PAGE) % LARGE_PAGE;
+  madvise(room, bytes - (size_t)(room - memory), MADV_HUGEPAGE); /* if there are any */
+  ((header *)(void *)(room - LINE))[0] = (header){memory, bytes};
+  return room;
+}
+
+void *room_new(const room_plan *plan) {
+  if (plan->end >= LARGE) return new_large(plan->end);
+  size_t bytes = (plan->end + 2 * LINE - 1) / LINE * LINE;
+  char *memory = aligned_alloc(LINE, bytes);
+  if (!memory) return NULL;
+  memset(memory, 0, bytes);
+  ((header *)(void *)memory)[0] = (header){memory, 0};
+  return memory + LINE;
+}
+
+void room_free(void *room) {
+  if (!room) return;
+  const header h = ((header *)(void *)((char *)room - LINE))[0];
+  if (h.bytes)
+    munmap(h.memory, h.bytes);
+  else
+    free(h.memory);
+}
+
+void *room_for(size_t n, size_t size) {
+  room_plan plan = {0};
+  room_column(&plan, n * size);
+  return room_new(&plan);
+}
