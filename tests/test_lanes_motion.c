@@ -256,7 +256,7 @@ static void velocities_and_tables(void **unused) {
 }
 
 /* Several on one coordinate, and some that go beside them. */
-static void sums(void **unused) {
+static void several_motions(void **unused) {
   (void)unused;
   RUN(VELOCITY " ramp = @R;", WAVE("x", "harmonic"), RANDOM(1), RANDOM(7) " ramp = @R;", TABLE,
       WAVE("theta", "parabolic"), WAVE("theta", "harmonic"));
@@ -292,7 +292,7 @@ int main(void) {
       cmocka_unit_test(random_motions),
       cmocka_unit_test(waves),
       cmocka_unit_test(velocities_and_tables),
-      cmocka_unit_test(sums),
+      cmocka_unit_test(several_motions),
       cmocka_unit_test(ends_where_an_angle_leaves_its_range),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

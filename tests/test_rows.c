@@ -45,14 +45,14 @@ static void fill(double *memory, size_t n) {
         for (int k = 0; k < 4; k++) assert_true(column[k][l] == memory[at[l] + k]);                          \
         for (int k = 0; k < 2; k++) assert_true(half[k][l] == memory[at[l] + 1 + k]);                        \
       }                                                                                                      \
-      memset(memory, 0, sizeof memory);                                                                      \
-      memset(expected, 0, sizeof expected);                                                                  \
-      put4_w##width(memory, at, other, c);                                                                   \
-      for (int l = 0; l < width; l++)                                                                        \
-        for (int k = 0; k < 4; k++) {                                                                        \
-          expected[at[l] + k] = column[k][l];                                                                \
-          expected[other[l] + k] = k < 2 ? -column[k][l] : column[k][l];                                     \
-        }                                                                                                    \
+      /* rows that several lanes add to */                                                                   \
+      if (seed % 2) other[0] = at[width - 1], at[0] = at[width / 2];                                         \
+      memcpy(expected, memory, sizeof memory);                                                               \
+      add4_w##width(memory, at, other, c);                                                                   \
+      for (int l = 0; l < width; l++) {                                                                      \
+        for (int k = 0; k < 4; k++) expected[at[l] + k] += column[k][l];                                     \
+        for (int k = 0; k < 4; k++) expected[other[l] + k] += k < 2 ? -column[k][l] : column[k][l];          \
+      }                                                                                                      \
       assert_memory_equal(memory, expected, sizeof memory);                                                  \
       memset(memory, 0, sizeof memory);                                                                      \
       memset(expected, 0, sizeof expected);                                                                  \
@@ -60,6 +60,12 @@ static void fill(double *memory, size_t n) {
       for (int l = 0; l < width; l++)                                                                        \
         for (int k = 0; k < 4; k++) expected[3 + 6 * l + k] = column[k][l];                                  \
       assert_memory_equal(memory, expected, sizeof memory);                                                  \
+      real_w##width back[4];                                                                                 \
+      lift4_w##width(memory + 3, 6, back);                                                                   \
+      for (int k = 0; k < 4; k++) {                                                                          \
+        store_w##width(half[0], back[k]);                                                                    \
+        assert_memory_equal(half[0], column[k], width * sizeof(double));                                     \
+      }                                                                                                      \
     }                                                                                                        \
   }
 TEST_OF(1)

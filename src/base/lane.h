@@ -197,9 +197,9 @@ LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1
 
 /* --- rows ------------------------------------------------------------------------------------------------- */
 
-/* Rows of numbers, one per lane, against vectors: pick, number c of each lane's row in vector c; lay, the rows of
- * consecutive lanes; put, the row of each lane (of four) to rows + to[lane], and with the signs of the first two
- * turned over to rows + turned[lane]. */
+/* Rows of numbers, one per lane, against vectors: pick, number c of each lane's row in vector c; lay and lift, the rows of
+ * consecutive lanes out and in; add, the row of each lane (of four) to that at rows + to[lane], and with the signs of
+ * the first two turned over to that at rows + turned[lane], one lane after the other. */
 #if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
 typedef double LANE(four) __attribute__((vector_size(32)));
 typedef double LANE(two) __attribute__((vector_size(16)));
@@ -241,18 +241,19 @@ LANE_INLINE void LANE(pick_half)(const double *rows, const int32_t *at, LANE(fou
   c[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
 }
 
-LANE_INLINE void LANE(put_row)(double *rows, int32_t to, int32_t turned, LANE(four) row) {
+LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t turned, LANE(four) row) {
   const LANE(four) sign = {-0.0, -0.0, 0.0, 0.0};
-  LANE(store_four)(rows + to, row);
-  LANE(store_four)(rows + turned, (LANE(four))((LANE(four_bits))row ^ (LANE(four_bits))sign));
+  LANE(store_four)(rows + to, LANE(load_four)(rows + to) + row);
+  row = (LANE(four))((LANE(four_bits))row ^ (LANE(four_bits))sign);
+  LANE(store_four)(rows + turned, LANE(load_four)(rows + turned) + row);
 }
 
-LANE_INLINE void LANE(put_block)(double *rows, const int32_t *to, const int32_t *turned, LANE(block) m) {
+LANE_INLINE void LANE(add_block)(double *rows, const int32_t *to, const int32_t *turned, LANE(block) m) {
   m = LANE(transpose)(m);
-  LANE(put_row)(rows, to[0], turned[0], m.r0);
-  LANE(put_row)(rows, to[1], turned[1], m.r1);
-  LANE(put_row)(rows, to[2], turned[2], m.r2);
-  LANE(put_row)(rows, to[3], turned[3], m.r3);
+  LANE(add_row)(rows, to[0], turned[0], m.r0);
+  LANE(add_row)(rows, to[1], turned[1], m.r1);
+  LANE(add_row)(rows, to[2], turned[2], m.r2);
+  LANE(add_row)(rows, to[3], turned[3], m.r3);
 }
 
 LANE_INLINE void LANE(lay_block)(double *rows, size_t stride, LANE(block) m) {
@@ -263,7 +264,17 @@ LANE_INLINE void LANE(lay_block)(double *rows, size_t stride, LANE(block) m) {
   LANE(store_four)(rows + 3 * stride, m.r3);
 }
 
+LANE_INLINE LANE(block) LANE(lift_block)(const double *rows, size_t stride) {
+  return LANE(transpose)((LANE(block)){LANE(load_four)(rows), LANE(load_four)(rows + stride),
+                                       LANE(load_four)(rows + 2 * stride),
+                                       LANE(load_four)(rows + 3 * stride)});
+}
+
 #if LANE_WIDTH == 4
+LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  LANE(block) m = LANE(lift_block)(rows, stride);
+  c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
+}
 LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
   LANE(block) m = LANE(pick_block)(rows, at);
   c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
@@ -271,8 +282,8 @@ LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c
 LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
   LANE(pick_half)(rows, at, c);
 }
-LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
-  LANE(put_block)(rows, to, turned, (LANE(block)){c[0], c[1], c[2], c[3]});
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  LANE(add_block)(rows, to, turned, (LANE(block)){c[0], c[1], c[2], c[3]});
 }
 LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(lay_block)(rows, stride, (LANE(block)){c[0], c[1], c[2], c[3]});
@@ -296,6 +307,13 @@ LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c
   c[2] = LANE(whole)(m.r2, n.r2);
   c[3] = LANE(whole)(m.r3, n.r3);
 }
+LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  LANE(block) m = LANE(lift_block)(rows, stride), n = LANE(lift_block)(rows + 4 * stride, stride);
+  c[0] = LANE(whole)(m.r0, n.r0);
+  c[1] = LANE(whole)(m.r1, n.r1);
+  c[2] = LANE(whole)(m.r2, n.r2);
+  c[3] = LANE(whole)(m.r3, n.r3);
+}
 LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
   LANE(four) m[2], n[2];
   LANE(pick_half)(rows, at, m);
@@ -303,9 +321,9 @@ LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c
   c[0] = LANE(whole)(m[0], n[0]);
   c[1] = LANE(whole)(m[1], n[1]);
 }
-LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
-  LANE(put_block)(rows, to, turned, LANE(lows)(c));
-  LANE(put_block)(rows, to + 4, turned + 4, LANE(highs)(c));
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  LANE(add_block)(rows, to, turned, LANE(lows)(c));
+  LANE(add_block)(rows, to + 4, turned + 4, LANE(highs)(c));
 }
 LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(lay_block)(rows, stride, LANE(lows)(c));
@@ -332,15 +350,18 @@ LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c
   LANE(pick2)(rows, at, c);
   LANE(pick2)(rows + 2, at, c + 2);
 }
-LANE_INLINE void LANE(put_row)(double *rows, int32_t to, int32_t turned, LANE(real) a, LANE(real) b) {
-  LANE(store_two)(rows + to, a);
-  LANE(store_two)(rows + to + 2, b);
-  LANE(store_two)(rows + turned, -a);
-  LANE(store_two)(rows + turned + 2, b);
+LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  LANE(pick4)(rows, (const int32_t[]){0, (int32_t)stride}, c);
 }
-LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
-  LANE(put_row)(rows, to[0], turned[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
-  LANE(put_row)(rows, to[1], turned[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
+LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t turned, LANE(real) a, LANE(real) b) {
+  LANE(store_two)(rows + to, LANE(load_two)(rows + to) + a);
+  LANE(store_two)(rows + to + 2, LANE(load_two)(rows + to + 2) + b);
+  LANE(store_two)(rows + turned, LANE(load_two)(rows + turned) - a);
+  LANE(store_two)(rows + turned + 2, LANE(load_two)(rows + turned + 2) + b);
+}
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+  LANE(add_row)(rows, to[0], turned[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
+  LANE(add_row)(rows, to[1], turned[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
 }
 LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(store_two)(rows, LANE(firsts)(c[0], c[1]));
@@ -367,13 +388,18 @@ LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c
 LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
   LANE(pick)(rows, at, 2, c);
 }
-LANE_INLINE void LANE(put4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
   double column[4][LANE_WIDTH];
   for (int k = 0; k < 4; k++) LANE(store)(column[k], c[k]);
   for (int l = 0; l < LANE_WIDTH; l++)
     for (int k = 0; k < 4; k++) {
-      rows[to[l] + k] = column[k][l];
-      rows[turned[l] + k] = k < 2 ? -column[k][l] : column[k][l];
+      rows[to[l] + k] += column[k][l];
+      rows[turned[l] + k] += k < 2 ? -column[k][l] : column[k][l];
     }
+}
+LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  int32_t at[LANE_WIDTH];
+  for (int l = 0; l < LANE_WIDTH; l++) at[l] = (int32_t)stride * l;
+  LANE(pick)(rows, at, 4, c);
 }
 #endif

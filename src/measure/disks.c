@@ -76,16 +76,16 @@ static void close_bin(sd_state *s, size_t begin, size_t end, size_t b) {
  * slide: they add nothing. */
 static void look_at_contacts(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
-  const double *overlap = e->work.pairs.overlap, *slip = e->work.pairs.slip, *push = e->work.pairs.force;
+  const pairs *p = &e->work.pairs;
   const size_t *start = e->work.incidence.start;
   const uint32_t *entry = e->work.incidence.entry;
   for (size_t i = begin; i < end; i++) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
     for (size_t at = start[i]; at < start[i + 1]; at++) {
       size_t k = entry[at] / 2;
-      contacts += overlap[k] > 0.0 ? 1.0 : 0.0;
-      sliding += slip[k] != 0.0 ? 1.0 : 0.0;
-      force += push[k];
+      contacts += PAIR(p, k, overlap) > 0.0 ? 1.0 : 0.0;
+      sliding += PAIR(p, k, slip) != 0.0 ? 1.0 : 0.0;
+      force += PAIR(p, k, force);
     }
     s->mean_contacts[i] += contacts;
     s->mean_sliding[i] += sliding;
@@ -140,39 +140,31 @@ static drive drive_of(const engine *e, size_t slot) {
 /* What the motion d of the body in this slot does through one of its contacts per time: minus the power of what the
  * contact does to it, with the forces that motion_work books. */
 static double power_of(const double *push, double radius, drive d) {
-  double torque = radius != 0.0 ? push[PUSH_TURN] * radius : push[PUSH_TURN];
-  return -((push[PUSH_X] * d.vx + push[PUSH_Y] * d.vy) + torque * d.omega);
+  double torque = radius != 0.0 ? push[SUM_TURN] * radius : push[SUM_TURN];
+  return -((push[SUM_X] * d.vx + push[SUM_Y] * d.vy) + torque * d.omega);
 }
 
 /* It goes to the disk at the other side; what the prescribed coordinates of a free disk do against a wall or a
- * prescribed disk goes to that disk itself, since there is no other. */
-static void add_power(engine *e, size_t slot) {
+ * prescribed disk goes to that disk itself, since there is no other. The body is listed. */
+static void add_power(engine *e, size_t listed) {
   sd_state *s = e->state;
   const incidence *n = &e->work.incidence;
+  const sums *m = &e->work.sums;
+  size_t slot = m->listed[listed];
   drive d = drive_of(e, slot);
   if (d.vx == 0.0 && d.vy == 0.0 && d.omega == 0.0) return;
-  for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
+  for (size_t at = n->start[slot], row = m->single[listed]; at < n->start[slot + 1]; at++, row++) {
     size_t k = n->entry[at] / 2;
     size_t other = (size_t)(n->entry[at] & 1 ? e->work.pairs.a[k] : e->work.pairs.b[k]);
-    if (e->work.pairs.overlap[k] > 0.0)
+    if (PAIR(&e->work.pairs, k, overlap) > 0.0)
       s->mean_injected[other < s->n_free ? other : slot] +=
-          power_of(n->push + PUSH_ROW * at, s->radius[slot], d);
+          power_of(m->row + SUM_ROW * row, s->radius[slot], d);
   }
-}
-
-/* Does a motion name a coordinate of a free disk? */
-static bool any_partly_driven(const engine *e) {
-  const sd_model *m = e->model;
-  for (size_t k = 0; k < m->n_motions; k++)
-    for (size_t b = 0; b < m->motions[k].n_bodies; b++)
-      if (e->work.slot[m->motions[k].bodies[b]] < e->state->n_free) return true;
-  return false;
 }
 
 /* From the prescribed bodies' side, which are few: by one member, in the order of slots. */
 static void look_at_powers(engine *e) {
-  size_t first = any_partly_driven(e) ? 0 : e->state->n_free;
-  for (size_t slot = first; slot < e->state->n_bodies; slot++) add_power(e, slot);
+  for (size_t k = 0; k < e->work.sums.n_listed; k++) add_power(e, k);
 }
 
 /* --- step -------------------------------------------------------------------------------------------------- */

@@ -12,7 +12,8 @@ static double angle_of(const engine *e, size_t k) {
 static int64_t pressed_piece(const pairs *p, int64_t first) {
   int64_t pressed = first;
   for (size_t at = (size_t)first; at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
-    if (p->force[at] > p->force[pressed] || (p->ex[pressed] == 0.0 && p->ey[pressed] == 0.0))
+    if (PAIR(p, at, force) > PAIR(p, pressed, force) ||
+        (PAIR(p, pressed, ex) == 0.0 && PAIR(p, pressed, ey) == 0.0))
       pressed = (int64_t)at;
   return pressed;
 }
@@ -24,9 +25,9 @@ static int contact_now(const engine *e, size_t k, double *force) {
   *force = 0.0;
   if (at < 0) return SD_OPEN;
   if ((size_t)at >= p->n_round) at = pressed_piece(p, at);
-  if (p->ex[at] == 0.0 && p->ey[at] == 0.0) return SD_OPEN;
-  *force = p->force[at];
-  return p->slip[at] < 0.0 ? SD_SLIDE_POSITIVE : p->slip[at] > 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
+  if (PAIR(p, at, ex) == 0.0 && PAIR(p, at, ey) == 0.0) return SD_OPEN;
+  *force = PAIR(p, at, force);
+  return PAIR(p, at, slip) < 0.0 ? SD_SLIDE_POSITIVE : PAIR(p, at, slip) > 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
 void watch_begin(engine *e) {

@@ -18,6 +18,7 @@
 #include "physics/engine.h"
 #include "physics/kernels.h"
 #include "physics/neighbours.h"
+#include "physics/pairs.h"
 #include "physics/walls.h"
 
 /* Part of the missing pressure that one change would bring if all disks followed it. */
@@ -41,11 +42,11 @@ static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
   double force = 0.0, stiffness = 0.0, twice = 2.0 * area_of(e->model, s);
   for (size_t k = 0; k < p->count; k++) {
-    if (!(p->overlap[k] > 0.0)) continue;
+    if (!(PAIR(p, k, overlap) > 0.0)) continue;
     bool disk = (size_t)p->b[k] < s->n_disks;
-    double r = s->radius[p->a[k]] + (disk ? s->radius[p->b[k]] : 0.0) - p->overlap[k];
-    force += p->force[k] * r;
-    stiffness += e->work.laws[p->law[k]].k_n * r * r;
+    double r = s->radius[p->a[k]] + (disk ? s->radius[p->b[k]] : 0.0) - PAIR(p, k, overlap);
+    force += PAIR(p, k, force) * r;
+    stiffness += e->work.laws[PAIR(p, k, law)].k_n * r * r;
   }
   return (virial){force / twice, (stiffness + 2.0 * force) / twice};
 }
@@ -118,11 +119,11 @@ static void scale_column(double *x, size_t n, double corner, double f) {
 /* Where the nearest point of a line stands along it is a length, too. */
 static void scale_arcs(engine *e, double f) {
   pairs *p = &e->work.pairs;
-  for (size_t k = p->n_round; k < p->count; k++) {
-    if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
+  for (size_t k = p->first_piece; k < p->count; k++) {
+    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
     const placed_segment *g = &e->work.segments[p->part[k]];
     double arc = walls_nearest(g, e->state->x[p->a[k]], e->state->y[p->a[k]]).arc - g->arc;
-    p->star[k] += p->side[k] * ((f - 1.0) * arc);
+    PAIR(p, k, star) += p->side[k] * ((f - 1.0) * arc);
   }
 }
 
@@ -133,7 +134,7 @@ static void renew_overlaps(engine *e) {
   const work *w = &e->work;
   pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
-    if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
+    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
     int32_t a = p->a[k], b = p->b[k];
     double dx = s->x[b] - s->x[a], dy = s->y[b] - s->y[a];
     if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
@@ -144,7 +145,7 @@ static void renew_overlaps(engine *e) {
       dy = q.dy;
     }
     double overlap = s->radius[a] + s->radius[b] - sqrt(dx * dx + dy * dy);
-    p->overlap[k] = overlap > 0.0 ? overlap : DBL_MIN; /* it is closed until a commit opens it */
+    PAIR(p, k, overlap) = overlap > 0.0 ? overlap : DBL_MIN; /* it is closed until a commit opens it */
   }
 }
 
@@ -156,13 +157,18 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   size_t bytes = p->count * sizeof(double);
   double *before = malloc(2 * bytes + 1);
   if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
-  memcpy(before, p->viscous, bytes);
-  memcpy(before + p->count, p->gain, bytes);
+  for (size_t k = 0; k < p->count; k++) {
+    before[k] = PAIR(p, k, viscous);
+    before[p->count + k] = PAIR(p, k, gain);
+  }
   renew_overlaps(e);
+  pairs_clear_sums(e);
   w->kernels->seat(e, 0, s->n_bodies);
   w->kernels->pairs(e, &w->threads[0], 0, p->count, PASS_FORCE | PASS_COMMIT);
-  memcpy(p->viscous, before, bytes);
-  memcpy(p->gain, before + p->count, bytes);
+  for (size_t k = 0; k < p->count; k++) {
+    PAIR(p, k, viscous) = before[k];
+    PAIR(p, k, gain) = before[p->count + k];
+  }
   free(before);
   sd_status status = contacts_events(e, messages);
   w->kernels->gather(e, 0, s->n_bodies);

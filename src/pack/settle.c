@@ -19,8 +19,8 @@ static double mean_force(const engine *e) {
   double sum = 0.0;
   size_t n = 0;
   for (size_t k = 0; k < p->count; k++) {
-    if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
-    sum += p->force[k];
+    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
+    sum += PAIR(p, k, force);
     n++;
   }
   return n > 0 ? sum / (double)n : 0.0;

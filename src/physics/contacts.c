@@ -10,6 +10,7 @@
 #include "physics/losses.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
+#include "physics/pairs.h"
 #include "physics/walls.h"
 
 #define LANE_WIDTH 1
@@ -60,18 +61,17 @@ static void rebase(engine *e, size_t k) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
   double sum = s->radius[p->a[k]] + s->radius[p->b[k]];
-  p->star[k] += sum * p->turned[k];
-  p->turned[k] = 0.0;
-  normal(e, k, &p->ex[k], &p->ey[k]);
+  PAIR(p, k, star) += sum * PAIR(p, k, turned);
+  PAIR(p, k, turned) = 0.0;
+  normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
   if (k < p->n_round) return;
   nearest_point q = walls_nearest(&e->work.segments[p->part[k]], s->x[p->a[k]], s->y[p->a[k]]);
   if (!q.flat && q.side != p->side[k]) {
-    p->star[k] += (q.side - p->side[k]) * q.arc;
+    PAIR(p, k, star) += (q.side - p->side[k]) * q.arc;
     p->side[k] = q.side;
   }
 }
 
-static bool closed(const pairs *p, size_t k) { return p->ex[k] != 0.0 || p->ey[k] != 0.0; }
 static bool was_closed(const event *v) { return v->ex != 0.0 || v->ey != 0.0; }
 
 /* The event of this step in which the disk's contact with a piece next to k's opened, NULL: none. */
@@ -82,7 +82,7 @@ static event *left_next_piece(engine *e, size_t k) {
   for (int t = 0; t < e->work.n_threads; t++)
     for (size_t n = 0; n < e->work.threads[t].events.count; n++) {
       event *v = &e->work.threads[t].events.item[n];
-      bool opened = v->index >= p->n_round && was_closed(v) && !closed(p, v->index);
+      bool opened = v->index >= p->n_round && was_closed(v) && !pairs_closed(p, v->index);
       if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
       int64_t there = p->part[v->index];
       if (pieces[there].next == here || pieces[here].next == there) return v;
@@ -101,16 +101,16 @@ static bool hand_over(engine *e, size_t k) {
   double jump = 0.0;
   if (there->next == p->part[k] && here <= there) jump = there->arc + there->length - here->arc;
   if (here->next == p->part[v->index] && there <= here) jump = -(here->arc + here->length - there->arc);
-  p->star[k] = v->star - v->side * jump;
-  p->ex[k] = v->ex;
-  p->ey[k] = v->ey;
+  PAIR(p, k, star) = v->star - v->side * jump;
+  PAIR(p, k, ex) = v->ex;
+  PAIR(p, k, ey) = v->ey;
   p->side[k] = v->side;
   v->handed = true; /* the energy goes along */
   /* the losses of this step are those of one contact, from the piece it left to this one */
-  p->force[k] = v->force;
-  p->overlap[k] = v->overlap;
-  p->stretch[k] = v->stretch;
-  p->viscous[k] = p->friction[k] = p->gain[k] = 0.0;                     /* as if it had not been committed */
+  PAIR(p, k, force) = v->force;
+  PAIR(p, k, overlap) = v->overlap;
+  PAIR(p, k, stretch) = v->stretch;
+  PAIR(p, k, viscous) = PAIR(p, k, friction) = PAIR(p, k, gain) = 0.0;   /* as if it had not been committed */
   e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
   return true;
 }
@@ -129,24 +129,24 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   double ra = s->radius[p->a[k]], rb = fabs(s->radius[p->b[k]]), least = rb > 0.0 && rb < ra ? rb : ra;
-  if (!(p->overlap[k] > e->model->max_overlap * least)) return SD_OK;
+  if (!(PAIR(p, k, overlap) > e->model->max_overlap * least)) return SD_OK;
   char a[96], b[96];
   return sd_fail(messages, SD_ERROR_NUMERIC,
                  "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
                  "is dt too large, or k_n too small?",
                  (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
-                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), p->overlap[k],
+                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), PAIR(p, k, overlap),
                  e->model->max_overlap, least);
 }
 
-static bool begun(const pairs *p, const event *v) { return closed(p, v->index) && !was_closed(v); }
+static bool begun(const pairs *p, const event *v) { return pairs_closed(p, v->index) && !was_closed(v); }
 
 /* Does the disk touch another piece of the same wall? Its pairs with them stand side by side. */
 static bool touches_beside(const pairs *p, size_t k) {
-  for (size_t j = k; j-- > p->n_round && p->a[j] == p->a[k] && p->b[j] == p->b[k];)
-    if (closed(p, j)) return true;
+  for (size_t j = k; j-- > p->first_piece && p->a[j] == p->a[k] && p->b[j] == p->b[k];)
+    if (pairs_closed(p, j)) return true;
   for (size_t j = k + 1; j < p->count && p->a[j] == p->a[k] && p->b[j] == p->b[k]; j++)
-    if (closed(p, j)) return true;
+    if (pairs_closed(p, j)) return true;
   return false;
 }
 
@@ -163,8 +163,8 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   pairs *p = &e->work.pairs;
   size_t k = v->index;
   if (!was_closed(v)) book_missed(e, v);
-  if (!closed(p, k)) {
-    p->overlap[k] = 0.0; /* else it has no direction: a centre on a centre */
+  if (!pairs_closed(p, k)) {
+    PAIR(p, k, overlap) = 0.0; /* else it has no direction: a centre on a centre */
     losses_end(e, p, k);
     if (was_closed(v) && !v->handed) book_opening(e, k, v->opening);
     return SD_OK;
@@ -197,12 +197,12 @@ static void bring_back(engine *e, uint32_t i) {
   if (i >= s->n_disks) walls_place(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
-    if (p->ex[k] == 0.0 && p->ey[k] == 0.0) continue;
-    p->star[k] -= s->radius[i] * turn;
+    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
+    PAIR(p, k, star) -= s->radius[i] * turn;
     if (k >= p->n_round) { /* the arc length of the nearest point changes, with the disk or with the wall */
       const placed_segment *g = &w->segments[p->part[k]];
       double way = shift[0] * g->tx + shift[1] * g->ty;
-      p->star[k] += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
+      PAIR(p, k, star) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
     }
   }
 }
@@ -240,27 +240,27 @@ sd_status contacts_store(engine *e) {
   losses_show(e);
   const pairs *p = &e->work.pairs;
   size_t n = 0;
-  for (size_t k = 0; k < p->count; k++) n += closed(p, k);
+  for (size_t k = 0; k < p->count; k++) n += pairs_closed(p, k);
   s->n_contacts = 0; /* nothing worth copying */
   if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
-    if (!closed(p, k)) continue;
+    if (!pairs_closed(p, k)) continue;
     size_t c = s->n_contacts++;
     s->contact_a[c] = s->id[p->a[k]];
     s->contact_b[c] = s->id[p->b[k]];
     s->contact_part[c] = (uint32_t)p->part[k];
-    s->contact_lambda[c] = p->star[k];
-    s->contact_ex[c] = p->ex[k];
-    s->contact_ey[c] = p->ey[k];
+    s->contact_lambda[c] = PAIR(p, k, star);
+    s->contact_ex[c] = PAIR(p, k, ex);
+    s->contact_ey[c] = PAIR(p, k, ey);
     s->contact_side[c] = p->side[k];
-    s->contact_force[c] = p->force[k];
-    s->contact_overlap[c] = p->overlap[k];
-    s->contact_stretch[c] = p->stretch[k];
-    s->contact_turned[c] = p->turned[k];
-    s->contact_slide[c] = (p->slip[k] < 0.0) - (p->slip[k] > 0.0);
-    s->contact_viscous[c] = p->viscous[k];
-    s->contact_friction[c] = p->friction[k];
-    s->contact_gain[c] = p->gain[k];
+    s->contact_force[c] = PAIR(p, k, force);
+    s->contact_overlap[c] = PAIR(p, k, overlap);
+    s->contact_stretch[c] = PAIR(p, k, stretch);
+    s->contact_turned[c] = PAIR(p, k, turned);
+    s->contact_slide[c] = (PAIR(p, k, slip) < 0.0) - (PAIR(p, k, slip) > 0.0);
+    s->contact_viscous[c] = PAIR(p, k, viscous);
+    s->contact_friction[c] = PAIR(p, k, friction);
+    s->contact_gain[c] = PAIR(p, k, gain);
   }
   return SD_OK;
 }
@@ -269,11 +269,12 @@ sd_status contacts_store(engine *e) {
 static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
-  uint32_t a = e->work.slot[s->contact_a[c]], partner = s->contact_b[c], n_disks = (uint32_t)s->n_disks;
-  bool piece = partner >= n_disks && e->model->walls[partner - n_disks].kind != SD_WALL_CIRCLE;
+  uint32_t a = e->work.slot[s->contact_a[c]], b = e->work.slot[s->contact_b[c]],
+           n_disks = (uint32_t)s->n_disks;
+  bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
   if (piece != (k >= p->n_round)) return !piece;
   if (a != (uint32_t)p->a[k]) return a < (uint32_t)p->a[k];
-  if (partner != s->id[p->b[k]]) return partner < s->id[p->b[k]];
+  if (b != (uint32_t)p->b[k]) return b < (uint32_t)p->b[k];
   return s->contact_part[c] < (uint32_t)p->part[k];
 }
 
@@ -282,24 +283,25 @@ void contacts_load(engine *e) {
   pairs *p = &e->work.pairs;
   size_t c = 0;
   for (size_t k = 0; k < p->count; k++) {
+    if (p->a[k] < 0) continue;
     /* a contact of a packing may be too far apart here to be a candidate */
     while (c < s->n_contacts && stands_before(e, c, k)) c++;
     if (c == s->n_contacts) return;
     if (s->contact_a[c] != s->id[p->a[k]] || s->contact_b[c] != s->id[p->b[k]] ||
         s->contact_part[c] != (uint32_t)p->part[k])
       continue;
-    p->star[k] = s->contact_lambda[c];
-    p->ex[k] = s->contact_ex[c];
-    p->ey[k] = s->contact_ey[c];
+    PAIR(p, k, star) = s->contact_lambda[c];
+    PAIR(p, k, ex) = s->contact_ex[c];
+    PAIR(p, k, ey) = s->contact_ey[c];
     p->side[k] = s->contact_side[c];
-    p->force[k] = s->contact_force[c];
-    p->overlap[k] = fmax(s->contact_overlap[c], DBL_MIN); /* closed */
-    p->stretch[k] = s->contact_stretch[c];
-    p->turned[k] = s->contact_turned[c];
-    p->slip[k] = -s->contact_slide[c];
-    p->viscous[k] = s->contact_viscous[c];
-    p->friction[k] = s->contact_friction[c];
-    p->gain[k] = s->contact_gain[c];
+    PAIR(p, k, force) = s->contact_force[c];
+    PAIR(p, k, overlap) = fmax(s->contact_overlap[c], DBL_MIN); /* closed */
+    PAIR(p, k, stretch) = s->contact_stretch[c];
+    PAIR(p, k, turned) = s->contact_turned[c];
+    PAIR(p, k, slip) = -s->contact_slide[c];
+    PAIR(p, k, viscous) = s->contact_viscous[c];
+    PAIR(p, k, friction) = s->contact_friction[c];
+    PAIR(p, k, gain) = s->contact_gain[c];
     c++;
   }
 }

@@ -33,12 +33,12 @@ sd_energy energy_of(const engine *e) {
   const pairs *p = &e->work.pairs;
   add_disks(e, &sum);
   for (size_t k = 0; k < p->count; k++) {
-    const law_row *law = &e->work.laws[p->law[k]];
-    sum.elastic_normal += 0.5 * law->k_n * p->overlap[k] * p->overlap[k];
-    sum.elastic_skin += 0.5 * law->k_t * p->stretch[k] * p->stretch[k];
-    sum.viscous += p->viscous[k];
-    sum.friction += p->friction[k];
-    sum.variant += p->gain[k];
+    const law_row *law = &e->work.laws[PAIR(p, k, law)];
+    sum.elastic_normal += 0.5 * law->k_n * PAIR(p, k, overlap) * PAIR(p, k, overlap);
+    sum.elastic_skin += 0.5 * law->k_t * PAIR(p, k, stretch) * PAIR(p, k, stretch);
+    sum.viscous += PAIR(p, k, viscous);
+    sum.friction += PAIR(p, k, friction);
+    sum.variant += PAIR(p, k, gain);
   }
   sum.start = e->state->energy_start;
   sum.work = e->state->work_driven;

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/room.h"
 #include "physics/contacts.h"
 #include "physics/energy.h"
 #include "physics/kernels.h"
@@ -63,7 +64,7 @@ static memory_entry memory_entry_of(const sd_model *m, const uint32_t *slot, sd_
     c.ey = -c.ey;
   }
   bool piece = c.b >= m->n_disks && m->walls[c.b - m->n_disks].kind != SD_WALL_CIRCLE;
-  return (memory_entry){piece, slot[c.a], c.b, c.part, c};
+  return (memory_entry){piece, slot[c.a], slot[c.b], c.part, c};
 }
 
 static void fill_contact(sd_state *s, const sd_contact_memory *c) {
@@ -117,13 +118,6 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
 }
 
 /* --- work -------------------------------------------------------------------------------------------- */
-
-static double *column(size_t n) {
-  size_t bytes = (n * sizeof(double) + 127) / 64 * 64;
-  double *p = aligned_alloc(64, bytes);
-  if (p) memset(p, 0, bytes);
-  return p;
-}
 
 static void fill_laws(const sd_model *m, work *w) {
   w->one_law = true;
@@ -224,6 +218,34 @@ static void fill_skin(const engine *e, work *w) {
   w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean;
 }
 
+static sd_status columns_new(engine *e) {
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  const struct {
+    double **at;
+    size_t n;
+  } column[] = {{&w->inverse_mass_x, s->n_free},
+                {&w->inverse_mass_y, s->n_free},
+                {&w->inverse_inertia, s->n_free},
+                {&w->constant_x, s->n_free},
+                {&w->constant_y, s->n_free},
+                {&w->constant_torque, s->n_free},
+                {&w->x0, s->n_bodies},
+                {&w->y0, s->n_bodies},
+                {&w->theta0, s->n_bodies},
+                {&w->reach, s->n_bodies},
+                {&w->seats, SEAT_ROW * (s->n_bodies + 1)}};
+  enum { COLUMNS = sizeof column / sizeof *column };
+  room_plan plan = {0};
+  for (size_t k = 0; k < COLUMNS; k++) room_column(&plan, column[k].n * sizeof(double));
+  char *room = w->room = room_new(&plan);
+  if (!room) return SD_ERROR_IO;
+  plan = (room_plan){0};
+  for (size_t k = 0; k < COLUMNS; k++)
+    *column[k].at = (double *)(void *)(room + room_column(&plan, column[k].n * sizeof(double)));
+  return SD_OK;
+}
+
 static sd_status allocate(engine *e, int threads) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
@@ -235,16 +257,8 @@ static sd_status allocate(engine *e, int threads) {
   w->threads = aligned_alloc(64, (size_t)threads * sizeof *w->threads);
   w->n_threads = threads;
   if (w->threads) memset(w->threads, 0, (size_t)threads * sizeof *w->threads);
-  double **free_columns[] = {&w->inverse_mass_x, &w->inverse_mass_y, &w->inverse_inertia,
-                             &w->constant_x,     &w->constant_y,     &w->constant_torque};
-  double **body_columns[] = {&w->x0, &w->y0, &w->theta0, &w->reach};
-  w->seats = column(SEAT_ROW * s->n_bodies);
-  bool bad = !w->seats || !w->laws || !w->slot || !w->segments || !w->watched || !w->threads;
-  for (size_t k = 0; k < sizeof free_columns / sizeof *free_columns; k++)
-    if (!(*free_columns[k] = column(s->n_free))) bad = true;
-  for (size_t k = 0; k < sizeof body_columns / sizeof *body_columns; k++)
-    if (!(*body_columns[k] = column(s->n_bodies))) bad = true;
-  return bad ? SD_ERROR_IO : SD_OK;
+  bool bad = !w->laws || !w->slot || !w->segments || !w->watched || !w->threads;
+  return bad || columns_new(e) != SD_OK ? SD_ERROR_IO : SD_OK;
 }
 
 sd_status engine_build(engine *e, int threads, sd_messages *messages) {
@@ -286,23 +300,13 @@ void engine_free(engine *e) {
   free(w->slot);
   free(w->segments);
   free(w->watched);
-  free(w->inverse_mass_x);
-  free(w->inverse_mass_y);
-  free(w->inverse_inertia);
-  free(w->constant_x);
-  free(w->constant_y);
-  free(w->constant_torque);
-  free(w->x0);
-  free(w->y0);
-  free(w->theta0);
-  free(w->reach);
-  free(w->seats);
+  room_free(w->room);
   e->work = (work){0};
 }
 
 /* --- step 0 ------------------------------------------------------------------------------------------ */
 
-static bool closed(const pairs *p, size_t k) { return p->ex[k] != 0.0 || p->ey[k] != 0.0; }
+static bool closed(const pairs *p, size_t k) { return PAIR(p, k, ex) != 0.0 || PAIR(p, k, ey) != 0.0; }
 
 /* After the first pass: contacts of the packing that are none here. They did not open, so nothing is booked.
  * loaded: contacts that were closed before the pass. */
@@ -329,7 +333,7 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++)
-    w->pairs.viscous[k] = w->pairs.friction[k] = w->pairs.gain[k] = 0.0;
+    PAIR(&w->pairs, k, viscous) = PAIR(&w->pairs, k, friction) = PAIR(&w->pairs, k, gain) = 0.0;
   drop_apart(e, loaded, messages);
   sd_status status = contacts_events(e, messages);
   w->kernels->gather(e, 0, s->n_bodies);

@@ -59,84 +59,142 @@ LANE_INLINE LANE(real)
   return force * (half_dt2 * inverse) + constant * (half_dt2 * inverse);
 }
 
-/* The same of disks i ... in columns. */
-LANE_INLINE LANE(nordsieck) LANE(nordsieck_load)(const columns *k, size_t i) {
-  return (LANE(nordsieck)){.q = LANE(load)(k->q + i),
-                           .v = LANE(load)(k->v + i),
-                           .q2 = LANE(load)(k->q2 + i),
-                           .q3 = LANE(load)(k->q3 + i),
-                           .q4 = LANE(load)(k->q4 + i),
-                           .q5 = LANE(load)(k->q5 + i)};
-}
+/* --- disks in columns --- */
 
-LANE_INLINE void LANE(nordsieck_store)(const columns *k, size_t i, const LANE(nordsieck) * c) {
-  LANE(store)(k->q + i, c->q);
-  LANE(store)(k->v + i, c->v);
+#ifndef INTEGRATE_VIEW
+#define INTEGRATE_VIEW
+/* What the loops want of an engine, where they do not look for it again after every store. */
+typedef struct view {
+  columns k[SD_COORDINATES];
+  const double *radius, *x0, *y0;
+  double *seats, *sums;
+  double dt, per_dt, half_dt2, moved_limit2, lower[2], upper[2];
+  bool periodic[2];
+} view;
+
+static inline view view_of(const engine *e) {
+  const work *w = &e->work;
+  view v = {.radius = e->state->radius,
+            .x0 = w->x0,
+            .y0 = w->y0,
+            .seats = w->seats,
+            .sums = w->sums.row,
+            .dt = w->dt,
+            .per_dt = w->per_dt,
+            .half_dt2 = w->half_dt2,
+            .moved_limit2 = w->moved_limit2};
+  for (int c = 0; c < SD_COORDINATES; c++) v.k[c] = w->columns[c];
+  for (int c = 0; c < 2; c++) {
+    v.lower[c] = w->lower[c];
+    v.upper[c] = w->upper[c];
+    v.periodic[c] = w->periodic[c];
+  }
+  return v;
+}
+#endif
+
+LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt, LANE(real) per_dt,
+                                       LANE(nordsieck) * c) {
+  c->q3 = LANE(load)(k->q3 + i);
+  c->q4 = LANE(load)(k->q4 + i);
+  c->q5 = LANE(load)(k->q5 + i);
+  LANE(gear_predict)(c, dt, per_dt);
   LANE(store)(k->q2 + i, c->q2);
   LANE(store)(k->q3 + i, c->q3);
   LANE(store)(k->q4 + i, c->q4);
-  LANE(store)(k->q5 + i, c->q5);
-}
-
-LANE_INLINE LANE(real) LANE(acceleration_at)(const columns *k, size_t i, double half_dt2) {
-  return LANE(accelerate)(LANE(load)(k->force + i), LANE(load)(k->constant + i), LANE(load)(k->inverse + i),
-                          LANE(splat)(half_dt2));
-}
-
-LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, double dt, double per_dt) {
-  LANE(nordsieck) c = LANE(nordsieck_load)(k, i);
-  LANE(gear_predict)(&c, LANE(splat)(dt), LANE(splat)(per_dt));
-  LANE(nordsieck_store)(k, i, &c);
-}
-
-LANE_INLINE void LANE(gear_correct_at)(const columns *k, size_t i, double half_dt2, double per_dt) {
-  LANE(nordsieck) c = LANE(nordsieck_load)(k, i);
-  LANE(gear_correct)(&c, LANE(acceleration_at)(k, i, half_dt2), LANE(splat)(per_dt));
-  LANE(nordsieck_store)(k, i, &c);
-}
-
-LANE_INLINE void LANE(verlet_predict_at)(const columns *k, size_t i, double dt, double per_dt) {
-  LANE(nordsieck) c = {.q = LANE(load)(k->q + i), .v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
-  LANE(verlet_predict)(&c, LANE(splat)(dt), LANE(splat)(per_dt));
-  LANE(store)(k->q + i, c.q);
-  LANE(store)(k->v + i, c.v);
-}
-
-LANE_INLINE void LANE(verlet_correct_at)(const columns *k, size_t i, double half_dt2, double per_dt) {
-  LANE(nordsieck) c = {.v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
-  LANE(verlet_correct)(&c, LANE(acceleration_at)(k, i, half_dt2), LANE(splat)(per_dt));
-  LANE(store)(k->v + i, c.v);
-  LANE(store)(k->q2 + i, c.q2);
-}
-
-/* Beyond the limit since the lists were built; a coordinate that is not a number is, too. */
-LANE_INLINE int LANE(stale)(const engine *e, size_t i) {
-  LANE(real) dx = LANE(load)(e->state->x + i) - LANE(load)(e->work.x0 + i);
-  LANE(real) dy = LANE(load)(e->state->y + i) - LANE(load)(e->work.y0 + i);
-  return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(e->work.moved_limit2))));
-}
-
-LANE_INLINE int LANE(out_of_range)(const engine *e, size_t i) {
-  const work *w = &e->work;
-  LANE(real) x = LANE(load)(e->state->x + i), y = LANE(load)(e->state->y + i);
-  LANE(real) th = LANE(load)(e->state->theta + i);
-  LANE(mask) out = LANE(greater)(th, LANE(splat)(4.0)) | LANE(greater)(LANE(splat)(-4.0), th);
-  if (w->periodic[0])
-    out = out | LANE(greater)(LANE(splat)(w->lower[0]), x) | LANE(within)(LANE(splat)(w->upper[0]), x);
-  if (w->periodic[1])
-    out = out | LANE(greater)(LANE(splat)(w->lower[1]), y) | LANE(within)(LANE(splat)(w->upper[1]), y);
-  return LANE(any)(out);
 }
 
 /* Rows of SEAT_ROW numbers. */
-LANE_INLINE void LANE(seat_at)(engine *e, size_t i) {
-  const sd_state *s = e->state;
-  double *row = e->work.seats + SEAT_ROW * i;
-  LANE(real) radius = LANE(load)(s->radius + i);
+LANE_INLINE void LANE(lay_seat)(const view *v, size_t i, LANE(real) x, LANE(real) y, LANE(real) theta,
+                                LANE(real) vx, LANE(real) vy) {
+  LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
+  const LANE(real) pose[] = {x, y, radius * theta, radius}, speed[] = {vx, vy, zero, zero};
+  LANE(lay4)(v->seats + SEAT_ROW * i, SEAT_ROW, pose);
+  LANE(lay4)(v->seats + SEAT_ROW * i + SEAT_VX, SEAT_ROW, speed);
+}
+
+LANE_INLINE void LANE(seat_at)(const view *v, size_t i) {
+  const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
+  LANE(lay_seat)
+  (v, i, LANE(load)(x->q + i), LANE(load)(y->q + i), LANE(load)(v->k[SD_THETA].q + i), LANE(load)(x->v + i),
+   LANE(load)(y->v + i));
+}
+
+/* Trial coordinates, and where the pairs see them. True: some disk is beyond the limit since the lists were built; a
+ * coordinate that is not a number is, too. */
+LANE_INLINE int LANE(predict_at)(const view *v, size_t i, const int gear) {
+  LANE(nordsieck) c[SD_COORDINATES];
+  LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
+  for (int n = 0; n < SD_COORDINATES; n++) {
+    const columns *k = &v->k[n];
+    c[n].q = LANE(load)(k->q + i);
+    c[n].v = LANE(load)(k->v + i);
+    c[n].q2 = LANE(load)(k->q2 + i);
+    if (gear)
+      LANE(gear_predict_at)(k, i, dt, per_dt, &c[n]);
+    else
+      LANE(verlet_predict)(&c[n], dt, per_dt);
+    LANE(store)(k->q + i, c[n].q);
+    LANE(store)(k->v + i, c[n].v);
+  }
+  LANE(lay_seat)(v, i, c[SD_X].q, c[SD_Y].q, c[SD_THETA].q, c[SD_X].v, c[SD_Y].v);
+  LANE(real) dx = c[SD_X].q - LANE(load)(v->x0 + i), dy = c[SD_Y].q - LANE(load)(v->y0 + i);
+  return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(v->moved_limit2))));
+}
+
+LANE_INLINE LANE(mask) LANE(beyond)(const view *v, int c, LANE(real) q) {
+  return LANE(greater)(LANE(splat)(v->lower[c]), q) | LANE(within)(LANE(splat)(v->upper[c]), q);
+}
+
+LANE_INLINE int LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LANE(real) theta) {
+  LANE(mask) out = LANE(greater)(theta, LANE(splat)(4.0)) | LANE(greater)(LANE(splat)(-4.0), theta);
+  if (v->periodic[0]) out = out | LANE(beyond)(v, 0, x);
+  if (v->periodic[1]) out = out | LANE(beyond)(v, 1, y);
+  return LANE(any)(out);
+}
+
+/* What contacts do to the bodies: to the state and to sum; zeros are left for the next step. */
+LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORDINATES]) {
   const LANE(real)
-      pose[] = {LANE(load)(s->x + i), LANE(load)(s->y + i), radius * LANE(load)(s->theta + i), radius};
-  const LANE(real)
-      speed[] = {LANE(load)(s->vx + i), LANE(load)(s->vy + i), LANE(splat)(0.0), LANE(splat)(0.0)};
-  LANE(lay4)(row, SEAT_ROW, pose);
-  LANE(lay4)(row + SEAT_VX, SEAT_ROW, speed);
+      nothing[SUM_ROW] = {LANE(splat)(0.0), LANE(splat)(0.0), LANE(splat)(0.0), LANE(splat)(0.0)};
+  LANE(real) row[SUM_ROW];
+  LANE(lift4)(v->sums + SUM_ROW * i, SUM_ROW, row);
+  LANE(lay4)(v->sums + SUM_ROW * i, SUM_ROW, nothing);
+  sum[SD_X] = row[SUM_X];
+  sum[SD_Y] = row[SUM_Y];
+  sum[SD_THETA] = row[SUM_TURN] * LANE(load)(v->radius + i);
+  for (int n = 0; n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
+}
+
+/* Corrected coordinates, from the sums. True: some must return into their range. */
+LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear) {
+  LANE(real) sum[SD_COORDINATES], q[SD_COORDINATES], speed[SD_COORDINATES];
+  LANE(real) per_dt = LANE(splat)(v->per_dt);
+  LANE(take_sum)(v, i, sum);
+  for (int n = 0; n < SD_COORDINATES; n++) {
+    const columns *k = &v->k[n];
+    LANE(real)
+    a = LANE(accelerate)(sum[n], LANE(load)(k->constant + i), LANE(load)(k->inverse + i),
+                         LANE(splat)(v->half_dt2));
+    LANE(nordsieck) c = {.q = LANE(load)(k->q + i), .v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
+    if (gear) {
+      c.q3 = LANE(load)(k->q3 + i);
+      c.q4 = LANE(load)(k->q4 + i);
+      c.q5 = LANE(load)(k->q5 + i);
+      LANE(gear_correct)(&c, a, per_dt);
+      LANE(store)(k->q + i, c.q);
+      LANE(store)(k->q3 + i, c.q3);
+      LANE(store)(k->q4 + i, c.q4);
+      LANE(store)(k->q5 + i, c.q5);
+    } else {
+      LANE(verlet_correct)(&c, a, per_dt);
+    }
+    LANE(store)(k->v + i, c.v);
+    LANE(store)(k->q2 + i, c.q2);
+    q[n] = c.q;
+    speed[n] = c.v;
+  }
+  /* the commit looks again */
+  if (gear) LANE(lay_seat)(v, i, q[SD_X], q[SD_Y], q[SD_THETA], speed[SD_X], speed[SD_Y]);
+  return LANE(out_of_range)(v, q[SD_X], q[SD_Y], q[SD_THETA]);
 }

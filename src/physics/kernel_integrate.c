@@ -2,6 +2,7 @@
  */
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
+#include "physics/pairs.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
@@ -19,77 +20,52 @@
     for (; i < end; i++) single;                                                                             \
   } while (0)
 
-/* A function of its own for one coordinate: few columns at a time, so that they stay in registers. */
-#define COORDINATE_PASS(pass)                                                                                \
-  static __attribute__((noinline)) void pass##_range(const columns *k, size_t begin, size_t end, double a,   \
-                                                     double b) {                                             \
-    FOR_LANES(LANE(pass##_at)(k, i, a, b), LANE_PASTE(pass##_at, 1)(k, i, a, b));                            \
-  }
-COORDINATE_PASS(gear_predict)
-COORDINATE_PASS(gear_correct)
-COORDINATE_PASS(verlet_predict)
-COORDINATE_PASS(verlet_correct)
-
-extern void KERNEL(kernel_gather)(engine *e, size_t begin, size_t end);
-
-/* So many disks at a time that what one loop leaves in the cache is there for the next; a multiple of 8. */
-enum { BLOCK = 128 };
-#define FOR_BLOCKS(first, last, statement)                                                                   \
-  for (size_t first = begin; first < end; first += BLOCK) {                                                  \
-    const size_t last = first + BLOCK < end ? first + BLOCK : end;                                           \
-    statement;                                                                                               \
-  }
-
-LANE_INLINE int any_stale(const engine *e, size_t begin, size_t end) {
-  int stale = 0;
-  FOR_LANES(stale |= LANE(stale)(e, i), stale |= stale_w1(e, i));
-  return stale;
-}
-
-/* Disks whose angle or position must return into its range. */
-LANE_INLINE void note_returns(engine *e, thread_work *mine, size_t begin, size_t end) {
-  int out = 0;
-  FOR_LANES(out |= LANE(out_of_range)(e, i), out |= out_of_range_w1(e, i));
-  for (size_t i = begin; out && i < end; i++)
-    if (out_of_range_w1(e, i)) event_add(&mine->returns, (uint32_t)i, 0.0);
-}
-
 /* Poses to where the pairs see them. */
-static void seat(engine *e, size_t begin, size_t end) { FOR_LANES(LANE(seat_at)(e, i), seat_at_w1(e, i)); }
+static void seat(engine *e, size_t begin, size_t end) {
+  const view v = view_of(e);
+  FOR_LANES(LANE(seat_at)(&v, i), seat_at_w1(&v, i));
+}
 
-typedef void coordinate_pass(const columns *k, size_t begin, size_t end, double a, double b);
-
-LANE_INLINE void predict(engine *e, thread_work *mine, size_t begin, size_t end, coordinate_pass *pass) {
+LANE_INLINE void predict(const engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
+  const view v = view_of(e);
   int stale = 0;
-  FOR_BLOCKS(i, next, {
-    for (int c = 0; c < SD_COORDINATES; c++) pass(&e->work.columns[c], i, next, e->work.dt, e->work.per_dt);
-    stale |= any_stale(e, i, next);
-    seat(e, i, next);
-  })
+  FOR_LANES(stale |= LANE(predict_at)(&v, i, gear), stale |= predict_at_w1(&v, i, gear));
   mine->stale = stale != 0;
 }
 
-LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, coordinate_pass *pass) {
-  FOR_BLOCKS(i, next, {
-    KERNEL(kernel_gather)(e, i, next);
-    for (int c = 0; c < SD_COORDINATES; c++)
-      pass(&e->work.columns[c], i, next, e->work.half_dt2, e->work.per_dt);
-    note_returns(e, mine, i, next);
-    if (e->model->integrator == SD_GEAR5) seat(e, i, next); /* the commit looks again */
-  })
+/* Notes disks whose angle or position must return into its range. */
+LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
+  const view v = view_of(e);
+  sums_add_listed(&e->work.sums, begin, end);
+  int out = 0;
+  FOR_LANES(out |= LANE(correct_at)(&v, i, gear), out |= correct_at_w1(&v, i, gear));
+  for (size_t i = begin; out && i < end; i++)
+    if (out_of_range_w1(&v, v.k[SD_X].q[i], v.k[SD_Y].q[i], v.k[SD_THETA].q[i]))
+      event_add(&mine->returns, (uint32_t)i, 0.0);
 }
 
 static void gear_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  predict(e, mine, begin, end, gear_predict_range);
+  predict(e, mine, begin, end, 1);
 }
 static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  correct(e, mine, begin, end, gear_correct_range);
+  correct(e, mine, begin, end, 1);
 }
 static void verlet_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  predict(e, mine, begin, end, verlet_predict_range);
+  predict(e, mine, begin, end, 0);
 }
 static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  correct(e, mine, begin, end, verlet_correct_range);
+  correct(e, mine, begin, end, 0);
+}
+
+/* Of any bodies; prescribed ones are few. */
+static void gather(engine *e, size_t begin, size_t end) {
+  const view v = view_of(e);
+  sums_add_listed(&e->work.sums, begin, end);
+  for (size_t i = begin; i < end; i++) {
+    double sum[SD_COORDINATES], turn = v.sums[SUM_ROW * i + SUM_TURN];
+    take_sum_w1(&v, i, sum);
+    if (v.radius[i] == 0.0) v.k[SD_THETA].force[i] = turn;
+  }
 }
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
@@ -117,7 +93,7 @@ const kernels KERNEL(kernels) = {
     .pairs = KERNEL(kernel_pairs),
     .lane_width = VECTOR_WIDTH,
     .lanes = KERNEL(kernel_lanes),
-    .gather = KERNEL(kernel_gather),
+    .gather = gather,
     .seat = seat,
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},

@@ -1,7 +1,6 @@
 /* kernel_pairs.c: forces and commits of all candidate pairs; compiled once per instruction set.
  *
- * Round pairs (disks, round walls) go through whole vectors, then by two (the 3-disk system has two) and
- * one, pieces of straight walls one by one.
+ * Round pairs (disks, round walls) go in whole vectors, pieces of straight walls one by one.
  */
 #include "physics/kernel_path.h"
 #include "physics/kernels.h"
@@ -12,13 +11,6 @@
 #include "physics/law.h"
 #include "physics/pair_pass.h"
 #undef LANE_WIDTH
-#if VECTOR_WIDTH > 2
-#define LANE_WIDTH 2
-#include "base/lane.h"
-#include "physics/law.h"
-#include "physics/pair_pass.h"
-#undef LANE_WIDTH
-#endif
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "physics/law.h"
@@ -39,10 +31,10 @@ static inline nearest_point segment_input(const engine *e, size_t at, law_input_
   in->dvx = (s->vx[b] - s->omega[b] * ly) - s->vx[a];
   in->dvy = (s->vy[b] + s->omega[b] * lx) - s->vy[a];
   in->sum = s->radius[a];
-  in->star = p->star[at];
-  in->ex = p->ex[at];
-  in->ey = p->ey[at];
-  in->was_closed = p->overlap[at] > 0.0;
+  in->star = PAIR(p, at, star);
+  in->ex = PAIR(p, at, ex);
+  in->ey = PAIR(p, at, ey);
+  in->was_closed = PAIR(p, at, overlap) > 0.0;
   in->active = q.active;
   /* an open contact begins on the side where the disk is */
   q.crossed = p->side[at] != 0.0 && p->side[at] != q.side;
@@ -52,70 +44,108 @@ static inline nearest_point segment_input(const engine *e, size_t at, law_input_
 }
 
 /* The wall feels the torque about its pivot: -tau R_a, and the arm from there to the disk's centre. */
-static inline void store_segment_force(engine *e, size_t at, law_push_w1 push) {
+static inline void act_segment(engine *e, size_t at, law_push_w1 push) {
   const sd_state *s = e->state;
   work *w = &e->work;
-  int32_t a = w->pairs.a[at], b = w->pairs.b[at];
-  store_force_w1(w, at, &push);
+  const pairs *p = &w->pairs;
+  int32_t a = p->a[at], b = p->b[at];
   double rx = s->x[a] - s->x[b], ry = s->y[a] - s->y[b];
-  w->incidence.push[w->pairs.push_b[at] + PUSH_TURN] = rx * push.fy - ry * push.fx - push.tau * s->radius[a];
+  double turn = rx * push.fy - ry * push.fx - push.tau * s->radius[a];
+  double *on_a = w->sums.row + PAIR(p, at, sum_a), *on_b = w->sums.row + PAIR(p, at, sum_b);
+  on_b[SUM_X] += push.fx;
+  on_b[SUM_Y] += push.fy;
+  on_b[SUM_TURN] += turn;
+  on_a[SUM_X] -= push.fx;
+  on_a[SUM_Y] -= push.fy;
+  on_a[SUM_TURN] += push.tau;
 }
 
 static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pass) {
   work *w = &e->work;
   pairs *p = &w->pairs;
+  place_w1 here = place_of_w1(p, at);
   law_input_w1 in;
   nearest_point q = segment_input(e, at, &in);
-  law_constants_w1 k = constants_w1(w, p->law + at);
+  law_constants_w1 k = constants_of_w1(w, here.b->law + here.l);
   law_geometry_w1 g = law_geometry_of_w1(&in);
   law_output_w1 out = law_w1(&in, &g, &k);
-  /* the force that derives from the skin's energy, in both variants: the paper has no walls */
-  if (pass & PASS_FORCE) store_segment_force(e, at, law_force_w1(&g, &out, &k, q.flat ? 1.0 : g.lever));
+  double acted = here.b->acted[here.l];
+  if (pass & PASS_FORCE) {
+    /* the force that derives from the skin's energy, in both variants: the paper has no walls */
+    law_push_w1 push = law_force_w1(&g, &out, &k, q.flat ? 1.0 : g.lever);
+    act_segment(e, at, push);
+    acted = here.b->acted[here.l] = size_of_w1(&push);
+  }
   if (pass & PASS_COMMIT) {
     law_memory_w1 before, m;
-    law_booked_w1 b = slide_w1(w, at, &in, &g, &out, &k, 0, &before, &m);
+    law_booked_w1 b = slide_w1(w, here, &in, &g, &out, &k, 0, &before, &m);
     if (any_w1(b.rare | law_near_w1(&in, &g, &out, w->dt)))
-      turn_over_w1(w, mine, at, &in, &g, &out, &k, e->model->max_overlap * in.sum, &before, &m, &b);
-    store_memory_w1(p, at, &m, &b, 0);
+      turn_over_w1(w, mine, here, &in, &g, &out, &k, e->model->max_overlap * in.sum, acted, &before, &m, &b);
+    store_memory_w1(here, &m, &b, 0);
     p->side[at] = out.touching ? q.side : 0.0;
     /* it went around a free end */
     event *v = out.closed && q.crossed ? event_add(&mine->events, (uint32_t)at, 0.0) : NULL;
-    if (v) v->ex = p->ex[at], v->ey = p->ey[at];
+    if (v) v->ex = PAIR(p, at, ex), v->ey = PAIR(p, at, ey);
   }
 }
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
-/* Whole vectors of pairs, as many as they are given at a time: the roots and divisions of some are under way while
- * others are waited for. */
-enum { SIGHTS = 16 };
-LANE_INLINE void block_of_pairs(engine *e, thread_work *mine, size_t at, size_t vectors, int pass) {
-  LANE(law_geometry) seen[SIGHTS];
-  for (size_t k = 0; k < vectors; k++) seen[k] = LANE(see)(&e->work, at + k * VECTOR_WIDTH);
-  for (size_t k = 0; k < vectors; k++) LANE(meet)(e, mine, at + k * VECTOR_WIDTH, &seen[k], pass);
+/* Blocks of pairs, as many as they are given at a time, in several loops: the roots and divisions of some are under way
+ * while others are waited for. */
+enum { SIGHTS = 64 / VECTOR_WIDTH, BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
+#define FOR_VECTORS(k, v, statement)                                                                         \
+  for (size_t k = 0; k < vectors; k += BLOCK_VECTORS)                                                        \
+    for (size_t v = 0; v < BLOCK_VECTORS; v++) statement
+LANE_INLINE void some_pairs(engine *e, thread_work *mine, pair_block *b, size_t vectors,
+                            const LANE(pass_constants) * one, const int kind) {
+  LANE(law_sight) seen[SIGHTS];
+  LANE(law_geometry) g[SIGHTS];
+  double *sum = e->work.sums.row;
+  for (size_t k = 0; k < vectors; k += BLOCK_VECTORS)
+    for (size_t v = 0; v < BLOCK_VECTORS; v++) {
+      if (k + v) LANE(law_geometry_at)(&seen[k + v - 1], &g[k + v - 1]);
+      LANE(see)(&e->work, (LANE(place)){b + k / BLOCK_VECTORS, v * VECTOR_WIDTH}, &seen[k + v]);
+    }
+  LANE(law_geometry_at)(&seen[vectors - 1], &g[vectors - 1]);
+  FOR_VECTORS(
+      k, v,
+      LANE(meet)(e, mine, (LANE(place)){b + k / BLOCK_VECTORS, v * VECTOR_WIDTH}, &g[k + v], one, sum, kind));
 }
 
-LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
-  size_t n_round = e->work.pairs.n_round, at = begin, round_end = end < n_round ? end : n_round;
-  while (at + VECTOR_WIDTH <= round_end) {
+static __attribute__((noinline)) void some_pieces(engine *e, thread_work *mine, size_t begin, size_t end,
+                                                  int pass) {
+  for (size_t at = begin; at < end; at++) segment_pass(e, mine, at, pass);
+}
+
+LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, const int kind) {
+  const pairs *p = &e->work.pairs;
+  const LANE(pass_constants) one = LANE(pass_constants_of)(&e->work);
+  size_t at = begin, round_end = end < p->first_piece ? end : p->first_piece;
+  while (at < round_end) {
     size_t vectors = (round_end - at) / VECTOR_WIDTH;
     if (vectors > SIGHTS) vectors = SIGHTS;
-    block_of_pairs(e, mine, at, vectors, pass);
+    some_pairs(e, mine, p->block + at / PAIR_BLOCK, vectors, &one, kind);
     at += vectors * VECTOR_WIDTH;
   }
-#if VECTOR_WIDTH > 2
-  for (; at + 2 <= round_end; at += 2) round_pass_w2(e, mine, at, pass);
-#endif
-  for (; at < round_end; at++) round_pass_w1(e, mine, at, pass);
-  for (; at < end; at++) segment_pass(e, mine, at, pass);
+  if (at < end) some_pieces(e, mine, at, end, kind & (PASS_FORCE | PASS_COMMIT));
 }
 
-/* One copy for each kind of pass, so that what it does not do costs nothing. */
+/* A copy for each kind of pass, so that what it does not do costs nothing. */
+#define COPY(kind)                                                                                           \
+  case kind:                                                                                                 \
+    all_pairs(e, mine, begin, end, kind);                                                                    \
+    break
+#define COPIES(kind)                                                                                         \
+  COPY(kind | PASS_FORCE);                                                                                   \
+  COPY(kind | PASS_COMMIT);                                                                                  \
+  COPY(kind | PASS_FORCE | PASS_COMMIT)
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
-  if (pass == PASS_FORCE)
-    all_pairs(e, mine, begin, end, PASS_FORCE);
-  else if (pass == PASS_COMMIT)
-    all_pairs(e, mine, begin, end, PASS_COMMIT);
-  else
-    all_pairs(e, mine, begin, end, PASS_FORCE | PASS_COMMIT);
+  const work *w = &e->work;
+  switch (pass | (w->conservative ? 0 : PASS_VARIANT) | (w->one_law ? 0 : PASS_LAWS)) {
+    COPIES(0);
+    COPIES(PASS_VARIANT);
+    COPIES(PASS_LAWS);
+    COPIES(PASS_VARIANT | PASS_LAWS);
+  }
 }

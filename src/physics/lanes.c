@@ -11,6 +11,7 @@
 #include "physics/kernels.h"
 #include "physics/lanes_motion.h"
 #include "physics/neighbours.h"
+#include "physics/pairs.h"
 
 /* --- which systems ------------------------------------------------------------------------------------ */
 
@@ -86,32 +87,23 @@ bool lanes_in_step(const engine *a, const engine *b) {
 
 /* --- tables ------------------------------------------------------------------------------------------- */
 
-static uint32_t key_of(const lanes *l, uint32_t slot) { return l->system[0]->state->id[slot]; }
-
 static size_t find_pair(const lanes *l, uint32_t one, uint32_t two) {
   for (size_t k = 0; k < l->n_pairs; k++)
     if ((l->a[k] == one && l->b[k] == two) || (l->a[k] == two && l->b[k] == one)) return k;
   return 0; /* suits_watch: never */
 }
 
-/* Every pair, by (a, key of b) as the lists have them; each body's in order of the partner's key. */
+/* Every pair as the lists have them, by slots; each body's in the same order. */
 static void list_pairs(lanes *l) {
-  uint32_t order[LANES_BODIES];
-  for (uint32_t i = 0; i < l->n_bodies; i++) {
-    uint32_t at = i;
-    for (; at > 0 && key_of(l, order[at - 1]) > key_of(l, i); at--) order[at] = order[at - 1];
-    order[at] = i;
-  }
   for (uint32_t i = 0; i < l->n_free; i++)
-    for (size_t n = 0; n < l->n_bodies; n++) {
-      if (order[n] <= i) continue;
+    for (uint32_t j = i + 1; j < l->n_bodies; j++) {
       l->a[l->n_pairs] = i;
-      l->b[l->n_pairs++] = order[n];
+      l->b[l->n_pairs++] = j;
     }
   for (uint32_t i = 0; i < l->n_bodies; i++)
-    for (size_t n = 0; n < l->n_bodies; n++) {
-      if (order[n] == i || (i >= l->n_free && order[n] >= l->n_free)) continue;
-      size_t k = find_pair(l, i, order[n]);
+    for (uint32_t j = 0; j < l->n_bodies; j++) {
+      if (j == i || (i >= l->n_free && j >= l->n_free)) continue;
+      size_t k = find_pair(l, i, j);
       l->entry[i][l->touching[i]++] = (uint8_t)(2 * k + (l->b[k] == i));
     }
 }
@@ -246,15 +238,22 @@ static size_t index_in(const engine *e, const lanes *l, size_t k) {
   return SIZE_MAX;
 }
 
+/* What pair n remembers, in the order of the rows. */
+static void memory_of(const pairs *p, size_t n, double *column[PAIR_MEMORY]) {
+  pair_block *b = p->block + n / PAIR_BLOCK;
+  double *first[PAIR_MEMORY] = {b->star,   b->ex,   b->ey,      b->force,    b->overlap, b->stretch,
+                                b->turned, b->slip, b->viscous, b->friction, b->gain};
+  for (size_t r = 0; r < PAIR_MEMORY; r++) column[r] = first[r] + n % PAIR_BLOCK;
+}
+
 static void load_memory(lanes *l, size_t lane) {
   const engine *e = l->system[lane];
   const sd_state *s = e->state;
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
-    const pairs *p = &e->work.pairs;
-    const double *from[PAIR_MEMORY] = {p->star,   p->ex,   p->ey,      p->force,    p->overlap, p->stretch,
-                                       p->turned, p->slip, p->viscous, p->friction, p->gain};
-    for (size_t r = 0; r < PAIR_MEMORY; r++) *cell(l, l->pair[k], r, lane) = n == SIZE_MAX ? 0.0 : from[r][n];
+    double *from[PAIR_MEMORY];
+    if (n != SIZE_MAX) memory_of(&e->work.pairs, n, from);
+    for (size_t r = 0; r < PAIR_MEMORY; r++) *cell(l, l->pair[k], r, lane) = n == SIZE_MAX ? 0.0 : *from[r];
   }
   for (size_t i = 0; i < l->n_free; i++) *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
 }
@@ -352,17 +351,20 @@ static sd_status store_poses(const lanes *l, size_t lane) {
 
 static void store_memory(const lanes *l, size_t lane) {
   engine *e = l->system[lane];
-  pairs *p = &e->work.pairs;
-  double *to[PAIR_MEMORY] = {p->star,   p->ex,   p->ey,      p->force,    p->overlap, p->stretch,
-                             p->turned, p->slip, p->viscous, p->friction, p->gain};
+  const pairs *p = &e->work.pairs;
+  pairs_clear_sums(e);
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
     if (n == SIZE_MAX) continue; /* farther apart than any contact */
-    for (size_t r = 0; r < PAIR_MEMORY; r++) to[r][n] = *cell(l, l->pair[k], r, lane);
-    double fx = *cell(l, l->pair[k], PAIR_FX, lane), fy = *cell(l, l->pair[k], PAIR_FY, lane);
-    double *push = e->work.incidence.push, tau = *cell(l, l->pair[k], PAIR_TAU, lane);
-    memcpy(push + p->push_a[n], (double[]){-fx, -fy, tau, 0.0}, PUSH_ROW * sizeof *push);
-    memcpy(push + p->push_b[n], (double[]){fx, fy, tau, 0.0}, PUSH_ROW * sizeof *push);
+    double *to[PAIR_MEMORY];
+    memory_of(p, n, to);
+    for (size_t r = 0; r < PAIR_MEMORY; r++) *to[r] = *cell(l, l->pair[k], r, lane);
+    const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
+    double tau = *cell(l, l->pair[k], PAIR_TAU, lane);
+    double *on_a = e->work.sums.row + PAIR(p, n, sum_a), *on_b = e->work.sums.row + PAIR(p, n, sum_b);
+    for (int c = 0; c < 2; c++) on_a[c] -= push[c], on_b[c] += push[c];
+    on_a[SUM_TURN] += tau;
+    on_b[SUM_TURN] += tau;
   }
 }
 

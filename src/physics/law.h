@@ -50,23 +50,47 @@ typedef struct LANE(law_output) {
   LANE(mask) touching, closed;
 } LANE(law_output);
 
-LANE_INLINE LANE(law_geometry) LANE(law_geometry_of)(const LANE(law_input) * in) {
-  LANE(law_geometry) g;
+/* What is seen of two bodies: half of the way, so that many pairs can be on the other half at a time. */
+typedef struct LANE(law_sight) {
+  LANE(real) dx, dy, sum, arc;
+  LANE(real) dot;   /* of the way and the velocity */
+  LANE(real) cross; /* of the reference direction and the way */
+} LANE(law_sight);
+
+/* Field by field, here and below: compilers take copies of the whole apart. */
+LANE_INLINE void LANE(law_look)(const LANE(law_input) * in, LANE(law_sight) * g) {
+  g->dx = in->dx;
+  g->dy = in->dy;
+  g->sum = in->sum;
+  g->arc = in->arc;
+  g->dot = in->dvx * in->dx + in->dvy * in->dy;
+  g->cross = in->ex * in->dy - in->ey * in->dx;
+}
+
+LANE_INLINE void LANE(law_geometry_at)(const LANE(law_sight) * in, LANE(law_geometry) * g) {
   /* the floor under r^2 keeps a centre on a centre finite; it also turns a pose that is not a number into a touch, so
    * that the step in which it came to be is the one that is looked at */
   LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
   r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & LAW_SIGN));
   LANE(real) inverse_r = 1.0 / r;
-  g.nx = in->dx * inverse_r;
-  g.ny = in->dy * inverse_r;
-  g.reach = in->sum - r;
-  g.approach = (in->dvx * in->dx + in->dvy * in->dy) * inverse_r;
-  g.lever = in->sum * inverse_r;
+  g->nx = in->dx * inverse_r;
+  g->ny = in->dy * inverse_r;
+  g->reach = in->sum - r;
+  g->approach = in->dot * inverse_r;
+  g->lever = in->sum * inverse_r;
   /* angle since the reference direction: asin series */
-  LANE(real) s = (in->ex * in->dy - in->ey * in->dx) * inverse_r, z = s * s;
-  g.sine2 = z;
-  g.turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
-  g.lambda = in->arc - in->sum * g.turned;
+  LANE(real) s = in->cross * inverse_r, z = s * s;
+  LANE(real) turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
+  g->sine2 = z;
+  g->turned = turned;
+  g->lambda = in->arc - in->sum * turned;
+}
+
+LANE_INLINE LANE(law_geometry) LANE(law_geometry_of)(const LANE(law_input) * in) {
+  LANE(law_sight) sight;
+  LANE(law_geometry) g;
+  LANE(law_look)(in, &sight);
+  LANE(law_geometry_at)(&sight, &g);
   return g;
 }
 
@@ -187,4 +211,14 @@ LANE_INLINE LANE(real) LANE(law_missed)(const LANE(law_input) * in, const LANE(l
   LANE(mask) felt = LANE(greater)(acted, zero);
   LANE(real) wrong = LANE(select)(out->touching, LANE(select)(felt, zero, -out->force), acted);
   return LANE(select)(in->was_closed, zero, -(wrong * g->approach * dt));
+}
+
+/* Does more happen in a commit than that contacts slide? limit: largest overlap. */
+LANE_INLINE LANE(mask)
+    LANE(law_rare)(const LANE(law_geometry) * g, LANE(mask) was_closed, LANE(real) limit, LANE(real) two_dt) {
+  LANE(mask) touching = LANE(greater)(g->reach, LANE(splat)(0.0));
+  LANE(mask) near = LANE(greater)(g->reach, two_dt * g->approach) & LANE(not )(touching);
+  LANE(mask)
+  far = LANE(greater)(g->sine2, LANE(splat)(LAW_REBASE * LAW_REBASE)); /* not where there is no direction */
+  return (touching ^ was_closed) | far | near | LANE(greater)(g->reach, limit);
 }

@@ -1,7 +1,6 @@
 /* neighbours.c: cell grid, candidate pairs, incidence; see neighbours.h. */
 #include "physics/neighbours.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,74 +8,13 @@
 #include "physics/engine.h"
 #include "physics/kernels.h"
 #include "physics/losses.h"
+#include "physics/pairs.h"
 #include "physics/walls.h"
-
-/* --- room for pairs ---------------------------------------------------------------------------------- */
-
-static int32_t **whole_columns(pairs *p, size_t k) {
-  assert(p);
-  int32_t **column[] = {&p->a, &p->b, &p->part, &p->law, &p->seat_a, &p->seat_b, &p->push_a, &p->push_b};
-  return k < sizeof column / sizeof *column ? column[k] : NULL;
-}
-
-static double **real_columns(pairs *p, size_t k) {
-  double **column[] = {&p->star,    &p->ex,     &p->ey,   &p->side,    &p->force,    &p->overlap,
-                       &p->stretch, &p->turned, &p->slip, &p->viscous, &p->friction, &p->gain};
-  return k < sizeof column / sizeof *column ? column[k] : NULL;
-}
-
-static void *room(size_t n, size_t size) { return aligned_alloc(64, (n * size + 127) / 64 * 64); }
-
-static void pairs_free(pairs *p) {
-  int32_t **whole;
-  double **real;
-  for (size_t k = 0; (whole = whole_columns(p, k)); k++) free(*whole);
-  for (size_t k = 0; (real = real_columns(p, k)); k++) free(*real);
-  *p = (pairs){0};
-}
-
-static void pairs_clear(pairs *p, size_t count) {
-  double **real;
-  for (size_t k = 0; (real = real_columns(p, k)); k++) memset(*real, 0, count * sizeof(double));
-}
-
-static sd_status pairs_reserve(pairs *p, size_t count) {
-  if (count <= p->capacity) return SD_OK;
-  size_t capacity = count + count / 2 + 16;
-  int32_t **whole;
-  double **real;
-  for (size_t k = 0; (whole = whole_columns(p, k)); k++) {
-    int32_t *column = room(capacity, sizeof(int32_t));
-    if (!column) return SD_ERROR_IO;
-    if (*whole) memcpy(column, *whole, p->count * sizeof(int32_t));
-    free(*whole);
-    *whole = column;
-  }
-  for (size_t k = 0; (real = real_columns(p, k)); k++) {
-    double *column = room(capacity, sizeof(double));
-    if (!column) return SD_ERROR_IO;
-    free(*real); /* filled after all pairs are known */
-    *real = column;
-  }
-  p->capacity = capacity;
-  return SD_OK;
-}
-
-static sd_status pairs_push(pairs *p, uint32_t a, uint32_t b, size_t part) {
-  if (p->count == p->capacity && pairs_reserve(p, p->count + 1) != SD_OK) return SD_ERROR_IO;
-  p->a[p->count] = (int32_t)a;
-  p->b[p->count] = (int32_t)b;
-  p->part[p->count++] = (int32_t)part;
-  return SD_OK;
-}
 
 void neighbours_free(engine *e) {
   pairs_free(&e->work.pairs);
   pairs_free(&e->work.spare);
-  free(e->work.incidence.start);
-  free(e->work.incidence.entry);
-  free(e->work.incidence.push);
-  e->work.incidence = (incidence){0};
+  pairs_list_free(e);
 }
 
 /* --- cells ------------------------------------------------------------------------------------------- */
@@ -195,12 +133,12 @@ static sd_status find_partners(const engine *e, const grid *g, uint32_t i, partn
   return SD_OK;
 }
 
-/* Few and nearly in order: insertion by permanent id. */
-static void sort_by_id(const uint32_t *id, uint32_t *list, size_t n) {
+/* Few and nearly in order. */
+static void sort(uint32_t *list, size_t n) {
   for (size_t k = 1; k < n; k++) {
     uint32_t j = list[k];
     size_t at = k;
-    for (; at > 0 && id[list[at - 1]] > id[j]; at--) list[at] = list[at - 1];
+    for (; at > 0 && list[at - 1] > j; at--) list[at] = list[at - 1];
     list[at] = j;
   }
 }
@@ -234,11 +172,9 @@ static void next_disk(const pairs *old, size_t end, uint32_t i, closed_before *c
   while (c->to < end && old->a[c->to] == (int32_t)i) c->to++;
 }
 
-static bool closed(const pairs *old, size_t k) { return old->ex[k] != 0.0 || old->ey[k] != 0.0; }
-
 static bool was_closed(const pairs *old, const closed_before *c, uint32_t b, size_t part) {
   for (size_t k = c->from; k < c->to; k++)
-    if (old->b[k] == (int32_t)b && old->part[k] == (int32_t)part) return closed(old, k);
+    if (old->b[k] == (int32_t)b && old->part[k] == (int32_t)part) return pairs_closed(old, k);
   return false;
 }
 
@@ -246,7 +182,8 @@ static sd_status add_closed(const engine *e, const closed_before *c, uint32_t i,
   const pairs *old = &e->work.pairs;
   for (size_t k = c->from; k < c->to; k++) {
     uint32_t j = (uint32_t)old->b[k];
-    if (!closed(old, k) || j >= e->state->n_disks || !in_play(e->state, j) || near(e, i, j, e->work.skin))
+    if (!pairs_closed(old, k) || j >= e->state->n_disks || !in_play(e->state, j) ||
+        near(e, i, j, e->work.skin))
       continue;
     if (partners_add(found, j) != SD_OK) return SD_ERROR_IO;
   }
@@ -265,11 +202,12 @@ static sd_status push_round(const engine *e, const grid *g, pairs *p) {
     if (!in_play(s, i)) continue;
     status = find_partners(e, g, i, &found);
     if (status == SD_OK) status = add_closed(e, &before, i, &found);
-    sort_by_id(s->id, found.slot, found.n);
-    for (size_t k = 0; k < found.n && status == SD_OK; k++) status = pairs_push(p, i, found.slot[k], 0);
+    sort(found.slot, found.n);
+    for (size_t k = 0; k < found.n && status == SD_OK; k++)
+      status = pairs_push(p, (int32_t)i, (int32_t)found.slot[k], 0);
     for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies && status == SD_OK; b++)
       if (s->radius[b] != 0.0 && (near_round_wall(e, i, b) || was_closed(old, &before, b, 0)))
-        status = pairs_push(p, i, b, 0);
+        status = pairs_push(p, (int32_t)i, (int32_t)b, 0);
   }
   free(found.slot);
   return status;
@@ -277,7 +215,7 @@ static sd_status push_round(const engine *e, const grid *g, pairs *p) {
 
 static sd_status push_pieces(const engine *e, pairs *p) {
   const pairs *old = &e->work.pairs;
-  closed_before before = {.to = old->n_round};
+  closed_before before = {.to = old->first_piece};
   sd_status status = SD_OK;
   if (e->model->n_segments == 0) return SD_OK;
   for (uint32_t i = 0; i < e->state->n_free; i++) {
@@ -286,77 +224,10 @@ static sd_status push_pieces(const engine *e, pairs *p) {
     for (size_t k = 0; k < e->model->n_segments && status == SD_OK; k++) {
       uint32_t b = e->work.slot[e->model->segments[k].body];
       if (near_piece(e, i, &e->work.segments[k]) || was_closed(old, &before, b, k))
-        status = pairs_push(p, i, b, k);
+        status = pairs_push(p, (int32_t)i, (int32_t)b, (int32_t)k);
     }
   }
   return status;
-}
-
-static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
-  double **old, **new;
-  for (size_t c = 0; (old = real_columns(from, c)) && (new = real_columns(to, c)); c++) (*new)[n] = (*old)[k];
-}
-
-/* Both lists are ordered by (a, key), so one sweep finds what the old one remembers. */
-static void carry_memory(const engine *e, pairs *from, pairs *to, size_t from_begin, size_t from_end,
-                         size_t to_begin, size_t to_end) {
-  const uint32_t *id = e->state->id;
-  size_t k = from_begin;
-  for (size_t n = to_begin; n < to_end; n++) {
-    while (k < from_end &&
-           (from->a[k] < to->a[n] ||
-            (from->a[k] == to->a[n] &&
-             (id[from->b[k]] < id[to->b[n]] || (from->b[k] == to->b[n] && from->part[k] < to->part[n])))))
-      k++;
-    if (k == from_end) return;
-    if (from->a[k] != to->a[n] || from->b[k] != to->b[n] || from->part[k] != to->part[n]) continue;
-    carry_pair(from, k, to, n);
-    from->viscous[k] = from->friction[k] = from->gain[k] =
-        0.0; /* what is left is of contacts that end here */
-  }
-}
-
-/* --- incidence --------------------------------------------------------------------------------------- */
-
-static sd_status list_incidence(engine *e) {
-  const sd_state *s = e->state;
-  const pairs *p = &e->work.pairs;
-  incidence *n = &e->work.incidence;
-  if (!n->start) n->start = malloc((s->n_bodies + 2) * sizeof *n->start);
-  if (2 * p->count > n->capacity) {
-    free(n->entry);
-    free(n->push);
-    n->capacity = 2 * p->capacity;
-    n->entry = malloc(n->capacity * sizeof *n->entry);
-    n->push = room(n->capacity, PUSH_ROW * sizeof *n->push);
-  }
-  if (!n->start || (n->capacity && !(n->entry && n->push))) return SD_ERROR_IO;
-  memset(n->start, 0, (s->n_bodies + 2) * sizeof *n->start);
-  for (size_t k = 0; k < p->count; k++) {
-    n->start[p->a[k] + 2]++;
-    n->start[p->b[k] + 2]++;
-  }
-  for (size_t b = 2; b < s->n_bodies + 2; b++) n->start[b] += n->start[b - 1];
-  for (size_t k = 0; k < p->count; k++) {
-    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
-    n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
-  }
-  /* within a free disk: by the partner's key; driven bodies' entries are in order already */
-  for (size_t b = 0; b < s->n_free; b++)
-    for (size_t k = n->start[b] + 1; k < n->start[b + 1]; k++) {
-      uint32_t entry = n->entry[k];
-      uint32_t key = entry & 1 ? s->id[p->a[entry / 2]] : neighbours_key(e, entry / 2);
-      size_t at = k;
-      for (; at > n->start[b]; at--) {
-        uint32_t other = n->entry[at - 1];
-        if ((other & 1 ? s->id[p->a[other / 2]] : neighbours_key(e, other / 2)) <= key) break;
-        n->entry[at] = other;
-      }
-      n->entry[at] = entry;
-    }
-  for (size_t at = 0; at < n->start[s->n_bodies]; at++)
-    (n->entry[at] & 1 ? p->push_b : p->push_a)[n->entry[at] / 2] = (int32_t)(PUSH_ROW * at);
-  return SD_OK;
 }
 
 static void find_watched(engine *e) {
@@ -444,31 +315,19 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
   next->count = 0;
   sd_status status = grid_fill(e, &g);
   if (status == SD_OK) status = push_round(e, &g, next);
-  next->n_round = next->count;
+  if (status == SD_OK) status = pairs_end_round(next);
   if (status == SD_OK) status = push_pieces(e, next);
-  if (status == SD_OK) status = pairs_reserve(next, next->count + 8);
+  if (status == SD_OK) status = pairs_finish(e, &w->pairs, next);
   free(g.start);
   free(g.disks);
+  if (status == SD_OK) {
+    for (size_t k = 0; k < w->pairs.count; k++) losses_end(e, &w->pairs, k);
+    pairs swap = w->pairs;
+    w->pairs = *next;
+    *next = swap;
+    status = pairs_list(e);
+  }
   if (status != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
-
-  pairs_clear(next, next->count);
-  pairs *old = &w->pairs;
-  if (old->capacity) {
-    carry_memory(e, old, next, 0, old->n_round, 0, next->n_round);
-    carry_memory(e, old, next, old->n_round, old->count, next->n_round, next->count);
-    for (size_t k = 0; k < old->count; k++) losses_end(e, old, k);
-  }
-  for (size_t k = 0; k < next->count; k++) {
-    next->seat_a[k] = SEAT_ROW * next->a[k];
-    next->seat_b[k] = SEAT_ROW * next->b[k];
-    next->law[k] = s->material[next->a[k]] * (int32_t)e->model->n_materials + s->material[next->b[k]];
-  }
-  pairs swap = *old;
-  *old = *next;
-  *next = swap;
-
-  if (list_incidence(e) != SD_OK)
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
   find_watched(e);
   note_poses(e);
   w->kernels->seat(e, 0, s->n_bodies);

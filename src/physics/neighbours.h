@@ -20,14 +20,6 @@ sd_status neighbours_rescale(engine *e, double f, sd_messages *messages);
 /* SD_ERROR_NUMERIC when a pose is not finite; step is the one that the message names. */
 sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages);
 
-/* Key of a pair's second side, in which the sums are ordered: permanent id of a disk or round wall, then
- * the pieces of straight walls. */
-static inline uint32_t neighbours_key(const engine *e, size_t pair) {
-  const pairs *p = &e->work.pairs;
-  return pair < p->n_round ? e->state->id[p->b[pair]]
-                           : (uint32_t)e->state->n_bodies + (uint32_t)p->part[pair];
-}
-
 /* Has the prescribed body in this slot moved or turned beyond the limit since the last build? */
 static inline bool neighbours_moved(const engine *e, uint32_t slot) {
   const sd_state *s = e->state;

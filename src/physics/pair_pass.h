@@ -5,16 +5,21 @@
  * one.
  */
 
-LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *law) {
-  LANE(law_constants) k;
-  if (w->one_law) {
-    k.k_n = LANE(splat)(w->laws->k_n);
-    k.k_t = LANE(splat)(w->laws->k_t);
-    k.half_k_t = 0.5 * k.k_t;
-    k.gamma_n = LANE(splat)(w->laws->gamma_n);
-    k.cap = LANE(splat)(w->laws->cap);
-    return k;
-  }
+/* What else a copy of the pass is made for. */
+#ifndef PAIR_PASS_COMMON
+#define PAIR_PASS_COMMON
+enum { PASS_VARIANT = 4 /* the paper's */, PASS_LAWS = 8 /* they differ from pair to pair */ };
+#endif
+
+LANE_INLINE LANE(law_constants) LANE(constants)(const work *w) {
+  return (LANE(law_constants)){.k_n = LANE(splat)(w->laws->k_n),
+                               .k_t = LANE(splat)(w->laws->k_t),
+                               .half_k_t = LANE(splat)(0.5 * w->laws->k_t),
+                               .gamma_n = LANE(splat)(w->laws->gamma_n),
+                               .cap = LANE(splat)(w->laws->cap)};
+}
+
+LANE_INLINE LANE(law_constants) LANE(constants_of)(const work *w, const int32_t *law) {
   double row[4][LANE_WIDTH];
   for (int l = 0; l < LANE_WIDTH; l++) {
     const law_row *r = &w->laws[law[l]];
@@ -23,6 +28,7 @@ LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *la
     row[2][l] = r->gamma_n;
     row[3][l] = r->cap;
   }
+  LANE(law_constants) k;
   k.k_n = LANE(load)(row[0]);
   k.k_t = LANE(load)(row[1]);
   k.half_k_t = 0.5 * k.k_t;
@@ -31,36 +37,44 @@ LANE_INLINE LANE(law_constants) LANE(constants)(const work *w, const int32_t *la
   return k;
 }
 
-/* Forces on b: F_n n - scale tau t, with t = (-n_y, n_x); on a the opposite. */
-LANE_INLINE void LANE(store_force)(work *w, size_t at, const LANE(law_push) * push) {
-  const LANE(real) row[PUSH_ROW] = {push->fx, push->fy, push->tau, LANE(splat)(0.0)};
-  LANE(put4)(w->incidence.push, w->pairs.push_b + at, w->pairs.push_a + at, row);
+/* Where a vector of pairs stands: in lanes l ... of a block. */
+typedef struct LANE(place) {
+  pair_block *b;
+  size_t l;
+} LANE(place);
+
+LANE_INLINE LANE(place) LANE(place_of)(const pairs *p, size_t at) {
+  return (LANE(place)){p->block + at / PAIR_BLOCK, at % PAIR_BLOCK};
 }
 
-/* Size of the forces that acted in the step. */
-LANE_INLINE LANE(real) LANE(acted)(const work *w, size_t at) {
-  LANE(real) f[2];
-  LANE(pick2)(w->incidence.push, w->pairs.push_b + at, f);
-  return LANE(root)(f[0] * f[0] + f[1] * f[1]);
+/* Forces on b: F_n n - scale tau t, with t = (-n_y, n_x); on a the opposite. */
+LANE_INLINE void LANE(act)(double *sum, LANE(place) at, const LANE(law_push) * push) {
+  const LANE(real) row[SUM_ROW] = {push->fx, push->fy, push->tau, LANE(splat)(0.0)};
+  LANE(add4)(sum, at.b->sum_b + at.l, at.b->sum_a + at.l, row);
+}
+
+LANE_INLINE LANE(real) LANE(size_of)(const LANE(law_push) * push) {
+  return LANE(root)(push->fx * push->fx + push->fy * push->fy);
 }
 
 /* Writes down what has to be treated one by one after the pass; the memory is still that of before. */
-LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, size_t at, const LANE(law_booked) * b,
+LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(place) at, const LANE(law_booked) * b,
                             LANE(mask) which, LANE(real) missed) {
   double drop[LANE_WIDTH], wrong[LANE_WIDTH];
   LANE(store)(wrong, missed);
   LANE(store)(drop, b->drop);
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     if (!LANE(lane_is)(which, (int)l)) continue;
-    event *v = event_add(&mine->events, (uint32_t)(at + l), drop[l]);
+    size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l + l;
+    event *v = event_add(&mine->events, (uint32_t)k, drop[l]);
     if (!v) return; /* the list knows */
-    v->star = p->star[at + l];
-    v->ex = p->ex[at + l];
-    v->ey = p->ey[at + l];
-    v->side = p->side[at + l];
-    v->force = p->force[at + l];
-    v->overlap = p->overlap[at + l];
-    v->stretch = p->stretch[at + l];
+    v->star = PAIR(p, k, star);
+    v->ex = PAIR(p, k, ex);
+    v->ey = PAIR(p, k, ey);
+    v->side = p->side[k];
+    v->force = PAIR(p, k, force);
+    v->overlap = PAIR(p, k, overlap);
+    v->stretch = PAIR(p, k, stretch);
     v->missed = wrong[l];
   }
 }
@@ -70,47 +84,48 @@ LANE_INLINE void LANE(book)(double *sum, LANE(real) loss) { LANE(store)(sum, LAN
 
 /* Slides the skin. Of the overlaps, those beyond the limit of the smallest body are called rare: more than there are. */
 LANE_INLINE LANE(law_booked)
-    LANE(slide)(const work *w, size_t at, const LANE(law_input) * in, const LANE(law_geometry) * g,
+    LANE(slide)(const work *w, LANE(place) at, const LANE(law_input) * in, const LANE(law_geometry) * g,
                 const LANE(law_output) * out, const LANE(law_constants) * k, int variant,
                 LANE(law_memory) * before, LANE(law_memory) * m) {
-  const pairs *p = &w->pairs;
+  const pair_block *b = at.b;
   *before = (LANE(law_memory)){.star = in->star,
-                               .force = LANE(load)(p->force + at),
-                               .overlap = LANE(load)(p->overlap + at),
-                               .stretch = LANE(load)(p->stretch + at),
-                               .turned = LANE(load)(p->turned + at)};
+                               .force = LANE(load)(b->force + at.l),
+                               .overlap = LANE(load)(b->overlap + at.l),
+                               .stretch = LANE(load)(b->stretch + at.l),
+                               .turned = LANE(load)(b->turned + at.l)};
   before->damping = before->force - k->k_n * before->overlap;
   *m = *before;
   return LANE(law_commit)(in, g, out, k, LANE(splat)(w->least_limit), variant, m);
 }
 
-/* Contacts that open and begin, and what has to be treated one by one. */
-LANE_INLINE void LANE(turn_over)(work *w, thread_work *mine, size_t at, const LANE(law_input) * in,
+/* Contacts that open and begin, and what has to be treated one by one. acted: size of the force of the step. */
+LANE_INLINE void LANE(turn_over)(work *w, thread_work *mine, LANE(place) at, const LANE(law_input) * in,
                                  const LANE(law_geometry) * g, const LANE(law_output) * out,
-                                 const LANE(law_constants) * k, LANE(real) limit,
+                                 const LANE(law_constants) * k, LANE(real) limit, LANE(real) acted,
                                  const LANE(law_memory) * before, LANE(law_memory) * m,
                                  LANE(law_booked) * b) {
-  pairs *p = &w->pairs;
-  LANE(real) step = LANE(splat)(w->dt), acted = LANE(acted)(w, at);
+  double *ex = at.b->ex + at.l, *ey = at.b->ey + at.l;
+  LANE(real) step = LANE(splat)(w->dt);
   LANE(law_turn_over)(in, g, out, k, before, step, m, b);
   LANE(mask) near = LANE(law_near)(in, g, out, step) & LANE(greater)(acted, LANE(splat)(0.0));
   LANE(mask) which = b->turned | LANE(greater)(out->delta, limit) | near;
-  if (LANE(any)(which)) LANE(note)(p, mine, at, b, which, LANE(law_missed)(in, g, out, acted, step));
-  LANE(store)(p->ex + at, LANE(law_direction)(b, out, LANE(load)(p->ex + at), g->nx));
-  LANE(store)(p->ey + at, LANE(law_direction)(b, out, LANE(load)(p->ey + at), g->ny));
+  if (LANE(any)(which)) LANE(note)(&w->pairs, mine, at, b, which, LANE(law_missed)(in, g, out, acted, step));
+  LANE(store)(ex, LANE(law_direction)(b, out, LANE(load)(ex), g->nx));
+  LANE(store)(ey, LANE(law_direction)(b, out, LANE(load)(ey), g->ny));
 }
 
-LANE_INLINE void LANE(store_memory)(pairs *p, size_t at, const LANE(law_memory) * m,
-                                    const LANE(law_booked) * b, int variant) {
-  LANE(book)(p->viscous + at, b->viscous);
-  LANE(book)(p->friction + at, b->friction);
-  if (variant) LANE(book)(p->gain + at, b->gain);
-  LANE(store)(p->star + at, m->star);
-  LANE(store)(p->force + at, m->force);
-  LANE(store)(p->overlap + at, m->overlap);
-  LANE(store)(p->stretch + at, m->stretch);
-  LANE(store)(p->turned + at, m->turned);
-  LANE(store)(p->slip + at, m->slip);
+LANE_INLINE void LANE(store_memory)(LANE(place) at, const LANE(law_memory) * m, const LANE(law_booked) * b,
+                                    int variant) {
+  pair_block *p = at.b;
+  LANE(book)(p->viscous + at.l, b->viscous);
+  LANE(book)(p->friction + at.l, b->friction);
+  if (variant) LANE(book)(p->gain + at.l, b->gain);
+  LANE(store)(p->star + at.l, m->star);
+  LANE(store)(p->force + at.l, m->force);
+  LANE(store)(p->overlap + at.l, m->overlap);
+  LANE(store)(p->stretch + at.l, m->stretch);
+  LANE(store)(p->turned + at.l, m->turned);
+  LANE(store)(p->slip + at.l, m->slip);
 }
 
 /* Two bodies of each lane as they are seen. */
@@ -118,20 +133,19 @@ typedef struct LANE(two_seats) {
   LANE(real) a[4], b[4];
 } LANE(two_seats);
 
-LANE_INLINE LANE(two_seats) LANE(seats_of)(const work *w, size_t at) {
+LANE_INLINE LANE(two_seats) LANE(seats_of)(const work *w, LANE(place) at) {
   LANE(two_seats) s;
-  LANE(pick4)(w->seats, w->pairs.seat_a + at, s.a);
-  LANE(pick4)(w->seats, w->pairs.seat_b + at, s.b);
+  LANE(pick4)(w->seats, at.b->seat_a + at.l, s.a);
+  LANE(pick4)(w->seats, at.b->seat_b + at.l, s.b);
   return s;
 }
 
 /* What the law needs of a vector of round pairs. */
-LANE_INLINE LANE(law_geometry) LANE(see)(const work *w, size_t at) {
-  const pairs *p = &w->pairs;
+LANE_INLINE void LANE(see)(const work *w, LANE(place) at, LANE(law_sight) * sight) {
   LANE(two_seats) s = LANE(seats_of)(w, at);
   LANE(real) va[2], vb[2];
-  LANE(pick2)(w->seats + SEAT_VX, p->seat_a + at, va);
-  LANE(pick2)(w->seats + SEAT_VX, p->seat_b + at, vb);
+  LANE(pick2)(w->seats + SEAT_VX, at.b->seat_a + at.l, va);
+  LANE(pick2)(w->seats + SEAT_VX, at.b->seat_b + at.l, vb);
   LANE(law_input)
   in = {.dx = s.b[SEAT_X] - s.a[SEAT_X],
         .dy = s.b[SEAT_Y] - s.a[SEAT_Y],
@@ -139,41 +153,72 @@ LANE_INLINE LANE(law_geometry) LANE(see)(const work *w, size_t at) {
         .dvy = vb[1] - va[1],
         .sum = s.a[SEAT_RADIUS] + s.b[SEAT_RADIUS],
         .arc = s.a[SEAT_ARC] + s.b[SEAT_ARC],
-        .ex = LANE(load)(p->ex + at),
-        .ey = LANE(load)(p->ey + at)};
+        .ex = LANE(load)(at.b->ex + at.l),
+        .ey = LANE(load)(at.b->ey + at.l)};
   if (w->periodic[0]) in.dx = in.dx - w->length[0] * LANE(nearest)(in.dx * w->inverse_length[0]);
   if (w->periodic[1]) in.dy = in.dy - w->length[1] * LANE(nearest)(in.dy * w->inverse_length[1]);
-  return LANE(law_geometry_of)(&in);
+  LANE(law_look)(&in, sight);
 }
 
-LANE_INLINE void LANE(meet)(engine *e, thread_work *mine, size_t at, const LANE(law_geometry) * g, int pass) {
+/* What is the same for all pairs. */
+typedef struct LANE(pass_constants) {
+  LANE(law_constants) law; /* unless PASS_LAWS */
+  LANE(real) limit, two_dt;
+} LANE(pass_constants);
+
+LANE_INLINE LANE(pass_constants) LANE(pass_constants_of)(const work *w) {
+  return (LANE(pass_constants)){LANE(constants)(w), LANE(splat)(w->least_limit), LANE(splat)(2.0 * w->dt)};
+}
+
+/* A vector in which something rare may happen: the whole of the law. */
+static __attribute__((noinline, cold)) void LANE(meet_rare)(engine *e, thread_work *mine, LANE(place) at,
+                                                            const LANE(law_geometry) * g, int kind) {
   work *w = &e->work;
-  pairs *p = &w->pairs;
-  const int variant = !w->conservative;
+  pair_block *p = at.b;
   LANE(law_input)
-  in = {.star = LANE(load)(p->star + at),
-        .was_closed = LANE(greater)(LANE(load)(p->overlap + at), LANE(splat)(0.0)),
+  in = {.star = LANE(load)(p->star + at.l),
+        .was_closed = LANE(greater)(LANE(load)(p->overlap + at.l), LANE(splat)(0.0)),
         .active = LANE(all_lanes)(1)};
-  const LANE(law_constants) k = LANE(constants)(w, p->law + at);
+  const LANE(law_constants) k = LANE(constants_of)(w, p->law + at.l);
   const LANE(law_output) out = LANE(law)(&in, g, &k);
-  if (pass & PASS_FORCE) {
-    LANE(law_push) push = LANE(law_force)(g, &out, &k, variant ? LANE(splat)(1.0) : g->lever);
-    LANE(store_force)(w, at, &push);
+  LANE(real) acted = LANE(load)(p->acted + at.l);
+  if (kind & PASS_FORCE) {
+    LANE(law_push) push = LANE(law_force)(g, &out, &k, kind & PASS_VARIANT ? LANE(splat)(1.0) : g->lever);
+    LANE(act)(w->sums.row, at, &push);
+    acted = LANE(size_of)(&push);
   }
-  if (!(pass & PASS_COMMIT)) return;
   LANE(law_memory) before, m;
-  LANE(law_booked) b = LANE(slide)(w, at, &in, g, &out, &k, variant, &before, &m);
-  LANE(mask) near = LANE(law_near)(&in, g, &out, LANE(splat)(w->dt));
-  if (__builtin_expect(LANE(any)(b.rare | near), 0)) {
-    LANE(two_seats) s = LANE(seats_of)(w, at);
-    LANE(real) rb = s.b[SEAT_RADIUS], smaller = LANE(least)(s.a[SEAT_RADIUS], LANE(most)(rb, -rb));
-    in.arc = s.a[SEAT_ARC] + s.b[SEAT_ARC];
-    LANE(turn_over)(w, mine, at, &in, g, &out, &k, e->model->max_overlap * smaller, &before, &m, &b);
-  }
-  LANE(store_memory)(p, at, &m, &b, variant);
+  LANE(law_booked) b = LANE(slide)(w, at, &in, g, &out, &k, kind & PASS_VARIANT, &before, &m);
+  LANE(two_seats) s = LANE(seats_of)(w, at);
+  LANE(real) rb = s.b[SEAT_RADIUS], smaller = LANE(least)(s.a[SEAT_RADIUS], LANE(most)(rb, -rb));
+  in.arc = s.a[SEAT_ARC] + s.b[SEAT_ARC];
+  LANE(turn_over)(w, mine, at, &in, g, &out, &k, e->model->max_overlap * smaller, acted, &before, &m, &b);
+  LANE(store_memory)(at, &m, &b, kind & PASS_VARIANT);
 }
 
-LANE_INLINE void LANE(round_pass)(engine *e, thread_work *mine, size_t at, int pass) {
-  LANE(law_geometry) g = LANE(see)(&e->work, at);
-  LANE(meet)(e, mine, at, &g, pass);
+LANE_INLINE void LANE(meet)(engine *e, thread_work *mine, LANE(place) at, const LANE(law_geometry) * g,
+                            const LANE(pass_constants) * one, double *sum, const int kind) {
+  work *w = &e->work;
+  pair_block *p = at.b;
+  LANE(mask) was_closed = LANE(greater)(LANE(load)(p->overlap + at.l), LANE(splat)(0.0));
+  if (kind & PASS_COMMIT) {
+    if (__builtin_expect(LANE(any)(LANE(law_rare)(g, was_closed, one->limit, one->two_dt)), 0)) {
+      LANE(meet_rare)(e, mine, at, g, kind);
+      return;
+    }
+    was_closed = LANE(greater)(g->reach, LANE(splat)(0.0)); /* the same, and what touches is closed */
+  }
+  LANE(law_input)
+  in = {.star = LANE(load)(p->star + at.l), .was_closed = was_closed, .active = LANE(all_lanes)(1)};
+  const LANE(law_constants) k = kind & PASS_LAWS ? LANE(constants_of)(w, p->law + at.l) : one->law;
+  const LANE(law_output) out = LANE(law)(&in, g, &k);
+  if (kind & PASS_COMMIT) {
+    LANE(law_memory) before, m;
+    LANE(law_booked) b = LANE(slide)(w, at, &in, g, &out, &k, kind & PASS_VARIANT, &before, &m);
+    LANE(store_memory)(at, &m, &b, kind & PASS_VARIANT);
+  }
+  if (!(kind & PASS_FORCE)) return;
+  LANE(law_push) push = LANE(law_force)(g, &out, &k, kind & PASS_VARIANT ? LANE(splat)(1.0) : g->lever);
+  LANE(act)(sum, at, &push);
+  if (!(kind & PASS_COMMIT)) LANE(store)(p->acted + at.l, LANE(size_of)(&push));
 }

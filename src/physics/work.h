@@ -19,32 +19,56 @@ typedef struct law_row {
   double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 without a skin */
 } law_row;
 
-/* Candidate pairs, ordered by (slot of a, key of b): round ones first, then pieces of straight walls.
- * Columns marked M are contact memory: they go through the state at checkpoints and are carried over
- * rebuilds; the others are written by the function named. */
+/* Eight pairs, each column one cache line, so that a pass reads one stream and takes the columns that it wants.
+ * Columns marked M are contact memory: they go through the state at checkpoints and are carried over rebuilds; the
+ * others are written by the function named. */
+enum { PAIR_BLOCK = 8 };
+typedef struct pair_block {
+  _Alignas(64) double star[PAIR_BLOCK], ex[PAIR_BLOCK], ey[PAIR_BLOCK];                   /* M */
+  double overlap[PAIR_BLOCK], force[PAIR_BLOCK], stretch[PAIR_BLOCK], turned[PAIR_BLOCK]; /* M */
+  double slip[PAIR_BLOCK]; /* M: the sign; what the last commit's cap took off */
+  double viscous[PAIR_BLOCK], friction[PAIR_BLOCK],
+      gain[PAIR_BLOCK];                           /* M: lost since the contact began; 0 when open */
+  double acted[PAIR_BLOCK];                       /* force of the trial coordinates; force pass by itself */
+  int32_t seat_a[PAIR_BLOCK], seat_b[PAIR_BLOCK]; /* where the bodies' seats begin; neighbours_build */
+  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK];   /* where what it does to them is added; neighbours_build */
+  int32_t law[PAIR_BLOCK];                        /* row of the law table; neighbours_build */
+} pair_block;
+
+/* Column of pair k. */
+#define PAIR(pairs, k, column) ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
+
+/* Candidate pairs, ordered by (slot of a, slot of b, piece): round ones first, then pieces of straight walls, each
+ * from a whole block on. What fills a block between them, and what stands beyond the last, are pairs of nobody:
+ * a = b = -1, and they touch nothing. */
 typedef struct pairs {
-  size_t count, n_round, capacity;
-  int32_t *a, *b;                /* slots; neighbours_build */
-  int32_t *part;                 /* straight piece; neighbours_build */
-  int32_t *law;                  /* row of the law table; neighbours_build */
-  double *star, *ex, *ey, *side; /* M */
-  double *force, *overlap, *stretch, *turned,
-      *slip;                         /* M; of slip, what the last commit's cap took off, the sign */
-  double *viscous, *friction, *gain; /* M: lost since the contact began; 0 when open */
-  int32_t *seat_a, *seat_b, *push_a,
-      *push_b; /* where rows of seats and of its pushes begin; neighbours_build */
+  size_t count, n_round, first_piece, capacity;
+  int32_t *a, *b; /* slots; neighbours_build */
+  int32_t *part;  /* straight piece; neighbours_build */
+  double *side;   /* M, of straight pieces */
+  pair_block *block;
 } pairs;
 
-/* The contacts of each body in order of the partner's key: entry = 2 * pair + (1 if the body is b). What a contact
- * does to the body stands beside it: force (x, y), and torque over the radius, about a straight wall's pivot the
- * torque itself; pairs kernels, force pass. */
-enum { PUSH_X, PUSH_Y, PUSH_TURN, PUSH_ROW = 4 };
+/* The contacts of each body in order of the pairs: entry = 2 * pair + (1 if the body is b); neighbours_build. */
 typedef struct incidence {
   size_t *start; /* [n_bodies + 1] */
   uint32_t *entry;
-  double *push; /* [entries][PUSH_ROW] */
   size_t capacity;
 } incidence;
+
+/* What contacts do to bodies: force (x, y), and torque over the radius, about a straight wall's pivot the torque
+ * itself. Pairs add to the row of a body, one after the other. Where the pairs of a body are not all in the same share
+ * of a thread, or somebody wants to know each (prescribed bodies), each has a row of its own, and gather adds them
+ * up: the order is the same, that of the pairs. */
+enum { SUM_X, SUM_Y, SUM_TURN, SUM_ROW = 4 };
+typedef struct sums {
+  double *row; /* [n_bodies + 1 + entries of listed bodies][SUM_ROW]; gather leaves zeros in the first ones */
+  size_t first_single, end; /* rows */
+  uint32_t *listed;         /* slots, ascending */
+  size_t n_listed;
+  size_t *single; /* [n_listed + 1] first row of each */
+  size_t capacity, listed_capacity;
+} sums;
 
 /* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
  * motion_place write it with the pose; engine_seat does after changes between steps. */
@@ -79,7 +103,8 @@ typedef struct event_list {
 /* Where one coordinate of the free disks stands in the state, and what pushes it; engine_build. */
 typedef struct columns {
   double *q, *v, *q2, *q3, *q4, *q5;
-  const double *force, *constant, *inverse;
+  double *force;
+  const double *constant, *inverse;
 } columns;
 
 enum { WORK_MAX_THREADS = 64 };
@@ -106,6 +131,7 @@ typedef struct work {
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
   columns columns[SD_COORDINATES];
+  void *room;     /* columns of these, seats, and poses when the lists were built */
   uint32_t *slot; /* [n_bodies] slot of a body number */
   const kernels *kernels;
   int n_threads;
@@ -113,15 +139,17 @@ typedef struct work {
   /* lists; neighbours_build */
   pairs pairs, spare; /* spare: room for the next build */
   incidence incidence;
-  double *seats;             /* [n_bodies][SEAT_ROW] */
-  double least_limit;        /* of the overlap, of the smallest body */
-  double skin, moved_limit2; /* squared displacement that makes the lists stale */
-  double list_scale;         /* state->box_scale when the lists were built */
-  double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
-  double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
-  int64_t builds;            /* how often */
-  placed_segment *segments;  /* walls_place */
-  int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
+  sums sums;
+  size_t pair_share[WORK_MAX_THREADS + 1]; /* of each thread, whole blocks */
+  double *seats;                           /* [n_bodies + 1][SEAT_ROW], the last for pairs of nobody */
+  double least_limit;                      /* of the overlap, of the smallest body */
+  double skin, moved_limit2;               /* squared displacement that makes the lists stale */
+  double list_scale;                       /* state->box_scale when the lists were built */
+  double *x0, *y0, *theta0; /* [n_bodies] poses when the lists were built, in today's lengths */
+  double *reach;            /* [n_walls] largest distance from the pivot that matters when the wall turns */
+  int64_t builds;           /* how often */
+  placed_segment *segments; /* walls_place */
+  int64_t *watched;         /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
   motions *motions;
   lanes *lanes;         /* of this system alone; NULL: the general step only */

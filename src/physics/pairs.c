@@ -1,0 +1,267 @@
+/* pairs.c: see pairs.h. */
+#include "physics/pairs.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/room.h"
+
+/* --- room -------------------------------------------------------------------------------------------- */
+
+void pairs_free(pairs *p) {
+  room_free(p->a);
+  room_free(p->b);
+  room_free(p->part);
+  room_free(p->side);
+  room_free(p->block);
+  *p = (pairs){0};
+}
+
+static sd_status grow(void **column, size_t count, size_t capacity, size_t size) {
+  void *more = room_for(capacity, size);
+  if (!more) return SD_ERROR_IO;
+  if (*column) memcpy(more, *column, count * size);
+  room_free(*column);
+  *column = more;
+  return SD_OK;
+}
+
+/* Blocks and sides are filled after all pairs are known. */
+static sd_status reserve(pairs *p, size_t count) {
+  if (count <= p->capacity) return SD_OK;
+  size_t capacity = (count + count / 2 + 2 * PAIR_BLOCK) / PAIR_BLOCK * PAIR_BLOCK;
+  int32_t **whole[] = {&p->a, &p->b, &p->part};
+  for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
+    if (grow((void **)whole[k], p->count, capacity, sizeof(int32_t)) != SD_OK) return SD_ERROR_IO;
+  room_free(p->side);
+  room_free(p->block);
+  p->side = room_for(capacity, sizeof *p->side);
+  p->block = room_for(capacity / PAIR_BLOCK, sizeof *p->block);
+  p->capacity = p->side && p->block ? capacity : 0;
+  return p->capacity ? SD_OK : SD_ERROR_IO;
+}
+
+sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part) {
+  if (p->count == p->capacity && reserve(p, p->count + 1) != SD_OK) return SD_ERROR_IO;
+  p->a[p->count] = a;
+  p->b[p->count] = b;
+  p->part[p->count++] = part;
+  return SD_OK;
+}
+
+sd_status pairs_end_round(pairs *p) {
+  p->n_round = p->count;
+  sd_status status = SD_OK;
+  while (p->count % PAIR_BLOCK && status == SD_OK) status = pairs_push(p, PAIR_OF_NOBODY, PAIR_OF_NOBODY, 0);
+  p->first_piece = p->count;
+  return status;
+}
+
+/* --- memory ------------------------------------------------------------------------------------------ */
+
+static bool same_pair(const pairs *p, size_t k, const pairs *q, size_t n) {
+  return p->a[k] == q->a[n] && p->b[k] == q->b[n] && p->part[k] == q->part[n];
+}
+
+static bool stands_before(const pairs *p, size_t k, const pairs *q, size_t n) {
+  if (p->a[k] != q->a[n]) return p->a[k] < q->a[n];
+  if (p->b[k] != q->b[n]) return p->b[k] < q->b[n];
+  return p->part[k] < q->part[n];
+}
+
+static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
+  PAIR(to, n, star) = PAIR(from, k, star);
+  PAIR(to, n, ex) = PAIR(from, k, ex);
+  PAIR(to, n, ey) = PAIR(from, k, ey);
+  PAIR(to, n, overlap) = PAIR(from, k, overlap);
+  PAIR(to, n, force) = PAIR(from, k, force);
+  PAIR(to, n, stretch) = PAIR(from, k, stretch);
+  PAIR(to, n, turned) = PAIR(from, k, turned);
+  PAIR(to, n, slip) = PAIR(from, k, slip);
+  PAIR(to, n, viscous) = PAIR(from, k, viscous);
+  PAIR(to, n, friction) = PAIR(from, k, friction);
+  PAIR(to, n, gain) = PAIR(from, k, gain);
+  to->side[n] = from->side[k];
+  /* what is left in the old list is of contacts that end */
+  PAIR(from, k, viscous) = PAIR(from, k, friction) = PAIR(from, k, gain) = 0.0;
+}
+
+/* Both lists have the same order, so one sweep finds what the old one remembers. */
+static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, size_t begin, size_t end) {
+  size_t k = from_begin;
+  for (size_t n = begin; n < end; n++) {
+    while (k < from_end && stands_before(from, k, to, n)) k++;
+    if (k == from_end) return;
+    if (same_pair(from, k, to, n) && pairs_closed(from, k)) carry_pair(from, k, to, n);
+  }
+}
+
+/* Those of nobody see the seat and the sum beyond the last body. */
+static void fill(const engine *e, pairs *p, size_t k) {
+  const sd_state *s = e->state;
+  const bool nobody = p->a[k] < 0;
+  const int32_t a = nobody ? (int32_t)s->n_bodies : p->a[k], b = nobody ? (int32_t)s->n_bodies : p->b[k];
+  PAIR(p, k, seat_a) = SEAT_ROW * a;
+  PAIR(p, k, seat_b) = SEAT_ROW * b;
+  PAIR(p, k, sum_a) = SUM_ROW * a;
+  PAIR(p, k, sum_b) = SUM_ROW * b;
+  PAIR(p, k, law) = nobody ? 0 : s->material[a] * (int32_t)e->model->n_materials + s->material[b];
+}
+
+sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
+  if (reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
+  memset(to->block, 0, (to->count + PAIR_BLOCK - 1) / PAIR_BLOCK * sizeof *to->block);
+  memset(to->side, 0, to->count * sizeof *to->side);
+  for (size_t k = 0; k < to->count; k++) fill(e, to, k);
+  carry(from, to, 0, from->n_round, 0, to->n_round);
+  carry(from, to, from->first_piece, from->count, to->first_piece, to->count);
+  return SD_OK;
+}
+
+/* --- shares of threads ------------------------------------------------------------------------------- */
+
+/* Whole blocks; a piece of a straight wall, which goes by itself, costs as much as this many round pairs. */
+enum { PIECE_COST = 5 };
+
+static void share_pairs(work *w) {
+  const pairs *p = &w->pairs;
+  const size_t n = (size_t)w->n_threads, pieces = p->count - p->first_piece;
+  const size_t cost = p->first_piece + PIECE_COST * pieces;
+  for (size_t t = 0; t <= n; t++) {
+    size_t from = cost * t / n, at = from;
+    if (from > p->first_piece) at = p->first_piece + (from - p->first_piece) / PIECE_COST;
+    at = (at + PAIR_BLOCK / 2) / PAIR_BLOCK * PAIR_BLOCK;
+    w->pair_share[t] = t == n || at > p->count ? p->count : at;
+  }
+}
+
+/* --- contacts of each body --------------------------------------------------------------------------- */
+
+static sd_status list_incidence(engine *e) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  incidence *n = &e->work.incidence;
+  if (!n->start) n->start = malloc((s->n_bodies + 2) * sizeof *n->start);
+  if (2 * p->count > n->capacity) {
+    free(n->entry);
+    n->capacity = 2 * p->capacity;
+    n->entry = malloc(n->capacity * sizeof *n->entry);
+  }
+  if (!n->start || (n->capacity && !n->entry)) return SD_ERROR_IO;
+  memset(n->start, 0, (s->n_bodies + 2) * sizeof *n->start);
+  for (size_t k = 0; k < p->count; k++) {
+    if (p->a[k] < 0) continue;
+    n->start[p->a[k] + 2]++;
+    n->start[p->b[k] + 2]++;
+  }
+  for (size_t b = 2; b < s->n_bodies + 2; b++) n->start[b] += n->start[b - 1];
+  for (size_t k = 0; k < p->count; k++) {
+    if (p->a[k] < 0) continue;
+    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
+    n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
+  }
+  return SD_OK;
+}
+
+/* --- sums -------------------------------------------------------------------------------------------- */
+
+/* Are the contacts of this body wanted one by one, or in the shares of several threads? */
+static bool is_listed(const engine *e, size_t slot) {
+  const work *w = &e->work;
+  const incidence *n = &w->incidence;
+  if (slot >= e->state->n_free) return true;
+  if (w->columns[SD_X].inverse[slot] == 0.0 || w->columns[SD_Y].inverse[slot] == 0.0 ||
+      w->columns[SD_THETA].inverse[slot] == 0.0)
+    return true;
+  size_t from = n->start[slot], to = n->start[slot + 1];
+  if (from == to) return false;
+  size_t first = n->entry[from] / 2, last = n->entry[to - 1] / 2;
+  for (int t = 1; t < w->n_threads; t++)
+    if (first < w->pair_share[t] && last >= w->pair_share[t]) return true;
+  return false;
+}
+
+static sd_status reserve_sums(engine *e, size_t listed, size_t rows) {
+  sums *m = &e->work.sums;
+  if (rows > m->capacity) {
+    room_free(m->row);
+    m->capacity = rows + rows / 4;
+    m->row = room_for(m->capacity, SUM_ROW * sizeof *m->row);
+  }
+  if (listed + 1 > m->listed_capacity) {
+    free(m->listed);
+    free(m->single);
+    m->listed_capacity = 2 * listed + 16;
+    m->listed = malloc(m->listed_capacity * sizeof *m->listed);
+    m->single = malloc(m->listed_capacity * sizeof *m->single);
+  }
+  return m->row && m->listed && m->single ? SD_OK : SD_ERROR_IO;
+}
+
+static sd_status list_sums(engine *e) {
+  const size_t n_bodies = e->state->n_bodies;
+  work *w = &e->work;
+  sums *m = &w->sums;
+  const incidence *n = &w->incidence;
+  size_t listed = 0, rows = n_bodies + 1;
+  for (size_t slot = 0; slot < n_bodies; slot++) {
+    if (!is_listed(e, slot)) continue;
+    listed++;
+    rows += n->start[slot + 1] - n->start[slot];
+  }
+  if (reserve_sums(e, listed, rows) != SD_OK) return SD_ERROR_IO;
+  m->n_listed = 0;
+  m->first_single = m->end = n_bodies + 1;
+  for (size_t slot = 0; slot < n_bodies; slot++) {
+    if (!is_listed(e, slot)) continue;
+    m->listed[m->n_listed] = (uint32_t)slot;
+    m->single[m->n_listed++] = m->end;
+    for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++, m->end++) {
+      size_t k = n->entry[at] / 2;
+      *(n->entry[at] & 1 ? &PAIR(&w->pairs, k, sum_b) : &PAIR(&w->pairs, k, sum_a)) =
+          (int32_t)(SUM_ROW * m->end);
+    }
+  }
+  m->single[m->n_listed] = m->end;
+  pairs_clear_sums(e);
+  return SD_OK;
+}
+
+void pairs_clear_sums(engine *e) {
+  sums *m = &e->work.sums;
+  memset(m->row + SUM_ROW * m->first_single, 0, (m->end - m->first_single) * SUM_ROW * sizeof *m->row);
+}
+
+void sums_add_listed(sums *m, size_t begin, size_t end) {
+  size_t low = 0, high = m->n_listed;
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (m->listed[middle] < begin)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  for (size_t n = low; n < m->n_listed && m->listed[n] < end; n++) {
+    double *sum = m->row + SUM_ROW * m->listed[n];
+    for (size_t at = m->single[n]; at < m->single[n + 1]; at++)
+      for (size_t c = 0; c < SUM_ROW; c++) sum[c] += m->row[SUM_ROW * at + c];
+  }
+}
+
+sd_status pairs_list(engine *e) {
+  share_pairs(&e->work);
+  sd_status status = list_incidence(e);
+  return status == SD_OK ? list_sums(e) : status;
+}
+
+void pairs_list_free(engine *e) {
+  work *w = &e->work;
+  free(w->incidence.start);
+  free(w->incidence.entry);
+  room_free(w->sums.row);
+  free(w->sums.listed);
+  free(w->sums.single);
+  w->incidence = (incidence){0};
+  w->sums = (sums){0};
+}

@@ -1,0 +1,31 @@
+/* pairs.h: room for candidate pairs, their memory from one list to the next, and what follows from a list: contacts of
+ * each body, where pairs add their forces, shares of threads.
+ */
+#ifndef PHYSICS_PAIRS_H
+#define PHYSICS_PAIRS_H
+
+#include "physics/work.h"
+
+/* All return SD_ERROR_IO without memory. */
+void pairs_free(pairs *p);
+/* Adds a pair; a = b = PAIR_OF_NOBODY fills up. */
+enum { PAIR_OF_NOBODY = -1 };
+sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part);
+/* The round ones are complete: what follows begins with a whole block. */
+sd_status pairs_end_round(pairs *p);
+/* All are pushed: fills seats and laws, and memories with that of the same pairs in `from`, whose losses go along. */
+sd_status pairs_finish(const engine *e, pairs *from, pairs *to);
+/* Incidence, sums and shares of the present pairs. */
+sd_status pairs_list(engine *e);
+void pairs_list_free(engine *e);
+/* Before forces are added: nothing acts on the bodies that are listed. Of the others gather took it away. */
+void pairs_clear_sums(engine *e);
+
+/* Of the listed bodies in slots [begin, end): adds up what stands one by one, in the order of the pairs. */
+void sums_add_listed(sums *m, size_t begin, size_t end);
+
+static inline bool pairs_closed(const pairs *p, size_t k) {
+  return PAIR(p, k, ex) != 0.0 || PAIR(p, k, ey) != 0.0;
+}
+
+#endif
