@@ -9,6 +9,7 @@
 
 #include "deck_runs.h"
 #include "pack/relax.h"
+#include "physics/engine.h"
 
 /* A heap of disks in a box, thrown in every direction; one is locked in x, one turns at a given speed. */
 static sd_model *heap_new(const char *integrator, double dt, double gamma_n, const char *phases) {
@@ -114,12 +115,13 @@ static void test_booked(void **unused) {
   sd_model *m = heap_new("gear5", 5e-4, 1.0, "phases = ( { steps = 16000; } );");
   sd_simulation *sim = begin_run(m, 1);
   int stopped = 0, steered = 0, changed = 0;
+  relax_sums team_sums;
   advance(sim, 4000);
   for (int n = 0; n < 300; n++) {
     advance(sim, 40);
     sd_state *before = copy_of(m, sd_simulation_state(sim));
     sd_energy old = sd_simulation_energy(sim);
-    relax_step(engine_of(sim));
+    relax_step(engine_of(sim), &(team){0, 1}, &team_sums);
     const sd_state *s = sd_simulation_state(sim);
     sd_energy new = sd_simulation_energy(sim);
     double taken = kinetic(&old) - kinetic(&new);
@@ -153,8 +155,10 @@ static void test_out_of_play(void **unused) {
   advance(sim, 10);
   s->activity[5] = SD_REMOVED;
   s->activity[6] = SD_OUTSIDE;
+  engine_fill_constants(engine_of(sim));
   double kept = s->vx[5], lost = s->vx[6];
-  relax_step(engine_of(sim));
+  relax_sums team_sums;
+  relax_step(engine_of(sim), &(team){0, 1}, &team_sums);
   assert_true(s->vx[5] == kept && s->vx[6] != lost);
   end_run(sim, m);
 }

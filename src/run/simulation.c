@@ -118,15 +118,14 @@ void sd_simulation_free(sd_simulation *sim) {
 }
 
 /* One member's share of n steps within a phase. */
-static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
+static void advance_member(engine *e, const team *t, int64_t n, bool measure, relax_sums *team_sums) {
   const bool relax = e->model->phases[e->state->phase].relax;
   const int64_t measured = e->state->measured;
   for (int64_t k = 1; k <= n; k++) {
     step_once(e, t);
     team_wait(t);
     if (e->work.status != SD_OK) return;
-    if (t->rank == 0 && relax) relax_step(e);
-    if (relax) team_wait(t);
+    if (relax) relax_step(e, t, team_sums);
     if (!measure) continue;
     disks_step(e, t, measured + k);
     if (t->rank == 0) watch_step(e);
@@ -136,13 +135,14 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure) {
 
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
+  relax_sums team_sums;
   step_begin(e);
   if (threads == 1) {
     unsigned mode = subnormal_off();
     if (e->work.lanes)
       lanes_loop(e->work.lanes, n, measure);
     else
-      advance_member(e, &(team){0, 1}, n, measure);
+      advance_member(e, &(team){0, 1}, n, measure, &team_sums);
     subnormal_restore(mode);
     return;
   }
@@ -151,7 +151,7 @@ static void advance_team(engine *e, int64_t n, bool measure) {
   {
     team t = {omp_get_thread_num(), omp_get_num_threads()}; /* may be fewer than asked for */
     unsigned mode = subnormal_off();
-    advance_member(e, &t, n, measure);
+    advance_member(e, &t, n, measure, &team_sums);
     subnormal_restore(mode);
   }
 #endif
