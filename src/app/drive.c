@@ -33,21 +33,36 @@ static double clock_now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* "  unbalanced 0.02 of 0.001": how far it is from what is asked for. */
+static void add_goal(char *text, size_t size, const char *what, double value, double goal) {
+  size_t n = strlen(text);
+  if (goal > 0 && isfinite(value)) snprintf(text + n, size - n, "  %s %.2g of %.2g", what, value, goal);
+}
+
+/* Where a phase may settle early, what is left is a bound; while disks wait for their rain, steps become dearer and
+ * not even that is known. */
 static void describe(const session_progress *p, char *text, size_t size) {
-  char left[40], rate[40] = "-", goal[60] = "";
+  char left[40], rate[40] = "-", goal[120] = "", done[40] = "";
   if (p->rate >= 1e6)
     snprintf(rate, sizeof rate, "%.3gM", p->rate * 1e-6);
   else if (p->rate >= 1e3)
     snprintf(rate, sizeof rate, "%.3gk", p->rate * 1e-3);
   else if (p->rate > 0)
     snprintf(rate, sizeof rate, "%.3g", p->rate);
-  if (p->goal && isfinite(p->goal->error))
-    snprintf(goal, sizeof goal, "  error %.2g of %.2g", p->goal->error, p->goal->goal);
+  if (!p->at_most)
+    snprintf(done, sizeof done, "  %.1f %%",
+             100.0 * (double)p->step / (double)(p->expected > 0 ? p->expected : 1));
+  if (p->waiting > 0) snprintf(goal, sizeof goal, "  %" PRId64 " disks wait", p->waiting);
+  if (p->rest && p->waiting == 0) {
+    add_goal(goal, sizeof goal, "kinetic", p->rest->kinetic, p->rest->kinetic_goal);
+    add_goal(goal, sizeof goal, "unbalanced", p->rest->unbalanced, p->rest->unbalanced_goal);
+  }
+  if (p->goal) add_goal(goal, sizeof goal, "error", p->goal->error, p->goal->goal);
+  report_duration(p->waiting > 0 ? NAN : p->seconds_left, left, sizeof left);
   snprintf(text, size,
-           "%s%sstep %" PRId64 "/%" PRId64 "  time %.6g  %.1f %%  %s steps/s  ETA %s%s  residual %.1e",
-           p->phase, *p->phase ? ": " : "", p->step, p->steps, p->time,
-           100.0 * (double)p->step / (double)(p->expected > 0 ? p->expected : 1), rate,
-           report_duration(p->seconds_left, left, sizeof left), goal, p->energy->residual);
+           "%s%sstep %" PRId64 "%s%" PRId64 "  time %.6g%s  %s steps/s  ETA %s%s%s  residual %.1e", p->phase,
+           *p->phase ? ": " : "", p->step, p->at_most ? " of at most " : "/", p->steps, p->time, done, rate,
+           p->at_most && *left != '?' ? "< " : "", left, goal, p->energy->residual);
 }
 
 static void show_line(teller *t, const char *text) {

@@ -12,7 +12,10 @@
 
 #include "io/file.h"
 #include "io/merge.h"
+#include "pack/rain.h"
+#include "pack/settle.h"
 #include "run/session_private.h"
+#include "run/simulation_private.h"
 
 static const double PROGRESS_SECONDS = 0.2;
 
@@ -164,6 +167,18 @@ static int64_t expected_end(const session *s, sd_stage now, const sd_goal *goal)
   return s->step + (int64_t)more > look ? s->step + (int64_t)more : look;
 }
 
+/* May a phase from here on end before its length, at rest? */
+static bool may_settle(const sd_model *m, sd_stage now) {
+  bool may = false;
+  for (size_t k = (size_t)now.phase; k < m->n_phases; k++) may |= m->phases[k].settle.asked;
+  return may;
+}
+
+static session_rest rest_of(const session *s, const sd_settle *asked) {
+  settle_measure now = settle_look(simulation_engine(s->simulation));
+  return (session_rest){now.kinetic, asked->kinetic, now.unbalanced, asked->unbalanced};
+}
+
 void session_report(session *s, bool always) {
   if (!s->options.progress) return;
   double now = session_clock(), passed = now - s->told_at;
@@ -182,16 +197,22 @@ void session_report(session *s, bool always) {
   bool asked = has_goal(s->model, stage) || (finished && s->model->until.asked);
   sd_goal goal = asked ? sd_simulation_goal(s->simulation) : (sd_goal){0};
   int64_t expected = expected_end(s, stage, asked ? &goal : NULL);
-  session_progress progress = {.step = s->step,
-                               .steps = finished ? s->steps : most_steps(s->model, stage),
-                               .expected = expected,
-                               .time = (double)s->step * s->model->dt,
-                               .phase = name ? name : "",
-                               .new_phase = new_phase,
-                               .rate = s->rate,
-                               .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
-                               .energy = &energy,
-                               .goal = asked ? &goal : NULL};
+  const sd_settle *settle = finished ? NULL : &s->model->phases[stage.phase].settle;
+  session_rest rest = settle && settle->asked ? rest_of(s, settle) : (session_rest){0};
+  session_progress progress = {
+      .step = s->step,
+      .steps = finished ? s->steps : most_steps(s->model, stage),
+      .expected = expected,
+      .time = (double)s->step * s->model->dt,
+      .phase = name ? name : "",
+      .new_phase = new_phase,
+      .rate = s->rate,
+      .seconds_left = s->rate > 0 ? (double)(expected - s->step) / s->rate : NAN,
+      .at_most = !finished && may_settle(s->model, stage),
+      .waiting = finished ? 0 : rain_waiting(s->model, simulation_engine(s->simulation)->state),
+      .energy = &energy,
+      .goal = asked ? &goal : NULL,
+      .rest = settle && settle->asked ? &rest : NULL};
   s->options.progress(s->options.user, &progress);
   s->told_at = now;
   s->told_step = s->step;

@@ -15,6 +15,11 @@
 
 typedef struct session session;
 
+/* How near a phase is to the rest that it asks for; goals are 0 where nothing is asked. */
+typedef struct session_rest {
+  double kinetic, kinetic_goal, unbalanced, unbalanced_goal;
+} session_rest;
+
 typedef struct session_progress {
   int64_t step, steps; /* done, and the most that there can be: phases end early by settle and until */
   int64_t expected;    /* steps at which the run will probably end */
@@ -23,8 +28,11 @@ typedef struct session_progress {
   bool new_phase;      /* first report of this phase */
   double rate;         /* steps per second of wall time, lately; 0: not known yet */
   double seconds_left; /* of wall time; NAN: not known */
+  bool at_most;        /* a phase from here on may settle earlier: percentages and times are bounds */
+  int64_t waiting;     /* disks that have not begun to fall; steps are still cheaper than they will be */
   const sd_energy *energy;
-  const sd_goal *goal; /* of `until`; NULL: none, or the last phase has not begun */
+  const sd_goal *goal;      /* of `until`; NULL: none, or the last phase has not begun */
+  const session_rest *rest; /* of the present phase; NULL: it does not settle */
 } session_progress;
 
 typedef struct session_options {
