@@ -41,8 +41,10 @@ static void add_dataset(void *user, const char *path, sd_type type, bool text, i
       user, json_pack("{s:s, s:s, s:o}", "path", path, "type", text ? "text" : names[type], "shape", shape));
 }
 
-/* A finished file when there is one, unless something of an unfinished run was named. */
-static sd_status read_facts(facts *f, const place *p, bool named_parts, sd_messages *messages) {
+/* A finished file when there is one, unless something of an unfinished run was named. every_disk: with the means of
+ * each disk, which the page does not show. */
+static sd_status read_facts(facts *f, const place *p, bool named_parts, bool every_disk,
+                            sd_messages *messages) {
   h5_file *file = NULL;
   f->finished = file_exists(p->result) && !named_parts && !p->checkpoint;
   f->datasets = json_array();
@@ -54,6 +56,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, sd_messa
     status = place_open_checkpoint(p, &file, &f->path, messages);
   }
   if (status == SD_OK) status = summary_read(&f->found, file, messages);
+  if (status == SD_OK && every_disk) status = summary_disks_read_all(&f->found.packing, file, messages);
   if (status == SD_OK) status = provenance_read(&f->origin, file, messages);
   if (status == SD_OK) status = h5_visit(file, add_dataset, f->datasets, messages);
   if (status == SD_OK) {
@@ -299,7 +302,7 @@ int app_info(int argc, char **argv) {
   int status = refuse_sweep(name, messages);
   if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);
-  if (status == SD_OK) status = read_facts(&f, &p, named_parts, messages);
+  if (status == SD_OK) status = read_facts(&f, &p, named_parts, json, messages);
   sd_messages_print(messages, stderr);
   if (status == SD_OK && (deck || as_read))
     fputs(deck ? f.origin.deck_full : f.origin.deck_text, stdout);

@@ -155,16 +155,18 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
   if (a->frame >= 0 && (size_t)a->frame >= f->n)
     return sd_fail(messages, SD_ERROR_USER, "%s: frame %ld: there are 0 to %zu", a->name, a->frame, f->n - 1);
   if (a->all) {
-    bool repeated = f->n > 0 && f->entries[f->n - 1].step == f->state_step;
+    frame_entry newest = {.step = -1};
+    sd_status status = f->n > 0 ? frames_entry(f, f->n - 1, &newest, messages) : SD_OK;
+    bool repeated = newest.step == f->state_step;
     *first = 0;
     *last = f->n + !(alone || repeated);
-    return SD_OK;
+    return status;
   }
   *first = a->frame >= 0 ? (size_t)a->frame : f->n - alone;
-  if (a->has_time) *first = frames_nearest(f, a->time);
+  sd_status status = a->has_time ? frames_nearest(f, a->time, first, messages) : SD_OK;
   if (alone && *first == f->n) *first = f->n - 1;
   *last = *first + 1;
-  return SD_OK;
+  return status;
 }
 
 /* --- one frame ---------------------------------------------------------------------------------------- */
@@ -202,18 +204,18 @@ void measurement_free(measurement *m) {
 
 typedef struct sinks {
   bool page, rows, recomputed;
-  json_t *list; /* NULL: none asked for */
+  measure_list *list; /* NULL: not asked for */
   measure_tables *tables;
 } sinks;
 
-static void tell(sinks *s, const measurement *m) {
-  if (s->list) json_array_append_new(s->list, measure_json(m));
+static sd_status tell(sinks *s, const measurement *m, sd_messages *messages) {
   if (s->tables) measure_tables_add(s->tables, m);
   if (s->rows)
     measure_row(stdout, m);
   else if (s->page)
     measure_page(stdout, m);
   s->recomputed = s->recomputed || m->c.recomputed;
+  return s->list ? measure_list_add(s->list, m, messages) : SD_OK;
 }
 
 static sd_status measure_frames(const arguments *a, const frames *f, size_t first, size_t last, sinks *s,
@@ -227,27 +229,12 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
     if (status == SD_OK)
       status = measurement_new(&m, f->constants, &frame, a->has_region ? a->region : NULL, (size_t)a->bins,
                                messages);
-    if (status == SD_OK) tell(s, &m);
+    if (status == SD_OK) status = tell(s, &m, messages);
     measurement_free(&m);
     frame_data_free(&frame);
   }
   if (status == SD_OK && s->rows && s->recomputed)
     printf("* contacts were not stored: found again from positions and velocities\n");
-  return status;
-}
-
-static sd_status write_json(const arguments *a, const frames *f, json_t *list, sd_messages *messages) {
-  json_t *root = json_pack("{s:s, s:I, s:O}", "file", a->name, "stored", (json_int_t)f->n, "frames", list);
-  char *text = root ? json_dumps(root, JSON_INDENT(2)) : NULL;
-  json_decref(root);
-  if (!text) return sd_fail(messages, SD_ERROR_IO, "no memory");
-  sd_status status = SD_OK;
-  if (a->output) {
-    file_piece pieces[] = {{text, strlen(text)}, {"\n", 1}};
-    status = file_write_atomic(a->output, 2, pieces, messages);
-  }
-  if (a->json && status == SD_OK) puts(text);
-  free(text);
   return status;
 }
 
@@ -262,17 +249,17 @@ static sd_status measure(const arguments *a, sd_messages *messages) {
     return status;
   }
   measure_tables tables = {0};
+  measure_list list = {0};
   bool quiet = a->json || a->output;
-  sinks s = {.page = !quiet, .rows = !quiet && a->all};
-  if (quiet && !(s.list = json_array())) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  sinks s = {.page = !quiet, .rows = !quiet && a->all, .list = quiet ? &list : NULL};
+  if (quiet) status = measure_list_open(&list, a->name, f.n, a->json, a->output, messages);
   if (status == SD_OK && a->csv) {
     s.tables = &tables;
     status = measure_tables_open(&tables, a->csv, messages);
   }
   if (status == SD_OK) status = measure_frames(a, &f, first, last, &s, messages);
   if (a->csv) status = measure_tables_close(&tables, status, messages);
-  if (status == SD_OK && s.list) status = write_json(a, &f, s.list, messages);
-  json_decref(s.list);
+  if (quiet) status = measure_list_close(&list, status, messages);
   frames_close(&f);
   return status;
 }

@@ -34,6 +34,19 @@ void measure_rows_head(FILE *out);
 void measure_row(FILE *out, const measurement *m);
 json_t *measure_json(const measurement *m);
 
+/* --- measure_json.c: all frames, one after the other -------------------------------------------------- */
+typedef struct measure_list {
+  FILE *out[2]; /* the screen, a file; NULL: not asked for */
+  char *name, *path, *temporary;
+  size_t stored, n; /* frames in the file, and here */
+} measure_list;
+
+/* path (may be NULL): of the file, which gets its name when all is written. measure_list_close also when it fails. */
+sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
+                            sd_messages *messages);
+sd_status measure_list_add(measure_list *l, const measurement *m, sd_messages *messages);
+sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);
+
 /* --- measure_tables.c: one file per table in a folder ------------------------------------------------- */
 enum { MEASURE_FRAMES, MEASURE_DISKS, MEASURE_CONTACTS, MEASURE_PAIRS, MEASURE_FORCES, MEASURE_TABLES };
 typedef struct measure_tables {

@@ -125,26 +125,14 @@ static void report_slides(FILE *out, const summary *found) {
   if (n < found->n_slides) fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }
 
-/* The fastest disks that are listed; the file has all. */
-enum { FASTEST = 10 };
-
-static double speed_of(const sd_disk_mean *d) { return isnan(d->omega) ? -1 : fabs(d->omega); }
-
+/* The file has all. */
 static void report_fastest(FILE *out, const summary_disks *p) {
-  const sd_disk_mean *list[FASTEST];
-  size_t n = 0;
-  for (size_t k = 0; k < p->n; k++) {
-    const sd_disk_mean *d = &p->disks[k];
-    if (!(speed_of(d) > 0) || (n == FASTEST && speed_of(d) <= speed_of(list[n - 1]))) continue;
-    size_t at = n < FASTEST ? n++ : n - 1;
-    for (; at > 0 && speed_of(list[at - 1]) < speed_of(d); at--) list[at] = list[at - 1];
-    list[at] = d;
-  }
+  size_t n = p->n_fastest;
   if (n == 0) return;
   fprintf(out, "  fastest disks        %-26s %9s %9s %9s %9s\n", "Omega", "1st half", "2nd half", "contacts",
           "sliding");
   for (size_t k = 0; k < n; k++) {
-    const sd_disk_mean *d = list[k];
+    const sd_disk_mean *d = &p->fastest[k];
     char omega[64];
     fprintf(out, "    disk %-14" PRIu32 "  %-26s %9.3g %9.3g %9.3g %9.3g%s\n", d->disk,
             with_error(d->omega, d->error, omega, sizeof omega), d->first, d->second, d->coordination,

@@ -147,6 +147,18 @@ sd_status file_reserve(const char *path, uint64_t bytes, sd_messages *messages) 
   return SD_OK;
 }
 
+/* Up to n bytes, fewer at the end of the file only; false with errno set when they cannot be read. */
+static bool read_some(int fd, void *bytes, size_t n, size_t *have) {
+  for (*have = 0; *have < n;) {
+    ssize_t got = read(fd, (unsigned char *)bytes + *have, n - *have);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return false;
+    if (got == 0) break;
+    *have += (size_t)got;
+  }
+  return true;
+}
+
 sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages) {
   *bytes = NULL;
   *size = 0;
@@ -159,14 +171,10 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
   } else {
     size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
     unsigned char *buffer = malloc(want ? want : 1);
-    if (!buffer) status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
-    while (buffer && have < want) {
-      ssize_t got = read(fd, buffer + have, want - have);
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) status = fail(messages, "read", path);
-      if (got <= 0) break;
-      have += (size_t)got;
-    }
+    if (!buffer)
+      status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+    else if (!read_some(fd, buffer, want, &have))
+      status = fail(messages, "read", path);
     if (status == SD_OK) {
       *bytes = buffer;
       *size = have;
@@ -174,6 +182,33 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
       free(buffer);
     }
   }
+  close(fd);
+  return status;
+}
+
+sd_status file_sum_of(const char *path, size_t tail, void *end, uint64_t *size, uint64_t *sum,
+                      sd_messages *messages) {
+  enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
+  *size = 0;
+  *sum = FILE_SUM;
+  int fd = open(path, O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return fail(messages, "open", path);
+  struct stat facts;
+  unsigned char *buffer = malloc(PIECE);
+  bool good = buffer && fstat(fd, &facts) == 0;
+  uint64_t left = good && (uint64_t)facts.st_size >= tail ? (uint64_t)facts.st_size - tail : 0;
+  size_t have = 1;
+  for (; good && left > 0 && have > 0; left -= have) {
+    good = read_some(fd, buffer, left < PIECE ? (size_t)left : PIECE, &have);
+    *sum = good ? file_sum(*sum, buffer, have) : 0;
+    *size += have;
+  }
+  if (good && *size > 0) good = read_some(fd, end, tail, &have);
+  if (good && have < tail) *size = 0; /* it has become shorter */
+  sd_status status = good     ? SD_OK
+                     : buffer ? fail(messages, "read", path)
+                              : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+  free(buffer);
   close(fd);
   return status;
 }

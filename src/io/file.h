@@ -29,6 +29,10 @@ sd_status file_sync_folder(const char *path, sd_messages *messages);
 sd_status file_reserve(const char *path, uint64_t bytes, sd_messages *messages);
 /* The first n bytes of a file, or all of it when n is SIZE_MAX; to be freed. */
 sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages);
+/* Sum of all but the last `tail` bytes, which go to `end`; size: of what was summed, 0 when the file is shorter than
+ * `tail`. Needs no memory for the file. */
+sd_status file_sum_of(const char *path, size_t tail, void *end, uint64_t *size, uint64_t *sum,
+                      sd_messages *messages);
 
 bool file_exists(const char *path);
 bool file_is_folder(const char *path);

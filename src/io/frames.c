@@ -25,38 +25,33 @@ static size_t rows_of(const h5_file *file, const char *path) {
 
 /* --- list --------------------------------------------------------------------------------------------- */
 
-static sd_status list_source(frames *f, size_t source, const h5_file *file, sd_messages *messages) {
-  size_t n = rows_of(file, DISKS "/position/step");
-  if (n == 0) return SD_OK;
-  sd_status status = SD_OK;
-  int64_t *step = reserve(n, sizeof *step, &status, messages);
-  double *time = reserve(n, sizeof *time, &status, messages);
-  if (status == SD_OK) status = h5_get(file, DISKS "/position/step", SD_I64, n, step, messages);
-  if (status == SD_OK) status = h5_get(file, DISKS "/position/time", SD_F64, n, time, messages);
-  frame_entry *more = status == SD_OK ? realloc(f->entries, (f->n + n) * sizeof *more) : NULL;
-  if (more) {
-    f->entries = more;
-    for (size_t k = 0; k < n; k++) more[f->n++] = (frame_entry){source, k, step[k], time[k]};
-  } else if (status == SD_OK) {
-    status = sd_fail(messages, SD_ERROR_IO, "no memory for %zu frames", n);
-  }
-  free(step);
-  free(time);
-  return status;
+/* The file of a source; release_source when done. */
+static sd_status open_source(const frames *f, size_t source, h5_file **out, sd_messages *messages) {
+  const char *path = f->sources[source].path;
+  *out = f->base;
+  return strcmp(path, f->path) == 0 ? SD_OK : h5_open(path, out, messages);
+}
+
+static void release_source(const frames *f, h5_file *file) {
+  if (file != f->base) h5_close(file, NULL);
 }
 
 static sd_status add_source(frames *f, const char *path, sd_messages *messages) {
   size_t k = f->n_sources;
-  char **more = realloc(f->sources, (k + 1) * sizeof *more);
+  frame_source *more = realloc(f->sources, (k + 1) * sizeof *more);
   if (more) f->sources = more;
-  if (!more || !(f->sources[k] = file_path("%s", path))) return sd_fail(messages, SD_ERROR_IO, "no memory");
-  f->n_sources++;
-  if (strcmp(path, f->path) == 0) return list_source(f, k, f->base, messages);
+  char *copy = file_path("%s", path);
+  if (!more || !copy) {
+    free(copy);
+    return sd_fail(messages, SD_ERROR_IO, "no memory");
+  }
+  f->sources[f->n_sources++] = (frame_source){.path = copy, .first = f->n};
   h5_file *file = NULL;
-  sd_status status = h5_open(path, &file, messages);
-  if (status == SD_OK) status = list_source(f, k, file, messages);
-  h5_close(file, NULL);
-  return status;
+  sd_status status = open_source(f, k, &file, messages);
+  if (status != SD_OK) return status;
+  f->n += f->sources[k].n = rows_of(file, DISKS "/position/step");
+  release_source(f, file);
+  return SD_OK;
 }
 
 sd_status frames_open(frames *f, const char *base, size_t n_sources, const char *const *sources,
@@ -81,9 +76,8 @@ sd_status frames_open(frames *f, const char *base, size_t n_sources, const char 
 void frames_close(frames *f) {
   h5_close(f->base, NULL);
   sd_model_free(f->constants);
-  for (size_t k = 0; k < f->n_sources; k++) free(f->sources[k]);
+  for (size_t k = 0; k < f->n_sources; k++) free(f->sources[k].path);
   free(f->sources);
-  free(f->entries);
   free(f->path);
   *f = (frames){0};
 }
@@ -96,15 +90,42 @@ bool frames_is_part(const char *path) {
   return part;
 }
 
-size_t frames_nearest(const frames *f, double time) {
-  size_t best = f->n; /* the state */
+sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages *messages) {
+  size_t source = 0;
+  while (k >= f->sources[source].first + f->sources[source].n) source++;
+  *out = (frame_entry){.source = source, .row = k - f->sources[source].first};
+  h5_file *file = NULL;
+  sd_status status = open_source(f, source, &file, messages);
+  if (status != SD_OK) return status;
+  status = h5_get_rows(file, DISKS "/position/step", SD_I64, out->row, 1, &out->step, messages);
+  if (status == SD_OK)
+    status = h5_get_rows(file, DISKS "/position/time", SD_F64, out->row, 1, &out->time, messages);
+  release_source(f, file);
+  return status;
+}
+
+sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messages *messages) {
+  /* times grow: the first frame that is not before `time`, or the one before that */
+  size_t low = 0, high = f->n;
+  frame_entry e;
+  sd_status status = SD_OK;
+  while (status == SD_OK && low < high) {
+    size_t middle = low + (high - low) / 2;
+    status = frames_entry(f, middle, &e, messages);
+    if (e.time < time)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  *nearest = f->n; /* the state */
   double off = fabs(f->state_time - time);
-  for (size_t k = f->n; k-- > 0;)
-    if (fabs(f->entries[k].time - time) <= off) {
-      off = fabs(f->entries[k].time - time);
-      best = k;
-    }
-  return best;
+  for (size_t k = low < f->n ? low + 1 : f->n; status == SD_OK && k-- > (low > 0 ? low - 1 : 0);) {
+    status = frames_entry(f, k, &e, messages);
+    if (status != SD_OK || fabs(e.time - time) > off) continue;
+    off = fabs(e.time - time);
+    *nearest = k;
+  }
+  return status;
 }
 
 /* --- state -------------------------------------------------------------------------------------------- */
@@ -230,23 +251,38 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
   return status;
 }
 
-/* Which row of the list of contact tables has this step; the last if there are several. */
+/* Where the contacts of a moment begin: a result says so, of a part the counts before are added. */
+static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, sd_messages *messages) {
+  if (h5_exists(file, "/contacts/first"))
+    return h5_get_rows(file, "/contacts/first", SD_I64, row, 1, first, messages);
+  sd_status status = SD_OK;
+  int64_t *counts = reserve(row, sizeof *counts, &status, messages);
+  if (status == SD_OK) status = h5_get_rows(file, "/contacts/count", SD_I64, 0, row, counts, messages);
+  *first = 0;
+  for (size_t k = 0; status == SD_OK && k < row; k++) *first += counts[k];
+  free(counts);
+  return status;
+}
+
+/* Which rows have the contacts of this step; of several tables of a step the last. Steps grow. */
 static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_t *rows, sd_status *status,
                        sd_messages *messages) {
-  size_t n = rows_of(file, "/contacts/step");
-  if (n == 0) return false;
-  int64_t *steps = reserve(n, sizeof *steps, status, messages);
-  int64_t *counts = reserve(n, sizeof *counts, status, messages), at = 0;
-  bool found = false;
-  if (*status == SD_OK) *status = h5_get(file, "/contacts/step", SD_I64, n, steps, messages);
-  if (*status == SD_OK) *status = h5_get(file, "/contacts/count", SD_I64, n, counts, messages);
-  for (size_t k = 0; *status == SD_OK && k < n; k++) {
-    if (steps[k] == step) *first = at, *rows = counts[k], found = true;
-    at += counts[k];
+  size_t low = 0, high = rows_of(file, "/contacts/step");
+  int64_t at = -1;
+  while (*status == SD_OK && low < high) { /* to the first that is later */
+    size_t middle = low + (high - low) / 2;
+    *status = h5_get_rows(file, "/contacts/step", SD_I64, middle, 1, &at, messages);
+    if (at <= step)
+      low = middle + 1;
+    else
+      high = middle;
   }
-  free(steps);
-  free(counts);
-  return found;
+  if (*status != SD_OK || low == 0) return false;
+  *status = h5_get_rows(file, "/contacts/step", SD_I64, low - 1, 1, &at, messages);
+  if (*status != SD_OK || at != step) return false;
+  *status = h5_get_rows(file, "/contacts/count", SD_I64, low - 1, 1, rows, messages);
+  if (*status == SD_OK) *status = first_contact(file, low - 1, first, messages);
+  return *status == SD_OK;
 }
 
 static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages *messages) {
@@ -301,13 +337,14 @@ static sd_status read_frame(const frames *f, const h5_file *file, const frame_en
 
 sd_status frames_read(const frames *f, size_t k, frame_data *out, sd_messages *messages) {
   *out = (frame_data){0};
-  if (k >= f->n || f->entries[k].step == f->state_step) return read_state(f, out, messages);
-  const frame_entry *e = &f->entries[k];
-  const char *path = f->sources[e->source];
-  if (strcmp(path, f->path) == 0) return read_frame(f, f->base, e, out, messages);
+  frame_entry e = {.step = f->state_step};
+  sd_status status = k < f->n ? frames_entry(f, k, &e, messages) : SD_OK;
+  if (status != SD_OK) return status;
+  if (e.step == f->state_step) return read_state(f, out, messages);
   h5_file *file = NULL;
-  sd_status status = h5_open(path, &file, messages);
-  if (status == SD_OK) status = read_frame(f, file, e, out, messages);
-  h5_close(file, NULL);
+  status = open_source(f, e.source, &file, messages);
+  if (status != SD_OK) return status;
+  status = read_frame(f, file, &e, out, messages);
+  release_source(f, file);
   return status;
 }

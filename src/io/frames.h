@@ -1,6 +1,6 @@
 /* frames.h: stored frames of a run, one at a time: from a finished result, from the parts of an unfinished one, and the
- * last state, which every result and checkpoint has, with its contacts. Of a file only the list of steps and the
- * rows of the wanted frame are read.
+ * last state, which every result and checkpoint has, with its contacts. Of a file only the rows of the wanted frame
+ * are read, and of the lists of steps and times what it takes to find it.
  */
 #ifndef SLIPDISK_IO_FRAMES_H
 #define SLIPDISK_IO_FRAMES_H
@@ -14,14 +14,18 @@ typedef struct frame_entry {
   double time;
 } frame_entry;
 
+typedef struct frame_source {
+  char *path;
+  size_t first, n; /* its frames */
+} frame_source;
+
 typedef struct frames {
   char *path;          /* of the result or checkpoint */
   h5_file *base;       /* has the state and the constants */
   sd_model *constants; /* of the run */
   size_t n_sources;
-  char **sources; /* files that hold frames */
-  size_t n;
-  frame_entry *entries; /* in the order of time */
+  frame_source *sources; /* files that hold frames, in the order of time */
+  size_t n;              /* frames in all */
   int64_t state_step;
   double state_time;
 } frames;
@@ -37,7 +41,9 @@ bool frames_is_part(const char *path);
 /* One frame with its contact table if one was stored at the same step. k = frames.n: the state.
  * frame_data_free also when it fails. */
 sd_status frames_read(const frames *f, size_t k, frame_data *out, sd_messages *messages);
+/* Where and when frame k < frames.n is. */
+sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages *messages);
 /* The frame that is nearest in time (the state included); ties go to the earlier. */
-size_t frames_nearest(const frames *f, double time);
+sd_status frames_nearest(const frames *f, double time, size_t *nearest, sd_messages *messages);
 
 #endif

@@ -76,7 +76,10 @@ static void release(h5_file *file) {
   if (!file) return;
   free(file->path);
   free(file->trouble);
-  for (size_t k = 0; k < file->n_sets; k++) free(file->sets[k].path);
+  for (size_t k = 0; k < file->n_sets; k++) {
+    h5_rows_close(&file->sets[k].rows);
+    free(file->sets[k].path);
+  }
   free(file->sets);
   free(file);
 }
@@ -91,8 +94,8 @@ sd_status h5_new(h5_file **out, sd_messages *messages) {
   (*out)->memory = (*out)->writing = true;
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_core(access, (size_t)1 << 20, false);
-  /* The default (earliest) format on purpose: H5Fget_file_image spoils the superblock checksum of later ones
-   * (HDFGroup/hdf5 issue 1915). */
+  /* The default (earliest) format on purpose: h5_save takes the bytes of the open file, and later formats would say
+   * in them that it is being written. */
   (*out)->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
   H5Pclose(access);
   if ((*out)->id >= 0) return SD_OK;
@@ -151,40 +154,40 @@ sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
 
 sd_status h5_open_sealed(const char *path, h5_file **out, sd_messages *messages) {
   *out = NULL;
-  unsigned char *bytes;
-  size_t size;
-  sd_status status = file_read(path, SIZE_MAX, &bytes, &size, messages);
-  if (status != SD_OK) return status;
   seal end;
-  bool good = size > sizeof end;
-  if (good) {
-    memcpy(&end, bytes + size - sizeof end, sizeof end);
-    good = memcmp(end.mark, seal_mark, sizeof seal_mark) == 0 && end.size == size - sizeof end &&
-           end.sum == file_sum(FILE_SUM, bytes, size - sizeof end);
-  }
-  free(bytes);
+  uint64_t size, sum;
+  sd_status status = file_sum_of(path, sizeof end, &end, &size, &sum, messages);
+  if (status != SD_OK) return status;
+  bool good =
+      size > 0 && memcmp(end.mark, seal_mark, sizeof seal_mark) == 0 && end.size == size && end.sum == sum;
   if (!good) return sd_fail(messages, SD_ERROR_IO, "%s is damaged: its checksum does not fit", path);
   return h5_open(path, out, messages);
 }
 
-static void *image_of(hid_t id, size_t *size) {
+/* What is still held, or in the chunk caches, is written now. */
+static void close_sets(h5_file *file) {
+  char reason[200];
+  for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
+    if (h5_rows_flush(&file->sets[k].rows) && H5Dclose(file->sets[k].rows.set) >= 0) continue;
+    file->failed = true;
+    file->trouble = file_path("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
+  }
+}
+
+/* The file's bytes: those that the library holds, no copy. They are there while the file is open. */
+static const void *image_of(hid_t id, size_t *size) {
+  void *handle = NULL;
   if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) return NULL;
   ssize_t n = H5Fget_file_image(id, NULL, 0);
-  void *image = n > 0 ? malloc((size_t)n) : NULL;
-  if (image && H5Fget_file_image(id, image, (size_t)n) != n) {
-    free(image);
-    image = NULL;
-  }
-  *size = image ? (size_t)n : 0;
-  return image;
+  if (n <= 0 || H5Fget_vfd_handle(id, H5P_DEFAULT, &handle) < 0 || !handle) return NULL;
+  *size = (size_t)n;
+  return *(void **)handle; /* of a file in memory: where the bytes are */
 }
 
 sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages *messages) {
   size_t size = 0;
-  void *image = file->failed ? NULL : image_of(file->id, &size);
-  char *trouble = file->trouble ? file_path("%s", file->trouble) : NULL;
-  H5Fclose(file->id);
-  release(file);
+  close_sets(file);
+  const void *image = file->failed ? NULL : image_of(file->id, &size);
   if (bytes) *bytes = size + sizeof(seal);
   sd_status status;
   if (image) {
@@ -193,21 +196,12 @@ sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages 
     file_piece pieces[2] = {{image, size}, {&end, sizeof end}};
     status = file_write_atomic(path, 2, pieces, messages);
   } else {
-    status = sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path, trouble ? trouble : "no memory");
+    status = sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path,
+                     file->trouble ? file->trouble : "no memory");
   }
-  free(image);
-  free(trouble);
+  H5Fclose(file->id);
+  release(file);
   return status;
-}
-
-/* What is still in the chunk caches is written now. */
-static void close_sets(h5_file *file) {
-  char reason[200];
-  for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
-    if (H5Dclose(file->sets[k].id) >= 0) continue;
-    file->failed = true;
-    file->trouble = file_path("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
-  }
 }
 
 sd_status h5_close(h5_file *file, sd_messages *messages) {
@@ -269,6 +263,13 @@ void h5_group(h5_file *file, const char *path) {
   H5Pclose(link);
 }
 
+/* The least that covers `length` with as many pieces as pieces of `most` need: the last one is then nearly as long as
+ * the others, for it is stored as if it were. */
+static size_t even_pieces(size_t length, size_t most) {
+  size_t pieces = (length + most - 1) / most;
+  return pieces > 0 ? (length + pieces - 1) / pieces : 1;
+}
+
 /* Chunks of whole rows when a row fits, else of parts of one row. */
 static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *chunk) {
   size_t row = element;
@@ -277,12 +278,11 @@ static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *
     row *= (size_t)chunk[k];
   }
   size_t rows = CHUNK_BYTES / row;
-  if (rows > dims[0]) rows = dims[0];
-  chunk[0] = rows ? rows : 1;
+  chunk[0] = rows ? even_pieces(dims[0], rows) : 1;
   for (int k = 1; k < rank && row > CHUNK_BYTES; k++) {
     size_t rest = row / (size_t)chunk[k];
     size_t keep = CHUNK_BYTES / rest;
-    chunk[k] = keep ? keep : 1;
+    chunk[k] = keep ? even_pieces(dims[k], keep) : 1;
     row = rest * (size_t)chunk[k];
   }
 }
@@ -321,7 +321,15 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   bool large = compress && n * sd_type_size(type) > 4096;
   hid_t set = make(file, path, h5_native(type), rank, dims, large, large);
   if (set < 0) return;
-  if (n > 0) check(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
+  if (n > 0 && large) {
+    h5_rows rows;
+    bool good =
+        h5_rows_open(&rows, set, type) && h5_rows_put(&rows, 0, dims[0], data) && h5_rows_flush(&rows);
+    check(file, good, path);
+    h5_rows_close(&rows);
+  } else if (n > 0) {
+    check(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
+  }
   H5Dclose(set);
 }
 
@@ -425,36 +433,25 @@ void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size
 }
 
 /* The dataset, opened once. */
-static hid_t set_of(h5_file *file, const char *path) {
+static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
   for (size_t k = 0; k < file->n_sets; k++)
-    if (strcmp(file->sets[k].path, path) == 0) return file->sets[k].id;
+    if (strcmp(file->sets[k].path, path) == 0) return &file->sets[k].rows;
   h5_open_set *sets = realloc(file->sets, (file->n_sets + 1) * sizeof *sets);
-  if (!sets) return H5I_INVALID_HID;
+  if (!sets) return NULL;
   file->sets = sets;
-  h5_open_set set = {file_path("%s", path), H5I_INVALID_HID};
-  if (set.path) set.id = H5Dopen2(file->id, path, H5P_DEFAULT);
-  if (set.id < 0) {
-    free(set.path);
-    return H5I_INVALID_HID;
+  h5_open_set set = {.path = file_path("%s", path)};
+  hid_t id = set.path ? H5Dopen2(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
+  if (id >= 0 && h5_rows_open(&set.rows, id, type)) {
+    sets[file->n_sets++] = set;
+    return &sets[file->n_sets - 1].rows;
   }
-  sets[file->n_sets++] = set;
-  return set.id;
+  if (id >= 0) H5Dclose(id);
+  free(set.path);
+  return NULL;
 }
 
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data) {
   if (file->failed || n == 0) return;
-  hid_t set = set_of(file, path);
-  check(file, set >= 0, path);
-  if (set < 0) return;
-  hid_t space = H5Dget_space(set);
-  hsize_t start[H5_MAX_RANK] = {0}, count[H5_MAX_RANK] = {0};
-  int rank = H5Sget_simple_extent_dims(space, count, NULL);
-  start[0] = first;
-  count[0] = n;
-  hid_t memory = H5Screate_simple(rank, count, NULL);
-  bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-              H5Dwrite(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0;
-  check(file, good, path);
-  H5Sclose(memory);
-  H5Sclose(space);
+  h5_rows *rows = set_of(file, path, type);
+  check(file, rows && h5_rows_put(rows, first, n, data), path);
 }

@@ -56,7 +56,8 @@ void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, 
 void h5_attr_f64(h5_file *file, const char *path, const char *name, double value);
 void h5_attr_i64(h5_file *file, const char *path, const char *name, int64_t value);
 void h5_link(h5_file *file, const char *target, const char *path); /* hard link */
-/* A dataset of known size (in chunks when compressed), to be filled by rows (first index) with h5_put_rows. */
+/* A dataset of known size (in chunks when compressed), to be filled by rows (first index) with h5_put_rows. Those of
+ * a compressed one come in order, and wait in memory until their chunk is full, or the file is saved or closed. */
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress);
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data);
 bool h5_failed(const h5_file *file); /* a write has gone wrong */

@@ -6,10 +6,27 @@
 
 #include "io/h5.h"
 
-/* A dataset that is being filled by rows: kept open, so that the library's chunk cache bridges the calls. */
+/* A dataset that is being filled by rows, see h5_chunks.c. */
+typedef struct h5_rows {
+  hid_t set, type;
+  int rank, filters;
+  bool chunked; /* rows are gathered until a chunk is full */
+  hsize_t dims[H5_MAX_RANK], chunk[H5_MAX_RANK];
+  size_t element, row; /* bytes */
+  size_t first, held;  /* rows in the buffer; those before are written */
+  unsigned char *buffer, *padded;
+} h5_rows;
+
+/* The dataset's type must be that of the rows, or they are written as they come. False: it has another rank. */
+bool h5_rows_open(h5_rows *w, hid_t set, sd_type type);
+bool h5_rows_put(h5_rows *w, size_t first, size_t n, const void *data);
+bool h5_rows_flush(h5_rows *w); /* what is still held */
+void h5_rows_close(h5_rows *w); /* frees; the dataset stays open */
+
+/* Kept open, so that its rows can come in many calls. */
 typedef struct h5_open_set {
   char *path;
-  hid_t id;
+  h5_rows rows;
 } h5_open_set;
 
 struct h5_file {

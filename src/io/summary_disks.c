@@ -6,9 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/file.h"
 #include "io/members.h"
 
-static const char group[] = "/summary/disks";
+static const char group[] = "/summary/disks", fastest_group[] = "/summary/fastest";
 
 #define MEAN(name, member, unit, meaning)                                                                    \
   { name, offsetof(sd_disk_mean, member), unit, meaning }
@@ -75,12 +76,28 @@ static sd_status allocate(summary_disks *s, sd_messages *messages) {
   return s->disks ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
 }
 
+static double speed_of(const sd_disk_mean *d) { return isnan(d->omega) ? -1 : fabs(d->omega); }
+
+static void find_fastest(summary_disks *s) {
+  sd_disk_mean *list = s->fastest;
+  size_t n = 0;
+  for (size_t k = 0; k < s->n; k++) {
+    const sd_disk_mean *d = &s->disks[k];
+    if (!(speed_of(d) > 0) || (n == SUMMARY_FASTEST && speed_of(d) <= speed_of(&list[n - 1]))) continue;
+    size_t at = n < SUMMARY_FASTEST ? n++ : n - 1;
+    for (; at > 0 && speed_of(&list[at - 1]) < speed_of(d); at--) list[at] = list[at - 1];
+    list[at] = *d;
+  }
+  s->n_fastest = n;
+}
+
 sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
                                 sd_messages *messages) {
   *s = (summary_disks){.n = state->n_means};
   if (s->n == 0) return SD_OK;
   if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < s->n; k++) s->disks[k] = sd_disk_mean_of(model, state, k);
+  find_fastest(s);
   s->totals = sd_disk_totals_of(model, state, s->disks);
   s->looks = state->mean_looks;
   s->bins = state->mean_bins;
@@ -107,21 +124,42 @@ static size_t list_members(member *list) {
 }
 _Static_assert(sizeof summary_means / sizeof *summary_means < MOST_MEMBERS, "room for the id");
 
-static const char converged_path[] = "/summary/disks/converged";
+static void write_rows(h5_file *file, const char *path, sd_disk_mean *disks, size_t n_disks) {
+  member list[MOST_MEMBERS];
+  size_t n = list_members(list);
+  members_write(file, path, list, n, disks, sizeof *disks, n_disks);
+  int32_t *converged = calloc(n_disks + 1, sizeof *converged);
+  char *name = file_path("%s/converged", path);
+  for (size_t k = 0; converged && k < n_disks; k++) converged[k] = disks[k].converged;
+  if (converged && name) {
+    h5_put(file, name, SD_I32, 1, &n_disks, converged, true);
+    h5_attr_text(file, name, "unit", "1");
+    h5_attr_text(file, name, "description", "1: the error is reliable");
+  }
+  free(converged);
+  free(name);
+}
+
+static sd_status read_rows(const h5_file *file, const char *path, sd_disk_mean *disks, size_t n_disks,
+                           sd_messages *messages) {
+  member list[MOST_MEMBERS];
+  size_t n = list_members(list);
+  sd_status status = members_read(file, path, list, n, disks, sizeof *disks, n_disks, messages);
+  int32_t *converged = calloc(n_disks + 1, sizeof *converged);
+  char *name = file_path("%s/converged", path);
+  if (status == SD_OK && !(converged && name))
+    status = sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
+  if (status == SD_OK) status = h5_get(file, name, SD_I32, n_disks, converged, messages);
+  for (size_t k = 0; status == SD_OK && k < n_disks; k++) disks[k].converged = converged[k] != 0;
+  free(converged);
+  free(name);
+  return status;
+}
 
 void summary_disks_write(const summary_disks *s, h5_file *file) {
   if (s->n == 0) return;
-  member list[MOST_MEMBERS];
-  size_t n = list_members(list);
-  members_write(file, group, list, n, s->disks, sizeof *s->disks, s->n);
-  int32_t *converged = calloc(s->n, sizeof *converged);
-  for (size_t k = 0; converged && k < s->n; k++) converged[k] = s->disks[k].converged;
-  if (converged) {
-    h5_put(file, converged_path, SD_I32, 1, &s->n, converged, true);
-    h5_attr_text(file, converged_path, "unit", "1");
-    h5_attr_text(file, converged_path, "description", "1: the error is reliable");
-  }
-  free(converged);
+  write_rows(file, group, s->disks, s->n);
+  write_rows(file, fastest_group, (sd_disk_mean *)s->fastest, s->n_fastest);
   h5_attr_i64(file, group, "count", (int64_t)s->n);
   h5_attr_i64(file, group, "looks", s->looks);
   h5_attr_i64(file, group, "bins", s->bins);
@@ -143,14 +181,23 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
     double value = h5_get_attr_f64(file, group, summary_totals[k].name, NAN);
     memcpy((char *)&s->totals + summary_totals[k].offset, &value, sizeof value);
   }
+  /* older files have no such list */
+  if (!h5_exists(file, fastest_group)) {
+    sd_status status = summary_disks_read_all(s, file, messages);
+    if (status == SD_OK) find_fastest(s);
+    return status;
+  }
+  int rank;
+  size_t dims[H5_MAX_RANK] = {0};
+  sd_status status = h5_shape(file, "/summary/fastest/id", &rank, dims, messages);
+  if (status == SD_OK && dims[0] > SUMMARY_FASTEST)
+    status = sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+  s->n_fastest = status == SD_OK ? dims[0] : 0;
+  return status == SD_OK ? read_rows(file, fastest_group, s->fastest, s->n_fastest, messages) : status;
+}
+
+sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages) {
+  if (s->n == 0 || s->disks) return SD_OK;
   sd_status status = allocate(s, messages);
-  member list[MOST_MEMBERS];
-  size_t n = list_members(list);
-  if (status == SD_OK)
-    status = members_read(file, group, list, n, s->disks, sizeof *s->disks, s->n, messages);
-  int32_t *converged = calloc(s->n + 1, sizeof *converged);
-  if (status == SD_OK && converged) status = h5_get(file, converged_path, SD_I32, s->n, converged, messages);
-  for (size_t k = 0; converged && s->disks && k < s->n; k++) s->disks[k].converged = converged[k] != 0;
-  free(converged);
-  return status;
+  return status == SD_OK ? read_rows(file, group, s->disks, s->n, messages) : status;
 }

@@ -5,9 +5,14 @@
 #include "io/h5.h"
 #include "slipdisk/measure.h"
 
+/* The fastest disks are kept apart, so that a report needs to read no more than these. */
+enum { SUMMARY_FASTEST = 10 };
+
 typedef struct summary_disks {
-  size_t n; /* disks; 0: the deck does not ask for their means */
-  sd_disk_mean *disks;
+  size_t n;            /* disks; 0: the deck does not ask for their means */
+  sd_disk_mean *disks; /* NULL: they have not been read, see summary_disks_read_all */
+  size_t n_fastest;
+  sd_disk_mean fastest[SUMMARY_FASTEST]; /* those with the largest |Omega|, which is not 0 */
   sd_disk_totals totals;
   int64_t looks, bins; /* at the contacts; of the angle records */
   double measured;     /* time */
@@ -44,6 +49,9 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
 void summary_disks_free(summary_disks *s);
 /* Writes nothing when there are no disks. */
 void summary_disks_write(const summary_disks *s, h5_file *file);
+/* All but the means of each disk. */
 sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages *messages);
+/* These as well. */
+sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages);
 
 #endif

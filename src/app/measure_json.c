@@ -1,0 +1,81 @@
+/* measure_json.c: the JSON of slipdisk measure, frame by frame: memory does not grow with their number. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/measure.h"
+#include "io/file.h"
+
+sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
+                            sd_messages *messages) {
+  json_t *text = json_string(name);
+  *l = (measure_list){.stored = stored, .name = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL};
+  json_decref(text);
+  if (!l->name) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (screen) l->out[0] = stdout;
+  if (!path) return SD_OK;
+  /* file_commit would refuse it, when all is done */
+  if (file_is_special(path))
+    return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
+  l->path = file_path("%s", path);
+  l->temporary = file_path("%s.tmp", path);
+  if (!l->path || !l->temporary) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  l->out[1] = fopen(l->temporary, "w");
+  if (l->out[1]) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", l->temporary, strerror(errno));
+}
+
+static void put(const measure_list *l, const char *text, size_t length) {
+  for (int k = 0; k < 2; k++)
+    if (l->out[k]) fwrite(text, 1, length, l->out[k]);
+}
+
+static void put_text(const measure_list *l, const char *text) { put(l, text, strlen(text)); }
+
+/* Nothing is written before there is something to tell. */
+static void put_head(const measure_list *l) {
+  char stored[32];
+  snprintf(stored, sizeof stored, "%zu", l->stored);
+  put_text(l, "{\n  \"file\": ");
+  put_text(l, l->name);
+  put_text(l, ",\n  \"stored\": ");
+  put_text(l, stored);
+  put_text(l, ",\n  \"frames\": [");
+}
+
+sd_status measure_list_add(measure_list *l, const measurement *m, sd_messages *messages) {
+  json_t *frame = measure_json(m);
+  char *text = frame ? json_dumps(frame, JSON_INDENT(2)) : NULL;
+  json_decref(frame);
+  if (!text) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (l->n == 0) put_head(l);
+  put_text(l, l->n++ > 0 ? "," : "");
+  for (const char *at = text; *at;) {
+    size_t length = strcspn(at, "\n");
+    put_text(l, "\n    ");
+    put(l, at, length);
+    at += length + (at[length] == '\n');
+  }
+  free(text);
+  return SD_OK;
+}
+
+sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages) {
+  if (status == SD_OK) {
+    if (l->n == 0) put_head(l);
+    put_text(l, l->n > 0 ? "\n  ]\n}\n" : "]\n}\n");
+  }
+  if (l->out[1]) {
+    bool bad = ferror(l->out[1]) != 0;
+    bad = fclose(l->out[1]) != 0 || bad;
+    if (bad && status == SD_OK)
+      status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", l->path, strerror(errno));
+    if (status == SD_OK) status = file_commit(l->temporary, l->path, messages);
+    if (status != SD_OK) file_remove(l->temporary, NULL);
+  }
+  free(l->name);
+  free(l->path);
+  free(l->temporary);
+  *l = (measure_list){0};
+  return status;
+}

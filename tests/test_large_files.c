@@ -1,0 +1,207 @@
+/* test_large_files.c: what goes through chunks comes back, whatever the shape and the pieces; noise is stored
+ * as it is, what repeats is compressed; a file is saved with one copy of it in memory and checked without any. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "io/file.h"
+#include "io/h5.h"
+
+static char folder_name[] = "/tmp/slipdisk-large-XXXXXX";
+static char path[128];
+
+static int make_folder(void **unused) {
+  (void)unused;
+  if (!mkdtemp(folder_name)) return -1;
+  snprintf(path, sizeof path, "%s/file.h5", folder_name);
+  return 0;
+}
+
+static int remove_folder(void **unused) {
+  (void)unused;
+  unlink(path);
+  return rmdir(folder_name);
+}
+
+static void check(sd_status status, sd_messages *messages) {
+  if (status != SD_OK) sd_messages_print(messages, stderr);
+  assert_int_equal(status, SD_OK);
+}
+
+/* Doubles whose lower six bytes are noise, as those of positions are. */
+static double *noise(size_t n) {
+  double *x = malloc(n * sizeof *x);
+  assert_non_null(x);
+  uint64_t r = 88172645463325252u;
+  for (size_t k = 0; k < n; k++) {
+    r ^= r << 13;
+    r ^= r >> 7;
+    r ^= r << 17;
+    x[k] = 100.0 * (double)(r >> 11) / 9007199254740992.0;
+  }
+  return x;
+}
+
+typedef struct shape {
+  int rank;
+  size_t dims[3];
+} shape;
+
+/* A table, a long row with components, frames of few disks, frames of many, one that ends within a chunk. */
+static const shape shapes[] = {
+    {1, {200001, 1, 1}}, {2, {3, 105433, 1}}, {3, {5, 40000, 2}}, {3, {1000, 60, 2}}, {2, {700, 333, 1}}};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+static size_t elements(const shape *s) { return s->dims[0] * s->dims[1] * s->dims[2]; }
+
+/* Whole; in pieces, as a merge puts them; one by one, without the last. */
+static void write_all(h5_file *file, const shape *s, const double *x) {
+  size_t n = s->dims[0], row = elements(s) / n, piece = n / 7 + 1;
+  h5_put(file, "/whole", SD_F64, s->rank, s->dims, x, true);
+  h5_make(file, "/pieces", SD_F64, s->rank, s->dims, true);
+  for (size_t k = 0; k < n; k += piece)
+    h5_put_rows(file, "/pieces", SD_F64, k, n - k < piece ? n - k : piece, x + k * row);
+  h5_make(file, "/single", SD_F64, s->rank, s->dims, true);
+  for (size_t k = 0; k + 1 < n; k++) h5_put_rows(file, "/single", SD_F64, k, 1, x + k * row);
+}
+
+static void test_rows(void **unused) {
+  (void)unused;
+  static const char *const names[] = {"/whole", "/pieces", "/single"};
+  for (int k = 0; k < SHAPES; k++)
+    for (int smooth = 0; smooth < 2; smooth++)
+      for (int memory = 0; memory < 2; memory++) {
+        sd_messages *messages = sd_messages_new();
+        size_t n = elements(&shapes[k]);
+        double *x = noise(n), *back = malloc(n * sizeof *back);
+        for (size_t i = 0; smooth && i < n; i++) x[i] = (double)(i / 50);
+        h5_file *file;
+        check(memory ? h5_new(&file, messages) : h5_create(path, 1 << 20, &file, messages), messages);
+        write_all(file, &shapes[k], x);
+        check(memory ? h5_save(file, path, NULL, messages) : h5_close(file, messages), messages);
+
+        check(memory ? h5_open_sealed(path, &file, messages) : h5_open(path, &file, messages), messages);
+        for (int d = 0; d < 3; d++) {
+          memset(back, 0, n * sizeof *back);
+          check(h5_get(file, names[d], SD_F64, n, back, messages), messages);
+          size_t given = d < 2 ? n : n - n / shapes[k].dims[0];
+          assert_memory_equal(x, back, given * sizeof *back);
+          for (size_t i = given; i < n; i++) assert_true(back[i] == 0.0);
+        }
+        h5_close(file, NULL);
+        double ratio = (double)file_size(path) / (3.0 * (double)n * sizeof *x);
+        if (smooth) /* is compressed */
+          assert_true(ratio < 0.3);
+        else /* is not, and little is lost at the ends of rows: not even a twentieth */
+          assert_true(ratio > 0.85 && ratio < 1.05);
+        free(x);
+        free(back);
+        sd_messages_free(messages);
+      }
+}
+
+/* Frames of few disks that hardly move: each is like the one before, which deflate finds. */
+static void test_slow_frames(void **unused) {
+  (void)unused;
+  sd_messages *messages = sd_messages_new();
+  size_t dims[3] = {2000, 100, 2}, n = 400000;
+  double *x = noise(n);
+  for (size_t k = 200; k < n; k++) x[k] = x[k - 200] * (1.0 + 1e-13);
+  h5_file *file;
+  check(h5_new(&file, messages), messages);
+  h5_put(file, "/x", SD_F64, 3, dims, x, true);
+  check(h5_save(file, path, NULL, messages), messages);
+  assert_true((double)file_size(path) < 0.6 * (double)(n * sizeof *x));
+  free(x);
+  sd_messages_free(messages);
+}
+
+/* --- memory ------------------------------------------------------------------------------------------------- */
+
+enum { LARGE = 16 << 20 }; /* doubles: 128 MiB */
+
+/* Most memory of a process that does this, in MiB. */
+static long peak(void (*work)(void)) {
+  fflush(NULL);
+  pid_t child = fork();
+  assert_true(child >= 0);
+  if (child == 0) {
+    work();
+    _exit(0);
+  }
+  int status;
+  struct rusage used;
+  assert_int_equal(wait4(child, &status, 0, &used), child);
+  assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  return used.ru_maxrss / 1024;
+}
+
+static void nothing(void) {}
+
+static void save_large(void) {
+  h5_file *file;
+  size_t n = LARGE;
+  double *x = noise(n);
+  if (h5_new(&file, NULL) != SD_OK) _exit(1);
+  h5_put(file, "/x", SD_F64, 1, &n, x, false);
+  if (h5_save(file, path, NULL, NULL) != SD_OK) _exit(1);
+  free(x);
+}
+
+static void open_large(void) {
+  h5_file *file;
+  if (h5_open_sealed(path, &file, NULL) != SD_OK) _exit(1);
+  h5_close(file, NULL);
+}
+
+static void test_memory(void **unused) {
+  (void)unused;
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  skip(); /* sanitizers take memory of their own */
+#endif
+  long base = peak(nothing), save = peak(save_large) - base, open = peak(open_large) - base;
+  print_message("  %d MiB: saving takes %ld MiB with the data, checking %ld MiB\n", LARGE >> 17, save, open);
+  assert_true(save < 2 * (LARGE >> 17) + 48);
+  assert_true(open < 32);
+
+  /* the check is one of every byte */
+  FILE *file = fopen(path, "r+b");
+  assert_non_null(file);
+  for (long at = 0; at < (long)file_size(path); at += (100 << 20) + 12345) {
+    fseek(file, at, SEEK_SET);
+    int byte = fgetc(file);
+    fseek(file, at, SEEK_SET);
+    fputc(byte ^ 1, file);
+    fflush(file);
+    h5_file *opened = NULL;
+    assert_int_equal(h5_open_sealed(path, &opened, NULL), SD_ERROR_IO);
+    fseek(file, at, SEEK_SET);
+    fputc(byte, file);
+    fflush(file);
+  }
+  fclose(file);
+  h5_file *opened = NULL;
+  assert_int_equal(h5_open_sealed(path, &opened, NULL), SD_OK);
+  h5_close(opened, NULL);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_rows),
+      cmocka_unit_test(test_slow_frames),
+      cmocka_unit_test(test_memory),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
