@@ -91,8 +91,18 @@ class Ends(Runs):
         log = self.folder / "log"
         self.run_ok("run", self.deck(), "-o", self.result, "--log", log)
         lines = [line for line in log.read_text().splitlines() if "ETA" in line]
-        self.assertTrue(any(line.startswith("after: step") for line in lines))
+        # no percentage of a length that will not be reached, no end while disks wait for their rain
+        self.assertRegex(lines[0], r"fall: step 0 of at most 202000 .* ETA \?  \d+ disks wait")
+        after = [line for line in lines if line.startswith("after: step")]
+        self.assertRegex(after[0], r"step \d+/\d+ .* \d+\.\d % ")
         self.assertIn("100.0 %", lines[-1])
+
+    def test_progress_towards_rest(self):
+        log = self.folder / "log"
+        deck = self.deck(LEAK.replace("steps = 30000;", "phases = ( { steps = 30000; settle = { kinetic = 1e-9; }; } );"))
+        run("run", deck, "-o", self.result, "--log", log)
+        lines = [line for line in log.read_text().splitlines() if "ETA" in line]
+        self.assertRegex(lines[0], r"step 0 of at most 30000 .*  kinetic \S+ of 1e-09")
 
 
 class Lost(Runs):

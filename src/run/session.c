@@ -17,7 +17,8 @@
 #include "run/session_private.h"
 #include "run/simulation_private.h"
 
-static const double PROGRESS_SECONDS = 0.2;
+/* Between reports: so long, or so many times what the last one took, since it looks at all disks; but no longer than this. */
+static const double PROGRESS_SECONDS = 0.2, PROGRESS_COST = 50, PROGRESS_LATEST = 2;
 
 double session_clock(void) {
   struct timespec t;
@@ -185,7 +186,7 @@ void session_report(session *s, bool always) {
   sd_stage stage = sd_simulation_stage(s->simulation);
   bool finished = is_over(s->model, stage);
   bool new_phase = !finished && stage.phase != s->told_phase;
-  if (!always && !new_phase && passed < PROGRESS_SECONDS) return;
+  if (!always && !new_phase && passed < fmax(PROGRESS_SECONDS, s->tell_every)) return;
 
   /* an average over the last few seconds */
   if (passed > 0 && s->step > s->told_step) {
@@ -215,6 +216,7 @@ void session_report(session *s, bool always) {
       .rest = settle && settle->asked ? &rest : NULL};
   s->options.progress(s->options.user, &progress);
   s->told_at = now;
+  s->tell_every = fmin(PROGRESS_COST * (session_clock() - now), PROGRESS_LATEST);
   s->told_step = s->step;
   if (!finished) s->told_phase = stage.phase;
 }

@@ -23,6 +23,7 @@ struct session {
   int64_t began, step, steps, saved_step; /* saved_step -1: no checkpoint yet */
   double saved_at, wall_mark;
   double told_at, rate; /* progress */
+  double tell_every;    /* s, see session_report */
   int64_t told_step, told_phase;
 };
 
