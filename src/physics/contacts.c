@@ -79,14 +79,14 @@ static event *left_next_piece(engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const sd_segment *pieces = e->model->segments;
   int64_t here = p->part[k];
-  for (int t = 0; t < e->work.n_threads; t++)
-    for (size_t n = 0; n < e->work.threads[t].events.count; n++) {
-      event *v = &e->work.threads[t].events.item[n];
-      bool opened = v->index >= p->n_round && was_closed(v) && !pairs_closed(p, v->index);
-      if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
-      int64_t there = p->part[v->index];
-      if (pieces[there].next == here || pieces[here].next == there) return v;
-    }
+  const event_list *events = &e->work.threads[0].events;
+  for (size_t n = 0; n < events->count; n++) {
+    event *v = &events->item[n];
+    bool opened = v->index >= p->n_round && was_closed(v) && !pairs_closed(p, v->index);
+    if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
+    int64_t there = p->part[v->index];
+    if (pieces[there].next == here || pieces[here].next == there) return v;
+  }
   return NULL;
 }
 
@@ -207,29 +207,50 @@ static void bring_back(engine *e, uint32_t i) {
   }
 }
 
+static int by_index(const void *one, const void *two) {
+  const event *p = one, *q = two;
+  return p->index < q->index ? -1 : p->index > q->index;
+}
+
+/* All into the first list, in the order of pairs or slots, whoever noted them when. */
+static sd_status merge(event_list *first, const event_list *more) {
+  for (size_t n = 0; n < more->count; n++) {
+    event *v = event_add(first, 0, 0.0);
+    if (!v) return SD_ERROR_IO;
+    *v = more->item[n];
+  }
+  return first->failed || more->failed ? SD_ERROR_IO : SD_OK;
+}
+
+static sd_status collect(work *w) {
+  thread_work *first = &w->threads[0];
+  sd_status status = first->events.failed || first->returns.failed ? SD_ERROR_IO : SD_OK;
+  for (int t = 1; t < w->n_threads && status == SD_OK; t++) {
+    status = merge(&first->events, &w->threads[t].events);
+    if (status == SD_OK) status = merge(&first->returns, &w->threads[t].returns);
+    w->threads[t].events.count = w->threads[t].returns.count = 0;
+  }
+  if (first->events.count > 1) qsort(first->events.item, first->events.count, sizeof(event), by_index);
+  if (first->returns.count > 1) qsort(first->returns.item, first->returns.count, sizeof(event), by_index);
+  return status;
+}
+
 sd_status contacts_events(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   work *w = &e->work;
-  for (int t = 0; t < w->n_threads; t++) {
-    event_list *list = &w->threads[t].events;
-    if (list->failed || w->threads[t].returns.failed)
-      return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
-    for (size_t n = 0; n < list->count; n++)
-      if (list->item[n].index >= w->pairs.n_round && begun(&w->pairs, &list->item[n]) &&
-          hand_over(e, list->item[n].index))
-        list->item[n].missed = 0.0;
+  if (collect(w) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+  event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
+  for (size_t n = 0; n < events->count; n++)
+    if (events->item[n].index >= w->pairs.n_round && begun(&w->pairs, &events->item[n]) &&
+        hand_over(e, events->item[n].index))
+      events->item[n].missed = 0.0;
+  for (size_t n = 0; n < events->count; n++) {
+    event v = events->item[n];
+    sd_status s = pair_event(e, &v, messages);
+    if (status == SD_OK) status = s;
   }
-  for (int t = 0; t < w->n_threads; t++)
-    for (size_t n = 0; n < w->threads[t].events.count; n++) {
-      event v = w->threads[t].events.item[n];
-      sd_status s = pair_event(e, &v, messages);
-      if (status == SD_OK) status = s;
-    }
-  for (int t = 0; t < w->n_threads; t++) {
-    event_list *returns = &w->threads[t].returns;
-    for (size_t n = 0; n < returns->count; n++) bring_back(e, returns->item[n].index);
-    returns->count = w->threads[t].events.count = 0;
-  }
+  for (size_t n = 0; n < returns->count; n++) bring_back(e, returns->item[n].index);
+  returns->count = events->count = 0;
   return status;
 }
 

@@ -12,6 +12,7 @@
 #include "physics/lanes.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
+#include "physics/pairs.h"
 #include "physics/walls.h"
 
 /* --- state of step 0 --------------------------------------------------------------------------------- */
@@ -130,10 +131,23 @@ static void fill_laws(const sd_model *m, work *w) {
   }
 }
 
-void engine_fill_constants(const engine *e) {
+/* What need not be read disk by disk. */
+static void note_sameness(engine *e) {
+  work *w = &e->work;
+  const size_t n = e->state->n_free;
+  bool same = n == 0 || memcmp(w->inverse_mass_x, w->inverse_mass_y, n * sizeof(double)) == 0;
+  w->columns[SD_Y].inverse = same ? w->inverse_mass_x : w->inverse_mass_y;
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    w->nothing_constant[c] = true;
+    for (size_t i = 0; i < n && w->nothing_constant[c]; i++)
+      w->nothing_constant[c] = w->columns[c].constant[i] == 0.0;
+  }
+}
+
+void engine_fill_constants(engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
-  const work *w = &e->work;
+  work *w = &e->work;
   for (size_t i = 0; i < s->n_free; i++) {
     const sd_disk *d = &m->disks[s->id[i]];
     if (!engine_in_play(s, i)) {
@@ -155,6 +169,7 @@ void engine_fill_constants(const engine *e) {
       int c = m->motions[k].coordinate;
       (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
     }
+  note_sameness(e);
 }
 
 static void fill_columns(const sd_state *s, work *w) {
@@ -330,6 +345,7 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   size_t loaded = 0;
   for (size_t k = 0; k < w->pairs.count; k++) loaded += closed(&w->pairs, k);
   w->kernels->seat(e, 0, s->n_bodies);
+  pairs_clear_sums(e);
   w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++)

@@ -14,7 +14,7 @@ void engine_free(engine *e);
 
 /* Inverse masses and constant forces in work: 0 where a coordinate is locked or named by a motion, since what
  * it feels changes nothing, and of disks that are not in play. */
-void engine_fill_constants(const engine *e);
+void engine_fill_constants(engine *e);
 
 /* Does the free disk in this slot take part, wherever it is? */
 static inline bool engine_in_play(const sd_state *s, size_t slot) {

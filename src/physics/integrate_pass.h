@@ -70,6 +70,7 @@ typedef struct view {
   double *seats, *sums;
   double dt, per_dt, half_dt2, moved_limit2, lower[2], upper[2];
   bool periodic[2];
+  bool show; /* forces to the state */
 } view;
 
 static inline view view_of(const engine *e) {
@@ -82,8 +83,12 @@ static inline view view_of(const engine *e) {
             .dt = w->dt,
             .per_dt = w->per_dt,
             .half_dt2 = w->half_dt2,
-            .moved_limit2 = w->moved_limit2};
-  for (int c = 0; c < SD_COORDINATES; c++) v.k[c] = w->columns[c];
+            .moved_limit2 = w->moved_limit2,
+            .show = w->whole || e->state->step + 1 >= w->show_from};
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    v.k[c] = w->columns[c];
+    if (w->nothing_constant[c]) v.k[c].constant = NULL;
+  }
   for (int c = 0; c < 2; c++) {
     v.lower[c] = w->lower[c];
     v.upper[c] = w->upper[c];
@@ -120,9 +125,20 @@ LANE_INLINE void LANE(seat_at)(const view *v, size_t i) {
    LANE(load)(y->v + i));
 }
 
-/* Trial coordinates, and where the pairs see them. True: some disk is beyond the limit since the lists were built; a
- * coordinate that is not a number is, too. */
-LANE_INLINE int LANE(predict_at)(const view *v, size_t i, const int gear) {
+/* Beyond the limit since the lists were built; a coordinate that is not a number is, too. */
+LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real) y) {
+  LANE(real) dx = x - LANE(load)(v->x0 + i), dy = y - LANE(load)(v->y0 + i);
+  return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(v->moved_limit2))));
+}
+
+/* No contact has done anything to disks i ... yet. That the rows are written brings them into the cache. */
+LANE_INLINE void LANE(lay_nothing)(const view *v, size_t i) {
+  const LANE(real) zero = LANE(splat)(0.0);
+  for (size_t k = 0; k < SUM_ROW; k++) LANE(store)(v->sums + SUM_ROW * i + LANE_WIDTH * k, zero);
+}
+
+/* Trial coordinates, and where the pairs see them. */
+LANE_INLINE void LANE(predict_at)(const view *v, size_t i, const int gear) {
   LANE(nordsieck) c[SD_COORDINATES];
   LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
   for (int n = 0; n < SD_COORDINATES; n++) {
@@ -138,8 +154,7 @@ LANE_INLINE int LANE(predict_at)(const view *v, size_t i, const int gear) {
     LANE(store)(k->v + i, c[n].v);
   }
   LANE(lay_seat)(v, i, c[SD_X].q, c[SD_Y].q, c[SD_THETA].q, c[SD_X].v, c[SD_Y].v);
-  LANE(real) dx = c[SD_X].q - LANE(load)(v->x0 + i), dy = c[SD_Y].q - LANE(load)(v->y0 + i);
-  return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(v->moved_limit2))));
+  LANE(lay_nothing)(v, i);
 }
 
 LANE_INLINE LANE(mask) LANE(beyond)(const view *v, int c, LANE(real) q) {
@@ -153,29 +168,38 @@ LANE_INLINE int LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LA
   return LANE(any)(out);
 }
 
-/* What contacts do to the bodies: to the state and to sum; zeros are left for the next step. */
+/* What contacts do to the bodies: to sum, and where it is wanted to the state. */
 LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORDINATES]) {
-  const LANE(real)
-      nothing[SUM_ROW] = {LANE(splat)(0.0), LANE(splat)(0.0), LANE(splat)(0.0), LANE(splat)(0.0)};
   LANE(real) row[SUM_ROW];
   LANE(lift4)(v->sums + SUM_ROW * i, SUM_ROW, row);
-  LANE(lay4)(v->sums + SUM_ROW * i, SUM_ROW, nothing);
   sum[SD_X] = row[SUM_X];
   sum[SD_Y] = row[SUM_Y];
   sum[SD_THETA] = row[SUM_TURN] * LANE(load)(v->radius + i);
-  for (int n = 0; n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
+  for (int n = 0; v->show && n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
 }
 
-/* Corrected coordinates, from the sums. True: some must return into their range. */
-LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear) {
-  LANE(real) sum[SD_COORDINATES], q[SD_COORDINATES], speed[SD_COORDINATES];
-  LANE(real) per_dt = LANE(splat)(v->per_dt);
+/* Are disks beyond the limit, or after the next step? */
+LANE_INLINE int LANE(stale_at)(const view *v, size_t i, const int ahead) {
+  const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
+  LANE(real) qx = LANE(load)(x->q + i), qy = LANE(load)(y->q + i), dt = LANE(splat)(v->dt);
+  if (ahead) {
+    qx = qx + (LANE(load)(x->v + i) * dt + LANE(load)(x->q2 + i));
+    qy = qy + (LANE(load)(y->v + i) * dt + LANE(load)(y->q2 + i));
+  }
+  return LANE(is_stale)(v, i, qx, qy);
+}
+
+/* Corrected coordinates, from the sums. True: some must return into their range. stale: some will be, after the next
+ * step. */
+LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, int *stale) {
+  LANE(real) sum[SD_COORDINATES], q[SD_COORDINATES], speed[SD_COORDINATES], next[SD_COORDINATES];
+  LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
   LANE(take_sum)(v, i, sum);
   for (int n = 0; n < SD_COORDINATES; n++) {
     const columns *k = &v->k[n];
+    LANE(real) constant = k->constant ? LANE(load)(k->constant + i) : LANE(splat)(0.0);
     LANE(real)
-    a = LANE(accelerate)(sum[n], LANE(load)(k->constant + i), LANE(load)(k->inverse + i),
-                         LANE(splat)(v->half_dt2));
+    a = LANE(accelerate)(sum[n], constant, LANE(load)(k->inverse + i), LANE(splat)(v->half_dt2));
     LANE(nordsieck) c = {.q = LANE(load)(k->q + i), .v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
     if (gear) {
       c.q3 = LANE(load)(k->q3 + i);
@@ -193,7 +217,9 @@ LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear) {
     LANE(store)(k->q2 + i, c.q2);
     q[n] = c.q;
     speed[n] = c.v;
+    next[n] = c.q + (c.v * dt + c.q2);
   }
+  *stale |= LANE(is_stale)(v, i, next[SD_X], next[SD_Y]);
   /* the commit looks again */
   if (gear) LANE(lay_seat)(v, i, q[SD_X], q[SD_Y], q[SD_THETA], speed[SD_X], speed[SD_Y]);
   return LANE(out_of_range)(v, q[SD_X], q[SD_Y], q[SD_THETA]);

@@ -26,40 +26,46 @@ static void seat(engine *e, size_t begin, size_t end) {
   FOR_LANES(LANE(seat_at)(&v, i), seat_at_w1(&v, i));
 }
 
-LANE_INLINE void predict(const engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
+static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
   const view v = view_of(e);
-  int stale = 0;
-  FOR_LANES(stale |= LANE(predict_at)(&v, i, gear), stale |= predict_at_w1(&v, i, gear));
-  mine->stale = stale != 0;
+  int any = 0;
+  if (ahead)
+    FOR_LANES(any |= LANE(stale_at)(&v, i, 1), any |= stale_at_w1(&v, i, 1));
+  else
+    FOR_LANES(any |= LANE(stale_at)(&v, i, 0), any |= stale_at_w1(&v, i, 0));
+  return any != 0;
+}
+
+LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int gear) {
+  const view v = view_of(e);
+  FOR_LANES(LANE(predict_at)(&v, i, gear), predict_at_w1(&v, i, gear));
 }
 
 /* Notes disks whose angle or position must return into its range. */
 LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
   const view v = view_of(e);
   sums_add_listed(&e->work.sums, begin, end);
-  int out = 0;
-  FOR_LANES(out |= LANE(correct_at)(&v, i, gear), out |= correct_at_w1(&v, i, gear));
+  int out = 0, stale = 0;
+  FOR_LANES(out |= LANE(correct_at)(&v, i, gear, &stale), out |= correct_at_w1(&v, i, gear, &stale));
+  if (stale) mine->stale = true;
   for (size_t i = begin; out && i < end; i++)
     if (out_of_range_w1(&v, v.k[SD_X].q[i], v.k[SD_Y].q[i], v.k[SD_THETA].q[i]))
       event_add(&mine->returns, (uint32_t)i, 0.0);
 }
 
-static void gear_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  predict(e, mine, begin, end, 1);
-}
+static void gear_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 1); }
 static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
   correct(e, mine, begin, end, 1);
 }
-static void verlet_predict(engine *e, thread_work *mine, size_t begin, size_t end) {
-  predict(e, mine, begin, end, 0);
-}
+static void verlet_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 0); }
 static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
   correct(e, mine, begin, end, 0);
 }
 
 /* Of any bodies; prescribed ones are few. */
 static void gather(engine *e, size_t begin, size_t end) {
-  const view v = view_of(e);
+  view v = view_of(e);
+  v.show = true;
   sums_add_listed(&e->work.sums, begin, end);
   for (size_t i = begin; i < end; i++) {
     double sum[SD_COORDINATES], turn = v.sums[SUM_ROW * i + SUM_TURN];
@@ -95,6 +101,7 @@ const kernels KERNEL(kernels) = {
     .lanes = KERNEL(kernel_lanes),
     .gather = gather,
     .seat = seat,
+    .stale = stale,
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
     .normals = KERNEL(kernel_normals),

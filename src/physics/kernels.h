@@ -66,15 +66,17 @@ typedef struct lanes_place lanes_place;
 
 typedef struct kernels {
   const char *name;
-  /* Pairs [begin, end) in one pass, with the bodies where their seats are; begin is a multiple of 8. */
+  /* Pairs [begin, end) in one pass, with the bodies where their seats are; what round ones do to bodies is added to the
+   * sums. Round pairs go in whole blocks. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
-  /* Sums the contacts of each body [begin, end) into force_x, force_y, torque, in order of the partners'
-   * keys. The torque of a straight wall is about its pivot. */
+  /* Bodies [begin, end): the sums to force_x, force_y, torque. That of a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
   /* Seats of the bodies [begin, end) from their poses. */
   void (*seat)(engine *e, size_t begin, size_t end);
-  /* Free disks [begin, end), by sd_integrator; correct gathers first. */
-  void (*predict[2])(engine *e, thread_work *mine, size_t begin, size_t end);
+  /* Has a free disk of [begin, end) moved too far since the lists were built; ahead: will it have, after a step? */
+  bool (*stale)(const engine *e, size_t begin, size_t end, bool ahead);
+  /* Free disks [begin, end), by sd_integrator; predict lays their seats, correct gathers first, and lays seats with Gear. */
+  void (*predict[2])(engine *e, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   /* n steps of small systems side by side (lanes.h), lane_width of them or one. */
   size_t lane_width;

@@ -18,8 +18,8 @@ struct motions {
   const signal_values **terms;
   size_t *term_motions; /* of each term */
   feedbacks feedbacks;
-  bool moves_walls;
-  bool quiet; /* nothing in this batch can make the lists stale or leave its range */
+  bool moves_walls, drives_free; /* free: coordinates of free disks */
+  bool quiet;                    /* nothing in this batch can make the lists stale or leave its range */
 };
 
 bool motion_in_range(const engine *e, int coordinate, double at) {
@@ -124,7 +124,7 @@ static sd_status list_places(engine *e) {
   size_t n = 3 * e->state->n_bodies, terms = 0;
   size_t *count = calloc(n + 1, sizeof *count), *at = calloc(n + 1, sizeof *at);
   q->n_placed = 0;
-  q->moves_walls = false;
+  q->moves_walls = q->drives_free = false;
   for (int pass = 0; count && at && pass < 2; pass++) {
     for (size_t k = 0; k < m->n_motions; k++) {
       if (e->state->motion_start[k] < 0) continue;
@@ -132,6 +132,7 @@ static sd_status list_places(engine *e) {
         uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
         size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
         if (slot >= e->state->n_disks) q->moves_walls = true;
+        if (slot < e->state->n_free) q->drives_free = true;
         if (feedback_drives(&m->motions[k])) continue;
         if (pass == 0) {
           count[c]++;
@@ -246,6 +247,10 @@ void motion_store(engine *e) {
 }
 
 bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
+
+bool motion_drives_free(const engine *e) { return e->work.motions->drives_free; }
+
+bool motion_corrects(const engine *e) { return e->work.motions->feedbacks.count > 0; }
 
 int64_t motion_index(const engine *e) { return e->state->step + 1 - e->work.motions->first; }
 

@@ -56,5 +56,9 @@ void motion_came_back(engine *e, uint32_t slot);
 void motion_store(engine *e);
 /* True when some wall has a running motion. */
 bool motion_moves_walls(const engine *e);
+/* Does a motion that runs prescribe a coordinate of a free disk? */
+bool motion_drives_free(const engine *e);
+/* Does motion_work change prescribed bodies? */
+bool motion_corrects(const engine *e);
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "physics/chunks.h"
 
 /* --- room -------------------------------------------------------------------------------------------- */
 
@@ -119,23 +120,6 @@ sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   return SD_OK;
 }
 
-/* --- shares of threads ------------------------------------------------------------------------------- */
-
-/* Whole blocks; a piece of a straight wall, which goes by itself, costs as much as this many round pairs. */
-enum { PIECE_COST = 5 };
-
-static void share_pairs(work *w) {
-  const pairs *p = &w->pairs;
-  const size_t n = (size_t)w->n_threads, pieces = p->count - p->first_piece;
-  const size_t cost = p->first_piece + PIECE_COST * pieces;
-  for (size_t t = 0; t <= n; t++) {
-    size_t from = cost * t / n, at = from;
-    if (from > p->first_piece) at = p->first_piece + (from - p->first_piece) / PIECE_COST;
-    at = (at + PAIR_BLOCK / 2) / PAIR_BLOCK * PAIR_BLOCK;
-    w->pair_share[t] = t == n || at > p->count ? p->count : at;
-  }
-}
-
 /* --- contacts of each body --------------------------------------------------------------------------- */
 
 static sd_status list_incidence(engine *e) {
@@ -166,7 +150,7 @@ static sd_status list_incidence(engine *e) {
 
 /* --- sums -------------------------------------------------------------------------------------------- */
 
-/* Are the contacts of this body wanted one by one, or in the shares of several threads? */
+/* Are the contacts of this body wanted one by one, or in the share of another thread? */
 static bool is_listed(const engine *e, size_t slot) {
   const work *w = &e->work;
   const incidence *n = &w->incidence;
@@ -174,11 +158,9 @@ static bool is_listed(const engine *e, size_t slot) {
   if (w->columns[SD_X].inverse[slot] == 0.0 || w->columns[SD_Y].inverse[slot] == 0.0 ||
       w->columns[SD_THETA].inverse[slot] == 0.0)
     return true;
-  size_t from = n->start[slot], to = n->start[slot + 1];
-  if (from == to) return false;
-  size_t first = n->entry[from] / 2, last = n->entry[to - 1] / 2;
-  for (int t = 1; t < w->n_threads; t++)
-    if (first < w->pair_share[t] && last >= w->pair_share[t]) return true;
+  const int mine = w->n_threads > 1 ? chunks_thread_of_disk(e, slot) : 0;
+  for (size_t at = n->start[slot]; w->n_threads > 1 && at < n->start[slot + 1]; at++)
+    if (chunks_thread_of_pair(e, n->entry[at] / 2) != mine) return true;
   return false;
 }
 
@@ -217,6 +199,7 @@ static sd_status list_sums(engine *e) {
     if (!is_listed(e, slot)) continue;
     m->listed[m->n_listed] = (uint32_t)slot;
     m->single[m->n_listed++] = m->end;
+    if (slot < e->state->n_free) chunks_put_off(&w->chunks, slot);
     for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++, m->end++) {
       size_t k = n->entry[at] / 2;
       *(n->entry[at] & 1 ? &PAIR(&w->pairs, k, sum_b) : &PAIR(&w->pairs, k, sum_a)) =
@@ -224,13 +207,21 @@ static sd_status list_sums(engine *e) {
     }
   }
   m->single[m->n_listed] = m->end;
-  pairs_clear_sums(e);
+  chunks_plan_commits(&w->chunks);
+  pairs_clear_single(e); /* the rows of another list stood here */
   return SD_OK;
+}
+
+void pairs_clear_single(engine *e) {
+  const size_t from = e->state->n_free, to = e->state->n_bodies;
+  sums *m = &e->work.sums;
+  memset(m->row + SUM_ROW * from, 0, (to - from) * SUM_ROW * sizeof *m->row);
+  memset(m->row + SUM_ROW * m->first_single, 0, (m->end - m->first_single) * SUM_ROW * sizeof *m->row);
 }
 
 void pairs_clear_sums(engine *e) {
   sums *m = &e->work.sums;
-  memset(m->row + SUM_ROW * m->first_single, 0, (m->end - m->first_single) * SUM_ROW * sizeof *m->row);
+  memset(m->row, 0, m->end * SUM_ROW * sizeof *m->row);
 }
 
 void sums_add_listed(sums *m, size_t begin, size_t end) {
@@ -244,19 +235,21 @@ void sums_add_listed(sums *m, size_t begin, size_t end) {
   }
   for (size_t n = low; n < m->n_listed && m->listed[n] < end; n++) {
     double *sum = m->row + SUM_ROW * m->listed[n];
+    for (size_t c = 0; c < SUM_ROW; c++) sum[c] = 0.0;
     for (size_t at = m->single[n]; at < m->single[n + 1]; at++)
       for (size_t c = 0; c < SUM_ROW; c++) sum[c] += m->row[SUM_ROW * at + c];
   }
 }
 
 sd_status pairs_list(engine *e) {
-  share_pairs(&e->work);
-  sd_status status = list_incidence(e);
+  sd_status status = chunks_plan(e);
+  if (status == SD_OK) status = list_incidence(e);
   return status == SD_OK ? list_sums(e) : status;
 }
 
 void pairs_list_free(engine *e) {
   work *w = &e->work;
+  chunks_free(&w->chunks);
   free(w->incidence.start);
   free(w->incidence.entry);
   room_free(w->sums.row);

@@ -18,9 +18,10 @@ sd_status pairs_finish(const engine *e, pairs *from, pairs *to);
 /* Incidence, sums and shares of the present pairs. */
 sd_status pairs_list(engine *e);
 void pairs_list_free(engine *e);
-/* Before forces are added: nothing acts on the bodies that are listed. Of the others gather took it away. */
+/* Before forces are added: nothing acts on any body. */
 void pairs_clear_sums(engine *e);
-
+/* The same but for the rows of free disks, which predict clears. */
+void pairs_clear_single(engine *e);
 /* Of the listed bodies in slots [begin, end): adds up what stands one by one, in the order of the pairs. */
 void sums_add_listed(sums *m, size_t begin, size_t end);
 

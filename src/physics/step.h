@@ -7,7 +7,8 @@
 /* Advances by one step; every member of the team calls it, and waits once more before it reads the state
  * or work.status, or takes the next step. */
 void step_once(engine *e, const team *t);
-/* Before steps, on one thread, after whatever was done to prescribed bodies between steps. */
-void step_begin(engine *e);
+/* Before n steps, on one thread, after whatever was done to bodies between steps. The forces on free disks are in the state
+ * after the last of them, and where velocities are steered after each. */
+void step_begin(engine *e, int64_t n);
 
 #endif

@@ -24,15 +24,17 @@ typedef struct law_row {
  * others are written by the function named. */
 enum { PAIR_BLOCK = 8 };
 typedef struct pair_block {
-  _Alignas(64) double star[PAIR_BLOCK], ex[PAIR_BLOCK], ey[PAIR_BLOCK];                   /* M */
+  _Alignas(64) int32_t seat_a[PAIR_BLOCK],
+      seat_b[PAIR_BLOCK];                       /* where the bodies' seats begin; neighbours_build */
+  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK]; /* where what it does to them is added; neighbours_build */
+  double ex[PAIR_BLOCK], ey[PAIR_BLOCK], star[PAIR_BLOCK];                                /* M */
   double overlap[PAIR_BLOCK], force[PAIR_BLOCK], stretch[PAIR_BLOCK], turned[PAIR_BLOCK]; /* M */
   double slip[PAIR_BLOCK]; /* M: the sign; what the last commit's cap took off */
   double viscous[PAIR_BLOCK], friction[PAIR_BLOCK],
-      gain[PAIR_BLOCK];                           /* M: lost since the contact began; 0 when open */
-  double acted[PAIR_BLOCK];                       /* force of the trial coordinates; force pass by itself */
-  int32_t seat_a[PAIR_BLOCK], seat_b[PAIR_BLOCK]; /* where the bodies' seats begin; neighbours_build */
-  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK];   /* where what it does to them is added; neighbours_build */
-  int32_t law[PAIR_BLOCK];                        /* row of the law table; neighbours_build */
+      gain[PAIR_BLOCK]; /* M: lost since it began; 0 when open */
+  /* not wanted by every pass */
+  double acted[PAIR_BLOCK]; /* force of the trial coordinates; force pass by itself */
+  int32_t law[PAIR_BLOCK];  /* row of the law table; neighbours_build */
 } pair_block;
 
 /* Column of pair k. */
@@ -69,6 +71,24 @@ typedef struct sums {
   size_t *single; /* [n_listed + 1] first row of each */
   size_t capacity, listed_capacity;
 } sums;
+
+enum { WORK_MAX_THREADS = 64 };
+
+/* Chunks of free disks; chunks.h. Lists of chunks by chunk: those of k stand at [start[k], start[k + 1]). */
+typedef struct chunks {
+  size_t size, count, capacity; /* disks in each */
+  int n_threads;
+  size_t *pair, *piece; /* [count + 1] where its round pairs and its pieces begin */
+  size_t *need_start, need_capacity;
+  uint32_t *need;                     /* chunks that its pairs see */
+  size_t share[WORK_MAX_THREADS + 1]; /* of each thread: the first chunk */
+  bool *early, *late;                 /* wanted by another thread's pairs; pushed by another thread's pairs */
+  bool any_early;
+  int64_t *predicted; /* the step whose trial coordinates its disks have; step */
+  size_t *last;       /* after whose correction it can be committed; count: when all are through */
+  size_t *commit_start;
+  uint32_t *commit; /* chunks that can be committed after each */
+} chunks;
 
 /* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
  * motion_place write it with the pose; engine_seat does after changes between steps. */
@@ -107,13 +127,12 @@ typedef struct columns {
   const double *constant, *inverse;
 } columns;
 
-enum { WORK_MAX_THREADS = 64 };
-
 /* Per thread, cache lines of its own. */
 typedef struct thread_work {
-  _Alignas(64) bool stale; /* a body moved too far since the lists were built, or nowhere; predict kernels */
-  event_list events;       /* pairs kernels, commit pass */
-  event_list returns;      /* disks whose theta or position must return into range; correct kernels */
+  _Alignas(
+      64) bool stale; /* a body will have moved too far since the lists were built, or nowhere; correct kernels */
+  event_list events;  /* pairs kernels, commit pass */
+  event_list returns; /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
 
 typedef struct motions motions; /* motion.h */
@@ -128,8 +147,13 @@ typedef struct work {
   double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
   law_row *laws;
   bool one_law;
+  bool stale;        /* the lists, for the coming step; step_once */
+  bool commit_last;  /* with Gear: when prescribed bodies, too, are where they end; step_begin */
+  int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
+  bool whole;        /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
+  bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
   columns columns[SD_COORDINATES];
   void *room;     /* columns of these, seats, and poses when the lists were built */
   uint32_t *slot; /* [n_bodies] slot of a body number */
@@ -140,16 +164,16 @@ typedef struct work {
   pairs pairs, spare; /* spare: room for the next build */
   incidence incidence;
   sums sums;
-  size_t pair_share[WORK_MAX_THREADS + 1]; /* of each thread, whole blocks */
-  double *seats;                           /* [n_bodies + 1][SEAT_ROW], the last for pairs of nobody */
-  double least_limit;                      /* of the overlap, of the smallest body */
-  double skin, moved_limit2;               /* squared displacement that makes the lists stale */
-  double list_scale;                       /* state->box_scale when the lists were built */
-  double *x0, *y0, *theta0; /* [n_bodies] poses when the lists were built, in today's lengths */
-  double *reach;            /* [n_walls] largest distance from the pivot that matters when the wall turns */
-  int64_t builds;           /* how often */
-  placed_segment *segments; /* walls_place */
-  int64_t *watched;         /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
+  chunks chunks;
+  double *seats;             /* [n_bodies + 1][SEAT_ROW], the last for pairs of nobody */
+  double least_limit;        /* of the overlap, of the smallest body */
+  double skin, moved_limit2; /* squared displacement that makes the lists stale */
+  double list_scale;         /* state->box_scale when the lists were built */
+  double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
+  double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
+  int64_t builds;            /* how often */
+  placed_segment *segments;  /* walls_place */
+  int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
   motions *motions;
   lanes *lanes;         /* of this system alone; NULL: the general step only */

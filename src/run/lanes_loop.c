@@ -23,7 +23,7 @@ static void general_step(lanes *l, bool measure) {
     if (e->work.status != SD_OK) continue;
     if (l->motion && motion_resume(e) != SD_OK)
       e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the motions");
-    step_begin(e);
+    step_begin(e, 1);
     if (e->work.status == SD_OK) step_once(e, &alone);
     if (e->work.status == SD_OK && measure) watch_step(e);
     if (l->motion) motion_store(e);

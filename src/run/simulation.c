@@ -136,7 +136,7 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure, re
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = e->work.n_threads;
   relax_sums team_sums;
-  step_begin(e);
+  step_begin(e, n);
   if (threads == 1) {
     unsigned mode = subnormal_off();
     if (e->work.lanes)

@@ -1,0 +1,178 @@
+/* chunks.c: see chunks.h. */
+#include "physics/chunks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Disks per chunk: few enough for the cache, and enough chunks for every thread. Multiples of 8. */
+enum { CHUNK_MOST = 2048, CHUNK_LEAST = 64, CHUNKS_PER_THREAD = 8 };
+
+/* A piece of a straight wall, which goes by itself, costs as much as this many round pairs; a disk without any, too. */
+enum { PIECE_COST = 5, DISK_COST = 1 };
+
+static size_t chunk_size(size_t n_free, size_t threads) {
+  size_t size = n_free / (threads > 1 ? threads * CHUNKS_PER_THREAD : 1);
+  if (size > CHUNK_MOST) size = CHUNK_MOST;
+  if (size < CHUNK_LEAST) size = CHUNK_LEAST;
+  return size / 8 * 8;
+}
+
+void chunks_free(chunks *c) {
+  free(c->pair);
+  free(c->piece);
+  free(c->need_start);
+  free(c->need);
+  free(c->predicted);
+  free(c->early);
+  free(c->late);
+  free(c->last);
+  free(c->commit_start);
+  free(c->commit);
+  *c = (chunks){0};
+}
+
+static sd_status reserve(chunks *c, size_t count) {
+  if (count <= c->capacity) return SD_OK;
+  chunks_free(c);
+  c->pair = malloc((count + 1) * sizeof *c->pair);
+  c->piece = malloc((count + 1) * sizeof *c->piece);
+  c->need_start = malloc((count + 1) * sizeof *c->need_start);
+  c->predicted = malloc(count * sizeof *c->predicted);
+  c->early = malloc(count);
+  c->late = malloc(count);
+  c->last = malloc(count * sizeof *c->last);
+  c->commit_start = malloc((count + 2) * sizeof *c->commit_start);
+  c->commit = malloc(count * sizeof *c->commit);
+  c->capacity = count;
+  return c->pair && c->piece && c->need_start && c->predicted && c->early && c->late && c->last &&
+                 c->commit_start && c->commit
+             ? SD_OK
+             : SD_ERROR_IO;
+}
+
+/* Where the pairs of each chunk begin; round ones to whole blocks. */
+static void find_pairs(chunks *c, const pairs *p) {
+  size_t k = 0, piece = p->first_piece;
+  for (size_t n = 0; n <= c->count; n++) {
+    int32_t first = (int32_t)(n * c->size);
+    while (k < p->n_round && (n == c->count || p->a[k] < first)) k++;
+    while (piece < p->count && (n == c->count || p->a[piece] < first)) piece++;
+    size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
+    c->pair[n] = whole < p->first_piece ? whole : p->first_piece;
+    c->piece[n] = piece;
+  }
+}
+
+static sd_status add_need(chunks *c, size_t *n, uint32_t chunk) {
+  if (*n == c->need_capacity) {
+    size_t capacity = 2 * *n + 4 * c->count + 16;
+    uint32_t *more = realloc(c->need, capacity * sizeof *more);
+    if (!more) return SD_ERROR_IO;
+    c->need = more;
+    c->need_capacity = capacity;
+  }
+  c->need[(*n)++] = chunk;
+  return SD_OK;
+}
+
+/* Which chunks the pairs of each one see; itself always. `last` marks here for whom a chunk was found last. */
+static sd_status find_needs(chunks *c, const pairs *p, size_t n_free) {
+  size_t n = 0;
+  for (size_t k = 0; k < c->count; k++) c->last[k] = SIZE_MAX;
+  for (size_t k = 0; k < c->count; k++) {
+    c->need_start[k] = n;
+    c->last[k] = k;
+    if (add_need(c, &n, (uint32_t)k) != SD_OK) return SD_ERROR_IO;
+    for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
+      for (int side = 0; side < 2; side++) {
+        int32_t slot = side ? p->b[at] : p->a[at];
+        if (slot < 0 || (size_t)slot >= n_free || c->last[(size_t)slot / c->size] == k) continue;
+        size_t seen = (size_t)slot / c->size;
+        c->last[seen] = k;
+        if (add_need(c, &n, (uint32_t)seen) != SD_OK) return SD_ERROR_IO;
+      }
+  }
+  c->need_start[c->count] = n;
+  return SD_OK;
+}
+
+static size_t cost(const chunks *c, size_t k) {
+  return c->pair[k] + PIECE_COST * (c->piece[k] - c->piece[0]) + DISK_COST * k * c->size;
+}
+
+static void share(chunks *c, size_t threads) {
+  size_t k = 0;
+  for (size_t t = 0; t <= threads; t++) {
+    while (k < c->count && cost(c, k) < cost(c, c->count) * t / threads) k++;
+    c->share[t] = t == threads ? c->count : k;
+  }
+}
+
+static int thread_of_chunk(const chunks *c, size_t k) {
+  int t = 0;
+  while (k >= c->share[t + 1]) t++;
+  return t;
+}
+
+static void find_early(chunks *c, int threads) {
+  memset(c->early, 0, c->count);
+  memset(c->late, 0, c->count);
+  c->any_early = false;
+  for (int t = 0; t < threads; t++)
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
+      for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
+        if (c->need[n] < c->share[t] || c->need[n] >= c->share[t + 1])
+          c->any_early = c->early[c->need[n]] = true;
+}
+
+sd_status chunks_plan(engine *e) {
+  work *w = &e->work;
+  chunks *c = &w->chunks;
+  size_t n_free = e->state->n_free, size = chunk_size(n_free, (size_t)w->n_threads);
+  size_t count = (n_free + size - 1) / size;
+  if (reserve(c, count ? count : 1) != SD_OK) return SD_ERROR_IO;
+  c->size = size;
+  c->count = count;
+  c->n_threads = w->n_threads;
+  for (size_t k = 0; k < count; k++) c->predicted[k] = INT64_MIN;
+  find_pairs(c, &w->pairs);
+  if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
+  share(c, (size_t)w->n_threads);
+  find_early(c, w->n_threads);
+  return SD_OK;
+}
+
+int chunks_thread_of_disk(const engine *e, size_t slot) {
+  return thread_of_chunk(&e->work.chunks, slot / e->work.chunks.size);
+}
+
+int chunks_thread_of_pair(const engine *e, size_t pair) {
+  const chunks *c = &e->work.chunks;
+  if (pair >= e->work.pairs.first_piece) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
+  int t = 0;
+  while (pair >= c->pair[c->share[t + 1]]) t++;
+  return t;
+}
+
+/* The last chunk whose corrected disks its pairs want; none before all are through: n. */
+static size_t last_of(const chunks *c, size_t k, size_t from, size_t to) {
+  size_t last = k;
+  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
+    size_t seen = c->need[n];
+    if (seen < from || seen >= to || c->late[seen]) return c->count;
+    if (seen > last) last = seen;
+  }
+  return last;
+}
+
+void chunks_plan_commits(chunks *c) {
+  memset(c->commit_start, 0, (c->count + 2) * sizeof *c->commit_start);
+  for (int t = 0; t < c->n_threads; t++)
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
+      c->last[k] = last_of(c, k, c->share[t], c->share[t + 1]);
+      if (c->last[k] < c->count) c->commit_start[c->last[k] + 2]++;
+    }
+  for (size_t k = 2; k < c->count + 2; k++) c->commit_start[k] += c->commit_start[k - 1];
+  for (size_t k = 0; k < c->count; k++)
+    if (c->last[k] < c->count) c->commit[c->commit_start[c->last[k] + 1]++] = (uint32_t)k;
+}
