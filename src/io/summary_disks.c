@@ -91,14 +91,21 @@ static void find_fastest(summary_disks *s) {
   s->n_fastest = n;
 }
 
+/* Of the deck, not of the slots. */
+static int by_number(const void *one, const void *two) {
+  const sd_disk_mean *a = one, *b = two;
+  return a->disk < b->disk ? -1 : a->disk > b->disk;
+}
+
 sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
                                 sd_messages *messages) {
   *s = (summary_disks){.n = state->n_means};
   if (s->n == 0) return SD_OK;
   if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < s->n; k++) s->disks[k] = sd_disk_mean_of(model, state, k);
-  find_fastest(s);
   s->totals = sd_disk_totals_of(model, state, s->disks);
+  qsort(s->disks, s->n, sizeof *s->disks, by_number);
+  find_fastest(s);
   s->looks = state->mean_looks;
   s->bins = state->mean_bins;
   s->measured = (double)state->measured * model->dt;

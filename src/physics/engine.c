@@ -12,6 +12,7 @@
 #include "physics/lanes.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
+#include "physics/order.h"
 #include "physics/pairs.h"
 #include "physics/walls.h"
 
@@ -115,6 +116,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
     s->group[slot] = -1;
   }
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
+  if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
   return fill_contacts(m, s);
 }
 

@@ -21,6 +21,7 @@
 #include "physics/kernels.h"
 #include "physics/motion.h"
 #include "physics/neighbours.h"
+#include "physics/order.h"
 #include "physics/outside.h"
 #include "physics/step.h"
 #include "run/lanes_loop.h"
@@ -174,6 +175,18 @@ static void note_end(const engine *e) {
       (!p->settle.asked || settle_reached(e)) && (!p->compress.asked || compress_done(e));
 }
 
+/* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
+static sd_status order_again(engine *e, sd_messages *messages) {
+  const int threads = e->work.n_threads;
+  if (e->state->n_free < ORDER_LEAST) return SD_OK;
+  if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
+  engine_free(e);
+  sd_status status = engine_build(e, threads, messages);
+  e->work.messages = messages;
+  return status;
+}
+
 static sd_status end_phase(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   bool measured = measures(e);
@@ -182,7 +195,8 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   note_end(e);
   s->phase++;
   s->phase_step = 0;
-  sd_status status = begin_phase(e, messages);
+  sd_status status = s->phase < (int64_t)e->model->n_phases ? order_again(e, messages) : SD_OK;
+  if (status == SD_OK) status = begin_phase(e, messages);
   if (status == SD_OK && measures(e)) measure_begin(e);
   return status;
 }

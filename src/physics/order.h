@@ -1,0 +1,20 @@
+/* order.h: free disks in slots such that disks that are near each other stand near each other in memory.
+ *
+ * Slots are part of the state, and sums run in their order: they change only at steps that model and state fix, at the
+ * start and where a phase begins.
+ */
+#ifndef PHYSICS_ORDER_H
+#define PHYSICS_ORDER_H
+
+#include "slipdisk/model.h"
+#include "slipdisk/state.h"
+
+/* Below so many free disks all fit into the cache in any order, and stay in the order of the deck. */
+enum { ORDER_LEAST = 1000 };
+
+/* Puts the free disks into the order of strips across the longer side of where they are, from the lower end of each strip to
+ * the upper one; a periodic side is folded, so that its ends stand side by side. Disks that wait or were taken out
+ * follow, in the order of the deck. The contacts in the state follow suit. SD_ERROR_IO: no memory, nothing is changed. */
+sd_status order_disks(const sd_model *model, sd_state *state);
+
+#endif
