@@ -221,7 +221,7 @@ typedef struct sd_model {
   sd_integrator integrator;
   sd_variant variant;
   double dt;
-  double skin;               /* Verlet-list skin, length; 0: chosen from the radii */
+  double skin;               /* Verlet-list skin, length; 0: chosen as the run goes */
   double max_overlap;        /* a run stops when an overlap exceeds this fraction of the smaller radius */
   double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
   double lower[2], upper[2]; /* box; only read along periodic directions */

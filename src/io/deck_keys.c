@@ -27,7 +27,7 @@ static const deck_key top_keys[] = {
     {"contact_variant", CHOICE, "\"paper\"", "paper conservative",
      "tangential force on the centres: tau (paper), or tau (R_a+R_b)/r, which conserves energy"},
     {"skin", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
-     "margin of the neighbour list; 0: chosen from the radii"},
+     "margin of the neighbour list; 0: chosen as the run goes"},
     {"max_overlap", NUMBER(DECK_UP_TO_1, "-"), "0.5", NULL,
      "a run stops when an overlap exceeds this fraction of the smaller radius"},
     {"checkpoint", NUMBER(DECK_POSITIVE, "s"), "60.0", NULL, "wall time between checkpoints"},

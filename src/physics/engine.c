@@ -232,7 +232,8 @@ static void fill_skin(const engine *e, work *w) {
   double mean = 0.0;
   for (size_t i = 0; i < s->n_disks; i++) mean += s->radius[i];
   mean /= (double)s->n_disks;
-  w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean;
+  w->mean_radius = mean;
+  w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean; /* to begin with: neighbours_tune */
 }
 
 static sd_status columns_new(engine *e) {

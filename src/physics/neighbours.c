@@ -305,6 +305,21 @@ sd_status neighbours_rescale(engine *e, double f, sd_messages *messages) {
   return stale ? neighbours_build(e, messages) : SD_OK;
 }
 
+/* A wider skin costs candidates in every step, a narrower one lists: making one costs per disk as much as TUNE_BALANCE
+ * steps' share of the candidates that a skin of one radius adds. Disks move by k per step, so that lists last skin/k steps
+ * and the sum of both is least where skin times steps is that, in mean radii. */
+static const double TUNE_BALANCE = 27.0, TUNE_LEAST = 0.03, TUNE_MOST = 0.4, TUNE_STEP = 1.4;
+
+void neighbours_tune(engine *e) {
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  if (e->model->skin > 0.0) return;
+  double steps = fmax((double)(s->step - w->built_at), 1.0), skin = w->skin / w->mean_radius;
+  double factor = sqrt(TUNE_BALANCE / (steps * skin));
+  skin *= fmin(fmax(factor, 1.0 / TUNE_STEP), TUNE_STEP);
+  w->skin = w->mean_radius * fmin(fmax(skin, TUNE_LEAST), TUNE_MOST);
+}
+
 sd_status neighbours_build(engine *e, sd_messages *messages) {
   const sd_state *s = e->state;
   work *w = &e->work;
@@ -332,6 +347,7 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
   note_poses(e);
   w->kernels->seat(e, 0, s->n_bodies);
   w->list_scale = s->box_scale;
+  w->built_at = s->step;
   w->moved_limit2 = limit_of(e) * limit_of(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->builds++;

@@ -13,6 +13,9 @@
 /* Rebuilds grid, pairs, incidence and watched contacts from the present positions. Errors: a position that
  * is not finite (SD_ERROR_NUMERIC), no memory (SD_ERROR_IO). */
 sd_status neighbours_build(engine *e, sd_messages *messages);
+/* Before lists are built because they are stale: a skin that costs less, by how long the last ones stood. Lists are of no
+ * influence on the bits, and so is this. Nothing where the model gives the skin. */
+void neighbours_tune(engine *e);
 void neighbours_free(engine *e);
 /* All lengths have just changed by the factor f, and the box with them. The lists stand as long as what
  * was too far to be a candidate is. Errors as neighbours_build. */

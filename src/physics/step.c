@@ -98,6 +98,7 @@ static void note_predicted(engine *e, bool all) {
 static sd_status renew_lists(engine *e) {
   work *w = &e->work;
   const team alone = {0, 1};
+  neighbours_tune(e);
   sd_status status = neighbours_build(e, w->messages);
   note_predicted(e, w->whole);
   if (status != SD_OK || w->whole || !w->kernels->stale(e, 0, e->state->n_free, true)) return status;

@@ -171,7 +171,8 @@ typedef struct work {
   double list_scale;         /* state->box_scale when the lists were built */
   double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
   double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
-  int64_t builds;            /* how often */
+  int64_t builds, built_at;  /* how often; step of the last */
+  double mean_radius;        /* of the disks; engine_build */
   placed_segment *segments;  /* walls_place */
   int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
