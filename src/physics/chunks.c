@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* Disks per chunk: few enough for the cache, and enough chunks for every thread. Multiples of 8. */
-enum { CHUNK_MOST = 2048, CHUNK_LEAST = 64, CHUNKS_PER_THREAD = 8 };
+enum { CHUNK_MOST = 2048, CHUNK_LEAST = 64, CHUNKS_PER_THREAD = 32 };
 
 /* A piece of a straight wall, which goes by itself, costs as much as this many round pairs; a disk without any, too. */
 enum { PIECE_COST = 5, DISK_COST = 1 };
