@@ -279,9 +279,44 @@ static sd_status allocate(engine *e, int threads) {
   return bad || columns_new(e) != SD_OK ? SD_ERROR_IO : SD_OK;
 }
 
+/* Pages stand near the thread that writes them first: each writes zeros to its part of what has just been mapped. Of the pairs
+ * there are as many as disks in a packing have; where more are found, one thread makes room for all. */
+enum { PAIRS_PER_DISK = 3 };
+static sd_status touch_first(engine *e) {
+  work *w = &e->work;
+  const size_t n = e->state->n_free, candidates = PAIRS_PER_DISK * n;
+  if (w->n_threads == 1) return SD_OK;
+  if (pairs_reserve(&w->pairs, candidates) != SD_OK || pairs_reserve(&w->spare, candidates) != SD_OK)
+    return SD_ERROR_IO;
+#ifdef _OPENMP
+  const int threads = w->n_threads;
+#pragma omp parallel for num_threads(threads) schedule(static)
+  for (int t = 0; t < threads; t++) {
+    const size_t from = n * (size_t)t / (size_t)threads, to = n * ((size_t)t + 1) / (size_t)threads;
+    const size_t first = candidates * (size_t)t / (size_t)threads / PAIR_BLOCK;
+    const size_t end = candidates * ((size_t)t + 1) / (size_t)threads / PAIR_BLOCK;
+    memset(w->seats + SEAT_ROW * from, 0, (to - from) * SEAT_ROW * sizeof(double));
+    memset(w->pairs.block + first, 0, (end - first) * sizeof(pair_block));
+    memset(w->spare.block + first, 0, (end - first) * sizeof(pair_block));
+    double *column[] = {w->inverse_mass_x,
+                        w->inverse_mass_y,
+                        w->inverse_inertia,
+                        w->constant_x,
+                        w->constant_y,
+                        w->constant_torque,
+                        w->x0,
+                        w->y0};
+    for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+      memset(column[k] + from, 0, (to - from) * sizeof(double));
+  }
+#endif
+  return SD_OK;
+}
+
 sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
-  if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  if (allocate(e, threads) != SD_OK || touch_first(e) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   w->dt = e->model->dt;
   w->per_dt = 1.0 / w->dt;
   w->half_dt2 = 0.5 * w->dt * w->dt;

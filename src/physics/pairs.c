@@ -29,9 +29,9 @@ static sd_status grow(void **column, size_t count, size_t capacity, size_t size)
 }
 
 /* Blocks and sides are filled after all pairs are known. */
-static sd_status reserve(pairs *p, size_t count) {
+sd_status pairs_reserve(pairs *p, size_t count) {
   if (count <= p->capacity) return SD_OK;
-  size_t capacity = (count + count / 2 + 2 * PAIR_BLOCK) / PAIR_BLOCK * PAIR_BLOCK;
+  size_t capacity = (count + 2 * PAIR_BLOCK) / PAIR_BLOCK * PAIR_BLOCK;
   int32_t **whole[] = {&p->a, &p->b, &p->part};
   for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
     if (grow((void **)whole[k], p->count, capacity, sizeof(int32_t)) != SD_OK) return SD_ERROR_IO;
@@ -44,7 +44,7 @@ static sd_status reserve(pairs *p, size_t count) {
 }
 
 sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part) {
-  if (p->count == p->capacity && reserve(p, p->count + 1) != SD_OK) return SD_ERROR_IO;
+  if (p->count == p->capacity && pairs_reserve(p, p->count + p->count / 2 + 1) != SD_OK) return SD_ERROR_IO;
   p->a[p->count] = a;
   p->b[p->count] = b;
   p->part[p->count++] = part;
@@ -111,7 +111,7 @@ static void fill(const engine *e, pairs *p, size_t k) {
 }
 
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
-  if (reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
+  if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   memset(to->block, 0, (to->count + PAIR_BLOCK - 1) / PAIR_BLOCK * sizeof *to->block);
   memset(to->side, 0, to->count * sizeof *to->side);
   for (size_t k = 0; k < to->count; k++) fill(e, to, k);

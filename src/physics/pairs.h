@@ -8,6 +8,8 @@
 
 /* All return SD_ERROR_IO without memory. */
 void pairs_free(pairs *p);
+/* Room for so many; memories of those that are there are lost where it has to grow. */
+sd_status pairs_reserve(pairs *p, size_t count);
 /* Adds a pair; a = b = PAIR_OF_NOBODY fills up. */
 enum { PAIR_OF_NOBODY = -1 };
 sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part);
