@@ -21,26 +21,8 @@
 #include "run/deck_diff.h"
 #include "slipdisk/deck.h"
 
-static char folder_name[] = "/tmp/slipdisk-checkpoint-XXXXXX";
-static char path[128];
-
-static int make_folder(void **unused) {
-  (void)unused;
-  if (!mkdtemp(folder_name)) return -1;
-  snprintf(path, sizeof path, "%s/file.h5", folder_name);
-  return 0;
-}
-
-static int remove_folder(void **unused) {
-  (void)unused;
-  unlink(path);
-  return rmdir(folder_name);
-}
-
-static void check(sd_status status, sd_messages *messages) {
-  if (status != SD_OK) sd_messages_print(messages, stderr);
-  assert_int_equal(status, SD_OK);
-}
+#define SCRATCH_NAME "checkpoint"
+#include "scratch_file.h"
 
 /* --- through a file ------------------------------------------------------------------------------- */
 

@@ -41,34 +41,6 @@ static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t sl
   s->group[slot] = d->group;
 }
 
-/* A contact of the packing with the key after which the lists are ordered. */
-typedef struct memory_entry {
-  bool piece; /* of a straight wall: these follow the round pairs */
-  uint32_t slot, partner, part;
-  sd_contact_memory memory;
-} memory_entry;
-
-static int memory_order(const void *one, const void *two) {
-  const memory_entry *p = one, *q = two;
-  if (p->piece != q->piece) return p->piece ? 1 : -1;
-  if (p->slot != q->slot) return p->slot < q->slot ? -1 : 1;
-  if (p->partner != q->partner) return p->partner < q->partner ? -1 : 1;
-  return p->part < q->part ? -1 : p->part > q->part;
-}
-
-/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
-static memory_entry memory_entry_of(const sd_model *m, const uint32_t *slot, sd_contact_memory c) {
-  if (c.b < m->n_disks && slot[c.b] < slot[c.a]) {
-    uint32_t a = c.a;
-    c.a = c.b;
-    c.b = a;
-    c.ex = -c.ex;
-    c.ey = -c.ey;
-  }
-  bool piece = c.b >= m->n_disks && m->walls[c.b - m->n_disks].kind != SD_WALL_CIRCLE;
-  return (memory_entry){piece, slot[c.a], slot[c.b], c.part, c};
-}
-
 static void fill_contact(sd_state *s, const sd_contact_memory *c) {
   size_t k = s->n_contacts++;
   s->contact_a[k] = c->a;
@@ -85,20 +57,11 @@ static void fill_contact(sd_state *s, const sd_contact_memory *c) {
   s->contact_slide[k] = c->slide;
 }
 
-/* In the order that contacts_load wants. */
 static sd_status fill_contacts(const sd_model *m, sd_state *s) {
-  size_t n = m->n_memories;
-  if (n == 0) return SD_OK;
-  memory_entry *list = malloc(n * sizeof *list);
-  uint32_t *slot = malloc(s->n_bodies * sizeof *slot);
-  sd_status status = list && slot ? sd_state_reserve_contacts(s, n) : SD_ERROR_IO;
-  for (uint32_t k = 0; status == SD_OK && k < s->n_bodies; k++) slot[s->id[k]] = k;
-  for (size_t k = 0; status == SD_OK && k < n; k++) list[k] = memory_entry_of(m, slot, m->memories[k]);
-  if (status == SD_OK) qsort(list, n, sizeof *list, memory_order);
-  for (size_t k = 0; status == SD_OK && k < n; k++) fill_contact(s, &list[k].memory);
-  free(list);
-  free(slot);
-  return status;
+  if (m->n_memories == 0) return SD_OK;
+  if (sd_state_reserve_contacts(s, m->n_memories) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < m->n_memories; k++) fill_contact(s, &m->memories[k]);
+  return order_contacts(m, s);
 }
 
 sd_status engine_fill_state(const sd_model *m, sd_state *s) {

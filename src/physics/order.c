@@ -107,39 +107,49 @@ static void turn_contact(sd_state *s, size_t k, const uint32_t *slot) {
   s->contact_ey[k] = -s->contact_ey[k];
 }
 
-static void order_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list,
-                           uint32_t *from, char *scratch) {
+static void list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list) {
   for (uint32_t k = 0; k < s->n_contacts; k++) {
     turn_contact(s, k, slot);
     uint32_t b = s->contact_b[k];
     bool piece = b >= s->n_disks && m->walls[b - s->n_disks].kind != SD_WALL_CIRCLE;
     list[k] = (contact_place){piece, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
   }
-  if (s->n_contacts > 1) qsort(list, s->n_contacts, sizeof *list, by_slots);
-  for (size_t k = 0; k < s->n_contacts; k++) from[k] = list[k].from;
-  permute_all(s, true, from, scratch);
+}
+
+sd_status order_contacts(const sd_model *m, sd_state *s) {
+  const size_t n = s->n_contacts;
+  contact_place *list = malloc((n + 1) * sizeof *list);
+  uint32_t *from = malloc((n + 1) * sizeof *from), *slot = malloc((s->n_bodies + 1) * sizeof *slot);
+  char *scratch = malloc((n + 1) * sizeof(double));
+  sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
+  if (status == SD_OK) {
+    for (uint32_t k = 0; k < s->n_bodies; k++) slot[s->id[k]] = k;
+    list_contacts(m, s, slot, list);
+    if (n > 1) qsort(list, n, sizeof *list, by_slots);
+    for (size_t k = 0; k < n; k++) from[k] = list[k].from;
+    permute_all(s, true, from, scratch);
+  }
+  free(list);
+  free(from);
+  free(slot);
+  free(scratch);
+  return status;
 }
 
 sd_status order_disks(const sd_model *m, sd_state *s) {
-  size_t most = s->n_bodies > s->n_contacts ? s->n_bodies : s->n_contacts;
   size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
   place *disks = malloc((s->n_free + 1) * sizeof *disks);
-  contact_place *contacts = malloc((s->n_contacts + 1) * sizeof *contacts);
-  uint32_t *from = malloc((most + 1) * sizeof *from), *slot = malloc((s->n_bodies + 1) * sizeof *slot);
-  char *scratch = malloc((most + 1) * row);
-  sd_status status = disks && contacts && from && slot && scratch ? SD_OK : SD_ERROR_IO;
+  uint32_t *from = malloc((s->n_free + 1) * sizeof *from);
+  char *scratch = malloc((s->n_free + 1) * row);
+  sd_status status = disks && from && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
     fill_places(m, s, disks);
     if (s->n_free > 1) qsort(disks, s->n_free, sizeof *disks, by_place);
     for (size_t k = 0; k < s->n_free; k++) from[k] = disks[k].slot;
     permute_all(s, false, from, scratch);
-    for (uint32_t k = 0; k < s->n_bodies; k++) slot[s->id[k]] = k;
-    order_contacts(m, s, slot, contacts, from, scratch);
   }
   free(disks);
-  free(contacts);
   free(from);
-  free(slot);
   free(scratch);
-  return status;
+  return status == SD_OK ? order_contacts(m, s) : status;
 }

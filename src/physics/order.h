@@ -14,7 +14,10 @@ enum { ORDER_LEAST = 1000 };
 
 /* Puts the free disks into the order of strips across the longer side of where they are, from the lower end of each strip to
  * the upper one; a periodic side is folded, so that its ends stand side by side. Disks that wait or were taken out
- * follow, in the order of the deck. The contacts in the state follow suit. SD_ERROR_IO: no memory, nothing is changed. */
+ * follow, in the order of the deck. The contacts in the state follow suit. SD_ERROR_IO: no memory. */
 sd_status order_disks(const sd_model *model, sd_state *state);
+/* The contacts in the state, however they stand, as the lists have them: the disk in the lower slot first, round ones
+ * before those with pieces of straight walls, by slots. SD_ERROR_IO: no memory, nothing is changed. */
+sd_status order_contacts(const sd_model *model, sd_state *state);
 
 #endif
