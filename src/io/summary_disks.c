@@ -157,7 +157,7 @@ static sd_status read_rows(const h5_file *file, const char *path, sd_disk_mean *
   if (status == SD_OK && !(converged && name))
     status = sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
   if (status == SD_OK) status = h5_get(file, name, SD_I32, n_disks, converged, messages);
-  for (size_t k = 0; status == SD_OK && k < n_disks; k++) disks[k].converged = converged[k] != 0;
+  for (size_t k = 0; converged && status == SD_OK && k < n_disks; k++) disks[k].converged = converged[k] != 0;
   free(converged);
   free(name);
   return status;

@@ -154,8 +154,7 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   work *w = &e->work;
   const sd_state *s = e->state;
   pairs *p = &w->pairs;
-  size_t bytes = p->count * sizeof(double);
-  double *before = malloc(2 * bytes + 1);
+  double *before = calloc(2 * p->count + 1, sizeof *before);
   if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   for (size_t k = 0; k < p->count; k++) {
     before[k] = PAIR(p, k, viscous);

@@ -74,7 +74,7 @@ static size_t rows_of(const sd_state *s, sd_extent extent, bool contacts) {
   return extent == SD_PER_BODY || extent == SD_PER_FREE ? s->n_free : 0;
 }
 
-static void permute_all(sd_state *s, bool contacts, const uint32_t *from, char *scratch) {
+static void permute_all(sd_state *s, bool contacts, const uint32_t *from, void *scratch) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     size_t row = sd_type_size(f->type) * (f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1);
@@ -119,8 +119,8 @@ static void list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, 
 sd_status order_contacts(const sd_model *m, sd_state *s) {
   const size_t n = s->n_contacts;
   contact_place *list = malloc((n + 1) * sizeof *list);
-  uint32_t *from = malloc((n + 1) * sizeof *from), *slot = malloc((s->n_bodies + 1) * sizeof *slot);
-  char *scratch = malloc((n + 1) * sizeof(double));
+  uint32_t *from = calloc(n + 1, sizeof *from), *slot = calloc(s->n_bodies + 1, sizeof *slot);
+  void *scratch = malloc((n + 1) * sizeof(double));
   sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
     for (uint32_t k = 0; k < s->n_bodies; k++) slot[s->id[k]] = k;
@@ -139,8 +139,8 @@ sd_status order_contacts(const sd_model *m, sd_state *s) {
 sd_status order_disks(const sd_model *m, sd_state *s) {
   size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
   place *disks = malloc((s->n_free + 1) * sizeof *disks);
-  uint32_t *from = malloc((s->n_free + 1) * sizeof *from);
-  char *scratch = malloc((s->n_free + 1) * row);
+  uint32_t *from = calloc(s->n_free + 1, sizeof *from);
+  void *scratch = malloc((s->n_free + 1) * row);
   sd_status status = disks && from && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
     fill_places(m, s, disks);
