@@ -168,6 +168,33 @@ static void test_damage_is_found(void **unused) {
   sd_messages_free(messages);
 }
 
+/* Columns that meant something else would be taken for what they are not. */
+static void test_other_formats_are_refused(void **unused) {
+  (void)unused;
+  const int64_t formats[] = {CHECKPOINT_FORMAT - 1, CHECKPOINT_FORMAT + 1};
+  sd_messages *messages = sd_messages_new();
+  sd_model *model = NULL;
+  check(sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/random.cfg", 0, NULL, &model, messages),
+        messages);
+  for (size_t k = 0; k < 2; k++) {
+    sd_messages *told = sd_messages_new();
+    h5_file *file;
+    sd_state *state = NULL;
+    check(h5_new(&file, messages), messages);
+    h5_group(file, "/state");
+    h5_attr_i64(file, "/state", "format", formats[k]);
+    check(h5_save(file, path, NULL, messages), messages);
+    check(h5_open_sealed(path, &file, messages), messages);
+    assert_int_equal(checkpoint_get_state(file, model, &state, told), SD_ERROR_USER);
+    assert_null(state);
+    assert_non_null(strstr(sd_messages_text(told, 0), "is stored in format"));
+    h5_close(file, NULL);
+    sd_messages_free(told);
+  }
+  sd_model_free(model);
+  sd_messages_free(messages);
+}
+
 static void test_errors_are_told_once(void **unused) {
   (void)unused;
   sd_messages *messages = sd_messages_new();
@@ -305,7 +332,7 @@ int main(void) {
       cmocka_unit_test(test_every_deck),      cmocka_unit_test(test_reading_is_free),
       cmocka_unit_test(test_damage_is_found), cmocka_unit_test(test_errors_are_told_once),
       cmocka_unit_test(test_h5_round_trip),   cmocka_unit_test(test_tables),
-      cmocka_unit_test(test_deck_diff),
+      cmocka_unit_test(test_deck_diff),       cmocka_unit_test(test_other_formats_are_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

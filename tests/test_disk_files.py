@@ -436,6 +436,20 @@ class Contacts(Files):
             file["state"].attrs["format"] = 1
         self.refuse(GO.replace("heap.h5", "broken.h5"), "its state has format 1")
 
+    def test_before_slots(self):
+        """Contacts of a packing may stand in any order, as they do in results of before."""
+        old = self.folder / "old.h5"
+        old.write_bytes(self.heap.read_bytes())
+        with h5py.File(old, "r+") as file:
+            file["state"].attrs["format"] = 2
+            for name in file["state"]:
+                if name.startswith("contact_"):
+                    file[f"state/{name}"][:] = file[f"state/{name}"][:][::-1]
+        new = self.run_deck(GO, name="new")
+        again = self.run_deck(GO.replace("heap.h5", "old.h5"), name="again")
+        with h5py.File(new) as one, h5py.File(again) as two:
+            self.assertEqual(one["state"].attrs["hash"], two["state"].attrs["hash"])
+
     def test_echo(self):
         """The full deck refers to the file, and is the same run."""
         go = self.run_deck(GO)

@@ -10,8 +10,9 @@
 #include "io/provenance.h"
 #include "io/summary.h"
 
-/* Raised when what a column means changes; readers refuse other numbers. */
-enum { CHECKPOINT_FORMAT = 2 };
+/* Raised when what a column means changes; who goes on from a state refuses other numbers. 3: contacts stand by slots, and
+ * not by the number of the partner. A packing takes bodies and contacts in any order, so that it reads 2 as well. */
+enum { CHECKPOINT_FORMAT = 3, CHECKPOINT_OF_PACKING = 2 };
 
 sd_status checkpoint_write(const char *path, const sd_state *state, int64_t parts, const provenance *origin,
                            const summary *found, sd_messages *messages);

@@ -213,10 +213,10 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path)
     return NULL;
   }
   int64_t format = h5_get_attr_i64(in.file, "/state", "format", -1);
-  if (format != CHECKPOINT_FORMAT) {
+  if (format < CHECKPOINT_OF_PACKING || format > CHECKPOINT_FORMAT) {
     h5_close(in.file, NULL);
-    deck_fail(d, node, "its state has format %lld, this program reads %d", (long long)format,
-              CHECKPOINT_FORMAT);
+    deck_fail(d, node, "its state has format %lld, this program reads %d to %d", (long long)format,
+              CHECKPOINT_OF_PACKING, CHECKPOINT_FORMAT);
     return NULL;
   }
   const struct {
