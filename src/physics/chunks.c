@@ -43,11 +43,10 @@ static sd_status reserve(chunks *c, size_t count) {
   c->last = malloc(count * sizeof *c->last);
   c->commit_start = malloc((count + 2) * sizeof *c->commit_start);
   c->commit = malloc(count * sizeof *c->commit);
-  c->capacity = count;
-  return c->pair && c->piece && c->need_start && c->predicted && c->early && c->late && c->last &&
-                 c->commit_start && c->commit
-             ? SD_OK
-             : SD_ERROR_IO;
+  bool all = c->pair && c->piece && c->need_start && c->predicted && c->early && c->late && c->last &&
+             c->commit_start && c->commit;
+  c->capacity = all ? count : 0;
+  return all ? SD_OK : SD_ERROR_IO;
 }
 
 /* Where the pairs of each chunk begin; round ones to whole blocks. */

@@ -248,7 +248,7 @@ enum { PAIRS_PER_DISK = 3 };
 static sd_status touch_first(engine *e) {
   work *w = &e->work;
   const size_t n = e->state->n_free, candidates = PAIRS_PER_DISK * n;
-  if (w->n_threads == 1) return SD_OK;
+  if (w->n_threads == 1 || n == 0) return SD_OK;
   if (pairs_reserve(&w->pairs, candidates) != SD_OK || pairs_reserve(&w->spare, candidates) != SD_OK)
     return SD_ERROR_IO;
 #ifdef _OPENMP
@@ -276,8 +276,14 @@ static sd_status touch_first(engine *e) {
   return SD_OK;
 }
 
+/* Places of rows are numbers of 32 bits; of sums there are a few for every body. */
+enum { MOST_BODIES = 50000000 };
+
 sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
+  if (e->state->n_bodies > MOST_BODIES)
+    return sd_fail(messages, SD_ERROR_USER, "%zu disks and walls: expected at most %d", e->state->n_bodies,
+                   MOST_BODIES);
   if (allocate(e, threads) != SD_OK || touch_first(e) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   w->dt = e->model->dt;

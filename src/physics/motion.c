@@ -54,7 +54,7 @@ static bool place_is_quiet(const engine *e, const placed *p) {
                 : p->coordinate == SD_Y ? w->y0[p->slot]
                                         : w->theta0[p->slot] - s->turn[p->slot];
   double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
-  double most = (wall ? 0.04 : 0.12) * w->moved_limit2;
+  double most = (wall ? 0.02 : 0.06) * w->moved_limit2; /* less than that: the skin may shrink on the way */
   double down = (p->low - from) * arm, up = (p->high - from) * arm;
   return down * down <= most && up * up <= most && motion_in_range(e, p->coordinate, p->low) &&
          motion_in_range(e, p->coordinate, p->high);

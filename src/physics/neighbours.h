@@ -3,7 +3,7 @@
  * The list holds every pair nearer than the skin, and every closed contact; it is rebuilt when a body has
  * moved almost half the skin.
  * Contact memory is carried over. A rebuild changes no bit of what follows: sums run in the order of
- * permanent ids, and a candidate that is open adds zero.
+ * slots, and a candidate that is open adds zero.
  */
 #ifndef PHYSICS_NEIGHBOURS_H
 #define PHYSICS_NEIGHBOURS_H

@@ -40,6 +40,7 @@ static range range_of(const sd_state *s, const double *at) {
 
 /* Strips as wide as the largest disk; of a periodic side the first, the last, the second, the last but one ... */
 static uint64_t strip_of(double at, range x, double width, bool folded) {
+  width = fmax(width, (x.high - x.low) * 1e-9); /* a disk may be lost far away */
   double count = floor((x.high - x.low) / width) + 1.0, k = floor((at - x.low) / width);
   k = fmin(fmax(k, 0.0), count - 1.0);
   if (!folded) return (uint64_t)k;

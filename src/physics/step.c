@@ -112,6 +112,7 @@ void step_begin(engine *e, int64_t n) {
   const sd_state *s = e->state;
   work *w = &e->work;
   w->kernels->seat(e, s->n_free, s->n_bodies);
+  w->begun = s->step;
   w->show_from = s->step + n;
   w->whole = e->model->phases[s->phase].relax || motion_drives_free(e);
   w->commit_last = motion_corrects(e);
@@ -142,8 +143,10 @@ void step_once(engine *e, const team *t) {
   if (first) {
     motion_place(e, &w->threads[0]);
     if (motion_moves_walls(e)) walls_place(e);
-    pairs_clear_single(e);
     w->stale = any_stale(w);
+    /* should this be the end, the state has the forces of the last step */
+    if (w->stale && !w->whole && e->state->step > w->begun) w->kernels->gather(e, 0, e->state->n_free);
+    pairs_clear_single(e);
   }
   team_wait(t);
   if (w->stale) {

@@ -149,6 +149,7 @@ typedef struct work {
   bool one_law;
   bool stale;        /* the lists, for the coming step; step_once */
   bool commit_last;  /* with Gear: when prescribed bodies, too, are where they end; step_begin */
+  int64_t begun;     /* no step has been taken since this one; step_begin */
   int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
   bool whole;        /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
