@@ -169,7 +169,8 @@ class Measure(results_common.Folder):
         self.deck.write_text(BOX)
         words = ["run", self.deck, "-o", self.result, "-D", "phases[0].steps=200000000", "-D", "checkpoint=0.05"]
         process = start(*words)
-        wait_for(lambda: len(self.checkpoints()) > 1)
+        # several parts, and frames of 0, 2000, 4000 and 6000 steps in them
+        wait_for(lambda: len(self.checkpoints()) > 1 and self.checkpoints()[0] > 6000)
         process.send_signal(signal.SIGTERM)
         process.communicate(timeout=60)
         self.assertEqual(process.returncode, 75)
