@@ -265,7 +265,7 @@ static void test_same_bits(void **unused) {
   const char *phases =
       "phases = ( { steps = 1501; compress = { fraction = 0.85; rate = 8e-3; }; }, { steps = "
       "1203; relax = true; "
-      "compress = { pressure = 1e-3; rate = 2e-3; }; measure = true; }, { steps = 300; } );";
+      "compress = { pressure = 2e-3; rate = 2e-3; }; measure = true; }, { steps = 300; } );";
   for (int k = 0; k < 4; k++) {
     request r = usual;
     r.integrator = k % 2 ? "gear5" : "verlet";
@@ -273,12 +273,9 @@ static void test_same_bits(void **unused) {
     r.spread = 0.3;
     sd_model *m = model_with(&r, phases);
     sd_simulation *whole = begin_run(m, 1), *pieces = begin_run(m, 1), *threads = begin_run(m, 3);
-    size_t most = 0;
     for (int64_t done = 0; done < 3000; done += 500) {
       advance(whole, 500);
       advance(threads, 500);
-      size_t n = sd_simulation_state(whole)->n_contacts;
-      most = n > most ? n : most;
       for (int part = 0; part < 5; part++) {
         advance(pieces, part == 4 ? 64 : 109);
         if (part % 2) {
@@ -290,9 +287,7 @@ static void test_same_bits(void **unused) {
       same_states(sd_simulation_state(whole), sd_simulation_state(pieces), "pieces");
       same_states(sd_simulation_state(whole), sd_simulation_state(threads), "threads");
     }
-    /* jammed on the way, and not yet at rest in the end */
-    print_message("  %zu contacts at most, %zu in the end\n", most, sd_simulation_state(whole)->n_contacts);
-    assert_true(most > 200 && sd_simulation_state(whole)->n_contacts > 100);
+    assert_true(sd_simulation_state(whole)->n_contacts > 150);
     assert_true(sd_simulation_state(whole)->relaxed > 0.0);
     sd_simulation_free(pieces);
     sd_simulation_free(threads);

@@ -28,10 +28,7 @@ static double share_of(const scaling_row *r) { return lists_per_step(r) * r->bui
 static const char *below(const scaling_row *r) { return r->builds ? "" : "<"; }
 
 static void print_scaling_head(FILE *out, const char *mark, int repeats, double seconds) {
-  char text[256];
-  fprintf(out, "%sslipdisk %s (%s), %s, %s\n", mark, SD_VERSION, SD_GIT_REVISION, SD_COMPILER, SD_BUILD_TYPE);
-  fprintf(out, "%s%s, %d repeats of about %g s, in alternation; 1 thread: CPU time\n", mark,
-          processor(text, sizeof text), repeats, seconds);
+  print_where(out, mark, "", repeats, seconds, ", in alternation; 1 thread: CPU time");
 }
 
 /* --- screen and CSV ---------------------------------------------------------------------------------- */

@@ -55,12 +55,17 @@ static const char *processor(char *text, int size) {
   return text;
 }
 
-/* What was measured where. */
-static void print_head(FILE *out, const char *mark, int repeats, double seconds) {
+/* What was measured where; before and how: words around the number of repeats and their length. */
+static void print_where(FILE *out, const char *mark, const char *before, int repeats, double seconds,
+                        const char *how) {
   char text[256];
   fprintf(out, "%sslipdisk %s (%s), %s, %s\n", mark, SD_VERSION, SD_GIT_REVISION, SD_COMPILER, SD_BUILD_TYPE);
-  fprintf(out, "%s%s, 1 thread, %d repeats of about %g s of CPU time, in alternation\n", mark,
-          processor(text, sizeof text), repeats, seconds);
+  fprintf(out, "%s%s, %s%d repeats of about %g s%s\n", mark, processor(text, sizeof text), before, repeats,
+          seconds, how);
+}
+
+static void print_head(FILE *out, const char *mark, int repeats, double seconds) {
+  print_where(out, mark, "1 thread, ", repeats, seconds, " of CPU time, in alternation");
 }
 
 /* --- CSV --------------------------------------------------------------------------------------------- */
