@@ -19,6 +19,7 @@
 #include "physics/kernels.h"
 #include "physics/neighbours.h"
 #include "physics/pairs.h"
+#include "physics/sweep.h"
 #include "physics/walls.h"
 
 /* Part of the missing pressure that one change would bring if all disks followed it. */
@@ -161,16 +162,13 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
     before[p->count + k] = PAIR(p, k, gain);
   }
   renew_overlaps(e);
-  pairs_clear_sums(e);
-  w->kernels->seat(e, 0, s->n_bodies);
-  w->kernels->pairs(e, &w->threads[0], 0, p->count, PASS_FORCE | PASS_COMMIT);
+  sweep_forces(e);
   for (size_t k = 0; k < p->count; k++) {
     PAIR(p, k, viscous) = before[k];
     PAIR(p, k, gain) = before[p->count + k];
   }
   free(before);
   sd_status status = contacts_events(e, messages);
-  w->kernels->gather(e, 0, s->n_bodies);
   for (int k = 0; k < SD_COORDINATES; k++) {
     const columns *c = &w->columns[k];
     for (size_t i = 0; i < s->n_free; i++)

@@ -22,7 +22,10 @@ void chunks_free(chunks *c) {
   free(c->piece);
   free(c->need_start);
   free(c->need);
+  free(c->kept);
+  free(c->row);
   free(c->predicted);
+  free(c->seated);
   free(c->early);
   free(c->late);
   free(c->last);
@@ -37,14 +40,17 @@ static sd_status reserve(chunks *c, size_t count) {
   c->pair = malloc((count + 1) * sizeof *c->pair);
   c->piece = malloc((count + 1) * sizeof *c->piece);
   c->need_start = malloc((count + 1) * sizeof *c->need_start);
+  c->kept = malloc(count);
+  c->row = malloc(count * sizeof *c->row);
   c->predicted = malloc(count * sizeof *c->predicted);
+  c->seated = malloc(count * sizeof *c->seated);
   c->early = malloc(count);
   c->late = malloc(count);
   c->last = malloc(count * sizeof *c->last);
   c->commit_start = malloc((count + 2) * sizeof *c->commit_start);
   c->commit = malloc(count * sizeof *c->commit);
-  bool all = c->pair && c->piece && c->need_start && c->predicted && c->early && c->late && c->last &&
-             c->commit_start && c->commit;
+  bool all = c->pair && c->piece && c->need_start && c->kept && c->row && c->predicted && c->seated &&
+             c->early && c->late && c->last && c->commit_start && c->commit;
   c->capacity = all ? count : 0;
   return all ? SD_OK : SD_ERROR_IO;
 }
@@ -133,7 +139,7 @@ sd_status chunks_plan(engine *e) {
   c->size = size;
   c->count = count;
   c->n_threads = w->n_threads;
-  for (size_t k = 0; k < count; k++) c->predicted[k] = INT64_MIN;
+  for (size_t k = 0; k < count; k++) c->predicted[k] = c->seated[k] = INT64_MIN;
   find_pairs(c, &w->pairs);
   if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
   share(c, (size_t)w->n_threads);
@@ -174,4 +180,60 @@ void chunks_plan_commits(chunks *c) {
   for (size_t k = 2; k < c->count + 2; k++) c->commit_start[k] += c->commit_start[k - 1];
   for (size_t k = 0; k < c->count; k++)
     if (c->last[k] < c->count) c->commit[c->commit_start[c->last[k] + 1]++] = (uint32_t)k;
+}
+
+/* --- rows -------------------------------------------------------------------------------------------- */
+
+/* Rows for as many disks as a chunk has. */
+typedef struct page_list {
+  size_t *until; /* of each: after which chunk it is free */
+  size_t n;
+} page_list;
+
+/* A page that is free from chunk k on; they are few. */
+static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
+  size_t page = first;
+  while (page < l->n && l->until[page] >= k) page++;
+  if (page == l->n) l->n++;
+  l->until[page] = until;
+  return page;
+}
+
+/* After which chunk of its share nobody wants each any more: SIZE_MAX where it is kept. */
+static void find_ends(chunks *c, size_t *until) {
+  for (size_t k = 0; k < c->count; k++) until[k] = c->early[k] || c->late[k] ? SIZE_MAX : k;
+  for (size_t k = 0; k < c->count; k++) {
+    const size_t last = c->last[k] < c->count ? c->last[k] : SIZE_MAX;
+    for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
+      if (until[c->need[n]] < last) until[c->need[n]] = last;
+  }
+  for (size_t k = 0; k < c->count; k++) c->kept[k] = until[k] == SIZE_MAX;
+}
+
+static void give_rows(chunks *c, const size_t *until, page_list *pages) {
+  for (size_t k = 0; k < c->count; k++) c->row[k] = SIZE_MAX;
+  for (int t = 0; t < c->n_threads; t++) {
+    const size_t first = pages->n; /* those of other shares are in use at any time */
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
+      for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
+        const size_t seen = c->need[n];
+        if (seen < c->share[t] || seen >= c->share[t + 1] || c->row[seen] != SIZE_MAX) continue;
+        c->row[seen] = c->size * take_page(pages, first, k, until[seen]);
+      }
+  }
+}
+
+sd_status chunks_plan_rows(chunks *c, size_t n_free) {
+  size_t *until = malloc((2 * c->count + 1) * sizeof *until);
+  if (!until) return SD_ERROR_IO;
+  page_list pages = {until + c->count, 0};
+  find_ends(c, until);
+  give_rows(c, until, &pages);
+  c->rows = pages.n * c->size;
+  if (pages.n == c->count) {
+    for (size_t k = 0; k < c->count; k++) c->row[k] = k * c->size;
+    c->rows = n_free;
+  }
+  free(until);
+  return SD_OK;
 }

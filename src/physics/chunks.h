@@ -19,6 +19,10 @@ int chunks_thread_of_disk(const engine *e, size_t slot);
 static inline void chunks_put_off(chunks *c, size_t slot) { c->late[slot / c->size] = true; }
 /* When nothing more is put off: when can each chunk be committed? */
 void chunks_plan_commits(chunks *c);
+/* After that: rows in seats and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
+ * them, so that they need not leave the cache; what other threads or commits at the end want keeps its own. SD_ERROR_IO
+ * without memory. */
+sd_status chunks_plan_rows(chunks *c, size_t n_free);
 
 static inline size_t chunks_begin(const chunks *c, size_t k) { return k * c->size; }
 static inline size_t chunks_end(const chunks *c, size_t k, size_t n_free) {

@@ -14,6 +14,7 @@
 #include "physics/neighbours.h"
 #include "physics/order.h"
 #include "physics/pairs.h"
+#include "physics/sweep.h"
 #include "physics/walls.h"
 
 /* --- state of step 0 --------------------------------------------------------------------------------- */
@@ -205,17 +206,11 @@ static sd_status columns_new(engine *e) {
   const struct {
     double **at;
     size_t n;
-  } column[] = {{&w->inverse_mass_x, s->n_free},
-                {&w->inverse_mass_y, s->n_free},
-                {&w->inverse_inertia, s->n_free},
-                {&w->constant_x, s->n_free},
-                {&w->constant_y, s->n_free},
-                {&w->constant_torque, s->n_free},
-                {&w->x0, s->n_bodies},
-                {&w->y0, s->n_bodies},
-                {&w->theta0, s->n_bodies},
-                {&w->reach, s->n_bodies},
-                {&w->seats, SEAT_ROW * (s->n_bodies + 1)}};
+  } column[] = {
+      {&w->inverse_mass_x, s->n_free}, {&w->inverse_mass_y, s->n_free}, {&w->inverse_inertia, s->n_free},
+      {&w->constant_x, s->n_free},     {&w->constant_y, s->n_free},     {&w->constant_torque, s->n_free},
+      {&w->x0, s->n_bodies},           {&w->y0, s->n_bodies},           {&w->theta0, s->n_bodies},
+      {&w->reach, s->n_bodies}};
   enum { COLUMNS = sizeof column / sizeof *column };
   room_plan plan = {0};
   for (size_t k = 0; k < COLUMNS; k++) room_column(&plan, column[k].n * sizeof(double));
@@ -258,7 +253,6 @@ static sd_status touch_first(engine *e) {
     const size_t from = n * (size_t)t / (size_t)threads, to = n * ((size_t)t + 1) / (size_t)threads;
     const size_t first = candidates * (size_t)t / (size_t)threads / PAIR_BLOCK;
     const size_t end = candidates * ((size_t)t + 1) / (size_t)threads / PAIR_BLOCK;
-    memset(w->seats + SEAT_ROW * from, 0, (to - from) * SEAT_ROW * sizeof(double));
     memset(w->pairs.block + first, 0, (end - first) * sizeof(pair_block));
     memset(w->spare.block + first, 0, (end - first) * sizeof(pair_block));
     double *column[] = {w->inverse_mass_x,
@@ -351,15 +345,12 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   work *w = &e->work;
   size_t loaded = 0;
   for (size_t k = 0; k < w->pairs.count; k++) loaded += closed(&w->pairs, k);
-  w->kernels->seat(e, 0, s->n_bodies);
-  pairs_clear_sums(e);
-  w->kernels->pairs(e, &w->threads[0], 0, w->pairs.count, PASS_FORCE | PASS_COMMIT);
+  sweep_forces(e);
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++)
     PAIR(&w->pairs, k, viscous) = PAIR(&w->pairs, k, friction) = PAIR(&w->pairs, k, gain) = 0.0;
   drop_apart(e, loaded, messages);
   sd_status status = contacts_events(e, messages);
-  w->kernels->gather(e, 0, s->n_bodies);
   for (size_t i = 0; i < s->n_free; i++) {
     s->x2[i] = w->half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);
     s->y2[i] = w->half_dt2 * ((s->force_y[i] + w->constant_y[i]) * w->inverse_mass_y[i]);

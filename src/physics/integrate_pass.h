@@ -63,23 +63,26 @@ LANE_INLINE LANE(real)
 
 #ifndef INTEGRATE_VIEW
 #define INTEGRATE_VIEW
-/* What the loops want of an engine, where they do not look for it again after every store. */
+/* What the loops want of an engine, where they do not look for it again after every store. For slots from `begin` on
+ * whose rows follow one another. */
 typedef struct view {
   columns k[SD_COORDINATES];
   const double *radius, *x0, *y0;
   double *seats, *sums;
+  size_t shift; /* from slots to rows of these */
   double dt, per_dt, half_dt2, moved_limit2, lower[2], upper[2];
   bool periodic[2];
   bool show; /* forces to the state */
 } view;
 
-static inline view view_of(const engine *e) {
+static inline view view_of(const engine *e, size_t begin) {
   const work *w = &e->work;
   view v = {.radius = e->state->radius,
             .x0 = w->x0,
             .y0 = w->y0,
             .seats = w->seats,
             .sums = w->sums.row,
+            .shift = (size_t)w->row[begin] - begin,
             .dt = w->dt,
             .per_dt = w->per_dt,
             .half_dt2 = w->half_dt2,
@@ -114,8 +117,9 @@ LANE_INLINE void LANE(lay_seat)(const view *v, size_t i, LANE(real) x, LANE(real
                                 LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
   const LANE(real) pose[] = {x, y, radius * theta, radius}, speed[] = {vx, vy, zero, zero};
-  LANE(lay4)(v->seats + SEAT_ROW * i, SEAT_ROW, pose);
-  LANE(lay4)(v->seats + SEAT_ROW * i + SEAT_VX, SEAT_ROW, speed);
+  double *seat = v->seats + SEAT_ROW * (i + v->shift);
+  LANE(lay4)(seat, SEAT_ROW, pose);
+  LANE(lay4)(seat + SEAT_VX, SEAT_ROW, speed);
 }
 
 LANE_INLINE void LANE(seat_at)(const view *v, size_t i) {
@@ -134,7 +138,8 @@ LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real)
 /* No contact has done anything to disks i ... yet. That the rows are written brings them into the cache. */
 LANE_INLINE void LANE(lay_nothing)(const view *v, size_t i) {
   const LANE(real) zero = LANE(splat)(0.0);
-  for (size_t k = 0; k < SUM_ROW; k++) LANE(store)(v->sums + SUM_ROW * i + LANE_WIDTH * k, zero);
+  double *sum = v->sums + SUM_ROW * (i + v->shift);
+  for (size_t k = 0; k < SUM_ROW; k++) LANE(store)(sum + LANE_WIDTH * k, zero);
 }
 
 /* Trial coordinates, and where the pairs see them. */
@@ -171,7 +176,7 @@ LANE_INLINE int LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LA
 /* What contacts do to the bodies: to sum, and where it is wanted to the state. */
 LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORDINATES]) {
   LANE(real) row[SUM_ROW];
-  LANE(lift4)(v->sums + SUM_ROW * i, SUM_ROW, row);
+  LANE(lift4)(v->sums + SUM_ROW * (i + v->shift), SUM_ROW, row);
   sum[SD_X] = row[SUM_X];
   sum[SD_Y] = row[SUM_Y];
   sum[SD_THETA] = row[SUM_TURN] * LANE(load)(v->radius + i);

@@ -22,12 +22,12 @@
 
 /* Poses to where the pairs see them. */
 static void seat(engine *e, size_t begin, size_t end) {
-  const view v = view_of(e);
-  FOR_LANES(LANE(seat_at)(&v, i), seat_at_w1(&v, i));
+  const view v = view_of(e, begin);
+  FOR_LANES((LANE(seat_at)(&v, i), LANE(lay_nothing)(&v, i)), (seat_at_w1(&v, i), lay_nothing_w1(&v, i)));
 }
 
 static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
-  const view v = view_of(e);
+  const view v = view_of(e, begin);
   int any = 0;
   if (ahead)
     FOR_LANES(any |= LANE(stale_at)(&v, i, 1), any |= stale_at_w1(&v, i, 1));
@@ -37,14 +37,14 @@ static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
 }
 
 LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int gear) {
-  const view v = view_of(e);
+  const view v = view_of(e, begin);
   FOR_LANES(LANE(predict_at)(&v, i, gear), predict_at_w1(&v, i, gear));
 }
 
 /* Notes disks whose angle or position must return into its range. */
 LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
-  const view v = view_of(e);
-  sums_add_listed(&e->work.sums, begin, end);
+  const view v = view_of(e, begin);
+  sums_add_listed(&e->work, begin, end);
   int out = 0, stale = 0;
   FOR_LANES(out |= LANE(correct_at)(&v, i, gear, &stale), out |= correct_at_w1(&v, i, gear, &stale));
   if (stale) mine->stale = true;
@@ -64,11 +64,11 @@ static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t en
 
 /* Of any bodies; prescribed ones are few. */
 static void gather(engine *e, size_t begin, size_t end) {
-  view v = view_of(e);
+  view v = view_of(e, begin);
   v.show = true;
-  sums_add_listed(&e->work.sums, begin, end);
+  sums_add_listed(&e->work, begin, end);
   for (size_t i = begin; i < end; i++) {
-    double sum[SD_COORDINATES], turn = v.sums[SUM_ROW * i + SUM_TURN];
+    double sum[SD_COORDINATES], turn = v.sums[SUM_ROW * (i + v.shift) + SUM_TURN];
     take_sum_w1(&v, i, sum);
     if (v.radius[i] == 0.0) v.k[SD_THETA].force[i] = turn;
   }

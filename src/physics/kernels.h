@@ -69,9 +69,10 @@ typedef struct kernels {
   /* Pairs [begin, end) in one pass, with the bodies where their seats are; what round ones do to bodies is added to the
    * sums. Round pairs go in whole blocks. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+  /* Here and below: of free disks those of one chunk at most at a time. */
   /* Bodies [begin, end): the sums to force_x, force_y, torque. That of a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
-  /* Seats of the bodies [begin, end) from their poses. */
+  /* Seats of the bodies [begin, end) from their poses; nothing has acted on them yet. */
   void (*seat)(engine *e, size_t begin, size_t end);
   /* Has a free disk of [begin, end) moved too far since the lists were built; ahead: will it have, after a step? */
   bool (*stale)(const engine *e, size_t begin, size_t end, bool ahead);

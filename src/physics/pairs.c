@@ -98,23 +98,17 @@ static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, si
   }
 }
 
-/* Those of nobody see the seat and the sum beyond the last body. */
-static void fill(const engine *e, pairs *p, size_t k) {
-  const sd_state *s = e->state;
-  const bool nobody = p->a[k] < 0;
-  const int32_t a = nobody ? (int32_t)s->n_bodies : p->a[k], b = nobody ? (int32_t)s->n_bodies : p->b[k];
-  PAIR(p, k, seat_a) = SEAT_ROW * a;
-  PAIR(p, k, seat_b) = SEAT_ROW * b;
-  PAIR(p, k, sum_a) = SUM_ROW * a;
-  PAIR(p, k, sum_b) = SUM_ROW * b;
-  PAIR(p, k, law) = nobody ? 0 : s->material[a] * (int32_t)e->model->n_materials + s->material[b];
+static int32_t law_of(const engine *e, const pairs *p, size_t k) {
+  const int32_t *material = e->state->material;
+  if (p->a[k] < 0) return 0;
+  return material[p->a[k]] * (int32_t)e->model->n_materials + material[p->b[k]];
 }
 
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   memset(to->block, 0, (to->count + PAIR_BLOCK - 1) / PAIR_BLOCK * sizeof *to->block);
   memset(to->side, 0, to->count * sizeof *to->side);
-  for (size_t k = 0; k < to->count; k++) fill(e, to, k);
+  for (size_t k = 0; k < to->count; k++) PAIR(to, k, law) = law_of(e, to, k);
   carry(from, to, 0, from->n_round, 0, to->n_round);
   carry(from, to, from->first_piece, from->count, to->first_piece, to->count);
   return SD_OK;
@@ -148,7 +142,46 @@ static sd_status list_incidence(engine *e) {
   return SD_OK;
 }
 
-/* --- sums -------------------------------------------------------------------------------------------- */
+/* --- seats and sums ---------------------------------------------------------------------------------- */
+
+/* How many bodies have, with that of nobody. */
+static size_t count_rows(const engine *e) {
+  return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
+}
+
+static sd_status reserve_rows(engine *e) {
+  work *w = &e->work;
+  if (!w->row) w->row = malloc((e->state->n_bodies + 1) * sizeof *w->row);
+  if (count_rows(e) > w->seats_capacity) {
+    room_free(w->seats);
+    w->seats_capacity = count_rows(e) + count_rows(e) / 4;
+    w->seats = room_for(w->seats_capacity, SEAT_ROW * sizeof *w->seats);
+  }
+  return w->row && w->seats ? SD_OK : SD_ERROR_IO;
+}
+
+/* Rows of free disks, of the other bodies, and of nobody: at (0, 0) without a radius, where it touches nothing. */
+static sd_status list_rows(engine *e) {
+  const size_t n_bodies = e->state->n_bodies, n_free = e->state->n_free;
+  work *w = &e->work;
+  const chunks *c = &w->chunks;
+  pairs *p = &w->pairs;
+  if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
+  for (size_t slot = 0; slot < n_free; slot++)
+    w->row[slot] = (int32_t)(c->row[slot / c->size] + slot % c->size);
+  for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
+  memset(w->seats + SEAT_ROW * (size_t)w->row[n_bodies], 0, SEAT_ROW * sizeof *w->seats);
+  for (size_t k = 0; k < p->count; k++) {
+    const bool nobody = p->a[k] < 0;
+    const int32_t a = w->row[nobody ? n_bodies : (size_t)p->a[k]];
+    const int32_t b = w->row[nobody ? n_bodies : (size_t)p->b[k]];
+    PAIR(p, k, seat_a) = SEAT_ROW * a;
+    PAIR(p, k, seat_b) = SEAT_ROW * b;
+    PAIR(p, k, sum_a) = SUM_ROW * a;
+    PAIR(p, k, sum_b) = SUM_ROW * b;
+  }
+  return SD_OK;
+}
 
 /* Are the contacts of this body wanted one by one, or in the share of another thread? */
 static bool is_listed(const engine *e, size_t slot) {
@@ -164,59 +197,64 @@ static bool is_listed(const engine *e, size_t slot) {
   return false;
 }
 
-static sd_status reserve_sums(engine *e, size_t listed, size_t rows) {
+/* Bodies whose contacts stand one by one. */
+static sd_status list_listed(engine *e) {
+  work *w = &e->work;
+  sums *m = &w->sums;
+  m->n_listed = 0;
+  for (size_t slot = 0; slot < e->state->n_bodies; slot++) {
+    if (!is_listed(e, slot)) continue;
+    if (m->n_listed + 1 >= m->listed_capacity) {
+      size_t capacity = 2 * m->listed_capacity + 16;
+      uint32_t *more = realloc(m->listed, capacity * sizeof *more);
+      if (!more) return SD_ERROR_IO;
+      m->listed = more;
+      m->listed_capacity = capacity;
+    }
+    m->listed[m->n_listed++] = (uint32_t)slot;
+    if (slot < e->state->n_free) chunks_put_off(&w->chunks, slot);
+  }
+  return SD_OK;
+}
+
+static sd_status reserve_sums(engine *e) {
   sums *m = &e->work.sums;
+  const incidence *n = &e->work.incidence;
+  size_t rows = count_rows(e);
+  for (size_t k = 0; k < m->n_listed; k++) rows += n->start[m->listed[k] + 1] - n->start[m->listed[k]];
   if (rows > m->capacity) {
     room_free(m->row);
     m->capacity = rows + rows / 4;
     m->row = room_for(m->capacity, SUM_ROW * sizeof *m->row);
   }
-  if (listed + 1 > m->listed_capacity) {
-    free(m->listed);
-    free(m->single);
-    m->listed_capacity = 2 * listed + 16;
-    m->listed = malloc(m->listed_capacity * sizeof *m->listed);
-    m->single = malloc(m->listed_capacity * sizeof *m->single);
-  }
-  return m->row && m->listed && m->single ? SD_OK : SD_ERROR_IO;
+  free(m->single);
+  m->single = malloc((m->n_listed + 1) * sizeof *m->single);
+  return m->row && m->single ? SD_OK : SD_ERROR_IO;
 }
 
 static sd_status list_sums(engine *e) {
-  const size_t n_bodies = e->state->n_bodies;
   work *w = &e->work;
   sums *m = &w->sums;
   const incidence *n = &w->incidence;
-  size_t listed = 0, rows = n_bodies + 1;
-  for (size_t slot = 0; slot < n_bodies; slot++) {
-    if (!is_listed(e, slot)) continue;
-    listed++;
-    rows += n->start[slot + 1] - n->start[slot];
-  }
-  if (reserve_sums(e, listed, rows) != SD_OK) return SD_ERROR_IO;
-  m->n_listed = 0;
-  m->first_single = m->end = n_bodies + 1;
-  for (size_t slot = 0; slot < n_bodies; slot++) {
-    if (!is_listed(e, slot)) continue;
-    m->listed[m->n_listed] = (uint32_t)slot;
-    m->single[m->n_listed++] = m->end;
-    if (slot < e->state->n_free) chunks_put_off(&w->chunks, slot);
-    for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++, m->end++) {
-      size_t k = n->entry[at] / 2;
-      *(n->entry[at] & 1 ? &PAIR(&w->pairs, k, sum_b) : &PAIR(&w->pairs, k, sum_a)) =
+  if (reserve_sums(e) != SD_OK) return SD_ERROR_IO;
+  m->first_single = m->end = count_rows(e);
+  for (size_t k = 0; k < m->n_listed; k++) {
+    m->single[k] = m->end;
+    for (size_t at = n->start[m->listed[k]]; at < n->start[m->listed[k] + 1]; at++, m->end++) {
+      size_t pair = n->entry[at] / 2;
+      *(n->entry[at] & 1 ? &PAIR(&w->pairs, pair, sum_b) : &PAIR(&w->pairs, pair, sum_a)) =
           (int32_t)(SUM_ROW * m->end);
     }
   }
   m->single[m->n_listed] = m->end;
-  chunks_plan_commits(&w->chunks);
   pairs_clear_single(e); /* the rows of another list stood here */
   return SD_OK;
 }
 
 void pairs_clear_single(engine *e) {
-  const size_t from = e->state->n_free, to = e->state->n_bodies;
   sums *m = &e->work.sums;
-  memset(m->row + SUM_ROW * from, 0, (to - from) * SUM_ROW * sizeof *m->row);
-  memset(m->row + SUM_ROW * m->first_single, 0, (m->end - m->first_single) * SUM_ROW * sizeof *m->row);
+  const size_t from = e->work.chunks.rows;
+  memset(m->row + SUM_ROW * from, 0, (m->end - from) * SUM_ROW * sizeof *m->row);
 }
 
 void pairs_clear_sums(engine *e) {
@@ -224,7 +262,8 @@ void pairs_clear_sums(engine *e) {
   memset(m->row, 0, m->end * SUM_ROW * sizeof *m->row);
 }
 
-void sums_add_listed(sums *m, size_t begin, size_t end) {
+void sums_add_listed(const work *w, size_t begin, size_t end) {
+  const sums *m = &w->sums;
   size_t low = 0, high = m->n_listed;
   while (low < high) {
     size_t middle = (low + high) / 2;
@@ -234,7 +273,7 @@ void sums_add_listed(sums *m, size_t begin, size_t end) {
       high = middle;
   }
   for (size_t n = low; n < m->n_listed && m->listed[n] < end; n++) {
-    double *sum = m->row + SUM_ROW * m->listed[n];
+    double *sum = m->row + SUM_ROW * (size_t)w->row[m->listed[n]];
     for (size_t c = 0; c < SUM_ROW; c++) sum[c] = 0.0;
     for (size_t at = m->single[n]; at < m->single[n + 1]; at++)
       for (size_t c = 0; c < SUM_ROW; c++) sum[c] += m->row[SUM_ROW * at + c];
@@ -242,9 +281,11 @@ void sums_add_listed(sums *m, size_t begin, size_t end) {
 }
 
 sd_status pairs_list(engine *e) {
-  sd_status status = chunks_plan(e);
-  if (status == SD_OK) status = list_incidence(e);
-  return status == SD_OK ? list_sums(e) : status;
+  work *w = &e->work;
+  if (chunks_plan(e) != SD_OK || list_incidence(e) != SD_OK || list_listed(e) != SD_OK) return SD_ERROR_IO;
+  chunks_plan_commits(&w->chunks);
+  if (chunks_plan_rows(&w->chunks, e->state->n_free) != SD_OK || list_rows(e) != SD_OK) return SD_ERROR_IO;
+  return list_sums(e);
 }
 
 void pairs_list_free(engine *e) {
@@ -255,6 +296,11 @@ void pairs_list_free(engine *e) {
   room_free(w->sums.row);
   free(w->sums.listed);
   free(w->sums.single);
+  room_free(w->seats);
+  free(w->row);
   w->incidence = (incidence){0};
+  w->seats = NULL;
+  w->row = NULL;
+  w->seats_capacity = 0;
   w->sums = (sums){0};
 }

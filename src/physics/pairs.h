@@ -15,17 +15,17 @@ enum { PAIR_OF_NOBODY = -1 };
 sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part);
 /* The round ones are complete: what follows begins with a whole block. */
 sd_status pairs_end_round(pairs *p);
-/* All are pushed: fills seats and laws, and memories with that of the same pairs in `from`, whose losses go along. */
+/* All are pushed: fills laws, and memories with that of the same pairs in `from`, whose losses go along. */
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to);
-/* Incidence, sums and shares of the present pairs. */
+/* Incidence, seats, sums and shares of the present pairs. */
 sd_status pairs_list(engine *e);
 void pairs_list_free(engine *e);
 /* Before forces are added: nothing acts on any body. */
 void pairs_clear_sums(engine *e);
-/* The same but for the rows of free disks, which predict clears. */
+/* The same but for the rows of free disks, which are cleared when they are seated. */
 void pairs_clear_single(engine *e);
 /* Of the listed bodies in slots [begin, end): adds up what stands one by one, in the order of the pairs. */
-void sums_add_listed(sums *m, size_t begin, size_t end);
+void sums_add_listed(const work *w, size_t begin, size_t end);
 
 static inline bool pairs_closed(const pairs *p, size_t k) {
   return PAIR(p, k, ex) != 0.0 || PAIR(p, k, ey) != 0.0;

@@ -8,7 +8,7 @@
  * or work.status, or takes the next step. */
 void step_once(engine *e, const team *t);
 /* Before n steps, on one thread, after whatever was done to bodies between steps. The forces on free disks are in the state
- * after the last of them, and where velocities are steered after each. */
+ * after the last of them, and where velocities are steered after each; not after a step that failed in a large system. */
 void step_begin(engine *e, int64_t n);
 
 #endif

@@ -24,9 +24,8 @@ typedef struct law_row {
  * others are written by the function named. */
 enum { PAIR_BLOCK = 8 };
 typedef struct pair_block {
-  _Alignas(64) int32_t seat_a[PAIR_BLOCK],
-      seat_b[PAIR_BLOCK];                       /* where the bodies' seats begin; neighbours_build */
-  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK]; /* where what it does to them is added; neighbours_build */
+  _Alignas(64) int32_t seat_a[PAIR_BLOCK], seat_b[PAIR_BLOCK]; /* where the bodies' seats begin; pairs_list */
+  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK]; /* where what it does to them is added; pairs_list */
   double ex[PAIR_BLOCK], ey[PAIR_BLOCK], star[PAIR_BLOCK];                                /* M */
   double overlap[PAIR_BLOCK], force[PAIR_BLOCK], stretch[PAIR_BLOCK], turned[PAIR_BLOCK]; /* M */
   double slip[PAIR_BLOCK]; /* M: the sign; what the last commit's cap took off */
@@ -64,7 +63,7 @@ typedef struct incidence {
  * up: the order is the same, that of the pairs. */
 enum { SUM_X, SUM_Y, SUM_TURN, SUM_ROW = 4 };
 typedef struct sums {
-  double *row; /* [n_bodies + 1 + entries of listed bodies][SUM_ROW]; gather leaves zeros in the first ones */
+  double *row;              /* [rows of bodies + entries of listed bodies][SUM_ROW] */
   size_t first_single, end; /* rows */
   uint32_t *listed;         /* slots, ascending */
   size_t n_listed;
@@ -84,14 +83,18 @@ typedef struct chunks {
   size_t share[WORK_MAX_THREADS + 1]; /* of each thread: the first chunk */
   bool *early, *late;                 /* wanted by another thread's pairs; pushed by another thread's pairs */
   bool any_early;
+  bool *kept;         /* has rows of its own, see chunks_plan_rows */
+  size_t *row, rows;  /* of its first disk, in seats and sums; how many there are */
   int64_t *predicted; /* the step whose trial coordinates its disks have; step */
+  int64_t *seated;    /* and whose its rows show, ~step of corrected ones; step */
   size_t *last;       /* after whose correction it can be committed; count: when all are through */
   size_t *commit_start;
   uint32_t *commit; /* chunks that can be committed after each */
 } chunks;
 
 /* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
- * motion_place write it with the pose; engine_seat does after changes between steps. */
+ * motion_place write it with the pose; engine_seat does after changes between steps. Free disks have a row in seats and
+ * sums only while pairs want them (chunks_plan_rows). */
 enum { SEAT_X, SEAT_Y, SEAT_ARC, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
 
 /* A straight piece of a wall in space; walls_place. */
@@ -149,14 +152,13 @@ typedef struct work {
   bool one_law;
   bool stale;        /* the lists, for the coming step; step_once */
   bool commit_last;  /* with Gear: when prescribed bodies, too, are where they end; step_begin */
-  int64_t begun;     /* no step has been taken since this one; step_begin */
   int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
   bool whole;        /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
   bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
   columns columns[SD_COORDINATES];
-  void *room;     /* columns of these, seats, and poses when the lists were built */
+  void *room;     /* columns of these, and poses when the lists were built */
   uint32_t *slot; /* [n_bodies] slot of a body number */
   const kernels *kernels;
   int n_threads;
@@ -166,7 +168,9 @@ typedef struct work {
   incidence incidence;
   sums sums;
   chunks chunks;
-  double *seats;             /* [n_bodies + 1][SEAT_ROW], the last for pairs of nobody */
+  int32_t *row;              /* [n_bodies + 1] of each body in seats and sums; the last is nobody's */
+  double *seats;             /* [rows of bodies][SEAT_ROW] */
+  size_t seats_capacity;     /* rows */
   double least_limit;        /* of the overlap, of the smallest body */
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
   double list_scale;         /* state->box_scale when the lists were built */
