@@ -93,34 +93,38 @@ static inline void segment_pass(engine *e, thread_work *mine, size_t at, int pas
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
-/* Blocks of pairs, as many as they are given at a time, in several loops: the roots and divisions of some are under way
- * while others are waited for. */
-enum { SIGHTS = 64 / VECTOR_WIDTH, BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
-#define FOR_VECTORS(k, v, statement)                                                                         \
-  for (size_t k = 0; k < vectors; k += BLOCK_VECTORS)                                                        \
-    for (size_t v = 0; v < BLOCK_VECTORS; v++) statement
-/* Blocks of the next round are on their way while this one is reckoned: their columns are not taken in a row, so that
- * processors do not foresee it. (Not a function: one that only fetches is taken for one that does nothing.) */
-#define FETCH(block)                                                                                         \
-  for (size_t line = 0; line < offsetof(pair_block, acted); line += 64)                                      \
-  __builtin_prefetch((const char *)(block) + line, 0, 3)
+/* Round pairs go block by block: while the forces of one are worked out, roots and divisions of the next are under way. */
+enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH, STAGES = 2 * BLOCK_VECTORS };
 
-LANE_INLINE void some_pairs(engine *e, thread_work *mine, pair_block *b, size_t vectors,
-                            const LANE(pass_constants) * one, const int kind) {
-  LANE(law_sight) seen[SIGHTS];
-  LANE(law_geometry) g[SIGHTS];
+/* The columns of a later block are on their way meanwhile: processors do not foresee them, and have room for some twenty
+ * lines at a time, so that each stage asks for a few. (Not a function: one that only fetches is taken for one that does
+ * nothing.) */
+enum { LINES = offsetof(pair_block, acted) / 64, AHEAD = 8 };
+#define FETCH(block, stage)                                                                                  \
+  for (size_t line = LINES * (stage) / STAGES; line < LINES * ((stage) + 1) / STAGES; line++)                \
+  __builtin_prefetch((const char *)(block) + 64 * line, 0, 3)
+
+LANE_INLINE void see_block(const engine *e, pair_block *b, LANE(law_geometry) g[BLOCK_VECTORS]) {
+  LANE(law_sight) seen[BLOCK_VECTORS];
+  for (size_t v = 0; v < BLOCK_VECTORS; v++) {
+    FETCH(b + AHEAD, v);
+    LANE(see)(&e->work, (LANE(place)){b, v * VECTOR_WIDTH}, &seen[v]);
+  }
+  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(law_geometry_at)(&seen[v], &g[v]);
+}
+
+LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks, const int kind) {
+  const LANE(pass_constants) one = LANE(pass_constants_of)(&e->work);
+  LANE(law_geometry) g[2][BLOCK_VECTORS];
   double *sum = e->work.sums.row;
-  for (size_t k = 0; k < vectors; k += BLOCK_VECTORS) {
-    FETCH(b + k / BLOCK_VECTORS + SIGHTS / BLOCK_VECTORS);
+  see_block(e, b, g[0]);
+  for (size_t k = 0; k < blocks; k++, b++) {
+    if (k + 1 < blocks) see_block(e, b + 1, g[(k + 1) % 2]);
     for (size_t v = 0; v < BLOCK_VECTORS; v++) {
-      if (k + v) LANE(law_geometry_at)(&seen[k + v - 1], &g[k + v - 1]);
-      LANE(see)(&e->work, (LANE(place)){b + k / BLOCK_VECTORS, v * VECTOR_WIDTH}, &seen[k + v]);
+      FETCH(b + 1 + AHEAD, BLOCK_VECTORS + v);
+      LANE(meet)(e, mine, (LANE(place)){b, v * VECTOR_WIDTH}, &g[k % 2][v], &one, sum, kind);
     }
   }
-  LANE(law_geometry_at)(&seen[vectors - 1], &g[vectors - 1]);
-  FOR_VECTORS(
-      k, v,
-      LANE(meet)(e, mine, (LANE(place)){b + k / BLOCK_VECTORS, v * VECTOR_WIDTH}, &g[k + v], one, sum, kind));
 }
 
 static __attribute__((noinline)) void some_pieces(engine *e, thread_work *mine, size_t begin, size_t end,
@@ -130,15 +134,11 @@ static __attribute__((noinline)) void some_pieces(engine *e, thread_work *mine, 
 
 LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, const int kind) {
   const pairs *p = &e->work.pairs;
-  const LANE(pass_constants) one = LANE(pass_constants_of)(&e->work);
-  size_t at = begin, round_end = end < p->first_piece ? end : p->first_piece;
-  while (at < round_end) {
-    size_t vectors = (round_end - at) / VECTOR_WIDTH;
-    if (vectors > SIGHTS) vectors = SIGHTS;
-    some_pairs(e, mine, p->block + at / PAIR_BLOCK, vectors, &one, kind);
-    at += vectors * VECTOR_WIDTH;
-  }
-  if (at < end) some_pieces(e, mine, at, end, kind & (PASS_FORCE | PASS_COMMIT));
+  const size_t round_end = end < p->first_piece ? end : p->first_piece;
+  if (begin < round_end)
+    round_pairs(e, mine, p->block + begin / PAIR_BLOCK, (round_end - begin) / PAIR_BLOCK, kind);
+  else if (begin < end)
+    some_pieces(e, mine, begin, end, kind & (PASS_FORCE | PASS_COMMIT));
 }
 
 /* A copy for each kind of pass, so that what it does not do costs nothing. */

@@ -67,7 +67,7 @@ typedef struct lanes_place lanes_place;
 typedef struct kernels {
   const char *name;
   /* Pairs [begin, end) in one pass, with the bodies where their seats are; what round ones do to bodies is added to the
-   * sums. Round pairs go in whole blocks. */
+   * sums. Round pairs go in whole blocks, and not together with pieces of straight walls. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
   /* Here and below: of free disks those of one chunk at most at a time. */
   /* Bodies [begin, end): the sums to force_x, force_y, torque. That of a straight wall is about its pivot. */
