@@ -4,20 +4,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Disks per chunk: few enough for the cache, and enough chunks for every thread. Multiples of 8. */
-enum { CHUNK_MOST = 2048, CHUNK_LEAST = 64, CHUNKS_PER_THREAD = 32 };
+/* Disks per chunk: few enough for the cache, and several chunks for every thread, so that few of them have to wait for
+ * other threads. */
+enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
 /* A piece of a straight wall, which goes by itself, costs as much as this many round pairs; a disk without any, too. */
 enum { PIECE_COST = 5, DISK_COST = 1 };
 
-static size_t chunk_size(size_t n_free, size_t threads) {
-  size_t size = n_free / (threads > 1 ? threads * CHUNKS_PER_THREAD : 1);
+static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
+
+/* Of a share of n disks, the last chunk may be smaller; all shares have room for as many. */
+static size_t chunk_size(size_t n) {
+  size_t size = (n + CHUNKS_PER_THREAD - 1) / CHUNKS_PER_THREAD;
   if (size > CHUNK_MOST) size = CHUNK_MOST;
   if (size < CHUNK_LEAST) size = CHUNK_LEAST;
-  return size / 8 * 8;
+  return rounded(size);
 }
 
 void chunks_free(chunks *c) {
+  free(c->begin);
+  free(c->of_disks);
   free(c->pair);
   free(c->piece);
   free(c->need_start);
@@ -34,9 +40,11 @@ void chunks_free(chunks *c) {
   *c = (chunks){0};
 }
 
-static sd_status reserve(chunks *c, size_t count) {
+static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   if (count <= c->capacity) return SD_OK;
   chunks_free(c);
+  c->begin = malloc((count + 1) * sizeof *c->begin);
+  c->of_disks = malloc((n_free / CHUNK_STEP + 1) * sizeof *c->of_disks);
   c->pair = malloc((count + 1) * sizeof *c->pair);
   c->piece = malloc((count + 1) * sizeof *c->piece);
   c->need_start = malloc((count + 1) * sizeof *c->need_start);
@@ -49,8 +57,8 @@ static sd_status reserve(chunks *c, size_t count) {
   c->last = malloc(count * sizeof *c->last);
   c->commit_start = malloc((count + 2) * sizeof *c->commit_start);
   c->commit = malloc(count * sizeof *c->commit);
-  bool all = c->pair && c->piece && c->need_start && c->kept && c->row && c->predicted && c->seated &&
-             c->early && c->late && c->last && c->commit_start && c->commit;
+  bool all = c->begin && c->of_disks && c->pair && c->piece && c->need_start && c->kept && c->row &&
+             c->predicted && c->seated && c->early && c->late && c->last && c->commit_start && c->commit;
   c->capacity = all ? count : 0;
   return all ? SD_OK : SD_ERROR_IO;
 }
@@ -59,7 +67,7 @@ static sd_status reserve(chunks *c, size_t count) {
 static void find_pairs(chunks *c, const pairs *p) {
   size_t k = 0, piece = p->first_piece;
   for (size_t n = 0; n <= c->count; n++) {
-    int32_t first = (int32_t)(n * c->size);
+    const int32_t first = (int32_t)c->begin[n];
     while (k < p->n_round && (n == c->count || p->a[k] < first)) k++;
     while (piece < p->count && (n == c->count || p->a[piece] < first)) piece++;
     size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
@@ -91,26 +99,14 @@ static sd_status find_needs(chunks *c, const pairs *p, size_t n_free) {
     for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
       for (int side = 0; side < 2; side++) {
         int32_t slot = side ? p->b[at] : p->a[at];
-        if (slot < 0 || (size_t)slot >= n_free || c->last[(size_t)slot / c->size] == k) continue;
-        size_t seen = (size_t)slot / c->size;
+        if (slot < 0 || (size_t)slot >= n_free || c->last[chunks_of_disk(c, (size_t)slot)] == k) continue;
+        size_t seen = chunks_of_disk(c, (size_t)slot);
         c->last[seen] = k;
         if (add_need(c, &n, (uint32_t)seen) != SD_OK) return SD_ERROR_IO;
       }
   }
   c->need_start[c->count] = n;
   return SD_OK;
-}
-
-static size_t cost(const chunks *c, size_t k) {
-  return c->pair[k] + PIECE_COST * (c->piece[k] - c->piece[0]) + DISK_COST * k * c->size;
-}
-
-static void share(chunks *c, size_t threads) {
-  size_t k = 0;
-  for (size_t t = 0; t <= threads; t++) {
-    while (k < c->count && cost(c, k) < cost(c, c->count) * t / threads) k++;
-    c->share[t] = t == threads ? c->count : k;
-  }
 }
 
 static int thread_of_chunk(const chunks *c, size_t k) {
@@ -130,25 +126,58 @@ static void find_early(chunks *c, int threads) {
           c->any_early = c->early[c->need[n]] = true;
 }
 
+/* Where the share of each thread begins, so that all cost the same. */
+static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *disk) {
+  const size_t all = p->n_round + PIECE_COST * (p->count - p->first_piece) + DISK_COST * n_free;
+  size_t k = 0, piece = p->first_piece, t = 1;
+  disk[0] = 0;
+  for (size_t d = 0; d < n_free; d += CHUNK_STEP) {
+    while (k < p->n_round && p->a[k] < (int32_t)d) k++;
+    while (piece < p->count && p->a[piece] < (int32_t)d) piece++;
+    const size_t cost = k + PIECE_COST * (piece - p->first_piece) + DISK_COST * d;
+    while (t < threads && cost >= all * t / threads) disk[t++] = d;
+  }
+  while (t <= threads) disk[t++] = n_free;
+}
+
+static void cut_shares(chunks *c, const size_t *disk) {
+  size_t k = 0;
+  for (int t = 0; t < c->n_threads; t++) {
+    c->share[t] = k;
+    for (size_t d = disk[t]; d < disk[t + 1]; d += c->size, k++) {
+      const size_t end = d + c->size < disk[t + 1] ? d + c->size : disk[t + 1];
+      c->begin[k] = d;
+      for (size_t n = d / CHUNK_STEP; n * CHUNK_STEP < end; n++) c->of_disks[n] = (uint32_t)k;
+    }
+  }
+  c->share[c->n_threads] = k;
+  c->begin[k] = disk[c->n_threads];
+}
+
 sd_status chunks_plan(engine *e) {
   work *w = &e->work;
   chunks *c = &w->chunks;
-  size_t n_free = e->state->n_free, size = chunk_size(n_free, (size_t)w->n_threads);
-  size_t count = (n_free + size - 1) / size;
-  if (reserve(c, count ? count : 1) != SD_OK) return SD_ERROR_IO;
+  const size_t n_free = e->state->n_free, threads = (size_t)w->n_threads;
+  size_t disk[WORK_MAX_THREADS + 1], most = 0, count = 0;
+  share_disks(&w->pairs, n_free, threads, disk);
+  for (size_t t = 0; t < threads; t++)
+    if (disk[t + 1] - disk[t] > most) most = disk[t + 1] - disk[t];
+  const size_t size = chunk_size(threads > 1 ? most : CHUNKS_PER_THREAD * n_free);
+  for (size_t t = 0; t < threads; t++) count += (disk[t + 1] - disk[t] + size - 1) / size;
+  if (reserve(c, count ? count : 1, n_free) != SD_OK) return SD_ERROR_IO;
   c->size = size;
   c->count = count;
   c->n_threads = w->n_threads;
+  cut_shares(c, disk);
   for (size_t k = 0; k < count; k++) c->predicted[k] = c->seated[k] = INT64_MIN;
   find_pairs(c, &w->pairs);
   if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
-  share(c, (size_t)w->n_threads);
   find_early(c, w->n_threads);
   return SD_OK;
 }
 
 int chunks_thread_of_disk(const engine *e, size_t slot) {
-  return thread_of_chunk(&e->work.chunks, slot / e->work.chunks.size);
+  return thread_of_chunk(&e->work.chunks, chunks_of_disk(&e->work.chunks, slot));
 }
 
 int chunks_thread_of_pair(const engine *e, size_t pair) {
@@ -231,7 +260,7 @@ sd_status chunks_plan_rows(chunks *c, size_t n_free) {
   give_rows(c, until, &pages);
   c->rows = pages.n * c->size;
   if (pages.n == c->count) {
-    for (size_t k = 0; k < c->count; k++) c->row[k] = k * c->size;
+    for (size_t k = 0; k < c->count; k++) c->row[k] = c->begin[k];
     c->rows = n_free;
   }
   free(until);

@@ -9,25 +9,24 @@
 
 #include "physics/work.h"
 
+/* Chunks begin at multiples of so many disks. */
+enum { CHUNK_STEP = 8 };
+
 /* From the present pairs. SD_ERROR_IO without memory. */
 sd_status chunks_plan(engine *e);
 void chunks_free(chunks *c);
+/* In which chunk is this free disk? */
+static inline size_t chunks_of_disk(const chunks *c, size_t slot) { return c->of_disks[slot / CHUNK_STEP]; }
 /* Which thread takes this pair, and which this free disk. */
 int chunks_thread_of_pair(const engine *e, size_t pair);
 int chunks_thread_of_disk(const engine *e, size_t slot);
 /* The disk has contacts in the share of another thread: its chunk is corrected when all are through. */
-static inline void chunks_put_off(chunks *c, size_t slot) { c->late[slot / c->size] = true; }
+static inline void chunks_put_off(chunks *c, size_t slot) { c->late[chunks_of_disk(c, slot)] = true; }
 /* When nothing more is put off: when can each chunk be committed? */
 void chunks_plan_commits(chunks *c);
 /* After that: rows in seats and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
  * them, so that they need not leave the cache; what other threads or commits at the end want keeps its own. SD_ERROR_IO
  * without memory. */
 sd_status chunks_plan_rows(chunks *c, size_t n_free);
-
-static inline size_t chunks_begin(const chunks *c, size_t k) { return k * c->size; }
-static inline size_t chunks_end(const chunks *c, size_t k, size_t n_free) {
-  size_t end = (k + 1) * c->size;
-  return end < n_free ? end : n_free;
-}
 
 #endif

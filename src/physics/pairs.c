@@ -167,8 +167,9 @@ static sd_status list_rows(engine *e) {
   const chunks *c = &w->chunks;
   pairs *p = &w->pairs;
   if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
-  for (size_t slot = 0; slot < n_free; slot++)
-    w->row[slot] = (int32_t)(c->row[slot / c->size] + slot % c->size);
+  for (size_t k = 0; k < c->count; k++)
+    for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot++)
+      w->row[slot] = (int32_t)(c->row[k] + slot - c->begin[k]);
   for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
   memset(w->seats + SEAT_ROW * (size_t)w->row[n_bodies], 0, SEAT_ROW * sizeof *w->seats);
   for (size_t k = 0; k < p->count; k++) {

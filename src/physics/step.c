@@ -75,8 +75,8 @@ static void look_at_all(engine *e, const team *t) {
   work *w = &e->work;
   predict_all(e, t);
   FOR_SHARES(t, share, w) {
-    size_t begin = w->chunks.share[share] * w->chunks.size, end = w->chunks.share[share + 1] * w->chunks.size;
-    if (end > e->state->n_free) end = e->state->n_free;
+    const chunks *c = &w->chunks;
+    const size_t begin = c->begin[c->share[share]], end = c->begin[c->share[share + 1]];
     w->threads[share].stale = begin < end && w->kernels->stale(e, begin, end, false);
   }
 }

@@ -9,7 +9,7 @@ void sweep_predict(engine *e, size_t k) {
   chunks *c = &e->work.chunks;
   if (c->predicted[k] == e->state->step + 1) return;
   c->predicted[k] = e->state->step + 1;
-  e->work.kernels->predict[e->model->integrator](e, chunks_begin(c, k), chunks_end(c, k, e->state->n_free));
+  e->work.kernels->predict[e->model->integrator](e, c->begin[k], c->begin[k + 1]);
 }
 
 /* What its rows show is named by `mark`. */
@@ -17,7 +17,7 @@ static void seat(engine *e, size_t k, int64_t mark) {
   chunks *c = &e->work.chunks;
   if (c->seated[k] == mark) return;
   c->seated[k] = mark;
-  e->work.kernels->seat(e, chunks_begin(c, k), chunks_end(c, k, e->state->n_free));
+  e->work.kernels->seat(e, c->begin[k], c->begin[k + 1]);
 }
 
 /* The predictor does it by the way. */
@@ -34,8 +34,7 @@ void sweep_seat(engine *e, size_t k) {
 
 void sweep_correct(engine *e, thread_work *mine, size_t k) {
   const chunks *c = &e->work.chunks;
-  e->work.kernels->correct[e->model->integrator](e, mine, chunks_begin(c, k),
-                                                 chunks_end(c, k, e->state->n_free));
+  e->work.kernels->correct[e->model->integrator](e, mine, c->begin[k], c->begin[k + 1]);
 }
 
 static void pass_pairs(engine *e, thread_work *mine, size_t k, int pass) {
@@ -95,9 +94,9 @@ void sweep_forces(engine *e) {
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) seat(e, c->need[n], INT64_MAX);
       pass_pairs(e, &w->threads[0], k, PASS_FORCE | PASS_COMMIT);
-      if (!c->late[k]) w->kernels->gather(e, chunks_begin(c, k), chunks_end(c, k, n_free));
+      if (!c->late[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
     }
   for (size_t k = 0; k < c->count; k++)
-    if (c->late[k]) w->kernels->gather(e, chunks_begin(c, k), chunks_end(c, k, n_free));
+    if (c->late[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
   w->kernels->gather(e, n_free, n_bodies);
 }

@@ -75,8 +75,10 @@ enum { WORK_MAX_THREADS = 64 };
 
 /* Chunks of free disks; chunks.h. Lists of chunks by chunk: those of k stand at [start[k], start[k + 1]). */
 typedef struct chunks {
-  size_t size, count, capacity; /* disks in each */
+  size_t size, count, capacity; /* disks in each, at most */
   int n_threads;
+  size_t *begin;        /* [count + 1] first disk */
+  uint32_t *of_disks;   /* chunk of each CHUNK_STEP disks */
   size_t *pair, *piece; /* [count + 1] where its round pairs and its pieces begin */
   size_t *need_start, need_capacity;
   uint32_t *need;                     /* chunks that its pairs see */
