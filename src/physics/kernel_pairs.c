@@ -106,6 +106,7 @@ enum { LINES = offsetof(pair_block, acted) / 64, AHEAD = 8 };
 
 LANE_INLINE void see_block(const engine *e, pair_block *b, LANE(law_geometry) g[BLOCK_VECTORS]) {
   LANE(law_sight) seen[BLOCK_VECTORS];
+#pragma GCC unroll 4
   for (size_t v = 0; v < BLOCK_VECTORS; v++) {
     FETCH(b + AHEAD, v);
     LANE(see)(&e->work, (LANE(place)){b, v * VECTOR_WIDTH}, &seen[v]);
@@ -120,6 +121,7 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
   see_block(e, b, g[0]);
   for (size_t k = 0; k < blocks; k++, b++) {
     if (k + 1 < blocks) see_block(e, b + 1, g[(k + 1) % 2]);
+#pragma GCC unroll 4
     for (size_t v = 0; v < BLOCK_VECTORS; v++) {
       FETCH(b + 1 + AHEAD, BLOCK_VECTORS + v);
       LANE(meet)(e, mine, (LANE(place)){b, v * VECTOR_WIDTH}, &g[k % 2][v], &one, sum, kind);
