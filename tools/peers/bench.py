@@ -23,6 +23,7 @@ class Setup:
     work: float = 1e7           # disk-steps in a repeat
     lammps: str = None          # programs that are there
     liggghts: str = None
+    lammps_native: str = None   # another LAMMPS, built for this machine: timed only
     say: callable = print
     versions: dict = dataclasses.field(default_factory=dict)
 
@@ -64,7 +65,9 @@ class Bench:
         found = {"slipdisk": self.slipdisk, "slipdisk, baseline": lambda cores: self.slipdisk(cores, "baseline")}
         if self.setup.lammps:
             for style in ("granular", "hooke"):
-                found[f"LAMMPS {style}"] = lambda cores, style=style: self.lammps(style, cores)
+                found[f"LAMMPS {style}"] = lambda cores, style=style: self.lammps("LAMMPS", style, cores)
+        if self.setup.lammps and self.setup.lammps_native:
+            found["LAMMPS hooke, native"] = lambda cores: self.lammps("LAMMPS, native", "hooke", cores)
         if self.setup.liggghts:
             found["LIGGGHTS"] = self.liggghts
         return found
@@ -79,10 +82,11 @@ class Bench:
         return programs.slipdisk(self.setup.program, self._write("timed.cfg", deck), self._path("timed.h5"), cores,
                                  path=path) / self.steps
 
-    def lammps(self, style, cores):
+    def lammps(self, name, style, cores):
         text = inputs.lammps_packing(style, "lammps.data", self.packing.mass.mean(), [self.warm, self.steps],
                                      packing.MEAN, ranks=len(cores))
-        return self._timed("LAMMPS", self.setup.lammps, f"{style}.in", text, cores)
+        program = self.setup.lammps if name == "LAMMPS" else self.setup.lammps_native
+        return self._timed(name, program, f"{style}.in", text, cores)
 
     def liggghts(self, cores):
         text = inputs.liggghts_packing("liggghts.data", [self.warm, self.steps], packing.MEAN, ranks=len(cores))

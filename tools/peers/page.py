@@ -4,7 +4,7 @@ import re
 
 from . import bench, inputs, timing
 
-ORDER = ("slipdisk", "slipdisk, baseline", "LAMMPS granular", "LAMMPS hooke", "LIGGGHTS")
+ORDER = ("slipdisk", "slipdisk, baseline", "LAMMPS granular", "LAMMPS hooke", "LAMMPS hooke, native", "LIGGGHTS")
 BUSY = 0.3  # load before the start above which a machine was not quiet
 
 
