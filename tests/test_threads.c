@@ -74,6 +74,44 @@ static void large_packings_do_not_depend_on_the_threads(void **unused) {
   }
 }
 
+/* Disks that fly and seldom meet: there are so few pairs that those of several chunks and threads stand in one block. */
+static sd_model *gas(int n, int wide, const char *integrator) {
+  text t = {0};
+  uint32_t draw = 7;
+  text_add(&t, "dt = 2e-5; seed = 5; integrator = \"%s\";\n", integrator);
+  text_add(&t,
+           "materials = ( { name = \"a\"; k_n = 2e4; k_t = 5e3; gamma_n = 0.2; mu = 0.3; } );\n"
+           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\"); density = 3.57; rows = (");
+  for (int i = 0; i < n; i++) {
+    double v[2];
+    for (int c = 0; c < 2; c++) {
+      draw = draw * 1664525u + 1013904223u;
+      v[c] = 12.0 * (draw / 4294967296.0 - 0.5);
+    }
+    text_add(&t, "%s(%g, %g, 0.003, %g, %g)", i ? ", " : "", 0.03 + 0.05 * (i % wide),
+             0.03 + 0.05 * (i / wide), v[0], v[1]);
+  }
+  double width = 0.05 * wide + 0.02, height = 0.05 * ((n - 1) / wide + 1) + 0.02;
+  text_add(&t,
+           "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; closed = true; points = ((0, 0), (%g, "
+           "0), (%g, %g), "
+           "(0, %g)); } );\nphases = ( { steps = 100000; } );\n",
+           width, width, height, height);
+  sd_model *model = model_of(t.s);
+  free(t.s);
+  return model;
+}
+
+static void gases_do_not_depend_on_the_threads(void **unused) {
+  (void)unused;
+  const int threads[] = {1, 2, 3, 7}, sizes[] = {1100, 2600};
+  for (int c = 0; c < 4; c++) {
+    sd_model *model = gas(sizes[c / 2], 40, c & 1 ? "verlet" : "gear5");
+    compare(model, 800, threads, 4, false, "a gas");
+    sd_model_free(model);
+  }
+}
+
 static void small_packings_do_not_depend_on_the_threads(void **unused) {
   (void)unused;
   const int threads[] = {1, 2, 5}, sizes[] = {2, 3, 7, 8, 9, 17};
@@ -131,6 +169,7 @@ int main(int argc, char **argv) {
   }
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(large_packings_do_not_depend_on_the_threads),
+      cmocka_unit_test(gases_do_not_depend_on_the_threads),
       cmocka_unit_test(small_packings_do_not_depend_on_the_threads),
       cmocka_unit_test(fewer_threads_than_asked_for_do_all_the_work),
       cmocka_unit_test(threads_may_change_on_the_way),

@@ -8,8 +8,8 @@
  * other threads. */
 enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
-/* A piece of a straight wall, which goes by itself, costs as much as this many round pairs; a disk without any, too. */
-enum { PIECE_COST = 5, DISK_COST = 1 };
+/* A piece of a straight wall costs as much as this many round pairs; a disk without any, too. */
+enum { PIECE_COST = 4, DISK_COST = 1 };
 
 static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
 
@@ -219,9 +219,10 @@ typedef struct page_list {
   size_t n;
 } page_list;
 
-/* A page that is free from chunk k on; they are few. */
+/* A page that is free from chunk k on; they are few. What is kept gets a new one: it may be seated before the share
+ * begins, when earlier chunks still want all others. */
 static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
-  size_t page = first;
+  size_t page = until == SIZE_MAX ? l->n : first;
   while (page < l->n && l->until[page] >= k) page++;
   if (page == l->n) l->n++;
   l->until[page] = until;
@@ -259,7 +260,8 @@ sd_status chunks_plan_rows(chunks *c, size_t n_free) {
   find_ends(c, until);
   give_rows(c, until, &pages);
   c->rows = pages.n * c->size;
-  if (pages.n == c->count) {
+  c->shares = pages.n < c->count;
+  if (!c->shares) {
     for (size_t k = 0; k < c->count; k++) c->row[k] = c->begin[k];
     c->rows = n_free;
   }

@@ -21,9 +21,11 @@ static inline bool engine_in_play(const sd_state *s, size_t slot) {
   return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
 }
 
-/* Where the pairs see the prescribed body in this slot, from its pose. */
+/* Where the pairs see the body in this slot, from its pose, should it be a prescribed one: free disks are seated in every
+ * step. */
 static inline void engine_seat(const engine *e, size_t slot) {
   const sd_state *s = e->state;
+  if (slot < s->n_free) return;
   double *row = e->work.seats + SEAT_ROW * (size_t)e->work.row[slot];
   row[SEAT_X] = s->x[slot];
   row[SEAT_Y] = s->y[slot];

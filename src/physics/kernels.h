@@ -69,7 +69,7 @@ typedef struct kernels {
   /* Pairs [begin, end) in one pass, with the bodies where their seats are; what round ones do to bodies is added to the
    * sums. Round pairs go in whole blocks, and not together with pieces of straight walls. */
   void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
-  /* Here and below: of free disks those of one chunk at most at a time. */
+  /* Here and below, but for stale: of free disks those of one chunk at a time, where chunks share rows. */
   /* Bodies [begin, end): the sums to force_x, force_y, torque. That of a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
   /* Seats of the bodies [begin, end) from their poses; nothing has acted on them yet. */

@@ -238,7 +238,7 @@ static sd_status list_sums(engine *e) {
   sums *m = &w->sums;
   const incidence *n = &w->incidence;
   if (reserve_sums(e) != SD_OK) return SD_ERROR_IO;
-  m->first_single = m->end = count_rows(e);
+  m->end = count_rows(e);
   for (size_t k = 0; k < m->n_listed; k++) {
     m->single[k] = m->end;
     for (size_t at = n->start[m->listed[k]]; at < n->start[m->listed[k] + 1]; at++, m->end++) {

@@ -121,7 +121,7 @@ void step_once(engine *e, const team *t) {
   if (first) {
     if (contacts_any_event(w)) w->status = contacts_events(e, w->messages);
     /* no other step will show the forces; where chunks share rows they are gone */
-    if (w->status != SD_OK && w->chunks.rows == e->state->n_free) w->kernels->gather(e, 0, e->state->n_free);
+    if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);
     e->state->step++;
   }
 }

@@ -71,14 +71,17 @@ void sweep_share(engine *e, int t) {
   }
 }
 
-/* Where all have waited, rows show later chunks. Those that are kept show the corrected coordinates already. */
+/* Where all have waited, shared rows show later chunks. The others show the corrected coordinates already. */
 void sweep_commit_last(engine *e, int t) {
   const work *w = &e->work;
   const chunks *c = &w->chunks;
   for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
     if (!w->commit_last && c->last[k] < c->count) continue;
-    if (w->commit_last) FOR_NEEDS(n, c, k, t)
-    if (!c->kept[n]) seat(e, n, ~(e->state->step + 1));
+    if (w->commit_last && c->shares) {
+      FOR_NEEDS(n, c, k, t) {
+        if (!c->kept[n]) seat(e, n, ~(e->state->step + 1));
+      }
+    }
     pass_pairs(e, &e->work.threads[t], k, PASS_COMMIT);
   }
 }

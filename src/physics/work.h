@@ -63,9 +63,9 @@ typedef struct incidence {
  * up: the order is the same, that of the pairs. */
 enum { SUM_X, SUM_Y, SUM_TURN, SUM_ROW = 4 };
 typedef struct sums {
-  double *row;              /* [rows of bodies + entries of listed bodies][SUM_ROW] */
-  size_t first_single, end; /* rows */
-  uint32_t *listed;         /* slots, ascending */
+  double *row;      /* [rows of bodies + entries of listed bodies][SUM_ROW] */
+  size_t end;       /* rows */
+  uint32_t *listed; /* slots, ascending */
   size_t n_listed;
   size_t *single; /* [n_listed + 1] first row of each */
   size_t capacity, listed_capacity;
@@ -86,6 +86,7 @@ typedef struct chunks {
   bool *early, *late;                 /* wanted by another thread's pairs; pushed by another thread's pairs */
   bool any_early;
   bool *kept;         /* has rows of its own, see chunks_plan_rows */
+  bool shares;        /* others take over rows of earlier ones */
   size_t *row, rows;  /* of its first disk, in seats and sums; how many there are */
   int64_t *predicted; /* the step whose trial coordinates its disks have; step */
   int64_t *seated;    /* and whose its rows show, ~step of corrected ones; step */
@@ -95,7 +96,7 @@ typedef struct chunks {
 } chunks;
 
 /* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
- * motion_place write it with the pose; engine_seat does after changes between steps. Free disks have a row in seats and
+ * motion_place write it with the pose. Free disks have a row in seats and
  * sums only while pairs want them (chunks_plan_rows). */
 enum { SEAT_X, SEAT_Y, SEAT_ARC, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
 
