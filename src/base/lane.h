@@ -198,8 +198,10 @@ LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1
 /* --- rows ------------------------------------------------------------------------------------------------- */
 
 /* Rows of numbers, one per lane, against vectors: pick, number c of each lane's row in vector c; lay and lift, the rows of
- * consecutive lanes out and in; add, the row of each lane (of four) to that at rows + to[lane], and with the signs of
- * the first two turned over to that at rows + turned[lane], one lane after the other. */
+ * consecutive lanes out and in. In rows of four the even numbers take turns with the signs of the odd ones: across4 picks
+ * the differences b - a of the even and the sums of the odd numbers of rows + b[lane] and rows + a[lane], across2 both
+ * differences; add4 adds the row of each lane to that at rows + to[lane] and takes it, but for the odd ones, off that at
+ * rows + from[lane], one lane after the other. */
 #if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
 typedef double LANE(four) __attribute__((vector_size(32)));
 typedef double LANE(two) __attribute__((vector_size(16)));
@@ -226,34 +228,58 @@ LANE_INLINE LANE(four) LANE(load_four)(const double *p) { return *(const LANE(lo
 LANE_INLINE void LANE(store_four)(double *p, LANE(four) a) { *(LANE(loose_four) *)p = a; }
 LANE_INLINE LANE(two) LANE(load_two)(const double *p) { return *(const LANE(loose_two) *)p; }
 
+/* Differences of the even, sums of the odd numbers. */
+LANE_INLINE LANE(four) LANE(across)(LANE(four) b, LANE(four) a) {
+#if defined(__AVX__)
+  return (LANE(four))_mm256_addsub_pd((__m256d)b, (__m256d)a);
+#else
+  const LANE(four) sign = {-0.0, 0.0, -0.0, 0.0};
+  return b + (LANE(four))((LANE(four_bits))a ^ (LANE(four_bits))sign);
+#endif
+}
+
+LANE_INLINE LANE(four) LANE(across_row)(const double *rows, int32_t a, int32_t b) {
+  return LANE(across)(LANE(load_four)(rows + b), LANE(load_four)(rows + a));
+}
+
+LANE_INLINE LANE(block) LANE(across_block)(const double *rows, const int32_t *a, const int32_t *b) {
+  return LANE(transpose)((LANE(block)){LANE(across_row)(rows, a[0], b[0]), LANE(across_row)(rows, a[1], b[1]),
+                                       LANE(across_row)(rows, a[2], b[2]),
+                                       LANE(across_row)(rows, a[3], b[3])});
+}
+
 LANE_INLINE LANE(block) LANE(pick_block)(const double *rows, const int32_t *at) {
   return LANE(transpose)((LANE(block)){LANE(load_four)(rows + at[0]), LANE(load_four)(rows + at[1]),
                                        LANE(load_four)(rows + at[2]), LANE(load_four)(rows + at[3])});
 }
 
-/* The first two columns of such a block. */
-LANE_INLINE void LANE(pick_half)(const double *rows, const int32_t *at, LANE(four) c[2]) {
+LANE_INLINE LANE(two) LANE(across_two)(const double *rows, int32_t a, int32_t b) {
+  return LANE(load_two)(rows + b) - LANE(load_two)(rows + a);
+}
+
+/* Rows of two. */
+LANE_INLINE void LANE(across_half)(const double *rows, const int32_t *a, const int32_t *b, LANE(four) c[2]) {
   LANE(four)
-  even = __builtin_shufflevector(LANE(load_two)(rows + at[0]), LANE(load_two)(rows + at[2]), 0, 1, 2, 3);
+  even = __builtin_shufflevector(LANE(across_two)(rows, a[0], b[0]), LANE(across_two)(rows, a[2], b[2]), 0, 1,
+                                 2, 3);
   LANE(four)
-  odd = __builtin_shufflevector(LANE(load_two)(rows + at[1]), LANE(load_two)(rows + at[3]), 0, 1, 2, 3);
+  odd = __builtin_shufflevector(LANE(across_two)(rows, a[1], b[1]), LANE(across_two)(rows, a[3], b[3]), 0, 1,
+                                2, 3);
   c[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
   c[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
 }
 
-LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t turned, LANE(four) row) {
-  const LANE(four) sign = {-0.0, -0.0, 0.0, 0.0};
+LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t from, LANE(four) row) {
   LANE(store_four)(rows + to, LANE(load_four)(rows + to) + row);
-  row = (LANE(four))((LANE(four_bits))row ^ (LANE(four_bits))sign);
-  LANE(store_four)(rows + turned, LANE(load_four)(rows + turned) + row);
+  LANE(store_four)(rows + from, LANE(across)(LANE(load_four)(rows + from), row));
 }
 
-LANE_INLINE void LANE(add_block)(double *rows, const int32_t *to, const int32_t *turned, LANE(block) m) {
+LANE_INLINE void LANE(add_block)(double *rows, const int32_t *to, const int32_t *from, LANE(block) m) {
   m = LANE(transpose)(m);
-  LANE(add_row)(rows, to[0], turned[0], m.r0);
-  LANE(add_row)(rows, to[1], turned[1], m.r1);
-  LANE(add_row)(rows, to[2], turned[2], m.r2);
-  LANE(add_row)(rows, to[3], turned[3], m.r3);
+  LANE(add_row)(rows, to[0], from[0], m.r0);
+  LANE(add_row)(rows, to[1], from[1], m.r1);
+  LANE(add_row)(rows, to[2], from[2], m.r2);
+  LANE(add_row)(rows, to[3], from[3], m.r3);
 }
 
 LANE_INLINE void LANE(lay_block)(double *rows, size_t stride, LANE(block) m) {
@@ -279,11 +305,15 @@ LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c
   LANE(block) m = LANE(pick_block)(rows, at);
   c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
 }
-LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
-  LANE(pick_half)(rows, at, c);
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+  LANE(block) m = LANE(across_block)(rows, a, b);
+  c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
-  LANE(add_block)(rows, to, turned, (LANE(block)){c[0], c[1], c[2], c[3]});
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+  LANE(across_half)(rows, a, b, c);
+}
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+  LANE(add_block)(rows, to, from, (LANE(block)){c[0], c[1], c[2], c[3]});
 }
 LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(lay_block)(rows, stride, (LANE(block)){c[0], c[1], c[2], c[3]});
@@ -314,16 +344,23 @@ LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4])
   c[2] = LANE(whole)(m.r2, n.r2);
   c[3] = LANE(whole)(m.r3, n.r3);
 }
-LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+  LANE(block) m = LANE(across_block)(rows, a, b), n = LANE(across_block)(rows, a + 4, b + 4);
+  c[0] = LANE(whole)(m.r0, n.r0);
+  c[1] = LANE(whole)(m.r1, n.r1);
+  c[2] = LANE(whole)(m.r2, n.r2);
+  c[3] = LANE(whole)(m.r3, n.r3);
+}
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
   LANE(four) m[2], n[2];
-  LANE(pick_half)(rows, at, m);
-  LANE(pick_half)(rows, at + 4, n);
+  LANE(across_half)(rows, a, b, m);
+  LANE(across_half)(rows, a + 4, b + 4, n);
   c[0] = LANE(whole)(m[0], n[0]);
   c[1] = LANE(whole)(m[1], n[1]);
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
-  LANE(add_block)(rows, to, turned, LANE(lows)(c));
-  LANE(add_block)(rows, to + 4, turned + 4, LANE(highs)(c));
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+  LANE(add_block)(rows, to, from, LANE(lows)(c));
+  LANE(add_block)(rows, to + 4, from + 4, LANE(highs)(c));
 }
 LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(lay_block)(rows, stride, LANE(lows)(c));
@@ -340,28 +377,45 @@ LANE_INLINE LANE(real) LANE(firsts)(LANE(real) a, LANE(real) b) {
 LANE_INLINE LANE(real) LANE(seconds)(LANE(real) a, LANE(real) b) {
   return __builtin_shufflevector(a, b, 1, 3);
 }
-LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
-  LANE(real)
-  a = LANE(load_two)(rows + at[0]), b = LANE(load_two)(rows + at[1]);
-  c[0] = LANE(firsts)(a, b);
-  c[1] = LANE(seconds)(a, b);
-}
 LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
-  LANE(pick2)(rows, at, c);
-  LANE(pick2)(rows + 2, at, c + 2);
+  for (int k = 0; k < 4; k += 2) {
+    LANE(real) one = LANE(load_two)(rows + at[0] + k), two = LANE(load_two)(rows + at[1] + k);
+    c[k] = LANE(firsts)(one, two);
+    c[k + 1] = LANE(seconds)(one, two);
+  }
 }
 LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
   LANE(pick4)(rows, (const int32_t[]){0, (int32_t)stride}, c);
 }
-LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t turned, LANE(real) a, LANE(real) b) {
+LANE_INLINE LANE(real) LANE(across)(LANE(real) b, LANE(real) a) {
+  const LANE(real) sign = {-0.0, 0.0};
+  return b + LANE(as_real)(LANE(as_bits)(a) ^ LANE(as_bits)(sign));
+}
+LANE_INLINE LANE(real) LANE(across_two)(const double *rows, int32_t a, int32_t b) {
+  return LANE(across)(LANE(load_two)(rows + b), LANE(load_two)(rows + a));
+}
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+  for (int k = 0; k < 4; k += 2) {
+    LANE(real) one = LANE(across_two)(rows + k, a[0], b[0]), two = LANE(across_two)(rows + k, a[1], b[1]);
+    c[k] = LANE(firsts)(one, two);
+    c[k + 1] = LANE(seconds)(one, two);
+  }
+}
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+  LANE(real) one = LANE(load_two)(rows + b[0]) - LANE(load_two)(rows + a[0]);
+  LANE(real) two = LANE(load_two)(rows + b[1]) - LANE(load_two)(rows + a[1]);
+  c[0] = LANE(firsts)(one, two);
+  c[1] = LANE(seconds)(one, two);
+}
+LANE_INLINE void LANE(add_row)(double *rows, int32_t to, int32_t from, LANE(real) a, LANE(real) b) {
   LANE(store_two)(rows + to, LANE(load_two)(rows + to) + a);
   LANE(store_two)(rows + to + 2, LANE(load_two)(rows + to + 2) + b);
-  LANE(store_two)(rows + turned, LANE(load_two)(rows + turned) - a);
-  LANE(store_two)(rows + turned + 2, LANE(load_two)(rows + turned + 2) + b);
+  LANE(store_two)(rows + from, LANE(across)(LANE(load_two)(rows + from), a));
+  LANE(store_two)(rows + from + 2, LANE(across)(LANE(load_two)(rows + from + 2), b));
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
-  LANE(add_row)(rows, to[0], turned[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
-  LANE(add_row)(rows, to[1], turned[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
+  LANE(add_row)(rows, to[0], from[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
+  LANE(add_row)(rows, to[1], from[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
 }
 LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(store_two)(rows, LANE(firsts)(c[0], c[1]));
@@ -385,16 +439,25 @@ LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) 
 LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
   LANE(pick)(rows, at, 4, c);
 }
-LANE_INLINE void LANE(pick2)(const double *rows, const int32_t *at, LANE(real) c[2]) {
-  LANE(pick)(rows, at, 2, c);
+LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
+  LANE(real) of_a[2], of_b[2];
+  LANE(pick)(rows, a, 2, of_a);
+  LANE(pick)(rows, b, 2, of_b);
+  for (int k = 0; k < 2; k++) c[k] = of_b[k] - of_a[k];
 }
-LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *turned, const LANE(real) c[4]) {
+LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
+  LANE(real) of_a[4], of_b[4];
+  LANE(pick4)(rows, a, of_a);
+  LANE(pick4)(rows, b, of_b);
+  for (int k = 0; k < 4; k++) c[k] = k % 2 ? of_b[k] + of_a[k] : of_b[k] - of_a[k];
+}
+LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
   double column[4][LANE_WIDTH];
   for (int k = 0; k < 4; k++) LANE(store)(column[k], c[k]);
   for (int l = 0; l < LANE_WIDTH; l++)
     for (int k = 0; k < 4; k++) {
       rows[to[l] + k] += column[k][l];
-      rows[turned[l] + k] += k < 2 ? -column[k][l] : column[k][l];
+      rows[from[l] + k] += k % 2 ? column[k][l] : -column[k][l];
     }
 }
 LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {

@@ -116,7 +116,8 @@ LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt
 LANE_INLINE void LANE(lay_seat)(const view *v, size_t i, LANE(real) x, LANE(real) y, LANE(real) theta,
                                 LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
-  const LANE(real) pose[] = {x, y, radius * theta, radius}, speed[] = {vx, vy, zero, zero};
+  const LANE(real) pose[] = {[SEAT_X] = x, [SEAT_Y] = y, [SEAT_ARC] = radius * theta, [SEAT_RADIUS] = radius};
+  const LANE(real) speed[] = {vx, vy, zero, zero};
   double *seat = v->seats + SEAT_ROW * (i + v->shift);
   LANE(lay4)(seat, SEAT_ROW, pose);
   LANE(lay4)(seat + SEAT_VX, SEAT_ROW, speed);

@@ -22,38 +22,34 @@
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
-/* Round pairs go block by block: while the forces of one are worked out, roots and divisions of the next are under way. */
-enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH, STAGES = 2 * BLOCK_VECTORS };
+/* Round pairs go block by block. What is seen of a vector of the next one, its root and its division, is under way while
+ * the law of this one is worked out: nothing in a row waits for these, and processors look only some hundred
+ * instructions ahead. */
+enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
+#define PLACE(block, v) ((LANE(place)){(block), (v)*VECTOR_WIDTH})
 
 /* The columns of a later block are on their way meanwhile: processors do not foresee them, and have room for some twenty
- * lines at a time, so that each stage asks for a few. (Not a function: one that only fetches is taken for one that does
+ * lines at a time, so that each vector asks for some. (Not a function: one that only fetches is taken for one that does
  * nothing.) */
-enum { LINES = offsetof(pair_block, acted) / 64, AHEAD = 8 };
-#define FETCH(block, stage)                                                                                  \
-  for (size_t line = LINES * (stage) / STAGES; line < LINES * ((stage) + 1) / STAGES; line++)                \
+enum { LINES = offsetof(pair_block, acted) / 64, AHEAD = 9 };
+#define FETCH(block, v)                                                                                      \
+  for (size_t line = LINES * (v) / BLOCK_VECTORS; line < LINES * ((v) + 1) / BLOCK_VECTORS; line++)          \
   __builtin_prefetch((const char *)(block) + 64 * line, 0, 3)
-
-LANE_INLINE void see_block(const engine *e, pair_block *b, LANE(law_geometry) g[BLOCK_VECTORS]) {
-  LANE(law_sight) seen[BLOCK_VECTORS];
-#pragma GCC unroll 4
-  for (size_t v = 0; v < BLOCK_VECTORS; v++) {
-    FETCH(b + AHEAD, v);
-    LANE(see)(&e->work, (LANE(place)){b, v * VECTOR_WIDTH}, &seen[v]);
-  }
-  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(law_geometry_at)(&seen[v], &g[v]);
-}
 
 LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks, const int kind) {
   const LANE(pass_constants) one = LANE(pass_constants_of)(&e->work);
-  LANE(law_geometry) g[2][BLOCK_VECTORS];
+  LANE(law_sight) seen[BLOCK_VECTORS];
   double *sum = e->work.sums.row;
-  see_block(e, b, g[0]);
+  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(see)(&e->work, PLACE(b, v), &seen[v]);
   for (size_t k = 0; k < blocks; k++, b++) {
-    if (k + 1 < blocks) see_block(e, b + 1, g[(k + 1) % 2]);
+    pair_block *next = k + 1 < blocks ? b + 1 : b;
 #pragma GCC unroll 4
     for (size_t v = 0; v < BLOCK_VECTORS; v++) {
-      FETCH(b + 1 + AHEAD, BLOCK_VECTORS + v);
-      LANE(meet)(e, mine, (LANE(place)){b, v * VECTOR_WIDTH}, &g[k % 2][v], &one, sum, kind);
+      LANE(law_geometry) g;
+      FETCH(b + AHEAD, v);
+      LANE(law_geometry_at)(&seen[v], &g);
+      LANE(see)(&e->work, PLACE(next, v), &seen[v]);
+      LANE(meet)(e, mine, PLACE(b, v), &g, &one, sum, kind);
     }
   }
 }

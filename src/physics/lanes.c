@@ -362,7 +362,8 @@ static void store_memory(const lanes *l, size_t lane) {
     const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
     double tau = *cell(l, l->pair[k], PAIR_TAU, lane);
     double *on_a = e->work.sums.row + PAIR(p, n, sum_a), *on_b = e->work.sums.row + PAIR(p, n, sum_b);
-    for (int c = 0; c < 2; c++) on_a[c] -= push[c], on_b[c] += push[c];
+    on_a[SUM_X] -= push[0], on_b[SUM_X] += push[0];
+    on_a[SUM_Y] -= push[1], on_b[SUM_Y] += push[1];
     on_a[SUM_TURN] += tau;
     on_b[SUM_TURN] += tau;
   }

@@ -52,6 +52,7 @@ enum {
   PAIR_FX, /* last force pass */
   PAIR_FY,
   PAIR_TAU,
+  PAIR_ACTED,  /* F_n there, where the contact was open */
   PAIR_WAS_EX, /* rare events of a commit: what was remembered, and what is to be booked */
   PAIR_WAS_EY,
   PAIR_DROP,

@@ -209,7 +209,8 @@ LANE_INLINE void PASS(push)(const lanes *l, const PASS(shape) * s, PASS(flight) 
   LANE(real) scale = s->conservative ? w->geometry[k].lever : LANE(splat)(1.0);
   f->push[k] = LANE(law_force)(&w->geometry[k], &w->out[k], &c, scale);
   /* a commit looks at the force that acted where the contact was open */
-  if (__builtin_expect(LANE(any)(LANE(not )(w->in[k].was_closed)), 0)) PASS(put_push)(l, f, k);
+  if (__builtin_expect(LANE(any)(LANE(not )(w->in[k].was_closed)), 0))
+    PASS(set_row)(PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS), PAIR_ACTED, w->out[k].force);
 }
 
 LANE_INLINE LANE(real) PASS(component)(const LANE(law_push) * push, int c) {
@@ -342,7 +343,7 @@ LANE_INLINE LANE(mask)
                        &f->m[k]);
   LANE(mask) rare = b.rare;
   if (__builtin_expect(LANE(any)(rare | LANE(not )(in->was_closed)), 0)) {
-    LANE(real) fx = PASS(row)(p, PAIR_FX), fy = PASS(row)(p, PAIR_FY), acted = LANE(root)(fx * fx + fy * fy);
+    LANE(real) acted = PASS(row)(p, PAIR_ACTED);
     LANE(mask) near = LANE(law_near)(in, &w->geometry[k], &w->out[k], dt);
     LANE(law_turn_over)(in, &w->geometry[k], &w->out[k], &c, &before, dt, &f->m[k], &b);
     rare = rare | (near & LANE(greater)(acted, LANE(splat)(0.0)));

@@ -55,6 +55,7 @@ typedef struct LANE(law_sight) {
   LANE(real) dx, dy, sum, arc;
   LANE(real) dot;   /* of the way and the velocity */
   LANE(real) cross; /* of the reference direction and the way */
+  LANE(real) r, inverse_r;
 } LANE(law_sight);
 
 /* Field by field, here and below: compilers take copies of the whole apart. */
@@ -65,17 +66,18 @@ LANE_INLINE void LANE(law_look)(const LANE(law_input) * in, LANE(law_sight) * g)
   g->arc = in->arc;
   g->dot = in->dvx * in->dx + in->dvy * in->dy;
   g->cross = in->ex * in->dy - in->ey * in->dx;
-}
-
-LANE_INLINE void LANE(law_geometry_at)(const LANE(law_sight) * in, LANE(law_geometry) * g) {
   /* the floor under r^2 keeps a centre on a centre finite; it also turns a pose that is not a number into a touch, so
    * that the step in which it came to be is the one that is looked at */
   LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
-  r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & LAW_SIGN));
-  LANE(real) inverse_r = 1.0 / r;
+  g->r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & LAW_SIGN));
+  g->inverse_r = 1.0 / g->r;
+}
+
+LANE_INLINE void LANE(law_geometry_at)(const LANE(law_sight) * in, LANE(law_geometry) * g) {
+  LANE(real) inverse_r = in->inverse_r;
   g->nx = in->dx * inverse_r;
   g->ny = in->dy * inverse_r;
-  g->reach = in->sum - r;
+  g->reach = in->sum - in->r;
   g->approach = in->dot * inverse_r;
   g->lever = in->sum * inverse_r;
   /* angle since the reference direction: asin series */
@@ -198,7 +200,7 @@ LANE_INLINE LANE(real) LANE(law_direction)(const LANE(law_booked) * b, const LAN
 
 /* A disk that arrives at touch to rounding: the force at the trial coordinates acted, and the corrected ones do not
  * touch, or the other way round. What the losses have for this step is then wrong by the force's work. near: open
- * contacts for which this may be so; missed: that work, with the size of the force that acted. */
+ * contacts for which this may be so; missed: that work, with the normal force that acted: an open contact has no other. */
 LANE_INLINE LANE(mask) LANE(law_near)(const LANE(law_input) * in, const LANE(law_geometry) * g,
                                       const LANE(law_output) * out, LANE(real) dt) {
   return LANE(not )(in->was_closed | out->touching) & in->active &

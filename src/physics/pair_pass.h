@@ -49,12 +49,9 @@ LANE_INLINE LANE(place) LANE(place_of)(const pairs *p, size_t at) {
 
 /* Forces on b: F_n n - scale tau t, with t = (-n_y, n_x); on a the opposite. */
 LANE_INLINE void LANE(act)(double *sum, LANE(place) at, const LANE(law_push) * push) {
-  const LANE(real) row[SUM_ROW] = {push->fx, push->fy, push->tau, LANE(splat)(0.0)};
+  const LANE(real)
+      row[SUM_ROW] = {[SUM_X] = push->fx, [SUM_Y] = push->fy, [SUM_TURN] = push->tau, [3] = LANE(splat)(0.0)};
   LANE(add4)(sum, at.b->sum_b + at.l, at.b->sum_a + at.l, row);
-}
-
-LANE_INLINE LANE(real) LANE(size_of)(const LANE(law_push) * push) {
-  return LANE(root)(push->fx * push->fx + push->fy * push->fy);
 }
 
 /* Writes down what has to be treated one by one after the pass; the memory is still that of before. */
@@ -98,7 +95,7 @@ LANE_INLINE LANE(law_booked)
   return LANE(law_commit)(in, g, out, k, LANE(splat)(w->least_limit), variant, m);
 }
 
-/* Contacts that open and begin, and what has to be treated one by one. acted: size of the force of the step. */
+/* Contacts that open and begin, and what has to be treated one by one. acted: normal force of the step. */
 LANE_INLINE void LANE(turn_over)(work *w, thread_work *mine, LANE(place) at, const LANE(law_input) * in,
                                  const LANE(law_geometry) * g, const LANE(law_output) * out,
                                  const LANE(law_constants) * k, LANE(real) limit, LANE(real) acted,
@@ -142,17 +139,16 @@ LANE_INLINE LANE(two_seats) LANE(seats_of)(const work *w, LANE(place) at) {
 
 /* What the law needs of a vector of round pairs. */
 LANE_INLINE void LANE(see)(const work *w, LANE(place) at, LANE(law_sight) * sight) {
-  LANE(two_seats) s = LANE(seats_of)(w, at);
-  LANE(real) va[2], vb[2];
-  LANE(pick2)(w->seats + SEAT_VX, at.b->seat_a + at.l, va);
-  LANE(pick2)(w->seats + SEAT_VX, at.b->seat_b + at.l, vb);
+  LANE(real) pose[4], speed[2];
+  LANE(across4)(w->seats, at.b->seat_a + at.l, at.b->seat_b + at.l, pose);
+  LANE(across2)(w->seats + SEAT_VX, at.b->seat_a + at.l, at.b->seat_b + at.l, speed);
   LANE(law_input)
-  in = {.dx = s.b[SEAT_X] - s.a[SEAT_X],
-        .dy = s.b[SEAT_Y] - s.a[SEAT_Y],
-        .dvx = vb[0] - va[0],
-        .dvy = vb[1] - va[1],
-        .sum = s.a[SEAT_RADIUS] + s.b[SEAT_RADIUS],
-        .arc = s.a[SEAT_ARC] + s.b[SEAT_ARC],
+  in = {.dx = pose[SEAT_X],
+        .dy = pose[SEAT_Y],
+        .dvx = speed[0],
+        .dvy = speed[1],
+        .sum = pose[SEAT_RADIUS],
+        .arc = pose[SEAT_ARC],
         .ex = LANE(load)(at.b->ex + at.l),
         .ey = LANE(load)(at.b->ey + at.l)};
   if (w->periodic[0]) in.dx = in.dx - w->length[0] * LANE(nearest)(in.dx * w->inverse_length[0]);
@@ -185,7 +181,7 @@ static __attribute__((noinline, cold)) void LANE(meet_rare)(engine *e, thread_wo
   if (kind & PASS_FORCE) {
     LANE(law_push) push = LANE(law_force)(g, &out, &k, kind & PASS_VARIANT ? LANE(splat)(1.0) : g->lever);
     LANE(act)(w->sums.row, at, &push);
-    acted = LANE(size_of)(&push);
+    acted = out.force;
   }
   LANE(law_memory) before, m;
   LANE(law_booked) b = LANE(slide)(w, at, &in, g, &out, &k, kind & PASS_VARIANT, &before, &m);
@@ -220,5 +216,5 @@ LANE_INLINE void LANE(meet)(engine *e, thread_work *mine, LANE(place) at, const 
   if (!(kind & PASS_FORCE)) return;
   LANE(law_push) push = LANE(law_force)(g, &out, &k, kind & PASS_VARIANT ? LANE(splat)(1.0) : g->lever);
   LANE(act)(sum, at, &push);
-  if (!(kind & PASS_COMMIT)) LANE(store)(p->acted + at.l, LANE(size_of)(&push));
+  if (!(kind & PASS_COMMIT)) LANE(store)(p->acted + at.l, out.force);
 }

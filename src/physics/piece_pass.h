@@ -101,7 +101,7 @@ LANE_INLINE void LANE(meet_pieces)(engine *e, thread_work *mine, size_t at, int 
     LANE(mask) flat = LANE(greater)(LANE(load)(found.flat), LANE(splat)(0.0));
     LANE(law_push) push = LANE(law_force)(&g, &out, &k, LANE(select)(flat, one, g.lever));
     LANE(act_pieces)(e, at, &push);
-    acted = LANE(size_of)(&push);
+    acted = out.force;
     LANE(store)(here.b->acted + here.l, acted);
   }
   if (pass & PASS_COMMIT) {

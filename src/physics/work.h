@@ -32,7 +32,7 @@ typedef struct pair_block {
   double viscous[PAIR_BLOCK], friction[PAIR_BLOCK],
       gain[PAIR_BLOCK]; /* M: lost since it began; 0 when open */
   /* not wanted by every pass */
-  double acted[PAIR_BLOCK]; /* force of the trial coordinates; force pass by itself */
+  double acted[PAIR_BLOCK]; /* F_n at the trial coordinates; force pass by itself */
   int32_t law[PAIR_BLOCK];  /* row of the law table; neighbours_build */
 } pair_block;
 
@@ -61,7 +61,7 @@ typedef struct incidence {
  * itself. Pairs add to the row of a body, one after the other. Where the pairs of a body are not all in the same share
  * of a thread, or somebody wants to know each (prescribed bodies), each has a row of its own, and gather adds them
  * up: the order is the same, that of the pairs. */
-enum { SUM_X, SUM_Y, SUM_TURN, SUM_ROW = 4 };
+enum { SUM_X, SUM_TURN, SUM_Y, SUM_ROW = 4 }; /* what has the same sign on both is odd: base/lane.h */
 typedef struct sums {
   double *row;      /* [rows of bodies + entries of listed bodies][SUM_ROW] */
   size_t end;       /* rows */
@@ -98,7 +98,7 @@ typedef struct chunks {
 /* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
  * motion_place write it with the pose. Free disks have a row in seats and
  * sums only while pairs want them (chunks_plan_rows). */
-enum { SEAT_X, SEAT_Y, SEAT_ARC, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
+enum { SEAT_X, SEAT_ARC, SEAT_Y, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
 
 /* A straight piece of a wall in space; walls_place. */
 typedef struct placed_segment {
