@@ -22,9 +22,8 @@
 
 void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
 
-/* Round pairs go block by block. What is seen of a vector of the next one, its root and its division, is under way while
- * the law of this one is worked out: nothing in a row waits for these, and processors look only some hundred
- * instructions ahead. */
+/* Round pairs go block by block. What is seen of a vector of the next one, its root and its division, is under way beside
+ * the law of this one: processors look only some hundred instructions ahead, and these must not all wait for a root. */
 enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
 #define PLACE(block, v) ((LANE(place)){(block), (v)*VECTOR_WIDTH})
 
@@ -45,11 +44,8 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
     pair_block *next = k + 1 < blocks ? b + 1 : b;
 #pragma GCC unroll 4
     for (size_t v = 0; v < BLOCK_VECTORS; v++) {
-      LANE(law_geometry) g;
+      LANE(meet)(e, mine, PLACE(b, v), PLACE(next, v), &seen[v], &one, sum, kind);
       FETCH(b + AHEAD, v);
-      LANE(law_geometry_at)(&seen[v], &g);
-      LANE(see)(&e->work, PLACE(next, v), &seen[v]);
-      LANE(meet)(e, mine, PLACE(b, v), &g, &one, sum, kind);
     }
   }
 }

@@ -192,29 +192,36 @@ static __attribute__((noinline, cold)) void LANE(meet_rare)(engine *e, thread_wo
   LANE(store_memory)(at, &m, &b, kind & PASS_VARIANT);
 }
 
-LANE_INLINE void LANE(meet)(engine *e, thread_work *mine, LANE(place) at, const LANE(law_geometry) * g,
-                            const LANE(pass_constants) * one, double *sum, const int kind) {
+/* What happens to the pairs `at`, of which *seen tells; then that of the pairs `next`, which are looked at on the way: after
+ * the history and before the force, where measurements say that it is least in the way of either. */
+LANE_INLINE void LANE(meet)(engine *e, thread_work *mine, LANE(place) at, LANE(place) next,
+                            LANE(law_sight) * seen, const LANE(pass_constants) * one, double *sum,
+                            const int kind) {
   work *w = &e->work;
   pair_block *p = at.b;
+  LANE(law_geometry) g;
+  LANE(law_geometry_at)(seen, &g);
   LANE(mask) was_closed = LANE(greater)(LANE(load)(p->overlap + at.l), LANE(splat)(0.0));
   if (kind & PASS_COMMIT) {
-    if (__builtin_expect(LANE(any)(LANE(law_rare)(g, was_closed, one->limit, one->two_dt)), 0)) {
-      LANE(meet_rare)(e, mine, at, g, kind);
+    if (__builtin_expect(LANE(any)(LANE(law_rare)(&g, was_closed, one->limit, one->two_dt)), 0)) {
+      LANE(meet_rare)(e, mine, at, &g, kind);
+      LANE(see)(w, next, seen);
       return;
     }
-    was_closed = LANE(greater)(g->reach, LANE(splat)(0.0)); /* the same, and what touches is closed */
+    was_closed = LANE(greater)(g.reach, LANE(splat)(0.0)); /* the same, and what touches is closed */
   }
   LANE(law_input)
   in = {.star = LANE(load)(p->star + at.l), .was_closed = was_closed, .active = LANE(all_lanes)(1)};
   const LANE(law_constants) k = kind & PASS_LAWS ? LANE(constants_of)(w, p->law + at.l) : one->law;
-  const LANE(law_output) out = LANE(law)(&in, g, &k);
+  const LANE(law_output) out = LANE(law)(&in, &g, &k);
   if (kind & PASS_COMMIT) {
     LANE(law_memory) before, m;
-    LANE(law_booked) b = LANE(slide)(w, at, &in, g, &out, &k, kind & PASS_VARIANT, &before, &m);
+    LANE(law_booked) b = LANE(slide)(w, at, &in, &g, &out, &k, kind & PASS_VARIANT, &before, &m);
     LANE(store_memory)(at, &m, &b, kind & PASS_VARIANT);
   }
+  LANE(see)(w, next, seen);
   if (!(kind & PASS_FORCE)) return;
-  LANE(law_push) push = LANE(law_force)(g, &out, &k, kind & PASS_VARIANT ? LANE(splat)(1.0) : g->lever);
+  LANE(law_push) push = LANE(law_force)(&g, &out, &k, kind & PASS_VARIANT ? LANE(splat)(1.0) : g.lever);
   LANE(act)(sum, at, &push);
   if (!(kind & PASS_COMMIT)) LANE(store)(p->acted + at.l, out.force);
 }
