@@ -197,11 +197,10 @@ LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1
 
 /* --- rows ------------------------------------------------------------------------------------------------- */
 
-/* Rows of numbers, one per lane, against vectors: pick, number c of each lane's row in vector c; lay and lift, the rows of
- * consecutive lanes out and in. In rows of four the even numbers take turns with the signs of the odd ones: across4 picks
- * the differences b - a of the even and the sums of the odd numbers of rows + b[lane] and rows + a[lane], across2 both
- * differences; add4 adds the row of each lane to that at rows + to[lane] and takes it, but for the odd ones, off that at
- * rows + from[lane], one lane after the other. */
+/* Rows of numbers, one per lane, against vectors: pick4, number c of each lane's row in vector c; lay4 and lift4, the rows
+ * of consecutive lanes out and in. Of two rows, a and b, across4 picks the differences b - a of the even numbers and
+ * the sums of the odd ones, across2 the differences of two numbers. add4 adds each lane's row to that at rows + to[lane];
+ * from that at rows + from[lane] it subtracts the even numbers, and adds the odd ones to it; one lane after the other. */
 #if LANE_WIDTH >= 4 && (defined(__clang__) || __GNUC__ >= 12)
 typedef double LANE(four) __attribute__((vector_size(32)));
 typedef double LANE(two) __attribute__((vector_size(16)));

@@ -50,12 +50,14 @@ typedef struct LANE(law_output) {
   LANE(mask) touching, closed;
 } LANE(law_output);
 
-/* What is seen of two bodies: half of the way, so that many pairs can be on the other half at a time. */
+/* What is seen of two bodies. The rest of the geometry waits for the root and the division, so that these are under way
+ * while something else is worked out. */
 typedef struct LANE(law_sight) {
   LANE(real) dx, dy, sum, arc;
   LANE(real) dot;   /* of the way and the velocity */
   LANE(real) cross; /* of the reference direction and the way */
-  LANE(real) r, inverse_r;
+  LANE(real) r;     /* length of the way, with the sign of sum: negative inside a round container */
+  LANE(real) inverse_r;
 } LANE(law_sight);
 
 /* Field by field, here and below: compilers take copies of the whole apart. */

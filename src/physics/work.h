@@ -61,7 +61,13 @@ typedef struct incidence {
  * itself. Pairs add to the row of a body, one after the other. Where the pairs of a body are not all in the same share
  * of a thread, or somebody wants to know each (prescribed bodies), each has a row of its own, and gather adds them
  * up: the order is the same, that of the pairs. */
-enum { SUM_X, SUM_TURN, SUM_Y, SUM_ROW = 4 }; /* what has the same sign on both is odd: base/lane.h */
+enum {
+  SUM_X,
+  SUM_TURN,
+  SUM_Y,
+  SUM_ROW = 4
+}; /* what has the same sign on both bodies is odd: add4 in base/lane.h */
+_Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
 typedef struct sums {
   double *row;      /* [rows of bodies + entries of listed bodies][SUM_ROW] */
   size_t end;       /* rows */
@@ -99,6 +105,9 @@ typedef struct chunks {
  * motion_place write it with the pose. Free disks have a row in seats and
  * sums only while pairs want them (chunks_plan_rows). */
 enum { SEAT_X, SEAT_ARC, SEAT_Y, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
+/* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */
+_Static_assert(SEAT_X % 2 == 0 && SEAT_Y % 2 == 0 && SEAT_ARC % 2 == 1 && SEAT_RADIUS % 2 == 1, "across4");
+_Static_assert(SEAT_VY == SEAT_VX + 1, "across2");
 
 /* A straight piece of a wall in space; walls_place. */
 typedef struct placed_segment {
