@@ -61,12 +61,8 @@ typedef struct incidence {
  * itself. Pairs add to the row of a body, one after the other. Where the pairs of a body are not all in the same share
  * of a thread, or somebody wants to know each (prescribed bodies), each has a row of its own, and gather adds them
  * up: the order is the same, that of the pairs. */
-enum {
-  SUM_X,
-  SUM_TURN,
-  SUM_Y,
-  SUM_ROW = 4
-}; /* what has the same sign on both bodies is odd: add4 in base/lane.h */
+enum { SUM_X, SUM_TURN, SUM_Y, SUM_ROW = 4 };
+/* what has the same sign on both bodies is odd: add4 in base/lane.h */
 _Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
 typedef struct sums {
   double *row;      /* [rows of bodies + entries of listed bodies][SUM_ROW] */
