@@ -1,0 +1,80 @@
+"""python3 -m soak: runs the modes that were asked for and prints their rows. Called by tools/soak.sh."""
+import argparse
+import dataclasses
+import importlib
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from .trial import ROOT, SIZES, Clock, Setup
+
+# Each is a file of this folder with a function run(setup) that returns a list of rows.
+MODES = {}
+
+
+def options(words=None):
+    parser = argparse.ArgumentParser(prog="tools/soak.sh", description="Tries to make slipdisk lose or falsify a result.")
+    parser.add_argument("modes", nargs="*", metavar="MODE", help="only these (all): " + ", ".join(MODES))
+    parser.add_argument("--list", action="store_true", help="name the modes and stop")
+    parser.add_argument("--size", choices=SIZES, default="small", help="how many trials (small)")
+    parser.add_argument("--seed", type=int, default=1, help="of all random choices (1)")
+    parser.add_argument("-o", dest="folder", type=pathlib.Path, default=ROOT / "build" / "soak", metavar="DIR",
+                        help="where MODE.json goes (build/soak)")
+    parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build" / "release" / "slipdisk", metavar="FILE")
+    args = parser.parse_args(words)
+    for mode in args.modes:
+        if mode not in MODES:
+            parser.error(f"there is no mode {mode}; there are {', '.join(MODES)}")
+    return args
+
+
+def build(program):
+    """The program, built where it is missing."""
+    if program.exists():
+        return
+    for words in (["cmake", "--preset", "release"], ["cmake", "--build", "--preset", "release"]):
+        subprocess.run(words, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+
+
+def show(rows):
+    for row in rows:
+        print(f"  {row.what:<58} {row.trials:>9} {row.failed:>7}  {row.note}", flush=True)
+
+
+def run_mode(mode, args):
+    clock = Clock()
+    scratch = pathlib.Path(tempfile.mkdtemp(prefix=f"slipdisk-soak-{mode}-"))
+    print(f"{mode}: {MODES[mode]}\n  {'':<58} {'trials':>9} {'failed':>7}", flush=True)
+    try:
+        setup = Setup(args.program.resolve(), args.program.resolve().parent, scratch, args.size, args.seed)
+        rows = importlib.import_module(f".{mode}", __package__).run(setup)
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+    show(rows)
+    print(f"  {clock.seconds():.0f} s", flush=True)
+    args.folder.mkdir(parents=True, exist_ok=True)
+    (args.folder / f"{mode}.json").write_text(json.dumps(
+        {"mode": mode, "size": args.size, "seed": args.seed, "seconds": clock.seconds(),
+         "rows": [dataclasses.asdict(row) for row in rows]}, indent=1))
+    # A mode without a trial shows nothing: that is a failure, too.
+    return sum(row.failed for row in rows) if sum(row.trials for row in rows) else 1
+
+
+def main():
+    args = options()
+    if args.list:
+        for mode, what in MODES.items():
+            print(f"{mode:<12} {what}")
+        return 0
+    build(args.program)
+    failed = {mode: run_mode(mode, args) for mode in args.modes or MODES}
+    bad = [mode for mode, n in failed.items() if n]
+    print("nothing failed" if not bad else "failures in: " + ", ".join(bad))
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
