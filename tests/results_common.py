@@ -1,4 +1,5 @@
 """What the tests of results share: running the program, killing it, and comparing two results."""
+import contextlib
 import os
 import pathlib
 import random
@@ -53,6 +54,15 @@ def steps_for(seconds):
         assert status == 0, err
     shutil.rmtree(folder)
     return max(2, round(steps / took * seconds / 100000)) * 100000
+
+
+@contextlib.contextmanager
+def changed(path):
+    """An h5py file to be changed on purpose; its checksum is made anew."""
+    with h5py.File(path, "r+") as file:
+        yield file
+    status, _, err = run("verify", "--seal", "--quiet", path)
+    assert status == 0, err
 
 
 def wait_for(condition, seconds=60):
@@ -129,16 +139,18 @@ class Folder(unittest.TestCase):
 
     def kill_while_merging(self, words, times):
         """Lets the command run to its merge and kills it there; how many merges were cut short."""
-        temporary = self.folder / "r.h5.tmp"
+        def merging():
+            return any(self.parts.glob("result.h5.*.tmp"))
+
         chance = random.Random(1)
         cut = 0
         for _ in range(times):
             process = start("run", *words, "-o", self.result)
-            wait_for(lambda p=process: temporary.exists() or p.poll() is not None)
+            wait_for(lambda p=process: merging() or p.poll() is not None)
             time.sleep(chance.uniform(0, 0.1))
             process.send_signal(signal.SIGKILL)
             process.communicate()
-            cut += temporary.exists()
+            cut += merging()
             if self.result.exists():
                 break
         return cut

@@ -35,7 +35,8 @@ static void write_state(sd_simulation *simulation, sd_messages *messages) {
   check(provenance_new(&origin, model, messages), messages);
   check(provenance_refresh(&origin, 1, sd_simulation_path(simulation), messages), messages);
   check(summary_collect(&found, model, state, &energy, NAN, messages), messages);
-  check(checkpoint_write(path, state, 3, &origin, &found, messages), messages);
+  checkpoint_parts parts = {.n = 3, .last = 7, .replaces = ""};
+  check(checkpoint_write(-1, path, state, &parts, &origin, &found, messages), messages);
   summary_free(&found);
   provenance_free(&origin);
 }
@@ -43,7 +44,7 @@ static void write_state(sd_simulation *simulation, sd_messages *messages) {
 static sd_state *read_state(const sd_model *model, sd_messages *messages) {
   h5_file *file;
   sd_state *state;
-  check(h5_open_sealed(path, &file, messages), messages);
+  check(h5_open_sealed(-1, path, &file, NULL, messages), messages);
   assert_int_equal(checkpoint_get_parts(file), 3);
   check(checkpoint_get_state(file, model, &state, messages), messages);
   h5_close(file, NULL);
@@ -145,25 +146,25 @@ static void test_damage_is_found(void **unused) {
   for (size_t k = 0; k < n; k++) data[k] = (double)k;
   check(h5_new(&file, messages), messages);
   h5_put(file, "/a/b", SD_F64, 1, &n, data, false);
-  check(h5_save(file, path, NULL, messages), messages);
+  check(h5_save(file, -1, path, NULL, messages), messages);
   unsigned char *bytes;
   size_t size;
   check(file_read(path, SIZE_MAX, &bytes, &size, messages), messages);
   for (size_t at = 0; at < size; at += 97) {
     bytes[at] ^= 4;
     file_piece piece = {bytes, size};
-    check(file_write_atomic(path, 1, &piece, messages), messages);
-    assert_int_equal(h5_open_sealed(path, &file, NULL), SD_ERROR_IO);
+    check(file_write_atomic(-1, path, 1, &piece, messages), messages);
+    assert_int_equal(h5_open_sealed(-1, path, &file, NULL, NULL), SD_ERROR_IO);
     bytes[at] ^= 4;
   }
   const size_t lengths[] = {0, 1, 23, 24, 25, size - 1, size / 2};
   for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
     file_piece piece = {bytes, lengths[k]};
-    check(file_write_atomic(path, 1, &piece, messages), messages);
-    assert_int_equal(h5_open_sealed(path, &file, NULL), SD_ERROR_IO);
+    check(file_write_atomic(-1, path, 1, &piece, messages), messages);
+    assert_int_equal(h5_open_sealed(-1, path, &file, NULL, NULL), SD_ERROR_IO);
   }
   free(bytes);
-  assert_int_equal(h5_open_sealed("/nonexistent/x", &file, NULL), SD_ERROR_IO);
+  assert_int_equal(h5_open_sealed(-1, "/nonexistent/x", &file, NULL, NULL), SD_ERROR_IO);
   assert_int_equal(h5_open(path, &file, NULL), SD_ERROR_IO);
   sd_messages_free(messages);
 }
@@ -183,8 +184,8 @@ static void test_other_formats_are_refused(void **unused) {
     check(h5_new(&file, messages), messages);
     h5_group(file, "/state");
     h5_attr_i64(file, "/state", "format", formats[k]);
-    check(h5_save(file, path, NULL, messages), messages);
-    check(h5_open_sealed(path, &file, messages), messages);
+    check(h5_save(file, -1, path, NULL, messages), messages);
+    check(h5_open_sealed(-1, path, &file, NULL, messages), messages);
     assert_int_equal(checkpoint_get_state(file, model, &state, told), SD_ERROR_USER);
     assert_null(state);
     assert_non_null(strstr(sd_messages_text(told, 0), "is stored in format"));
@@ -206,11 +207,11 @@ static void test_errors_are_told_once(void **unused) {
   h5_put(file, "/a", SD_F64, 1, &n, data, false); /* there already */
   h5_put(file, "/a/b", SD_F64, 1, &n, data, false);
   assert_true(h5_failed(file));
-  assert_int_equal(h5_save(file, path, NULL, messages), SD_ERROR_IO);
+  assert_int_equal(h5_save(file, -1, path, NULL, messages), SD_ERROR_IO);
   assert_int_equal(sd_messages_errors(messages), 1);
   file_piece piece = {"x", 1};
-  assert_int_equal(file_write_atomic("/nonexistent/x", 1, &piece, messages), SD_ERROR_IO);
-  assert_int_equal(file_write_atomic("/dev/null/x", 1, &piece, messages), SD_ERROR_IO);
+  assert_int_equal(file_write_atomic(-1, "/nonexistent/x", 1, &piece, messages), SD_ERROR_IO);
+  assert_int_equal(file_write_atomic(-1, "/dev/null/x", 1, &piece, messages), SD_ERROR_IO);
   sd_messages_free(messages);
 }
 
@@ -233,9 +234,9 @@ static void test_h5_round_trip(void **unused) {
   h5_make(file, "/rows", SD_I32, 3, dims, true);
   for (size_t k = 0; k < 500; k += 13)
     h5_put_rows(file, "/rows", SD_I32, k, k + 13 > 500 ? 500 - k : 13, data + 14 * k);
-  check(h5_save(file, path, NULL, messages), messages);
+  check(h5_save(file, -1, path, NULL, messages), messages);
 
-  check(h5_open_sealed(path, &file, messages), messages);
+  check(h5_open_sealed(-1, path, &file, NULL, messages), messages);
   check(h5_get(file, "/deep/er/data", SD_I32, 7000, back, messages), messages);
   assert_memory_equal(data, back, 7000 * sizeof *data);
   memset(back, 0, 7000 * sizeof *back);
@@ -279,7 +280,7 @@ static void test_tables(void **unused) {
   h5_attr_texts(file, "/named", "columns", 2, names);
   h5_put(file, "/particles/disks/position/value", SD_F64, 3, frames, position, false);
   h5_put(file, "/particles/disks/radius", SD_I32, 1, &three, radius, false);
-  check(h5_save(file, path, NULL, messages), messages);
+  check(h5_save(file, -1, path, NULL, messages), messages);
 
   const char *const columns[2] = {"x", "radius"}, *const both[3] = {"x", "y", "radius"};
   double *values;

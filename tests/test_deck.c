@@ -239,7 +239,7 @@ static void test_files(void **state) {
   assert_int_equal(h5_new(&file, NULL), SD_OK);
   h5_put(file, "/grains", SD_F64, 2, (size_t[]){2, 3}, xyr, false);
   h5_attr_texts(file, "/grains", "columns", 3, columns);
-  assert_int_equal(h5_save(file, path, NULL, NULL), SD_OK);
+  assert_int_equal(h5_save(file, -1, path, NULL, NULL), SD_OK);
   const char *deck =
       write_file("deck.cfg", HEAD "disk_files = ( { file = \"disks.csv\"; mass = 1; columns = [\"x\", \"y\", "
                                   "\"radius = r\", \"name\"]; },\n"

@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import ROOT, Folder, assert_same, run, start, wait_for
+from results_common import ROOT, Folder, assert_same, changed, run, start, wait_for
 
 MATERIALS = """dt = 2e-5; gravity = { g = 9.81; tilt = 0.1; };
 materials = ( { name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 3; mu = 0.5; }, { name = "steel"; k_n = 1e4; } );
@@ -337,7 +337,7 @@ class Contacts(Files):
 
     def test_contacts_that_are_apart(self):
         """What is dropped is no loss."""
-        with h5py.File(self.heap, "r+") as file:
+        with changed(self.heap) as file:
             slot = list(file["state/id"][()]).index(13)
             file["state/x"][slot] += 3e-5
         go = self.run_deck(GO + "measure = { disks = true; };")
@@ -414,7 +414,7 @@ class Contacts(Files):
         wait_for(lambda: self.checkpoints() or process.poll() is not None)
         process.send_signal(signal.SIGTERM)
         process.communicate()
-        with h5py.File(self.heap, "r+") as file:
+        with changed(self.heap) as file:
             file["state/contact_lambda"][3] += 1e-9
         status, _, err = run(*words)
         self.assertEqual(status, 2)
@@ -424,15 +424,15 @@ class Contacts(Files):
         for name, value in ("contact_b", 99), ("id", 5):
             copy = self.folder / "broken.h5"
             copy.write_bytes(self.heap.read_bytes())
-            with h5py.File(copy, "r+") as file:
+            with changed(copy) as file:
                 file[f"state/{name}"][0] = value
                 file[f"state/{name}"][1] = value
             self.refuse(GO.replace("heap.h5", "broken.h5"), "the state in this file is damaged")
         copy.write_bytes(self.heap.read_bytes())
-        with h5py.File(copy, "r+") as file:
+        with changed(copy) as file:
             del file["state/theta"]
         self.refuse(GO.replace("heap.h5", "broken.h5"), "there is no dataset /state/theta")
-        with h5py.File(copy, "r+") as file:
+        with changed(copy) as file:
             file["state"].attrs["format"] = 1
         self.refuse(GO.replace("heap.h5", "broken.h5"), "its state has format 1")
 
@@ -440,7 +440,7 @@ class Contacts(Files):
         """Contacts of a packing may stand in any order, as they do in results of before."""
         old = self.folder / "old.h5"
         old.write_bytes(self.heap.read_bytes())
-        with h5py.File(old, "r+") as file:
+        with changed(old) as file:
             file["state"].attrs["format"] = 2
             for name in file["state"]:
                 if name.startswith("contact_"):

@@ -49,14 +49,14 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 static size_t elements(const shape *s) { return s->dims[0] * s->dims[1] * s->dims[2]; }
 
 /* Whole; in pieces, as a merge puts them; one by one, without the last. */
-static void write_all(h5_file *file, const shape *s, const double *x) {
+static void write_all(h5_file *file, const shape *s, const double *x, bool all) {
   size_t n = s->dims[0], row = elements(s) / n, piece = n / 7 + 1;
   h5_put(file, "/whole", SD_F64, s->rank, s->dims, x, true);
   h5_make(file, "/pieces", SD_F64, s->rank, s->dims, true);
   for (size_t k = 0; k < n; k += piece)
     h5_put_rows(file, "/pieces", SD_F64, k, n - k < piece ? n - k : piece, x + k * row);
   h5_make(file, "/single", SD_F64, s->rank, s->dims, true);
-  for (size_t k = 0; k + 1 < n; k++) h5_put_rows(file, "/single", SD_F64, k, 1, x + k * row);
+  for (size_t k = 0; k + !all < n; k++) h5_put_rows(file, "/single", SD_F64, k, 1, x + k * row);
 }
 
 static void test_rows(void **unused) {
@@ -70,15 +70,19 @@ static void test_rows(void **unused) {
         double *x = noise(n), *back = malloc(n * sizeof *back);
         for (size_t i = 0; smooth && i < n; i++) x[i] = (double)(i / 50);
         h5_file *file;
-        check(memory ? h5_new(&file, messages) : h5_create(path, 1 << 20, &file, messages), messages);
-        write_all(file, &shapes[k], x);
-        check(memory ? h5_save(file, path, NULL, messages) : h5_close(file, messages), messages);
+        file_draft draft;
+        if (!memory) check(file_draft_new(-1, path, &draft, messages), messages);
+        check(memory ? h5_new(&file, messages) : h5_create(&draft, 1 << 20, &file, messages), messages);
+        write_all(file, &shapes[k], x, !memory);
+        check(memory ? h5_save(file, -1, path, NULL, messages) : h5_finish(file, &draft, messages), messages);
+        if (!memory) check(file_draft_publish(&draft, -1, path, FILE_REPLACE, messages), messages);
 
-        check(memory ? h5_open_sealed(path, &file, messages) : h5_open(path, &file, messages), messages);
+        check(memory ? h5_open_sealed(-1, path, &file, NULL, messages) : h5_open(path, &file, messages),
+              messages);
         for (int d = 0; d < 3; d++) {
           memset(back, 0, n * sizeof *back);
           check(h5_get(file, names[d], SD_F64, n, back, messages), messages);
-          size_t given = d < 2 ? n : n - n / shapes[k].dims[0];
+          size_t given = d < 2 || !memory ? n : n - n / shapes[k].dims[0];
           assert_memory_equal(x, back, given * sizeof *back);
           for (size_t i = given; i < n; i++) assert_true(back[i] == 0.0);
         }
@@ -104,7 +108,7 @@ static void test_slow_frames(void **unused) {
   h5_file *file;
   check(h5_new(&file, messages), messages);
   h5_put(file, "/x", SD_F64, 3, dims, x, true);
-  check(h5_save(file, path, NULL, messages), messages);
+  check(h5_save(file, -1, path, NULL, messages), messages);
   assert_true((double)file_size(path) < 0.6 * (double)(n * sizeof *x));
   free(x);
   sd_messages_free(messages);
@@ -138,13 +142,13 @@ static void save_large(void) {
   double *x = noise(n);
   if (h5_new(&file, NULL) != SD_OK) _exit(1);
   h5_put(file, "/x", SD_F64, 1, &n, x, false);
-  if (h5_save(file, path, NULL, NULL) != SD_OK) _exit(1);
+  if (h5_save(file, -1, path, NULL, NULL) != SD_OK) _exit(1);
   free(x);
 }
 
 static void open_large(void) {
   h5_file *file;
-  if (h5_open_sealed(path, &file, NULL) != SD_OK) _exit(1);
+  if (h5_open_sealed(-1, path, &file, NULL, NULL) != SD_OK) _exit(1);
   h5_close(file, NULL);
 }
 
@@ -168,22 +172,103 @@ static void test_memory(void **unused) {
     fputc(byte ^ 1, file);
     fflush(file);
     h5_file *opened = NULL;
-    assert_int_equal(h5_open_sealed(path, &opened, NULL), SD_ERROR_IO);
+    assert_int_equal(h5_open_sealed(-1, path, &opened, NULL, NULL), SD_ERROR_IO);
     fseek(file, at, SEEK_SET);
     fputc(byte, file);
     fflush(file);
   }
   fclose(file);
   h5_file *opened = NULL;
-  assert_int_equal(h5_open_sealed(path, &opened, NULL), SD_OK);
+  assert_int_equal(h5_open_sealed(-1, path, &opened, NULL, NULL), SD_OK);
   h5_close(opened, NULL);
+}
+
+/* --- seals of finished files -------------------------------------------------------------------------------- */
+
+static void write_result(size_t n, bool whole, sd_status wanted) {
+  sd_messages *messages = sd_messages_new();
+  h5_file *file;
+  file_draft draft;
+  double *x = noise(n);
+  check(file_draft_new(-1, path, &draft, messages), messages);
+  check(h5_create(&draft, 1 << 20, &file, messages), messages);
+  h5_make(file, "/bulk/x", SD_F64, 1, &n, true);
+  h5_put_rows(file, "/bulk/x", SD_F64, 0, whole ? n : n - 1, x);
+  h5_put_text(file, "/small/text", "needle in a dataset");
+  h5_attr_text(file, "/small", "text", "needle in an attribute");
+  assert_int_equal(h5_finish(file, &draft, messages), wanted);
+  if (wanted == SD_OK) check(file_draft_publish(&draft, -1, path, FILE_REPLACE, messages), messages);
+  file_draft_drop(&draft);
+  free(x);
+  sd_messages_free(messages);
+}
+
+/* Changes a byte in the middle of the text, or of the file. */
+static void spoil(const char *text) {
+  unsigned char *bytes;
+  size_t size;
+  assert_int_equal(file_read(path, SIZE_MAX, &bytes, &size, NULL), SD_OK);
+  unsigned char *at = text ? memmem(bytes, size, text, strlen(text)) : bytes + size / 2;
+  assert_non_null(at);
+  at[2] ^= 1;
+  file_piece all = {bytes, size};
+  assert_int_equal(file_write_atomic(-1, path, 1, &all, NULL), SD_OK);
+  free(bytes);
+}
+
+static void test_result_seals(void **unused) {
+  (void)unused;
+  static const char *const where[] = {"needle in a dataset", "needle in an attribute", "slipseal", NULL};
+  static const char *const after[] = {"neddle in a dataset", "neddle in an attribute", "slhpseal", NULL};
+  /* one is checked as a whole, of the other only the small data when it is opened */
+  const size_t sizes[] = {100000, 9 << 20};
+  for (int k = 0; k < 2; k++) {
+    write_result(sizes[k], true, SD_OK);
+    for (int w = 0; w < 4; w++) {
+      bool quick = k == 0 || where[w], sealed;
+      uint64_t sum;
+      h5_file *file = NULL;
+      spoil(where[w]);
+      assert_int_equal(h5_open(path, &file, NULL), quick ? SD_ERROR_IO : SD_OK);
+      if (!quick) { /* then reading finds it, by the checksum of the chunk */
+        double *x = calloc(sizes[k], sizeof *x);
+        assert_int_equal(h5_get(file, "/bulk/x", SD_F64, sizes[k], x, NULL), SD_ERROR_IO);
+        free(x);
+      }
+      h5_close(file, NULL);
+      assert_int_equal(h5_open_whole(path, &file, NULL), SD_ERROR_IO);
+      assert_int_equal(h5_verify(path, &sealed, &sum, NULL), SD_ERROR_IO);
+      spoil(after[w]);
+      assert_int_equal(h5_verify(path, &sealed, &sum, NULL), SD_OK);
+      assert_true(sealed);
+    }
+  }
+}
+
+/* What was not put is found missing before anything else is done with the file. */
+static void test_missing_rows(void **unused) {
+  (void)unused;
+  write_result(100000, false, SD_ERROR_IO);
+}
+
+/* After a change on purpose. */
+static void test_reseal(void **unused) {
+  (void)unused;
+  bool sealed;
+  uint64_t sum;
+  write_result(100000, true, SD_OK);
+  spoil("needle in a dataset");
+  assert_int_equal(h5_verify(path, &sealed, &sum, NULL), SD_ERROR_IO);
+  assert_int_equal(h5_reseal(path, NULL), SD_OK);
+  assert_int_equal(h5_verify(path, &sealed, &sum, NULL), SD_OK);
+  assert_true(sealed);
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_rows),
-      cmocka_unit_test(test_slow_frames),
-      cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_rows),         cmocka_unit_test(test_slow_frames),
+      cmocka_unit_test(test_result_seals), cmocka_unit_test(test_missing_rows),
+      cmocka_unit_test(test_reseal),       cmocka_unit_test(test_memory),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 import results_common
-from results_common import run, start, wait_for
+from results_common import changed, run, start, wait_for
 
 MATERIAL = '{ name = "m"; k_n = 1e4; k_t = 5e3; gamma_n = 5.0; mu = 0.4; }'
 BOX = f"""
@@ -88,12 +88,12 @@ class Measure(results_common.Folder):
         self.assertEqual(state, frame)
         (near,) = self.json("--time", 0.9)
         self.assertEqual(near["frame"], 2)
-        with h5py.File(self.result, "a") as file:  # an older result: laws and walls come from the deck
+        with changed(self.result) as file:  # an older result: laws and walls come from the deck
             del file["parameters/model"]
         (old,) = self.json()
         old.pop("frame")
         self.assertEqual(old, state)
-        with h5py.File(self.result, "a") as file:
+        with changed(self.result) as file:
             del file["parameters/deck_full"]
         self.assertIn("is not a result", self.refused(2, self.result))
 
@@ -203,10 +203,10 @@ class Measure(results_common.Folder):
         self.assertIn("is not a result of slipdisk", self.refused(2, other))
         damaged = self.folder / "damaged.h5"
         shutil.copy(self.result, damaged)
-        with h5py.File(damaged, "a") as file:
+        with changed(damaged) as file:
             file["state/contact_b"][0] = 4000000
         self.assertIn("damaged", self.refused(4, damaged))
-        with h5py.File(damaged, "a") as file:
+        with changed(damaged) as file:
             file["contacts/count"][1] += 1000000
         self.assertIn("damaged", self.refused(4, damaged, "--frame", 2))
 

@@ -438,23 +438,37 @@ class Full(Started):
         self.assertEqual(status, 4, err)
         self.assertIn("/proc/nothing.h5", err)
 
-    def test_damaged_part(self):
-        words = long_deck()
-        process = self.started(*words)
-        self.stop(process)
-        part = self.parts / "part-000002.h5"
-        data = bytearray(part.read_bytes())
+    def flip(self, path):
+        data = bytearray(path.read_bytes())
         data[len(data) // 3] ^= 8
-        part.write_bytes(data)
-        status, _, err = run("run", *words, "-o", self.result)
-        self.assertEqual(status, 4)
-        self.assertIn("part-000002.h5 is damaged", err)
-        part.unlink()
+        path.write_bytes(data)
+
+    def test_damaged_parts(self):
+        """They are found when a run continues; nothing is removed, and nothing is left out."""
+        words = long_deck()
+        whole = self.whole(words)
+        self.stop(self.started(*words))
+        parts = sorted(self.parts.glob("part-*.h5"))
+        self.assertGreater(len(parts), 1)
+        first, last = parts[0].read_bytes(), parts[-1].read_bytes()
+        there = sorted(p.name for p in self.parts.iterdir())
+        for spoil in self.flip, lambda p: p.write_bytes(last), lambda p: p.unlink(), lambda p: p.write_bytes(b""):
+            spoil(parts[0])
+            status, _, err = run("run", *words, "-o", self.result)
+            self.assertEqual(status, 4, err)
+            self.assertIn(parts[0].name, err)
+            self.assertIn("is left as it is", err)
+            status, _, err = run("verify", self.result)
+            self.assertEqual(status, 4)
+            self.assertIn(parts[0].name, err)
+            parts[0].write_bytes(first)
+            self.assertEqual(sorted(p.name for p in self.parts.iterdir()), there)
+        # only the newest checkpoint needs the last part
+        self.flip(parts[-1])
         _, err = self.run_ok("run", *words, "-o", self.result)
-        self.assertIn("missing", err)
-        with h5py.File(self.result) as file:
-            steps = file["observables/work/step"][()]
-            self.assertTrue((numpy.diff(steps) > 0).all())
+        self.assertIn(f"{parts[-1].name} is damaged", err)
+        self.assertIn("is taken", err)
+        assert_same(self, self.result, whole)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ int app_resume(int argc, char **argv);
 int app_check(int argc, char **argv);
 int app_info(int argc, char **argv);
 int app_measure(int argc, char **argv);
+int app_verify(int argc, char **argv);
 int app_theory(int argc, char **argv);
 int app_sweep(int argc, char **argv);
 

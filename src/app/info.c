@@ -55,6 +55,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, bool eve
   } else {
     status = place_open_checkpoint(p, &file, &f->path, messages);
   }
+  if (status == SD_OK) status = checkpoint_check_origin(file, f->path, messages);
   if (status == SD_OK) status = summary_read(&f->found, file, messages);
   if (status == SD_OK && every_disk) status = summary_disks_read_all(&f->found.packing, file, messages);
   if (status == SD_OK) status = provenance_read(&f->origin, file, messages);

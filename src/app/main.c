@@ -43,6 +43,10 @@ static const char help[] =
     "      What a packing is like: contacts, packing fractions, stress, fabric, forces; of the last state or "
     "of\n"
     "      stored frames. -o: for programs, into FILE. --csv: tables of disks, contacts, g(r), forces.\n"
+    "  slipdisk verify FILE... [--quiet] [--seal]\n"
+    "      Compares all bytes of results, unfinished runs or sweeps with their checksums; exit status 4 when "
+    "one\n"
+    "      is damaged. --seal: makes the checksum of a file anew that was changed on purpose.\n"
     "  slipdisk theory DECK [-D path=value]... [--json] [--wave FILE] [--csv FILE]\n"
     "      What theory says of a disk on two turning supports: torques, periodic states, mean rotation.\n"
     "      --json: for programs. --wave: the curves of one period. --csv: a row per set of the sweep.\n"
@@ -103,9 +107,10 @@ static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
 } commands[] = {
-    {"run", app_run},         {"resume", app_resume},     {"check", app_check}, {"info", app_info},
-    {"measure", app_measure}, {"theory", app_theory},     {"sweep", app_sweep}, {"help", app_help},
-    {"version", app_version}, {"--version", app_version}, {"--help", app_help}, {"-h", app_help},
+    {"run", app_run},         {"resume", app_resume},   {"check", app_check},       {"info", app_info},
+    {"measure", app_measure}, {"verify", app_verify},   {"theory", app_theory},     {"sweep", app_sweep},
+    {"help", app_help},       {"version", app_version}, {"--version", app_version}, {"--help", app_help},
+    {"-h", app_help},
 };
 
 /* check has a page of its own. */

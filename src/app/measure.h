@@ -5,6 +5,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "io/file.h"
 #include "measure/cells.h"
 #include "measure/correlation.h"
 #include "measure/stress.h"
@@ -37,7 +38,8 @@ json_t *measure_json(const measurement *m);
 /* --- measure_json.c: all frames, one after the other -------------------------------------------------- */
 typedef struct measure_list {
   FILE *out[2]; /* the screen, a file; NULL: not asked for */
-  char *name, *path, *temporary;
+  char *name;
+  file_stream file;
   size_t stored, n; /* frames in the file, and here */
 } measure_list;
 
@@ -50,8 +52,8 @@ sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *mes
 /* --- measure_tables.c: one file per table in a folder ------------------------------------------------- */
 enum { MEASURE_FRAMES, MEASURE_DISKS, MEASURE_CONTACTS, MEASURE_PAIRS, MEASURE_FORCES, MEASURE_TABLES };
 typedef struct measure_tables {
-  char *temporary[MEASURE_TABLES], *path[MEASURE_TABLES];
-  FILE *out[MEASURE_TABLES];
+  file_stream file[MEASURE_TABLES];
+  FILE *out[MEASURE_TABLES]; /* of these */
 } measure_tables;
 
 /* measure_tables_close also when it fails. Files get their names when all is written. */

@@ -1,5 +1,4 @@
 /* measure_json.c: the JSON of slipdisk measure, frame by frame: memory does not grow with their number. */
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,15 +13,12 @@ sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bo
   if (!l->name) return sd_fail(messages, SD_ERROR_IO, "no memory");
   if (screen) l->out[0] = stdout;
   if (!path) return SD_OK;
-  /* file_commit would refuse it, when all is done */
+  /* else it is refused when all is done */
   if (file_is_special(path))
     return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
-  l->path = file_path("%s", path);
-  l->temporary = file_path("%s.tmp", path);
-  if (!l->path || !l->temporary) return sd_fail(messages, SD_ERROR_IO, "no memory");
-  l->out[1] = fopen(l->temporary, "w");
-  if (l->out[1]) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", l->temporary, strerror(errno));
+  sd_status status = file_stream_open(path, &l->file, messages);
+  l->out[1] = l->file.out;
+  return status;
 }
 
 static void put(const measure_list *l, const char *text, size_t length) {
@@ -65,17 +61,8 @@ sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *mes
     if (l->n == 0) put_head(l);
     put_text(l, l->n > 0 ? "\n  ]\n}\n" : "]\n}\n");
   }
-  if (l->out[1]) {
-    bool bad = ferror(l->out[1]) != 0;
-    bad = fclose(l->out[1]) != 0 || bad;
-    if (bad && status == SD_OK)
-      status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", l->path, strerror(errno));
-    if (status == SD_OK) status = file_commit(l->temporary, l->path, messages);
-    if (status != SD_OK) file_remove(l->temporary, NULL);
-  }
+  status = file_stream_close(&l->file, status, messages);
   free(l->name);
-  free(l->path);
-  free(l->temporary);
   *l = (measure_list){0};
   return status;
 }

@@ -1,5 +1,4 @@
 /* measure_tables.c: CSV of slipdisk measure; columns: docs/measure.md. */
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,33 +29,18 @@ sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages
   *t = (measure_tables){0};
   sd_status status = file_make_folder(folder, messages);
   for (int k = 0; status == SD_OK && k < MEASURE_TABLES; k++) {
-    t->path[k] = file_path("%s/%s", folder, tables[k].name);
-    t->temporary[k] = file_path("%s/%s.tmp", folder, tables[k].name);
-    if (!t->path[k] || !t->temporary[k]) return sd_fail(messages, SD_ERROR_IO, "no memory");
-    t->out[k] = fopen(t->temporary[k], "w");
-    if (!t->out[k])
-      status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", t->temporary[k], strerror(errno));
-    else
-      fprintf(t->out[k], "%s\n", tables[k].head);
+    char *path = file_path("%s/%s", folder, tables[k].name);
+    status = path ? file_stream_open(path, &t->file[k], messages)
+                  : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", folder);
+    t->out[k] = t->file[k].out;
+    if (t->out[k]) fprintf(t->out[k], "%s\n", tables[k].head);
+    free(path);
   }
   return status;
 }
 
 sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages *messages) {
-  for (int k = 0; k < MEASURE_TABLES; k++) {
-    if (t->out[k]) {
-      bool bad = ferror(t->out[k]) != 0;
-      bad = fclose(t->out[k]) != 0 || bad;
-      if (bad && status == SD_OK)
-        status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", t->path[k], strerror(errno));
-    }
-  }
-  for (int k = 0; k < MEASURE_TABLES; k++) {
-    if (t->out[k] && status == SD_OK) status = file_commit(t->temporary[k], t->path[k], messages);
-    if (t->out[k] && status != SD_OK) file_remove(t->temporary[k], NULL);
-    free(t->temporary[k]);
-    free(t->path[k]);
-  }
+  for (int k = 0; k < MEASURE_TABLES; k++) status = file_stream_close(&t->file[k], status, messages);
   *t = (measure_tables){0};
   return status;
 }

@@ -48,24 +48,29 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
   *path = NULL;
   if (p->checkpoint) {
     *path = file_path("%s", p->checkpoint);
-    return *path ? h5_open_sealed(*path, out, messages) : sd_fail(messages, SD_ERROR_IO, "no memory");
+    return *path ? h5_open_sealed(-1, *path, out, NULL, messages)
+                 : sd_fail(messages, SD_ERROR_IO, "no memory");
   }
   /* A running process may remove a checkpoint between the listing and the opening: look again then. */
   for (int attempt = 0; attempt < 3; attempt++) {
     int64_t *steps;
     size_t n;
     sd_status status = folder_checkpoints(p->folder, &steps, &n, messages);
-    for (size_t k = 0; status == SD_OK && k < n; k++) {
+    sd_messages *why = sd_messages_new();
+    for (size_t k = 0; status == SD_OK && k < n && !*out; k++) {
       char *candidate = folder_checkpoint(p->folder, steps[k]);
-      if (candidate && h5_open_sealed(candidate, out, NULL) == SD_OK) {
-        *path = candidate;
-        free(steps);
-        return SD_OK;
-      }
-      free(candidate);
+      bool there = candidate && file_exists(candidate);
+      if (there && h5_open_sealed(-1, candidate, out, NULL, why) == SD_OK) *path = candidate;
+      if (!*out) free(candidate);
     }
+    /* one that vanished is no reason to step back */
+    for (size_t k = 0; *out && k < sd_messages_count(why); k++)
+      sd_warn(messages, "%s; an older checkpoint is read: %s", sd_messages_text(why, k), *path);
+    for (size_t k = 0; !*out && attempt == 2 && k < sd_messages_count(why); k++)
+      sd_fail(messages, SD_ERROR_IO, "%s", sd_messages_text(why, k));
+    sd_messages_free(why);
     free(steps);
-    if (status != SD_OK) return status;
+    if (status != SD_OK || *out) return status;
   }
   return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
 }

@@ -86,7 +86,7 @@ static sd_status table_close(table *t, const char *path, sd_status status, sd_me
   else if (status == SD_OK && stat(path, &what) == 0 && !S_ISREG(what.st_mode) && !S_ISDIR(what.st_mode))
     status = pour(t, path, messages);
   else if (status == SD_OK)
-    status = file_write_atomic(path, 1, &piece, messages);
+    status = file_write_atomic(-1, path, 1, &piece, messages);
   free(t->text);
   return status;
 }

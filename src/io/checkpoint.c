@@ -38,7 +38,10 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
     const sd_field *f = &sd_fields[k];
     size_t n = sd_extent_size(state, f->extent);
     char *path = file_path("/state/%s", f->name);
-    if (!path) continue; /* found by the reader: the column is missing */
+    if (!path) {
+      h5_fail(file, "no memory");
+      return;
+    }
     /* no filter: a checkpoint is written often and read once */
     h5_put(file, path, f->type, f->extent == SD_PER_RUN ? 0 : 1, &n, sd_field_data(state, f), false);
     h5_attr_text(file, path, "unit", f->unit);
@@ -47,17 +50,19 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
   }
 }
 
-sd_status checkpoint_write(const char *path, const sd_state *state, int64_t parts, const provenance *origin,
-                           const summary *found, sd_messages *messages) {
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
+                           const provenance *origin, const summary *found, sd_messages *messages) {
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
   h5_group(file, "/checkpoint");
-  h5_attr_i64(file, "/checkpoint", "parts", parts);
+  h5_attr_i64(file, "/checkpoint", "parts", parts->n);
+  h5_attr_i64(file, "/checkpoint", "last_part", (int64_t)parts->last);
+  h5_attr_text(file, "/checkpoint", "replaces", parts->replaces);
   provenance_write(origin, file);
   summary_write(found, file);
   checkpoint_put_state(file, state);
-  return h5_save(file, path, NULL, messages);
+  return h5_save(file, folder, path, NULL, messages);
 }
 
 /* Sizes that must be those of the model. */
@@ -124,4 +129,31 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
 
 int64_t checkpoint_get_parts(const h5_file *file) {
   return h5_get_attr_i64(file, "/checkpoint", "parts", -1);
+}
+
+uint64_t checkpoint_get_last_part(const h5_file *file) {
+  return (uint64_t)h5_get_attr_i64(file, "/checkpoint", "last_part", 0);
+}
+
+char *checkpoint_get_replaces(const h5_file *file) {
+  return h5_get_attr_text(file, "/checkpoint", "replaces");
+}
+
+sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages) {
+  char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
+  char *version = h5_get_attr_text(file, "/h5md/creator", "version");
+  bool ours = creator && strcmp(creator, "slipdisk") == 0;
+  int64_t format = h5_get_attr_i64(file, "/state", "format", 0);
+  sd_status status = SD_OK;
+  if (!ours)
+    status = sd_fail(messages, SD_ERROR_USER, "%s is no result of slipdisk%s%.80s", path,
+                     creator ? ": it was written by " : "", creator ? creator : "");
+  else if (format > CHECKPOINT_FORMAT)
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "%s was written by a newer slipdisk, version %.40s: its format is %" PRId64
+                     ", this program reads up to %d",
+                     path, version ? version : "unknown", format, CHECKPOINT_FORMAT);
+  free(creator);
+  free(version);
+  return status;
 }

@@ -14,8 +14,16 @@
  * not by the number of the partner. A packing takes bodies and contacts in any order, so that it reads 2 as well. */
 enum { CHECKPOINT_FORMAT = 3, CHECKPOINT_OF_PACKING = 2 };
 
-sd_status checkpoint_write(const char *path, const sd_state *state, int64_t parts, const provenance *origin,
-                           const summary *found, sd_messages *messages);
+/* What else has to be there for the state to be gone on from. */
+typedef struct checkpoint_parts {
+  int64_t n;            /* sealed parts */
+  uint64_t last;        /* sum in the seal of the last one; each part names that of the one before */
+  const char *replaces; /* which result may be replaced in the end, see session_begin.c; "": none */
+} checkpoint_parts;
+
+/* folder: see file.h. */
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
+                           const provenance *origin, const summary *found, sd_messages *messages);
 
 /* The group /state of a file that is being written. */
 void checkpoint_put_state(h5_file *file, const sd_state *state);
@@ -24,5 +32,9 @@ void checkpoint_put_state(h5_file *file, const sd_state *state);
 sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
                                sd_messages *messages);
 int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
+uint64_t checkpoint_get_last_part(const h5_file *file);
+char *checkpoint_get_replaces(const h5_file *file); /* to be freed; NULL: none */
+/* Is it a result, or a checkpoint, that this version can read? SD_ERROR_USER: another program's, or a newer one's. */
+sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages);
 
 #endif

@@ -208,7 +208,7 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path)
   deck_result *r = deck_alloc(d, 1, sizeof *r);
   reader in = {.d = d};
   r->path = path;
-  if (h5_open(path, &in.file, d->messages) != SD_OK) {
+  if (h5_open_whole(path, &in.file, d->messages) != SD_OK) {
     d->reported += sd_messages_errors(d->messages) - before;
     return NULL;
   }

@@ -1,16 +1,20 @@
 /* file.c: see file.h. */
 #ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* fallocate */
+#define _GNU_SOURCE /* fallocate, renameat2 */
 #endif
 #include "io/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 char *file_path(const char *format, ...) {
@@ -30,197 +34,90 @@ static sd_status fail(sd_messages *messages, const char *what, const char *path)
   return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
 }
 
-/* All of it, through short writes and signals; false with errno set when it cannot be. */
-static bool write_all(int fd, const unsigned char *bytes, size_t size) {
+/* --- system calls that a signal may cut short ----------------------------------------------------- */
+
+static int open_again(int folder, const char *name, int flags) {
+  int fd;
+  do fd = openat(folder, name, flags | O_CLOEXEC, 0666);
+  while (fd < 0 && errno == EINTR);
+  return fd;
+}
+
+static bool sync_again(int fd) {
+  int result;
+  do result = fsync(fd);
+  while (result != 0 && errno == EINTR);
+  return result == 0;
+}
+
+static bool truncate_again(int fd, off_t size) {
+  int result;
+  do result = ftruncate(fd, size);
+  while (result != 0 && errno == EINTR);
+  return result == 0;
+}
+
+/* Linux has closed the descriptor when a signal comes. */
+static bool close_told(int fd) { return close(fd) == 0 || errno == EINTR; }
+
+bool file_write_all(int fd, const void *bytes, size_t size) {
   /* One call is kept below 1 GiB: the kernel cuts longer ones anyway. */
   const size_t most = (size_t)1 << 30;
-  while (size > 0) {
-    ssize_t n = write(fd, bytes, size < most ? size : most);
+  for (const unsigned char *at = bytes; size > 0;) {
+    ssize_t n = write(fd, at, size < most ? size : most);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return false;
     if (n == 0) {
       errno = ENOSPC;
       return false;
     }
-    bytes += n;
+    at += n;
     size -= (size_t)n;
   }
   return true;
 }
 
-bool file_is_special(const char *path) {
-  struct stat facts;
-  if (lstat(path, &facts) != 0) return false;
-  return !S_ISREG(facts.st_mode) && !S_ISLNK(facts.st_mode) && !S_ISDIR(facts.st_mode);
-}
+/* --- names ---------------------------------------------------------------------------------------- */
 
-/* A rename would put a file in the place of a device or a pipe, and of /dev/null for everybody. */
-static sd_status check_replaceable(const char *path, sd_messages *messages) {
-  if (!file_is_special(path)) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
-}
-
-sd_status file_write_atomic(const char *path, size_t n_pieces, const file_piece *pieces,
-                            sd_messages *messages) {
-  if (check_replaceable(path, messages) != SD_OK) return SD_ERROR_IO;
-  char *temporary = file_path("%s.tmp", path);
-  if (!temporary) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-  int fd = open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (fd < 0) {
-    sd_status status = fail(messages, "create", temporary);
-    free(temporary);
-    return status;
-  }
-  bool good = true;
-  for (size_t k = 0; good && k < n_pieces; k++) good = write_all(fd, pieces[k].bytes, pieces[k].size);
-  good = good && fsync(fd) == 0;
-  int error = errno;
-  /* close can be the first to tell of a full disk (NFS, quotas) */
-  if (close(fd) != 0 && good) {
-    good = false;
-    error = errno;
-  }
-  if (good && rename(temporary, path) != 0) {
-    good = false;
-    error = errno;
-  }
-  if (!good) {
-    unlink(temporary);
-    errno = error;
-  }
-  sd_status status = good ? file_sync_folder(path, messages) : fail(messages, "write", path);
-  free(temporary);
-  return status;
-}
-
-sd_status file_sync_folder(const char *path, sd_messages *messages) {
+static const char *last_component(const char *path) {
   const char *slash = strrchr(path, '/');
-  char *folder = !slash          ? file_path(".")
-                 : slash == path ? file_path("/")
-                                 : file_path("%.*s", (int)(slash - path), path);
-  if (!folder) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-  int fd = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  sd_status status = SD_OK;
-  if (fd < 0) {
-    status = fail(messages, "open folder", folder);
-  } else {
-    /* some file systems do not synchronise folders and say EINVAL; there is no more to be done there */
-    if (fsync(fd) != 0 && errno != EINVAL && errno != ENOTSUP) status = fail(messages, "synchronise", folder);
-    close(fd);
-  }
-  free(folder);
-  return status;
+  return slash ? slash + 1 : path;
 }
 
-sd_status file_commit(const char *temporary, const char *path, sd_messages *messages) {
-  if (check_replaceable(path, messages) != SD_OK) return SD_ERROR_IO;
-  int fd = open(temporary, O_RDWR | O_CLOEXEC);
-  if (fd < 0) return fail(messages, "open", temporary);
-  struct stat facts;
-  /* to its own size: gives back what file_reserve took and nobody used */
-  bool good = fstat(fd, &facts) == 0 && ftruncate(fd, facts.st_size) == 0 && fsync(fd) == 0;
-  int error = errno;
-  close(fd);
-  errno = error;
-  if (!good) return fail(messages, "synchronise", temporary);
-  if (rename(temporary, path) != 0) return fail(messages, "rename to", path);
-  return file_sync_folder(path, messages);
+/* Where a path is looked up, and by which name. */
+static int base_of(int folder, const char *path, const char **name) {
+  *name = folder < 0 ? path : last_component(path);
+  return folder < 0 ? AT_FDCWD : folder;
 }
 
-sd_status file_reserve(const char *path, uint64_t bytes, sd_messages *messages) {
-#ifdef FALLOC_FL_KEEP_SIZE
-  int fd = open(path, O_WRONLY | O_CLOEXEC);
-  if (fd < 0) return fail(messages, "open", path);
-  int result;
-  do result = fallocate(fd, FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes);
-  while (result != 0 && errno == EINTR);
-  int error = errno;
-  close(fd);
-  errno = error;
-  /* a file system that cannot reserve lets the writes find out */
-  if (result != 0 && (error == ENOSPC || error == EDQUOT || error == EFBIG))
-    return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %.0f MB are needed: %s", path,
-                   (double)bytes / 1e6, strerror(error));
-#else
-  (void)path, (void)bytes, (void)messages;
-#endif
-  return SD_OK;
-}
-
-/* Up to n bytes, fewer at the end of the file only; false with errno set when they cannot be read. */
-static bool read_some(int fd, void *bytes, size_t n, size_t *have) {
-  for (*have = 0; *have < n;) {
-    ssize_t got = read(fd, (unsigned char *)bytes + *have, n - *have);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return false;
-    if (got == 0) break;
-    *have += (size_t)got;
-  }
-  return true;
-}
-
-sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages) {
-  *bytes = NULL;
-  *size = 0;
-  int fd = open(path, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return fail(messages, "open", path);
-  struct stat facts;
-  sd_status status = SD_OK;
-  if (fstat(fd, &facts) != 0) {
-    status = fail(messages, "read", path);
-  } else {
-    size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
-    unsigned char *buffer = malloc(want ? want : 1);
-    if (!buffer)
-      status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
-    else if (!read_some(fd, buffer, want, &have))
-      status = fail(messages, "read", path);
-    if (status == SD_OK) {
-      *bytes = buffer;
-      *size = have;
-    } else {
-      free(buffer);
-    }
-  }
-  close(fd);
-  return status;
-}
-
-sd_status file_sum_of(const char *path, size_t tail, void *end, uint64_t *size, uint64_t *sum,
-                      sd_messages *messages) {
-  enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
-  *size = 0;
-  *sum = FILE_SUM;
-  int fd = open(path, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return fail(messages, "open", path);
-  struct stat facts;
-  unsigned char *buffer = malloc(PIECE);
-  bool good = buffer && fstat(fd, &facts) == 0;
-  uint64_t left = good && (uint64_t)facts.st_size >= tail ? (uint64_t)facts.st_size - tail : 0;
-  size_t have = 1;
-  for (; good && left > 0 && have > 0; left -= have) {
-    good = read_some(fd, buffer, left < PIECE ? (size_t)left : PIECE, &have);
-    *sum = good ? file_sum(*sum, buffer, have) : 0;
-    *size += have;
-  }
-  if (good && *size > 0) good = read_some(fd, end, tail, &have);
-  if (good && have < tail) *size = 0; /* it has become shorter */
-  sd_status status = good     ? SD_OK
-                     : buffer ? fail(messages, "read", path)
-                              : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
-  free(buffer);
-  close(fd);
-  return status;
+/* To be freed; NULL: no memory. */
+static char *folder_of(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return !slash          ? file_path(".")
+         : slash == path ? file_path("/")
+                         : file_path("%.*s", (int)(slash - path), path);
 }
 
 bool file_exists(const char *path) {
   struct stat facts;
-  return stat(path, &facts) == 0;
+  return stat(path, &facts) == 0 || (errno != ENOENT && errno != ENOTDIR);
 }
 
 bool file_is_folder(const char *path) {
   struct stat facts;
   return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+bool file_is_link(const char *path) {
+  struct stat facts;
+  return lstat(path, &facts) == 0 && S_ISLNK(facts.st_mode);
+}
+
+static bool is_special(mode_t mode) { return !S_ISREG(mode) && !S_ISLNK(mode) && !S_ISDIR(mode); }
+
+bool file_is_special(const char *path) {
+  struct stat facts;
+  return lstat(path, &facts) == 0 && is_special(facts.st_mode);
 }
 
 uint64_t file_size(const char *path) {
@@ -229,7 +126,7 @@ uint64_t file_size(const char *path) {
 }
 
 sd_status file_make_folder(const char *path, sd_messages *messages) {
-  if (mkdir(path, 0777) == 0) return file_sync_folder(path, messages);
+  if (mkdir(path, 0777) == 0) return file_sync_folder(-1, path, messages);
   if (errno == EEXIST && file_is_folder(path)) return SD_OK;
   int error = errno;
   sd_status status;
@@ -246,9 +143,300 @@ sd_status file_make_folder(const char *path, sd_messages *messages) {
   return status;
 }
 
-sd_status file_remove(const char *path, sd_messages *messages) {
-  if (unlink(path) == 0 || errno == ENOENT) return SD_OK;
+sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) {
+  char *above = folder_of(path);
+  if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  int fd = folder < 0 ? open_again(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
+  sd_status status = SD_OK;
+  if (fd < 0) status = fail(messages, "open folder", above);
+  /* some file systems do not synchronise folders and say EINVAL; there is no more to be done there */
+  else if (!sync_again(fd) && errno != EINVAL && errno != ENOTSUP)
+    status = fail(messages, "synchronise", above);
+  if (folder < 0 && fd >= 0) close(fd);
+  free(above);
+  return status;
+}
+
+sd_status file_remove(int folder, const char *path, sd_messages *messages) {
+  const char *name;
+  int base = base_of(folder, path, &name);
+  if (unlinkat(base, name, 0) == 0 || errno == ENOENT) return SD_OK;
   return fail(messages, "remove", path);
+}
+
+/* --- drafts --------------------------------------------------------------------------------------- */
+
+enum { DRAFT_DIGITS = 16 };
+static const char draft_ending[] = ".tmp";
+
+bool file_is_draft(const char *name) {
+  size_t length = strlen(name), tail = strlen(draft_ending);
+  return length > tail && strcmp(name + length - tail, draft_ending) == 0;
+}
+
+/* "NAME.h5.0123456789abcdef.tmp": an ending that cannot be foreseen, so that nothing can lie in wait there. */
+static char *draft_name(const char *name) {
+  uint64_t bits;
+  if (getrandom(&bits, sizeof bits, GRND_NONBLOCK) != (ssize_t)sizeof bits) {
+    struct timespec t;
+    clock_gettime(CLOCK_REALTIME, &t);
+    bits = ((uint64_t)t.tv_nsec << 32) ^ (uint64_t)t.tv_sec ^ ((uint64_t)getpid() << 16);
+  }
+  return file_path("%s.%0*" PRIx64 "%s", name, DRAFT_DIGITS, bits, draft_ending);
+}
+
+sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages) {
+  *out = (file_draft){.folder = -1, .fd = -1};
+  char *above = folder_of(path);
+  if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  /* a descriptor of its own, so that a draft outlives the caller's */
+  out->folder =
+      folder < 0 ? open_again(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
+  sd_status status = out->folder < 0 ? fail(messages, "write to folder", above) : SD_OK;
+  for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
+    free(out->name);
+    free(out->path);
+    out->name = draft_name(last_component(path));
+    out->path = out->name ? file_path("%s/%s", above, out->name) : NULL;
+    if (!out->path)
+      status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+    else if ((out->fd = open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW)) < 0 &&
+             (errno != EEXIST || attempt > 8))
+      status = fail(messages, "create", out->path);
+  }
+  free(above);
+  return status;
+}
+
+static void draft_close(file_draft *draft) {
+  if (draft->fd >= 0) close(draft->fd);
+  if (draft->folder >= 0) close(draft->folder);
+  free(draft->name);
+  free(draft->path);
+  *draft = (file_draft){.folder = -1, .fd = -1};
+}
+
+void file_draft_drop(file_draft *draft) {
+  if (draft->fd >= 0) unlinkat(draft->folder, draft->name, 0);
+  draft_close(draft);
+}
+
+/* Where the file system knows neither RENAME_NOREPLACE nor links, the name is looked at just before. */
+static bool rename_new(const file_draft *draft, int base, const char *name) {
+  if (renameat2(draft->folder, draft->name, base, name, RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) return false;
+  if (linkat(draft->folder, draft->name, base, name, 0) == 0)
+    return unlinkat(draft->folder, draft->name, 0) == 0;
+  if (errno == EEXIST) return false;
+  struct stat facts;
+  if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0) {
+    errno = EEXIST;
+    return false;
+  }
+  return errno == ENOENT && renameat(draft->folder, draft->name, base, name) == 0;
+}
+
+static bool rename_draft(const file_draft *draft, int base, const char *name, file_replace how) {
+  bool good;
+  do
+    good = how == FILE_KEEP ? rename_new(draft, base, name)
+                            : renameat(draft->folder, draft->name, base, name) == 0;
+  while (!good && errno == EINTR);
+  return good;
+}
+
+/* Closes the file, and gives it its name; false with errno set. */
+static bool finish_draft(file_draft *draft, int base, const char *name, file_replace how) {
+  int fd = draft->fd;
+  draft->fd = -1;
+  /* close can be the first to tell of a full disk (NFS, quotas) */
+  if (close_told(fd) && rename_draft(draft, base, name, how)) return true;
+  int error = errno;
+  unlinkat(draft->folder, draft->name, 0);
+  errno = error;
+  return false;
+}
+
+sd_status file_draft_publish(file_draft *draft, int folder, const char *path, file_replace how,
+                             sd_messages *messages) {
+  const char *name;
+  int base = base_of(folder, path, &name);
+  sd_status status = SD_OK;
+  struct stat facts;
+  /* A rename would put a file in the place of a device or a pipe, and of /dev/null for everybody. */
+  if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0 && is_special(facts.st_mode))
+    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
+  /* to its own size: gives back what file_reserve took and the file does not use */
+  else if (fstat(draft->fd, &facts) != 0 || !truncate_again(draft->fd, facts.st_size) ||
+           !sync_again(draft->fd))
+    status = fail(messages, "write", path);
+  else if (!finish_draft(draft, base, name, how))
+    status = how == FILE_KEEP && errno == EEXIST
+                 ? sd_fail(messages, SD_ERROR_IO, "%s has appeared meanwhile: it is not overwritten", path)
+                 : fail(messages, "write", path);
+  file_draft_drop(draft);
+  return status == SD_OK ? file_sync_folder(folder, path, messages) : status;
+}
+
+sd_status file_write_atomic(int folder, const char *path, size_t n_pieces, const file_piece *pieces,
+                            sd_messages *messages) {
+  file_draft draft;
+  sd_status status = file_draft_new(folder, path, &draft, messages);
+  bool good = status == SD_OK;
+  for (size_t k = 0; good && k < n_pieces; k++)
+    good = file_write_all(draft.fd, pieces[k].bytes, pieces[k].size);
+  if (good) return file_draft_publish(&draft, folder, path, FILE_REPLACE, messages);
+  if (status == SD_OK) status = fail(messages, "write", path);
+  file_draft_drop(&draft);
+  return status;
+}
+
+sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages) {
+  *s = (file_stream){.path = file_path("%s", path)};
+  if (!s->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  sd_status status = file_draft_new(-1, path, &s->draft, messages);
+  int fd = status == SD_OK ? fcntl(s->draft.fd, F_DUPFD_CLOEXEC, 0) : -1;
+  s->out = fd < 0 ? NULL : fdopen(fd, "w");
+  if (status == SD_OK && !s->out) status = fail(messages, "write", path);
+  if (fd >= 0 && !s->out) close(fd);
+  if (status != SD_OK) file_draft_drop(&s->draft);
+  return status;
+}
+
+sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages) {
+  if (s->out) {
+    bool bad = ferror(s->out) != 0;
+    bad = fclose(s->out) != 0 || bad;
+    if (bad && status == SD_OK) status = fail(messages, "write", s->path);
+    if (status == SD_OK)
+      status = file_draft_publish(&s->draft, -1, s->path, FILE_REPLACE, messages);
+    else
+      file_draft_drop(&s->draft);
+  }
+  free(s->path);
+  *s = (file_stream){0};
+  return status;
+}
+
+sd_status file_remove_drafts(const char *folder, const char *base, sd_messages *messages) {
+  DIR *directory = opendir(folder);
+  if (!directory) return fail(messages, "read", folder);
+  sd_status worst = SD_OK;
+  size_t length = strlen(base);
+  for (struct dirent *entry; (entry = readdir(directory));) {
+    const char *name = entry->d_name;
+    if (strncmp(name, base, length) != 0 || name[length] != '.' ||
+        strlen(name) != length + 1 + DRAFT_DIGITS + sizeof draft_ending - 1 || !file_is_draft(name))
+      continue;
+    if (unlinkat(dirfd(directory), name, 0) != 0 && errno != ENOENT) worst = fail(messages, "remove", name);
+  }
+  closedir(directory);
+  return worst;
+}
+
+sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *messages) {
+#ifdef FALLOC_FL_KEEP_SIZE
+  int result;
+  do result = fallocate(fd, FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes);
+  while (result != 0 && errno == EINTR);
+  /* a file system that cannot reserve lets the writes find out */
+  if (result != 0 && (errno == ENOSPC || errno == EDQUOT || errno == EFBIG))
+    return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %.0f MB are needed: %s", path,
+                   (double)bytes / 1e6, strerror(errno));
+#else
+  (void)fd, (void)path, (void)bytes, (void)messages;
+#endif
+  return SD_OK;
+}
+
+/* --- reading -------------------------------------------------------------------------------------- */
+
+int file_open(int folder, const char *path, sd_messages *messages) {
+  const char *name;
+  int base = base_of(folder, path, &name);
+  struct stat facts;
+  /* a pipe must not keep the call waiting */
+  int fd = open_again(base, name, O_RDONLY | O_NONBLOCK | (folder < 0 ? 0 : O_NOFOLLOW));
+  if (fd < 0) {
+    fail(messages, "open", path);
+  } else if (fstat(fd, &facts) != 0) {
+    fail(messages, "read", path);
+    close(fd);
+    fd = -1;
+  } else if (!S_ISREG(facts.st_mode)) {
+    sd_fail(messages, SD_ERROR_IO, "cannot read %s: it is %s, not a file", path,
+            S_ISDIR(facts.st_mode) ? "a folder" : "a device or a pipe");
+    close(fd);
+    fd = -1;
+  }
+  return fd;
+}
+
+char *file_again(int fd, const char *path) {
+  char *again = file_path("/proc/self/fd/%d", fd);
+  struct stat held, named;
+  if (again && fstat(fd, &held) == 0 && stat(again, &named) == 0 && held.st_ino == named.st_ino &&
+      held.st_dev == named.st_dev)
+    return again;
+  free(again);
+  return file_path("%s", path); /* without /proc */
+}
+
+bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {
+  for (*have = 0; *have < n;) {
+    ssize_t got = pread(fd, (unsigned char *)bytes + *have, n - *have, (off_t)(at + *have));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return false;
+    if (got == 0) break;
+    *have += (size_t)got;
+  }
+  return true;
+}
+
+sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages) {
+  *bytes = NULL;
+  *size = 0;
+  int fd = file_open(-1, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  struct stat facts;
+  sd_status status = SD_OK;
+  if (fstat(fd, &facts) != 0) {
+    status = fail(messages, "read", path);
+  } else {
+    size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
+    unsigned char *buffer = malloc(want ? want : 1);
+    if (!buffer)
+      status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+    else if (!file_read_at(fd, 0, buffer, want, &have))
+      status = fail(messages, "read", path);
+    if (status == SD_OK) {
+      *bytes = buffer;
+      *size = have;
+    } else {
+      free(buffer);
+    }
+  }
+  close(fd);
+  return status;
+}
+
+sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages) {
+  enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
+  *sum = FILE_SUM;
+  unsigned char *buffer = malloc(PIECE);
+  sd_status status = buffer ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+  for (uint64_t at = 0; status == SD_OK && at < n;) {
+    size_t want = n - at < PIECE ? (size_t)(n - at) : PIECE, have;
+    if (!file_read_at(fd, at, buffer, want, &have))
+      status = fail(messages, "read", path);
+    else if (have < want)
+      status = sd_fail(messages, SD_ERROR_IO, "%s has become shorter while it was read", path);
+    else
+      *sum = file_sum(*sum, buffer, have);
+    at += want;
+  }
+  free(buffer);
+  return status;
 }
 
 uint64_t file_sum(uint64_t sum, const void *bytes, size_t n) {

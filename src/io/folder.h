@@ -5,7 +5,10 @@
  *   checkpoint-<step>.h5 the last two; each says how many parts belong to it
  *   emergency-<step>.h5  state at which a numerical error was found
  *   damaged-...          a checkpoint whose checksum did not fit, kept for inspection
- *   *.tmp                a file whose writing was interrupted
+ *   *.tmp                a draft: a file whose writing was interrupted, or the result while parts are merged
+ *
+ * The folder is held by a descriptor. Before anything is written or removed folder_check makes sure that the path
+ * still leads to it and that its lock is ours: another run may have taken the name after somebody removed the folder.
  */
 #ifndef SLIPDISK_IO_FOLDER_H
 #define SLIPDISK_IO_FOLDER_H
@@ -17,11 +20,15 @@
 
 typedef struct folder {
   char *path;
-  int lock; /* file descriptor, -1: not held */
+  int at;   /* descriptor of the folder; -1: not open */
+  int lock; /* descriptor of the lock; -1: not held */
 } folder;
 
-/* Makes the folder if need be and locks it. SD_ERROR_USER: another process holds it. */
-sd_status folder_open(const char *path, folder *out, sd_messages *messages);
+/* Makes the folder if need be and locks it. SD_ERROR_USER: another process holds it, or the path is a symbolic link (that
+ * of a folder of sweeps may be one). */
+sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messages *messages);
+/* SD_ERROR_IO: the folder was removed, moved or replaced. */
+sd_status folder_check(const folder *f, sd_messages *messages);
 bool folder_is_locked(const char *path); /* some process holds it now; false when there is no such folder */
 void folder_close(folder *f);            /* gives the lock back; the files stay */
 /* Removes all of it and closes; files that slipdisk does not make are left, with a warning. */
@@ -34,12 +41,14 @@ char *folder_emergency(const char *path, int64_t step);
 
 /* Steps of the checkpoints, newest first, to be freed. Also without the lock. */
 sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_messages *messages);
-/* Removes interrupted files, and parts with numbers beyond `parts`. */
+/* Removes drafts, and parts with numbers beyond `parts`. */
 sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages);
 /* Removes all checkpoints but the `keep` newest. */
 sd_status folder_prune(const folder *f, size_t keep, sd_messages *messages);
 /* Removes everything but the lock. */
 sd_status folder_empty(const folder *f, sd_messages *messages);
+/* Numbers of the parts there are, ascending, to be freed. */
+sd_status folder_parts(const char *path, int64_t **numbers, size_t *n, sd_messages *messages);
 /* Puts a damaged checkpoint out of the way. */
 void folder_set_aside(const folder *f, int64_t step);
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/checkpoint.h"
 #include "io/constants.h"
 #include "io/file.h"
 
@@ -29,7 +30,9 @@ static size_t rows_of(const h5_file *file, const char *path) {
 static sd_status open_source(const frames *f, size_t source, h5_file **out, sd_messages *messages) {
   const char *path = f->sources[source].path;
   *out = f->base;
-  return strcmp(path, f->path) == 0 ? SD_OK : h5_open(path, out, messages);
+  if (strcmp(path, f->path) == 0) return SD_OK;
+  /* each is checked once, by add_source */
+  return f->sources[source].checked ? h5_open_again(path, out, messages) : h5_open(path, out, messages);
 }
 
 static void release_source(const frames *f, h5_file *file) {
@@ -49,6 +52,7 @@ static sd_status add_source(frames *f, const char *path, sd_messages *messages) 
   h5_file *file = NULL;
   sd_status status = open_source(f, k, &file, messages);
   if (status != SD_OK) return status;
+  f->sources[k].checked = true;
   f->n += f->sources[k].n = rows_of(file, DISKS "/position/step");
   release_source(f, file);
   return SD_OK;
@@ -66,6 +70,8 @@ sd_status frames_open(frames *f, const char *base, size_t n_sources, const char 
         "%s is not a result of slipdisk: there is no /state; expected a result, its folder of parts, or a "
         "part or checkpoint in it",
         base);
+  status = checkpoint_check_origin(f->base, base, messages);
+  if (status != SD_OK) return status;
   f->state_time = h5_get_attr_f64(f->base, "/summary", "time", NAN);
   f->state_step = h5_get_attr_i64(f->base, "/summary", "step", -1);
   status = constants_read(f->base, base, &f->constants, messages);

@@ -17,6 +17,7 @@ typedef struct frame_entry {
 typedef struct frame_source {
   char *path;
   size_t first, n; /* its frames */
+  bool checked;    /* its checksums were looked at */
 } frame_source;
 
 typedef struct frames {

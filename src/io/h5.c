@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "io/file.h"
 #include "io/h5_private.h"
@@ -12,13 +13,8 @@
  * in pieces do not make it compress a chunk again and again. */
 enum { CHUNK_BYTES = 256 * 1024 };
 
-/* What stands behind the HDF5 data of a saved file. */
-typedef struct seal {
-  char mark[8];
-  uint64_t size; /* of the HDF5 data */
-  uint64_t sum;
-} seal;
-static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
+/* Sealed files of up to so many bytes are looked at as a whole whenever they are opened: a tenth of a second. */
+static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
 
 void h5_quiet(void) {
   static bool asked;
@@ -81,6 +77,7 @@ static void release(h5_file *file) {
     free(file->sets[k].path);
   }
   free(file->sets);
+  h5_journal_free(file);
   free(file);
 }
 
@@ -104,64 +101,123 @@ sd_status h5_new(h5_file **out, sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for an HDF5 file");
 }
 
-sd_status h5_create(const char *path, uint64_t bytes, h5_file **out, sd_messages *messages) {
-  sd_status status = allocate(path, out, messages);
+sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
+  sd_status status = allocate(draft->path, out, messages);
   if (status != SD_OK) return status;
-  (*out)->writing = true;
-  (*out)->id = H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  char reason[200];
-  if ((*out)->id < 0) {
-    status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", path, h5_reason(reason, sizeof reason));
-  } else {
-    status = file_reserve(path, bytes, messages);
-    if (status != SD_OK) H5Fclose((*out)->id);
+  h5_file *file = *out;
+  file->writing = file->on_disk = true;
+  status = file_reserve(draft->fd, draft->path, bytes, messages);
+  char *again = status == SD_OK ? file_again(draft->fd, draft->path) : NULL, reason[200];
+  if (again) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    /* what is written is written now, and its failure told by the call that writes */
+    H5Pset_sieve_buf_size(access, 0);
+    file->id = H5Fcreate(again, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    h5_reason(reason, sizeof reason);
+    H5Pclose(access);
+    if (file->id < 0) status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", draft->path, reason);
+  } else if (status == SD_OK) {
+    status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", draft->path);
   }
+  free(again);
   if (status == SD_OK) return SD_OK;
-  file_remove(path, NULL);
-  release(*out);
+  release(file);
   *out = NULL;
   return status;
 }
 
-sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
-  *out = NULL;
-  unsigned char *head;
-  size_t size;
-  /* the file system's own words are clearer than the library's */
-  sd_status status = file_read(path, 1, &head, &size, messages);
+sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
+  sd_status status = allocate(path, out, messages);
   if (status != SD_OK) return status;
-  free(head);
-  status = allocate(path, out, messages);
-  if (status != SD_OK) return status;
+  char *again = file_again(fd, path), reason[200];
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 #if H5_VERSION_GE(1, 10, 7)
   /* what is read here was renamed into place whole, and some file systems cannot lock */
   H5Pset_file_locking(access, false, true);
 #endif
-  (*out)->id = H5Fopen(path, H5F_ACC_RDONLY, access);
-  char reason[200];
+  (*out)->id = again ? H5Fopen(again, H5F_ACC_RDONLY, access) : H5I_INVALID_HID;
   h5_reason(reason, sizeof reason); /* any other call would clear it */
   H5Pclose(access);
-  if ((*out)->id >= 0) return SD_OK;
-  if (H5Fis_hdf5(path) == 0)
+  if ((*out)->id >= 0) {
+    free(again);
+    return SD_OK;
+  }
+  if (again && H5Fis_hdf5(again) == 0)
     status = sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
   else
     status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
+  free(again);
   release(*out);
   *out = NULL;
   return status;
 }
 
-sd_status h5_open_sealed(const char *path, h5_file **out, sd_messages *messages) {
+/* Of a file that is too large to be read whole: its small data, if it has a sum of them. */
+static sd_status check_small(h5_file *file, const h5_mark *mark, sd_messages *messages) {
+  uint64_t sum;
+  if (!mark->sealed && h5_get_attr_i64(file, "/", "sealed", 0) != 0)
+    return sd_fail(messages, SD_ERROR_IO,
+                   "%s is damaged, or was changed by another program: its checksum is missing", file->path);
+  if (!mark->has_small || mark->size <= CHECKED_WHOLE) return SD_OK;
+  sd_status status = h5_small_sum(file, &sum, messages);
+  if (status == SD_OK && sum != mark->small)
+    status =
+        sd_fail(messages, SD_ERROR_IO,
+                "%s is damaged, or was changed by another program: the sum of its small data does not fit",
+                file->path);
+  return status;
+}
+
+typedef enum trust { AGAIN, QUICK, WHOLE, SEALED } trust;
+
+static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
+                              sd_messages *messages) {
   *out = NULL;
-  seal end;
-  uint64_t size, sum;
-  sd_status status = file_sum_of(path, sizeof end, &end, &size, &sum, messages);
-  if (status != SD_OK) return status;
-  bool good =
-      size > 0 && memcmp(end.mark, seal_mark, sizeof seal_mark) == 0 && end.size == size && end.sum == sum;
-  if (!good) return sd_fail(messages, SD_ERROR_IO, "%s is damaged: its checksum does not fit", path);
-  return h5_open(path, out, messages);
+  h5_mark mark;
+  int fd = file_open(folder, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  bool whole = mark.broken || how == SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
+  if (status == SD_OK && whole && how != AGAIN) status = h5_check_whole(fd, path, &mark, messages);
+  if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
+  if (status == SD_OK && how != AGAIN) status = check_small(*out, &mark, messages);
+  if (status != SD_OK && *out) {
+    h5_close(*out, NULL);
+    *out = NULL;
+  }
+  if (sum) *sum = mark.sum;
+  close(fd);
+  return status;
+}
+
+sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, QUICK, out, NULL, messages);
+}
+
+sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, AGAIN, out, NULL, messages);
+}
+
+sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, WHOLE, out, NULL, messages);
+}
+
+sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages) {
+  return open_checked(folder, path, SEALED, out, sum, messages);
+}
+
+sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages) {
+  h5_file *file = NULL;
+  h5_mark mark = {0};
+  int fd = file_open(-1, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  close(fd);
+  *sealed = mark.sealed || mark.broken;
+  *sum = mark.sum;
+  if (status == SD_OK) status = h5_open_whole(path, &file, messages);
+  h5_close(file, NULL);
+  return status;
 }
 
 /* What is still held, or in the chunk caches, is written now. */
@@ -184,17 +240,17 @@ static const void *image_of(hid_t id, size_t *size) {
   return *(void **)handle; /* of a file in memory: where the bytes are */
 }
 
-sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages *messages) {
+sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages) {
   size_t size = 0;
   close_sets(file);
   const void *image = file->failed ? NULL : image_of(file->id, &size);
-  if (bytes) *bytes = size + sizeof(seal);
   sd_status status;
   if (image) {
-    seal end = {.size = size, .sum = file_sum(FILE_SUM, image, size)};
-    memcpy(end.mark, seal_mark, sizeof seal_mark);
-    file_piece pieces[2] = {{image, size}, {&end, sizeof end}};
-    status = file_write_atomic(path, 2, pieces, messages);
+    unsigned char seal[H5_SEAL_BYTES];
+    uint64_t found = h5_image_seal(image, size, seal);
+    if (sum) *sum = found;
+    file_piece pieces[2] = {{image, size}, {seal, sizeof seal}};
+    status = file_write_atomic(folder, path, 2, pieces, messages);
   } else {
     status = sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path,
                      file->trouble ? file->trouble : "no memory");
@@ -204,24 +260,40 @@ sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages 
   return status;
 }
 
-sd_status h5_close(h5_file *file, sd_messages *messages) {
-  if (!file) return SD_OK;
+/* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
+static sd_status close_file(h5_file *file, sd_messages *messages) {
   char reason[200];
-  sd_status status = SD_OK;
   close_sets(file);
   /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
    * file is left open for the rest of the process. */
-  if (!file->failed && file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) {
+  if (!file->failed &&
+      ((file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) || H5Fclose(file->id) < 0)) {
     file->failed = true;
     file->trouble = file_path("%s", h5_reason(reason, sizeof reason));
   }
-  if (!file->failed && H5Fclose(file->id) < 0) {
-    file->failed = true;
-    file->trouble = file_path("%s", h5_reason(reason, sizeof reason));
-  }
-  if (file->failed)
-    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path,
-                     file->trouble ? file->trouble : "no memory");
+  if (!file->failed) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path,
+                 file->trouble ? file->trouble : "no memory");
+}
+
+sd_status h5_close(h5_file *file, sd_messages *messages) {
+  if (!file) return SD_OK;
+  sd_status status = close_file(file, messages);
+  release(file);
+  return status;
+}
+
+sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *messages) {
+  h5_file *back = NULL;
+  uint64_t small = 0;
+  int64_t one = 1;
+  h5_attr(file, "/", "sealed", SD_I64, 0, &one);
+  sd_status status = close_file(file, messages);
+  if (status == SD_OK) status = h5_open_descriptor(draft->fd, draft->path, &back, messages);
+  if (status == SD_OK) status = h5_compare(back, file, messages);
+  if (status == SD_OK) status = h5_small_sum(back, &small, messages);
+  h5_close(back, NULL);
+  if (status == SD_OK) status = h5_put_seal(draft->fd, draft->path, small, messages);
   release(file);
   return status;
 }
@@ -229,6 +301,12 @@ sd_status h5_close(h5_file *file, sd_messages *messages) {
 bool h5_failed(const h5_file *file) { return file->failed; }
 
 /* --- write ---------------------------------------------------------------------------------------- */
+
+void h5_fail(h5_file *file, const char *what) {
+  if (file->failed) return;
+  file->failed = true;
+  file->trouble = file_path("%s", what);
+}
 
 /* Remembers the first failure. */
 static void check(h5_file *file, bool good, const char *path) {
@@ -302,14 +380,23 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
       H5Pset_shuffle(create);
       H5Pset_deflate(create, 1);
     }
+    if (H5Zfilter_avail(H5Z_FILTER_FLETCHER32) > 0) H5Pset_fletcher32(create);
   }
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
   hid_t set = H5Dcreate2(file->id, path, type, space, link, create, H5P_DEFAULT);
   check(file, set >= 0, path);
+  uint64_t elements = H5Tget_class(type) == H5T_STRING ? H5Tget_size(type) : 1;
+  for (int k = 0; k < rank; k++) elements *= dims[k];
+  if (set >= 0 && !h5_expect(file, path, NULL, elements)) h5_fail(file, "no memory");
   H5Sclose(space);
   H5Pclose(create);
   H5Pclose(link);
   return set;
+}
+
+/* Closing writes what the library still holds. */
+static void close_set(h5_file *file, hid_t set, const char *path) {
+  if (!file->failed) check(file, H5Dclose(set) >= 0, path);
 }
 
 void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
@@ -330,7 +417,8 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   } else if (n > 0) {
     check(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
   }
-  H5Dclose(set);
+  h5_note(file, path, NULL, data, n, sd_type_size(type), 0);
+  close_set(file, set, path);
 }
 
 void h5_put_text(h5_file *file, const char *path, const char *text) {
@@ -340,7 +428,8 @@ void h5_put_text(h5_file *file, const char *path, const char *text) {
   hid_t set = make(file, path, type, 0, NULL, false, false);
   if (set >= 0) {
     check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0, path);
-    H5Dclose(set);
+    h5_note(file, path, NULL, text, H5Tget_size(type), 1, 0);
+    close_set(file, set, path);
   }
   H5Tclose(type);
 }
@@ -366,7 +455,8 @@ void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *
   hid_t type = text_type(longest), set = make(file, path, type, 1, &n, false, false);
   if (set >= 0) {
     if (n > 0) check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
-    H5Dclose(set);
+    h5_note(file, path, NULL, all, n * longest, 1, 0);
+    close_set(file, set, path);
   }
   H5Tclose(type);
   free(all);
@@ -377,8 +467,12 @@ static void write_attr(h5_file *file, const char *path, const char *name, hid_t 
   hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
   hid_t attr = object < 0 ? H5I_INVALID_HID : H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
   check(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
-  if (attr >= 0) H5Aclose(attr);
-  if (object >= 0) H5Oclose(object);
+  bool text = H5Tget_class(type) == H5T_STRING;
+  size_t size = H5Tget_size(type), n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
+  if (!h5_expect(file, path, name, n)) h5_fail(file, "no memory");
+  h5_note(file, path, name, data, n, text ? 1 : size, 0);
+  if (file->failed) return;
+  check(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);
 }
 
 void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data) {
@@ -429,7 +523,7 @@ void h5_link(h5_file *file, const char *target, const char *path) {
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress) {
   if (file->failed) return;
   hid_t set = make(file, path, h5_native(type), rank, dims, compress, compress);
-  if (set >= 0) H5Dclose(set);
+  if (set >= 0) close_set(file, set, path);
 }
 
 /* The dataset, opened once. */
@@ -454,4 +548,7 @@ void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, si
   if (file->failed || n == 0) return;
   h5_rows *rows = set_of(file, path, type);
   check(file, rows && h5_rows_put(rows, first, n, data), path);
+  if (!rows) return;
+  size_t each = rows->row / rows->element;
+  h5_note(file, path, NULL, data, n * each, rows->element, (uint64_t)first * each);
 }

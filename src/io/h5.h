@@ -5,9 +5,9 @@
  * code that writes twenty datasets reads like a list of twenty datasets.
  *
  * Files are built in memory and saved whole (h5_new ... h5_save): a file on disk is never appended to, so a
- * kill or a full disk cannot damage what is there. A saved file ends with a checksum behind the HDF5 data
- * (readers of HDF5 do not look there); h5_open_sealed verifies it before the library sees a byte.
- * Only the merge of a finished run writes through the library to disk (h5_create), under a temporary name.
+ * kill or a full disk cannot damage what is there. Only the merge of a finished run writes through the library to
+ * disk (h5_create), into a draft, and h5_finish compares what can be read from it with what was put into it. All files
+ * end with a seal, a checksum behind the HDF5 data where readers of HDF5 do not look (h5_seal.c).
  */
 #ifndef SLIPDISK_IO_H5_H
 #define SLIPDISK_IO_H5_H
@@ -16,6 +16,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "io/file.h"
 #include "slipdisk/state.h"
 #include "slipdisk/status.h"
 
@@ -28,15 +29,27 @@ const char *h5_version(char *text, size_t size);
 
 /* --- open and close ------------------------------------------------------------------------------- */
 sd_status h5_new(h5_file **out, sd_messages *messages); /* empty, in memory */
-/* Empty, on disk; room for about `bytes` is reserved first, so that a full disk shows before the library
+/* Empty, in a draft; room for about `bytes` is reserved first, so that a full disk shows before the library
  * writes (it may crash when a write fails). */
-sd_status h5_create(const char *path, uint64_t bytes, h5_file **out, sd_messages *messages);
-sd_status h5_open(const char *path, h5_file **out, sd_messages *messages); /* read only */
-/* Read only; SD_ERROR_IO when the checksum of h5_save is missing or wrong. */
-sd_status h5_open_sealed(const char *path, h5_file **out, sd_messages *messages);
-/* Writes a file of h5_new to path: temporary name, checksum, fsync, rename. Frees the file in any case.
- * bytes (may be NULL): size on disk. */
-sd_status h5_save(h5_file *file, const char *path, uint64_t *bytes, sd_messages *messages);
+sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages);
+/* Closes a file of h5_create, reads it back, compares it with what was put into it, and seals it. Frees the file in any
+ * case; the draft is to be published or dropped. */
+sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *messages);
+/* Read only. Of a sealed file the seal is checked: all of it up to 64 MiB, else its attributes and small datasets; files
+ * without a seal are read as they are. h5_open_whole checks all of any sealed file. */
+sd_status h5_open(const char *path, h5_file **out, sd_messages *messages);
+sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages);
+/* Read only; SD_ERROR_IO when there is no seal or it does not fit. folder: see file.h; sum (may be NULL): of the seal. */
+sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages);
+/* h5_open of a file that was opened, and checked, before. */
+sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages);
+/* SD_ERROR_IO: all of the file does not fit its seal, or it is no HDF5 file. sealed: there is one. */
+sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages);
+/* Seals a file anew, as it is now, after it was changed on purpose. */
+sd_status h5_reseal(const char *path, sd_messages *messages);
+/* Writes a file of h5_new to path, with a seal, as file_write_atomic does. Frees the file in any case.
+ * sum (may be NULL): of the seal. */
+sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages);
 /* Reports what went wrong while writing; frees the file in any case. NULL is allowed. */
 sd_status h5_close(h5_file *file, sd_messages *messages);
 
@@ -60,6 +73,8 @@ void h5_link(h5_file *file, const char *target, const char *path); /* hard link 
  * a compressed one come in order, and wait in memory until their chunk is full, or the file is saved or closed. */
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress);
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data);
+void h5_fail(h5_file *file,
+             const char *what);      /* what is to be written cannot be made: reported like a failed write */
 bool h5_failed(const h5_file *file); /* a write has gone wrong */
 
 /* --- read ----------------------------------------------------------------------------------------- */

@@ -4,6 +4,8 @@
  * that deflate would not make smaller by a quarter is stored as it is, past the filters (the chunk says so
  * itself, and every reader of HDF5 knows): of most coordinates, velocities and forces all but the leading bytes are
  * noise, on which deflate spends forty times as long as the disk. Integers and what repeats go through the filters.
+ * The last filter is HDF5's checksum (Fletcher 32); a chunk that is stored as it is gets its own from here, so that every
+ * reader notices when it was altered.
  */
 #include <assert.h>
 #include <math.h>
@@ -72,22 +74,47 @@ static bool is_whole(const h5_rows *w, const hsize_t *start, const hsize_t *coun
   return whole;
 }
 
+/* Fletcher's sums over the big-endian 16-bit words, as HDF5's filter has them: modulo 65535, where a multiple of it that is
+ * not 0 stands as 65535. Chunks are far below the 2^24 words at which the sums would overflow. */
+static uint32_t fletcher32(const unsigned char *data, size_t n) {
+  uint64_t first = 0, second = 0;
+  for (size_t k = 0; k + 1 < n; k += 2) {
+    first += (uint64_t)data[k] << 8 | data[k + 1];
+    second += first;
+  }
+  if (n % 2) {
+    first += (uint64_t)data[n - 1] << 8;
+    second += first;
+  }
+  uint32_t low = first ? (uint32_t)((first - 1) % 65535) + 1 : 0;
+  uint32_t high = second ? (uint32_t)((second - 1) % 65535) + 1 : 0;
+  return high << 16 | low;
+}
+
+/* Stores a chunk past the filters that make it smaller; n of `full` elements are given, the rest is 0. */
+static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full, const unsigned char *data) {
+  size_t bytes = full * w->element, given = n * w->element;
+  if (!w->padded && !(w->padded = malloc(bytes + sizeof(uint32_t)))) return false;
+  memcpy(w->padded, data, given);
+  memset(w->padded + given, 0, bytes - given);
+  uint32_t past = UINT32_MAX >> (32 - w->filters); /* a bit per filter that is left out */
+  if (w->checksum) {
+    past >>= 1;
+    uint32_t sum = fletcher32(w->padded, bytes);
+    for (int k = 0; k < 4; k++) w->padded[bytes++] = (unsigned char)(sum >> 8 * k);
+  }
+  return H5Dwrite_chunk(w->set, H5P_DEFAULT, past, start, bytes, w->padded) >= 0;
+}
+
 /* Rows, or a part of one, that belong to one chunk. */
 static bool write_chunk(h5_rows *w, const hsize_t *start, const hsize_t *count, const unsigned char *data) {
 #if HAS_WRITE_CHUNK
   size_t n = 1, full = 1;
   for (int k = 0; k < w->rank; k++) n *= (size_t)count[k], full *= (size_t)w->chunk[k];
   size_t row = count[0] > 1 ? n / (size_t)count[0] : 0; /* else there is no row before */
-  if (w->filters > 0 && is_whole(w, start, count) && is_noise(data, n, w->element, row)) {
-    if (n < full) { /* the rest is there, and is nothing */
-      if (!w->padded && !(w->padded = malloc(full * w->element))) return false;
-      memcpy(w->padded, data, n * w->element);
-      memset(w->padded + n * w->element, 0, (full - n) * w->element);
-      data = w->padded;
-    }
-    uint32_t past = (UINT32_C(1) << w->filters) - 1; /* a bit per filter that was left out */
-    return H5Dwrite_chunk(w->set, H5P_DEFAULT, past, start, full * w->element, data) >= 0;
-  }
+  /* without a filter that makes chunks smaller there is nothing to leave out */
+  if (w->filters > w->checksum && is_whole(w, start, count) && is_noise(data, n, w->element, row))
+    return store_chunk(w, start, n, full, data);
 #endif
   return write_slab(w->set, w->type, w->rank, start, count, data);
 }
@@ -110,6 +137,14 @@ static bool write_band(h5_rows *w, size_t first, size_t n, const unsigned char *
 
 /* --- rows --------------------------------------------------------------------------------------------------- */
 
+/* Is the last filter the checksum? */
+static bool has_checksum(hid_t create, int filters) {
+  size_t none = 0;
+  unsigned flags, config;
+  return filters > 0 && H5Pget_filter2(create, (unsigned)filters - 1, &flags, &none, NULL, 0, NULL,
+                                       &config) == H5Z_FILTER_FLETCHER32;
+}
+
 bool h5_rows_open(h5_rows *w, hid_t set, sd_type type) {
   *w = (h5_rows){.set = set, .type = h5_native(type), .element = sd_type_size(type)};
   hid_t space = H5Dget_space(set), create = H5Dget_create_plist(set), stored = H5Dget_type(set);
@@ -122,6 +157,7 @@ bool h5_rows_open(h5_rows *w, hid_t set, sd_type type) {
     w->chunked = w->chunk[0] == 1 || w->rank < 2 || w->chunk[1] == w->dims[1];
     for (int k = 2; k < w->rank; k++) w->chunked = w->chunked && w->chunk[k] == w->dims[k];
     w->filters = H5Pget_nfilters(create);
+    w->checksum = has_checksum(create, w->filters);
   }
   H5Tclose(stored);
   H5Pclose(create);

@@ -10,7 +10,8 @@
 typedef struct h5_rows {
   hid_t set, type;
   int rank, filters;
-  bool chunked; /* rows are gathered until a chunk is full */
+  bool checksum; /* the last of the filters */
+  bool chunked;  /* rows are gathered until a chunk is full */
   hsize_t dims[H5_MAX_RANK], chunk[H5_MAX_RANK];
   size_t element, row; /* bytes */
   size_t first, held;  /* rows in the buffer; those before are written */
@@ -29,6 +30,13 @@ typedef struct h5_open_set {
   h5_rows rows;
 } h5_open_set;
 
+/* What was put into a dataset or an attribute of a file on disk, to be compared with what is there in the end. */
+typedef struct h5_entry {
+  char *path, *attr;      /* attr NULL: a dataset */
+  uint64_t expected, put; /* elements */
+  uint64_t sum;           /* h5_sum of all */
+} h5_entry;
+
 struct h5_file {
   hid_t id;
   char *path;  /* for messages */
@@ -38,8 +46,46 @@ struct h5_file {
   char *trouble; /* ... and this was the first */
   h5_open_set *sets;
   size_t n_sets;
+  bool on_disk; /* made by h5_create: has a journal */
+  h5_entry *journal;
+  size_t n_entries, most_entries;
 };
 
+/* --- h5_journal.c ----------------------------------------------------------------------------------- */
+/* Sum over elements, each with its place, so that pieces add up in any order. */
+uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first);
+/* Makes or finds the entry of an object with so many elements. False: no memory. */
+bool h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements);
+/* Elements first ... first + n - 1 were put there. */
+void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
+             uint64_t first);
+/* Is what `file` (just opened) holds what the journal of `written` says? */
+sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages);
+void h5_journal_free(h5_file *file);
+
+/* --- h5_seal.c -------------------------------------------------------------------------------------- */
+typedef struct h5_mark {
+  bool sealed;    /* there is a seal, and the file has the length that it says */
+  bool broken;    /* there is a seal, and the file has not */
+  bool has_small; /* there is a sum of the small data */
+  uint64_t size;  /* bytes that the seal covers */
+  uint64_t sum, small;
+} h5_mark;
+
+/* What stands at the end of the file. */
+sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages);
+/* Is the sum of the bytes that of the seal? */
+sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages);
+/* Sum of all attributes and of the datasets of up to 64 KiB, in the order of their names. */
+sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages);
+/* The seal of an image in memory, to stand behind it; returns its sum. */
+enum { H5_SEAL_BYTES = 24 };
+uint64_t h5_image_seal(const void *image, size_t size, unsigned char seal[H5_SEAL_BYTES]);
+/* Puts seal and sum of the small data behind the HDF5 data of an open file. */
+sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages);
+
+/* Opens the file behind a descriptor, which stays the caller's. Nothing is checked. */
+sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages);
 /* Switches the library's own printing off, in this thread, and its clean-up at exit (which writes). */
 void h5_quiet(void);
 /* The library's reason for the last failure, written into text[size]. */

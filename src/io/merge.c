@@ -11,37 +11,47 @@
 /* Rows are copied in pieces of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
 
-/* Rows of each table in one part. A part that is not there counts none, with a warning: so a damaged one
- * can be removed by hand. */
-static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES], bool *there,
-                            uint64_t *bytes, sd_messages *messages) {
-  char *path = folder_part(job->folder, number);
+/* Place of a part in the chain: run, number, and the sum of the part before. */
+static record_link link_of(const merge_job *job, int64_t number, uint64_t after) {
+  return (record_link){.run_id = job->origin->run_id, .number = number, .after = after};
+}
+
+/* Rows of each table in one part; `sum` becomes that of its seal. */
+static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES], uint64_t *bytes,
+                            uint64_t *sum, sd_messages *messages) {
+  char *path = folder_part(job->folder->path, number);
   if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
-  *there = file_exists(path);
-  if (!*there) {
-    sd_warn(messages, "%s is missing: its rows are left out", path);
-    free(path);
-    return SD_OK;
+  h5_file *part = NULL;
+  record_link link = link_of(job, number, *sum);
+  sd_status status = record_open(job->folder->at, path, &link, &part, sum, messages);
+  for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
+    const table *layout = job->layout->tables[t];
+    size_t dims[H5_MAX_RANK];
+    int rank;
+    if (layout->n_columns == 0) continue;
+    status = h5_shape(part, layout->columns[0].path, &rank, dims, messages);
+    if (status == SD_OK) rows[t] = dims[0];
   }
   *bytes = file_size(path);
-  h5_file *part;
-  sd_status status = h5_open_sealed(path, &part, messages);
-  if (status == SD_OK) {
-    for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
-      const table *layout = job->layout->tables[t];
-      size_t dims[H5_MAX_RANK];
-      int rank;
-      rows[t] = 0;
-      if (layout->n_columns == 0) continue;
-      status = h5_shape(part, layout->columns[0].path, &rank, dims, messages);
-      if (status == SD_OK) rows[t] = dims[0];
-    }
-    h5_close(part, NULL);
-  } else {
-    sd_fail(messages, status,
-            "the run is complete but cannot be merged; when the part is removed, the rest is");
-  }
+  h5_close(part, NULL);
   free(path);
+  return status;
+}
+
+sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id, int64_t parts,
+                            uint64_t last, sd_messages *messages) {
+  provenance origin = {.run_id = (char *)(uintptr_t)run_id};
+  merge_job job = {.folder = f, .layout = layout, .origin = &origin};
+  uint64_t bytes, sum = 0;
+  sd_status status = SD_OK;
+  for (int64_t p = 1; status == SD_OK && p <= parts; p++) {
+    size_t rows[RECORD_TABLES] = {0};
+    status = count_rows(&job, p, rows, &bytes, &sum, messages);
+  }
+  if (status == SD_OK && sum != last)
+    status = sd_fail(messages, SD_ERROR_IO,
+                     "the last of the %" PRId64 " parts in %s is not the one that its checkpoint names",
+                     parts, f->path);
   return status;
 }
 
@@ -64,15 +74,13 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
 }
 
 static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out, size_t done[RECORD_TABLES],
-                           sd_messages *messages) {
-  char *path = folder_part(job->folder, number);
+                           uint64_t *sum, sd_messages *messages) {
+  char *path = folder_part(job->folder->path, number);
+  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   h5_file *part = NULL;
-  sd_status status = path ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
-  if (status == SD_OK && !file_exists(path)) {
-    free(path);
-    return SD_OK;
-  }
-  if (status == SD_OK) status = h5_open(path, &part, messages);
+  record_link link = link_of(job, number, *sum);
+  /* checked once more: what is copied are the bytes that were looked at */
+  sd_status status = record_open(job->folder->at, path, &link, &part, sum, messages);
   for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
     const table *rows = job->layout->tables[t];
     if (rows->n_columns == 0) continue;
@@ -136,43 +144,50 @@ static bool stopped(const merge_job *job) { return job->stop && *job->stop; }
 static sd_status fill(const merge_job *job, h5_file *out, const size_t total[RECORD_TABLES],
                       sd_messages *messages) {
   size_t done[RECORD_TABLES] = {0};
+  uint64_t sum = 0;
   sd_status status = SD_OK;
   for (int t = 0; t < RECORD_TABLES; t++) table_make(job->layout->tables[t], out, total[t]);
   for (int64_t p = 1; status == SD_OK && !h5_failed(out) && p <= job->parts; p++) {
     if (stopped(job)) return SD_INTERRUPTED;
-    status = copy_part(job, p, out, done, messages);
+    status = copy_part(job, p, out, done, &sum, messages);
   }
   if (status == SD_OK && !h5_failed(out)) status = write_offsets(out, total[RECORD_CONTACT_INDEX], messages);
   if (status == SD_OK && !h5_failed(out)) write_rest(job, out);
   return status;
 }
 
+/* The draft lies among the parts, so that a kill leaves nothing beside the result. */
+static sd_status write_result(const merge_job *job, const size_t total[RECORD_TABLES], uint64_t bytes,
+                              sd_messages *messages) {
+  h5_file *out = NULL;
+  file_draft draft;
+  char *name = file_path("%s/result.h5", job->folder->path);
+  if (!name) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  sd_status status = file_draft_new(job->folder->at, name, &draft, messages);
+  free(name);
+  if (status == SD_OK) status = h5_create(&draft, bytes, &out, messages);
+  if (status == SD_OK) {
+    status = fill(job, out, total, messages);
+    sd_status closed = status == SD_OK ? h5_finish(out, &draft, messages) : h5_close(out, messages);
+    if (status == SD_OK) status = closed;
+  }
+  if (status == SD_OK) status = folder_check(job->folder, messages);
+  if (status == SD_OK) return file_draft_publish(&draft, -1, job->result, job->how, messages);
+  file_draft_drop(&draft);
+  return status;
+}
+
 sd_status merge_parts(const merge_job *job, sd_messages *messages) {
   size_t total[RECORD_TABLES] = {0};
-  uint64_t bytes = (4u << 20) + 2 * state_bytes(job->state);
+  uint64_t bytes = (4u << 20) + 2 * state_bytes(job->state), sum = 0;
   sd_status status = SD_OK;
   for (int64_t p = 1; status == SD_OK && p <= job->parts; p++) {
     size_t rows[RECORD_TABLES] = {0};
     uint64_t size = 0;
-    bool there;
     if (stopped(job)) return SD_INTERRUPTED;
-    status = count_rows(job, p, rows, &there, &size, messages);
+    status = count_rows(job, p, rows, &size, &sum, messages);
     for (int t = 0; t < RECORD_TABLES; t++) total[t] += rows[t];
     bytes += size + size / 16;
   }
-  if (status != SD_OK) return status;
-
-  char *temporary = file_path("%s.tmp", job->result);
-  h5_file *out = NULL;
-  status = temporary ? h5_create(temporary, bytes, &out, messages)
-                     : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
-  if (status == SD_OK) {
-    status = fill(job, out, total, messages);
-    sd_status closed = h5_close(out, messages);
-    if (status == SD_OK) status = closed;
-    if (status == SD_OK) status = file_commit(temporary, job->result, messages);
-    if (status != SD_OK) file_remove(temporary, NULL);
-  }
-  free(temporary);
-  return status;
+  return status == SD_OK ? write_result(job, total, bytes, messages) : status;
 }

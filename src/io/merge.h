@@ -1,8 +1,8 @@
 /* merge.h: puts the sealed parts of a finished run together into one file.
  *
  * Part after part is read and copied by rows, so that memory stays bounded whatever the length of the run.
- * The file is written under a temporary name (the name + ".tmp") and renamed when it is complete; the parts
- * are left alone, so an interrupted merge is simply done again.
+ * The file is written as a draft among the parts, read back and compared with what was put into it, sealed, and renamed;
+ * the parts are left alone, so an interrupted merge is simply done again.
  */
 #ifndef SLIPDISK_IO_MERGE_H
 #define SLIPDISK_IO_MERGE_H
@@ -10,13 +10,15 @@
 #include <signal.h>
 
 #include "io/checkpoint.h"
+#include "io/folder.h"
 #include "io/record.h"
 
 typedef struct merge_job {
   const char *result; /* path of the file to be made */
-  const char *folder; /* of the parts */
+  file_replace how;   /* FILE_KEEP: nothing may be there */
+  const folder *folder;
   int64_t parts;
-  record *layout; /* which tables there are; its rows are not looked at */
+  const record *layout; /* which tables there are; its rows are not looked at */
   const sd_model *model;
   const sd_state *state;
   const provenance *origin;
@@ -25,5 +27,8 @@ typedef struct merge_job {
 } merge_job;
 
 sd_status merge_parts(const merge_job *job, sd_messages *messages);
+/* Are all parts there, whole, of this run, and in their order? last: sum in the seal of the last one. */
+sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id, int64_t parts,
+                            uint64_t last, sd_messages *messages);
 
 #endif

@@ -2,6 +2,7 @@
 #include "io/record.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #include "io/series.h"
 #include "io/trajectory.h"
@@ -56,13 +57,34 @@ void record_clear(record *r) {
   for (int k = 0; k < RECORD_TABLES; k++) table_clear(r->tables[k]);
 }
 
-sd_status record_seal(record *r, const char *path, const char *run_id, sd_messages *messages) {
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link, uint64_t *sum,
+                      sd_messages *messages) {
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
-  h5_attr_text(file, "/", "run_id", run_id);
+  h5_attr_text(file, "/", "run_id", link->run_id);
+  h5_attr_i64(file, "/", "part", link->number);
+  h5_attr_i64(file, "/", "after", (int64_t)link->after);
   for (int k = 0; k < RECORD_TABLES; k++) table_write(r->tables[k], file);
-  status = h5_save(file, path, NULL, messages);
+  status = h5_save(file, folder, path, sum, messages);
   if (status == SD_OK) record_clear(r);
   return status;
+}
+
+sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out, uint64_t *sum,
+                      sd_messages *messages) {
+  sd_status status = h5_open_sealed(folder, path, out, sum, messages);
+  if (status != SD_OK) return status;
+  char *run_id = h5_get_attr_text(*out, "/", "run_id");
+  bool same_run = run_id && strcmp(run_id, link->run_id) == 0;
+  bool same_place = h5_get_attr_i64(*out, "/", "part", -1) == link->number &&
+                    (uint64_t)h5_get_attr_i64(*out, "/", "after", -1) == link->after;
+  free(run_id);
+  if (same_run && same_place) return SD_OK;
+  h5_close(*out, NULL);
+  *out = NULL;
+  return sd_fail(messages, SD_ERROR_IO,
+                 same_run ? "%s is a part of this run, but does not follow on the one before it"
+                          : "%s is a part of another run",
+                 path);
 }

@@ -24,7 +24,19 @@ sd_status record_sample(record *r, unsigned what, const sd_state *state, const s
 size_t record_bytes(const record *r);
 bool record_empty(const record *r);
 void record_clear(record *r);
-/* Writes all rows to a part; clears them when that has succeeded. */
-sd_status record_seal(record *r, const char *path, const char *run_id, sd_messages *messages);
+/* Parts are a chain: each names its run, its place, and the sum in the seal of the one before. */
+typedef struct record_link {
+  const char *run_id;
+  int64_t number; /* of this part, from 1 on */
+  uint64_t after; /* sum of the part before; 0: it is the first */
+} record_link;
+
+/* Writes all rows to a part, and clears them when that has succeeded; sum: that of its seal. folder: see file.h. */
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link, uint64_t *sum,
+                      sd_messages *messages);
+/* Opens a part and makes sure that it is this link of the chain; sum as above. SD_ERROR_IO: it is missing, damaged, or
+ * of another run. */
+sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out, uint64_t *sum,
+                      sd_messages *messages);
 
 #endif

@@ -8,6 +8,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "io/file.h"
@@ -87,8 +88,11 @@ static const sd_state *present_state(session *s, sd_messages *messages) {
 static sd_status seal(session *s, sd_messages *messages) {
   if (record_empty(&s->rows)) return SD_OK;
   char *path = folder_part(s->parts_folder.path, s->parts + 1);
-  sd_status status = path ? record_seal(&s->rows, path, s->origin.run_id, messages)
+  record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
+  sd_status status = path ? folder_check(&s->parts_folder, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
+  if (status == SD_OK)
+    status = record_seal(&s->rows, s->parts_folder.at, path, &link, &s->last_part, messages);
   if (status == SD_OK) s->parts++;
   free(path);
   return status;
@@ -110,17 +114,25 @@ static sd_status describe(session *s, const sd_state *state, const sd_energy *en
   return status;
 }
 
+/* The state, as a file of the folder. */
+static sd_status write_state(session *s, const sd_state *state, const char *path, sd_messages *messages) {
+  sd_energy energy = sd_simulation_energy(s->simulation);
+  checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
+  sd_status status = path ? describe(s, state, &energy, messages)
+                          : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  if (status == SD_OK) status = folder_check(&s->parts_folder, messages);
+  if (status != SD_OK) return status;
+  return checkpoint_write(s->parts_folder.at, path, state, &parts, &s->origin, &s->found, messages);
+}
+
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
  * checkpoint on disk has its parts. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
   const sd_state *state = present_state(s, messages);
   if (!state) return SD_ERROR_IO;
-  sd_energy energy = sd_simulation_energy(s->simulation);
-  sd_status status = seal(s, messages);
-  if (status == SD_OK) status = describe(s, state, &energy, messages);
   char *path = folder_checkpoint(s->parts_folder.path, state->step);
-  if (status == SD_OK && !path) status = sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
-  if (status == SD_OK) status = checkpoint_write(path, state, s->parts, &s->origin, &s->found, messages);
+  sd_status status = seal(s, messages);
+  if (status == SD_OK) status = write_state(s, state, path, messages);
   if (status == SD_OK) {
     s->saved_step = state->step;
     s->saved_at = session_clock();
@@ -134,11 +146,8 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
 static void keep_emergency(session *s, sd_messages *messages) {
   const sd_state *state = present_state(s, messages);
   if (!state) return;
-  sd_energy energy = sd_simulation_energy(s->simulation);
   char *path = folder_emergency(s->parts_folder.path, state->step);
-  sd_status status = path ? describe(s, state, &energy, messages) : SD_ERROR_IO;
-  if (status == SD_OK) status = checkpoint_write(path, state, s->parts, &s->origin, &s->found, messages);
-  if (status == SD_OK)
+  if (write_state(s, state, path, messages) == SD_OK)
     sd_warn(messages, "the state at step %" PRId64 " is kept as %s; the last good one is step %" PRId64,
             state->step, path, s->saved_step);
   free(path);
@@ -237,14 +246,29 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
   return status;
 }
 
+sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages) {
+  char *there = session_identity(s);
+  if (!there) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", s->result);
+  bool may = !*there || strcmp(there, s->replaces) == 0;
+  free(there);
+  if (may) return SD_OK;
+  return sd_fail(
+      messages, kind,
+      "%s has appeared, or was changed, since this run was started: it is not overwritten. Move it away, "
+      "and the same command goes on; or start over with --force",
+      s->result);
+}
+
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
 static sd_status merge(session *s, sd_messages *messages) {
   sd_status status = s->saved_step == s->step && s->has_found ? SD_OK : session_checkpoint(s, messages);
   if (status != SD_OK) return status;
   const sd_state *state = present_state(s, messages);
   if (!state) return SD_ERROR_IO;
+  if (session_may_publish(s, SD_ERROR_IO, messages) != SD_OK) return SD_ERROR_IO;
   merge_job job = {.result = s->options.result,
-                   .folder = s->parts_folder.path,
+                   .how = *s->replaces ? FILE_REPLACE : FILE_KEEP,
+                   .folder = &s->parts_folder,
                    .parts = s->parts,
                    .layout = &s->rows,
                    .model = s->model,

@@ -1,10 +1,16 @@
 /* session_begin.c: how a session begins: what is there already, and from where to go on. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include <errno.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "io/file.h"
+#include "io/merge.h"
 #include "run/deck_diff.h"
 #include "run/session_private.h"
 
@@ -17,9 +23,24 @@ static char *finished_id(const char *result) {
   return id;
 }
 
-static sd_status refuse_finished(const session *s, sd_messages *messages) {
-  return sd_fail(messages, SD_ERROR_USER, "%s is finished already; --force runs it again and replaces it",
-                 s->result);
+char *session_identity(const session *s) {
+  struct stat facts;
+  char *id = finished_id(s->result);
+  if (id) return id;
+  if (lstat(s->result, &facts) != 0) return file_path("%s", errno == ENOENT ? "" : "unknown");
+  return file_path("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
+                   facts.st_mtim.tv_nsec);
+}
+
+/* Without --force nothing is replaced. */
+static sd_status refuse_existing(const session *s, sd_messages *messages) {
+  char *id = finished_id(s->result);
+  sd_fail(messages, SD_ERROR_USER,
+          id ? "%s is finished already; --force runs it again and replaces it"
+             : "%s is there, and is damaged or no result of slipdisk; --force replaces it",
+          s->result);
+  free(id);
+  return SD_ERROR_USER;
 }
 
 /* The deck of the checkpoint must be this one, and so must the files that it names. */
@@ -51,67 +72,84 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
   return SD_OK;
 }
 
-/* Tries one checkpoint. SD_ERROR_IO: damaged; SD_ERROR_USER: it belongs to something else. */
-static sd_status try_checkpoint(session *s, int64_t step, sd_state **state, sd_messages *messages) {
+/* What a checkpoint in an open file has to be for the run to go on from it. */
+static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
+                                 sd_messages *messages) {
+  sd_status status = check_deck(s, &s->origin, NULL, messages);
+  if (status == SD_OK) status = checkpoint_get_state(file, s->model, state, messages);
+  if (status == SD_OK) status = check_deck(s, &s->origin, *state, messages);
+  if (status != SD_OK) return status;
+  s->parts = checkpoint_get_parts(file);
+  s->last_part = checkpoint_get_last_part(file);
+  free(s->replaces);
+  s->replaces = checkpoint_get_replaces(file);
+  if (s->parts < 0 || !s->replaces)
+    return sd_fail(messages, SD_ERROR_IO, "%s does not say how many parts it has", path);
+  return merge_check_parts(&s->parts_folder, &s->rows, s->origin.run_id, s->parts, s->last_part, messages);
+}
+
+/* Tries one checkpoint. SD_ERROR_IO: it, or a part of it, is damaged; SD_ERROR_USER: it belongs to something else. A folder
+ * beside the finished result of the same run is what a kill during its removal left. */
+static sd_status try_checkpoint(session *s, int64_t step, const char *finished, sd_state **state,
+                                sd_messages *messages) {
   char *path = folder_checkpoint(s->parts_folder.path, step);
   h5_file *file = NULL;
-  provenance origin = {0};
-  sd_status status = path ? h5_open_sealed(path, &file, messages)
+  sd_status status = path ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to read the checkpoint");
-  if (status == SD_OK) status = provenance_read(&origin, file, messages);
-  if (status == SD_OK) status = check_deck(s, &origin, NULL, messages);
-  if (status == SD_OK) status = checkpoint_get_state(file, s->model, state, messages);
-  if (status == SD_OK) status = check_deck(s, &origin, *state, messages);
-  if (status == SD_OK) {
-    s->parts = checkpoint_get_parts(file);
-    s->origin = origin;
-    if (s->parts < 0) status = sd_fail(messages, SD_ERROR_IO, "%s does not say how many parts it has", path);
-  }
+  if (status == SD_OK) status = checkpoint_check_origin(file, path, messages);
+  if (status == SD_OK) status = provenance_read(&s->origin, file, messages);
+  s->was_finished = status == SD_OK && finished && strcmp(finished, s->origin.run_id) == 0;
+  if (status == SD_OK && !s->was_finished) status = read_checkpoint(s, file, path, state, messages);
   if (status != SD_OK) {
     if (*state) sd_state_free(*state);
     *state = NULL;
-    provenance_free(&origin);
-    s->origin = (provenance){0};
+    provenance_free(&s->origin);
   }
   h5_close(file, NULL);
   free(path);
   return status;
 }
 
-/* The newest checkpoint that is good; *state stays NULL when there is none. A damaged one is a warning as
- * long as another can stand in for it. */
-static sd_status find_checkpoint(session *s, sd_state **state, size_t *n, sd_messages *messages) {
+/* Puts aside the `n` newest, which cannot be used, and says why. */
+static void step_back(session *s, const int64_t *steps, size_t n, const sd_messages *why,
+                      sd_messages *messages) {
+  for (size_t k = 0; k < sd_messages_count(why); k++) sd_warn(messages, "%s", sd_messages_text(why, k));
+  for (size_t k = 0; k < n; k++) folder_set_aside(&s->parts_folder, steps[k]);
+  sd_warn(messages, "the checkpoint of step %" PRId64 " cannot be used, that of step %" PRId64 " is taken",
+          steps[0], steps[n]);
+}
+
+/* The newest checkpoint that is good, with its parts; *state stays NULL when there is none, and of a run that is finished.
+ * As long as another stands in for it a damaged one is a warning. */
+static sd_status find_checkpoint(session *s, const char *finished, sd_state **state, sd_messages *messages) {
   int64_t *steps;
-  sd_status status = folder_checkpoints(s->parts_folder.path, &steps, n, messages);
-  for (size_t k = 0; status == SD_OK && !*state && k < *n; k++) {
-    sd_messages *why = sd_messages_new();
-    sd_status found = try_checkpoint(s, steps[k], state, why);
-    for (size_t m = 0; m < sd_messages_count(why); m++) {
-      if (found == SD_ERROR_IO)
-        sd_warn(messages, "%s", sd_messages_text(why, m));
-      else
-        sd_fail(messages, found, "%s", sd_messages_text(why, m));
-    }
-    sd_messages_free(why);
-    if (found == SD_ERROR_IO) {
-      folder_set_aside(&s->parts_folder, steps[k]);
-      sd_warn(messages, "the checkpoint of step %" PRId64 " cannot be used, the one before it is taken",
-              steps[k]);
-    } else {
-      status = found;
+  size_t n, k = 0;
+  sd_status status = folder_checkpoints(s->parts_folder.path, &steps, &n, messages);
+  sd_messages *why = sd_messages_new();
+  if (status == SD_OK && n > 0) {
+    while (k < n && (status = try_checkpoint(s, steps[k], finished, state, why)) == SD_ERROR_IO) k++;
+    if (status == SD_OK && k > 0 && !s->was_finished) {
+      step_back(s, steps, k, why, messages);
+    } else if (status != SD_OK) {
+      for (size_t m = 0; m < sd_messages_count(why); m++)
+        sd_fail(messages, status, "%s", sd_messages_text(why, m));
+      if (status == SD_ERROR_IO)
+        sd_fail(
+            messages, status,
+            "%s cannot go on: no checkpoint can be used together with its parts. What is in %s is left as "
+            "it is; --force starts over",
+            s->result, s->parts_folder.path);
     }
   }
+  sd_messages_free(why);
   free(steps);
   return status;
 }
 
-/* A folder beside a result of the same run, or without a checkpoint, is what a kill during the removal left. */
-static bool is_leftover(const session *s, const char *finished, const sd_state *state) {
-  if (!finished || s->options.force) return false;
-  return !state || strcmp(finished, s->origin.run_id) == 0;
-}
-
 static sd_status begin_fresh(session *s, sd_messages *messages) {
+  s->fresh = true;
+  s->replaces = s->options.force ? session_identity(s) : file_path("%s", "");
+  if (!s->replaces) return sd_fail(messages, SD_ERROR_IO, "no memory to start");
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
   if (status == SD_OK) status = sd_simulation_new(s->model, s->options.threads, &s->simulation, messages);
@@ -126,24 +164,14 @@ static sd_status begin_fresh(session *s, sd_messages *messages) {
 static sd_status begin_again(session *s, sd_state *state, sd_messages *messages) {
   s->began = s->step = s->saved_step = s->told_step = state->step;
   s->origin.sessions++;
-  sd_status status = folder_clean(&s->parts_folder, s->parts, messages);
+  /* now, and not when all is computed */
+  sd_status status = session_may_publish(s, SD_ERROR_USER, messages);
+  if (status == SD_OK) status = folder_clean(&s->parts_folder, s->parts, messages);
   if (status != SD_OK) {
     sd_state_free(state);
     return status;
   }
   return sd_simulation_resume(s->model, state, s->options.threads, &s->simulation, messages);
-}
-
-/* Nothing can be continued: may the run start from the beginning? */
-static sd_status check_fresh(session *s, size_t checkpoints, sd_messages *messages) {
-  s->fresh = true;
-  if (checkpoints > 0)
-    sd_warn(messages, "no checkpoint of %s can be used: the run starts over", s->result);
-  else if (!s->options.force && file_exists(s->result))
-    /* not a result of this program: it is not ours to replace */
-    return sd_fail(messages, SD_ERROR_USER, "%s is there and is no result of slipdisk; --force replaces it",
-                   s->result);
-  return SD_OK;
 }
 
 /* Refuses what can be refused without touching anything, then takes the lock. */
@@ -154,37 +182,33 @@ static sd_status prepare(session *s, sd_messages *messages) {
     status = sd_fail(messages, SD_ERROR_IO, "no memory to start");
   else if (file_is_folder(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a folder, a result is a file", s->result);
+  else if (file_is_link(s->result))
+    status = sd_fail(messages, SD_ERROR_USER, "%s is a symbolic link, a result is a file", s->result);
   else if (file_is_special(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a device or a pipe, a result is a file", s->result);
   else if (!s->options.force && file_exists(s->result) && !file_exists(parts))
-    status = refuse_finished(s, messages);
-  if (status == SD_OK) status = folder_open(parts, &s->parts_folder, messages);
+    status = refuse_existing(s, messages);
+  if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
   if (status == SD_OK) status = record_new(&s->rows, s->model, messages);
   free(parts);
   return status;
 }
 
 static sd_status begin(session *s, sd_messages *messages) {
-  char *finished = NULL;
   sd_state *state = NULL;
-  size_t checkpoints = 0;
   sd_status status = prepare(s, messages);
   if (status == SD_OK && !s->options.force) {
-    finished = finished_id(s->result);
-    status = find_checkpoint(s, &state, &checkpoints, messages);
+    char *finished = finished_id(s->result);
+    status = find_checkpoint(s, finished, &state, messages);
+    /* without a checkpoint nothing was begun */
+    s->was_finished = s->was_finished || (finished && status == SD_OK && !state);
+    free(finished);
   }
-  if (status == SD_OK && is_leftover(s, finished, state)) {
-    s->was_finished = true;
-    sd_state_free(state);
-    status = folder_remove(&s->parts_folder, messages);
-  } else if (status == SD_OK && state) {
-    status = begin_again(s, state, messages);
-  } else if (status == SD_OK) {
-    status = check_fresh(s, checkpoints, messages);
-    if (status == SD_OK) status = begin_fresh(s, messages);
-  }
-  free(finished);
-  return status;
+  if (status != SD_OK) return status;
+  if (s->was_finished) return folder_remove(&s->parts_folder, messages);
+  if (state) return begin_again(s, state, messages);
+  return !s->options.force && file_exists(s->result) ? refuse_existing(s, messages)
+                                                     : begin_fresh(s, messages);
 }
 
 sd_status session_open(const sd_model *model, const session_options *options, session **out,
@@ -198,7 +222,7 @@ sd_status session_open(const sd_model *model, const session_options *options, se
   s->model = model;
   s->options = *options;
   s->options.result = s->result;
-  s->parts_folder.lock = -1;
+  s->parts_folder = (folder){.at = -1, .lock = -1};
   s->steps = sd_model_steps(model);
   s->saved_step = s->told_phase = -1;
   s->saved_at = s->wall_mark = session_clock();
@@ -220,6 +244,7 @@ void session_close(session *s) {
   provenance_free(&s->origin);
   summary_free(&s->found);
   folder_close(&s->parts_folder);
+  free(s->replaces);
   free(s->result);
   free(s);
 }

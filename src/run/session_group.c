@@ -43,7 +43,7 @@ static void leave(group *g, size_t member, sd_status status) {
   if (status == SD_OK && !s->was_finished)
     status =
         sd_simulation_finished(s->simulation) ? session_finish(s, m->messages) : session_stop(s, m->messages);
-  if (status == SD_ERROR_IO && s->saved_step >= 0)
+  if (status == SD_ERROR_IO && s->saved_step >= 0 && folder_check(&s->parts_folder, NULL) == SD_OK)
     sd_fail(m->messages, SD_ERROR_IO,
             "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);
   m->status = status;

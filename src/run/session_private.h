@@ -20,6 +20,8 @@ struct session {
   bool was_finished;
   bool fresh;                             /* nothing to continue was found */
   int64_t parts;                          /* sealed */
+  uint64_t last_part;                     /* sum in the seal of the last of them */
+  char *replaces;                         /* identity of the result that may be replaced; "": none */
   int64_t began, step, steps, saved_step; /* saved_step -1: no checkpoint yet */
   double saved_at, wall_mark;
   double told_at, rate; /* progress */
@@ -33,6 +35,11 @@ unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
 sd_status session_checkpoint(session *s, sd_messages *messages);
+/* Which file lies at the result's name: run_id of a result, else size and time; "": none. To be freed; NULL: no memory. */
+char *session_identity(const session *s);
+/* May the result get its name? Not when another file has appeared there than the one that is to be replaced. `kind` is the
+ * status of a refusal. */
+sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages);
 /* Tells how far it is, when it is time again, or always. */
 void session_report(session *s, bool always);
 

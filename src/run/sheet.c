@@ -147,7 +147,7 @@ sd_status sheet_write_csv(const sheet *s, const char *path, sd_messages *message
   }
   bool good = fclose(out) == 0;
   file_piece piece = {text, size};
-  sd_status status = good ? file_write_atomic(path, 1, &piece, messages)
+  sd_status status = good ? file_write_atomic(-1, path, 1, &piece, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   free(text);
   return status;

@@ -122,9 +122,9 @@ void sweep_note(const sweep *s, size_t point, const char *text) {
   char *path = sweep_point_path(s, point, ".failed");
   file_piece piece = {text, text ? strlen(text) : 0};
   if (path && text)
-    file_write_atomic(path, 1, &piece, NULL);
+    file_write_atomic(-1, path, 1, &piece, NULL);
   else if (path && file_exists(path))
-    file_remove(path, NULL);
+    file_remove(-1, path, NULL);
   free(path);
 }
 

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/checkpoint.h"
 #include "io/file.h"
 #include "io/folder.h"
 #include "run/sweep_private.h"
@@ -116,6 +117,7 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   provenance origin = {0};
   sd_messages *mine = sd_messages_new();
   sd_status status = h5_open(path, &file, mine);
+  if (status == SD_OK) status = checkpoint_check_origin(file, path, mine);
   if (status == SD_OK) status = provenance_read(&origin, file, mine);
   if (status == SD_OK) status = summary_read(&r->found, file, mine);
   if (status != SD_OK) {
@@ -141,7 +143,7 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
   h5_file *file = NULL;
   if (parts && folder_checkpoints(parts, &steps, &n, NULL) == SD_OK && n > 0)
     path = folder_checkpoint(parts, steps[0]);
-  if (path && h5_open_sealed(path, &file, NULL) == SD_OK) {
+  if (path && h5_open_sealed(-1, path, &file, NULL, NULL) == SD_OK) {
     provenance origin = {0};
     r->has_found = summary_read(&r->found, file, NULL) == SD_OK;
     if (r->status != SWEEP_RUNNING && provenance_read(&origin, file, NULL) == SD_OK)

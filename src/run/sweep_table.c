@@ -198,7 +198,7 @@ static sd_status write_h5(const sweep *s, const sheet *t, const sheet *m, const 
   for (size_t j = 0; j < s->deck.n_parameters; j++)
     h5_attr_text(file, "/parameters", s->deck.parameters[j].name, s->deck.parameters[j].path);
   free(lines);
-  return h5_save(file, path, NULL, messages);
+  return h5_save(file, -1, path, NULL, messages);
 }
 
 static sd_status write_all(const sweep *s, const sheet *t, const sheet *m, sd_messages *messages) {
@@ -248,12 +248,16 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
 /* Of several processes one writes after the other, so that what stays is what the last one saw. */
 sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages) {
   const double pause = 0.05;
-  folder lock = {.lock = -1};
+  folder lock = {.at = -1, .lock = -1};
   sd_status status = SD_ERROR_USER;
-  for (; (status = folder_open(s->folder, &lock, NULL)) == SD_ERROR_USER && patience > 0; patience -= pause)
+  for (; (status = folder_open(s->folder, true, &lock, NULL)) == SD_ERROR_USER && patience > 0;
+       patience -= pause)
     nanosleep(&(struct timespec){.tv_nsec = (long)(pause * 1e9)}, NULL);
-  if (status != SD_OK) status = folder_open(s->folder, &lock, messages); /* and tell why */
+  if (status != SD_OK) status = folder_open(s->folder, true, &lock, messages); /* and tell why */
   if (status != SD_OK) return status;
+  /* drafts that a kill has left */
+  static const char *const tables[] = {"table.csv", "table.h5", "means.csv"};
+  for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) file_remove_drafts(s->folder, tables[k], NULL);
   status = make_tables(s, mix, messages);
   folder_close(&lock);
   return status;

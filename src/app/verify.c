@@ -1,0 +1,142 @@
+/* verify.c: slipdisk verify FILE...: does every byte still fit the checksums? */
+#include <dirent.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/checkpoint.h"
+#include "io/file.h"
+#include "io/folder.h"
+#include "io/record.h"
+
+typedef struct verifier {
+  bool quiet, seal;
+  size_t files, damaged;
+} verifier;
+
+/* Prints why, and counts. */
+static void tell_damaged(verifier *v, const char *path, const sd_messages *why) {
+  v->damaged++;
+  if (sd_messages_count(why) == 0) fprintf(stderr, "error: %s cannot be read\n", path);
+  sd_messages_print(why, stderr);
+}
+
+static bool verify_file(verifier *v, const char *path) {
+  sd_messages *why = sd_messages_new();
+  bool sealed = false;
+  uint64_t sum = 0;
+  sd_status status = v->seal ? h5_reseal(path, why) : SD_OK;
+  if (status == SD_OK) status = h5_verify(path, &sealed, &sum, why);
+  if (status == SD_OK && !sealed)
+    status = sd_fail(
+        why, SD_ERROR_IO,
+        "%s has no checksum: it was written by an older version or by another program, and whether it is "
+        "damaged cannot be told",
+        path);
+  v->files++;
+  if (status != SD_OK)
+    tell_damaged(v, path, why);
+  else if (!v->quiet)
+    printf("%s: sound, %.3g MB, sum %016" PRIx64 "\n", path, (double)file_size(path) / 1e6, sum);
+  sd_messages_free(why);
+  return status == SD_OK;
+}
+
+/* The parts that the checkpoint counts: all there, whole, in a chain. */
+static void verify_chain(verifier *v, const char *inside, const char *checkpoint) {
+  sd_messages *why = sd_messages_new();
+  h5_file *file = NULL, *part = NULL;
+  sd_status status = h5_open_sealed(-1, checkpoint, &file, NULL, why);
+  char *run_id = status == SD_OK ? h5_get_attr_text(file, "/parameters", "run_id") : NULL;
+  int64_t n = run_id ? checkpoint_get_parts(file) : 0;
+  uint64_t sum = 0, last = run_id ? checkpoint_get_last_part(file) : 0;
+  for (int64_t k = 1; status == SD_OK && k <= n; k++) {
+    char *path = folder_part(inside, k);
+    record_link link = {.run_id = run_id, .number = k, .after = sum};
+    status = path ? record_open(-1, path, &link, &part, &sum, why) : SD_ERROR_IO;
+    if (status == SD_OK) h5_close(part, NULL);
+    free(path);
+  }
+  if (status == SD_OK && run_id && sum != last)
+    status = sd_fail(why, SD_ERROR_IO, "%s names another last part than the one that is there", checkpoint);
+  if (status != SD_OK) tell_damaged(v, checkpoint, why);
+  h5_close(file, NULL);
+  free(run_id);
+  sd_messages_free(why);
+}
+
+static bool ends_in(const char *name, const char *ending) {
+  size_t n = strlen(name), m = strlen(ending);
+  return n > m && strcmp(name + n - m, ending) == 0;
+}
+
+/* All that slipdisk seals in a folder of parts, or of points; folders of parts in it, too. */
+static sd_status verify_folder(verifier *v, const char *inside, sd_messages *messages) {
+  DIR *directory = opendir(inside);
+  if (!directory) return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", inside, strerror(errno));
+  sd_status status = SD_OK;
+  errno = 0;
+  for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
+    char *path = file_path("%s/%s", inside, entry->d_name);
+    if (!path) {
+      status = sd_fail(messages, SD_ERROR_IO, "no memory");
+    } else if (ends_in(path, ".h5.parts")) {
+      status = verify_folder(v, path, messages);
+    } else if (ends_in(path, ".h5") && strncmp(entry->d_name, "damaged-", 8) != 0) {
+      bool good = verify_file(v, path);
+      if (good && strncmp(entry->d_name, "checkpoint-", 11) == 0) verify_chain(v, inside, path);
+    }
+    free(path);
+  }
+  if (status == SD_OK && errno != 0)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", inside, strerror(errno));
+  closedir(directory);
+  return status;
+}
+
+/* A file, a folder of parts, an unfinished run by the name of its result, or a sweep. */
+static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
+  char *points = file_path("%s/points", name), *parts = file_path("%s.parts", name);
+  sd_status status = SD_OK;
+  if (!points || !parts)
+    status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  else if (file_is_folder(points))
+    status = verify_folder(v, points, messages);
+  else if (file_is_folder(name))
+    status = verify_folder(v, name, messages);
+  else if (file_exists(name))
+    verify_file(v, name);
+  else if (!file_is_folder(parts))
+    status = sd_fail(messages, SD_ERROR_USER, "there is no %s", name);
+  if (status == SD_OK && !file_is_folder(name) && file_is_folder(parts))
+    status = verify_folder(v, parts, messages);
+  free(points);
+  free(parts);
+  return status;
+}
+
+enum { QUIET = 256, SEAL };
+
+int app_verify(int argc, char **argv) {
+  static const struct option options[] = {
+      {"quiet", no_argument, NULL, QUIET}, {"seal", no_argument, NULL, SEAL}, {NULL, 0, NULL, 0}};
+  verifier v = {0};
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+    if (c != QUIET && c != SEAL) return app_unknown_option("verify", options, argv[optind - 1]);
+    *(c == QUIET ? &v.quiet : &v.seal) = true;
+  }
+  if (optind == argc) return app_misuse("verify", "no result is given");
+  sd_messages *messages = sd_messages_new();
+  int status = SD_OK;
+  for (int k = optind; k < argc; k++) {
+    sd_status one = verify(&v, argv[k], messages);
+    if (status == SD_OK) status = one;
+  }
+  sd_messages_print(messages, stderr);
+  sd_messages_free(messages);
+  if (v.files != 1 && !v.quiet) printf("%zu files, %zu damaged\n", v.files, v.damaged);
+  return v.damaged > 0 ? SD_ERROR_IO : status;
+}
