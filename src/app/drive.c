@@ -3,6 +3,7 @@
 #define _GNU_SOURCE
 #endif
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -175,18 +176,26 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   return status;
 }
 
+/* A link at the log's name is not followed. */
+static int open_log(teller *t, const char *path) {
+  int fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
+  bool link = fd < 0 && errno == ELOOP;
+  fprintf(stderr, "error: cannot write %s: %s\n", path, link ? "it is a symbolic link" : strerror(errno));
+  if (fd >= 0) close(fd);
+  return link ? SD_ERROR_USER : SD_ERROR_IO;
+}
+
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
+  int status = SD_OK;
   app_catch_signals();
   double now = clock_now();
   teller t = {.screen = options->quiet ? NULL : stderr,
               .terminal = isatty(STDERR_FILENO),
               .began = now,
               .told_at = now};
-  if (options->log && !(t.log = fopen(options->log, "a"))) {
-    fprintf(stderr, "error: cannot write %s: %s\n", options->log, strerror(errno));
-    return SD_ERROR_IO;
-  }
-  int status = run_session(model, options, &t, messages);
+  if (options->log && (status = open_log(&t, options->log)) != SD_OK) return status;
+  status = run_session(model, options, &t, messages);
   if (t.log) fclose(t.log);
   return status;
 }

@@ -235,7 +235,9 @@ sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages) {
 sd_status folder_prune(const folder *f, size_t keep, sd_messages *messages) {
   int64_t *steps;
   size_t n;
-  sd_status status = folder_checkpoints(f->path, &steps, &n, messages);
+  sd_status status = folder_check(f, messages);
+  if (status != SD_OK) return status;
+  status = folder_checkpoints(f->path, &steps, &n, messages);
   if (status == SD_OK && n > keep) status = remove_some(f, is_older, steps[keep - 1], messages);
   free(steps);
   return status;
