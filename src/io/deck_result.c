@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "io/checkpoint.h"
+#include "io/file.h"
 
 /* --- the text ------------------------------------------------------------------------------------------- */
 
@@ -126,7 +127,13 @@ static void parse_text(deck *d, deck_result *r, char *text) {
 
 bool deck_result_there(const char *path) {
   h5_file *file;
-  if (h5_open(path, &file, NULL) != SD_OK) return false;
+  bool sealed = false;
+  uint64_t sum;
+  if (h5_open(path, &file, NULL) != SD_OK) {
+    /* a damaged one is one: its reader says what is wrong with it */
+    if (file_exists(path)) h5_verify(path, &sealed, &sum, NULL);
+    return sealed;
+  }
   bool there = h5_get_attr_i64(file, "/state", "format", -1) >= 0;
   h5_close(file, NULL);
   return there;
