@@ -37,7 +37,9 @@ class Runner:
         done = os.path.exists(path) and os.path.exists(note) and open(note).read().strip() == text
         if not done:
             result = subprocess.run(command + ["--force"], capture_output=True, text=True, check=False)
-            if result.returncode:
+            if result.returncode == 5:  # finished, in doubt
+                print(f"{text}\n{result.stderr}", file=sys.stderr)
+            elif result.returncode:
                 sys.exit(f"{text}\n{result.stderr}")
             with open(note, "w") as file:
                 file.write(text + "\n")

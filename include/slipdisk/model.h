@@ -215,14 +215,22 @@ typedef struct sd_segment {
   int64_t next;       /* feature number of the piece that follows, -1: none */
 } sd_segment;
 
+/* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */
+typedef struct sd_limits {
+  double residual;     /* of the energy budget, over its scale */
+  double open;         /* fraction of the measured time in which a watched contact is open */
+  double displacement; /* of a free disk in one step, over its radius */
+} sd_limits;
+
 typedef struct sd_model {
   char *title;
   uint64_t seed;
   sd_integrator integrator;
   sd_variant variant;
   double dt;
-  double skin;               /* Verlet-list skin, length; 0: chosen as the run goes */
-  double max_overlap;        /* a run stops when an overlap exceeds this fraction of the smaller radius */
+  double skin;        /* Verlet-list skin, length; 0: chosen as the run goes */
+  double max_overlap; /* a run stops when an overlap exceeds this fraction of the smaller radius */
+  sd_limits limits;
   double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
   double lower[2], upper[2]; /* box; only read along periodic directions */
   bool periodic[2];

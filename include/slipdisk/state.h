@@ -65,6 +65,9 @@ typedef struct sd_state {
   int64_t outside;                   /* times that a disk left the bounds */
   int64_t mean_looks;                /* looks at the contacts for the means */
   int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
+  int64_t fast_step;        /* first step after which a free disk was beyond limits.displacement; -1 */
+  int64_t fast_disk;        /* its body number */
+  double fast_displacement; /* its speed times dt, in radii */
 
   void *columns; /* what the columns but those of contacts stand in */
 

@@ -23,6 +23,7 @@ typedef enum sd_status {
   SD_ERROR_USER = 2,    /* deck, input file or command line */
   SD_ERROR_NUMERIC = 3, /* not finite, overlap beyond the limit */
   SD_ERROR_IO = 4,      /* disk full, no permission, damaged file */
+  SD_DOUBTFUL = 5,      /* finished, but the result is beyond a limit of the deck (sd_limits) */
   SD_INTERRUPTED = 75   /* stopped by a signal after a checkpoint; run again to continue */
 } sd_status;
 

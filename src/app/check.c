@@ -93,6 +93,15 @@ static void print_bounds(const sd_model *m) {
     printf("# bounds      none: a disk that falls off is not told of; with `bounds = { };` it is\n");
 }
 
+static void print_limits(const sd_model *m) {
+  const sd_limits *l = &m->limits;
+  printf("# limits      in doubt beyond:");
+  if (l->residual > 0) printf(" residual %g", l->residual);
+  if (l->open > 0) printf(" open %g", l->open);
+  if (l->displacement > 0) printf(" displacement %g", l->displacement);
+  printf("%s\n", l->residual > 0 || l->open > 0 || l->displacement > 0 ? "" : " nothing");
+}
+
 static void print_phases(const sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
@@ -325,6 +334,7 @@ static sd_status check(const options *o, sd_messages *messages) {
   print_counts(m);
   print_bounds(m);
   print_phases(m);
+  print_limits(m);
   print_time_step(m, messages);
   print_restitution(m);
   double speed = 0;

@@ -144,6 +144,14 @@ static void tell_start(teller *t, const drive_options *options, const session *s
   }
 }
 
+/* True: the result is in doubt. */
+static bool warn_of_doubts(const session *s, sd_messages *messages) {
+  const summary *found = session_summary(s);
+  for (size_t k = 0; found && k < DOUBT_KINDS; k++)
+    if (found->doubts[k].text) sd_warn(messages, "in doubt: %s", found->doubts[k].text);
+  return found && summary_doubts(found) > 0;
+}
+
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_messages *messages) {
   session_options how = {.result = options->result,
@@ -163,6 +171,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   tell_start(t, options, s);
   sd_messages *later = sd_messages_new();
   status = session_run(s, later);
+  bool in_doubt = status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);
   tell_messages(t, later);
   if (status != SD_OK && status != SD_INTERRUPTED && options->failed) options->failed(options->user, later);
   sd_messages_free(later);
@@ -173,7 +182,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   }
   if (status == SD_OK && t->log) tell_result(t->log, s, options->result);
   session_close(s);
-  return status;
+  return in_doubt ? SD_DOUBTFUL : status;
 }
 
 /* A link at the log's name is not followed. */

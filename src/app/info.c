@@ -244,6 +244,17 @@ static json_t *disks_json(const summary *s) {
   return object;
 }
 
+static json_t *doubts_json(const summary *s) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < DOUBT_KINDS; k++) {
+    const summary_doubt *d = &s->doubts[k];
+    if (d->text)
+      json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o}", "name", doubt_names[k], "message",
+                                            d->text, "value", real(d->value), "limit", real(d->limit)));
+  }
+  return list;
+}
+
 static json_t *provenance_json(const provenance *p) {
   json_t *object = json_object();
   for (size_t k = 0; k < provenance_text_count; k++)
@@ -264,15 +275,15 @@ static int print_json(const facts *f) {
     json_object_set_new(energy, series_energies[k].name, real(series_energy_value(&s->energy, k)));
   json_t *root = json_pack(
       "{s:s, s:b, s:I, s:I, s:o, s:o, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, "
-      "s:o, s:O}",
+      "s:o, s:o, s:O}",
       "file", f->path, "finished", (int)f->finished, "step", (json_int_t)s->step, "steps",
       (json_int_t)s->steps, "time", real((double)s->step * s->dt), "dt", real(s->dt), "phase",
       (json_int_t)s->phase, "phases", (json_int_t)s->phases, "phase_name", s->phase_name, "measured_steps",
       (json_int_t)s->measured, "measured", real((double)s->measured * s->dt), "disks", (json_int_t)s->disks,
       "walls", (json_int_t)s->walls, "contacts", (json_int_t)s->contacts, "step_nanoseconds",
       real(s->step_nanoseconds), "rotation", rotation_json(s), "until", until_json(s), "sliding",
-      slide_json(s), "means", disks_json(s), "energy", energy, "provenance", provenance_json(&f->origin),
-      "datasets", f->datasets);
+      slide_json(s), "means", disks_json(s), "energy", energy, "doubts", doubts_json(s), "provenance",
+      provenance_json(&f->origin), "datasets", f->datasets);
   int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : SD_ERROR_IO;
   putchar('\n');
   json_decref(root);

@@ -55,6 +55,7 @@ static const char help[] =
     "  slipdisk help\n"
     "\n"
     "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed,\n"
+    "5 done, but the result is in doubt (energy budget, open contacts, disks too fast: see its warnings),\n"
     "75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1): give the command again to continue.\n";
 
 bool app_number(const char *text, long least, long most, long *out) {

@@ -170,10 +170,8 @@ static void report_disks(FILE *out, const summary *found) {
             p->totals.disks * (1 - p->totals.reliable));
 }
 
-/* Steps per shortest contact period below which a run is warned of, and the residual of the energy budget,
- * relative to its scale, above which its result is. */
+/* Steps per shortest contact period below which a run is warned of. */
 enum { FEWEST_STEPS = 20 };
-static const double LARGEST_RESIDUAL = 0.01;
 
 static void report_energy(FILE *out, const sd_energy *e) {
   fprintf(out, "\nenergy budget\n");
@@ -184,8 +182,13 @@ static void report_energy(FILE *out, const sd_energy *e) {
       fprintf(out, "   (relative: %.2g)", e->residual / e->scale);
     fputc('\n', out);
   }
-  if (e->scale > 0 && fabs(e->residual) > LARGEST_RESIDUAL * e->scale)
-    fprintf(out, "  the budget does not close: a smaller dt is needed\n");
+}
+
+static void report_doubts(FILE *out, const summary *found) {
+  if (summary_doubts(found) == 0) return;
+  fprintf(out, "\nIN DOUBT\n");
+  for (size_t k = 0; k < DOUBT_KINDS; k++)
+    if (found->doubts[k].text) fprintf(out, "  %s\n", found->doubts[k].text);
 }
 
 /* No mistake, since a disk may never touch anything, and the period is that of a disk between two others. */
@@ -210,6 +213,7 @@ void report_summary(FILE *out, const summary *found) {
   report_slides(out, found);
   report_disks(out, found);
   report_energy(out, &found->energy);
+  report_doubts(out, found);
 }
 
 const char *report_of(const summary *found) {

@@ -149,7 +149,7 @@ static void print_counts(const sweep *s, const size_t *count) {
 /* list: all points; else how many of each kind, and those of which there is more to tell: not of those that are done without
  * doubts, that are waiting, that are another deck's. */
 static sd_status print_points(const sweep *s, bool list, sd_messages *messages) {
-  size_t count[SWEEP_STATUSES] = {0}, unclosed = 0, open = 0;
+  size_t count[SWEEP_STATUSES] = {0}, doubted[DOUBT_KINDS] = {0};
   bool stars = false;
   sd_status status = SD_OK;
   sweep_tally others = {0};
@@ -157,8 +157,7 @@ static sd_status print_points(const sweep *s, bool list, sd_messages *messages) 
     sweep_result r;
     status = sweep_look(s, k, &r, messages);
     count[r.status]++;
-    unclosed += (r.doubts & SWEEP_UNCLOSED) != 0;
-    open += (r.doubts & SWEEP_OPEN) != 0;
+    sweep_count_doubts(r.doubts, doubted);
     bool plain =
         (r.status == SWEEP_DONE && !r.doubts) || r.status == SWEEP_WAITING || r.status == SWEEP_OTHER;
     if (status == SD_OK && (list || !plain)) stars = print_point(s, k, &r) || stars;
@@ -168,7 +167,7 @@ static sd_status print_points(const sweep *s, bool list, sd_messages *messages) 
   if (stars) printf("*: the error bar is not reliable yet\n");
   if (status == SD_OK && !list) print_counts(s, count);
   if (status == SD_OK) {
-    sweep_show_doubts(stdout, unclosed, open);
+    sweep_show_doubts(stdout, doubted);
     print_tally(&others);
     sweep_show_strangers(stdout, s);
   }
@@ -221,19 +220,20 @@ static void keep_note(void *user, const sd_messages *messages) {
   if (sweep_peek(n->s, n->point) != SWEEP_RUNNING) sweep_note_messages(n->s, n->point, messages);
 }
 
-/* Is there anything to run? Tells of a finished result, and refuses one of another deck. */
+/* Is there anything to run? Tells of a finished result (SD_DOUBTFUL: it is in doubt), and refuses one of another deck. */
 static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done, sd_messages *messages) {
   sweep_result r;
   const char *name = s->deck.points[point].name;
   sd_status status = sweep_look(s, point, &r, messages);
   *done = r.status == SWEEP_DONE;
+  bool in_doubt = *done && r.doubts;
   if (status == SD_OK && *done && !quiet) fprintf(stderr, "point %zu, %s, is done already\n", point, name);
   if (status == SD_OK && (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED))
     status =
         sd_fail(messages, SD_ERROR_USER, "point %zu, %s, is there already: %s: %s; --force runs it again",
                 point, name, sweep_status_names[r.status], r.message);
   sweep_result_free(&r);
-  return status;
+  return status == SD_OK && in_doubt ? SD_DOUBTFUL : status;
 }
 
 static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages) {
@@ -260,7 +260,7 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
                            .failed = keep_note,
                            .user = &n};
     status = drive_run(model, &drive, messages);
-    if (status == SD_OK || status == SD_INTERRUPTED) sweep_note(s, point, NULL);
+    if (status == SD_OK || status == SD_DOUBTFUL || status == SD_INTERRUPTED) sweep_note(s, point, NULL);
   } else {
     sd_messages_print(messages, stderr);
   }

@@ -31,8 +31,9 @@ sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size
                       sd_messages *messages);
 /* A line about what lies in the folder and is none of this sweep's, if there is anything. */
 void sweep_show_strangers(FILE *out, const sweep *s);
-/* Lines that count finished points whose results are not to be taken as they stand; none when there are none. */
-void sweep_show_doubts(FILE *out, size_t unclosed, size_t open);
+/* Adds 1 for each doubt; lines that count finished points with each of them, none when there are none. */
+void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]);
+void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
 
 /* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:
  * their lengths (with `until` the longest), 0 for those with mistakes; kinds[n_points]: points of the same kind

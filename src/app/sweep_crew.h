@@ -53,8 +53,9 @@ typedef struct crew {
   unsigned char *doubts; /* [n_points], of finished ones that were looked at */
   size_t width;          /* most points of a group */
   size_t done, failed, other, damaged, elsewhere, left;
-  size_t unclosed, open; /* finished ones with these doubts */
-  int worst;             /* exit status */
+  size_t doubted[DOUBT_KINDS]; /* finished ones with each doubt */
+  bool in_doubt;               /* any of them */
+  int worst;                   /* exit status */
   double began, tabled, table_cost, drawn;
   double steps_total, steps_done;            /* of the points that this call runs */
   bool terminal, line_open, stars, no_table; /* no_table: the last ones could not be written */

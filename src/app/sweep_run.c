@@ -299,8 +299,9 @@ static void count_all(crew *w) {
   for (size_t k = w->first; k < w->end; k++) {
     sweep_status status = final_status(w, k);
     count[status]++;
-    w->unclosed += status == SWEEP_DONE && w->doubts[k] & SWEEP_UNCLOSED;
-    w->open += status == SWEEP_DONE && w->doubts[k] & SWEEP_OPEN;
+    if (status != SWEEP_DONE) continue;
+    sweep_count_doubts(w->doubts[k], w->doubted);
+    w->in_doubt = w->in_doubt || w->doubts[k];
   }
   w->done = count[SWEEP_DONE];
   w->failed = count[SWEEP_FAILED];
@@ -446,7 +447,8 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   free(todo);
   if (c->workers == 0) {
     status = comm_max(status);
+    comm_share(&w.in_doubt, sizeof w.in_doubt);
     comm_end();
   }
-  return status;
+  return status == SD_OK && w.in_doubt ? SD_DOUBTFUL : status;
 }

@@ -16,13 +16,19 @@ void sweep_show_strangers(FILE *out, const sweep *s) {
   sweep_contents_free(&there);
 }
 
-void sweep_show_doubts(FILE *out, size_t unclosed, size_t open) {
-  if (unclosed > 0)
-    fprintf(out, "%zu point%s whose energy budget does not close: a smaller dt is needed\n", unclosed,
-            unclosed == 1 ? "" : "s");
-  if (open > 0)
-    fprintf(out, "%zu point%s whose watched contacts were open nearly all the time\n", open,
-            open == 1 ? "" : "s");
+void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]) {
+  for (size_t k = 0; k < DOUBT_KINDS; k++) count[k] += doubts >> k & 1u;
+}
+
+void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]) {
+  static const char *const words[DOUBT_KINDS] = {
+      [DOUBT_RESIDUAL] = "whose energy budget does not close: a smaller dt is needed",
+      [DOUBT_OPEN] = "whose watched contacts were open nearly all the time",
+      [DOUBT_DISPLACEMENT] = "in which a disk moves too far in a step: a smaller dt is needed",
+      [DOUBT_FINITE] = "with numbers that are not finite",
+  };
+  for (size_t k = 0; k < DOUBT_KINDS; k++)
+    if (count[k] > 0) fprintf(out, "%zu point%s %s\n", count[k], count[k] == 1 ? "" : "s", words[k]);
 }
 
 void sweep_clear_line(crew *w) {
@@ -46,7 +52,7 @@ static const char *short_duration(double seconds, char *text, size_t size) {
 
 void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, double seconds) {
   char finding[200], duration[40];
-  bool bad = r->status >= SWEEP_FAILED;
+  bool bad = r->status >= SWEEP_FAILED || r->doubts;
   if (w->c->quiet && !bad) return;
   sweep_clear_line(w);
   fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->other + w->damaged, w->end - w->first,
@@ -57,7 +63,7 @@ void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, 
     fprintf(stderr, "%s%s%s  (%s)\n", *finding ? finding : "done", *r->message ? "; " : "", r->message,
             short_duration(seconds, duration, sizeof duration));
     show_lines(text);
-  } else if (bad) {
+  } else if (r->status >= SWEEP_FAILED) {
     fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
             r->status > SWEEP_FAILED ? "; --force runs the point again" : "");
   } else {
@@ -123,7 +129,10 @@ void sweep_show_start(const crew *w) {
 
 void sweep_show_end(crew *w) {
   sweep_clear_line(w);
-  if (w->c->quiet) return;
+  if (w->c->quiet) {
+    sweep_show_doubts(stderr, w->doubted);
+    return;
+  }
   if (w->stars) fprintf(stderr, "*: the error bar is not reliable yet\n");
   fprintf(stderr, "%zu of %zu points done", w->done, w->end - w->first);
   if (w->failed) fprintf(stderr, ", %zu failed", w->failed);
@@ -136,7 +145,7 @@ void sweep_show_end(crew *w) {
     fprintf(stderr, "; the table could not be written\n");
   else
     fprintf(stderr, "; table: %s/table.csv\n", w->s->folder);
-  sweep_show_doubts(stderr, w->unclosed, w->open);
+  sweep_show_doubts(stderr, w->doubted);
   sweep_show_strangers(stderr, w->s);
   if (w->left && w->worst != SD_ERROR_IO)
     fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");

@@ -10,9 +10,10 @@
 #include "io/provenance.h"
 #include "io/summary.h"
 
-/* Raised when what a column means changes; who goes on from a state refuses other numbers. 3: contacts stand by slots, and
- * not by the number of the partner. A packing takes bodies and contacts in any order, so that it reads 2 as well. */
-enum { CHECKPOINT_FORMAT = 3, CHECKPOINT_OF_PACKING = 2 };
+/* Raised when a column changes its meaning or a new one is there; who goes on from a state refuses other numbers. 3: contacts
+ * stand by slots, and not by the number of the partner; 4: columns fast_*. A packing takes bodies and contacts in any order,
+ * and no fast_*, so that it reads 2 and 3 as well. */
+enum { CHECKPOINT_FORMAT = 4, CHECKPOINT_OF_PACKING = 2 };
 
 /* What else has to be there for the state to be gone on from. */
 typedef struct checkpoint_parts {

@@ -47,6 +47,17 @@ static void read_gravity(deck *d) {
   if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */
 }
 
+/* Without the group the limits are those of sd_model_new. */
+static void read_limits(deck *d) {
+  sd_limits *l = &d->model->limits;
+  deck_group g;
+  if (!deck_child(d->root, "limits")) return;
+  if (!deck_enter_one(d, d->root, "limits", &deck_limits, &g)) return;
+  l->residual = deck_number(&g, "residual");
+  l->open = deck_number(&g, "open");
+  l->displacement = deck_number(&g, "displacement");
+}
+
 /* Edges from the file that the key `file` names, which is read when they are first asked for. */
 typedef struct file_edges {
   bool tried, found;
@@ -121,6 +132,7 @@ static void read_all(deck *d, bool point) {
   deck_check_motions(d);
   deck_read_measure(d);
   deck_read_until(d);
+  read_limits(d);
   read_sweep(d, point);
   deck_check_laws(d);
   deck_check_overlaps(d);

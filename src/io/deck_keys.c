@@ -51,6 +51,7 @@ static const deck_key top_keys[] = {
     {"output", GROUP, "-", NULL, "how often results are stored"},
     {"measure", GROUP, "-", NULL, "what is measured"},
     {"until", GROUP, "-", NULL, "error bar at which the last phase ends"},
+    {"limits", GROUP, "-", NULL, "beyond which a finished run is in doubt"},
     {"sweep", GROUPS, "-", NULL, "points that `slipdisk sweep` runs: this deck with some keys set"},
 };
 TABLE(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys);
@@ -434,6 +435,17 @@ static const deck_key until_keys[] = {
 TABLE(deck_until, "until", true,
       "The last phase goes on beyond its own length until an error bar is small enough.", until_keys);
 
+static const deck_key limits_keys[] = {
+    {"residual", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.01", NULL,
+     "of the residual of the energy budget, over its scale; 0: none"},
+    {"open", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.99", NULL,
+     "of the fraction of the measured time in which a watched contact is open; 0: none"},
+    {"displacement", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.1", NULL,
+     "of the displacement of a free disk in one step, over its radius; 0: none"},
+};
+TABLE(deck_limits, "limits", true,
+      "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.", limits_keys);
+
 static const deck_key sweep_keys[] = {
     {"parameters", GROUPS, "-", NULL, "what is varied"},
     {"replicas", INTEGER(DECK_AT_LEAST_1, "-"), "1", NULL,
@@ -457,10 +469,11 @@ static const deck_key sweep_parameter_keys[] = {
 TABLE(deck_sweep_parameters, "sweep.parameters", false, "A parameter and its values.", sweep_parameter_keys);
 
 const deck_table *const deck_tables[] = {
-    &deck_top,    &deck_gravity,   &deck_box,        &deck_materials, &deck_pairs,  &deck_container,
-    &deck_disks,  &deck_disk_rows, &deck_disk_files, &deck_packings,  &deck_bounds, &deck_forces,
-    &deck_locks,  &deck_walls,     &deck_motions,    &deck_phases,    &deck_settle, &deck_compress,
-    &deck_output, &deck_measure,   &deck_sliding,    &deck_until,     &deck_sweeps, &deck_sweep_parameters,
+    &deck_top,       &deck_gravity, &deck_box,       &deck_materials,  &deck_pairs,
+    &deck_container, &deck_disks,   &deck_disk_rows, &deck_disk_files, &deck_packings,
+    &deck_bounds,    &deck_forces,  &deck_locks,     &deck_walls,      &deck_motions,
+    &deck_phases,    &deck_settle,  &deck_compress,  &deck_output,     &deck_measure,
+    &deck_sliding,   &deck_until,   &deck_limits,    &deck_sweeps,     &deck_sweep_parameters,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 

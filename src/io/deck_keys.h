@@ -61,7 +61,7 @@ typedef struct deck_table {
 extern const deck_table deck_top, deck_gravity, deck_box, deck_materials, deck_pairs, deck_container,
     deck_disks, deck_disk_rows, deck_disk_files, deck_packings, deck_bounds, deck_forces, deck_locks,
     deck_walls, deck_motions, deck_phases, deck_settle, deck_compress, deck_output, deck_measure,
-    deck_sliding, deck_until, deck_sweeps, deck_sweep_parameters;
+    deck_sliding, deck_until, deck_limits, deck_sweeps, deck_sweep_parameters;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
 

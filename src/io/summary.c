@@ -129,11 +129,13 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   status = named ? collect_until(s, model, state, messages) : no_memory(messages);
   if (status == SD_OK) status = collect_stages(s, model, state, messages);
   if (status == SD_OK) status = collect_lost(s, model, state, messages);
-  return status == SD_OK ? summary_disks_collect(&s->packing, model, state, messages) : status;
+  if (status == SD_OK) status = summary_disks_collect(&s->packing, model, state, messages);
+  return status == SD_OK ? summary_judge(s, &model->limits, model, state, messages) : status;
 }
 
 void summary_free(summary *s) {
   summary_disks_free(&s->packing);
+  summary_doubts_free(s);
   for (size_t k = 0; s->rotation_names && k < s->n_rotations; k++) free(s->rotation_names[k]);
   for (size_t k = 0; s->slide_names && k < 3 * s->n_slides; k++) free(s->slide_names[k]);
   for (size_t k = 0; s->stage_names && k < s->n_stages; k++) free(s->stage_names[k]);
@@ -327,6 +329,7 @@ void summary_write(const summary *s, h5_file *file) {
   h5_attr_i64(file, "/summary/phase", "count", (int64_t)s->n_stages);
   write_until(s, file);
   summary_disks_write(&s->packing, file);
+  summary_doubts_write(s, file);
 }
 
 /* Sizes that the file gives, and room for what they count. */
@@ -386,5 +389,6 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
     status = read_names(file, "/summary/phase/name", s->n_stages, s->stage_names, messages);
   if (status == SD_OK) status = read_until(s, file, messages);
   if (status == SD_OK) status = summary_disks_read(&s->packing, file, messages);
+  if (status == SD_OK) status = summary_doubts_read(s, file, messages);
   return status;
 }

@@ -6,6 +6,7 @@
 
 #include "io/h5.h"
 #include "io/summary_disks.h"
+#include "io/summary_doubts.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
 
@@ -19,7 +20,7 @@ typedef struct summary_phase {
 } summary_phase;
 enum { SUMMARY_SETTLE = 1, SUMMARY_COMPRESS = 2 };
 
-typedef struct summary {
+struct summary {
   int64_t step, steps; /* done, of all phases; the most that there can be, as phases may end early */
   double dt;
   int64_t phase, phases; /* index, number */
@@ -44,7 +45,8 @@ typedef struct summary {
   double relative;       /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
   sd_goal goal;
   int64_t until_step; /* at which the run ended because its goal was reached; -1: it was not, or not yet */
-} summary;
+  summary_doubt doubts[DOUBT_KINDS];
+};
 
 /* summary_free also when it fails. */
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,

@@ -14,6 +14,7 @@ sd_model *sd_model_new(void) {
   m->integrator = SD_GEAR5;
   m->variant = SD_PAPER;
   m->max_overlap = 0.5;
+  m->limits = (sd_limits){.residual = 0.01, .open = 0.99, .displacement = 0.1};
   m->measure_every = 1;
   m->checkpoint_seconds = 60.0;
   return m;
@@ -115,6 +116,9 @@ static void check_run(const sd_model *m, sd_messages *msg) {
   if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
   if (!(m->max_overlap > 0.0))
     sd_fail(msg, SD_ERROR_USER, "max_overlap = %g: expected a number > 0", m->max_overlap);
+  const sd_limits *l = &m->limits;
+  if (!(l->residual >= 0.0 && l->open >= 0.0 && l->displacement >= 0.0))
+    sd_fail(msg, SD_ERROR_USER, "limits: expected numbers >= 0");
   if (m->skin < 0.0) sd_fail(msg, SD_ERROR_USER, "skin = %g: expected a number >= 0", m->skin);
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);

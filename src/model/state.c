@@ -27,6 +27,10 @@ const sd_field sd_fields[] = {
     COLUMN(mean_looks, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),
     COLUMN(mean_bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the disks' angle records"),
     COLUMN(mean_bins, SD_I64, SD_PER_RUN, "1", "full bins of the disks' angle records"),
+    COLUMN(fast_step, SD_I64, SD_PER_RUN, "1",
+           "first step after which a free disk was faster than limits.displacement allows, -1: none"),
+    COLUMN(fast_disk, SD_I64, SD_PER_RUN, "1", "body number of that disk, -1: none"),
+    COLUMN(fast_displacement, SD_F64, SD_PER_RUN, "1", "its displacement per step over its radius"),
 
     COLUMN(id, SD_U32, SD_PER_BODY, "1", "body number: disks as in the deck, then walls"),
     COLUMN(x, SD_F64, SD_PER_BODY, "length", "x of the centre or pivot, in the box"),
@@ -210,6 +214,7 @@ sd_state *sd_state_new(const sd_model *m) {
   s->n_means = m->measure_disks ? m->n_free : 0;
   s->bin_steps = s->mean_bin_steps = 1;
   s->box_scale = 1.0;
+  s->fast_step = s->fast_disk = -1;
   if (columns_new(s) == SD_OK && sd_state_reserve_contacts(s, 8) == SD_OK) return s;
   sd_state_free(s);
   return NULL;

@@ -11,6 +11,7 @@
 #include "physics/motion.h"
 #include "physics/neighbours.h"
 #include "physics/pairs.h"
+#include "physics/speed.h"
 #include "physics/walls.h"
 
 #define LANE_WIDTH 1
@@ -235,6 +236,16 @@ static sd_status collect(work *w) {
   return status;
 }
 
+static void check_speed(engine *e) {
+  work *w = &e->work;
+  bool fast = false;
+  for (int t = 0; t < w->n_threads; t++) {
+    fast |= w->threads[t].fast;
+    w->threads[t].fast = false;
+  }
+  if (fast) speed_check(e, e->state->step + 1);
+}
+
 sd_status contacts_events(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   work *w = &e->work;
@@ -251,6 +262,7 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
   }
   for (size_t n = 0; n < returns->count; n++) bring_back(e, returns->item[n].index);
   returns->count = events->count = 0;
+  check_speed(e);
   return status;
 }
 

@@ -14,6 +14,7 @@
 #include "physics/neighbours.h"
 #include "physics/order.h"
 #include "physics/pairs.h"
+#include "physics/speed.h"
 #include "physics/sweep.h"
 #include "physics/walls.h"
 
@@ -283,6 +284,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   w->dt = e->model->dt;
   w->per_dt = 1.0 / w->dt;
   w->half_dt2 = 0.5 * w->dt * w->dt;
+  speed_begin(e);
   w->conservative = e->model->variant == SD_CONSERVATIVE;
   w->kernels = kernels_choose();
   fill_laws(e->model, w);
@@ -358,5 +360,6 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   }
   sd_energy now = energy_of(e);
   s->energy_start = energy_total(&now);
+  speed_check(e, 0);
   return status;
 }

@@ -70,7 +70,7 @@ typedef struct view {
   const double *radius, *x0, *y0;
   double *seats, *sums;
   size_t shift; /* from slots to rows of these */
-  double dt, per_dt, half_dt2, moved_limit2, lower[2], upper[2];
+  double dt, per_dt, half_dt2, moved_limit2, speed_limit2, lower[2], upper[2];
   bool periodic[2];
   bool show; /* forces to the state */
 } view;
@@ -87,6 +87,7 @@ static inline view view_of(const engine *e, size_t begin) {
             .per_dt = w->per_dt,
             .half_dt2 = w->half_dt2,
             .moved_limit2 = w->moved_limit2,
+            .speed_limit2 = w->speed_limit2,
             .show = w->whole || e->state->step + 1 >= w->show_from};
   for (int c = 0; c < SD_COORDINATES; c++) {
     v.k[c] = w->columns[c];
@@ -167,11 +168,20 @@ LANE_INLINE LANE(mask) LANE(beyond)(const view *v, int c, LANE(real) q) {
   return LANE(greater)(LANE(splat)(v->lower[c]), q) | LANE(within)(LANE(splat)(v->upper[c]), q);
 }
 
-LANE_INLINE int LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LANE(real) theta) {
+LANE_INLINE LANE(mask) LANE(out_of_range)(const view *v, LANE(real) x, LANE(real) y, LANE(real) theta) {
   LANE(mask) out = LANE(greater)(theta, LANE(splat)(4.0)) | LANE(greater)(LANE(splat)(-4.0), theta);
   if (v->periodic[0]) out = out | LANE(beyond)(v, 0, x);
   if (v->periodic[1]) out = out | LANE(beyond)(v, 1, y);
-  return LANE(any)(out);
+  return out;
+}
+
+/* v^2 > limit^2 R^2; see speed.h. */
+LANE_INLINE LANE(mask) LANE(is_fast)(LANE(real) vx, LANE(real) vy, LANE(real) limit2) {
+  return LANE(greater)(vx * vx + vy * vy, limit2);
+}
+LANE_INLINE LANE(mask) LANE(is_fast_at)(const view *v, size_t i, LANE(real) vx, LANE(real) vy) {
+  LANE(real) radius = LANE(load)(v->radius + i);
+  return LANE(is_fast)(vx, vy, radius * radius * LANE(splat)(v->speed_limit2));
 }
 
 /* What contacts do to the bodies: to sum, and where it is wanted to the state. */
@@ -195,8 +205,8 @@ LANE_INLINE int LANE(stale_at)(const view *v, size_t i, const int ahead) {
   return LANE(is_stale)(v, i, qx, qy);
 }
 
-/* Corrected coordinates, from the sums. True: some must return into their range. stale: some will be, after the next
- * step. */
+/* Corrected coordinates, from the sums. True: some must return into their range, or are too fast. stale: some will be,
+ * after the next step. */
 LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, int *stale) {
   LANE(real) sum[SD_COORDINATES], q[SD_COORDINATES], speed[SD_COORDINATES], next[SD_COORDINATES];
   LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
@@ -228,5 +238,6 @@ LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, int *s
   *stale |= LANE(is_stale)(v, i, next[SD_X], next[SD_Y]);
   /* the commit looks again */
   if (gear) LANE(lay_seat)(v, i, q[SD_X], q[SD_Y], q[SD_THETA], speed[SD_X], speed[SD_Y]);
-  return LANE(out_of_range)(v, q[SD_X], q[SD_Y], q[SD_THETA]);
+  return LANE(any)(LANE(out_of_range)(v, q[SD_X], q[SD_Y], q[SD_THETA]) |
+                   LANE(is_fast_at)(v, i, speed[SD_X], speed[SD_Y]));
 }

@@ -41,16 +41,18 @@ LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int ge
   FOR_LANES(LANE(predict_at)(&v, i, gear), predict_at_w1(&v, i, gear));
 }
 
-/* Notes disks whose angle or position must return into its range. */
+/* Notes disks whose angle or position must return into its range, and that one is too fast. */
 LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
   const view v = view_of(e, begin);
   sums_add_listed(&e->work, begin, end);
   int out = 0, stale = 0;
   FOR_LANES(out |= LANE(correct_at)(&v, i, gear, &stale), out |= correct_at_w1(&v, i, gear, &stale));
   if (stale) mine->stale = true;
-  for (size_t i = begin; out && i < end; i++)
+  for (size_t i = begin; out && i < end; i++) {
     if (out_of_range_w1(&v, v.k[SD_X].q[i], v.k[SD_Y].q[i], v.k[SD_THETA].q[i]))
       event_add(&mine->returns, (uint32_t)i, 0.0);
+    if (is_fast_at_w1(&v, i, v.k[SD_X].v[i], v.k[SD_Y].v[i])) mine->fast = true;
+  }
 }
 
 static void gear_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 1); }

@@ -255,7 +255,10 @@ static void load_memory(lanes *l, size_t lane) {
     if (n != SIZE_MAX) memory_of(&e->work.pairs, n, from);
     for (size_t r = 0; r < PAIR_MEMORY; r++) *cell(l, l->pair[k], r, lane) = n == SIZE_MAX ? 0.0 : *from[r];
   }
-  for (size_t i = 0; i < l->n_free; i++) *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
+  for (size_t i = 0; i < l->n_free; i++) {
+    *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
+    *cell(l, l->disk[i], DISK_FAST, lane) = s->radius[i] * s->radius[i] * e->work.speed_limit2;
+  }
 }
 
 static void load_constants(lanes *l, size_t lane) {
@@ -319,6 +322,7 @@ void lanes_load(lanes *l) {
   l->dead = 0;
   l->stepped = false;
   memset(l->returns, 0, sizeof l->returns);
+  l->fast = 0;
   memset(l->count_of, 0, sizeof l->count_of);
   for (size_t lane = 0; lane < l->width; lane++) load_lane(l, lane);
 }
@@ -469,6 +473,7 @@ static void list_events(const lanes *l, size_t lane) {
   }
   for (size_t i = 0; i < l->n_free; i++)
     if (l->returns[i] >> lane & 1u) event_add(&mine->returns, (uint32_t)i, 0.0);
+  mine->fast = l->fast >> lane & 1u;
 }
 
 static void treat_lane(lanes *l, size_t lane) {
@@ -494,7 +499,7 @@ static void treat_lane(lanes *l, size_t lane) {
 
 void lanes_events(lanes *l) {
   keep_poses(l);
-  unsigned lanes_with = 0;
+  unsigned lanes_with = l->fast;
   for (size_t k = 0; k < l->n_pairs; k++) lanes_with |= l->rare[k];
   for (size_t i = 0; i < l->n_free; i++) lanes_with |= l->returns[i];
   for (size_t lane = 0; lane < l->count; lane++)
@@ -502,4 +507,5 @@ void lanes_events(lanes *l) {
   for (size_t lane = l->count; lane < l->width; lane++)
     if (lanes_with & 1u) load_memory(l, lane);
   memset(l->returns, 0, sizeof l->returns);
+  l->fast = 0;
 }

@@ -24,7 +24,8 @@ enum {
   DISK_COLUMNS = 6,
   DISK_GAIN = DISK_COLUMNS * SD_COORDINATES, /* dt^2/2 over the mass, by coordinate */
   DISK_PUSH = DISK_GAIN + SD_COORDINATES,    /* the same times the constant force */
-  DISK_ROWS = DISK_PUSH + SD_COORDINATES
+  DISK_FAST = DISK_PUSH + SD_COORDINATES,    /* squared speed beyond which it is too fast */
+  DISK_ROWS
 };
 
 /* Rows of a pair. */
@@ -108,7 +109,7 @@ typedef struct lanes {
   int64_t done;             /* steps completed */
   bool measure, dead_now;
   bool stepped; /* since the rows were loaded: else there is nothing to store */
-  unsigned rare[LANES_PAIRS], returns[LANES_FREE]; /* bits: lanes in which something rare happened */
+  unsigned rare[LANES_PAIRS], returns[LANES_FREE], fast; /* bits: lanes in which something rare happened */
 } lanes;
 
 /* Can systems of this model go in lanes: few bodies, no straight walls, open box, neither rain nor relaxer,

@@ -79,7 +79,7 @@ typedef struct PASS(flight) {
   LANE(real) ex[LANES_PAIRS], ey[LANES_PAIRS];
   LANE(law_push) push[LANES_PAIRS];
   PASS(look) before, now; /* corrected poses of the step whose history is pending; trial poses */
-  LANE(mask) returns;
+  LANE(mask) returns;     /* an angle must return into its range, or a disk is too fast */
   bool pending, treated;
 } PASS(flight);
 
@@ -260,6 +260,11 @@ LANE_INLINE LANE(mask) PASS(out_of_turn)(const PASS(flight) * f, size_t i) {
   return LANE(greater)(theta, LANE(splat)(4.0)) | LANE(greater)(LANE(splat)(-4.0), theta);
 }
 
+LANE_INLINE LANE(mask) PASS(too_fast)(const lanes *l, const PASS(flight) * f, size_t i) {
+  const double *d = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS);
+  return LANE(is_fast)(f->c[i][SD_X].v, f->c[i][SD_Y].v, PASS(row)(d, DISK_FAST));
+}
+
 /* Work of a prescribed coordinate: trapezoid of the contact forces over the step to `at`. */
 LANE_INLINE double *PASS(work_of)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f, int64_t at,
                                   size_t slot, int c, double *p, LANE(real) * done) {
@@ -419,7 +424,7 @@ LANE_INLINE void PASS(force)(const lanes *l, const PASS(shape) * s, PASS(flight)
   EACH_PAIR(k, s->n_pairs, PASS(push)(l, s, f, k));
   EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(correct)(l, s, f, i, c)));
   f->returns = LANE(all_lanes)(0);
-  EACH_DISK(i, s->n_free, f->returns = f->returns | PASS(out_of_turn)(f, i));
+  EACH_DISK(i, s->n_free, f->returns = f->returns | PASS(out_of_turn)(f, i) | PASS(too_fast)(l, f, i));
 }
 
 LANE_INLINE void PASS(put_contacts)(const lanes *l, const PASS(shape) * s, const PASS(flight) * f) {
@@ -437,6 +442,7 @@ LANE_INLINE void PASS(finish)(lanes *l, const PASS(shape) * s, PASS(flight) * f,
     EACH_PAIR(k, s->n_pairs, PASS(meet)(l, f, &f->now, k));
   }
   if (returns) EACH_DISK(i, s->n_free, l->returns[i] = PASS(bits_of)(PASS(out_of_turn)(f, i)));
+  if (returns) EACH_DISK(i, s->n_free, l->fast |= PASS(bits_of)(PASS(too_fast)(l, f, i)));
   PASS(commit_all)(l, s, f, &f->now, at, returns);
   PASS(conclude)(l, s, f);
   f->pending = false;

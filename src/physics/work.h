@@ -142,6 +142,7 @@ typedef struct columns {
 typedef struct thread_work {
   _Alignas(
       64) bool stale; /* a body will have moved too far since the lists were built, or nowhere; correct kernels */
+  bool fast;          /* a disk is beyond the displacement limit; correct kernels */
   event_list events;  /* pairs kernels, commit pass */
   event_list returns; /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
@@ -154,6 +155,7 @@ typedef struct kernels kernels; /* kernels.h */
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
   double dt, per_dt, half_dt2;
+  double speed_limit2; /* squared speed over squared radius beyond which a disk is noted; speed_begin */
   bool conservative, periodic[2];
   double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
   law_row *laws;

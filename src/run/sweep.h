@@ -44,12 +44,6 @@ typedef enum sweep_status {
 } sweep_status;
 extern const char *const sweep_status_names[SWEEP_STATUSES];
 
-/* Why a finished result is not to be taken as it stands; bits. */
-enum {
-  SWEEP_UNCLOSED = 1, /* its energy budget does not close */
-  SWEEP_OPEN = 2      /* watched contacts were open nearly all the time */
-};
-
 /* A key that the deck of a result says otherwise; NULL: it does not have it. Neither there nor here: path is a sentence. */
 typedef struct sweep_difference {
   char *path, *there, *here;
@@ -58,7 +52,7 @@ typedef struct sweep_difference {
 /* What the folder knows of a point. */
 typedef struct sweep_result {
   sweep_status status;
-  unsigned doubts; /* of a finished one */
+  unsigned doubts; /* of a finished one; bits 1 << doubt_kind */
   bool has_found;
   summary found;   /* finished: at the end; else as of the last checkpoint */
   double residual; /* of the energy budget, over its scale */

@@ -72,42 +72,14 @@ static void compare_decks(const sweep *s, size_t point, const provenance *origin
   r->message = sweep_differences_text(r);
 }
 
-/* --- is it to be trusted ------------------------------------------------------------------------------------ */
-
-/* Residual of the energy budget over its scale beyond which `info` warns, too (app/report.c); fraction of the time in which
- * contacts that are there to be watched may be open. */
-static const double LARGEST_RESIDUAL = 0.01, MOST_OPEN = 0.99;
-
-/* One watched contact of the two, or both, or now one and now the other; NULL: they were closed, to be freed. */
-static char *open_contacts(const summary *f) {
-  for (size_t k = 0; k < f->n_slides; k++) {
-    const sd_slide *w = &f->slides[k];
-    char *const *names = &f->slide_names[3 * k];
-    bool first = w->contact_open[0] > MOST_OPEN, second = w->contact_open[1] > MOST_OPEN;
-    if (!(w->open > MOST_OPEN)) continue;
-    if (first == second)
-      return file_path("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open);
-    return file_path("the watched contact of %s with %s was open %.3g %% of the time", names[0],
-                     names[first ? 1 : 2], 100 * w->contact_open[first ? 0 : 1]);
-  }
-  return NULL;
-}
+/* --- results and checkpoints -------------------------------------------------------------------------------- */
 
 /* Of a result that is finished, and this deck's. */
-static void judge(sweep_result *r) {
-  static const char unclosed[] = "the energy budget does not close: a smaller dt is needed";
-  char *open = open_contacts(&r->found);
-  if (r->found.energy.scale != 0 &&
-      !(fabs(r->found.energy.residual) <= LARGEST_RESIDUAL * r->found.energy.scale))
-    r->doubts |= SWEEP_UNCLOSED;
-  if (open) r->doubts |= SWEEP_OPEN;
-  if (r->doubts)
-    r->message = file_path("%s%s%s", r->doubts & SWEEP_UNCLOSED ? unclosed : "",
-                           r->doubts == (SWEEP_UNCLOSED | SWEEP_OPEN) ? "; " : "", open ? open : "");
-  free(open);
+static void tell_doubts(sweep_result *r) {
+  for (size_t k = 0; k < DOUBT_KINDS; k++)
+    if (r->found.doubts[k].text) r->doubts |= 1u << k;
+  if (r->doubts) r->message = summary_doubts_text(&r->found);
 }
-
-/* --- results and checkpoints -------------------------------------------------------------------------------- */
 
 /* Reads a finished result. */
 static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, sd_messages *messages) {
@@ -126,7 +98,7 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   } else {
     r->has_found = true;
     compare_decks(s, point, &origin, true, r);
-    if (r->status == SWEEP_DONE) judge(r);
+    if (r->status == SWEEP_DONE) tell_doubts(r);
   }
   provenance_free(&origin);
   h5_close(file, NULL);

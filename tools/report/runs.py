@@ -16,6 +16,7 @@ from .effort import Ledger, duration, machine
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 STOPPED = 75  # exit status of a run that a signal stopped
+IN_DOUBT = 5  # of one that is done, with doubts that stand in its table
 BOOKED = 5.0  # seconds after which the time of what runs is booked
 
 
@@ -210,7 +211,9 @@ class Results:
         self.processes.discard(process)
         if process.returncode == STOPPED or self.stopping:
             raise Stopped(name)
-        if process.returncode:
+        if process.returncode == IN_DOUBT:
+            print(f"{name}: in doubt" + (f": {errors.strip()}" if quiet else ""), file=sys.stderr)
+        elif process.returncode:
             message = f"{name}: exit status {process.returncode}" + (f": {errors.strip()}" if quiet else "")
             self.failed.append(message)
             print(message, file=sys.stderr)

@@ -1,0 +1,179 @@
+"""Results that are in doubt: told on stderr with --quiet, in /summary, `info`, the log, tables, and by exit status 5."""
+import json
+import re
+import signal
+import unittest
+
+import h5py
+
+from results_common import DECK, Folder, assert_same, run, start, wait_for
+from sweep_common import SweepTest, column, results, three_disks
+
+IN_DOUBT = 5
+SHORT = "-D", "integrator=gear5", "-D", "phases.settle.steps=5000", "-D", "phases.measure.steps=50000", "-D", "phases.measure.series=1000"
+UNCLOSED = "the energy budget does not close"
+OPEN = "the watched contacts of upper were open 100 % of the time"
+FAST = 'disk "upper" moves by '
+
+BULLET = """
+dt = 1e-3;
+steps = 100;
+integrator = "verlet";
+materials = ( { name = "steel"; k_n = 1e5; k_t = 1e5; gamma_n = 10.0; mu = 0.3; } );
+disks = (
+  { name = "target"; x = 0; y = 0; radius = 0.5; mass = 1; fixed = true; },
+  { name = "bullet"; x = -22.5; y = 0; vx = 5000; radius = 0.5; mass = 1; }
+);
+"""
+
+
+class Doubts(Folder):
+    def doubted(self, names, words, *, status=IN_DOUBT):
+        """Runs quietly, and finds these doubts wherever they are told; returns what was said."""
+        log = self.folder / "log"
+        log.unlink(missing_ok=True)
+        found, out, err = run("run", *words, "--quiet", "--force", "-o", self.result, "--log", log, "--threads", 1)
+        self.assertEqual(found, status, err)
+        self.assertEqual(out, "")
+        self.assertFalse(self.parts.exists())
+        warned = re.findall("warning: in doubt: (.*)", err)
+        logged = re.findall("warning: in doubt: (.*)", log.read_text())
+        self.assertEqual(logged, warned)
+        found, out, told = run("info", "--json", self.result)
+        self.assertEqual((found, told), (0, ""))
+        doubts = json.loads(out)["doubts"]
+        self.assertEqual([d["name"] for d in doubts], names)
+        self.assertEqual([d["message"] for d in doubts], warned)
+        for d in doubts:
+            self.assertGreater(d["value"], d["limit"])
+        with h5py.File(self.result) as file:
+            group = file["summary/doubts"]
+            self.assertEqual(group.attrs["count"], len(names))
+            self.assertEqual(sorted(group), sorted(names))
+            for d in doubts:
+                stored = group[d["name"]].attrs
+                self.assertEqual(stored["message"].decode() if isinstance(stored["message"], bytes) else stored["message"],
+                                 d["message"])
+                self.assertEqual((stored["value"], stored["limit"]), (d["value"], d["limit"]))
+                self.assertIn("unit", stored)
+                self.assertIn("description", stored)
+        found, out, _ = run("info", self.result)
+        self.assertEqual(found, 0)
+        self.assertEqual("IN DOUBT" in out, bool(names))
+        for line in warned:
+            self.assertIn(f"\n  {line}\n", out)
+        found, _, err = run("resume", self.result)
+        self.assertEqual(found, 0, err)
+        return warned
+
+    def test_clean(self):
+        self.assertEqual(self.doubted([], [DECK, *SHORT], status=0), [])
+
+    def test_energy_budget(self):
+        """dt beyond stability: with the issue's 2e-3 the residual is 0.9 of the scale."""
+        words = [DECK, *SHORT, "-D", "dt=2e-3"]
+        said = self.doubted(["residual"], words)
+        self.assertIn(UNCLOSED, said[0])
+        self.doubted([], [*words, "-D", "limits.residual=0"], status=0)
+        self.doubted([], [*words, "-D", "limits.residual=10"], status=0)
+        self.doubted(["residual"], [DECK, *SHORT, "-D", "limits.residual=1e-15"])
+
+    def test_thrown_off(self):
+        said = self.doubted(["open", "displacement"], [DECK, *SHORT, "-D", "dt=5e-3"])
+        self.assertEqual(said[0], OPEN)
+        self.assertIn(FAST, said[1])
+        self.doubted([], [DECK, *SHORT, "-D", "dt=5e-3", "-D", "limits={open=1; displacement=0;}"], status=0)
+
+    def test_bullet(self):
+        """It passes through the target at 5 diameters a step."""
+        deck = self.folder / "bullet.cfg"
+        for integrator in "verlet", "gear5":
+            deck.write_text(BULLET.replace("verlet", integrator))
+            said = self.doubted(["displacement"], [deck])
+            self.assertRegex(said[0], 'disk "bullet" moves by 10 of its radius in a step, after step 0,')
+            with h5py.File(self.result) as file:
+                self.assertEqual(file["state/fast_step"][()], 0)
+                self.assertGreater(file["particles/disks/position/value"][-1][:, 0].max(), 100)
+        deck.write_text(BULLET.replace("vx = 5000", "vx = 40"))
+        self.doubted([], [deck], status=0)
+
+    def test_not_quiet(self):
+        status, out, err = run("run", DECK, *SHORT, "-D", "dt=5e-3", "-o", self.result)
+        self.assertEqual(status, IN_DOUBT)
+        self.assertIn(f"IN DOUBT\n  {OPEN}\n", out)
+        self.assertIn(f"warning: in doubt: {OPEN}\n", err)
+
+    def test_killed(self):
+        """What was noted before a kill is told at the end, and the state is the same in every bit."""
+        words = [DECK, "-D", "integrator=gear5", "-D", "dt=5e-3", "-D", "phases.settle.steps=5000",
+                 "-D", "phases.measure.steps=3e6", "-D", "phases.measure.series=1e4", "-D", "checkpoint=0.02"]
+        said = self.doubted(["open", "displacement"], words)
+        again = self.folder / "again.h5"
+        parts = self.folder / "again.h5.parts"
+        process = start("run", *words, "--quiet", "-o", again)
+        wait_for(lambda: process.poll() is not None or
+                 any(int(p.stem.split("-")[1]) > 5000 for p in parts.glob("checkpoint-*.h5")))
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        self.assertTrue(parts.exists(), "it was over before it could be killed")
+        status, out, err = run("resume", again, "--quiet")
+        self.assertEqual(status, IN_DOUBT, err)
+        self.assertEqual(re.findall("warning: in doubt: (.*)", err), said)
+        assert_same(self, self.result, again)
+
+
+class Limits(Folder):
+    """The deck's group."""
+
+    def test_check(self):
+        _, out, _ = run("check", DECK, "--no-probe")
+        self.assertIn("# limits      in doubt beyond: residual 0.01 open 0.99 displacement 0.1\n", out)
+        _, out, _ = run("check", DECK, "--no-probe", "-D", "limits.open=0", "-D", "limits.residual=1e-3")
+        self.assertIn("# limits      in doubt beyond: residual 0.001 displacement 0.1\n", out)
+        self.assertIn("limits = { residual = 0.001; open = 0.0; displacement = 0.1; };", out)
+
+    def test_mistakes(self):
+        status, _, err = run("check", DECK, "--no-probe", "-D", "limits.residual=-1", "-D", "limits.opened=1")
+        self.assertEqual(status, 2)
+        self.assertIn("error: -D limits.residual=-1: limits.residual = -1: expected a number >= 0\n", err)
+        self.assertIn("unknown key of limits; did you mean open?", err.replace(chr(34), ""))
+
+
+class Sweeps(SweepTest):
+    """The same doubts of points, side by side or not, and the exit status of the whole."""
+
+    def test_table(self):
+        deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 2e-3, 5e-3); } ); }', 50000))
+        for words in ("-j", 2), ("--force",), ("-j", 2, "--no-lanes", "--force"):
+            said = self.sweep(deck, *words, "--quiet", status=IN_DOUBT)
+            self.assertEqual(said.count(OPEN), 1, said)
+            self.assertIn("1 point in which a disk moves too far in a step", said)
+            self.assertIn("1 point whose energy budget does not close", said)
+            messages = column(self.out, "message")
+            self.assertEqual(messages[0], "")
+            self.assertIn(UNCLOSED, messages[1])
+            self.assertTrue(messages[2].startswith(f"{OPEN}; {FAST}"), messages[2])
+            self.assertEqual(column(self.out, "status"), ["done"] * 3)
+        # those that an earlier command has run count as well
+        said = self.sweep(deck, "-j", 2, status=IN_DOUBT)
+        self.assertIn("3 of 3 points done", said)
+        self.sweep(deck, "--status")
+        self.sweep(deck, "--point", 0)
+        self.sweep(deck, "--point", 1, "--quiet", status=IN_DOUBT)
+        self.sweep(deck, "--point", "0-1", status=IN_DOUBT)
+        said = self.sweep(deck, "--point", 2, "--force", "--quiet", status=IN_DOUBT)
+        self.assertIn(f"warning: in doubt: {OPEN}\n", said)
+        # what a run says is what the table says
+        for name, message in zip(column(self.out, "name"), messages):
+            _, out, _ = run("info", "--json", results(self.out)[name])
+            self.assertEqual("; ".join(d["message"] for d in json.loads(out)["doubts"]), message)
+
+    def test_failures_come_first(self):
+        text = three_disks('{ parameters = ( { path = "disks.upper.vy"; values = (50, -2e4); } ); }', 2000)
+        said = self.sweep(self.deck(text), "-j", 2, status=3)
+        self.assertIn("1 of 2 points done, 1 failed", said)
+        self.assertIn("1 point whose watched contacts were open", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
