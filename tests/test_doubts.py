@@ -1,12 +1,14 @@
 """Results that are in doubt: told on stderr with --quiet, in /summary, `info`, the log, tables, and by exit status 5."""
 import json
+import os
 import re
 import signal
+import subprocess
 import unittest
 
 import h5py
 
-from results_common import DECK, Folder, assert_same, run, start, wait_for
+from results_common import DECK, PROGRAM, Folder, assert_same, run, start, wait_for
 from sweep_common import SweepTest, column, results, three_disks
 
 IN_DOUBT = 5
@@ -173,6 +175,28 @@ class Sweeps(SweepTest):
         said = self.sweep(self.deck(text), "-j", 2, status=3)
         self.assertIn("1 of 2 points done, 1 failed", said)
         self.assertIn("1 point whose watched contacts were open", said)
+
+
+class Threads(Folder):
+    """More than cores, or than disks are worth."""
+
+    def said(self, threads, cores):
+        words = [PROGRAM, "run", str(DECK), "-D", "phases.settle.steps=10", "-D", "phases.measure.steps=10", "--quiet", "--force",
+                 "-o", str(self.result)]
+        there = sorted(os.sched_getaffinity(0))[:cores]
+        done = subprocess.run(words + (["--threads", str(threads)] if threads else []), capture_output=True, text=True, check=True,
+                              env={**os.environ, "OMP_WAIT_POLICY": "passive"}, preexec_fn=lambda: os.sched_setaffinity(0, there))
+        return done.stderr
+
+    def test_warnings(self):
+        self.assertEqual(self.said(None, 1), "")
+        self.assertEqual(self.said(1, 1), "")
+        self.assertIn("warning: --threads 2: this process may use 1 core, ", self.said(2, 1))
+        self.assertIn("give --threads 1, or leave it out", self.said(2, 1))
+        if len(os.sched_getaffinity(0)) > 1:
+            said = self.said(2, 2)
+            self.assertIn("warning: --threads 2: ", said)
+            self.assertIn("fewer than 1000 free disks, here are 1; give --threads 1", said)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -15,6 +16,7 @@
 #include "app/app.h"
 #include "io/file.h"
 #include "run/session.h"
+#include "run/simulation_private.h"
 
 /* --- progress ------------------------------------------------------------------------------------- */
 
@@ -152,6 +154,27 @@ static bool warn_of_doubts(const session *s, sd_messages *messages) {
   return found && summary_doubts(found) > 0;
 }
 
+/* Cores that this process may use; 0: not known. */
+static int cores(void) {
+  cpu_set_t set;
+  return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 0;
+}
+
+/* More threads than cores wait for each other at every step; few disks are not worth a thread. */
+static void warn_of_threads(const sd_model *model, int asked, sd_messages *messages) {
+  int most = cores(), best = simulation_threads_for(model, asked);
+  if (asked > most && most > 0)
+    sd_warn(messages,
+            "--threads %d: this process may use %d core%s, and threads that share a core can make a run a "
+            "hundred times slower; give --threads %d, or leave it out",
+            asked, most, most == 1 ? "" : "s", best < most ? best : most);
+  else if (asked > best)
+    sd_warn(messages,
+            "--threads %d: a thread costs more than it does with fewer than %d free disks, here are %zu; "
+            "give --threads %d, or leave it out",
+            asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
+}
+
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_messages *messages) {
   session_options how = {.result = options->result,
@@ -162,6 +185,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .user = t};
   session *s;
   report_time_step(model, messages);
+  warn_of_threads(model, options->threads, messages);
   sd_status status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);
   if (status != SD_OK) {

@@ -31,14 +31,16 @@ struct sd_simulation {
   engine engine;
 };
 
-/* Below this many free disks a second thread costs more than it does. */
-enum { DISKS_PER_THREAD = 1000 };
+int simulation_threads_for(const sd_model *m, int most) {
+  size_t worth = m->n_free / SIMULATION_DISKS_PER_THREAD;
+  if ((size_t)most > worth) most = (int)worth;
+  return most < 1 ? 1 : most;
+}
 
 static int choose_threads(const sd_model *m, int asked) {
 #ifdef _OPENMP
-  int most = asked > 0 ? asked : omp_get_max_threads();
-  if (asked <= 0 && (size_t)most > m->n_free / DISKS_PER_THREAD) most = (int)(m->n_free / DISKS_PER_THREAD);
-  return most < 1 ? 1 : most > WORK_MAX_THREADS ? WORK_MAX_THREADS : most;
+  int n = asked > 0 ? asked : simulation_threads_for(m, omp_get_max_threads());
+  return n > WORK_MAX_THREADS ? WORK_MAX_THREADS : n;
 #else
   (void)m, (void)asked;
   return 1;

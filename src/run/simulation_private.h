@@ -11,4 +11,9 @@ int64_t simulation_room(const engine *e);
 /* After steps since `from`, simulation_room at most: what is due is done, and the next phase begins. */
 sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages);
 
+/* Below this many free disks a thread costs more than it does. */
+enum { SIMULATION_DISKS_PER_THREAD = 1000 };
+/* Threads that are worth while for this model, 1 ... most. */
+int simulation_threads_for(const sd_model *model, int most);
+
 #endif
