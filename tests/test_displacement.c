@@ -1,4 +1,4 @@
-/* test_limits.c: the displacement limit is found at the same step by every form of the step, at the step of the closed form;
+/* test_displacement.c: the displacement limit is found at the same step by every form of the step, at the step of the closed form;
  * a summary tells what is not finite, and nothing where limits are off.
  */
 #include <setjmp.h>

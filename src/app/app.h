@@ -24,7 +24,12 @@ int app_sweep(int argc, char **argv);
 
 /* --- signals.c --------------------------------------------------------------------------------------- */
 extern volatile sig_atomic_t app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
+/* From here on these signals end the process at once, with SD_INTERRUPTED. */
 void app_catch_signals(void);
+/* From here on they set app_stop instead: there is something to save. */
+void app_begin_saving(void);
+/* One line; signal handlers may call it. */
+void app_tell_no_start(void);
 
 /* --- drive.c: a run, from a model to the exit status ------------------------------------------------ */
 typedef struct drive_options {
@@ -39,6 +44,12 @@ typedef struct drive_options {
 
 /* messages: of the loader, printed first. Takes neither over. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
+
+/* --- main.c ------------------------------------------------------------------------------------------ */
+/* Says so and returns SD_ERROR_IO. */
+int app_no_memory(void);
+/* An empty list of messages. Without memory even for that it says so and ends the process. */
+sd_messages *app_messages(void);
 
 /* --- report.c --------------------------------------------------------------------------------------- */
 /* What has been measured, as tables. */

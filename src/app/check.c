@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "app/app.h"
+#include "base/shortage.h"
 #include "app/sweep.h"
 #include "io/deck_keys.h"
 #include "run/ensemble.h"
@@ -142,6 +143,7 @@ static int by_size(const void *a, const void *b) {
 static double typical_mass(const sd_model *m, int material) {
   double *mass = malloc((m->n_disks ? m->n_disks : 1) * sizeof *mass), middle = 0;
   size_t n = 0;
+  if (!mass) shortage_note();
   for (size_t i = 0; mass && i < m->n_disks; i++)
     if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;
   if (n) {
@@ -192,13 +194,14 @@ static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) 
   sd_simulation *s = NULL;
   sd_status status = sd_simulation_new(m, 0, &s, messages);
   if (status != SD_OK) return status;
-  size_t contacts = sd_simulation_state(s)->n_contacts;
-  printf("# contacts    %zu at the start\n", contacts);
+  const sd_state *first = sd_simulation_state(s);
+  if (first) printf("# contacts    %zu at the start\n", first->n_contacts);
+  if (!first) status = sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
   int64_t done = 0, chunk = 16;
   double start = seconds(), spent = 0;
   while (status == SD_OK && !sd_simulation_finished(s) && spent < probe_seconds) {
     status = sd_simulation_advance(s, chunk, messages);
-    done = sd_simulation_state(s)->step;
+    done = sd_simulation_stage(s).step;
     spent = seconds() - start;
     if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
   }
@@ -233,8 +236,8 @@ static double probe_lanes(const sd_model *m, size_t width) {
   ensemble *e = NULL;
   bool good = all && messages && status;
   for (size_t k = 0; good && k < width; k++) {
-    messages[k] = sd_messages_new();
-    good = messages[k] && sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
+    messages[k] = app_messages();
+    good = sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
   }
   good = good && ensemble_new(width, all, &e, NULL) == SD_OK;
   double start = seconds(), spent = 0;
@@ -244,7 +247,7 @@ static double probe_lanes(const sd_model *m, size_t width) {
     good = status[0] == SD_OK && ensemble_in_lanes(e) == width;
     if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
   }
-  double done = good ? (double)sd_simulation_state(all[0])->step : 0;
+  double done = good ? (double)sd_simulation_stage(all[0]).step : 0;
   ensemble_free(e);
   for (size_t k = 0; all && messages && k < width; k++) {
     sd_simulation_free(all[k]);
@@ -376,10 +379,9 @@ static sd_status read_options(int argc, char **argv, options *o, sd_messages *me
 }
 
 int app_check(int argc, char **argv) {
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   options o = {.overrides = calloc((size_t)argc + 1, sizeof *o.overrides)};
-  sd_status status = SD_ERROR_IO;
-  if (messages && o.overrides) status = read_options(argc, argv, &o, messages);
+  sd_status status = o.overrides ? read_options(argc, argv, &o, messages) : (sd_status)app_no_memory();
   if (status == SD_OK && o.help)
     fputs(usage, stdout);
   else if (status == SD_OK && o.keys)

@@ -188,12 +188,13 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   warn_of_threads(model, options->threads, messages);
   sd_status status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);
+  if (status == SD_INTERRUPTED && t->screen) app_tell_no_start();
   if (status != SD_OK) {
-    if (options->failed) options->failed(options->user, messages);
+    if (options->failed && status != SD_INTERRUPTED) options->failed(options->user, messages);
     return status;
   }
   tell_start(t, options, s);
-  sd_messages *later = sd_messages_new();
+  sd_messages *later = app_messages();
   status = session_run(s, later);
   bool in_doubt = status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);
   tell_messages(t, later);
@@ -221,7 +222,7 @@ static int open_log(teller *t, const char *path) {
 
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
   int status = SD_OK;
-  app_catch_signals();
+  app_begin_saving();
   double now = clock_now();
   teller t = {.screen = options->quiet ? NULL : stderr,
               .terminal = isatty(STDERR_FILENO),

@@ -284,7 +284,7 @@ static int print_json(const facts *f) {
       real(s->step_nanoseconds), "rotation", rotation_json(s), "until", until_json(s), "sliding",
       slide_json(s), "means", disks_json(s), "energy", energy, "doubts", doubts_json(s), "provenance",
       provenance_json(&f->origin), "datasets", f->datasets);
-  int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : SD_ERROR_IO;
+  int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : app_no_memory();
   putchar('\n');
   json_decref(root);
   return status;
@@ -310,7 +310,7 @@ int app_info(int argc, char **argv) {
   if (!json && !deck && !as_read && tell_failure(name)) return SD_OK;
   place p = {0};
   facts f = {0};
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   int status = refuse_sweep(name, messages);
   if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);

@@ -1,10 +1,13 @@
 /* main.c: which subcommand. */
 #include <errno.h>
+#include <jansson.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "app/app.h"
+#include "base/shortage.h"
 #include "io/deck_keys.h"
 #include "io/file.h"
 #include "version.h"
@@ -54,9 +57,10 @@ static const char help[] =
     "  slipdisk version\n"
     "  slipdisk help\n"
     "\n"
-    "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed,\n"
-    "5 done, but the result is in doubt (energy budget, open contacts, disks too fast: see its warnings),\n"
-    "75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1): give the command again to continue.\n";
+    "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed or no\n"
+    "memory, 5 done, but the result is in doubt (energy budget, open contacts, disks too fast: see its\n"
+    "warnings), 75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give the\n"
+    "command again to continue.\n";
 
 bool app_number(const char *text, long least, long most, long *out) {
   char *end;
@@ -107,11 +111,13 @@ static int app_help(int argc, char **argv) {
 static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
+  bool prints; /* what it has found is what it prints */
 } commands[] = {
-    {"run", app_run},         {"resume", app_resume},   {"check", app_check},       {"info", app_info},
-    {"measure", app_measure}, {"verify", app_verify},   {"theory", app_theory},     {"sweep", app_sweep},
-    {"help", app_help},       {"version", app_version}, {"--version", app_version}, {"--help", app_help},
-    {"-h", app_help},
+    {"run", app_run, false},         {"resume", app_resume, false},     {"check", app_check, true},
+    {"info", app_info, true},        {"measure", app_measure, true},    {"verify", app_verify, true},
+    {"theory", app_theory, true},    {"sweep", app_sweep, true},        {"help", app_help, false},
+    {"version", app_version, false}, {"--version", app_version, false}, {"--help", app_help, false},
+    {"-h", app_help, false},
 };
 
 /* check has a page of its own. */
@@ -121,7 +127,7 @@ static bool wants_help(int argc, char **argv) {
   return false;
 }
 
-int main(int argc, char **argv) {
+static int run_command(int argc, char **argv) {
   if (argc < 2) {
     fputs(help, stderr);
     return SD_ERROR_USER;
@@ -134,6 +140,10 @@ int main(int argc, char **argv) {
         fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
         status = SD_ERROR_IO;
       }
+      if (status == 0 && commands[k].prints && shortage_seen()) {
+        fprintf(stderr, "error: there was no memory for part of this: what was printed may be incomplete\n");
+        status = SD_ERROR_IO;
+      }
       return status;
     }
   deck_guess guess = deck_guess_start(argv[1]);
@@ -142,4 +152,42 @@ int main(int argc, char **argv) {
   if (guess.best) fprintf(stderr, "did you mean \"%s\"? ", guess.best);
   fprintf(stderr, "See slipdisk help\n");
   return SD_ERROR_USER;
+}
+
+static bool leaving; /* by its own will */
+
+int app_no_memory(void) {
+  fputs("error: no memory\n", stderr);
+  return SD_ERROR_IO;
+}
+
+sd_messages *app_messages(void) {
+  sd_messages *messages = sd_messages_new();
+  if (messages) return messages;
+  leaving = true;
+  exit(app_no_memory());
+}
+
+/* Libraries that have no memory call exit (HDF5, OpenMP, the reader of decks), some of them without a word. */
+static void end_of_library(void) {
+  static const char text[] = "error: a library has ended the process, as some do without memory; what was "
+                             "saved before is not damaged\n";
+  if (leaving) return;
+  ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
+  (void)told; /* there is no other way to tell it */
+  _exit(SD_ERROR_IO);
+}
+
+static void *json_memory(size_t size) {
+  void *memory = malloc(size);
+  if (!memory) shortage_note();
+  return memory;
+}
+
+int main(int argc, char **argv) {
+  json_set_alloc_funcs(json_memory, free);
+  if (atexit(end_of_library) != 0) return app_no_memory();
+  int status = run_command(argc, argv);
+  leaving = true;
+  return status;
 }

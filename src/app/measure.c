@@ -181,8 +181,8 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   status = stress_new(&m->s, &m->c, &m->region, messages);
   if (status == SD_OK) status = correlation_new(&m->pairs, &m->c, &m->region, bins, messages);
   if (status != SD_OK) return status;
-  sd_messages *own = sd_messages_new();
-  status = own ? cells_new(&m->cells, &m->c, &whole, &m->region, own) : SD_ERROR_IO;
+  sd_messages *own = app_messages();
+  status = cells_new(&m->cells, &m->c, &whole, &m->region, own);
   m->has_cells = status == SD_OK;
   if (!m->has_cells) {
     m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
@@ -268,8 +268,7 @@ int app_measure(int argc, char **argv) {
   arguments a = {.frame = -1, .bins = 100};
   int mistake = parse(argc, argv, &a);
   if (mistake) return mistake;
-  sd_messages *messages = sd_messages_new();
-  if (!messages) return SD_ERROR_IO;
+  sd_messages *messages = app_messages();
   sd_status status = measure(&a, messages);
   fflush(stdout);
   sd_messages_print(messages, stderr);

@@ -105,11 +105,12 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
 }
 
 int app_resume(int argc, char **argv) {
+  app_catch_signals();
   const char *name = NULL;
   drive_options drive = {0};
   int status = parse(argc, argv, &name, &drive);
   if (status != 0) return status;
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   status = resume(name, &drive, messages);
   sd_messages_free(messages);
   return status;

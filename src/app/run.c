@@ -53,11 +53,12 @@ static int parse(int argc, char **argv, arguments *a) {
 }
 
 int app_run(int argc, char **argv) {
+  app_catch_signals();
   arguments a = {.overrides = calloc((size_t)argc + 1, sizeof *a.overrides)};
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   sd_model *model = NULL;
   char *output = NULL, *again = NULL;
-  int status = a.overrides && messages ? parse(argc, argv, &a) : SD_ERROR_IO;
+  int status = a.overrides ? parse(argc, argv, &a) : app_no_memory();
   if (status == 0) {
     assert(a.deck);
     output = a.output ? file_path("%s", a.output) : app_default_name(a.deck, "h5");
@@ -69,7 +70,7 @@ int app_run(int argc, char **argv) {
               "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",
               a.deck, model->sweep_points, model->sweep_points == 1 ? "" : "s");
   }
-  if (status == 0 && !again) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (status == 0 && !again) status = app_no_memory();
   if (status == 0) {
     a.drive.result = output;
     a.drive.again = again;

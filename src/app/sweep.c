@@ -309,8 +309,9 @@ static sd_status tell(const sweep *s, const sweep_command *c, sd_messages *messa
 
 static int command(sweep_command *c, const char *where, sd_messages *messages) {
   sweep s;
-  int status = sweep_open(&s, c->deck, c->n_overrides, c->overrides, where, messages);
   bool only_tell = c->count || c->status || c->list || c->table;
+  if (!only_tell) app_catch_signals();
+  int status = sweep_open(&s, c->deck, c->n_overrides, c->overrides, where, messages);
   if (status == SD_OK) status = parse_range(&s, c);
   if (status == SD_OK && only_tell) status = tell(&s, c, messages);
   sd_messages_print(messages, stderr);
@@ -323,13 +324,13 @@ static int command(sweep_command *c, const char *where, sd_messages *messages) {
 
 int app_sweep(int argc, char **argv) {
   sweep_command c = {.point = -1, .overrides = calloc((size_t)argc + 1, sizeof *c.overrides)};
-  sd_messages *messages = sd_messages_new();
-  int status = c.overrides && messages ? parse(argc, argv, &c) : SD_ERROR_IO;
+  sd_messages *messages = app_messages();
+  int status = c.overrides ? parse(argc, argv, &c) : app_no_memory();
   char *where = NULL;
   if (status == 0) {
     assert(c.deck);
     where = c.output ? file_path("%s", c.output) : app_default_name(c.deck, "sweep");
-    status = where ? command(&c, where, messages) : SD_ERROR_IO;
+    status = where ? command(&c, where, messages) : app_no_memory();
   }
   free(where);
   free(c.overrides);

@@ -4,8 +4,8 @@
  * its own (sweep_workers.c): what goes wrong in one, even a crash, does not touch the others. Without -j groups are
  * run one after the other here, or shared among the ranks of an MPI job. All else goes through the folder.
  *
- * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: a worker
- * inherits app_stop, so one that came before the fork stops it too, and one that comes after is passed on. A
+ * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: before the
+ * folder is touched it ends the process (signals.c); a worker inherits app_stop, so one that came before the fork stops it too, and one that comes after is passed on. A
  * worker whose parent is gone gets SIGTERM from the kernel.
  */
 #ifndef _GNU_SOURCE
@@ -45,7 +45,7 @@ static void make_tables(crew *w, bool last) {
   double start = sweep_seconds();
   if (sweep_is_part(w->c)) return; /* others make the rest */
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   sd_status status = sweep_write_tables(w->s,
                                         !last      ? 0
                                         : app_stop ? PATIENCE_STOPPED
@@ -232,7 +232,7 @@ static size_t find_todo(crew *w, size_t *todo, sd_messages *messages) {
   size_t n = 0;
   sweep_tally others = {0};
   if (sweep_guard(w->s, w->c, w->first, w->end, messages) != SD_OK) return refuse(messages);
-  for (size_t k = w->first; k < w->end; k++) {
+  for (size_t k = w->first; k < w->end && !app_stop; k++) {
     sweep_result r = {.status = SWEEP_WAITING};
     if (!w->c->force) sweep_look(w->s, k, &r, NULL);
     if (r.status == SWEEP_DONE) {
@@ -256,7 +256,7 @@ static size_t find_todo(crew *w, size_t *todo, sd_messages *messages) {
 /* Ranks must agree on the list, and the folder may change between their looks at it: the first one looks. */
 static size_t agree_on_todo(crew *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo, messages);
   sd_messages_free(messages);
   comm_share(todo, places * sizeof *todo);
@@ -349,7 +349,7 @@ static int run_all(crew *w, size_t *todo) {
 
 /* Mistakes of some points keep the others from being run, unless these are to be skipped. */
 static int check(crew *w) {
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   size_t usable = 0;
   int status = sweep_survey(w->s, w->steps, w->kinds, &usable, messages);
   if (comm_rank() == 0) {
@@ -367,7 +367,8 @@ static int check(crew *w) {
 static int prepare_and_run(crew *w, size_t *todo) {
   int status = check(w);
   if (status != SD_OK) return status;
-  sd_messages *messages = sd_messages_new();
+  app_begin_saving();
+  sd_messages *messages = app_messages();
   status = sweep_prepare(w->s, messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
@@ -418,12 +419,12 @@ static size_t choose_width(const sweep_command *c) {
 }
 
 int sweep_run_all(const sweep *s, const sweep_command *c) {
-  app_catch_signals();
-  sd_messages *messages = sd_messages_new();
+  sd_messages *messages = app_messages();
   int status = c->workers > 0 ? SD_OK : comm_begin(messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   if (status != SD_OK) return status;
+  if (comm_size() > 1) app_begin_saving(); /* a rank that is gone would be waited for */
   crew w = {.s = s,
             .c = c,
             .end = s->deck.n_points,

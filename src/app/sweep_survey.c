@@ -117,7 +117,7 @@ static bool find_kind(survey *v, sd_model *model, int *kind) {
 
 /* One warning for all points is enough, that of the point which needs the shortest step. */
 static void look_at_time_step(survey *v, size_t point, const sd_model *model) {
-  sd_messages *mine = sd_messages_new();
+  sd_messages *mine = app_messages();
   report_time_step(model, mine);
   double ratio = model->dt / sd_model_shortest_period(model, NULL);
   if (sd_messages_count(mine) > 0 && (v->n_warned++ == 0 || ratio > v->worst)) {

@@ -1,5 +1,6 @@
 /* message.c: a growing list of lines; see slipdisk/status.h. */
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,41 +14,64 @@ typedef struct line {
 struct sd_messages {
   size_t count, capacity, errors;
   line *lines;
+  line first[8]; /* room that is there from the start */
 };
 
-sd_messages *sd_messages_new(void) { return calloc(1, sizeof(sd_messages)); }
+/* Stands for lines for which there is no memory. */
+static char lost[] = "no memory: a message was lost";
+
+sd_messages *sd_messages_new(void) {
+  sd_messages *m = calloc(1, sizeof *m);
+  if (!m) return NULL;
+  m->lines = m->first;
+  m->capacity = sizeof m->first / sizeof *m->first;
+  return m;
+}
+
+static void free_text(line *l) {
+  if (l->text != lost) free(l->text);
+}
 
 void sd_messages_clear(sd_messages *m) {
-  for (size_t k = 0; m && k < m->count; k++) free(m->lines[k].text);
+  for (size_t k = 0; m && k < m->count; k++) free_text(&m->lines[k]);
   if (m) m->count = m->errors = 0;
 }
 
 void sd_messages_free(sd_messages *m) {
   if (!m) return;
   sd_messages_clear(m);
-  free(m->lines);
+  if (m->lines != m->first) free(m->lines);
   free(m);
 }
 
-/* When memory is exhausted the line is lost but the count of errors is not. */
+static bool grow(sd_messages *m) {
+  size_t capacity = 2 * m->capacity;
+  line *lines = malloc(capacity * sizeof *lines);
+  if (!lines) return false;
+  memcpy(lines, m->lines, m->count * sizeof *lines);
+  if (m->lines != m->first) free(m->lines);
+  m->lines = lines;
+  m->capacity = capacity;
+  return true;
+}
+
+/* When memory is exhausted the text is lost, but neither the count of errors nor their kinds are. */
 static void add(sd_messages *m, sd_status kind, const char *format, va_list args) {
   if (!m) return;
   if (kind != SD_OK) m->errors++;
-  if (m->count == m->capacity) {
-    size_t capacity = m->capacity ? 2 * m->capacity : 8;
-    line *lines = realloc(m->lines, capacity * sizeof *lines);
-    if (!lines) return;
-    m->lines = lines;
-    m->capacity = capacity;
+  if (m->count == m->capacity && !grow(m)) {
+    line *last = &m->lines[m->count - 1];
+    free_text(last);
+    *last = (line){kind == SD_OK ? last->kind : kind, lost};
+    return;
   }
   va_list again;
   va_copy(again, args);
   int length = vsnprintf(NULL, 0, format, again);
   va_end(again);
   char *text = length < 0 ? NULL : malloc((size_t)length + 1);
-  if (!text) return;
-  vsnprintf(text, (size_t)length + 1, format, args);
-  m->lines[m->count++] = (line){kind, text};
+  if (text) vsnprintf(text, (size_t)length + 1, format, args);
+  m->lines[m->count++] = (line){kind, text ? text : lost};
 }
 
 sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/shortage.h"
 #include "io/file.h"
 
 static const struct extent {
@@ -38,10 +39,7 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
     const sd_field *f = &sd_fields[k];
     size_t n = sd_extent_size(state, f->extent);
     char *path = file_path("/state/%s", f->name);
-    if (!path) {
-      h5_fail(file, "no memory");
-      return;
-    }
+    if (!h5_have(file, path, "/state")) return;
     /* no filter: a checkpoint is written often and read once */
     h5_put(file, path, f->type, f->extent == SD_PER_RUN ? 0 : 1, &n, sd_field_data(state, f), false);
     h5_attr_text(file, path, "unit", f->unit);
@@ -107,14 +105,17 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
                                sd_messages *messages) {
   *out = NULL;
   sd_state *state = sd_state_new(model);
+  if (!state) shortage_note();
   if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   sd_status status = check_extents(file, state, messages);
   int64_t contacts = h5_get_attr_i64(file, "/state", "n_contacts", -1);
   /* the bound keeps a damaged number from asking for all memory */
   if (status == SD_OK && (contacts < 0 || contacts > INT64_C(1) << 40))
     status = sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
-  if (status == SD_OK && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK)
+  if (status == SD_OK && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK) {
+    shortage_note();
     status = sd_fail(messages, SD_ERROR_IO, "no memory for %" PRId64 " contacts", contacts);
+  }
   if (status == SD_OK) {
     state->n_contacts = (size_t)contacts;
     status = read_columns(file, state, messages);

@@ -29,7 +29,7 @@ static void put_laws(h5_file *file, const sd_model *m) {
     const double value[LAW] = {law->k_n, law->k_t, law->gamma_n, law->mu};
     for (int c = 0; c < LAW; c++) laws[k][c] = value[c];
   }
-  if (laws)
+  if (h5_have(file, laws, MODEL "/laws"))
     put(file, MODEL "/laws", SD_F64, 3, dims, laws, "force/length, force/length, force time/length, 1",
         "k_n, k_t, gamma_n, mu of each pair of materials; k_n = 0: not given");
   free(laws);
@@ -45,7 +45,7 @@ static void put_walls(h5_file *file, const sd_model *m) {
     closed[k] = m->walls[k].closed;
     inside[k] = m->walls[k].inside;
   }
-  if (pivot && closed && inside) {
+  if (h5_have(file, pivot && closed && inside, WALLS "/shape")) {
     put(file, WALLS "/shape/pivot", SD_F64, 2, dims, pivot, "length", "where the pivot stood in the deck");
     put(file, WALLS "/shape/closed", SD_I32, 1, &n, closed, "1", "1: a polyline whose ends are joined");
     put(file, WALLS "/shape/inside", SD_I32, 1, &n, inside, "1", "1: a circle with the disks inside");
@@ -64,7 +64,7 @@ static void put_forces(h5_file *file, const sd_model *m) {
       force[k][c] = m->disks[k].force[c];
       any = any || force[k][c] != 0.0;
     }
-  if (any)
+  if (h5_have(file, force, DISKS "/constant_force") && any)
     put(file, DISKS "/constant_force", SD_F64, 2, dims, force, "force", "constant force on the centre");
   free(force);
 }

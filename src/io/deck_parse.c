@@ -33,7 +33,7 @@ static deck_type type_of(const config_setting_t *setting) {
   }
 }
 
-/* Depth is bounded by the scanner. */
+/* Texts and names that are missing are those for which the library had no memory. Depth is bounded by the scanner. */
 static void convert(deck *d, const deck_text *text, const config_setting_t *from, deck_node *to) {
   switch (to->type) {
     case DECK_BOOL: to->value.flag = config_setting_get_bool(from); return;
@@ -44,7 +44,8 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
     case DECK_FLOAT: to->value.number = config_setting_get_float(from); return;
     case DECK_STRING: {
       const char *s = config_setting_get_string(from);
-      to->value.text = s ? deck_copy(d, s, strlen(s)) : "";
+      if (!s) longjmp(d->out_of_memory, 1);
+      to->value.text = deck_copy(d, s, strlen(s));
       return;
     }
     case DECK_GROUP:
@@ -54,6 +55,7 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
   for (int k = 0; k < n; k++) {
     const config_setting_t *child = config_setting_get_elem(from, (unsigned)k);
     const char *name = name_of(d, child);
+    if (!name && to->type == DECK_GROUP) longjmp(d->out_of_memory, 1);
     /* the second of two equal keys was renamed and reported by the scanner */
     if (name && strncmp(name, "*repeated-", 10) == 0) continue;
     deck_place place = place_of(text, config_setting_source_line(child));

@@ -339,8 +339,10 @@ static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
   if (status != SD_OK) {
     /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
     sd_model *model;
-    status = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
+    sd_status again = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
     sd_model_free(model);
+    /* what was missing at first is there now; but not the points */
+    status = again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
   }
   sd_messages_free(mine);
   free(settings);

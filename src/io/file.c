@@ -17,12 +17,15 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/shortage.h"
+
 char *file_path(const char *format, ...) {
   va_list args;
   va_start(args, format);
   int n = vsnprintf(NULL, 0, format, args);
   va_end(args);
   char *path = n < 0 ? NULL : malloc((size_t)n + 1);
+  if (!path) shortage_note();
   if (!path) return NULL;
   va_start(args, format);
   vsnprintf(path, (size_t)n + 1, format, args);
@@ -424,6 +427,7 @@ sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_me
   enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
   *sum = FILE_SUM;
   unsigned char *buffer = malloc(PIECE);
+  if (!buffer) shortage_note();
   sd_status status = buffer ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
   for (uint64_t at = 0; status == SD_OK && at < n;) {
     size_t want = n - at < PIECE ? (size_t)(n - at) : PIECE, have;

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/shortage.h"
 #include "io/file.h"
 #include "io/h5_private.h"
 
@@ -16,11 +17,23 @@ enum { CHUNK_BYTES = 256 * 1024 };
 /* Sealed files of up to so many bytes are looked at as a whole whenever they are opened: a tenth of a second. */
 static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
 
+/* The library prints nothing; but what it had no memory for looks as if it were not there. */
+static herr_t look_for_shortage(unsigned n, const H5E_error2_t *error, void *user) {
+  (void)n, (void)user;
+  if (error->maj_num == H5E_RESOURCE) shortage_note();
+  return 0;
+}
+
+static herr_t look_at_error(hid_t stack, void *user) {
+  H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_shortage, user);
+  return 0;
+}
+
 void h5_quiet(void) {
   static bool asked;
   /* must come before the library starts: at exit it would write to files that have failed */
   if (!__atomic_exchange_n(&asked, true, __ATOMIC_RELAXED)) H5dont_atexit();
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  H5Eset_auto2(H5E_DEFAULT, look_at_error, NULL);
 }
 
 static herr_t first_reason(unsigned n, const H5E_error2_t *error, void *user) {
@@ -64,6 +77,7 @@ static sd_status allocate(const char *path, h5_file **out, sd_messages *messages
   if (*out && ((*out)->path = file_path("%s", path))) return SD_OK;
   free(*out);
   *out = NULL;
+  shortage_note();
   sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
   return SD_ERROR_IO;
 }
@@ -314,6 +328,14 @@ static void check(h5_file *file, bool good, const char *path) {
   char reason[200];
   file->failed = true;
   file->trouble = file_path("%s: %s", path, h5_reason(reason, sizeof reason));
+}
+
+bool h5_have(h5_file *file, bool got, const char *path) {
+  if (!got && !file->failed) {
+    file->failed = true;
+    file->trouble = file_path("no memory for %s", path);
+  }
+  return got;
 }
 
 /* Link creation with the groups on the way; text is UTF-8. */

@@ -76,6 +76,8 @@ void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, si
 void h5_fail(h5_file *file,
              const char *what);      /* what is to be written cannot be made: reported like a failed write */
 bool h5_failed(const h5_file *file); /* a write has gone wrong */
+/* Returns got. False: there is no memory for what should stand at path, and the file is not saved. */
+bool h5_have(h5_file *file, bool got, const char *path);
 
 /* --- read ----------------------------------------------------------------------------------------- */
 bool h5_exists(const h5_file *file, const char *path);

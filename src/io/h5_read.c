@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/shortage.h"
 #include "io/h5.h"
 #include "io/h5_private.h"
 
@@ -10,6 +11,7 @@
 bool h5_exists(const h5_file *file, const char *path) {
   if (path[0] == '/' && path[1] == 0) return true;
   char *copy = malloc(strlen(path) + 1);
+  if (!copy) shortage_note();
   if (!copy) return false;
   strcpy(copy, path);
   bool exists = true;
@@ -24,7 +26,7 @@ bool h5_exists(const h5_file *file, const char *path) {
 }
 
 static hid_t open_set(const h5_file *file, const char *path, sd_messages *messages) {
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  h5_quiet();
   hid_t set = h5_exists(file, path) ? H5Dopen2(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
   if (set < 0) sd_fail(messages, SD_ERROR_IO, "%s: there is no dataset %s", file->path, path);
   return set;
@@ -102,11 +104,13 @@ static char *read_text(hid_t id, bool attribute) {
       char *found = NULL;
       herr_t result = attribute ? H5Aread(id, memory, &found)
                                 : H5Dread(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, &found);
-      if (result >= 0 && found && (text = malloc(strlen(found) + 1))) strcpy(text, found);
+      if (result >= 0 && found && !(text = malloc(strlen(found) + 1))) shortage_note();
+      if (text) strcpy(text, found);
       if (found) H5free_memory(found);
       H5Tclose(memory);
     } else {
       text = calloc(H5Tget_size(type) + 1, 1);
+      if (!text) shortage_note();
       herr_t result = !text       ? -1
                       : attribute ? H5Aread(id, type, text)
                                   : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
@@ -189,15 +193,17 @@ static herr_t list_link(hid_t group, const char *name, const H5L_info_t *info, v
   const walk *at = user;
   if (info->type != H5L_TYPE_HARD) return 0;
   char *path = malloc(strlen(at->group) + strlen(name) + 2);
+  if (!path) shortage_note();
   hid_t object = path ? H5Oopen(group, name, H5P_DEFAULT) : H5I_INVALID_HID;
   if (object < 0) {
     free(path);
-    return 0;
+    return -1;
   }
+  herr_t listed = 0;
   sprintf(path, "%s/%s", at->group, name);
   if (H5Iget_type(object) == H5I_GROUP) {
     walk below = {at->file, at->visit, at->user, path};
-    H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, NULL, list_link, &below);
+    listed = H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, NULL, list_link, &below);
   } else if (H5Iget_type(object) == H5I_DATASET) {
     size_t dims[H5_MAX_RANK];
     hid_t type = H5Dget_type(object);
@@ -207,12 +213,12 @@ static herr_t list_link(hid_t group, const char *name, const H5L_info_t *info, v
   }
   H5Oclose(object);
   free(path);
-  return 0;
+  return listed;
 }
 
 sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messages *messages) {
   walk top = {file, visit, user, ""};
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  h5_quiet();
   if (H5Literate(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, list_link, &top) >= 0) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot list its contents", file->path);
 }

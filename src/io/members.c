@@ -22,7 +22,7 @@ void members_write(h5_file *file, const char *group, const member *members, size
     const member *m = &members[k];
     size_t dims[2] = {n, m->width};
     char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
-    if (dense && path) {
+    if (h5_have(file, dense && path, group)) {
       pack(m, first, stride, n, dense, true);
       h5_put(file, path, m->type, m->width > 1 ? 2 : 1, dims, dense, true);
       h5_attr_text(file, path, "unit", m->unit);

@@ -186,7 +186,7 @@ void provenance_write(const provenance *p, h5_file *file) {
     h5_attr_text(file, "/parameters", provenance_texts[k].name, provenance_get(p, k));
   for (size_t k = 0; k < DECKS; k++) {
     char *path = file_path("/parameters/%s", decks[k].name);
-    if (path) h5_put_text(file, path, *place(p, decks[k].offset));
+    if (h5_have(file, path, "/parameters")) h5_put_text(file, path, *place(p, decks[k].offset));
     free(path);
   }
   h5_attr_i64(file, "/parameters", "seed", p->seed);

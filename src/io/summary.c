@@ -210,7 +210,7 @@ static void write_names(h5_file *file, const char *path, size_t n, char *const *
   size_t total = 1;
   for (size_t k = 0; k < n; k++) total += strlen(names[k]) + 1;
   char *text = malloc(total), *at = text;
-  if (!text) return;
+  if (!h5_have(file, text, path)) return;
   for (size_t k = 0; k < n; k++) {
     size_t length = strlen(names[k]);
     memcpy(at, names[k], length);
@@ -314,7 +314,8 @@ void summary_write(const summary *s, h5_file *file) {
                 sizeof *s->rotations, s->n_rotations);
   int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
   for (size_t k = 0; converged && k < s->n_rotations; k++) converged[k] = s->rotations[k].converged;
-  if (converged) h5_put(file, "/summary/rotation/converged", SD_I32, 1, &s->n_rotations, converged, true);
+  if (h5_have(file, converged, "/summary/rotation"))
+    h5_put(file, "/summary/rotation/converged", SD_I32, 1, &s->n_rotations, converged, true);
   free(converged);
   write_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names);
   h5_attr_i64(file, "/summary/rotation", "count", (int64_t)s->n_rotations);

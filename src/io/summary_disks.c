@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/shortage.h"
 #include "io/file.h"
 #include "io/members.h"
 
@@ -104,6 +105,7 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
   if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < s->n; k++) s->disks[k] = sd_disk_mean_of(model, state, k);
   s->totals = sd_disk_totals_of(model, state, s->disks);
+  if (shortage_seen()) return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
   qsort(s->disks, s->n, sizeof *s->disks, by_number);
   find_fastest(s);
   s->looks = state->mean_looks;
@@ -138,7 +140,7 @@ static void write_rows(h5_file *file, const char *path, sd_disk_mean *disks, siz
   int32_t *converged = calloc(n_disks + 1, sizeof *converged);
   char *name = file_path("%s/converged", path);
   for (size_t k = 0; converged && k < n_disks; k++) converged[k] = disks[k].converged;
-  if (converged && name) {
+  if (h5_have(file, converged && name, path)) {
     h5_put(file, name, SD_I32, 1, &n_disks, converged, true);
     h5_attr_text(file, name, "unit", "1");
     h5_attr_text(file, name, "description", "1: the error is reliable");

@@ -71,11 +71,10 @@ int table_shape(const table_column *c, size_t n_rows, size_t dims[H5_MAX_RANK]) 
   return c->rank + 1;
 }
 
-/* The path without "/value"; NULL when it ends otherwise, or when there is no memory. */
-static char *element_of(const char *path) {
+/* Length of the path without "/value"; 0 when it ends otherwise. */
+static int element_of(const char *path) {
   size_t length = strlen(path), tail = strlen("/value");
-  if (length <= tail || strcmp(path + length - tail, "/value") != 0) return NULL;
-  return file_path("%.*s", (int)(length - tail), path);
+  return length > tail && strcmp(path + length - tail, "/value") == 0 ? (int)(length - tail) : 0;
 }
 
 /* Units, meanings, and the links of the elements to the table's step and time. */
@@ -84,14 +83,13 @@ static void annotate(const table *t, h5_file *file) {
     const table_column *c = &t->columns[k];
     h5_attr_text(file, c->path, "unit", c->unit);
     h5_attr_text(file, c->path, "description", c->meaning);
-    char *element = element_of(c->path);
-    char *step = element ? file_path("%s/step", element) : NULL;
-    char *time = element ? file_path("%s/time", element) : NULL;
-    if (step && time && strcmp(step, t->columns[0].path) != 0) {
+    int length = element_of(c->path);
+    if (length == 0) continue;
+    char *step = file_path("%.*s/step", length, c->path), *time = file_path("%.*s/time", length, c->path);
+    if (h5_have(file, step && time, c->path) && strcmp(step, t->columns[0].path) != 0) {
       h5_link(file, t->columns[0].path, step);
       h5_link(file, t->columns[1].path, time);
     }
-    free(element);
     free(step);
     free(time);
   }

@@ -177,7 +177,7 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const sd_model *
 
 static void write_box(h5_file *file, const sd_model *model, const char *group) {
   char *box = file_path("%s/box", group), *edges = file_path("%s/box/edges", group);
-  if (!box || !edges) goto out;
+  if (!h5_have(file, box && edges, group)) goto out;
   double lengths[2], lower[2];
   box_edges(model, 1.0, lengths);
   const char *boundary[2];
@@ -221,7 +221,7 @@ static void write_constant(h5_file *file, const sd_model *model, const char *pat
                            getter *get, const char *unit, const char *meaning) {
   size_t size = sd_type_size(type);
   char *data = calloc(n + 1, size);
-  if (!data) return;
+  if (!h5_have(file, data, path)) return;
   for (size_t k = 0; k < n; k++) get(model, k, data + k * size);
   h5_put(file, path, type, 1, &n, data, true);
   h5_attr_text(file, path, "unit", unit);
@@ -239,7 +239,7 @@ static void write_names(h5_file *file, const sd_model *model, const char *path, 
     total += (name ? strlen(name) : 0) + 1;
   }
   char *text = named ? malloc(total) : NULL;
-  if (!text) return;
+  if (!h5_have(file, text || !named, path) || !named) return;
   char *at = text;
   for (size_t k = first; k < first + n; k++) {
     const char *name = k < model->n_disks ? model->disks[k].name : model->walls[k - model->n_disks].name;
@@ -268,7 +268,7 @@ static void write_walls(h5_file *file, const sd_model *model) {
                  "points of each wall, one wall after the other");
   for (size_t k = 0; k < n; k++) total += model->walls[k].n_points;
   double *points = calloc(2 * total + 1, sizeof *points);
-  if (!points) return;
+  if (!h5_have(file, points, "/particles/walls/shape/points")) return;
   double *at = points;
   for (size_t k = 0; k < n; k++)
     for (size_t p = 0; p < model->walls[k].n_points; p++) {

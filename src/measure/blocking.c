@@ -21,6 +21,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/shortage.h"
+#include "slipdisk/state.h"
+
 enum { SHORTEST = 16, FEWEST = 8, FEWEST_FALLING = 16 };
 
 /* 1, 2, 3, 4, 6, 8, 12, ...: half octaves. */
@@ -45,8 +48,11 @@ blocking blocking_error(const double *x, size_t n) {
   blocking result = {.error = NAN, .correlation = NAN, .plateau = false};
   if (n < SHORTEST) return result;
   if (is_constant(x, n)) return (blocking){.error = 0, .correlation = 0.5, .plateau = true};
-  double *room = malloc(n * sizeof *room);
-  if (!room) return result;
+  double few[SD_BINS], *room = n <= SD_BINS ? few : malloc(n * sizeof *room);
+  if (!room) {
+    shortage_note();
+    return result;
+  }
 
   double single = error_of_blocks(x, n, 1, room), chosen = 0, largest = 0;
   size_t b = 1, chosen_b = 1;
@@ -69,7 +75,7 @@ blocking blocking_error(const double *x, size_t n) {
     chosen = error * (1 + scatter);
     chosen_b = b;
   }
-  free(room);
+  if (room != few) free(room);
 
   double tau = (chosen / single) * (chosen / single) / 2;
   result.error = chosen * sqrt(1 + tau / (double)chosen_b);

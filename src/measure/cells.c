@@ -168,7 +168,7 @@ static sd_status triangulate(const sites *s, edges *e, sd_messages *messages) {
   }
   qh_zero(qh, errors);
   int failed = qh_new_qhull(qh, 3, (int)s->n, points, False, options, NULL, errors);
-  sd_status status = failed ? SD_ERROR_NUMERIC : collect_edges(qh, s, e);
+  sd_status status = failed == qh_ERRmem ? SD_ERROR_IO : failed ? SD_ERROR_NUMERIC : collect_edges(qh, s, e);
   qh_freeqhull(qh, !qh_ALL);
   int long_blocks, long_bytes;
   qh_memfreeshort(qh, &long_blocks, &long_bytes);

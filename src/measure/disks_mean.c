@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/shortage.h"
 #include "measure/mean.h"
 
 /* --- one disk ---------------------------------------------------------------------------------------------- */
@@ -166,6 +167,7 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   if (q->n < 3) return;
   t->persistence = gsl_stats_correlation(q->x, 1, second, 1, q->n);
   double *ranks = malloc(2 * q->n * sizeof *ranks);
+  if (!ranks) shortage_note();
   if (ranks) t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, ranks);
   free(ranks);
 }
@@ -174,6 +176,7 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
 static void fill_neighbours(sd_disk_totals *t, const sd_state *state, const sd_disk_mean *means) {
   double sum = 0, pairs = 0;
   size_t *slot = malloc(state->n_bodies * sizeof *slot);
+  if (!slot) shortage_note();
   if (!slot) return;
   for (size_t k = 0; k < state->n_bodies; k++) slot[state->id[k]] = k;
   for (size_t c = 0; c < state->n_contacts; c++) {
@@ -234,6 +237,8 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
       fill_contacts(&t, model, &q);
       fill_powers(&t, &q);
     }
+  } else {
+    shortage_note();
   }
   free(q.disk);
   free(q.x);

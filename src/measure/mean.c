@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/shortage.h"
 #include "measure/blocking.h"
 #include "measure/mean.h"
 
@@ -88,15 +89,17 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   double width = period * ceil(NARROWEST / period), length = (double)n;
   /* with few windows they overlap more */
   double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
-  double *y = length >= 4 * width && stride >= 1 ? malloc((n + 1) * sizeof *y) : NULL;
-  if (!y) {
+  bool enough = length >= 4 * width && stride >= 1;
+  double few[SD_BINS + 1] = {0}, *y = n <= SD_BINS ? few : enough ? calloc(n + 1, sizeof *y) : NULL;
+  if (enough && !y) shortage_note();
+  if (!enough || !y) {
     sd_mean mean = sd_mean_of(x, n, true);
     mean.converged = false; /* too few periods to tell */
     return mean;
   }
   size_t count = windows(x, n, width, stride, y);
   sd_mean mean = sd_mean_of(y, count, true);
-  free(y);
+  if (y != few) free(y);
   mean.correlation *= stride;
   mean.discarded = (size_t)fmin(length, (double)mean.discarded * stride);
   mean.used = n - mean.discarded;

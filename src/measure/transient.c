@@ -29,28 +29,29 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/shortage.h"
 #include "measure/blocking.h"
+#include "slipdisk/state.h"
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16 };
 static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;
 
 /* Square of the naive error for truncations 0 .. last batches, of m. */
-static bool naive(const double *x, size_t batch, size_t m, size_t last, double *square) {
+static void naive(const double *x, size_t batch, size_t m, size_t last, double *square) {
   /* gsl_rstat's moments are running ones: going backwards, one pass serves all truncations */
-  gsl_rstat_workspace *rest = gsl_rstat_alloc();
-  if (!rest) return false;
+  gsl_rstat_quantile_workspace median = {.p = 0.5};
+  gsl_rstat_workspace rest = {.median_workspace_p = &median};
+  gsl_rstat_reset(&rest);
   double scale = 0;
   for (size_t d = m; d-- > 0;) {
     double y = gsl_stats_mean(x + d * batch, 1, batch), kept = (double)(m - d);
     scale = fmax(scale, fabs(y));
-    gsl_rstat_add(y, rest);
+    gsl_rstat_add(y, &rest);
     if (d > last) continue;
     /* below the rounding of the samples all truncations are equally good */
-    double variance = fmax(gsl_rstat_variance(rest), pow(4 * DBL_EPSILON * scale, 2));
+    double variance = fmax(gsl_rstat_variance(&rest), pow(4 * DBL_EPSILON * scale, 2));
     square[d] = variance * (kept - 1) / (kept * kept);
   }
-  gsl_rstat_free(rest);
-  return true;
 }
 
 /* Is x[0..d), or the start of it, unlike x[d..n)? */
@@ -111,16 +112,17 @@ transient transient_of(const double *x, size_t n) {
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch; /* whole batches up to the end */
   if (m < 4) return (transient){.inside = true};
 
-  double *square = malloc((last + 1) * sizeof *square);
-  if (!square || !naive(x + start, batch, m, last, square)) {
-    free(square);
+  double few[SD_BINS], *square = last < SD_BINS ? few : malloc((last + 1) * sizeof *square);
+  if (!square) {
+    shortage_note();
     return (transient){.inside = false};
   }
+  naive(x + start, batch, m, last, square);
   double whole = square[0], goal = enough * enough * whole;
   for (size_t d = 1; d <= last && square[best] > goal; d++)
     if (square[d] < square[best]) best = d;
   bool quiet = square[best] <= quiet_at * quiet_at * whole;
-  free(square);
+  if (square != few) free(square);
   transient found = {
       .length = best == 0 ? 0 : start + best * batch, .inside = best < last || quiet, .quiet = quiet};
   if (quiet) return found;

@@ -295,7 +295,8 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
   engine_fill_constants(e);
   sd_status status = motion_new(e, messages);
-  if (status == SD_OK) status = motion_resume(e);
+  if (status == SD_OK && motion_resume(e) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   walls_place(e);
   if (status == SD_OK) status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);

@@ -46,7 +46,7 @@ typedef struct session_options {
 
 /* Finds out what is there, locks it, and gets ready to run. The model must outlive the session.
  * SD_ERROR_USER: the result is finished already, belongs to another deck (the message lists the lines that
- * differ), or is being written by another process. */
+ * differ), or is being written by another process. SD_INTERRUPTED: stopped before its first checkpoint, nothing is left. */
 sd_status session_open(const sd_model *model, const session_options *options, session **out,
                        sd_messages *messages);
 /* Runs to the end and merges; warns when `until` had to be given up. SD_INTERRUPTED: stopped at a checkpoint;

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "base/shortage.h"
 #include "io/file.h"
 #include "io/merge.h"
 #include "run/deck_diff.h"
@@ -100,6 +101,8 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
   if (status == SD_OK) status = provenance_read(&s->origin, file, messages);
   s->was_finished = status == SD_OK && finished && strcmp(finished, s->origin.run_id) == 0;
   if (status == SD_OK && !s->was_finished) status = read_checkpoint(s, file, path, state, messages);
+  if (status == SD_OK && shortage_seen())
+    status = sd_fail(messages, SD_ERROR_IO, "there was no memory for all that %s says", path);
   if (status != SD_OK) {
     if (*state) sd_state_free(*state);
     *state = NULL;
@@ -120,20 +123,24 @@ static void step_back(session *s, const int64_t *steps, size_t n, const sd_messa
 }
 
 /* The newest checkpoint that is good, with its parts; *state stays NULL when there is none, and of a run that is finished.
- * As long as another stands in for it a damaged one is a warning. */
+ * As long as another stands in for it a damaged one is a warning; without memory none can be told to be damaged. */
 static sd_status find_checkpoint(session *s, const char *finished, sd_state **state, sd_messages *messages) {
   int64_t *steps;
   size_t n, k = 0;
   sd_status status = folder_checkpoints(s->parts_folder.path, &steps, &n, messages);
   sd_messages *why = sd_messages_new();
   if (status == SD_OK && n > 0) {
-    while (k < n && (status = try_checkpoint(s, steps[k], finished, state, why)) == SD_ERROR_IO) k++;
+    while (k < n && (status = try_checkpoint(s, steps[k], finished, state, why)) == SD_ERROR_IO &&
+           !shortage_seen())
+      k++;
     if (status == SD_OK && k > 0 && !s->was_finished) {
       step_back(s, steps, k, why, messages);
     } else if (status != SD_OK) {
       for (size_t m = 0; m < sd_messages_count(why); m++)
         sd_fail(messages, status, "%s", sd_messages_text(why, m));
-      if (status == SD_ERROR_IO)
+      if (status == SD_ERROR_IO && shortage_seen())
+        sd_fail(messages, status, "no memory to go on with %s; what is saved is left as it is", s->result);
+      else if (status == SD_ERROR_IO)
         sd_fail(
             messages, status,
             "%s cannot go on: no checkpoint can be used together with its parts. What is in %s is left as "
@@ -153,6 +160,8 @@ static sd_status begin_fresh(session *s, sd_messages *messages) {
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
   if (status == SD_OK) status = sd_simulation_new(s->model, s->options.threads, &s->simulation, messages);
+  /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
+  if (status == SD_OK && s->options.stop && *s->options.stop) status = SD_INTERRUPTED;
   if (status == SD_OK)
     status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
   s->origin.sessions = 1;

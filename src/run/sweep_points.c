@@ -53,6 +53,8 @@ static sd_status try_to_open(runner *r, session **out, int threads, sweep_status
   *status = sweep_peek(s, point);
   if (*status == SWEEP_DONE && !options->force) return leave_finished(s, point, status, messages);
   if (*status == SWEEP_RUNNING) return SD_OK;
+  *status = SWEEP_WAITING;
+  if (options->stop && *options->stop) return SD_INTERRUPTED;
   *status = SWEEP_FAILED;
   if (!r->model) {
     sd_status loaded = sweep_load(s, point, &r->model, &r->result, messages);
@@ -66,6 +68,7 @@ static sd_status try_to_open(runner *r, session **out, int threads, sweep_status
                          .user = r};
   sd_status opened = session_open(r->model, &how, out, messages);
   *again = opened == SD_ERROR_USER;
+  if (opened == SD_INTERRUPTED) *status = SWEEP_WAITING;
   return opened;
 }
 
