@@ -12,7 +12,9 @@ import tempfile
 from .trial import ROOT, SIZES, Clock, Setup
 
 # Each is a file of this folder with a function run(setup) that returns a list of rows.
-MODES = {}
+MODES = {
+    "memory": "allocations that fail, the n-th or all from the n-th on",
+}
 
 
 def options(words=None):
