@@ -14,6 +14,8 @@ from .trial import ROOT, SIZES, Clock, Setup
 # Each is a file of this folder with a function run(setup) that returns a list of rows.
 MODES = {
     "memory": "allocations that fail, the n-th or all from the n-th on",
+    "determinism": "the same bits from all builds, threads, instruction sets, restarts, lanes and lists",
+    "long": "counters near their limits, long runs: memory, files and descriptors stay as they are",
 }
 
 
