@@ -63,6 +63,10 @@ void report_time_step(const sd_model *model, sd_messages *messages);
 /* "1:02:03"; written into text[size]. */
 const char *report_duration(double seconds, char *text, size_t size);
 
+/* --- size.c ----------------------------------------------------------------------------------------- */
+/* One line of `check`: rows, frames, contact tables and bytes of the result. SD_ERROR_IO: no memory. */
+sd_status size_print(const sd_model *model, sd_messages *messages);
+
 /* --- place.c: from a name on the command line to what is on disk ------------------------------------- */
 typedef struct place {
   char *result;     /* path of the finished file, whether it exists or not */

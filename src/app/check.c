@@ -25,7 +25,7 @@ static const char usage[] =
     "\n"
     "Checks a deck and prints it in full, with all defaults, and what follows from it: numbers of disks,\n"
     "walls and contacts, the time step against the shortest contact period, restitution of each pair of\n"
-    "materials, speed and length of the run. All points of a sweep are checked, too.\n"
+    "materials, size of the result, speed and length of the run. All points of a sweep are checked, too.\n"
     "  -D path=value  set a key, as in -D gravity.tilt=0.1 or -D 'motions[*].amplitude=1e-4'\n"
     "  --brief        leave the full deck out\n"
     "  --no-probe     do not measure the speed\n"
@@ -341,7 +341,8 @@ static sd_status check(const options *o, sd_messages *messages) {
   print_time_step(m, messages);
   print_restitution(m);
   double speed = 0;
-  if (o->probe) status = probe(m, &speed, messages);
+  status = size_print(m, messages);
+  if (status == SD_OK && o->probe) status = probe(m, &speed, messages);
   if (status == SD_OK && m->sweep_points > 0) status = check_sweep(o, m, speed, messages);
   sd_model_free(m);
   return status;

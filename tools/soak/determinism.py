@@ -48,7 +48,7 @@ class Way:
 
 
 def build(compiler, optimisation):
-    """The program of a tree of its own, or None where it cannot be made."""
+    """The program of a tree of its own."""
     tree = ROOT / "build" / "soak" / f"{compiler}{optimisation}"
     # a build type without flags of its own, so that the level is the only one
     words = ["cmake", "-S", ROOT, "-B", tree, "-G", "Ninja", f"-DCMAKE_C_COMPILER={compiler}", "-DCMAKE_BUILD_TYPE=Plain",
@@ -61,17 +61,20 @@ def build(compiler, optimisation):
 
 
 def builds(setup):
-    """name -> program; the compilers that are not there."""
-    found, missing = {"default": setup.program}, []
+    """name -> program; the compilers that are not there; what has gone wrong."""
+    found, missing, wrong = {"default": setup.program}, [], []
     if setup.size == "full":
         for compiler in "gcc", "clang":
             if not shutil.which(compiler):
                 missing.append(compiler)
                 continue
             for optimisation in OPTIMISATIONS:
-                found[f"{compiler} {optimisation}"] = build(compiler, optimisation)
-                setup.say(f"  built {compiler} {optimisation}")
-    return found, missing
+                try:
+                    found[f"{compiler} {optimisation}"] = build(compiler, optimisation)
+                    setup.say(f"  built {compiler} {optimisation}")
+                except golden.Failed as error:
+                    wrong.append(str(error))
+    return found, missing, wrong
 
 
 def paths(program, work):
@@ -196,7 +199,7 @@ def renew_table(reference, others, setup):
 
 
 def run(setup):
-    programs, missing = builds(setup)
+    programs, missing, unbuilt = builds(setup)
     here = paths(setup.program, setup.work)
     left_out = [path for path in golden.PATHS if path not in here] + missing
     reference = {}
@@ -212,5 +215,6 @@ def run(setup):
     for kind, said in found.items():
         bad = [text for text in said if text]
         rows.append(Row(kind, len(said), len(bad), bad[0] if bad else ""))
-    rows[1].note = rows[1].note or ", ".join(here) + (f"; left out: {', '.join(left_out)}" if left_out else "")
+    rows.insert(1, Row("builds", len(programs) + len(unbuilt), len(unbuilt), unbuilt[0] if unbuilt else ", ".join(programs)))
+    rows[2].note = rows[2].note or ", ".join(here) + (f"; left out: {', '.join(left_out)}" if left_out else "")
     return rows

@@ -1,0 +1,119 @@
+/* size.c: how large a result will be, from the deck alone: rows of each table, columns of the state, and what HDF5 and
+ * the compression of frames and contact tables make of them. */
+#include <inttypes.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "io/record.h"
+#include "io/summary_disks.h"
+
+/* HDF5's own: headers and attributes of each dataset, about 640 bytes. */
+static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;
+/* Mass, radius, group and the like of a body. */
+static const double BODY_BYTES = 40;
+/* What is left of coordinates and forces after compression: their trailing bytes are noise. Of integers in frames
+ * next to nothing is left. */
+static const double NOISE_LEFT = 0.88, FORCE_LEFT = 0.85;
+/* Of a packing; each contact belongs to two disks. */
+enum { CONTACTS_PER_DISK = 2 };
+
+typedef struct rows {
+  int64_t series, frames, contacts;
+} rows;
+
+/* No pair twice, and none of two bodies that nothing pushes. */
+static size_t most_contacts(const sd_model *m) {
+  double free = (double)m->n_free, pairs = free * ((double)sd_model_bodies(m) - free) + free * (free - 1) / 2;
+  size_t usual = CONTACTS_PER_DISK * m->n_free;
+  return pairs < (double)usual ? (size_t)pairs : usual;
+}
+
+/* Rows of a cadence (session_due): within each phase, where one begins that has rows or one ends with a row, and the first
+ * and the last step. */
+static int64_t rows_of(const sd_model *m, size_t every_offset) {
+  int64_t n = 2;
+  bool ends = false; /* the phase before has a row at its end */
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_phase *p = &m->phases[k];
+    int64_t every;
+    memcpy(&every, (const char *)p + every_offset, sizeof every);
+    if (k > 0) n += every > 0 || ends;
+    if (every > 0) n += (p->steps - 1) / every;
+    ends = every > 0 && p->steps % every == 0;
+  }
+  return n;
+}
+
+static rows count_rows(const sd_model *m) {
+  return (rows){rows_of(m, offsetof(sd_phase, series_every)), rows_of(m, offsetof(sd_phase, frames_every)),
+                rows_of(m, offsetof(sd_phase, contacts_every))};
+}
+
+/* Bytes of a row; `left` of the reals, nothing of the integers, where the table is compressed. */
+static double row_bytes(const table *t, double left) {
+  double bytes = 0;
+  for (size_t k = 0; k < t->n_columns; k++) {
+    const table_column *c = &t->columns[k];
+    double plain = (double)(c->width * sd_type_size(c->type));
+    bytes += !t->compress ? plain : c->type == SD_F64 ? left * plain : 0;
+  }
+  return bytes;
+}
+
+static double state_bytes(const sd_model *m, size_t contacts) {
+  const sd_state s = {.n_free = m->n_free,
+                      .n_disks = m->n_disks,
+                      .n_bodies = sd_model_bodies(m),
+                      .n_contacts = contacts,
+                      .n_motions = m->n_motions,
+                      .n_phases = m->n_phases,
+                      .n_rotations = m->n_rotations,
+                      .n_slides = m->n_slides,
+                      .n_means = m->measure_disks ? m->n_free : 0};
+  double bytes = (double)(s.n_means * summary_mean_count * sizeof(double));
+  for (size_t k = 0; k < sd_field_count; k++)
+    bytes += (double)(sd_extent_size(&s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+  return bytes;
+}
+
+static double result_bytes(const sd_model *m, const record *r, const rows *n) {
+  size_t contacts = most_contacts(m);
+  const char *const texts[] = {m->deck_text, m->deck_full, m->deck_bodies};
+  double bytes = FILE_BYTES + (m->n_walls ? WALLS_BYTES : 0) + BODY_BYTES * (double)sd_model_bodies(m);
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) bytes += texts[k] ? (double)strlen(texts[k]) : 0;
+  bytes += state_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
+  bytes += (double)n->frames * row_bytes(&r->disks, NOISE_LEFT);
+  /* walls move regularly, or not at all */
+  bytes += (double)n->contacts *
+           (row_bytes(&r->contact_index, 1) + (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
+  return bytes;
+}
+
+static void print_bytes(double bytes) {
+  if (bytes < 999.5e3)
+    printf("%.3g kB", bytes / 1e3);
+  else if (bytes < 999.5e6)
+    printf("%.3g MB", bytes / 1e6);
+  else
+    printf("%.4g GB", bytes / 1e9);
+}
+
+sd_status size_print(const sd_model *m, sd_messages *messages) {
+  record r;
+  sd_status status = record_new(&r, m, messages);
+  if (status == SD_OK) {
+    const rows n = count_rows(m);
+    bool early = m->until.asked;
+    for (size_t k = 0; k < m->n_phases; k++) early = early || m->phases[k].settle.asked;
+    printf("# result      %s", early ? "at most " : "");
+    printf("%" PRId64 " rows of the series, %" PRId64 " frames, %" PRId64 " contact tables: about ", n.series,
+           n.frames, n.contacts);
+    print_bytes(result_bytes(m, &r, &n));
+    if (n.contacts > 2) printf(" when there are %zu contacts", most_contacts(m));
+    printf(", and as much again while it is put together\n");
+  }
+  record_free(&r);
+  return status;
+}
