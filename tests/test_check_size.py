@@ -7,7 +7,8 @@ import h5py
 from results_common import ROOT, Folder
 
 DECKS = {
-    "series": ("three_disk/random.cfg", {"phases.settle.steps": 10000, "phases.measure.steps": 100000, "phases.measure.series": 20}),
+    "series": ("three_disk/random.cfg", {
+        "phases.settle.steps": 10000, "phases.measure.steps": 100000, "phases.measure.series": 20}),
     "frames of three disks": ("three_disk/random.cfg", {
         "phases.settle.steps": 10000, "phases.measure.steps": 100000, "phases.measure.frames": 10, "phases.measure.contacts": 30}),
     "frames of a packing": ("packing/shake_low.cfg", {
@@ -21,8 +22,8 @@ UNITS = {"kB": 1e3, "MB": 1e6, "GB": 1e9}
 class Size(Folder):
     def foretold(self, *words):
         said, _ = self.run_ok("check", *words, "--brief", "--no-probe")
-        found = re.search(r"^# result +(at most )?(\d+) rows of the series, (\d+) frames, (\d+) contact tables: about ([\d.]+) (.B)",
-                          said, re.M)
+        found = re.search(r"^# result +(at most )?(\d+) rows of the series, (\d+) frames, (\d+) contact tables: "
+                          r"about ([\d.]+) (.B)", said, re.M)
         self.assertIsNotNone(found, said)
         return bool(found[1]), [int(n) for n in found.groups()[1:4]], float(found[5]) * UNITS[found[6]]
 
@@ -34,9 +35,11 @@ class Size(Folder):
                     words += ["-D", f"{key}={value}"]
                 may_end, rows, size = self.foretold(*words)
                 self.run_ok("run", *words, "--quiet", "--force", "-o", self.result)
-                self.assertLess(abs(size / self.result.stat().st_size - 1), 0.2, f"{size} and {self.result.stat().st_size}")
+                have = self.result.stat().st_size
+                self.assertLess(abs(size / have - 1), 0.2, f"{size} and {have}")
                 with h5py.File(self.result) as file:
-                    found = [len(file[path]) for path in ("observables/residual/step", "particles/disks/position/step", "contacts/step")]
+                    found = [len(file[path]) for path in
+                             ("observables/residual/step", "particles/disks/position/step", "contacts/step")]
                 for most, have in zip(rows, found):
                     self.assertTrue(have <= most if may_end else have == most, f"{rows} and {found}")
 

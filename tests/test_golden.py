@@ -12,7 +12,7 @@ from sweep_common import temporary_folder
 sys.path.insert(0, str(ROOT / "tools"))
 sys.dont_write_bytecode = True
 
-from soak import golden  # noqa: E402
+from soak import determinism, golden  # noqa: E402
 
 
 class Golden(unittest.TestCase):
@@ -81,12 +81,16 @@ class Golden(unittest.TestCase):
         deck = golden.decks()[0]
         kept = golden.bits(self.result(deck))
         table = self.folder / "table.csv"
-        for change, said in ({"state": "0" * 16}, "state, but not the trajectory"), ({"trajectory": "0" * 16}, "state and trajectory"):
+        none = "0" * 16
+        for change, said in ({"state": none}, "state, but not the trajectory"), ({"trajectory": none}, "state and trajectory"):
             golden.write({deck.name: golden.Bits(**{**vars(kept), **change})}, table)
             found = golden.against(deck.name, kept, table)
             self.assertIn(said, found)
             self.assertIn(golden.library(), found)
-            self.assertIn("0" * 16, found)
+            self.assertIn(none, found)
+            # a run that differs from the table, and runs that differ from one another
+            self.assertIn("agree with one another", determinism.note_of_table([found], 0))
+            self.assertNotIn("agree with one another", determinism.note_of_table([found], 1))
         golden.write({deck.name: kept}, table)
         self.assertEqual(golden.against(deck.name, kept, table), "")
         self.assertIn("is not in", golden.against("another", kept, table))

@@ -15,7 +15,7 @@ from .trial import ROOT, SIZES, Clock, Setup
 MODES = {
     "memory": "allocations that fail, the n-th or all from the n-th on",
     "determinism": "the same bits from all builds, threads, instruction sets, restarts, lanes and lists",
-    "long": "counters near their limits, long runs: memory, files and descriptors stay as they are",
+    "long": "long runs and sweeps: memory, descriptors and checkpoints stay as they are, files as `check` said",
 }
 
 

@@ -1,8 +1,8 @@
 """Determinism: the bits of the golden decks, in all ways to build and to run them.
 
-Every way is compared with the default build's straight run, and that with tests/golden.csv. The small size tries the program that
-is there; the full one also gcc and clang with -O0 ... -O3, whose trees are build/soak/COMPILER-OPTIMISATION (a few minutes the
-first time). SLIPDISK_GOLDEN=write writes the table anew when all ways have agreed.
+Every way is compared with the default build's straight run, and that with tests/golden.csv. The small size tries the
+program that is there; the full one also gcc and clang with -O0 ... -O3, whose trees are build/soak/COMPILER-OPTIMISATION
+(a few minutes the first time). SLIPDISK_GOLDEN=write writes the table anew when all ways have agreed.
 """
 import concurrent.futures
 import dataclasses
@@ -187,8 +187,8 @@ def note_of_table(wrong, others):
         return f"tests/golden.csv, made with {golden.read()[0]}"
     if others:
         return wrong[0]
-    return (f"{wrong[0]}; all ways to run and build it agree with one another, so either the results have changed on purpose "
-            "(SLIPDISK_GOLDEN=write), or the C library computes otherwise")
+    return (f"{wrong[0]}; all ways to run and build it agree with one another, so either the results have changed on "
+            "purpose (SLIPDISK_GOLDEN=write), or the C library computes otherwise")
 
 
 def renew_table(reference, others, setup):

@@ -1,9 +1,10 @@
 """The golden decks: short versions of the decks in inputs/, and the bits that come out; see tests/golden.csv.
 
-Of a result two hashes are kept. `state` is that of the whole final state (attribute `hash` of /state, sd_state_hash: FNV-1a over
-every column of sd_fields in the table's order), so that it changes with every new or altered column. `trajectory` is made here
-from what moves: the step, and of every body the position, images, angle and velocities, of every contact lambda* and its reference
-direction, in the order of body numbers. It is the same whatever other columns there are, in whichever order they or the slots stand.
+Of a result two hashes are kept. `state` is that of the whole final state (attribute `hash` of /state, sd_state_hash:
+FNV-1a over every column of sd_fields in the table's order), so that it changes with every new or altered column.
+`trajectory` is made here from what moves: the step, and of every body the position, images, angle and velocities, of
+every contact lambda* and its reference direction, in the order of body numbers. It is the same whatever other columns
+there are, in whichever order they or the slots stand.
 """
 import csv
 import dataclasses
@@ -78,8 +79,8 @@ class Failed(Exception):
 
 def command(program, deck, result, threads=1, skin=None, lanes=True, more=()):
     more = {**dict(more), **({} if skin is None else {"skin": skin})}
-    words = [str(program), "sweep" if deck.sweep else "run", str(ROOT / "inputs" / deck.file), *deck.overrides(more), "-o", str(result)]
-    words += ["--quiet"] if lanes or not deck.sweep else ["--quiet", "--no-lanes"]
+    words = [str(program), "sweep" if deck.sweep else "run", str(ROOT / "inputs" / deck.file), *deck.overrides(more)]
+    words += ["-o", str(result), "--quiet"] if lanes or not deck.sweep else ["-o", str(result), "--quiet", "--no-lanes"]
     # any number of threads ends lanes
     return words + (["--threads", str(threads)] if threads > 1 or not deck.sweep else [])
 
@@ -92,7 +93,8 @@ def environment(path=None):
 
 
 def finish(words, path=None, seconds=1800):
-    done = subprocess.run(words, env=environment(path), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=seconds)
+    done = subprocess.run(words, env=environment(path), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=seconds)
     if done.returncode:
         raise Failed(f"exit status {done.returncode}: {done.stdout.strip()[-300:]}")
 
@@ -168,13 +170,17 @@ def bits(result):
     return Bits(steps, contacts, *(hashlib.sha256("".join(x).encode()).hexdigest()[:16] for x in (states, trajectories)))
 
 
+def column_of(file, name):
+    return file["state"][name][()] if name in file["state"] else None
+
+
 def difference(one, two):
     """The first column of the state that differs between two results, what moves first; "": none does."""
     for a, b in zip(results_of(one), results_of(two)):
         with h5py.File(a) as f, h5py.File(b) as g:
             x, y = moving(f["state"]), moving(g["state"])
             for name in [*x, *f["state"]]:
-                p, q = (x[name], y[name]) if name in x else (s["state"][name][()] if name in s["state"] else None for s in (f, g))
+                p, q = (x[name], y[name]) if name in x else (column_of(f, name), column_of(g, name))
                 if q is None or numpy.asarray(p).tobytes() != numpy.asarray(q).tobytes():
                     return f"{name} ({a.stem})" if len(results_of(one)) > 1 else name
     return ""
@@ -204,8 +210,8 @@ def read(table=TABLE):
         lines = file.read().splitlines()
     notes = [line for line in lines if line.startswith("#")]
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return notes[-1].lstrip("# "), {row["deck"]: Bits(int(row["steps"]), int(row["contacts"]), row["state"], row["trajectory"])
-                                    for row in rows}
+    return notes[-1].lstrip("# "), {
+        row["deck"]: Bits(int(row["steps"]), int(row["contacts"]), row["state"], row["trajectory"]) for row in rows}
 
 
 def write(found, table=TABLE):
@@ -223,5 +229,6 @@ def against(name, now, table=TABLE):
     if kept == now:
         return ""
     what = "state and trajectory" if kept.trajectory != now.trajectory else "state, but not the trajectory"
-    return (f"{name}: {what} differ from {table.name}: state {now.state} instead of {kept.state}, trajectory {now.trajectory} "
-            f"instead of {kept.trajectory}, {now.steps} steps instead of {kept.steps} (table: {made}; here: {library()})")
+    return (f"{name}: {what} differ from {table.name}: state {now.state} instead of {kept.state}, trajectory "
+            f"{now.trajectory} instead of {kept.trajectory}, {now.steps} steps instead of {kept.steps} (table: {made}; "
+            f"here: {library()})")

@@ -1,4 +1,5 @@
-"""Long runs and a long sweep: memory and descriptors stay as they are, checkpoints are pruned, files are as large as `check` said.
+"""Long runs and a long sweep: memory and descriptors stay as they are, checkpoints are pruned, files are as large as
+`check` said.
 
 Counters, angles and images near the ends of their ranges are the business of tests/test_limits.c, which puts states there.
 """
@@ -98,7 +99,8 @@ def judge_flat(what, values, most, unit=1.0, name=""):
         return Row(what, 1, 1, f"{len(values)} looks are too few")
     base = max(values[:warm])
     above = [value for value in late if value > base + most]
-    return Row(what, len(late), len(above), f"{base / unit:.4g}{name} when warm, then {min(late) / unit:.4g} to {max(late) / unit:.4g}")
+    return Row(what, len(late), len(above),
+               f"{base / unit:.4g}{name} when warm, then {min(late) / unit:.4g} to {max(late) / unit:.4g}")
 
 
 def foretold(program, words):
@@ -110,7 +112,8 @@ def foretold(program, words):
 
 def judge_size(what, program, words, result):
     said, size = foretold(program, words), result.stat().st_size
-    return Row(f"{what}: size as `check` said", 1, int(abs(said / size - 1) > SIZE), f"{size / 1e6:.4g} MB, {said / size:.3f} of it foretold")
+    return Row(f"{what}: size as `check` said", 1, int(abs(said / size - 1) > SIZE),
+               f"{size / 1e6:.4g} MB, {said / size:.3f} of it foretold")
 
 
 def budget(result):
