@@ -7,6 +7,7 @@ import dataclasses
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import time
 
@@ -18,6 +19,7 @@ from .trial import Clock, Row
 PERIOD = 0.02            # between looks, s
 WARM = 0.25              # of the looks are not judged
 MEMORY = 4 << 20         # bytes that a process may grow by afterwards
+MERGE = 32 << 20         # more that it may take while it puts the result together: a chunk of each compressed column
 DESCRIPTORS = 2          # that may come and go: the file that is being written, and its folder
 CHECKPOINTS = 3          # at a time: two, and the one that is being written
 SIZE = 0.2               # of the size that is foretold
@@ -58,33 +60,47 @@ class Looks:
     workers: list = dataclasses.field(default_factory=list)         # the largest of its children
     worker_descriptors: list = dataclasses.field(default_factory=list)
     checkpoints: list = dataclasses.field(default_factory=list)
+    merge: list = dataclasses.field(default_factory=list)           # memory while the result is put together
     seconds: float = 0.0
+    cpu: float = 0.0
 
 
-def look(pid, parts, found):
-    memory, descriptors = memory_of(pid), descriptors_of(pid)
+def is_merging(result):
+    """Next to the parts there is a file whose name begins with the result's."""
+    return result.suffix == ".h5" and any(p.is_file() for p in result.parent.glob(f"*{result.name}*"))
+
+
+def look(pid, result, found):
+    merging, memory, descriptors = is_merging(result), memory_of(pid), descriptors_of(pid)
     if memory and descriptors:
-        found.memory.append(memory)
+        (found.merge if merging or is_merging(result) else found.memory).append(memory)
         found.descriptors.append(descriptors)
     children = [pair for pair in ((memory_of(p), descriptors_of(p)) for p in children_of(pid)) if all(pair)]
     if children:
         found.workers.append(max(memory for memory, _ in children))
         found.worker_descriptors.append(max(descriptors for _, descriptors in children))
+    parts = result.with_name(f"{result.name}.parts")
     if parts.is_dir():
         found.checkpoints.append(sum(1 for p in parts.glob("checkpoint-*.h5")))
 
 
-def watch(words, parts):
-    clock, found = Clock(), Looks()
+def cpu_seconds():
+    """Of all children that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def watch(words, result):
+    clock, found, before = Clock(), Looks(), cpu_seconds()
     process = subprocess.Popen(list(map(str, words)), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while process.poll() is None:
-        look(process.pid, parts, found)
+        look(process.pid, result, found)
         time.sleep(PERIOD)
     said = process.stderr.read()
     process.stderr.close()
     if process.returncode:
         raise golden.Failed(f"exit status {process.returncode}: {said[-300:]}")
-    found.seconds = clock.seconds()
+    found.seconds, found.cpu = clock.seconds(), cpu_seconds() - before
     return found
 
 
@@ -101,6 +117,12 @@ def judge_flat(what, values, most, unit=1.0, name=""):
     above = [value for value in late if value > base + most]
     return Row(what, len(late), len(above),
                f"{base / unit:.4g}{name} when warm, then {min(late) / unit:.4g} to {max(late) / unit:.4g}")
+
+
+def judge_merge(what, seen):
+    base, most = max(seen.memory, default=0), max(seen.merge, default=0)
+    return Row(f"{what}: memory while it is put together", len(seen.merge), sum(n > base + MERGE for n in seen.merge),
+               f"{most / 1e6:.4g} MB at most" if seen.merge else "too short to be seen")
 
 
 def foretold(program, words):
@@ -130,8 +152,9 @@ def long_run(setup, what, deck, steps, overrides):
     words = [str(golden.ROOT / "inputs" / deck)]
     for key, value in overrides.items():
         words += ["-D", f"{key}={value}"]
-    seen = watch([setup.program, "run", *words, "--threads", 1, "--quiet", "-o", result], setup.work / "long.h5.parts")
+    seen = watch([setup.program, "run", *words, "--threads", 1, "--quiet", "-o", result], result)
     rows = [judge_flat(f"{what}: memory", seen.memory, MEMORY, 1e6, " MB"),
+            judge_merge(what, seen),
             judge_flat(f"{what}: descriptors", seen.descriptors, DESCRIPTORS),
             Row(f"{what}: checkpoints at a time", len(seen.checkpoints), sum(n > CHECKPOINTS for n in seen.checkpoints),
                 f"{max(seen.checkpoints, default=0)} at most"),
@@ -139,8 +162,8 @@ def long_run(setup, what, deck, steps, overrides):
     with h5py.File(result) as file:
         taken = int(file["state/step"][()])
         path = golden.text(file["parameters"].attrs["cpu_path"])
-    rows[0].note += (f"; {taken:.3g} steps in {seen.seconds:.0f} s, {1e9 * seen.seconds / taken:.3g} ns each ({path}), residual "
-                     f"{budget(result):.1e} of the budget")
+    rows[0].note += (f"; {taken:.3g} steps in {seen.seconds:.0f} s, {1e9 * seen.cpu / taken:.3g} ns of a processor each "
+                     f"({path}), residual {budget(result):.1e} of the budget")
     if taken != steps:
         rows[0].failed += 1
         rows[0].note = f"{taken} steps instead of {steps}"
@@ -169,7 +192,7 @@ def sweep(setup):
     words = [setup.program, "sweep", golden.ROOT / "inputs/three_disk/random.cfg", "--quiet", "-j", 2, "-o", result]
     for key, value in {"phases.settle.steps": 1000, "phases.measure.steps": 2000, "sweep.replicas": points}.items():
         words += ["-D", f"{key}={value}"]
-    seen = watch(words, result / "none")
+    seen = watch(words, result)
     done = len(golden.results_of(result))
     left = sum(1 for _ in (result / "points").glob("*.parts"))
     golden.remove(result)
