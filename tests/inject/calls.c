@@ -2,7 +2,8 @@
  *
  *   INJECT_BELOW=FOLDER   files below this absolute path are concerned, no others
  *   INJECT_NAME=PATTERN   of these, only paths like this one (fnmatch)
- *   INJECT_CALL=KIND,...  which calls are counted: the names in `kinds`, or any
+ *   INJECT_CALL=KIND,...  which calls are counted: the names in `kinds`; or writing, or any
+ *   INJECT_FROM=program   calls from the program itself, not from its libraries; `library`: the others
  *   INJECT_WHEN=N         the N-th call, in each process, goes wrong,
  *   INJECT_TIMES=K        and those after it, K in all (1); 0: for ever
  *   INJECT_DO=NUMBER      it fails with this errno; or
@@ -46,6 +47,9 @@ static const char *const kinds[KINDS] = {"open",   "read", "pread",  "write", "p
                                          "allocate", "rename", "link", "unlink", "stat",  "close", "mkdir",
                                          "rmdir",  "readdir", "lock", "mmap",  "malloc"};
 
+/* Calls that change something on the disk. */
+static const char writing[] = "open,write,pwrite,fsync,truncate,allocate,rename,link,unlink,close,mkdir,rmdir,lock";
+
 /* What a call shall do, besides failing with an errno. */
 enum { GO_ON = 0, SHORT = -1, TORN = -2, KILL = -3 };
 
@@ -57,6 +61,8 @@ static int what;
 static long long budget = -1;
 static int log_file = -1;
 static uintptr_t program_begin, program_end;
+static bool not_program, not_library;
+static _Thread_local const void *caller; /* of the function that is at work */
 
 static int note_program(struct dl_phdr_info *info, size_t size, void *user) {
   (void)size, (void)user;
@@ -85,9 +91,12 @@ static long number(const char *name, long otherwise) {
 
 __attribute__((constructor)) static void begin(void) {
   const char *kind = getenv("INJECT_CALL"), *doing = getenv("INJECT_DO"), *log = getenv("INJECT_LOG");
+  const char *from = getenv("INJECT_FROM");
+  not_program = from && strcmp(from, "library") == 0;
+  not_library = from && strcmp(from, "program") == 0;
   below = getenv("INJECT_BELOW");
   pattern = getenv("INJECT_NAME");
-  if (kind) read_kinds(kind);
+  if (kind) read_kinds(strcmp(kind, "writing") == 0 ? writing : kind);
   when = number("INJECT_WHEN", 0);
   times = number("INJECT_TIMES", 1);
   budget = number("INJECT_BYTES", -1);
@@ -119,9 +128,11 @@ static bool concerns(const char *path) {
   return !pattern || fnmatch(pattern, path, 0) == 0;
 }
 
+static bool is_program(void) { return (uintptr_t)caller >= program_begin && (uintptr_t)caller < program_end; }
+
 /* Counts a call on a file and says what is to become of it. */
 static int verdict(int kind, const char *path) {
-  if (!counted[kind]) return GO_ON;
+  if (!counted[kind] || (is_program() ? not_program : not_library)) return GO_ON;
   long n = __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED);
   bool wrong = when > 0 && what != GO_ON && n >= when && (times == 0 || n < when + times);
   tell(kind, path, wrong);
@@ -166,6 +177,7 @@ static int on_fd(int kind, int fd) { return fd < 0 ? GO_ON : on_path(kind, fd, "
 
 #define REAL(type, name, ...)                              \
   static type (*real)(__VA_ARGS__);                        \
+  caller = __builtin_return_address(0);                    \
   if (!real) *(void **)&real = dlsym(RTLD_NEXT, name)
 #define FAIL_ON(decision, failed)   \
   do {                              \
@@ -379,10 +391,10 @@ READS_FOLDER(readdir64, dirent64)
 extern void *__libc_malloc(size_t n), *__libc_calloc(size_t n, size_t size), *__libc_realloc(void *old, size_t n),
     *__libc_memalign(size_t align, size_t n);
 
-static bool memory_fails(const void *caller) {
+static bool memory_fails(const void *from) {
   if (!ready || !counted[MALLOC]) return false;
-  if ((uintptr_t)caller < program_begin || (uintptr_t)caller >= program_end) return false;
-  return verdict(MALLOC, "-") > 0;
+  caller = from;
+  return is_program() && verdict(MALLOC, "-") > 0;
 }
 
 #define ALLOCATES(name, declared, given)                               \

@@ -16,6 +16,9 @@ MODES = {
     "memory": "allocations that fail, the n-th or all from the n-th on",
     "determinism": "the same bits from all builds, threads, instruction sets, restarts, lanes and lists",
     "long": "long runs and sweeps: memory, descriptors and checkpoints stay as they are, files as `check` said",
+    "kill": "kill -9 at random moments and at every call that writes; then the same command again",
+    "faults": "calls that fail once or for ever, full disks, folders that go away",
+    "power": "power cuts on a file system of its own; then the same command again",
 }
 
 

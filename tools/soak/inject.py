@@ -8,9 +8,6 @@ import subprocess
 from .trial import ROOT
 
 SOURCE = ROOT / "tests" / "inject" / "calls.c"
-# Calls that change something on the disk, by the names in calls.c.
-WRITING = ("open", "write", "pwrite", "fsync", "truncate", "allocate", "rename", "link", "unlink", "close", "mkdir",
-           "rmdir", "lock")
 
 
 def library(folder):
@@ -33,6 +30,7 @@ class Fault:
     do: str = ""          # name of an errno, or short, kill, torn
     times: int = 1        # 0: for ever
     name: str = ""        # only paths like this one
+    origin: str = ""      # program or library: only calls from there
     room: int = -1        # bytes that can be written
     log: str = ""
 
@@ -47,6 +45,8 @@ class Fault:
                       "INJECT_DO": self.do if number is None else str(number)}
         if self.name:
             found["INJECT_NAME"] = self.name
+        if self.origin:
+            found["INJECT_FROM"] = self.origin
         if self.room >= 0:
             found["INJECT_BYTES"] = str(self.room)
         if self.log:

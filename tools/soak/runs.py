@@ -3,6 +3,7 @@ import concurrent.futures
 import dataclasses
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import tempfile
@@ -13,18 +14,20 @@ from .trial import ROOT, Row
 
 THREE = ROOT / "inputs" / "three_disk" / "random.cfg"
 SHAKE = (ROOT / "inputs" / "packing" / "shake.inc").read_text()
-DEPOSIT = SHAKE + """
+DEPOSIT = """
 output = {{ series = 200; frames = {frames}; contacts = {frames}; }}; checkpoint = {checkpoint};
 phases = ( {{ name = "deposit"; time = {time}; }} );
 """
 # The packing of another run, shaken; means of every disk.
-SHAKEN = SHAKE[:SHAKE.index("packings")] + SHAKE[SHAKE.index("measure"):] + """
+UNPACKED = SHAKE[:SHAKE.index("packings")] + SHAKE[SHAKE.index("measure"):]
+SHAKEN = """
 disk_files = ( {{ file = "deposited.h5"; dataset = "/particles/disks"; contacts = true; }} );
 motions = ( {{ name = "shake"; wall = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 2; frequency = 80;
                ramp = 0.05; }} );
 output = {{ series = 200; frames = {frames}; contacts = {frames}; }}; checkpoint = {checkpoint};
 phases = ( {{ name = "measure"; time = {time}; }} );
 """
+FILE = re.compile(r"\.(h5|cfg|parts|tmp)\b|/lock\b|\s\.:")  # the name of one, or of the current folder, in a message
 SECONDS = 300  # no run takes longer, unless it hangs
 
 
@@ -46,7 +49,9 @@ class Run:
     home: pathlib.Path            # of the reference and of the trials
     right: dict = None            # file -> content
     seconds: float = 0.0          # of the undisturbed run
-    also: list = dataclasses.field(default_factory=list)  # what is called instead of the program alone (mpirun)
+    also: list = dataclasses.field(default_factory=list)  # what the program is called by (mpirun)
+    beside: tuple = ()            # files that may be there or not
+    user: int = None              # who runs it
 
     def folder(self, template=None):
         """A new one, with what is needed; or a copy of another."""
@@ -59,9 +64,13 @@ class Run:
                 shutil.copyfile(what, place / name)
             else:
                 (place / name).write_text(what)
+        if self.user is not None:
+            os.chown(place, self.user, self.user)
         return place
 
     def start(self, place, env=None, **more):
+        if self.user is not None:
+            more |= {"user": self.user, "group": self.user, "extra_groups": []}
         return subprocess.Popen([*self.also, str(self.program), *self.words], cwd=place, env=env, text=True,
                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                 errors="replace", **more)
@@ -78,7 +87,7 @@ class Run:
 
     def made(self, place):
         """All files but those that were there before."""
-        return {str(p.relative_to(place)) for p in place.rglob("*") if not p.is_dir()} - self.files.keys()
+        return {str(p.relative_to(place)) for p in place.rglob("*") if not p.is_dir()} - {*self.files, *self.beside}
 
     def prepare(self):
         """The undisturbed run."""
@@ -118,12 +127,15 @@ class Run:
                 return self.is_right(place, name)
         return ""
 
-    def repair(self, place, tries=1):
-        """Gives the command again: nothing, or what is wrong afterwards."""
+    def repair(self, place, tries=1, lost=False):
+        """Gives the command again: nothing, or what is wrong afterwards. lost: others have taken away what it needs;
+        then it may say so, and goes through with --force."""
         for _ in range(tries):
             end = self.call(place)
             if end.status == 0:
                 break
+        if lost and end.status == 4 and FILE.search(end.err):
+            end = dataclasses.replace(self, words=[*self.words, "--force"]).call(place)
         # "finished already" is the right answer where everything had been done
         if end.status != 0 and not (end.status == 2 and "is finished already" in end.err):
             return f"given again it ends with {end.status}: {first_line(end.err)}"
@@ -160,7 +172,7 @@ def _packing(setup, home, name, deck, **files):
 
 
 def deposit(setup, home, seconds=0.6, checkpoint=0.02, frames=3000):
-    return _packing(setup, home, "deposition", DEPOSIT.format(time=seconds, checkpoint=checkpoint, frames=frames))
+    return _packing(setup, home, "deposition", SHAKE + DEPOSIT.format(time=seconds, checkpoint=checkpoint, frames=frames))
 
 
 def shaking(setup, home, seconds=0.6, checkpoint=0.02, frames=3000):
@@ -170,7 +182,7 @@ def shaking(setup, home, seconds=0.6, checkpoint=0.02, frames=3000):
     end = before.call(place)
     if end.status != 0:
         raise RuntimeError(f"the deposition ends with {end.status}: {end.err}")
-    deck = SHAKEN.format(time=seconds, checkpoint=checkpoint, frames=frames)
+    deck = UNPACKED + SHAKEN.format(time=seconds, checkpoint=checkpoint, frames=frames)
     return _packing(setup, home, "shaking", deck, **{"deposited.h5": place / "r.h5"})
 
 
