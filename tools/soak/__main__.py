@@ -19,6 +19,7 @@ MODES = {
     "kill": "kill -9 at random moments and at every call that writes; then the same command again",
     "faults": "calls that fail once or for ever, full disks, folders that go away",
     "power": "power cuts on a file system of its own; then the same command again",
+    "altered": "files with other bytes than those that were written, and files of other versions",
 }
 
 

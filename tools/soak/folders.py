@@ -74,7 +74,7 @@ def _disturbed(setup, run, number, act):
     """Does it while the run stands still; the rule holds afterwards."""
     found = _stopped(run, setup.random("folder", act.__name__, number))
     if not found:
-        return ""
+        return None
     process, place = found
     act(place)
     end = _go_on(process)
@@ -89,7 +89,7 @@ def _replaced(setup, run, other, number, how):
     """Another run stands under the same name when the first goes on: alive, killed, or copied from elsewhere."""
     found = _stopped(run, setup.random("replaced", how, number))
     if not found:
-        return ""
+        return None
     process, place = found
     (_moved if number % 2 else _removed)(place)
     second = _stopped_second(other, place)
@@ -136,7 +136,7 @@ def _read_only(setup, run, number):
     """No file can be made any more in the folder of parts, or beside the result. Root may always: so as nobody."""
     found = _stopped(run, setup.random("read-only", number))
     if not found:
-        return ""
+        return None
     process, place = found
     closed = place / "r.h5.parts" if number % 2 else place
     closed.chmod(0o555)
@@ -189,7 +189,7 @@ def _appears(setup, run, number):
     """Another's file at the result's name: it stays, and the run's work is not lost."""
     found = _stopped(run, setup.random("appears", number))
     if not found:
-        return ""
+        return None
     process, place = found
     (place / "r.h5").write_text(VICTIM)
     end = _go_on(process)

@@ -213,10 +213,11 @@ def spread(n, most):
 
 
 def together(setup, what, jobs, trial, note=""):
-    """Makes all trials, as many at a time as there are processors; a trial returns nothing or what went wrong."""
-    jobs = list(jobs)
+    """Makes all trials, as many at a time as there are processors; a trial returns "", or what went wrong; None when
+    it did not come about."""
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        said = [text for text in pool.map(trial, jobs) if text]
+        made = [text for text in pool.map(trial, jobs) if text is not None]
+    said = [text for text in made if text]
     for text in said:
         setup.say(f"  failed: {what}: {text}", flush=True)
-    return Row(what, len(jobs), len(said), said[0] if said else note)
+    return Row(what, len(made), len(said), said[0] if said else note)
