@@ -6,14 +6,17 @@ import random
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
 import h5py
-import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+sys.path.insert(0, str(ROOT / "tools"))
+
+from soak import results  # noqa: E402  what the trials of tools/soak.sh compare by
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 DECK = ROOT / "inputs/three_disk/random.cfg"
 SETTLE, MEASURE = 20000, 300000
@@ -73,28 +76,10 @@ def wait_for(condition, seconds=60):
         time.sleep(0.002)
 
 
-def datasets(file):
-    """path -> array, of everything that must not depend on how often a run was interrupted"""
-    found = {}
-
-    def visit(path, item):
-        if isinstance(item, h5py.Dataset):
-            found[path] = item[()]
-
-    file.visititems(visit)
-    return found
-
-
 def assert_same(test, a, b):
     """Two finished results are the same in every bit, but for the description of the run."""
-    with h5py.File(a) as one, h5py.File(b) as two:
-        test.assertEqual(one["state"].attrs["hash"], two["state"].attrs["hash"])
-        x, y = datasets(one), datasets(two)
-        test.assertEqual(sorted(x), sorted(y))
-        for path in x:
-            if path == "parameters/deck_overrides" or path == "parameters/deck_full":
-                continue
-            test.assertEqual(numpy.asarray(x[path]).tobytes(), numpy.asarray(y[path]).tobytes(), path)
+    described = "parameters@", "parameters/deck_overrides", "parameters/deck_full"
+    test.assertEqual(results.differences(results.content(a), results.content(b), described), [])
 
 
 class Folder(unittest.TestCase):

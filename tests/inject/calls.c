@@ -41,14 +41,35 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-enum { OPEN, READ, PREAD, WRITE, PWRITE, FSYNC, TRUNCATE, ALLOCATE, RENAME, LINK, UNLINK, STAT, CLOSE, MKDIR, RMDIR,
-       READDIR, LOCK, MMAP, MALLOC, KINDS };
-static const char *const kinds[KINDS] = {"open",   "read", "pread",  "write", "pwrite", "fsync", "truncate",
-                                         "allocate", "rename", "link", "unlink", "stat",  "close", "mkdir",
-                                         "rmdir",  "readdir", "lock", "mmap",  "malloc"};
+enum {
+  OPEN,
+  READ,
+  PREAD,
+  WRITE,
+  PWRITE,
+  FSYNC,
+  TRUNCATE,
+  ALLOCATE,
+  RENAME,
+  LINK,
+  UNLINK,
+  STAT,
+  CLOSE,
+  MKDIR,
+  RMDIR,
+  READDIR,
+  LOCK,
+  MMAP,
+  MALLOC,
+  KINDS
+};
+static const char *const kinds[KINDS] = {
+    "open",   "read", "pread", "write", "pwrite", "fsync",   "truncate", "allocate", "rename", "link",
+    "unlink", "stat", "close", "mkdir", "rmdir",  "readdir", "lock",     "mmap",     "malloc"};
 
 /* Calls that change something on the disk. */
-static const char writing[] = "open,write,pwrite,fsync,truncate,allocate,rename,link,unlink,close,mkdir,rmdir,lock";
+static const char writing[] =
+    "open,write,pwrite,fsync,truncate,allocate,rename,link,unlink,close,mkdir,rmdir,lock";
 
 /* What a call shall do, besides failing with an errno. */
 enum { GO_ON = 0, SHORT = -1, TORN = -2, KILL = -3 };
@@ -105,7 +126,8 @@ __attribute__((constructor)) static void begin(void) {
            : strcmp(doing, "torn") == 0 ? TORN
            : strcmp(doing, "kill") == 0 ? KILL
                                         : atoi(doing);
-  if (log) log_file = (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (log)
+    log_file = (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   dl_iterate_phdr(note_program, NULL);
   ready = below != NULL;
 }
@@ -175,54 +197,54 @@ static int on_path(int kind, int at, const char *name) {
 
 static int on_fd(int kind, int fd) { return fd < 0 ? GO_ON : on_path(kind, fd, ""); }
 
-#define REAL(type, name, ...)                              \
-  static type (*real)(__VA_ARGS__);                        \
-  caller = __builtin_return_address(0);                    \
+#define REAL(type, name, ...)                                                                                \
+  static type (*real)(__VA_ARGS__);                                                                          \
+  caller = __builtin_return_address(0);                                                                      \
   if (!real) *(void **)&real = dlsym(RTLD_NEXT, name)
-#define FAIL_ON(decision, failed)   \
-  do {                              \
-    int sd_error = (decision);      \
-    if (sd_error > 0) {             \
-      errno = sd_error;             \
-      return failed;                \
-    }                               \
+#define FAIL_ON(decision, failed)                                                                            \
+  do {                                                                                                       \
+    int sd_error = (decision);                                                                               \
+    if (sd_error > 0) {                                                                                      \
+      errno = sd_error;                                                                                      \
+      return failed;                                                                                         \
+    }                                                                                                        \
   } while (0)
 
 /* --- open and close ------------------------------------------------------------------------------- */
 
-#define MODE_OF(flags)                            \
-  mode_t mode = 0;                                \
-  if ((flags) & (O_CREAT | O_TMPFILE)) {          \
-    va_list args;                                 \
-    va_start(args, flags);                        \
-    mode = (mode_t)va_arg(args, int);             \
-    va_end(args);                                 \
+#define MODE_OF(flags)                                                                                       \
+  mode_t mode = 0;                                                                                           \
+  if ((flags) & (O_CREAT | O_TMPFILE)) {                                                                     \
+    va_list args;                                                                                            \
+    va_start(args, flags);                                                                                   \
+    mode = (mode_t)va_arg(args, int);                                                                        \
+    va_end(args);                                                                                            \
   }
-#define OPENS(name)                                                    \
-  EXPORT int name(const char *path, int flags, ...) {                  \
-    REAL(int, #name, const char *, int, ...);                          \
-    MODE_OF(flags)                                                     \
-    FAIL_ON(on_path(OPEN, AT_FDCWD, path), -1);                        \
-    return real(path, flags, mode);                                    \
+#define OPENS(name)                                                                                          \
+  EXPORT int name(const char *path, int flags, ...) {                                                        \
+    REAL(int, #name, const char *, int, ...);                                                                \
+    MODE_OF(flags)                                                                                           \
+    FAIL_ON(on_path(OPEN, AT_FDCWD, path), -1);                                                              \
+    return real(path, flags, mode);                                                                          \
   }
-#define OPENS_AT(name)                                                 \
-  EXPORT int name(int at, const char *path, int flags, ...) {          \
-    REAL(int, #name, int, const char *, int, ...);                     \
-    MODE_OF(flags)                                                     \
-    FAIL_ON(on_path(OPEN, at, path), -1);                              \
-    return real(at, path, flags, mode);                                \
+#define OPENS_AT(name)                                                                                       \
+  EXPORT int name(int at, const char *path, int flags, ...) {                                                \
+    REAL(int, #name, int, const char *, int, ...);                                                           \
+    MODE_OF(flags)                                                                                           \
+    FAIL_ON(on_path(OPEN, at, path), -1);                                                                    \
+    return real(at, path, flags, mode);                                                                      \
   }
-#define OPENS_TEMPLATE(name, declared, given)                          \
-  EXPORT int name declared {                                           \
-    REAL(int, #name, char *, int, int);                                \
-    FAIL_ON(on_path(OPEN, AT_FDCWD, path), -1);                        \
-    return real given;                                                 \
+#define OPENS_TEMPLATE(name, declared, given)                                                                \
+  EXPORT int name declared {                                                                                 \
+    REAL(int, #name, char *, int, int);                                                                      \
+    FAIL_ON(on_path(OPEN, AT_FDCWD, path), -1);                                                              \
+    return real given;                                                                                       \
   }
-#define OPENS_STREAM(name)                                             \
-  EXPORT FILE *name(const char *path, const char *mode) {              \
-    REAL(FILE *, #name, const char *, const char *);                   \
-    FAIL_ON(on_path(OPEN, AT_FDCWD, path), NULL);                      \
-    return real(path, mode);                                           \
+#define OPENS_STREAM(name)                                                                                   \
+  EXPORT FILE *name(const char *path, const char *mode) {                                                    \
+    REAL(FILE *, #name, const char *, const char *);                                                         \
+    FAIL_ON(on_path(OPEN, AT_FDCWD, path), NULL);                                                            \
+    return real(path, mode);                                                                                 \
   }
 OPENS(open)
 OPENS(open64)
@@ -271,25 +293,25 @@ static ssize_t share(int kind, int fd, size_t n, bool *dies) {
   return (ssize_t)n;
 }
 
-#define MOVES(kind, name, call, data)                                          \
-  EXPORT ssize_t name(int fd, data *bytes, size_t n) {                         \
-    REAL(ssize_t, call, int, data *, size_t);                                  \
-    bool dies = false;                                                         \
-    ssize_t m = share(kind, fd, n, &dies);                                     \
-    if (m < 0) return -1;                                                      \
-    ssize_t result = real(fd, bytes, (size_t)m);                               \
-    if (dies) die();                                                           \
-    return result;                                                             \
+#define MOVES(kind, name, call, data)                                                                        \
+  EXPORT ssize_t name(int fd, data *bytes, size_t n) {                                                       \
+    REAL(ssize_t, call, int, data *, size_t);                                                                \
+    bool dies = false;                                                                                       \
+    ssize_t m = share(kind, fd, n, &dies);                                                                   \
+    if (m < 0) return -1;                                                                                    \
+    ssize_t result = real(fd, bytes, (size_t)m);                                                             \
+    if (dies) die();                                                                                         \
+    return result;                                                                                           \
   }
-#define MOVES_AT(kind, name, call, data, offset)                               \
-  EXPORT ssize_t name(int fd, data *bytes, size_t n, offset at) {              \
-    REAL(ssize_t, call, int, data *, size_t, offset);                          \
-    bool dies = false;                                                         \
-    ssize_t m = share(kind, fd, n, &dies);                                     \
-    if (m < 0) return -1;                                                      \
-    ssize_t result = real(fd, bytes, (size_t)m, at);                           \
-    if (dies) die();                                                           \
-    return result;                                                             \
+#define MOVES_AT(kind, name, call, data, offset)                                                             \
+  EXPORT ssize_t name(int fd, data *bytes, size_t n, offset at) {                                            \
+    REAL(ssize_t, call, int, data *, size_t, offset);                                                        \
+    bool dies = false;                                                                                       \
+    ssize_t m = share(kind, fd, n, &dies);                                                                   \
+    if (m < 0) return -1;                                                                                    \
+    ssize_t result = real(fd, bytes, (size_t)m, at);                                                         \
+    if (dies) die();                                                                                         \
+    return result;                                                                                           \
   }
 MOVES(READ, read, "read", void)
 MOVES(WRITE, write, "write", const void)
@@ -310,38 +332,40 @@ EXPORT ssize_t __pread_chk(int fd, void *bytes, size_t n, off_t at, size_t size)
 
 /* --- calls on an open file, and on one path ------------------------------------------------------- */
 
-#define ON_FD(kind, type, name, declared, given, ...)                  \
-  EXPORT type name declared {                                          \
-    REAL(type, #name, __VA_ARGS__);                                    \
-    FAIL_ON(on_fd(kind, fd), (type)-1);                                \
-    return real given;                                                 \
+#define ON_FD(kind, type, name, declared, given, ...)                                                        \
+  EXPORT type name declared {                                                                                \
+    REAL(type, #name, __VA_ARGS__);                                                                          \
+    FAIL_ON(on_fd(kind, fd), (type)-1);                                                                      \
+    return real given;                                                                                       \
   }
-#define ON_PATH(kind, name, declared, given, ...)                      \
-  EXPORT int name declared {                                           \
-    REAL(int, #name, __VA_ARGS__);                                     \
-    FAIL_ON(on_path(kind, AT_FDCWD, path), -1);                        \
-    return real given;                                                 \
+#define ON_PATH(kind, name, declared, given, ...)                                                            \
+  EXPORT int name declared {                                                                                 \
+    REAL(int, #name, __VA_ARGS__);                                                                           \
+    FAIL_ON(on_path(kind, AT_FDCWD, path), -1);                                                              \
+    return real given;                                                                                       \
   }
-#define ON_PATH_AT(kind, name, declared, given, ...)                   \
-  EXPORT int name declared {                                           \
-    REAL(int, #name, __VA_ARGS__);                                     \
-    FAIL_ON(on_path(kind, at, path), -1);                              \
-    return real given;                                                 \
+#define ON_PATH_AT(kind, name, declared, given, ...)                                                         \
+  EXPORT int name declared {                                                                                 \
+    REAL(int, #name, __VA_ARGS__);                                                                           \
+    FAIL_ON(on_path(kind, at, path), -1);                                                                    \
+    return real given;                                                                                       \
   }
 ON_FD(FSYNC, int, fsync, (int fd), (fd), int)
 ON_FD(FSYNC, int, fdatasync, (int fd), (fd), int)
 ON_FD(TRUNCATE, int, ftruncate, (int fd, off_t size), (fd, size), int, off_t)
 ON_FD(TRUNCATE, int, ftruncate64, (int fd, off64_t size), (fd, size), int, off64_t)
-ON_FD(ALLOCATE, int, fallocate, (int fd, int mode, off_t at, off_t n), (fd, mode, at, n), int, int, off_t, off_t)
-ON_FD(ALLOCATE, int, fallocate64, (int fd, int mode, off64_t at, off64_t n), (fd, mode, at, n), int, int, off64_t,
-      off64_t)
+ON_FD(ALLOCATE, int, fallocate, (int fd, int mode, off_t at, off_t n), (fd, mode, at, n), int, int, off_t,
+      off_t)
+ON_FD(ALLOCATE, int, fallocate64, (int fd, int mode, off64_t at, off64_t n), (fd, mode, at, n), int, int,
+      off64_t, off64_t)
 ON_FD(LOCK, int, flock, (int fd, int operation), (fd, operation), int, int)
 ON_FD(MMAP, void *, mmap, (void *place, size_t n, int protection, int flags, int fd, off_t at),
       (place, n, protection, flags, fd, at), void *, size_t, int, int, int, off_t)
 ON_PATH(UNLINK, unlink, (const char *path), (path), const char *)
 ON_PATH_AT(UNLINK, unlinkat, (int at, const char *path, int flags), (at, path, flags), int, const char *, int)
 ON_PATH(MKDIR, mkdir, (const char *path, mode_t mode), (path, mode), const char *, mode_t)
-ON_PATH_AT(MKDIR, mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), int, const char *, mode_t)
+ON_PATH_AT(MKDIR, mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), int, const char *,
+           mode_t)
 ON_PATH(RMDIR, rmdir, (const char *path), (path), const char *)
 ON_PATH(STAT, access, (const char *path, int mode), (path, mode), const char *, int)
 ON_PATH(STAT, stat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
@@ -350,37 +374,38 @@ ON_PATH(STAT, stat64, (const char *path, struct stat64 *facts), (path, facts), c
 ON_PATH(STAT, lstat64, (const char *path, struct stat64 *facts), (path, facts), const char *, struct stat64 *)
 ON_FD(STAT, int, fstat, (int fd, struct stat *facts), (fd, facts), int, struct stat *)
 ON_FD(STAT, int, fstat64, (int fd, struct stat64 *facts), (fd, facts), int, struct stat64 *)
-ON_PATH_AT(STAT, fstatat, (int at, const char *path, struct stat *facts, int flags), (at, path, facts, flags), int,
-           const char *, struct stat *, int)
-ON_PATH_AT(STAT, fstatat64, (int at, const char *path, struct stat64 *facts, int flags), (at, path, facts, flags),
-           int, const char *, struct stat64 *, int)
+ON_PATH_AT(STAT, fstatat, (int at, const char *path, struct stat *facts, int flags), (at, path, facts, flags),
+           int, const char *, struct stat *, int)
+ON_PATH_AT(STAT, fstatat64, (int at, const char *path, struct stat64 *facts, int flags),
+           (at, path, facts, flags), int, const char *, struct stat64 *, int)
 ON_PATH_AT(STAT, statx, (int at, const char *path, int flags, unsigned mask, struct statx *facts),
            (at, path, flags, mask, facts), int, const char *, int, unsigned, struct statx *)
 
 /* --- calls on two paths: the new name counts ------------------------------------------------------ */
 
-#define TO_PATH(kind, name, declared, given, folder, ...)              \
-  EXPORT int name declared {                                           \
-    REAL(int, #name, __VA_ARGS__);                                     \
-    FAIL_ON(on_path(kind, folder, path), -1);                          \
-    return real given;                                                 \
+#define TO_PATH(kind, name, declared, given, folder, ...)                                                    \
+  EXPORT int name declared {                                                                                 \
+    REAL(int, #name, __VA_ARGS__);                                                                           \
+    FAIL_ON(on_path(kind, folder, path), -1);                                                                \
+    return real given;                                                                                       \
   }
-TO_PATH(RENAME, rename, (const char *from, const char *path), (from, path), AT_FDCWD, const char *, const char *)
-TO_PATH(RENAME, renameat, (int old, const char *from, int at, const char *path), (old, from, at, path), at, int,
-        const char *, int, const char *)
+TO_PATH(RENAME, rename, (const char *from, const char *path), (from, path), AT_FDCWD, const char *,
+        const char *)
+TO_PATH(RENAME, renameat, (int old, const char *from, int at, const char *path), (old, from, at, path), at,
+        int, const char *, int, const char *)
 TO_PATH(RENAME, renameat2, (int old, const char *from, int at, const char *path, unsigned flags),
         (old, from, at, path, flags), at, int, const char *, int, const char *, unsigned)
 TO_PATH(LINK, link, (const char *from, const char *path), (from, path), AT_FDCWD, const char *, const char *)
-TO_PATH(LINK, linkat, (int old, const char *from, int at, const char *path, int flags), (old, from, at, path, flags),
-        at, int, const char *, int, const char *, int)
+TO_PATH(LINK, linkat, (int old, const char *from, int at, const char *path, int flags),
+        (old, from, at, path, flags), at, int, const char *, int, const char *, int)
 
 /* --- folders -------------------------------------------------------------------------------------- */
 
-#define READS_FOLDER(name, entry)                                      \
-  EXPORT struct entry *name(DIR *folder) {                             \
-    REAL(struct entry *, #name, DIR *);                                \
-    FAIL_ON(on_fd(READDIR, dirfd(folder)), NULL);                      \
-    return real(folder);                                               \
+#define READS_FOLDER(name, entry)                                                                            \
+  EXPORT struct entry *name(DIR *folder) {                                                                   \
+    REAL(struct entry *, #name, DIR *);                                                                      \
+    FAIL_ON(on_fd(READDIR, dirfd(folder)), NULL);                                                            \
+    return real(folder);                                                                                     \
   }
 READS_FOLDER(readdir, dirent)
 READS_FOLDER(readdir64, dirent64)
@@ -388,8 +413,8 @@ READS_FOLDER(readdir64, dirent64)
 /* --- memory --------------------------------------------------------------------------------------- */
 
 #ifndef INJECT_NO_MALLOC
-extern void *__libc_malloc(size_t n), *__libc_calloc(size_t n, size_t size), *__libc_realloc(void *old, size_t n),
-    *__libc_memalign(size_t align, size_t n);
+extern void *__libc_malloc(size_t n), *__libc_calloc(size_t n, size_t size),
+    *__libc_realloc(void *old, size_t n), *__libc_memalign(size_t align, size_t n);
 
 static bool memory_fails(const void *from) {
   if (!ready || !counted[MALLOC]) return false;
@@ -397,11 +422,11 @@ static bool memory_fails(const void *from) {
   return is_program() && verdict(MALLOC, "-") > 0;
 }
 
-#define ALLOCATES(name, declared, given)                               \
-  EXPORT void *name declared {                                         \
-    if (!memory_fails(__builtin_return_address(0))) return given;      \
-    errno = ENOMEM;                                                    \
-    return NULL;                                                       \
+#define ALLOCATES(name, declared, given)                                                                     \
+  EXPORT void *name declared {                                                                               \
+    if (!memory_fails(__builtin_return_address(0))) return given;                                            \
+    errno = ENOMEM;                                                                                          \
+    return NULL;                                                                                             \
   }
 ALLOCATES(malloc, (size_t n), __libc_malloc(n))
 ALLOCATES(calloc, (size_t n, size_t size), __libc_calloc(n, size))

@@ -85,7 +85,7 @@ def _disturbed(setup, run, number, act):
     return said and f"trial {number}: {said}"
 
 
-def _replaced(setup, run, other, number, how):
+def replaced(setup, run, other, number, how):
     """Another run stands under the same name when the first goes on: alive, killed, or copied from elsewhere."""
     found = _stopped(run, setup.random("replaced", how, number))
     if not found:
@@ -215,7 +215,7 @@ def rows(setup, home, short):
              for word, act in (("removed", _removed), ("moved away", _moved), ("emptied", _emptied),
                                ("short of a part", _part_removed), ("short of checkpoints", _checkpoints_removed))]
     found += [runs.together(setup, f"the folder is replaced by that of another run, {how}", range(n),
-                            lambda k, h=how: _replaced(setup, run, other, k, h)) for how in ("alive", "killed")]
+                            lambda k, h=how: replaced(setup, run, other, k, h)) for how in ("alive", "killed")]
     found.append(runs.together(setup, "the folder is read-only", range(n),
                                lambda k: _read_only(setup, humble, k)))
     names = ["r.h5.tmp", "r.h5.parts", "r.h5.parts/lock", "r.h5.parts/checkpoint-0.h5.tmp",

@@ -100,7 +100,7 @@ def stages(run, shim, result="r.h5"):
             ("merging", interrupted(run, shim, Fault("rename,link", 1, "kill", name=f"*/{result}")))]
 
 
-def _at_call(run, shim, template, do, when, tries):
+def at_call(run, shim, template, do, when, tries=1):
     place = run.folder(template)
     fault = Fault("writing", when, do)
     end = run.call(place, fault.environment(shim, place))
@@ -121,7 +121,7 @@ def _at_calls(setup, run, shim, most, cases, tries=1):
         n = len(logged(run, shim, template=template))
         jobs = [(do, k) for do in ("kill", "torn") for k in runs.spread(n, most if do == "kill" else most // 4)]
         rows.append(runs.together(setup, f"{run.name}, {name}, at system calls", jobs,
-                                  lambda job, t=template: _at_call(run, shim, t, *job, tries), f"of {n} calls"))
+                                  lambda job, t=template: at_call(run, shim, t, *job, tries), f"of {n} calls"))
     return rows
 
 
