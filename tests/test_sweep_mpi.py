@@ -15,7 +15,6 @@ import tempfile
 import time
 import unittest
 
-
 from results_common import DECK, PROGRAM, assert_same, results, run, steps_for, wait_for
 
 MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()

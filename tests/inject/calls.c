@@ -18,6 +18,8 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
+#undef _FORTIFY_SOURCE /* would define some of these functions itself */
+#undef _FILE_OFFSET_BITS
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
@@ -255,6 +257,9 @@ OPENS_TEMPLATE(mkostemp, (char *path, int flags), (path, flags, 0))
 OPENS_STREAM(fopen)
 OPENS_STREAM(fopen64)
 
+/* What a hardened program calls instead. */
+int __open_2(const char *path, int flags);
+int __openat_2(int at, const char *path, int flags);
 EXPORT int __open_2(const char *path, int flags) { return open(path, flags, 0); }
 EXPORT int __openat_2(int at, const char *path, int flags) { return openat(at, path, flags, 0); }
 
@@ -320,6 +325,8 @@ MOVES_AT(PREAD, pread64, "pread64", void, off64_t)
 MOVES_AT(PWRITE, pwrite, "pwrite", const void, off_t)
 MOVES_AT(PWRITE, pwrite64, "pwrite64", const void, off64_t)
 
+ssize_t __read_chk(int fd, void *bytes, size_t n, size_t size);
+ssize_t __pread_chk(int fd, void *bytes, size_t n, off_t at, size_t size);
 EXPORT ssize_t __read_chk(int fd, void *bytes, size_t n, size_t size) {
   if (n > size) abort();
   return read(fd, bytes, n);
