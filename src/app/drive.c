@@ -212,7 +212,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
 
 /* A link at the log's name is not followed. */
 static int open_log(teller *t, const char *path) {
-  int fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+  int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW);
   if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
   bool link = fd < 0 && errno == ELOOP;
   fprintf(stderr, "error: cannot write %s: %s\n", path, link ? "it is a symbolic link" : strerror(errno));

@@ -39,7 +39,7 @@ static sd_status fail(sd_messages *messages, const char *what, const char *path)
 
 /* --- system calls that a signal may cut short ----------------------------------------------------- */
 
-static int open_again(int folder, const char *name, int flags) {
+int file_open_at(int folder, const char *name, int flags) {
   int fd;
   do fd = openat(folder, name, flags | O_CLOEXEC, 0666);
   while (fd < 0 && errno == EINTR);
@@ -149,7 +149,7 @@ sd_status file_make_folder(const char *path, sd_messages *messages) {
 sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) {
   char *above = folder_of(path);
   if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-  int fd = folder < 0 ? open_again(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
+  int fd = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
   sd_status status = SD_OK;
   if (fd < 0) status = fail(messages, "open folder", above);
   /* some file systems do not synchronise folders and say EINVAL; there is no more to be done there */
@@ -194,7 +194,7 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   /* a descriptor of its own, so that a draft outlives the caller's */
   out->folder =
-      folder < 0 ? open_again(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
+      folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
   sd_status status = out->folder < 0 ? fail(messages, "write to folder", above) : SD_OK;
   for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
     free(out->name);
@@ -203,7 +203,7 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
     out->path = out->name ? file_path("%s/%s", above, out->name) : NULL;
     if (!out->path)
       status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-    else if ((out->fd = open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW)) < 0 &&
+    else if ((out->fd = file_open_at(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW)) < 0 &&
              (errno != EEXIST || attempt > 8))
       status = fail(messages, "create", out->path);
   }
@@ -359,7 +359,7 @@ int file_open(int folder, const char *path, sd_messages *messages) {
   int base = base_of(folder, path, &name);
   struct stat facts;
   /* a pipe must not keep the call waiting */
-  int fd = open_again(base, name, O_RDONLY | O_NONBLOCK | (folder < 0 ? 0 : O_NOFOLLOW));
+  int fd = file_open_at(base, name, O_RDONLY | O_NONBLOCK | (folder < 0 ? 0 : O_NOFOLLOW));
   if (fd < 0) {
     fail(messages, "open", path);
   } else if (fstat(fd, &facts) != 0) {

@@ -56,6 +56,8 @@ sd_status file_stream_open(const char *path, file_stream *s,
 /* Publishes what was written (replaces what is there) when `status`, the caller's, is SD_OK, else drops it. Returns the
  * first of what went wrong. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
+/* openat, closed on exec, again where a signal comes; folder may be AT_FDCWD. */
+int file_open_at(int folder, const char *name, int flags);
 /* All of it, through short writes and signals; false with errno set when it cannot be. */
 bool file_write_all(int fd, const void *bytes, size_t size);
 /* Removes drafts of the file `base` that a kill has left in the folder; for the holder of its lock. */

@@ -57,7 +57,7 @@ sd_status folder_check(const folder *f, sd_messages *messages) {
 static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages) {
   sd_status status = file_make_folder(f->path, messages);
   if (status != SD_OK) return status;
-  f->at = open(f->path, O_RDONLY | O_DIRECTORY | O_CLOEXEC | (may_be_link ? 0 : O_NOFOLLOW));
+  f->at = file_open_at(AT_FDCWD, f->path, O_RDONLY | O_DIRECTORY | (may_be_link ? 0 : O_NOFOLLOW));
   if (f->at >= 0) return SD_OK;
   if (!may_be_link && file_is_link(f->path))
     return sd_fail(
@@ -70,8 +70,8 @@ static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages)
 
 /* One try. SD_OK without a lock: try again. */
 static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
-  int fd = openat(f->at, "lock", O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (fd < 0 && (errno == ENOENT || errno == EINTR)) return SD_OK;
+  int fd = file_open_at(f->at, "lock", O_RDWR | O_CREAT | O_NOFOLLOW);
+  if (fd < 0 && errno == ENOENT) return SD_OK;
   if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot create %s/lock: %s", f->path, strerror(errno));
   if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
     int error = errno;
@@ -112,7 +112,7 @@ sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messag
 
 bool folder_is_locked(const char *path) {
   char *lock = file_path("%s/lock", path);
-  int fd = lock ? open(lock, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK) : -1;
+  int fd = lock ? file_open_at(AT_FDCWD, lock, O_RDONLY | O_NOFOLLOW | O_NONBLOCK) : -1;
   bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (fd >= 0) close(fd);
   free(lock);
@@ -147,7 +147,9 @@ static sd_status list_numbers(const char *path, kind wanted, int64_t **numbers, 
                               sd_messages *messages) {
   *numbers = NULL;
   *n = 0;
-  DIR *directory = opendir(path);
+  DIR *directory;
+  do directory = opendir(path);
+  while (!directory && errno == EINTR);
   if (!directory) return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
   sd_status status = SD_OK;
   errno = 0;
@@ -194,7 +196,7 @@ static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit, sd
   sd_status worst = folder_check(f, messages);
   if (worst != SD_OK) return worst;
   /* by the descriptor: the path may lead elsewhere by now */
-  int fd = openat(f->at, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  int fd = file_open_at(f->at, ".", O_RDONLY | O_DIRECTORY);
   DIR *directory = fd < 0 ? NULL : fdopendir(fd);
   if (!directory) {
     worst = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", f->path, strerror(errno));

@@ -86,7 +86,7 @@ sd_status h5_reseal(const char *path, sd_messages *messages) {
   h5_mark mark;
   h5_file *file = NULL;
   uint64_t small = 0;
-  int fd = open(path, O_RDWR | O_CLOEXEC | O_NOFOLLOW);
+  int fd = file_open_at(AT_FDCWD, path, O_RDWR | O_NOFOLLOW);
   if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
   sd_status status = h5_read_mark(fd, path, &mark, messages);
   uint64_t data = mark.size - (mark.has_small ? sizeof(piece) : 0);
