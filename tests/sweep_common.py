@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import assert_same, run, start, wait_for
+from results_common import LONG, assert_same, run, start, wait_for
 
 THREE = """
 dt = 1e-6;
@@ -180,7 +180,7 @@ class ReferenceTest(SweepTest):
     def stop(self, process, number, status):
         """Sends a signal to the sweep alone; returns what it has said."""
         process.send_signal(number)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, status, err)
         return err
 
@@ -192,7 +192,7 @@ class ReferenceTest(SweepTest):
     def sweep_twice_at_once(self, *words):
         """Two sweeps share the points: none is run twice."""
         both = [start("sweep", self.path, *words, "-o", self.out) for _ in range(2)]
-        said = [p.communicate(timeout=100)[1] for p in both]
+        said = [p.communicate(timeout=LONG)[1] for p in both]
         self.assertEqual([p.returncode for p in both], [0, 0], said)
         self.assertEqual(sum(text.count("Omega =") for text in said), self.POINTS, said)
         self.assertEqual(list(sessions(self.out).values()), [1] * self.POINTS)

@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-from results_common import DECK, PROGRAM, ROOT, assert_same, run, steps_for, wait_for
+from results_common import DECK, LONG, PROGRAM, ROOT, assert_same, run, steps_for, wait_for
 
 SCRIPT = ROOT / "tools/cluster/sweep.sbatch"
 SCONTROL = """#!/bin/sh
@@ -64,8 +64,12 @@ class Cluster(unittest.TestCase):
         """A task of an array."""
         return self.start(SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID=str(point), **environment)
 
+    def endless(self):
+        """What is only to be stopped does not end by itself, however late the signal comes."""
+        self.options.append("-Dphases.measure.steps=100000000000")
+
     def wait(self, process, status):
-        self.assertEqual(process.wait(timeout=120), status, (self.top / "log").read_text())
+        self.assertEqual(process.wait(timeout=LONG), status, (self.top / "log").read_text())
 
     def requeued(self):
         return self.calls.read_text().splitlines()
@@ -114,6 +118,7 @@ class Cluster(unittest.TestCase):
         self.wait(self.start_task(2, SLIPDISK_POINTS="2"), 2)
 
     def test_signals_to_all_processes(self):
+        self.endless()
         process = self.start_task(0)
         self.wait_for_checkpoint(process)
         for _ in range(3):
@@ -123,7 +128,7 @@ class Cluster(unittest.TestCase):
 
     def test_a_signal_at_the_very_start(self):
         """slipdisk may not be ready for it, not even begun: back into the queue all the same."""
-        self.options.append("-Dphases.measure.steps=100000000000")  # must not end by itself
+        self.endless()
         for k in range(4):
             process = self.start_task(0)
             begun = pathlib.Path(f"/proc/{process.pid}/task/{process.pid}/children")
@@ -134,6 +139,7 @@ class Cluster(unittest.TestCase):
             self.assertEqual(self.requeued(), ["requeue 12_0"] * (k + 1))
 
     def test_cancelled(self):
+        self.endless()
         for kind in (signal.SIGTERM, signal.SIGINT):
             process = self.start_task(0)
             self.wait_for_checkpoint(process)
@@ -143,6 +149,7 @@ class Cluster(unittest.TestCase):
             shutil.rmtree(self.points)
 
     def test_restarts_are_limited(self):
+        self.endless()
         process = self.start_task(0, SLURM_RESTART_COUNT="3", SLIPDISK_RESTARTS="3")
         self.wait_for_checkpoint(process)
         process.send_signal(signal.SIGUSR1)
@@ -163,6 +170,7 @@ class Cluster(unittest.TestCase):
 
     def test_ranks(self):
         """With mpirun where there is one."""
+        self.endless()
         launcher = os.environ.get("SLIPDISK_MPIEXEC")
         more = {"SLIPDISK_LAUNCHER": f"{launcher} -n 2"} if launcher else {}
         process = self.start(SLURM_NTASKS="2", SLURM_CPUS_PER_TASK="1", **more)
@@ -212,7 +220,7 @@ class Documentation(unittest.TestCase):
         deck += 'sweep = { parameters = ( { path = "gravity.tilt"; values = (0, "0.02 pi", "0.04 pi"); } ); };'
         (top / "deck.cfg").write_text(deck)
         done = subprocess.run(["bash", "-e", "-o", "pipefail", "-c", block], cwd=top, text=True, capture_output=True,
-                              env=os.environ | {"PATH": f"{top}/bin:{os.environ['PATH']}"}, timeout=120)
+                              env=os.environ | {"PATH": f"{top}/bin:{os.environ['PATH']}"}, timeout=LONG)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         table = (top / "deck.sweep/table.csv").read_text().splitlines()
         self.assertEqual(len(table), POINTS + 1)

@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "brief.h"
 #include "deck_runs.h"
 #include "measure/cells.h"
 #include "measure/correlation.h"
@@ -320,7 +321,7 @@ static void test_radical_cells(void **state) {
 
 static void test_many_radical_cells(void **state) {
   (void)state;
-  sd_model *m = scattered(20000, 7.0, 11.0, 9);
+  sd_model *m = scattered(BRIEF(20000, 2000), 7.0, 11.0, 9);
   configuration c = at_start(m);
   cells t = cells_of(&c, NULL);
   SYSTEM_NEAR(t.total, 77.0, 77.0 * 1e-12, "all cells");

@@ -7,11 +7,12 @@
 
 #include <cmocka.h>
 
+#include "brief.h"
 #include "system.h"
 
 /* --- the closed ratchet loop ------------------------------------------------------------------------- */
 
-enum { LOOP_STEPS = 200, LOOPS = 3000 };
+enum { LOOP_STEPS = 200, LOOPS = BRIEF(3000, 30) };
 static const double loop_in = 2e-3, loop_turn = 0.03, loop_k_t = 1e4;
 
 /* Work of the paper's force in one loop: integral of tau delta dbeta/dt over n times. */
@@ -251,8 +252,9 @@ static void energy_budget_closes(void **unused) {
   for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++)
     for (int integrator = 0; integrator < 2; integrator++)
       for (int variant = 0; variant < 2; variant++) {
-        double r[4];
-        for (int h = 0; h < 4; h++) r[h] = budget(scenes[k].make, integrator, variant, 4e-5 / (1 << (2 * h)));
+        double r[4] = {0};
+        for (int h = 0; h < BRIEF(4, 1); h++)
+          r[h] = budget(scenes[k].make, integrator, variant, 4e-5 / (1 << (2 * h)));
         print_message("%s, %s, %s: residual %.1e %.1e %.1e %.1e at dt = 4e-5 ... 6.25e-7\n", scenes[k].name,
                       system_integrators[integrator], system_variants[variant], r[0], r[1], r[2], r[3]);
         /* first order at worst: contacts open and close between two steps, joints are passed */

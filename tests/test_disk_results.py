@@ -7,7 +7,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import Folder, run, start, wait_for
+from results_common import LONG, Folder, run, start, wait_for
 
 DECK = """
 dt = 5e-5; integrator = "verlet"; seed = 3; gravity = { g = 9.81; };
@@ -104,7 +104,7 @@ class Means(Folder):
         wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 12000 or process.poll() is not None)
         self.assertIsNone(process.poll())
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=60)
+        process.communicate(timeout=LONG)
         means = self.info(self.result)
         self.assertEqual(len(means["omega"]), 20)
         self.assertTrue(0 < means["totals"]["power_friction"] < 1 and means["totals"]["power_viscous"] > 0)

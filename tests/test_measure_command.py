@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 import results_common
-from results_common import changed, run, start, wait_for
+from results_common import LONG, changed, run, start, wait_for
 
 MATERIAL = '{ name = "m"; k_n = 1e4; k_t = 5e3; gamma_n = 5.0; mu = 0.4; }'
 BOX = f"""
@@ -172,7 +172,7 @@ class Measure(results_common.Folder):
         # several parts, and frames of 0, 2000, 4000 and 6000 steps in them
         wait_for(lambda: len(self.checkpoints()) > 1 and self.checkpoints()[0] > 6000)
         process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=60)
+        process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75)
         frames = self.json("--all")
         self.assertGreater(len(frames), 2)

@@ -16,7 +16,7 @@ fail() {
 status() {
   local wanted=$1 what=$2 found=0
   shift 2
-  timeout 60 "$@" >"$work/log" 2>&1 || found=$?
+  timeout 600 "$@" >"$work/log" 2>&1 || found=$?
   [ "$found" -eq "$wanted" ] || fail "$what: exit status $found, expected $wanted"
   echo "$what: ok"
 }

@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import (CONTACTS, DECK, FRAMES, MEASURE, SERIES, SETTLE, Folder, assert_same, deck_arguments, run,
+from results_common import (CONTACTS, DECK, FRAMES, LONG, MEASURE, SERIES, SETTLE, Folder, assert_same, deck_arguments, run,
                             start, steps_for, wait_for)
 
 SECONDS = 3  # of a run that is to be interrupted
@@ -33,7 +33,7 @@ class Started(Folder):
 
     def stop(self, process, number=signal.SIGTERM):
         process.send_signal(number)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=LONG)
         return process.returncode, out, err
 
 
@@ -281,7 +281,7 @@ class Stopped(Started):
         self.assertIn("another process", err)
         status, _, err = run("run", *self.words, "--force", "-o", self.result)
         self.assertEqual(status, 2)
-        out, err = process.communicate(timeout=100)
+        out, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 0, err)
         assert_same(self, self.result, self.whole)
 

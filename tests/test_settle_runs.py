@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import Folder, assert_same, run, start, wait_for
+from results_common import LONG, Folder, assert_same, run, start, wait_for
 
 DECK = """
 dt = 2e-5; gravity = {{ g = 9.81; }}; checkpoint = {checkpoint};
@@ -157,7 +157,7 @@ class Stopped(Runs):
         process = start("run", self.where / "d.cfg", "-o", self.result)
         wait_for(lambda: len(list(self.parts.glob("checkpoint-*.h5"))) > 1 or process.poll() is not None)
         process.send_signal(signal.SIGTERM)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75, err)
         self.run_ok("resume", self.result)
         assert_same(self, self.result, self.whole)

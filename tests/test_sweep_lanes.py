@@ -10,7 +10,7 @@ import unittest
 
 import h5py
 
-from results_common import DECK, assert_same, run, start, steps_for, wait_for
+from results_common import DECK, LONG, assert_same, run, start, steps_for, wait_for
 from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, temporary_folder,
                           three_disks)
 
@@ -114,7 +114,7 @@ class Lanes(ReferenceTest):
         """Of a group that crashes each point is run again by itself."""
         process = self.begin(self.together, self.path, "-j", 1)
         os.kill(children(process.pid)[0], signal.SIGSEGV)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 0, err)
         self.assertRegex(err, r"warning: the process that ran \d+ points side by side .*; they are run again one by one")
         self.assert_all_done(err)
@@ -128,7 +128,7 @@ class Lanes(ReferenceTest):
         os.kill(first, signal.SIGKILL)
         wait_for(lambda: (children(process.pid) or [first]) != [first])
         os.kill(children(process.pid)[0], signal.SIGKILL)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 3, err)
         self.assertIn(f"{n - 1} of {n} points done, 1 failed", err)
         failed, = (self.out / "points").glob("*.failed")

@@ -15,7 +15,7 @@ import tempfile
 import time
 import unittest
 
-from results_common import DECK, PROGRAM, assert_same, results, run, steps_for, wait_for
+from results_common import DECK, LONG, PROGRAM, assert_same, results, run, steps_for, wait_for
 
 MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
 POINTS, TIMING = 6, {"ns_per_step"}
@@ -89,7 +89,7 @@ class Sweep(unittest.TestCase):
         return (self.folder.parent / "log").read_text()
 
     def finish(self, ranks, status=0, *more):
-        self.assertEqual(self.start(ranks, *more).wait(timeout=200), status, self.said())
+        self.assertEqual(self.start(ranks, *more).wait(timeout=LONG), status, self.said())
 
     def ranks_at_work(self, process, ranks, points):
         """Their process ids, once so many points are run."""
@@ -147,7 +147,7 @@ class Sweep(unittest.TestCase):
         process = self.start(2) if self.lanes else self.start(2, "--no-lanes")
         ranks = self.ranks_at_work(process, 2, POINTS if self.lanes else 2)
         how(process.pid, ranks)
-        found = process.wait(timeout=60)
+        found = process.wait(timeout=LONG)
         if status is None:
             self.assertNotEqual(found, 0, self.said())
         else:

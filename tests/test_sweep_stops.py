@@ -7,7 +7,7 @@ import subprocess
 import time
 import unittest
 
-from results_common import run, start, steps_for, wait_for
+from results_common import LONG, run, start, steps_for, wait_for
 from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, stamps,
                           three_disks)
 
@@ -49,7 +49,7 @@ class Interrupted(ReferenceTest):
         """Ctrl-C goes to the sweep and to all of its workers."""
         process = self.started(2, "-j", 2, "--quiet", start_new_session=True)
         os.killpg(process.pid, signal.SIGINT)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=LONG)
         self.assertEqual((process.returncode, out + err), (75, ""))
         self.finish("-j", 4)
 
@@ -72,7 +72,7 @@ class Interrupted(ReferenceTest):
             process = self.started(2, "-j", 2)
             victim = children(process.pid)[0]
             os.kill(victim, number)
-            _, err = process.communicate(timeout=100)
+            _, err = process.communicate(timeout=LONG)
             self.assertEqual(process.returncode, 3, err)
             self.assertIn(f"failed: the process that ran it {word and 'was ended by '}{word}".rstrip(), err)
             self.assertIn("3 of 4 points done, 1 failed", err)
@@ -88,7 +88,7 @@ class Interrupted(ReferenceTest):
         process = self.started(2, "-j", 2)
         victim = children(process.pid)[0]
         os.kill(victim, signal.SIGTERM)
-        _, err = process.communicate(timeout=100)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75, err)
         self.assertIn("3 of 4 points done", err)
         (parts,) = self.unfinished()
@@ -125,7 +125,7 @@ class Interrupted(ReferenceTest):
         other = start("sweep", self.path, "-j", 1, "--no-lanes", "-o", self.out)
         wait_for(lambda: len(self.unfinished()) == 2)
         self.stop(one, signal.SIGINT, 75)
-        _, err = other.communicate(timeout=100)
+        _, err = other.communicate(timeout=LONG)
         self.assertEqual(other.returncode, 0, err)
         self.assert_all_done(err)
         self.assert_same_results(self.out, self.reference)

@@ -22,7 +22,7 @@ SIGNS = {"++": (1, 1), "+-": (1, -1), "-+": (-1, 1), "--": (-1, -1)}
 
 
 def theory(deck, *words, status=0):
-    done = subprocess.run([PROGRAM, "theory", str(deck), *map(str, words)], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([PROGRAM, "theory", str(deck), *map(str, words)], capture_output=True, text=True, timeout=600)
     assert done.returncode == status, f"status {done.returncode}: {done.stderr}"
     return done
 
@@ -413,7 +413,7 @@ class Refusals(Base):
         try:
             theory(THREE / "sync.cfg", "--csv", pipe)
             self.assertTrue(pipe.is_fifo())
-            self.assertEqual(reader.communicate(timeout=30)[0].count("\n"), 2)
+            self.assertEqual(reader.communicate(timeout=600)[0].count("\n"), 2)
         finally:
             reader.kill()
             reader.wait()

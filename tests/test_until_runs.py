@@ -8,7 +8,7 @@ import unittest
 
 import h5py
 
-from results_common import SETTLE, Folder, assert_same, deck_arguments, run, start, steps_for, wait_for
+from results_common import LONG, SETTLE, Folder, assert_same, deck_arguments, run, start, steps_for, wait_for
 
 DT = 1e-6
 LEAST = 100000
@@ -154,7 +154,7 @@ class Killed(Until):
         process = start("run", *self.words, "-o", self.result)
         wait_for(lambda: len(list(self.parts.glob("checkpoint-*.h5"))) > 1 or process.poll() is not None)
         process.send_signal(signal.SIGTERM)
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75, err)
         self.assertIn("of at most", err)
         until = self.info(self.result)["until"]
