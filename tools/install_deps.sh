@@ -15,7 +15,8 @@ for option in "$@"; do
     --tests)
       tests=yes
       packages+=(git binutils libcmocka-dev clang clang-format-14 clang-tidy-14 libomp-dev
-                 python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel) ;;
+                 python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
+                 ccache gcovr) ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
     *) sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac

@@ -2,7 +2,7 @@
 # Formatting and lint of the C sources.
 #   tools/style.sh format              rewrites the files after .clang-format
 #   tools/style.sh format-check        says which files differ, and fails if any does
-#   tools/style.sh lint [BUILD]        clang-tidy with the compile commands of BUILD (build/release)
+#   tools/style.sh lint [BUILD]        clang-tidy with the compile commands of BUILD (build/release), of what has changed
 # Version 14 of both tools is preferred: other versions format some lines differently.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -33,11 +33,7 @@ case "${1:-}" in
       echo "$build/compile_commands.json not found: configure first (cmake --preset release)" >&2
       exit 1
     fi
-    # Only warnings are of interest, not how many were suppressed in system headers.
-    find src -name '*.c' -print0 | sort -z |
-      xargs -0 -n 1 -P "$(nproc)" "$tidy" -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option 2> >(
-        grep -v 'warnings\? generated\|warnings treated' >&2)
-    echo "Lint: $(find src -name '*.c' | wc -l) files without a finding." ;;
+    python3 tools/lint.py "$build" "$tidy" ;;
   *)
     sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
     exit 2 ;;

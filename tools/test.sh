@@ -4,16 +4,22 @@
 #   2. formatting           5. clang: build without warnings
 #   3. lint                 6. release build with gcc: all tests
 #                           7. build with MPI: the tests that start several ranks
-# With CI=true the tests labelled "slow" run as well; they have 25 minutes.
+# With CI=true also: soak (tools/soak.sh at its small sizes), coverage (lines and branches reached, room by room), and
+# the tests labelled "slow", which have 25 minutes.
 #
 #   tools/test.sh           everything
 #   tools/test.sh --quick   packages and the release build's tests only
-#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release mpi slow
-# Stops at the first part that fails. Run it as often as you like.
+#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release soak coverage mpi slow
+# Stops at the first part that fails. Run it as often as you like: what ccache and lint have seen goes quickly. The parts
+# say at the end how long they took, and how much processor time.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 jobs=$(nproc)
+# Builds of the same text (release, mpi) share what is compiled.
+if command -v ccache >/dev/null; then
+  export CMAKE_C_COMPILER_LAUNCHER=${CMAKE_C_COMPILER_LAUNCHER:-ccache}
+fi
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -21,8 +27,11 @@ configure() { cmake --preset "$1" --log-level=WARNING >/dev/null; }
 
 build() {
   configure "$1"
-  cmake --build --preset "$1"
+  cmake --build --preset "$@"
 }
+
+# Processor seconds of all that this script has waited for
+processor() { awk -v tick="$(getconf CLK_TCK)" '{ printf "%d", ($16 + $17) / tick }' "/proc/$$/stat"; }
 
 part() {
   case "$1" in
@@ -45,19 +54,30 @@ part() {
     slow) say "Slow tests of the release build"
       build release
       ctest --preset slow -j "$jobs" --stop-time "$(date -d '+25 minutes' +%H:%M:%S)" ;;
+    soak) say "Trials that try to lose a result"
+      build release --target slipdisk_program
+      tools/soak.sh ;;
+    coverage) say "Coverage"; tools/soak.sh coverage ;;
     mpi) say "Tests of the build with MPI"
       tools/install_deps.sh --mpi
-      build mpi
+      build mpi --target slipdisk_program test_comm
       ctest --preset mpi -L mpi -j "$jobs" ;;
-    *) sed -n '2,13s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    *) sed -n '2,15s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
   esac
 }
 
 parts=("$@")
 if [ $# -eq 0 ]; then
   parts=(packages format lint dev clang release mpi)
-  if [ "${CI:-}" = true ] && compgen -G 'tests/slow_*' >/dev/null; then parts+=(slow); fi
+  if [ "${CI:-}" = true ]; then parts+=(soak coverage slow); fi
 elif [ "$1" = --quick ]; then
   parts=(packages release)
 fi
-for name in "${parts[@]}"; do part "$name"; done
+costs=()
+for name in "${parts[@]}"; do
+  began=$SECONDS before=$(processor)
+  part "$name"
+  costs+=("$(printf '%-10s %5d s, %5d s of processors' "$name" $((SECONDS - began)) $(($(processor) - before)))")
+done
+say "All parts"
+printf '%s\n' "${costs[@]}"
