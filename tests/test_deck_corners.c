@@ -1,0 +1,320 @@
+/* test_deck_corners.c: mistakes that few make and spellings that few use, each with what the reader says or takes.
+ * The cases were found with tools/soak.sh coverage.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "slipdisk/deck.h"
+
+#define START "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"
+#define TWO                                                                                                  \
+  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; }, { name = \"n\"; k_n = 20; } );\n"       \
+  "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"m\"; } );\n"
+#define DISK "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; group = \"g\"; } );\n"
+#define BEAM "walls = ( { name = \"w\"; type = \"segment\"; points = ((0, -2), (4, -2)); } );\n"
+#define ARCH "walls = ( { name = \"w\"; type = \"circle\"; center = (0, 0); radius = 9; inside = true; } );\n"
+
+typedef struct corner {
+  const char *deck, *says; /* words of the message; NULL: the deck is read */
+} corner;
+
+/* Is it so? */
+static bool holds(const corner *c) {
+  sd_model *m = NULL;
+  sd_messages *messages = sd_messages_new();
+  assert_non_null(messages);
+  sd_status status = sd_deck_load_text(c->deck, "corner.cfg", 0, NULL, &m, messages);
+  bool said = !c->says;
+  for (size_t k = 0; k < sd_messages_count(messages) && c->says; k++)
+    said = said || strstr(sd_messages_text(messages, k), c->says);
+  bool right = said && status == (c->says ? SD_ERROR_USER : SD_OK);
+  if (!right) {
+    print_error("%s\nexpected: %s\n", c->deck, c->says ? c->says : "no mistake");
+    sd_messages_print(messages, stderr);
+  }
+  sd_model_free(m);
+  sd_messages_free(messages);
+  return right;
+}
+
+static void try_all(const corner *list, size_t n) {
+  size_t wrong = 0;
+  for (size_t k = 0; k < n; k++) wrong += !holds(&list[k]);
+  assert_int_equal(wrong, 0);
+}
+
+#define TRY(list) try_all(list, sizeof(list) / sizeof *(list))
+
+static void materials_and_walls(void **unused) {
+  (void)unused;
+  static const corner list[] = {
+      {TWO "material_pairs = ( { materials = (\"m\"); k_n = 1; } );", "the names of two materials"},
+      {TWO "material_pairs = ( { materials = \"m\"; k_n = 1; } );", "the names of two materials"},
+      {TWO "material_pairs = ( { k_n = 1; } );", "the names of two materials"},
+      {TWO "material_pairs = ( { materials = (\"m\", 1); k_n = 1; } );", "the name of a material"},
+      {TWO "material_pairs = ( { materials = (\"m\", \"m\"); k_n = 1; } );", "itself stands in materials"},
+      {TWO "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 1; }, { materials = (\"n\", \"m\"); k_n = "
+           "1; } );",
+       "given twice"},
+      {TWO "material_pairs = ( 3 );", "material_pairs"},
+      {"dt = 1; steps = 1; materials = ();" DISK, "materials"},
+      {"dt = 1; steps = 1; materials = ( { name = \"\"; k_n = 1; } );" DISK, "a name that is not empty"},
+      {"dt = 1; steps = 1; materials = ( 7 );" DISK, "materials[0]"},
+      {START DISK "walls = ( { type = \"line\"; points = 3; } );", "expected two points"},
+      {START DISK "walls = ( { type = \"line\"; points = ((0, 0)); } );", "expected two points"},
+      {START DISK "walls = ( { type = \"line\"; points = ((0, 0), (1, 0), (2, 0)); } );",
+       "expected two points"},
+      {START DISK "walls = ( { type = \"polyline\"; points = ((0, 0)); } );", "two or more points"},
+      {START DISK "walls = ( { type = \"line\"; points = ((0, 0), 1); } );", "expected a point (x, y)"},
+      {START DISK "walls = ( { type = \"line\"; points = ((0, 0), (1, 2, 3)); } );",
+       "expected a point (x, y)"},
+      {START DISK "walls = ( { type = \"line\"; points = ((0, 0), (0, 0)); } );",
+       "the same as the point before"},
+      {START DISK "walls = ( { type = \"polyline\"; closed = true; points = ((0, -4), (1, -4)); } );",
+       "three points or more"},
+      {START DISK
+       "walls = ( { type = \"polyline\"; closed = true; points = ((0, -4), (1, -4), (1, -5), (0, -4)); } );",
+       "the same as the first point"},
+      {START DISK "walls = ( 1 );", "walls[0]"},
+      {START DISK "walls = ( { name = \"a\"; type = \"line\"; points = ((0, -4), (1, -4)); } );",
+       "a disk has this name too"},
+  };
+  TRY(list);
+}
+
+static void tables(void **unused) {
+  (void)unused;
+#define TABLE(more)                                                                                          \
+  START DISK BEAM "motions = ( { wall = \"w\"; coordinate = \"x\"; type = \"table\"; " more " } );"
+  static const corner list[] = {
+      {TABLE("times = 3; values = (0, 1, 2);"), "expected a list of numbers"},
+      {TABLE("times = (0, 1, 2);"), "a value for each of times"},
+      {TABLE("times = (0, 1, 2); values = (0, 1);"), "as many values as times (3)"},
+      {TABLE("times = (0, 1); values = (0, 1);"), "at least 3 rows, it has 2"},
+      {TABLE("times = (0, 2, 1); values = (0, 1, 2);"), "times must increase, but row 2 has 1 after 2"},
+      {TABLE("times = (0, 1, 2); values = (0, 1, 2); periodic = true;"),
+       "the last value (2) must equal the first (0)"},
+      {TABLE("times = (0, 1, 2); values = (0, 1, \"x\");"), "values"},
+      {TABLE("file = 3;"), "file"},
+      {TABLE("file = \"none.csv\"; columns = \"time\";"), "the names of two columns"},
+      {TABLE("file = \"none.csv\"; columns = (\"time\");"), "the names of two columns"},
+      {TABLE("file = \"none.csv\"; columns = (\"time\", 1);"), "the name of a column in quotes"},
+      {TABLE("file = \"none.csv\"; values = (1, 2, 3);"), "given together with file"},
+      {TABLE("times = (0, 1, 2); values = (0, 1, 2);"), NULL},
+  };
+  TRY(list);
+}
+
+static void motions(void **unused) {
+  (void)unused;
+#define MOTION(what) START DISK BEAM "motions = ( { " what " } );"
+#define SERVO(more) "type = \"servo\"; speed = 1; " more
+  static const corner list[] = {
+      {MOTION("wall = \"w\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1; omega = 0;"), "omega"},
+      {MOTION("wall = \"w\"; coordinate = \"x\"; type = \"random\"; amplitude = -1; omega = 1;"),
+       "amplitude"},
+      {MOTION("disk = \"a\"; coordinate = \"y\"; type = \"load\"; mass = 1;"), "a load moves walls only"},
+      {MOTION("group = \"g\"; coordinate = \"y\"; " SERVO("force = 1;")), "a servo moves walls only"},
+      {MOTION("wall = \"w\"; coordinate = \"theta\"; type = \"load\"; mass = 1;"), "expected \"x\" or \"y\""},
+      {MOTION("wall = \"w\"; coordinate = [\"x\", \"y\"]; type = \"load\"; mass = 1;"),
+       "expected \"x\" or \"y\""},
+      {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 0;")), "a force other than 0"},
+      {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 1; length = 2;")), "with pressure only"},
+      {MOTION("wall = \"w\"; coordinate = \"x\"; " SERVO("pressure = 1;")),
+       "does not press along x; expected force"},
+      {MOTION("wall = \"w\"; coordinate = \"y\"; " SERVO("force = 1;")), NULL},
+      {MOTION("wall = \"w\"; coordinate = \"y\"; type = \"load\"; mass = 1;"), NULL},
+      {START DISK "motions = ( 1 );", "motions"},
+      {START DISK BEAM
+       "locks = ( { disk = \"a\"; coordinates = \"x\"; } );"
+       "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
+       "is locked, and cannot be moved too"},
+      {START "disks = ( { name = \"a\"; x = 0; y = 0; vy = 1; radius = 1; mass = 2; } );"
+             "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"velocity\"; velocity = 1; } );",
+       "y of disk \"a\" is given a velocity of its own"},
+      {START "disks = ( { name = \"a\"; x = 0; y = 0; omega = 1; radius = 1; mass = 2; } );"
+             "motions = ( { disk = \"a\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 1; } );",
+       "theta of disk \"a\" is given a velocity of its own"},
+  };
+  TRY(list);
+}
+
+static void what_ends_a_run(void **unused) {
+  (void)unused;
+#define UNTIL(more) START DISK "measure = { rotation = [\"a\"]; }; until = { " more " };"
+  static const corner list[] = {
+      {UNTIL("error = 1; relative = 0.1; max_time = 1;"), "given together with error"},
+      {UNTIL("max_time = 1;"), "the standard error to be reached"},
+      {UNTIL("error = 1; max_time = 1e-3;"), "at least the length of the last phase"},
+      {UNTIL("error = 1; max_time = 1e17;"), "more than 9e18 time steps"},
+      {UNTIL("error = 1; max_time = \"x\";"), "max_time"},
+      {UNTIL("error = 1; max_time = 1; observable = \"a.omga\";"), "did you mean \"omega\""},
+      {UNTIL("error = 1; max_time = 1; observable = \"a\";"), "NAME that of a watched disk"},
+      {UNTIL("error = 1; max_time = 1; observable = \"b.omega\";"), "observable"},
+      {UNTIL("error = 1; max_time = 1; observable = \"a.scaled\";"), "does not exist without gravity"},
+      {UNTIL("error = 1; max_time = 1; observable = \"0.omega\";"), NULL},
+      {UNTIL("error = 1; max_time = 1; observable = 3;"), "observable"},
+      {UNTIL("relative = 0.1; max_time = 1; observable = \"a.omega\";"), NULL},
+      {START DISK "measure = { rotation = (); }; until = { error = 1; max_time = 1; };",
+       "no disk is watched"},
+      {START DISK "until = 3;", "until"},
+      {"dt = 1e-3; materials = ( { name = \"m\"; k_n = 10; } );" DISK
+       "phases = ( { steps = 5; measure = false; } ); until = { error = 1; max_time = 1; };",
+       "the last phase does not measure"},
+  };
+  TRY(list);
+}
+
+static void phases_and_measures(void **unused) {
+  (void)unused;
+#define PHASES(what) "dt = 1e-3; materials = ( { name = \"m\"; k_n = 10; } );" DISK what
+#define SLIDING(what) START DISK BEAM "measure = { sliding = ( { " what " } ); };"
+  static const corner list[] = {
+      {PHASES("phases = ( { time = 1e-4; } );"), "shorter than half a time step"},
+      {PHASES("phases = ( { time = 1e17; } );"), "more than 9e18 time steps"},
+      {PHASES("phases = ();"), "phases"},
+      {PHASES("phases = ( 3 );"), "phases[0]"},
+      {PHASES("steps = 1; phases = ( { steps = 1; } );"), "steps"},
+      {PHASES("time = 1; phases = ( { steps = 1; } );"), "time"},
+      {PHASES("phases = ( { steps = 1; motions = (0); } );"), "motions"},
+      {PHASES("phases = ( { steps = 1; motions = (-1); } );"), "motions"},
+      {PHASES("phases = ( { steps = 1; motions = (1.5); } );"), "motions"},
+      {PHASES("phases = ( { steps = 1; settle = 3; } );"), "settle"},
+      {PHASES("phases = ( { steps = 1; compress = 3; } );"), "compress"},
+      {PHASES("steps = 1; output = 3;"), "output"},
+      {PHASES("steps = 1; measure = 3;"), "measure"},
+      {SLIDING("partners = [\"w\", \"a\"];"), "the name or the number of a disk"},
+      {SLIDING("disk = \"a\"; partners = \"w\";"), "partners"},
+      {SLIDING("disk = \"a\"; partners = [\"w\"];"), "partners"},
+      {SLIDING("disk = \"a\";"), "partners"},
+      {SLIDING("disk = \"z\"; partners = [\"w\", \"a\"];"), "sliding"},
+      {SLIDING("disk = \"a\"; partners = [\"w\", \"w\"];"), "expected two different ones"},
+      {SLIDING("disk = \"a\"; partners = [\"w\", \"a\"];"), "partners"},
+      {START DISK "measure = { sliding = ( 1 ); };", "sliding"},
+      {START DISK BEAM "motions = ( { disk = \"a\"; coordinate = \"x\"; type = \"fixed\"; } );\n"
+                       "measure = { sliding = ( { disk = \"a\"; partners = [\"w\", 0]; } ); };",
+       "sliding"},
+  };
+  TRY(list);
+}
+
+static void numbers_and_names(void **unused) {
+  (void)unused;
+#define ANGLE(text) START "disks = ( { x = 0; y = 0; theta = " text "; radius = 1; mass = 2; } );"
+  static const corner list[] = {
+      {ANGLE("\"-pi\""), NULL},
+      {ANGLE("\"+pi/2\""), NULL},
+      {ANGLE("\"2*pi\""), NULL},
+      {ANGLE("\"2 * pi\""), NULL},
+      {ANGLE("\"3 rad\""), NULL},
+      {ANGLE("\"90 deg\""), NULL},
+      {ANGLE("\"pi/0\""), "theta"},
+      {ANGLE("\"pi/\""), "theta"},
+      {ANGLE("\"deg\""), "theta"},
+      {ANGLE("\"rad\""), "theta"},
+      {ANGLE("\"\""), "theta"},
+      {ANGLE("\"1e999 pi\""), "theta"},
+      {ANGLE("\"2 pi pi\""), "theta"},
+      {ANGLE("true"), "theta"},
+      {ANGLE("(1, 2)"), "theta"},
+      {START DISK "seed = 1.5;", "seed"},
+      {START DISK "seed = \"x\";", "seed"},
+      {START DISK "seed = true;", "seed"},
+      {START DISK "gravity = 3;", "gravity"},
+      {START DISK "gravity = { g = 1; direction = (1, 2, 3); };", "gravity"},
+      {START DISK "box = 3;", "box"},
+      {START DISK "bounds = 3;", "bounds"},
+      {START DISK "bounds = { x = (1, 0); };", "bounds"},
+      {START DISK "bounds = { outside = \"remove\"; };", NULL},
+      {START DISK
+       "box = { periodic = \"xy\"; x = (-9, 9); y = (-9, 9); }; bounds = { outside = \"remove\"; };",
+       "nothing to leave"},
+      {START DISK "container = 3;", "container"},
+      {START DISK "forces = ( 3 );", "forces[0]"},
+      {START DISK "locks = ( 3 );", "locks[0]"},
+      {START DISK "disk_files = ( 3 );", "disk_files[0]"},
+      {START DISK "packings = ( 3 );", "packings[0]"},
+      {START "disks = ( 3 );", "disks[0]"},
+      {START DISK "forces = ( { disk = 7; force = (1, 1); } );", "no disk has this number"},
+      {START DISK "forces = ( { disk = -1; force = (1, 1); } );", "disk"},
+      {START DISK "forces = ( { disk = true; force = (1, 1); } );", "disk"},
+      {START DISK "forces = ( { group = \"h\"; force = (1, 1); } );", "no group of disks is called that"},
+      {START DISK "forces = ( { force = (1, 1); } );", "it names no disk"},
+      {START DISK "locks = ( { disk = \"a\"; coordinates = (\"x\", \"x\"); } );", "named twice"},
+      {START DISK "locks = ( { disk = \"a\"; coordinates = (\"x\", 1); } );", "coordinates"},
+      {START DISK
+       "title = \"a text that is longer than what a message shows of it, as it would be too much\"; "
+       "gravity = \"another text that is longer than what a message shows of it, it would be too much\";",
+       "gravity"},
+      {START DISK "dt = true;", "dt"},
+      {START DISK "walls = ( { type = \"lines\"; } );", "did you mean \"line\""},
+      {START DISK "walls = ( { type = 3; } );", "type"},
+      {START DISK ARCH "walls = ();", "given twice"},
+  };
+  TRY(list);
+}
+
+/* Numbers from a file, for a table of a motion and for rows of disks. */
+static size_t wrong_files;
+
+static void with_file(const char *text, const char *before, const char *after, const char *says) {
+  char path[] = "/tmp/slipdisk-corners-XXXXXX.csv", whole[2048];
+  int file = mkstemps(path, 4);
+  assert_true(file >= 0);
+  assert_int_equal(write(file, text, strlen(text)), (ssize_t)strlen(text));
+  close(file);
+  snprintf(whole, sizeof whole, "%s\"%s\"%s", before, path, after);
+  wrong_files += !holds(&(corner){whole, says});
+  unlink(path);
+}
+
+static void files_of_numbers(void **unused) {
+  (void)unused;
+  const char *table =
+      START DISK BEAM "motions = ( { wall = \"w\"; coordinate = \"x\"; type = \"table\"; file = ",
+             *end = "; } );";
+  with_file("time,value\n0,0\n1,1\n2,0\n", table, end, NULL);
+  with_file("# a comment\n\n time , value \r\n0, 0\r\n1, 1\r\n2, 0", table, end, NULL);
+  with_file("", table, end, "the file is empty");
+  with_file("# nothing\n\n", table, end, "the file is empty");
+  with_file("tim,value\n0,0\n", table, end, "did you mean \"tim\"");
+  with_file("b,c,d,e,f,g,h,i,j,k\n0,0\n", table, end,
+            "found \"b\", \"c\", \"d\", \"e\", \"f\", \"g\", \"h\", \"i\", ...");
+  with_file("b,c\n0,0\n", table, end, "found \"b\", \"c\"");
+  with_file("time,value\n0,0\n1\n2,0\n", table, end, "1 values; expected 2");
+  with_file("time,value\n0,0\n1,x\n2,0\n", table, end, "value = x: expected a number");
+  with_file("time,value\n0,0\n1,\n2,0\n", table, end, "value = (empty): expected a number");
+  with_file("time,value\n0,0\n1,inf\n2,0\n", table, end, "value = inf: expected a number");
+  with_file("time,value\n0,0\n1,1\n", table, end, "at least 3 rows");
+  const char *disks = START "disk_files = ( { file = ", *more = "; mass = 1.0; } );";
+  with_file("x,y,radius\n0,0,1\n5,0,1\n", disks, more, NULL);
+  with_file("x,x,radius\n0,0,1\n", disks, more, "there twice");
+  with_file("x,radius\n0,1\n", disks, more, "y: missing");
+  with_file("x,y,radius\n0,0\n", disks, more, "2 values; expected 3");
+  with_file("x,y,radius,fixed\n0,0,1,true\n5,0,1,false\n9,0,1,2\n", disks, more,
+            "fixed = true: expected a number");
+  with_file("x,y,radius,material\n0,0,1,m\n5,0,1,glass\n", disks, more, "glass");
+  with_file("x,y,radius,weight\n0,0,1,3\n", disks, more, "weight");
+  assert_int_equal(wrong_files, 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(materials_and_walls),
+      cmocka_unit_test(tables),
+      cmocka_unit_test(motions),
+      cmocka_unit_test(what_ends_a_run),
+      cmocka_unit_test(phases_and_measures),
+      cmocka_unit_test(numbers_and_names),
+      cmocka_unit_test(files_of_numbers),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
