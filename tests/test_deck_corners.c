@@ -265,15 +265,21 @@ static void numbers_and_names(void **unused) {
 /* Numbers from a file, for a table of a motion and for rows of disks. */
 static size_t wrong_files;
 
-static void with_file(const char *text, const char *before, const char *after, const char *says) {
-  char path[] = "/tmp/slipdisk-corners-XXXXXX.csv", whole[2048];
-  int file = mkstemps(path, 4);
+static void with_ending(const char *ending, const char *text, const char *before, const char *after,
+                        const char *says) {
+  char path[64], whole[2048];
+  snprintf(path, sizeof path, "/tmp/slipdisk-corners-XXXXXX%s", ending);
+  int file = mkstemps(path, (int)strlen(ending));
   assert_true(file >= 0);
   assert_int_equal(write(file, text, strlen(text)), (ssize_t)strlen(text));
   close(file);
   snprintf(whole, sizeof whole, "%s\"%s\"%s", before, path, after);
   wrong_files += !holds(&(corner){whole, says});
   unlink(path);
+}
+
+static void with_file(const char *text, const char *before, const char *after, const char *says) {
+  with_ending(".csv", text, before, after, says);
 }
 
 static void files_of_numbers(void **unused) {
@@ -306,6 +312,100 @@ static void files_of_numbers(void **unused) {
   assert_int_equal(wrong_files, 0);
 }
 
+static void with_atoms(const char *text, const char *says) {
+  with_ending(".data", text, START "disk_files = ( { file = ", "; mass = 1.0; } );", says);
+}
+
+#define HEAD "LAMMPS data file\n\n1 atoms\n-1 1 xlo xhi\n-1 1 ylo yhi\n\n"
+
+static void files_of_lammps(void **unused) {
+  (void)unused;
+  wrong_files = 0;
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n", NULL);
+  with_atoms(HEAD "Atoms # sphere  \n\n1 1 0.5 1 0 0 0 0 0 0", NULL);
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 2 0 0 0 3\n", NULL);
+  with_atoms(HEAD "Masses\n\n1 1\n\nAtoms # sphere\n\n1 1 0.5 1 0 0 0\n", NULL);
+  with_atoms("LAMMPS\n", "no LAMMPS data file");
+  with_atoms("LAMMPS\n\nAtoms # sphere\n\n1 1 0.5 1 0 0 0\n", "no LAMMPS data file");
+  with_atoms("LAMMPS\n\n1x atoms\n\nAtoms # sphere\n", "atoms = 1x: expected a whole number");
+  with_atoms("LAMMPS\n\n1 atoms\n1z 1 xlo xhi\n\nAtoms # sphere\n", "xlo = 1z: expected a number");
+  with_atoms("LAMMPS\n\n1 atoms\n-1 1z ylo yhi\n\nAtoms # sphere\n", "yhi = 1z: expected a number");
+  with_atoms("LAMMPS\n\n1 atoms\n0.5 0 0 xy xz yz\n\nAtoms # sphere\n", "is tilted");
+  with_atoms("LAMMPS\n\n1 atoms\n1 0 0 avec\n\nAtoms # sphere\n", "is tilted");
+  with_atoms("LAMMPS\n\n1 atoms\n0 0 0 xy xz yz\n\nAtoms # sphere\n\n1 1 0.5 1 0 0 0\n", NULL);
+  with_atoms(HEAD "Atoms\n\n1 1 0.5 1 0 0 0\n", "not given in a comment");
+  with_atoms(HEAD "Atoms # hybrid\n\n1 1 0.5 1 0 0 0\n", "which styles it is made of");
+  with_atoms(HEAD "Atoms # atomic\n\n1 1 0 0 0\n", "Atoms # atomic: ");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0\n", "6 values; expected 7");
+  with_atoms(HEAD "Atoms # sphere\n\n1a 1 0.5 1 0 0 0\n", "id = 1a: expected a whole number");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 a 1 0 0 0\n", "diameter = a: expected a number");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 a 0 0 0\n", "density = a: expected a number");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 a 0 0\n", "x = a: expected a number");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 inf 0\n", "y = inf: expected a number");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n1 1 0.5 1 5 0 0\n", "two atoms have it");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 2\n", "3 values; expected 7");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1b 1 2 0 0 0 3\n", "id = 1b");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n2 1 2 0 0 0 3\n", "no atom has it");
+  with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n\nVelocities\n\n1 1 b 0 0 0 3\n", "vy = b");
+  with_atoms(HEAD "Velocities\n\n1 1 2 0 0 0 3\n", "Velocities");
+  with_atoms(HEAD "Masses\n\n1 1\n", "Atoms");
+  assert_int_equal(wrong_files, 0);
+}
+
+/* --- as after -D -------------------------------------------------------------------------------------- */
+
+static void settings(void **unused) {
+  (void)unused;
+  static const struct {
+    const char *setting, *says;
+  } list[] = {
+      {"gravity.g=3", NULL},
+      {"gravity.g = 3 ", NULL},
+      {"disks[0].x=1", NULL},
+      {"disks.a.x=1", NULL},
+      {"disks[*].x=1", NULL},
+      {"disks.[*].x=1", NULL},
+      {"title=a word", NULL},
+      {"title=\"a word\"", NULL},
+      {"title=", NULL},
+      {"gravity", "expected path=value"},
+      {"=3", "expected path=value"},
+      {"gravity..g=3", "expected path=value"},
+      {"disks[].x=1", "expected a number in [ ]"},
+      {"disks[-1].x=1", "expected a number in [ ]"},
+      {"disks[0.x=1", "expected a number in [ ]"},
+      {"disks[3].x=1", "entries [0] to [0] only"},
+      {"[0]=1", "the deck has no entries [ ]"},
+      {"dt[0]=1", "no entries [ ]"},
+      {"dt.x=1", "is a value and has no keys"},
+      {"dt[*]=1", "is no list"},
+      {"disks[0]x=1", "expected . or [ after ]"},
+      {"disks.z.x=1", "disks"},
+      {"dt=1e999", "out of range"},
+      {"dt=(1", "cannot be read"},
+      {"dt=1.2.3", "dt"},
+      {"gravity={ g = 1; }", NULL},
+      {"gravity={ g = ; }", "cannot be read"},
+  };
+  size_t wrong = 0;
+  for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+    sd_model *m = NULL;
+    sd_messages *messages = sd_messages_new();
+    bool said = !list[k].says;
+    sd_status status = sd_deck_load_text(START DISK, "corner.cfg", 1, &list[k].setting, &m, messages);
+    for (size_t j = 0; j < sd_messages_count(messages) && list[k].says; j++)
+      said = said || strstr(sd_messages_text(messages, j), list[k].says);
+    if (!said || status != (list[k].says ? SD_ERROR_USER : SD_OK)) {
+      print_error("-D %s\nexpected: %s\n", list[k].setting, list[k].says ? list[k].says : "no mistake");
+      sd_messages_print(messages, stderr);
+      wrong++;
+    }
+    sd_model_free(m);
+    sd_messages_free(messages);
+  }
+  assert_int_equal(wrong, 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(materials_and_walls),
@@ -315,6 +415,8 @@ int main(void) {
       cmocka_unit_test(phases_and_measures),
       cmocka_unit_test(numbers_and_names),
       cmocka_unit_test(files_of_numbers),
+      cmocka_unit_test(files_of_lammps),
+      cmocka_unit_test(settings),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
