@@ -10,6 +10,7 @@
 #include <gsl/gsl_rng.h>
 #include <math.h>
 
+#include "brief.h"
 #include "slipdisk/measure.h"
 
 enum { N = 4096 };
@@ -55,7 +56,7 @@ static void error_bars_cover(void **unused) {
       {256, 0, false, 0.92, 1.08},
   };
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
-  for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+  for (size_t c = 0; c < sizeof cases / sizeof *cases; c += BRIEF(1, 4)) {
     double sum = 0, within = 0, correlation = 0, expected = true_error(cases[c].n, cases[c].rho);
     int converged = 0;
     for (int seed = 0; seed < SEEDS; seed++) {
@@ -176,7 +177,7 @@ static void transients_are_found(void **unused) {
 /* What looks like a transient in a stationary record is chance. */
 static void stationary_records_keep_their_start(void **unused) {
   (void)unused;
-  enum { SEEDS = 400 };
+  enum { SEEDS = BRIEF(400, 100) };
   const double rho[] = {0, 0.6, 0.9, 0.967};
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   for (size_t c = 0; c < 4; c++) {
@@ -197,7 +198,7 @@ static void stationary_records_keep_their_start(void **unused) {
 /* Slow or weak relaxations under noise: found, or in the error bar. */
 static void slow_transients_are_covered(void **unused) {
   (void)unused;
-  enum { SEEDS = 200 };
+  enum { SEEDS = BRIEF(200, 100) };
   const struct {
     double height, time, least, most_converged;
   } cases[] = {{1, 150, 0.58, 1}, {1, 400, 0.55, 1}, {10, 400, 0.56, 1}, {10, 800, 0, 0.1}};
