@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 
+from . import page
 from .trial import ROOT, SIZES, Clock, Setup
 
 # Each is a file of this folder with a function run(setup) that returns a list of rows.
@@ -35,6 +36,8 @@ def options(words=None):
     parser.add_argument("-o", dest="folder", type=pathlib.Path, default=ROOT / "build" / "soak", metavar="DIR",
                         help="where MODE.json goes (build/soak)")
     parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build" / "release" / "slipdisk", metavar="FILE")
+    parser.add_argument("--keep", type=pathlib.Path, metavar="DIR",
+                        help="put the tables of all modes that have been run into DIR/reliability.md (docs)")
     args = parser.parse_args(words)
     for mode in args.modes:
         if mode not in MODES:
@@ -68,7 +71,7 @@ def run_mode(mode, args):
     print(f"  {clock.seconds():.0f} s", flush=True)
     args.folder.mkdir(parents=True, exist_ok=True)
     (args.folder / f"{mode}.json").write_text(json.dumps(
-        {"mode": mode, "size": args.size, "seed": args.seed, "seconds": clock.seconds(),
+        {"mode": mode, "what": MODES[mode], "size": args.size, "seed": args.seed, "seconds": clock.seconds(),
          "rows": [dataclasses.asdict(row) for row in rows]}, indent=1))
     # A mode without a trial shows nothing: that is a failure, too.
     return sum(row.failed for row in rows) if sum(row.trials for row in rows) else 1
@@ -82,6 +85,8 @@ def main():
         return 0
     build(args.program)
     failed = {mode: run_mode(mode, args) for mode in args.modes or [mode for mode in MODES if mode not in APART]}
+    if args.keep:
+        page.keep(args.folder, args.keep / "reliability.md", MODES)
     bad = [mode for mode, n in failed.items() if n]
     print("nothing failed" if not bad else "failures in: " + ", ".join(bad))
     return 1 if bad else 0
