@@ -431,7 +431,7 @@ class Contacts(Files):
         copy.write_bytes(self.heap.read_bytes())
         with changed(copy) as file:
             del file["state/theta"]
-        self.refuse(GO.replace("heap.h5", "broken.h5"), "there is no dataset /state/theta")
+        self.refuse(GO.replace("heap.h5", "broken.h5"), "there is no dataset or group /state/theta")
         with changed(copy) as file:
             file["state"].attrs["format"] = 1
         self.refuse(GO.replace("heap.h5", "broken.h5"), "its state has format 1")

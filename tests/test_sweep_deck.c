@@ -126,8 +126,8 @@ static void test_ranges(void **state) {
   names_are("tilt=3");
   good("{ parameters = ( { path = \"gravity.tilt\"; logspace = (-100, -1, 3); } ); }");
   names_are("tilt=-100 tilt=-10 tilt=-1");
-  good("{ parameters = ( { path = \"gravity.g\"; logspace = (1e-200, 1e200, 2); } ); }");
-  names_are("g=1e-200 g=1e+200");
+  good("{ parameters = ( { path = \"gravity.g\"; logspace = (1e-90, 1e90, 2); } ); }");
+  names_are("g=1e-90 g=1e+90");
 }
 
 static void test_paths(void **state) {

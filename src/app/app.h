@@ -85,6 +85,10 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
 bool app_number(const char *text, long least, long most, long *out);
 /* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed, NULL: no memory. */
 char *app_default_name(const char *deck, const char *ending);
+/* One line, with control characters of names and titles shown as \xHH. */
+void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);
+/* The value of an option that names a file or a folder, into *path; an empty one is a mistake. 0, or the exit status. */
+int app_path(const char *command, const char *option, const char *value, const char **path);
 /* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
 /* The same for an option that is none of these, with the nearest of them. */

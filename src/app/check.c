@@ -333,7 +333,8 @@ static sd_status check(const options *o, sd_messages *messages) {
   sd_status status = sd_deck_load(o->deck, o->n_overrides, o->overrides, &m, messages);
   if (status != SD_OK) return status;
   if (!o->brief) printf("%s\n", m->deck_full);
-  printf("# deck        %s%s%s\n", o->deck, m->title && *m->title ? ": " : "", m->title ? m->title : "");
+  app_line(stdout, "# deck        %s%s%s", o->deck, m->title && *m->title ? ": " : "",
+           m->title ? m->title : "");
   print_counts(m);
   print_bounds(m);
   print_phases(m);

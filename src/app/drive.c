@@ -113,7 +113,7 @@ static void tell_result(FILE *out, const session *s, const char *result) {
   if (!found) return;
   report_summary(out, found);
   report_cost(out, found, session_provenance(s));
-  fprintf(out, "result: %s (%.3g MB)\n", result, (double)file_size(result) / 1e6);
+  app_line(out, "result: %s (%.3g MB)", result, (double)file_size(result) / 1e6);
 }
 
 static void tell_stop(teller *t, const drive_options *options, const session *s) {
@@ -128,7 +128,7 @@ static void tell_stop(teller *t, const drive_options *options, const session *s)
               100.0 * (double)found->step / (double)(found->steps > 0 ? found->steps : 1));
     else
       fprintf(outs[k], "stopped, everything is saved\n");
-    fprintf(outs[k], "continue with: slipdisk %s\n", options->again);
+    app_line(outs[k], "continue with: slipdisk %s", options->again);
   }
 }
 
@@ -137,11 +137,11 @@ static void tell_start(teller *t, const drive_options *options, const session *s
   for (int k = 0; k < 2; k++) {
     if (!outs[k]) continue;
     if (session_was_finished(s))
-      fprintf(outs[k], "%s is finished already\n", options->result);
+      app_line(outs[k], "%s is finished already", options->result);
     else if (session_began(s) > 0)
-      fprintf(outs[k], "continuing %s from step %" PRId64 "\n", options->result, session_began(s));
+      app_line(outs[k], "continuing %s from step %" PRId64, options->result, session_began(s));
     else
-      fprintf(outs[k], "writing %s\n", options->result);
+      app_line(outs[k], "writing %s", options->result);
     fflush(outs[k]);
   }
 }
@@ -212,10 +212,10 @@ static int run_session(const sd_model *model, const drive_options *options, tell
 
 /* A link at the log's name is not followed. */
 static int open_log(teller *t, const char *path) {
-  int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW);
+  int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
   if (fd >= 0 && (t->log = fdopen(fd, "a"))) return SD_OK;
   bool link = fd < 0 && errno == ELOOP;
-  fprintf(stderr, "error: cannot write %s: %s\n", path, link ? "it is a symbolic link" : strerror(errno));
+  app_line(stderr, "error: cannot write %s: %s", path, link ? "it is a symbolic link" : file_trouble(errno));
   if (fd >= 0) close(fd);
   return link ? SD_ERROR_USER : SD_ERROR_IO;
 }

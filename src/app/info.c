@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "base/limits.h"
+#include "base/text.h"
 #include "io/checkpoint.h"
 #include "io/file.h"
 #include "io/folder.h"
@@ -63,6 +65,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, bool eve
   if (status == SD_OK) {
     f->parts = f->finished ? -1 : checkpoint_get_parts(file);
     f->bytes = file_size(f->path);
+    text_clean(f->path); /* from here on it is only shown */
   }
   h5_close(file, NULL);
   return status;
@@ -78,8 +81,8 @@ static char *failure_of(const place *p) {
   size_t size;
   if (length > tail && strcmp(p->result + length - tail, ".h5") == 0)
     path = file_path("%.*s.failed", (int)(length - tail), p->result);
-  if (path && file_exists(path) && file_read(path, SIZE_MAX, &bytes, &size, NULL) == SD_OK)
-    text = file_path("%.*s", (int)size, (const char *)bytes);
+  if (path && file_exists(path) && file_read(path, LIMIT_MIB, &bytes, &size, NULL) == SD_OK)
+    text = text_clean(file_path("%.*s", (int)size, (const char *)bytes));
   free(bytes);
   free(path);
   return text;
@@ -100,7 +103,7 @@ static bool tell_failure(const char *name) {
   sd_status status = place_find(&p, name, NULL);
   char *failure = p.result && status != SD_OK ? failure_of(&p) : NULL;
   if (failure) {
-    printf("%s: there is no result\n", p.result);
+    printf("%s: there is no result\n", text_clean(p.result));
     print_failure(failure);
     told = true;
   }
@@ -135,7 +138,7 @@ static void print_text(const facts *f, const place *p) {
            report_of(s), s->steps, 100.0 * (double)s->step / (double)(s->steps > 0 ? s->steps : 1),
            *s->phase_name ? " in phase " : "", s->phase_name, f->parts, f->parts == 1 ? "" : "s");
   if (f->finished && file_is_folder(p->folder))
-    printf("a newer run of it is not finished: slipdisk info %s\n", p->folder);
+    printf("a newer run of it is not finished: slipdisk info %s.parts\n", f->path);
   char *failure = f->finished ? NULL : failure_of(p);
   if (failure) print_failure(failure);
   free(failure);

@@ -1,4 +1,7 @@
 /* main.c: which subcommand. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* vasprintf */
+#endif
 #include <errno.h>
 #include <jansson.h>
 #include <stdarg.h>
@@ -8,6 +11,8 @@
 
 #include "app/app.h"
 #include "base/shortage.h"
+#include "base/limits.h"
+#include "base/text.h"
 #include "io/deck_keys.h"
 #include "io/file.h"
 #include "version.h"
@@ -59,7 +64,8 @@ static const char help[] =
     "\n"
     "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed or no\n"
     "memory, 5 done, but the result is in doubt (energy budget, open contacts, disks too fast: see its\n"
-    "warnings), 75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give the\n"
+    "warnings), 75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give "
+    "the\n"
     "command again to continue.\n";
 
 bool app_number(const char *text, long least, long most, long *out) {
@@ -77,13 +83,34 @@ char *app_default_name(const char *deck, const char *ending) {
   return file_path("%.*s.%s", (int)length, name, ending);
 }
 
+int app_path(const char *command, const char *option, const char *value, const char **path) {
+  *path = value;
+  return *value ? 0
+                : app_misuse(command, "%s needs the name of a file or a folder, not an empty one", option);
+}
+
+static char *shown_text(const char *format, va_list args) {
+  char *text = NULL, *shown = vasprintf(&text, format, args) < 0 ? NULL : text_escaped(text, LIMIT_LINE);
+  free(text);
+  return shown;
+}
+
+void app_line(FILE *out, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  char *shown = shown_text(format, args);
+  va_end(args);
+  fprintf(out, "%s\n", shown ? shown : "no memory");
+  free(shown);
+}
+
 int app_misuse(const char *command, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  fprintf(stderr, "slipdisk %s: ", command);
-  vfprintf(stderr, format, args);
-  fprintf(stderr, "; see slipdisk help\n");
+  char *shown = shown_text(format, args);
   va_end(args);
+  fprintf(stderr, "slipdisk %s: %s; see slipdisk help\n", command, shown ? shown : "no memory");
+  free(shown);
   return SD_ERROR_USER;
 }
 
@@ -148,7 +175,9 @@ static int run_command(int argc, char **argv) {
     }
   deck_guess guess = deck_guess_start(argv[1]);
   for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) deck_guess_add(&guess, commands[k].name);
-  fprintf(stderr, "slipdisk: there is no command \"%s\"; ", argv[1]);
+  char *shown = text_escaped(argv[1], LIMIT_QUOTE);
+  fprintf(stderr, "slipdisk: there is no command \"%s\"; ", shown ? shown : "");
+  free(shown);
   if (guess.best) fprintf(stderr, "did you mean \"%s\"? ", guess.best);
   fprintf(stderr, "See slipdisk help\n");
   return SD_ERROR_USER;

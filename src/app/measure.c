@@ -52,8 +52,8 @@ static int take(int option, arguments *a) {
       return app_misuse("measure", "--region %s: expected x0,x1,y0,y1 with x0 < x1 and y0 < y1", optarg);
     case ALL: a->all = true; return 0;
     case JSON: a->json = true; return 0;
-    case CSV: a->csv = optarg; return 0;
-    default: a->output = optarg; return 0;
+    case CSV: return app_path("measure", "--csv", optarg, &a->csv);
+    default: return app_path("measure", "-o", optarg, &a->output);
   }
 }
 

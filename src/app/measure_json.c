@@ -3,11 +3,14 @@
 #include <string.h>
 
 #include "app/measure.h"
+#include "base/text.h"
 #include "io/file.h"
 
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
                             sd_messages *messages) {
-  json_t *text = json_string(name);
+  char *shown = text_clean(file_path("%s", name));
+  json_t *text = shown ? json_string(shown) : NULL;
+  free(shown);
   *l = (measure_list){.stored = stored, .name = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL};
   json_decref(text);
   if (!l->name) return sd_fail(messages, SD_ERROR_IO, "no memory");

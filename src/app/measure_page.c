@@ -1,9 +1,12 @@
 /* measure_page.c: what slipdisk measure has found, for people and for programs. Names and definitions: docs/measure.md. */
 #include <inttypes.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "app/measure.h"
+#include "base/limits.h"
+#include "base/text.h"
 
 static const double DEGREES = 180.0 / M_PI;
 
@@ -114,7 +117,9 @@ static void page_stress(FILE *out, const measurement *m) {
 
 void measure_page(FILE *out, const measurement *m) {
   const region *g = &m->region;
-  fprintf(out, "%s: ", m->file);
+  char *name = text_escaped(m->file, LIMIT_LINE);
+  fprintf(out, "%s: ", name ? name : "");
+  free(name);
   if (m->frame >= 0)
     fprintf(out, "frame %" PRId64, m->frame);
   else

@@ -18,11 +18,12 @@ static int parse(int argc, char **argv, const char **name, drive_options *drive)
       {NULL, 0, NULL, 0},
   };
   opterr = 0;
-  for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
+  int mistake = 0;
+  for (int c; mistake == 0 && (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
     long n;
     switch (c) {
       case QUIET: drive->quiet = true; break;
-      case LOG: drive->log = optarg; break;
+      case LOG: mistake = app_path("resume", "--log", optarg, &drive->log); break;
       case THREADS:
         if (!app_number(optarg, 1, 4096, &n))
           return app_misuse("resume", "--threads %s is not a number of threads", optarg);
@@ -32,6 +33,7 @@ static int parse(int argc, char **argv, const char **name, drive_options *drive)
       default: return app_unknown_option("resume", options, argv[optind - 1]);
     }
   }
+  if (mistake) return mistake;
   if (optind + 1 != argc) return app_misuse("resume", "one result is expected");
   *name = argv[optind];
   return 0;
@@ -78,7 +80,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   sd_model *model = NULL;
   sd_status status = place_find(&p, name, messages);
   if (status == SD_OK && !file_is_folder(p.folder)) {
-    if (!drive->quiet) fprintf(stderr, "%s is finished already\n", p.result);
+    if (!drive->quiet) app_line(stderr, "%s is finished already", p.result);
     place_free(&p);
     return SD_OK;
   }

@@ -28,14 +28,15 @@ static int parse(int argc, char **argv, arguments *a) {
       {NULL, 0, NULL, 0},
   };
   opterr = 0;
-  for (int c; (c = getopt_long(argc, argv, ":o:D:", options, NULL)) != -1;) {
+  int mistake = 0;
+  for (int c; mistake == 0 && (c = getopt_long(argc, argv, ":o:D:", options, NULL)) != -1;) {
     long n;
     switch (c) {
-      case 'o': a->output = optarg; break;
+      case 'o': mistake = app_path("run", "-o", optarg, &a->output); break;
       case 'D': a->overrides[a->n_overrides++] = optarg; break;
       case FORCE: a->drive.force = true; break;
       case QUIET: a->drive.quiet = true; break;
-      case LOG: a->drive.log = optarg; break;
+      case LOG: mistake = app_path("run", "--log", optarg, &a->drive.log); break;
       case THREADS:
         if (!app_number(optarg, 1, 4096, &n))
           return app_misuse("run", "--threads %s is not a number of threads", optarg);
@@ -45,6 +46,7 @@ static int parse(int argc, char **argv, arguments *a) {
       default: return app_unknown_option("run", options, argv[optind - 1]);
     }
   }
+  if (mistake) return mistake;
   if (optind >= argc) return app_misuse("run", "no deck is given");
   if (optind + 1 < argc)
     return app_misuse("run", "one deck is expected, \"%s\" is a second", argv[optind + 1]);

@@ -45,7 +45,7 @@ static int parse(int argc, char **argv, sweep_command *c) {
   for (int k; status == 0 && (k = getopt_long(argc, argv, ":o:D:j:", options, NULL)) != -1;) {
     long n = 0;
     switch (k) {
-      case 'o': c->output = optarg; break;
+      case 'o': status = app_path("sweep", "-o", optarg, &c->output); break;
       case 'D': c->overrides[c->n_overrides++] = optarg; break;
       case 'j': status = parse_number("-j", optarg, 1, 4096, &c->workers); break;
       case FORCE: c->force = true; break;
@@ -280,7 +280,7 @@ static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   if (status == SD_OK && !mix) status = sweep_refuse_strangers(s, &there, "no table is written", messages);
   if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, messages);
   if (status == SD_OK) {
-    printf("%s/table.csv, table.h5, means.csv\n", s->folder);
+    app_line(stdout, "%s/table.csv, table.h5, means.csv", s->folder);
     sweep_show_strangers(stdout, s);
   }
   sweep_contents_free(&there);

@@ -29,16 +29,18 @@ static int parse(int argc, char **argv, arguments *a) {
       {NULL, 0, NULL, 0},
   };
   opterr = 0;
-  for (int c; (c = getopt_long(argc, argv, ":D:", options, NULL)) != -1;) {
+  int mistake = 0;
+  for (int c; mistake == 0 && (c = getopt_long(argc, argv, ":D:", options, NULL)) != -1;) {
     switch (c) {
       case 'D': a->overrides[a->n_overrides++] = optarg; break;
-      case CSV: a->csv = optarg; break;
-      case WAVE: a->wave = optarg; break;
+      case CSV: mistake = app_path("theory", "--csv", optarg, &a->csv); break;
+      case WAVE: mistake = app_path("theory", "--wave", optarg, &a->wave); break;
       case JSON: a->json = true; break;
       case ':': return app_misuse("theory", "%s needs a value", argv[optind - 1]);
       default: return app_unknown_option("theory", options, argv[optind - 1]);
     }
   }
+  if (mistake) return mistake;
   if (optind >= argc) return app_misuse("theory", "no deck is given");
   if (optind + 1 < argc)
     return app_misuse("theory", "one deck is expected, \"%s\" is a second", argv[optind + 1]);

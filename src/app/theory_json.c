@@ -3,6 +3,8 @@
 #include <math.h>
 
 #include "app/theory.h"
+#include "base/text.h"
+#include "io/file.h"
 
 static const char *const kinds[] = {[THEORY_REST] = "rest",
                                     [THEORY_STEADY] = "steady",
@@ -100,12 +102,14 @@ static json_t *solution_json(const theory_case *c, const theory_result *r) {
 }
 
 bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
-  json_t *root = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", m->deck_path, "title",
+  char *deck = text_clean(file_path("%s", m->deck_path));
+  json_t *root = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck ? deck : "", "title",
                            m->title ? m->title : "", "geometry", geometry_json(c), "tep", tep_json(r),
                            "drive", drive_json(c, r), "formulas", formulas_json(c, r), "solution",
                            c->kind == THEORY_PERIODIC ? solution_json(c, r) : json_null());
   bool done = root && json_dumpf(root, out, JSON_INDENT(2)) == 0;
   if (done) fputc('\n', out);
   json_decref(root);
+  free(deck);
   return done;
 }

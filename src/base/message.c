@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "slipdisk/status.h"
 
 typedef struct line {
@@ -12,7 +14,8 @@ typedef struct line {
 } line;
 
 struct sd_messages {
-  size_t count, capacity, errors;
+  size_t count, capacity, errors, warnings;
+  size_t more; /* lines beyond those that are kept */
   line *lines;
   line first[8]; /* room that is there from the start */
 };
@@ -34,7 +37,7 @@ static void free_text(line *l) {
 
 void sd_messages_clear(sd_messages *m) {
   for (size_t k = 0; m && k < m->count; k++) free_text(&m->lines[k]);
-  if (m) m->count = m->errors = 0;
+  if (m) m->count = m->errors = m->warnings = m->more = 0;
 }
 
 void sd_messages_free(sd_messages *m) {
@@ -55,22 +58,30 @@ static bool grow(sd_messages *m) {
   return true;
 }
 
+/* Control characters are shown as \xHH, so that no text from a file reaches the terminal as a command. */
+static char *words(const char *format, va_list args) {
+  char *text = malloc(LIMIT_LINE + 2);
+  int length = text ? vsnprintf(text, LIMIT_LINE + 2, format, args) : -1;
+  char *shown = length < 0 ? NULL : text_escaped(text, LIMIT_LINE);
+  free(text);
+  return shown;
+}
+
 /* When memory is exhausted the text is lost, but neither the count of errors nor their kinds are. */
 static void add(sd_messages *m, sd_status kind, const char *format, va_list args) {
   if (!m) return;
-  if (kind != SD_OK) m->errors++;
+  size_t alike = kind == SD_OK ? m->warnings++ : m->errors++;
+  if (alike >= LIMIT_MESSAGES) {
+    m->more++;
+    return;
+  }
   if (m->count == m->capacity && !grow(m)) {
     line *last = &m->lines[m->count - 1];
     free_text(last);
     *last = (line){kind == SD_OK ? last->kind : kind, lost};
     return;
   }
-  va_list again;
-  va_copy(again, args);
-  int length = vsnprintf(NULL, 0, format, again);
-  va_end(again);
-  char *text = length < 0 ? NULL : malloc((size_t)length + 1);
-  if (text) vsnprintf(text, (size_t)length + 1, format, args);
+  char *text = words(format, args);
   m->lines[m->count++] = (line){kind, text ? text : lost};
 }
 
@@ -102,4 +113,5 @@ sd_status sd_messages_status(const sd_messages *m) {
 void sd_messages_print(const sd_messages *m, FILE *out) {
   for (size_t k = 0; m && k < m->count; k++)
     fprintf(out, "%s: %s\n", m->lines[k].kind == SD_OK ? "warning" : "error", m->lines[k].text);
+  if (m && m->more > 0) fprintf(out, "... and %zu more\n", m->more);
 }

@@ -109,8 +109,9 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
   if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   sd_status status = check_extents(file, state, messages);
   int64_t contacts = h5_get_attr_i64(file, "/state", "n_contacts", -1);
-  /* the bound keeps a damaged number from asking for all memory */
-  if (status == SD_OK && (contacts < 0 || contacts > INT64_C(1) << 40))
+  /* a damaged number does not get to ask for all memory */
+  if (status == SD_OK &&
+      (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
     status = sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
   if (status == SD_OK && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK) {
     shortage_note();

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/limits.h"
 #include "io/file.h"
 #include "slipdisk/deck.h"
 
@@ -107,6 +108,7 @@ static size_t count(reader *r, const char *path) {
 
 /* To be freed; NULL when something went wrong, also before. */
 static void *column(reader *r, const char *path, sd_type type, size_t n) {
+  if (r->status == SD_OK) r->status = h5_check(r->file, path, n, r->messages);
   if (r->status != SD_OK) return NULL;
   void *data = calloc(n + 1, sd_type_size(type));
   r->status = data ? h5_get(r->file, path, type, n, data, r->messages)
@@ -138,6 +140,9 @@ static void read_space(reader *r, sd_model *m) {
 
 static void read_laws(reader *r, sd_model *m) {
   size_t n = count(r, MODEL "/laws");
+  if (n > LIMIT_MATERIALS)
+    r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu materials: the laws are damaged", n);
+  if (r->status != SD_OK) return;
   double *laws = column(r, MODEL "/laws", SD_F64, n * n * LAW);
   m->materials = calloc(n + 1, sizeof *m->materials);
   m->laws = calloc(n * n + 1, sizeof *m->laws);
@@ -151,16 +156,25 @@ static void read_laws(reader *r, sd_model *m) {
   free(laws);
 }
 
+static void check_species(reader *r, const sd_model *m, size_t n, const int32_t *species) {
+  for (size_t k = 0; r->status == SD_OK && k < n; k++)
+    if (species[k] < 0 || (size_t)species[k] >= m->n_materials)
+      r->status = sd_fail(r->messages, SD_ERROR_IO, "the materials of the bodies are damaged");
+}
+
 static void read_disks(reader *r, sd_model *m) {
   size_t n = count(r, DISKS "/radius");
+  if (n > LIMIT_DISKS) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu disks: the file is damaged", n);
+  if (r->status != SD_OK) return;
   double *radius = column(r, DISKS "/radius", SD_F64, n), *mass = column(r, DISKS "/mass", SD_F64, n);
   double *inertia = column(r, DISKS "/inertia", SD_F64, n), *force = NULL;
   int32_t *species = column(r, DISKS "/species", SD_I32, n), *group = column(r, DISKS "/group", SD_I32, n);
   int32_t *driven = column(r, DISKS "/driven", SD_I32, n);
   if (h5_exists(r->file, DISKS "/constant_force")) force = column(r, DISKS "/constant_force", SD_F64, 2 * n);
-  m->disks = calloc(n + 1, sizeof *m->disks);
+  m->disks = r->status == SD_OK ? calloc(n + 1, sizeof *m->disks) : NULL;
   if (r->status == SD_OK && !m->disks)
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu disks", n);
+  check_species(r, m, n, species);
   if (r->status == SD_OK) m->n_disks = n;
   for (size_t k = 0; k < m->n_disks; k++)
     m->disks[k] = (sd_disk){.radius = radius[k],
@@ -201,9 +215,10 @@ static void read_walls(reader *r, sd_model *m) {
   double *pivot = column(r, WALLS "/shape/pivot", SD_F64, 2 * n);
   double *points = column(r, WALLS "/shape/points", SD_F64, 2 * total);
   int64_t *counts = column(r, WALLS "/shape/count", SD_I64, n);
-  m->walls = calloc(n + 1, sizeof *m->walls);
+  m->walls = r->status == SD_OK ? calloc(n + 1, sizeof *m->walls) : NULL;
   if (r->status == SD_OK && !m->walls)
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu walls", n);
+  check_species(r, m, n, species);
   if (r->status == SD_OK) m->n_walls = n;
   for (size_t k = 0; k < m->n_walls; k++)
     m->walls[k] = (sd_wall){.kind = (sd_wall_kind)kind[k],

@@ -1,13 +1,14 @@
 /* deck.c: from a deck to a finished model; see slipdisk/deck.h and io/deck.h. */
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_read.h"
 #include "io/deck_result.h"
 #include "io/deck_sweep.h"
+#include "io/file.h"
 #include "slipdisk/deck.h"
 
 /* --- the keys of the deck itself --------------------------------------------------------------------------- */
@@ -239,46 +240,10 @@ sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrid
   return status;
 }
 
-/* The whole file; NULL with errno set. */
-static char *read_whole(const char *path, size_t *n) {
-  FILE *in = fopen(path, "rb");
-  char *text = NULL;
-  size_t capacity = 0;
-  *n = 0;
-  if (!in) return NULL;
-  for (size_t got = 1; got > 0; *n += got) {
-    if (*n + 65536 > capacity) {
-      capacity = 2 * capacity + 65537;
-      char *grown = realloc(text, capacity);
-      if (!grown) break;
-      text = grown;
-    }
-    got = fread(text + *n, 1, 65535, in);
-  }
-  int error = ferror(in) ? errno : 0;
-  fclose(in);
-  if (error) {
-    free(text);
-    errno = error;
-    return NULL;
-  }
-  if (text) text[*n] = 0;
-  return text;
-}
-
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status) {
-  size_t n;
-  char *text = read_whole(path, &n);
-  *status = SD_OK;
-  if (!text) {
-    bool mistyped = errno == ENOENT || errno == ENOTDIR || errno == EISDIR;
-    *status = sd_fail(messages, mistyped ? SD_ERROR_USER : SD_ERROR_IO, "%s: cannot be read: %s", path,
-                      strerror(errno));
-  } else if (strlen(text) != n) {
-    *status = sd_fail(messages, SD_ERROR_USER, "%s: not a text file (it holds a zero byte)", path);
-    free(text);
-    text = NULL;
-  }
+  char *text, trouble[FILE_TROUBLE];
+  *status = file_text(path, (uint64_t)LIMIT_DECK * LIMIT_MIB, &text, trouble);
+  if (!text) sd_fail(messages, *status, "%s: cannot be read: %s", path, trouble);
   return text;
 }
 

@@ -21,7 +21,8 @@
 
 #include "slipdisk/model.h"
 
-/* Where something stands. What -D has set has the file "-D path=value" and line 0. */
+/* Where something stands. What -D has set has the file "-D path=value" and line 0; line -1 - k is row k of a file that
+ * has no lines. */
 typedef struct deck_place {
   const char *file;
   int line;
@@ -68,6 +69,12 @@ typedef struct deck_name {
   uint32_t index;
 } deck_name;
 
+/* Numbers by name: a hash table in the arena. */
+typedef struct deck_index {
+  size_t n, capacity; /* a power of two */
+  deck_name *slot;    /* name NULL: empty */
+} deck_index;
+
 typedef struct deck_chunk deck_chunk;
 
 typedef struct deck {
@@ -86,6 +93,9 @@ typedef struct deck {
   size_t disk_capacity;
   deck_name *disk_names; /* sorted by name */
   size_t n_disk_names;
+  deck_index materials, groups, walls, motions;
+  uint32_t *grouped; /* disks by group; those of group k are [group_start[k], group_start[k + 1]) */
+  size_t *group_start, n_grouped;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
   size_t n_file_tables;
   bool disks_missing;              /* some could not be read */
@@ -117,6 +127,9 @@ char *deck_file_text(const char *path, sd_messages *messages, sd_status *status)
 void *deck_alloc(deck *d, size_t n, size_t size);     /* zeroed, from the arena */
 char *deck_copy(deck *d, const char *text, size_t n); /* n bytes and a final zero, from the arena */
 char *deck_format(deck *d, const char *format, ...) SD_PRINTF(2, 3);
+void deck_own(deck *d, void *p); /* from malloc: freed with the arena */
+/* The first n bytes of a text as messages show it: cut with "..." where it is long. */
+const char *deck_quote(deck *d, const char *text, size_t n);
 void *deck_keep(deck *d, size_t n, size_t size);            /* zeroed, from malloc: for the model */
 void *deck_grow(deck *d, void *old, size_t n, size_t size); /* realloc for the model */
 char *deck_keep_text(deck *d, const char *text);            /* for the model; NULL stays NULL */
@@ -135,8 +148,19 @@ void deck_fail(deck *d, const deck_node *node, const char *format, ...) SD_PRINT
 /* One error about a key of a group, there or missing: "file:line: path: ...". */
 void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) SD_PRINTF(4, 5);
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRINTF(3, 4);
+/* Reports a text that is no printable UTF-8. */
+void deck_check_text(deck *d, const deck_node *node);
+/* So many errors were told that the next ones are only counted: no need to look for words. */
+bool deck_told(const deck *d);
 /* How many errors were counted and not shown. */
 void deck_report_rest(deck *d);
+
+/* --- deck_index.c ------------------------------------------------------------------------------------- */
+
+/* The number that the name has; false: none. */
+bool deck_index_find(const deck_index *x, const char *name, uint32_t *number);
+/* Gives it a number; false: it has one, which stays. The name is not copied. */
+bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number);
 
 /* --- deck_scan.c -------------------------------------------------------------------------------------- */
 
@@ -151,8 +175,8 @@ typedef struct deck_text {
 /* Goes through the text and reports what libconfig would pass over or misread. override: text is that of
  * a -D value, and messages carry place as it is. */
 deck_text deck_scan(deck *d, const char *text, deck_place place, bool override);
-/* The whole of a text file, in the arena; NULL (and a message naming place) when it cannot be read. */
-char *deck_read_file(deck *d, const char *path, deck_place place, const char *what);
+/* The whole of a text file of at most so many bytes; NULL (and a message naming place) when it cannot be read. */
+char *deck_read_file(deck *d, const char *path, uint64_t most, deck_place place, const char *what);
 /* A path that the deck names, relative to the folder of file. */
 char *deck_resolve(deck *d, const char *file, const char *path);
 
@@ -220,6 +244,7 @@ struct deck_group;
 deck_bodies deck_select(deck *d, struct deck_group *g, bool walls);
 /* The body that a name or number stands for: a disk, or a wall where walls are allowed. False: reported. */
 bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body);
+bool deck_disk_called(const deck *d, const char *name, uint32_t *disk);
 /* Sorts the names of the disks and reports those given twice; before the first look-up. */
 void deck_index_names(deck *d);
 /* Bit k: coordinate k is named by the key `coordinate` or the like. */

@@ -44,7 +44,7 @@ static const char *remark(const deck *d) {
   return d->disks_missing ? " (not all disks could be read, see above)" : "";
 }
 
-static bool disk_by_name(const deck *d, const char *name, uint32_t *body) {
+bool deck_disk_called(const deck *d, const char *name, uint32_t *body) {
   size_t low = 0, high = d->n_disk_names;
   while (low < high) {
     size_t middle = (low + high) / 2;
@@ -62,13 +62,9 @@ static bool disk_by_name(const deck *d, const char *name, uint32_t *body) {
 }
 
 static bool wall_by_name(const deck *d, const char *name, uint32_t *body) {
-  const sd_model *m = d->model;
-  for (size_t w = 0; w < m->n_walls; w++)
-    if (m->walls[w].name && strcmp(m->walls[w].name, name) == 0) {
-      *body = (uint32_t)(m->n_disks + w);
-      return true;
-    }
-  return false;
+  if (!deck_index_find(&d->walls, name, body)) return false;
+  *body += (uint32_t)d->model->n_disks;
+  return true;
 }
 
 /* disks, walls: which of the two the name may stand for. */
@@ -90,12 +86,13 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
     return false;
   }
   const char *name = node->value.text;
-  if (disks && disk_by_name(d, name, body)) return true;
+  if (disks && deck_disk_called(d, name, body)) return true;
   if (walls && wall_by_name(d, name, body)) return true;
   deck_guess guess = deck_guess_start(name);
-  for (size_t k = 0; disks && k < d->n_disk_names && k < MOST_GUESSES; k++)
+  bool told = deck_told(d);
+  for (size_t k = 0; disks && !told && k < d->n_disk_names && k < MOST_GUESSES; k++)
     deck_guess_add(&guess, d->disk_names[k].name);
-  for (size_t w = 0; walls && w < m->n_walls && w < MOST_GUESSES; w++)
+  for (size_t w = 0; walls && !told && w < m->n_walls && w < MOST_GUESSES; w++)
     deck_guess_add(&guess, m->walls[w].name);
   deck_fail(d, node, "no %s is called that%s%s", what, maybe(d, guess),
             disks && !guess.best ? remark(d) : "");
@@ -119,20 +116,33 @@ static void add(deck *d, deck_bodies *list, uint32_t body) {
   list->body[list->n++] = body;
 }
 
+/* All disks, sorted by group once: many groups cost no more than their disks. */
+static void sort_by_group(deck *d) {
+  const sd_model *m = d->model;
+  if (d->group_start && d->n_grouped == m->n_disks) return;
+  d->n_grouped = m->n_disks;
+  d->grouped = deck_alloc(d, m->n_disks, sizeof *d->grouped);
+  d->group_start = deck_alloc(d, m->n_groups + 2, sizeof *d->group_start);
+  size_t *end = d->group_start + 1; /* while they are filled: where group k goes on */
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (m->disks[i].group >= 0) end[m->disks[i].group + 1]++;
+  for (size_t k = 1; k <= m->n_groups; k++) end[k] += end[k - 1];
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (m->disks[i].group >= 0) d->grouped[end[m->disks[i].group]++] = (uint32_t)i;
+}
+
 static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
   const sd_model *m = d->model;
   const char *name = node->type == DECK_STRING ? node->value.text : "";
-  deck_guess guess = deck_guess_start(name);
-  for (size_t k = 0; k < m->n_groups; k++) {
-    if (strcmp(m->groups[k], name) != 0) {
-      deck_guess_add(&guess, m->groups[k]);
-      continue;
-    }
+  uint32_t k;
+  if (deck_index_find(&d->groups, name, &k)) {
     list->group = (int)k;
-    for (size_t i = 0; i < m->n_disks; i++)
-      if (m->disks[i].group == (int)k) add(d, list, (uint32_t)i);
+    sort_by_group(d);
+    for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);
     return;
   }
+  deck_guess guess = deck_guess_start(name);
+  for (k = 0; k < m->n_groups && k < MOST_GUESSES && !deck_told(d); k++) deck_guess_add(&guess, m->groups[k]);
   deck_fail(d, node, "no group of disks is called that%s%s", maybe(d, guess), guess.best ? "" : remark(d));
 }
 

@@ -101,10 +101,8 @@ void deck_read_container(deck *d) {
 static sd_wall *new_wall(deck_group *g, const char *name, int material) {
   deck *d = g->d;
   sd_model *m = d->model;
-  bool taken = false;
-  for (size_t w = 0; w < m->n_walls; w++) taken |= m->walls[w].name && !strcmp(m->walls[w].name, name);
-  for (size_t i = 0; i < d->n_disk_names; i++) taken |= !strcmp(d->disk_names[i].name, name);
-  if (taken)
+  uint32_t disk;
+  if (!deck_index_add(d, &d->walls, name, (uint32_t)m->n_walls) || deck_disk_called(d, name, &disk))
     deck_fail_key(d, g->node, "type", "it has a wall \"%s\", but a wall or a disk of the deck is called so",
                   name);
   m->walls = deck_grow(d, m->walls, m->n_walls + 1, sizeof *m->walls);

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "io/deck_rows.h"
 
 /* Disk files up to so many disks are echoed as rows, so that the echo stands on its own. */
@@ -56,10 +58,12 @@ static void check_values(deck *d, const values *v) {
 static int group_number(deck *d, const char *name) {
   sd_model *m = d->model;
   if (!name) return -1;
-  for (size_t k = m->n_groups; k-- > 0;)
-    if (strcmp(m->groups[k], name) == 0) return (int)k;
-  m->groups = deck_grow(d, m->groups, m->n_groups + 1, sizeof *m->groups);
+  uint32_t found;
+  if (deck_index_find(&d->groups, name, &found)) return (int)found;
+  if ((m->n_groups & (m->n_groups - 1)) == 0)
+    m->groups = deck_grow(d, m->groups, 2 * m->n_groups + 1, sizeof *m->groups);
   m->groups[m->n_groups] = deck_keep_text(d, name);
+  deck_index_add(d, &d->groups, deck_copy(d, name, strlen(name)), (uint32_t)m->n_groups);
   return (int)m->n_groups++;
 }
 
@@ -98,6 +102,10 @@ static void add_disk(deck *d, const values *v) {
                   .force = {v->force[0], v->force[1], v->force[2]},
                   .material = v->material,
                   .driven = x[COLUMN_FIXED] != 0};
+  if (isnan(x[COLUMN_MASS]) && disk.mass >= 0 && !deck_in_range(DECK_POSITIVE, disk.mass))
+    fail_value(d, v, "density",
+               deck_format(d, "the mass is %g; expected a number %s", disk.mass,
+                           deck_expected(DECK_POSITIVE, disk.mass)));
   for (int c = 0; c < 3; c++) disk.locked[c] = v->locked >> c & 1;
   deck_push_disk(d, &disk, v->name, v->group, v->place);
 }
@@ -145,7 +153,11 @@ static void check_cell(deck *d, const values *v, int column) {
   const deck_key *key = deck_key_find(&deck_disks, deck_column_names[column]);
   double x = v->number[column];
   if (isnan(x) || deck_in_range(key->range, x)) return;
-  fail_value(d, v, key->name, deck_format(d, "%g: expected a number %s", x, deck_range_text(key->range)));
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
+  fail_value(d, v, key->name, deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
 }
 
 /* Row r of the table over the common values. */
@@ -154,10 +166,12 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   v.place = t->place[r];
   for (size_t c = 0; c < t->n_columns; c++) {
     int column = t->column[c];
-    const char *text = t->text[r * t->n_columns + c];
+    const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
     if (column < COLUMN_NUMBERS) {
       v.number[column] = t->number[r * t->n_columns + c];
       check_cell(d, &v, column);
+    } else if (text && !text_printable(text)) {
+      fail_value(d, &v, deck_column_names[column], "expected a text in UTF-8 without control characters");
     } else if (column == COLUMN_NAME) {
       v.name = text;
     } else if (column == COLUMN_GROUP) {
@@ -165,7 +179,9 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     } else {
       v.material = text ? deck_material(d, NULL, text) : -1;
       if (v.material < 0)
-        fail_value(d, &v, "material", deck_format(d, "no material is called \"%s\"", text ? text : ""));
+        fail_value(
+            d, &v, "material",
+            deck_format(d, "no material is called \"%s\"", text ? deck_quote(d, text, strlen(text)) : ""));
     }
   }
   add_disk(d, &v);
@@ -224,7 +240,7 @@ static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_n
   for (size_t r = 0; r < t->n_rows; r++) {
     deck_node *row = deck_node_new(d, rows, NULL, DECK_LIST, t->place[r]);
     for (size_t c = 0; c < t->n_columns; c++) {
-      const char *text = t->text[r * t->n_columns + c];
+      const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
       bool number = t->column[c] < COLUMN_NUMBERS;
       deck_node *cell = deck_node_new(d, row, NULL, number ? DECK_FLOAT : DECK_STRING, t->place[r]);
       if (number)
@@ -252,7 +268,7 @@ void deck_echo_files(deck *d) {
     const deck_columns *t = &d->file_tables[0];
     bool empty_text = false;
     for (size_t k = 0; k < t->n_rows * t->n_columns; k++)
-      empty_text |= t->column[k % t->n_columns] >= COLUMN_NUMBERS && !t->text[k];
+      empty_text |= t->column[k % t->n_columns] >= COLUMN_NUMBERS && !(t->text && t->text[k]);
     total += t->n_rows;
     if (total > MOST_ECHOED || empty_text || t->contacts) return;
     if (!rows) rows = deck_node_new(d, d->root, "disk_rows", DECK_LIST, files->place);

@@ -1,7 +1,9 @@
 /* deck_keys.c: the tables of all keys, and the search for the nearest valid name. See deck_keys.h. */
 #include <ctype.h>
+#include <math.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_keys.h"
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
@@ -497,15 +499,25 @@ const char *deck_range_text(deck_range range) {
   return text[range];
 }
 
+/* 1/x and products of three stay finite, and above the subnormal numbers. */
+static bool has_size(double x) { return fabs(x) >= 1 / LIMIT_NUMBER && fabs(x) <= LIMIT_NUMBER; }
+
 bool deck_in_range(deck_range range, double x) {
   switch (range) {
-    case DECK_ANY: return true;
-    case DECK_POSITIVE: return x > 0;
-    case DECK_NOT_NEGATIVE: return x >= 0;
-    case DECK_AT_LEAST_1: return x >= 1;
-    case DECK_UP_TO_1: return x > 0 && x <= 1;
+    case DECK_ANY: return fabs(x) <= LIMIT_NUMBER;
+    case DECK_POSITIVE: return x > 0 && has_size(x);
+    case DECK_NOT_NEGATIVE: return x == 0 || (x > 0 && has_size(x));
+    case DECK_AT_LEAST_1: return x >= 1 && has_size(x);
+    case DECK_UP_TO_1: return x > 0 && x <= 1 && has_size(x);
   }
   return true;
+}
+
+const char *deck_expected(deck_range range, double x) {
+  static const char *const sized[] = {"from -1e100 to 1e100", "> 0, from 1e-100 to 1e100",
+                                      "0 or from 1e-100 to 1e100", "from 1 to 1e100", "from 1e-100 to 1"};
+  bool wrong_size = fabs(x) > LIMIT_NUMBER || (x != 0 && fabs(x) < 1 / LIMIT_NUMBER);
+  return wrong_size ? sized[range] : deck_range_text(range);
 }
 
 /* --- nearest name --------------------------------------------------------------------------------------- */

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_rows.h"
 
 enum { MOST_WORDS = 64, NO_COLUMN = -1 };
@@ -51,7 +52,7 @@ typedef struct lammps {
   const atom_style *style;
   size_t n_atoms, capacity;
   atom *atoms;
-  bool sorted, velocities;
+  bool sorted, velocities, crowded;
 } lammps;
 
 /* --- lines ---------------------------------------------------------------------------------------------- */
@@ -87,7 +88,8 @@ static bool number(const lammps *in, size_t k, const char *what, double *x) {
   char *end;
   *x = strtod(in->word[k], &end);
   if (end != in->word[k] && !*end && isfinite(*x)) return true;
-  deck_fail_place(in->d, in->here, "%s = %s: expected a number", what, in->word[k]);
+  deck_fail_place(in->d, in->here, "%s = %s: expected a number", what,
+                  deck_quote(in->d, in->word[k], strlen(in->word[k])));
   *x = NAN;
   return false;
 }
@@ -96,7 +98,8 @@ static bool whole(const lammps *in, size_t k, const char *what, long long *n) {
   char *end;
   *n = strtoll(in->word[k], &end, 10);
   if (end != in->word[k] && !*end) return true;
-  deck_fail_place(in->d, in->here, "%s = %s: expected a whole number", what, in->word[k]);
+  deck_fail_place(in->d, in->here, "%s = %s: expected a whole number", what,
+                  deck_quote(in->d, in->word[k], strlen(in->word[k])));
   return false;
 }
 
@@ -120,7 +123,7 @@ static void header_line(lammps *in) {
 static bool open_file(lammps *in, deck *d, const deck_node *file) {
   const char *path = deck_resolve(d, d->path, file->value.text);
   *in = (lammps){.d = d, .here = {path, 0}, .announced = -1};
-  in->p = deck_read_file(d, path, file->place, "file");
+  in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
   if (!in->p) return false;
   bool more;
   while ((more = next_line(in)) && !is_keyword(in)) header_line(in);
@@ -167,7 +170,8 @@ static bool choose_style(lammps *in) {
     deck_fail_place(in->d, in->here,
                     "Atoms # hybrid: which styles it is made of is not said (older LAMMPS); %s", expected);
   else
-    deck_fail_place(in->d, in->here, "Atoms # %s: %s", in->comment, expected);
+    deck_fail_place(in->d, in->here, "Atoms # %s: %s", deck_quote(in->d, in->comment, strlen(in->comment)),
+                    expected);
   return false;
 }
 
@@ -177,6 +181,11 @@ static void add_atom(lammps *in) {
     deck_fail_place(in->d, in->here, "%zu values; expected %s%zu of an atom of style %s%s", in->n_words,
                     s->prefix ? "at least " : "", s->n, s->name,
                     s->prefix ? "" : ", or 3 more with image flags");
+    return;
+  }
+  if (in->n_atoms == LIMIT_DISKS) {
+    if (!in->crowded) deck_fail_place(in->d, in->here, "more than %d disks", LIMIT_DISKS);
+    in->crowded = true;
     return;
   }
   if (in->n_atoms == in->capacity) {
@@ -318,7 +327,7 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
   if (d->reported > before) return;
   for (size_t k = 0; k < in.n_atoms; k++) {
     const atom *a = &in.atoms[k];
-    deck_columns_add_row(d, t, a->place);
+    if (!deck_columns_add_row(d, t, a->place)) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = k * t->n_columns + c;
       t->number[at] = value(a, (source)from[c]);

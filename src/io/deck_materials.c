@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_read.h"
 
 static sd_contact_law read_law(deck_group *g) {
@@ -13,14 +14,13 @@ static sd_contact_law read_law(deck_group *g) {
 
 int deck_material(deck *d, const deck_node *node, const char *name) {
   const sd_model *m = d->model;
+  uint32_t found;
+  if (deck_index_find(&d->materials, name, &found)) return (int)found;
+  if (!node) return -1;
   deck_guess guess = deck_guess_start(name);
-  for (size_t k = 0; k < m->n_materials; k++) {
-    if (strcmp(m->materials[k].name, name) == 0) return (int)k;
-    deck_guess_add(&guess, m->materials[k].name);
-  }
-  if (node)
-    deck_fail(d, node, "no material is called that%s%s%s", guess.best ? "; did you mean \"" : "",
-              guess.best ? guess.best : "", guess.best ? "\"?" : "");
+  for (size_t k = 0; k < m->n_materials && !deck_told(d); k++) deck_guess_add(&guess, m->materials[k].name);
+  deck_fail(d, node, "no material is called that%s%s%s", guess.best ? "; did you mean \"" : "",
+            guess.best ? guess.best : "", guess.best ? "\"?" : "");
   return -1;
 }
 
@@ -54,6 +54,10 @@ void deck_read_materials(deck *d) {
   sd_model *m = d->model;
   deck_node *list = deck_groups(d, d->root, "materials");
   size_t n = list ? list->n : 0;
+  if (n > LIMIT_MATERIALS) {
+    deck_fail(d, list, "%zu materials; expected at most %d", n, LIMIT_MATERIALS);
+    n = LIMIT_MATERIALS;
+  }
   m->materials = deck_keep(d, n, sizeof *m->materials);
   m->laws = deck_keep(d, n * n, sizeof *m->laws);
   m->n_materials = n;
@@ -69,6 +73,7 @@ void deck_read_materials(deck *d) {
     if (!name) continue;
     char *old = m->materials[k].name;
     m->materials[k].name = deck_keep_text(d, name);
+    deck_index_add(d, &d->materials, m->materials[k].name, (uint32_t)k);
     free(old);
   }
   if (!list && !deck_child(d->root, "materials"))
@@ -175,12 +180,10 @@ void deck_read_walls(deck *d) {
     sd_wall *wall = &m->walls[k];
     m->n_walls = k + 1;
     read_wall(d, list->child[k], wall);
-    for (size_t j = 0; wall->name && j < k; j++)
-      if (m->walls[j].name && strcmp(m->walls[j].name, wall->name) == 0)
-        deck_fail_key(d, list->child[k], "name", "two walls have this name");
-    bool disk = false;
-    for (size_t i = 0; wall->name && i < d->n_disk_names && !disk; i++)
-      disk = strcmp(d->disk_names[i].name, wall->name) == 0;
-    if (disk) deck_fail_key(d, list->child[k], "name", "a disk has this name too");
+    uint32_t disk;
+    if (wall->name && !deck_index_add(d, &d->walls, wall->name, (uint32_t)k))
+      deck_fail_key(d, list->child[k], "name", "two walls have this name");
+    if (wall->name && deck_disk_called(d, wall->name, &disk))
+      deck_fail_key(d, list->child[k], "name", "a disk has this name too");
   }
 }

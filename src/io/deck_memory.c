@@ -119,6 +119,7 @@ static bool take_contact(const mapping *map, size_t k, sd_contact_memory *c) {
     lambda += r->radius[b] * angle_shift(r, b);
   } else {
     size_t theirs = b - r->n_disks, own = map->body[b] - map->ours->d->model->n_disks;
+    if (r->walls[theirs].pieces && part - map->piece[theirs] >= r->walls[theirs].pieces) return false;
     if (r->walls[theirs].pieces) part = (uint32_t)(part - map->piece[theirs] + map->ours->piece[own]);
     /* a round wall begins at angle 0 */
     if (!r->walls[theirs].pieces) lambda -= r->radius[b] * r->theta[b];

@@ -371,10 +371,7 @@ void deck_read_motions(deck *d) {
   for (size_t k = 0; list && k < list->n; k++) {
     read_motion(d, list->child[k], k, &s);
     const deck_node *name = deck_child(list->child[k], "name");
-    for (size_t j = 0; name && name->type == DECK_STRING && j < k; j++) {
-      const deck_node *other = deck_child(list->child[j], "name");
-      if (other && other->type == DECK_STRING && !strcmp(name->value.text, other->value.text))
-        deck_fail(d, name, "two motions have this name");
-    }
+    if (name && name->type == DECK_STRING && !deck_index_add(d, &d->motions, name->value.text, (uint32_t)k))
+      deck_fail(d, name, "two motions have this name");
   }
 }

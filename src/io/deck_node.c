@@ -5,13 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "io/deck.h"
 
-/* After so many errors the rest is only counted. */
-enum { MOST_MESSAGES = 100, CHUNK = 64 * 1024 };
+enum { CHUNK = 64 * 1024 };
 
 struct deck_chunk {
   deck_chunk *next;
+  void *owned; /* of deck_own */
   size_t used, size;
   _Alignas(16) unsigned char bytes[];
 };
@@ -53,6 +55,27 @@ char *deck_format(deck *d, const char *format, ...) {
   return text;
 }
 
+void deck_own(deck *d, void *p) {
+  deck_chunk *chunk = malloc(sizeof *chunk);
+  if (!chunk) {
+    free(p);
+    longjmp(d->out_of_memory, 1);
+  }
+  *chunk = (deck_chunk){.owned = p};
+  /* behind the chunk that is being filled */
+  deck_chunk **at = d->memory ? &d->memory->next : &d->memory;
+  chunk->next = *at;
+  *at = chunk;
+}
+
+const char *deck_quote(deck *d, const char *text, size_t n) {
+  size_t shown = text_quoted(text, n);
+  char *copy = deck_alloc(d, shown + 4, 1);
+  memcpy(copy, text, shown);
+  if (shown < n) memcpy(copy + shown, "...", 3);
+  return copy;
+}
+
 void *deck_keep(deck *d, size_t n, size_t size) {
   void *p = calloc(n ? n : 1, size);
   if (!p) longjmp(d->out_of_memory, 1);
@@ -77,6 +100,7 @@ char *deck_keep_text(deck *d, const char *text) {
 void deck_memory_free(deck *d) {
   while (d->memory) {
     deck_chunk *next = d->memory->next;
+    free(d->memory->owned);
     free(d->memory);
     d->memory = next;
   }
@@ -140,12 +164,13 @@ const char *deck_node_value(deck *d, const deck_node *node) {
       snprintf(text, sizeof text, "%.10g", node->value.number);
       return deck_copy(d, text, strlen(text));
     case DECK_STRING:
-      if (strlen(node->value.text) > 60) return deck_format(d, "\"%.57s...\"", node->value.text);
-      return deck_format(d, "\"%s\"", node->value.text);
+      return deck_format(d, "\"%s\"", deck_quote(d, node->value.text, strlen(node->value.text)));
     case DECK_GROUP: return "{...}";
     case DECK_LIST: break;
   }
-  if (node->n > 4) return deck_format(d, "(list of %zu)", node->n);
+  bool within = node->parent && node->parent->type == DECK_LIST && node->parent->parent &&
+                node->parent->parent->type == DECK_LIST;
+  if (node->n > 4 || within) return deck_format(d, "(list of %zu)", node->n);
   char *list = deck_format(d, "(");
   for (size_t k = 0; k < node->n; k++)
     list = deck_format(d, "%s%s%s", list, k ? ", " : "", deck_node_value(d, node->child[k]));
@@ -154,16 +179,25 @@ const char *deck_node_value(deck *d, const deck_node *node) {
 
 /* --- messages ------------------------------------------------------------------------------------------- */
 
+bool deck_told(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
+
 static void report(deck *d, deck_place place, const char *head, const char *text) {
-  if (d->reported++ >= MOST_MESSAGES) return;
+  d->reported++;
   const char *colon = *head ? ": " : "";
   if (place.line > 0)
     sd_fail(d->messages, SD_ERROR_USER, "%s:%d: %s%s%s", place.file, place.line, head, colon, text);
+  else if (place.line < 0)
+    sd_fail(d->messages, SD_ERROR_USER, "%s: row %d: %s%s%s", place.file, -(place.line + 1), head, colon,
+            text);
   else
     sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", place.file ? place.file : d->path, head, colon, text);
 }
 
 void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
   va_list args;
   va_start(args, format);
   const char *text = words(d, format, args), *path = deck_node_path(d, node);
@@ -174,6 +208,10 @@ void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
 }
 
 void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) {
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
   va_list args;
   va_start(args, format);
   const char *text = words(d, format, args), *path = deck_node_path(d, group);
@@ -186,6 +224,10 @@ void deck_fail_key(deck *d, const deck_node *group, const char *key, const char 
 }
 
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) {
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
   va_list args;
   va_start(args, format);
   const char *text = words(d, format, args);
@@ -193,8 +235,13 @@ void deck_fail_place(deck *d, deck_place place, const char *format, ...) {
   report(d, place, "", text);
 }
 
+void deck_check_text(deck *d, const deck_node *node) {
+  if (!text_printable(node->value.text))
+    deck_fail(d, node, "expected a text in UTF-8 without control characters");
+}
+
 void deck_report_rest(deck *d) {
-  if (d->reported > MOST_MESSAGES)
+  if (d->reported > LIMIT_DECK_ERRORS)
     sd_fail(d->messages, SD_ERROR_USER, "%s: %zu more errors like these", d->path,
-            d->reported - MOST_MESSAGES);
+            d->reported - LIMIT_DECK_ERRORS);
 }

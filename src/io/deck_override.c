@@ -12,6 +12,8 @@
 #include <string.h>
 #include <sys/types.h>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "io/deck.h"
 #include "io/deck_keys.h"
 
@@ -45,7 +47,8 @@ static bool are_alternatives(const char *a, size_t n, const char *b, size_t m) {
 
 /* What -D has set stands in the command line. */
 static deck_place place_of(deck *d, const deck_setting *s) {
-  return s->place.file ? s->place : (deck_place){deck_format(d, "-D %s", s->text), 0};
+  return s->place.file ? s->place
+                       : (deck_place){deck_format(d, "-D %s", deck_quote(d, s->text, strlen(s->text))), 0};
 }
 
 /* About the setting as a whole: "-D path=value: ...", or "file:line: path = value: ...". */
@@ -60,7 +63,8 @@ static void fail(deck *d, const deck_setting *s, const char *format, ...) {
   const char *words = deck_copy(d, text, (size_t)n), *equals = strchr(s->text, '=');
   free(text);
   if (s->place.file && equals)
-    deck_fail_place(d, s->place, "%.*s = %s: %s", (int)(equals - s->text), s->text, equals + 1, words);
+    deck_fail_place(d, s->place, "%s = %s: %s", deck_quote(d, s->text, (size_t)(equals - s->text)),
+                    deck_quote(d, equals + 1, strlen(equals + 1)), words);
   else
     deck_fail_place(d, place_of(d, s), "%s", words);
 }
@@ -83,11 +87,15 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
     sd_messages_free(mine);
     deck_node *node = deck_node_new(d, NULL, NULL, DECK_STRING, place);
     node->value.text = deck_copy(d, text, strlen(text));
-    return node;
+    if (text_printable(text)) return node;
+    fail(d, s, "expected a text in UTF-8 without control characters");
+    return NULL;
   }
   sd_messages_free(mine);
-  if (one) return root->child[0];
+  bool bad_text = one && d->reported > reported; /* all that is wrong with a value that can be parsed */
   d->reported = reported;
+  if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
+  if (one) return bad_text ? NULL : root->child[0];
   char *end;
   strtod(text, &end);
   bool number = end != text && !*end;
@@ -170,6 +178,10 @@ static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char
   size_t n = strcspn(*p, ".[");
   const char *word = *p;
   *p += n;
+  if (n > LIMIT_QUOTE) {
+    fail(d, s, "a key of %zu characters; expected at most %d", n, LIMIT_QUOTE);
+    return NULL;
+  }
   if (n == 0 || (at->type != DECK_GROUP && at->type != DECK_LIST)) {
     if (n == 0)
       fail(d, s, "expected path=value, such as gravity.tilt=0.1");
@@ -192,6 +204,13 @@ static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place plac
     const deck_node *child = from->child[k];
     adopt(d, deck_node_new(d, to, child->name, child->type, place), child, place);
   }
+}
+
+/* Steps of a path, or more: more brackets and points. */
+static size_t path_depth(const char *p) {
+  size_t n = 1;
+  for (; *p; p++) n += *p == '.' || *p == '[';
+  return n;
 }
 
 static void set(deck *d, const deck_setting *s, deck_node *at, const char *p, const deck_node *value) {
@@ -227,8 +246,13 @@ void deck_override(deck *d, const deck_setting *setting) {
   }
   size_t n = (size_t)(equals - text);
   while (n && isspace((unsigned char)text[n - 1])) n--;
+  const char *path = deck_copy(d, text, n);
+  if (path_depth(path) > LIMIT_DEPTH) {
+    fail(d, setting, "more than %d steps in the path", LIMIT_DEPTH);
+    return;
+  }
   const deck_node *value = value_of(d, setting, equals + 1);
-  if (value) set(d, setting, d->root, deck_copy(d, text, n), value);
+  if (value) set(d, setting, d->root, path, value);
 }
 
 /* --- two paths --------------------------------------------------------------------------------------------- */

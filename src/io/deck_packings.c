@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_read.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
@@ -15,7 +16,6 @@
 #include "pack/sizes.h"
 
 /* More disks than this in one packing are taken for a mistake. */
-static const double MOST_DISKS = 1e8;
 /* Densest packing of equal disks, pi/sqrt(12). */
 static const double DENSEST = 0.90689968211710892;
 /* A distribution that is cut down to less than this is taken for a mistake. */
@@ -202,8 +202,8 @@ static void check_area(packing *p, double count, double area) {
   if (!isnan(p->fraction) && p->fraction > DENSEST)
     deck_fail_key(d, p->g.node, "fraction",
                   "more than the densest packing of equal disks has; expected at most 0.9069");
-  else if (count > MOST_DISKS)
-    deck_fail(d, p->g.node, "%g disks; expected at most %g", count, MOST_DISKS);
+  else if (count > LIMIT_DISKS)
+    deck_fail(d, p->g.node, "%g disks; expected at most %d", count, LIMIT_DISKS);
   else if (count * p->mean_area > DENSEST * area * (1 + 1e-9))
     deck_fail(d, p->g.node,
               "%g disks of area %g in all in a region of area %g: a packing fraction of %.4g; "
@@ -216,6 +216,11 @@ static void check_area(packing *p, double count, double area) {
 static void push(packing *p, size_t n, const double *radius, double (*position)[2], bool waiting) {
   for (size_t k = 0; k < n; k++) {
     double mass = isnan(p->mass) ? p->density * 3.14159265358979323846 * radius[k] * radius[k] : p->mass;
+    if (mass >= 0 && !deck_in_range(DECK_POSITIVE, mass)) {
+      deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
+                    deck_expected(DECK_POSITIVE, mass));
+      return;
+    }
     sd_disk disk = {.position = {position[k][0], position[k][1], 0},
                     .radius = radius[k],
                     .mass = mass,
@@ -295,9 +300,9 @@ static void make_lattice(packing *p) {
   if (d->reported > before) return;
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
                  ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
-  if (sites > MOST_DISKS) {
-    deck_fail_key(d, g->node, "spacing", "the lattice has about %g sites; expected at most %g", sites,
-                  MOST_DISKS);
+  if (sites > LIMIT_DISKS) {
+    deck_fail_key(d, g->node, "spacing", "the lattice has about %g sites; expected at most %d", sites,
+                  LIMIT_DISKS);
     return;
   }
   bench b = open_bench(p, p->count > 0 ? fmin((double)p->count, sites) : sites);

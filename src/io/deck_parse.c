@@ -46,6 +46,7 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
       const char *s = config_setting_get_string(from);
       if (!s) longjmp(d->out_of_memory, 1);
       to->value.text = deck_copy(d, s, strlen(s));
+      deck_check_text(d, to);
       return;
     }
     case DECK_GROUP:

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_read.h"
 
 /* All free disks are watched when there are no more than these. */
@@ -40,13 +41,15 @@ static bool find_motion(deck *d, const deck_node *node, size_t *entry) {
     deck_fail(d, node, "expected the name or the number of a motion");
     return false;
   }
+  uint32_t found;
+  if (deck_index_find(&d->motions, node->value.text, &found)) {
+    *entry = found;
+    return true;
+  }
   deck_guess guess = deck_guess_start(node->value.text);
-  for (size_t k = 0; k < n; k++) {
+  for (size_t k = 0; k < n && !deck_told(d); k++) {
     const deck_node *name = deck_child(list->child[k], "name");
-    if (!name || name->type != DECK_STRING) continue;
-    *entry = k;
-    if (strcmp(name->value.text, guess.word) == 0) return true;
-    deck_guess_add(&guess, name->value.text);
+    if (name && name->type == DECK_STRING) deck_guess_add(&guess, name->value.text);
   }
   deck_fail(d, node, "no motion is called that%s%s%s", guess.best ? "; did you mean \"" : "",
             guess.best ? guess.best : "", guess.best ? "\"?" : "");
@@ -78,12 +81,13 @@ static void read_active(deck_group *g, sd_phase *phase) {
     for (size_t k = 0; k < m->n_motions; k++) phase->active[k] = true;
     return;
   }
+  const deck_node *all = deck_child(d->root, "motions");
+  bool *on = deck_alloc(d, all ? all->n + 1 : 1, sizeof *on);
   for (size_t j = 0; j < deck_each_count(list); j++) {
     size_t entry;
-    if (!find_motion(d, deck_each(list, j), &entry)) continue;
-    for (size_t k = 0; k < m->n_motions; k++)
-      if (d->motion_entry[k] == entry) phase->active[k] = true;
+    if (find_motion(d, deck_each(list, j), &entry)) on[entry] = true;
   }
+  for (size_t k = 0; k < m->n_motions; k++) phase->active[k] = on[d->motion_entry[k]];
 }
 
 /* --- cadences ------------------------------------------------------------------------------------------------ */
@@ -148,6 +152,10 @@ void deck_read_phases(deck *d) {
   sd_model *m = d->model;
   deck_group top = {d, d->root, &deck_top}, output;
   deck_node *list = deck_groups(d, d->root, "phases");
+  if (list && list->n > LIMIT_PHASES) {
+    deck_fail(d, list, "%zu phases; expected at most %d", list->n, LIMIT_PHASES);
+    return;
+  }
   bool short_form = deck_given(&top, "steps") || deck_given(&top, "time");
   if (!deck_enter_one(d, d->root, "output", &deck_output, &output)) return;
   if (!list && deck_get(&top, "phases")) return;

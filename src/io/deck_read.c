@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck_read.h"
 
 static const double pi = 3.14159265358979323846;
@@ -27,9 +28,12 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     deck_node *child = node->child[k];
     if (deck_key_find(table, child->name)) continue;
     deck_guess guess = deck_guess_start(child->name);
-    for (size_t j = 0; j < table->n; j++) deck_guess_add(&guess, table->key[j].name);
+    for (size_t j = 0; j < table->n && !deck_told(d); j++) deck_guess_add(&guess, table->key[j].name);
     deck_fail(d, child, "unknown key%s%s%s", table == &deck_top ? "" : " of ",
-              table == &deck_top ? "" : table->name, guess.best ? hint(d, guess.best) : keys_of(d, table));
+              table == &deck_top ? "" : table->name,
+              deck_told(d) ? ""
+              : guess.best ? hint(d, guess.best)
+                           : keys_of(d, table));
   }
 }
 
@@ -55,6 +59,11 @@ bool deck_enter_one(deck *d, deck_node *parent, const char *key, const deck_tabl
 
 deck_node *deck_groups(deck *d, deck_node *parent, const char *key) {
   deck_node *node = deck_child(parent, key);
+  bool disks = strcmp(key, "disks") == 0 || strcmp(key, "disk_rows") == 0;
+  if (node && node->type == DECK_LIST && node->n > LIMIT_ENTRIES && !disks) {
+    deck_fail(d, node, "%zu entries; expected at most %d", node->n, LIMIT_ENTRIES);
+    return NULL;
+  }
   if (!node || node->type == DECK_LIST) return node;
   deck_fail(d, node, "expected a list of groups ( { key = value; ... }, { ... } )");
   return NULL;
@@ -211,7 +220,9 @@ bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
   }
   if (node->type == DECK_FLOAT) {
     *x = node->value.number;
-    return true;
+    if (deck_in_range(DECK_ANY, *x)) return true;
+    deck_fail(d, node, "expected a number %s", deck_expected(DECK_ANY, *x));
+    return false;
   }
   if (angle && node->type == DECK_STRING && deck_angle(node->value.text, x)) return true;
   if (angle)
@@ -227,7 +238,7 @@ double deck_number(deck_group *g, const char *name) {
   double x;
   if (!node || !deck_value_number(g->d, node, key->kind == DECK_KEY_ANGLE, &x)) return NAN;
   if (deck_in_range(key->range, x)) return x;
-  deck_fail(g->d, node, "expected a number %s", deck_range_text(key->range));
+  deck_fail(g->d, node, "expected a number %s", deck_expected(key->range, x));
   return NAN;
 }
 

@@ -6,6 +6,7 @@
  *   material NAME     group NAME     disk NUMBER NAME
  *   wall NAME  PIECES ANGLE SCALE  kind, closed, inside, radius, pivot, points
  */
+#include "base/limits.h"
 #include "io/deck_result.h"
 
 #include <math.h>
@@ -14,6 +15,9 @@
 
 #include "io/checkpoint.h"
 #include "io/file.h"
+
+/* Those of a deck and of its container. */
+enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
 
 /* --- the text ------------------------------------------------------------------------------------------- */
 
@@ -93,10 +97,13 @@ static void add_wall(deck *d, deck_result *r, char *line) {
   *count++ = *text++ = 0;
   result_wall wall = {.name = line, .text = text};
   if (sscanf(count, "%zu %lf %lf", &wall.pieces, &wall.angle, &wall.scale) != 3) return;
-  result_wall *grown = deck_alloc(d, r->n_walls + 1, sizeof *grown);
-  if (r->n_walls) memcpy(grown, r->walls, r->n_walls * sizeof *grown);
-  grown[r->n_walls++] = wall;
-  r->walls = grown;
+  if (r->n_walls == MOST_WALLS) return;
+  if ((r->n_walls & (r->n_walls - 1)) == 0) {
+    result_wall *grown = deck_alloc(d, 2 * r->n_walls + 1, sizeof *grown);
+    if (r->n_walls) memcpy(grown, r->walls, r->n_walls * sizeof *grown);
+    r->walls = grown;
+  }
+  r->walls[r->n_walls++] = wall;
 }
 
 static void parse_text(deck *d, deck_result *r, char *text) {
@@ -145,10 +152,15 @@ typedef struct reader {
   bool failed;
 } reader;
 
+/* NULL: reported. Its length is looked at before there is memory for it. */
 static void *column(reader *in, const char *name, sd_type type, size_t n) {
-  void *data = deck_alloc(in->d, n, sd_type_size(type));
-  if (n && h5_get(in->file, deck_format(in->d, "/state/%s", name), type, n, data, in->d->messages) != SD_OK)
+  const char *path = deck_format(in->d, "/state/%s", name);
+  if (in->failed || h5_check(in->file, path, n, in->d->messages) != SD_OK) {
     in->failed = true;
+    return NULL;
+  }
+  void *data = deck_alloc(in->d, n, sd_type_size(type));
+  in->failed = n && h5_get(in->file, path, type, n, data, in->d->messages) != SD_OK;
   return data;
 }
 
@@ -156,7 +168,8 @@ static void *column(reader *in, const char *name, sd_type type, size_t n) {
 static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r, const uint32_t *id,
                      size_t n) {
   size_t size = sd_type_size(type);
-  char *from = column(in, name, type, n), *to = deck_alloc(in->d, r->n_bodies, size);
+  char *from = column(in, name, type, n);
+  char *to = in->failed ? NULL : deck_alloc(in->d, r->n_bodies, size);
   for (size_t slot = 0; slot < n && !in->failed; slot++)
     memcpy(to + id[slot] * size, from + slot * size, size);
   return to;
@@ -182,6 +195,7 @@ static void read_contacts(reader *in, deck_result *r) {
 
 static void read_bodies(reader *in, deck_result *r) {
   const uint32_t *id = column(in, "id", SD_U32, r->n_bodies);
+  if (in->failed) return;
   bool *seen = deck_alloc(in->d, r->n_bodies, sizeof *seen);
   for (size_t slot = 0; slot < r->n_bodies; slot++) {
     in->failed |= id[slot] >= r->n_bodies || seen[id[slot]];
@@ -201,6 +215,7 @@ static void read_bodies(reader *in, deck_result *r) {
   r->material = by_body(in, "material", SD_I32, r, id, r->n_bodies);
   r->group = by_body(in, "group", SD_I32, r, id, r->n_bodies);
   const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
+  if (in->failed) return;
   r->driven = deck_alloc(in->d, r->n_disks, sizeof *r->driven);
   r->gone = deck_alloc(in->d, r->n_disks, sizeof *r->gone);
   for (size_t slot = 0; slot < r->n_disks; slot++)
@@ -235,14 +250,14 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path)
                  {&r->n_contacts, "n_contacts"}};
   for (size_t k = 0; k < sizeof extents / sizeof *extents; k++) {
     int64_t n = h5_get_attr_i64(in.file, "/state", extents[k].name, -1);
-    in.failed |= n < 0 || n > UINT32_MAX;
+    in.failed |= n < 0 || n > 8 * (int64_t)LIMIT_DISKS;
     *extents[k].n = in.failed ? 0 : (size_t)n;
   }
   in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
   const double *scale = column(&in, "box_scale", SD_F64, 1);
   if (!in.failed) read_bodies(&in, r);
   if (!in.failed) read_contacts(&in, r);
-  r->box_scale = *scale;
+  r->box_scale = in.failed ? 1.0 : *scale;
   char *text = h5_get_text(in.file, "/parameters/deck_bodies");
   if (text) parse_text(d, r, deck_copy(d, text, strlen(text)));
   free(text);
@@ -320,7 +335,8 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
   for (uint32_t k = 0; k < r->n_disks; k++) {
     if (r->gone[k]) continue;
     t->body[t->n_rows] = k;
-    deck_columns_add_row(d, t, (deck_place){deck_format(d, "%s: disk %u", path, (unsigned)k), 0});
+    if (!deck_columns_add_row(d, t, (deck_place){deck_format(d, "%s: disk %u", path, (unsigned)k), 0}))
+      return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = number_of(r, t->column[c], k);
@@ -340,7 +356,7 @@ static bool box_of_particles(const h5_file *file, double lower[2], double upper[
   sd_status status = SD_ERROR_IO;
   if (h5_exists(file, framed)) {
     if (h5_shape(file, framed, &rank, dims, NULL) == SD_OK && rank == 2 && dims[0] > 0 && dims[1] == 2)
-      status = h5_get_rows(file, framed, SD_F64, dims[0] - 1, 1, edges, NULL);
+      status = h5_get_values(file, framed, SD_F64, dims[0] - 1, 1, 2, edges, NULL);
   } else {
     status = h5_get(file, fixed, SD_F64, 2, edges, NULL);
   }

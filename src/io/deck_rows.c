@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/limits.h"
 #include "io/deck_result.h"
 #include "io/file.h"
 #include "io/h5.h"
@@ -33,6 +34,7 @@ bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck
   size_t n = equals ? (size_t)(equals - text) : strlen(text);
   while (n && isspace((unsigned char)text[n - 1])) n--;
   const char *name = deck_copy(d, text, n), *source = equals ? equals + 1 : name;
+  const char *shown = deck_quote(d, text, n);
   while (isspace((unsigned char)*source)) source++;
   int column = deck_column(name);
   const char *wrong = NULL;
@@ -41,8 +43,8 @@ bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck
     for (int k = 0; k < COLUMN_KINDS; k++) deck_guess_add(&guess, deck_column_names[k]);
     wrong =
         guess.best
-            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", name, guess.best)
-            : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", name);
+            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown, guess.best)
+            : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", shown);
   }
   for (size_t k = 0; k < table->n_columns && !wrong; k++)
     if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);
@@ -69,23 +71,32 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
 
 /* --- cells ---------------------------------------------------------------------------------------------- */
 
-void deck_columns_add_row(deck *d, deck_columns *t, deck_place place) {
-  if (t->n_rows == t->capacity) {
-    size_t capacity = 2 * t->capacity + 64, n = t->n_rows * t->n_columns;
-    double *number = deck_alloc(d, capacity * t->n_columns, sizeof *number);
-    const char **text = deck_alloc(d, capacity * t->n_columns, sizeof *text);
-    deck_place *where = deck_alloc(d, capacity, sizeof *where);
-    if (t->n_rows) {
-      memcpy(number, t->number, n * sizeof *number);
-      memcpy(text, t->text, n * sizeof *text);
-      memcpy(where, t->place, t->n_rows * sizeof *where);
-    }
-    t->number = number;
-    t->text = text;
-    t->place = where;
-    t->capacity = capacity;
+static void grow(deck *d, deck_columns *t, size_t capacity) {
+  size_t cells = capacity * t->n_columns;
+  bool texts = false;
+  for (size_t c = 0; c < t->n_columns; c++) texts |= t->column[c] >= COLUMN_NUMBERS;
+  double *number = deck_alloc(d, cells, sizeof *number);
+  const char **text = texts ? deck_alloc(d, cells, sizeof *text) : NULL;
+  deck_place *where = deck_alloc(d, capacity, sizeof *where);
+  if (t->n_rows) {
+    memcpy(number, t->number, t->n_rows * t->n_columns * sizeof *number);
+    if (texts) memcpy(text, t->text, t->n_rows * t->n_columns * sizeof *text);
+    memcpy(where, t->place, t->n_rows * sizeof *where);
   }
+  t->number = number;
+  t->text = text;
+  t->place = where;
+  t->capacity = capacity;
+}
+
+bool deck_columns_add_row(deck *d, deck_columns *t, deck_place place) {
+  if (t->n_rows >= LIMIT_DISKS) {
+    deck_fail_place(d, place, "more than %d disks", LIMIT_DISKS);
+    return false;
+  }
+  if (t->n_rows == t->capacity) grow(d, t, 2 * t->capacity + 64);
   t->place[t->n_rows++] = place;
+  return true;
 }
 
 void deck_columns_from_rows(deck_group *g, deck_columns *t) {
@@ -101,7 +112,7 @@ void deck_columns_from_rows(deck_group *g, deck_columns *t) {
       deck_fail(d, row, "expected %zu values in ( ), one per column", t->n_columns);
       continue;
     }
-    deck_columns_add_row(d, t, row->place);
+    if (!deck_columns_add_row(d, t, row->place)) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       deck_node *cell = row->child[c];
       size_t at = (t->n_rows - 1) * t->n_columns + c;
@@ -129,7 +140,12 @@ typedef struct csv {
   char **field; /* of the line that csv_line has read */
 } csv;
 
+/* Of more than LIMIT_COLUMNS fields only the number is known. */
 static void add_field(csv *in, char *text) {
+  if (in->n_fields >= LIMIT_COLUMNS) {
+    in->n_fields++;
+    return;
+  }
   if (in->n_fields == in->capacity) {
     size_t capacity = 2 * in->capacity + 16;
     char **field = deck_alloc(in->d, capacity, sizeof *field);
@@ -166,11 +182,13 @@ static bool csv_line(csv *in) {
 static bool csv_open(csv *in, deck *d, const deck_node *file) {
   const char *path = deck_resolve(d, d->path, file->value.text);
   *in = (csv){.d = d, .here = {path, 0}};
-  in->p = deck_read_file(d, path, file->place, "file");
+  in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
   if (!in->p) return false;
-  if (csv_line(in)) return true;
-  deck_fail(d, file, "the file is empty; expected a line with the names of its columns");
-  return false;
+  bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS;
+  if (!line) deck_fail(d, file, "the file is empty; expected a line with the names of its columns");
+  if (line && !good)
+    deck_fail_place(d, in->here, "%zu columns; expected at most %d", in->n_fields, LIMIT_COLUMNS);
+  return good;
 }
 
 static size_t csv_find(const csv *in, const char *name) {
@@ -183,7 +201,8 @@ static bool csv_number(const csv *in, const char *column, const char *text, doub
   char *end;
   *x = strtod(text, &end);
   if (end != text && !*end && isfinite(*x)) return true;
-  deck_fail_place(in->d, in->here, "%s = %s: expected a number", column, *text ? text : "(empty)");
+  deck_fail_place(in->d, in->here, "%s = %s: expected a number", column,
+                  *text ? deck_quote(in->d, text, strlen(text)) : "(empty)");
   *x = NAN;
   return false;
 }
@@ -200,7 +219,8 @@ static size_t csv_find_reported(const csv *in, const char *name) {
   }
   const char *found = "";
   for (size_t j = 0; j < in->n_fields && j < 8; j++)
-    found = deck_format(in->d, "%s%s\"%s\"", found, j ? ", " : "", in->field[j]);
+    found = deck_format(in->d, "%s%s\"%s\"", found, j ? ", " : "",
+                        deck_quote(in->d, in->field[j], strlen(in->field[j])));
   deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; found %s%s", name, found,
                   in->n_fields > 8 ? ", ..." : "");
   return SIZE_MAX;
@@ -224,7 +244,7 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
     whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
   while (whole && csv_line(&in)) {
     if (!csv_row_is_whole(&in, n)) continue;
-    deck_columns_add_row(d, t, in.here);
+    if (!deck_columns_add_row(d, t, in.here)) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = NAN;
@@ -245,6 +265,10 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
   double *out[2] = {NULL, NULL};
   while (csv_line(&in)) {
     if (!csv_row_is_whole(&in, n)) continue;
+    if (rows == LIMIT_TABLE_ROWS) {
+      deck_fail_place(d, in.here, "more than %d rows", LIMIT_TABLE_ROWS);
+      return 0;
+    }
     for (int k = 0; k < 2 && rows == capacity; k++) {
       double *old = out[k];
       out[k] = deck_alloc(d, 2 * capacity + 64, sizeof(double));
@@ -268,10 +292,13 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
       deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; a dataset gives numbers only",
                     deck_column_names[t->column[c]]);
   const char *dataset = deck_text_of(g, "dataset");
-  if (access(path, R_OK) != 0) {
-    deck_fail(d, file, "cannot be read: %s", strerror(errno));
+  uint64_t size;
+  int there = file_open_quiet(path, &size);
+  if (there < 0) {
+    deck_fail(d, file, "cannot be read: %s", file_trouble(errno));
     return;
   }
+  close(there);
   if (!dataset) {
     deck_fail_key(d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
     return;
@@ -288,10 +315,9 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     free(values);
     return;
   }
-  for (size_t r = 0; r < n; r++) {
-    deck_columns_add_row(d, t, (deck_place){deck_format(d, "%s: row %zu", path, r), 0});
+  if (n) grow(d, t, n);
+  for (size_t r = 0; r < n && deck_columns_add_row(d, t, (deck_place){path, -1 - (int)r}); r++)
     for (size_t c = 0; c < t->n_columns; c++) t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
-  }
   free(values);
 }
 

@@ -49,10 +49,11 @@ void deck_columns_from_rows(deck_group *g, deck_columns *table);
 void deck_columns_from_file(deck_group *g, deck_columns *table);
 
 /* What readers of files share. A column of the table, "radius" or "radius = name in the file"; false: reported
- * at node, or at place when that is NULL. A row, whose numbers and texts are then to be filled. */
+ * at node, or at place when that is NULL. A row, whose numbers and texts are then to be filled; false: there are too
+ * many, reported at place. */
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place);
-void deck_columns_add_row(deck *d, deck_columns *table, deck_place place);
+bool deck_columns_add_row(deck *d, deck_columns *table, deck_place place);
 
 /* deck_lammps.c */
 void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *table);

@@ -19,9 +19,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/deck.h"
-
-enum { MOST_DEPTH = 40, MOST_INCLUDES = 8 };
+#include "io/file.h"
 
 typedef struct buffer {
   char *bytes;
@@ -44,6 +44,7 @@ typedef struct level {
   size_t index; /* in a list: of the element being read */
   key *keys;
   size_t n_keys, key_capacity;
+  size_t n_seen; /* repeated ones counted in */
 } level;
 
 typedef struct scanner {
@@ -51,9 +52,11 @@ typedef struct scanner {
   buffer clean, raw;
   deck_place *line;
   size_t n_lines, line_capacity;
-  level levels[MOST_DEPTH];
+  level levels[LIMIT_DEPTH];
   int depth;
   int includes; /* files open around this one */
+  int included_files;
+  size_t bytes; /* of the deck and all that it includes */
   int repeated;
   bool override, included, broken;
   bool torn;     /* a text was not closed: brackets may have gone with it */
@@ -102,7 +105,7 @@ static bool in_group(scanner *s) { return top(s)->open == 0 || top(s)->open == '
 
 /* The path of the value being read, with " = " behind it; "" before any. */
 static const char *path(scanner *s) {
-  if (s->override) return "";
+  if (s->override || deck_told(s->d)) return "";
   const char *text = "";
   for (int k = 0; k <= s->depth; k++) {
     const level *l = &s->levels[k];
@@ -139,8 +142,8 @@ static void scan_string(scanner *s) {
   while (*s->p && *s->p != '"' && *s->p != '\n') s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
   if (*s->p != '"') {
     /* what follows is read as if a quote stood here: one that is forgotten does not turn the deck inside out */
-    deck_fail_place(s->d, start, "%sthe text %.*s is not closed with \" on this line", path(s),
-                    (int)(s->p - from > 60 ? 60 : s->p - from), from);
+    deck_fail_place(s->d, start, "%sthe text %s is not closed with \" on this line", path(s),
+                    deck_quote(s->d, from, (size_t)(s->p - from)));
     s->broken = s->torn = true;
     top(s)->value = false;
     return;
@@ -180,8 +183,8 @@ static void emit_integer(scanner *s, const char *token, int base) {
   errno = 0;
   long long x = strtoll(token, NULL, base);
   if (errno == ERANGE) {
-    deck_fail_place(s->d, s->here, "%s%s: integer beyond 64 bits; expected at most %lld", path(s), token,
-                    INT64_MAX + 0LL);
+    deck_fail_place(s->d, s->here, "%s%s: integer beyond 64 bits; expected at most %lld", path(s),
+                    deck_quote(s->d, token, strlen(token)), INT64_MAX + 0LL);
     x = 1;
   }
   bool wide = x > INT32_MAX || x < INT32_MIN;
@@ -193,10 +196,12 @@ static void emit_real(scanner *s, const char *token) {
   bool nonzero = false;
   for (const char *p = token; *p && *p != 'e' && *p != 'E'; p++) nonzero |= *p >= '1' && *p <= '9';
   if (!isfinite(x)) {
-    deck_fail_place(s->d, s->here, "%s%s: number too large; expected at most 1.79e308", path(s), token);
+    deck_fail_place(s->d, s->here, "%s%s: number too large; expected at most 1.79e308", path(s),
+                    deck_quote(s->d, token, strlen(token)));
     token = "1.0";
   } else if (x == 0 && nonzero) {
-    deck_fail_place(s->d, s->here, "%s%s: number too small, it would be read as 0", path(s), token);
+    deck_fail_place(s->d, s->here, "%s%s: number too small, it would be read as 0", path(s),
+                    deck_quote(s->d, token, strlen(token)));
     token = "1.0";
   }
   emit_text(s, token);
@@ -213,8 +218,9 @@ static bool scan_number(scanner *s) {
   if (!real && *end == 'L') end += end[1] == 'L' ? 2 : 1;
   if (word_char(*end) || *end == '.') {
     while (word_char(*end) || *end == '.') end++;
-    deck_fail_place(s->d, s->here, "%s%.*s: neither a number nor a text (a text needs quotes: \"%.*s\")",
-                    path(s), (int)(end - s->p), s->p, (int)(end - s->p), s->p);
+    const char *word = deck_quote(s->d, s->p, (size_t)(end - s->p));
+    deck_fail_place(s->d, s->here, "%s%s: neither a number nor a text (a text needs quotes: \"%s\")", path(s),
+                    word, word);
     emit_text(s, "1"); /* most likely within range, so that no second message follows */
   } else if (real) {
     emit_real(s, token);
@@ -228,12 +234,25 @@ static bool scan_number(scanner *s) {
 
 static void scan_key(scanner *s, const char *name, size_t n) {
   level *l = top(s);
+  if (n > LIMIT_QUOTE) {
+    deck_fail_place(s->d, s->here, "%s: a key of %zu characters; expected at most %d",
+                    deck_quote(s->d, name, n), n, LIMIT_QUOTE);
+    s->broken = true;
+    return;
+  }
   l->name = name;
   l->length = n;
+  if (l->n_seen++ >= LIMIT_KEYS) {
+    if (l->n_seen == LIMIT_KEYS + 1)
+      deck_fail_place(s->d, s->here, "%.*s: more than %d keys in one group", (int)n, name, LIMIT_KEYS);
+    s->broken = true;
+    return;
+  }
   for (size_t k = 0; k < l->n_keys; k++) {
     if (l->keys[k].length != n || memcmp(l->keys[k].name, name, n) != 0) continue;
     const char *full = path(s);
-    deck_fail_place(s->d, s->here, "%.*s: key given twice; first on line %d%s%s", (int)strlen(full) - 3, full,
+    int length = *full ? (int)strlen(full) - 3 : 0;
+    deck_fail_place(s->d, s->here, "%.*s: key given twice; first on line %d%s%s", length, full,
                     l->keys[k].place.line, l->keys[k].place.file == s->here.file ? "" : " of ",
                     l->keys[k].place.file == s->here.file ? "" : l->keys[k].place.file);
     emit_text(s, deck_format(s->d, "*repeated-%d", s->repeated++));
@@ -271,9 +290,10 @@ static void scan_word(scanner *s) {
     return;
   }
   /* read on as if the quotes were there, so that later mistakes are found too */
-  if (!s->override)
-    deck_fail_place(s->d, s->here, "%s%.*s: a text needs quotes: \"%.*s\"", path(s), (int)n, name, (int)n,
-                    name);
+  if (!s->override) {
+    const char *word = deck_quote(s->d, name, n);
+    deck_fail_place(s->d, s->here, "%s%s: a text needs quotes: \"%s\"", path(s), word, word);
+  }
   s->broken |= s->override;
   emit_text(s, deck_format(s->d, "\"%.*s\"", (int)n, name));
 }
@@ -283,8 +303,9 @@ static void scan_word(scanner *s) {
 static void open_bracket(scanner *s) {
   char c = *s->p++;
   top(s)->value = false;
-  if (s->depth + 1 >= MOST_DEPTH) {
-    if (!s->broken) deck_fail_place(s->d, s->here, "more than %d brackets inside each other", MOST_DEPTH - 2);
+  if (s->depth + 1 >= LIMIT_DEPTH) {
+    if (!s->broken)
+      deck_fail_place(s->d, s->here, "more than %d brackets inside each other", LIMIT_DEPTH - 2);
     s->broken = true;
     return;
   }
@@ -326,13 +347,22 @@ static void include_file(scanner *s) {
   const char *file = deck_resolve(s->d, s->here.file, name), *start = s->start;
   deck_place here = s->here;
   char *text = NULL;
-  if (s->includes >= MOST_INCLUDES) {
-    deck_fail_place(s->d, s->here, "@include \"%s\": more than %d files inside each other", name,
-                    MOST_INCLUDES);
+  const size_t most = (size_t)LIMIT_DECK * LIMIT_MIB;
+  if (s->includes >= LIMIT_INCLUDE_DEPTH || s->included_files >= LIMIT_INCLUDES) {
+    bool deep = s->includes >= LIMIT_INCLUDE_DEPTH;
+    deck_fail_place(s->d, s->here, "@include \"%s\": more than %d files %s",
+                    deck_quote(s->d, name, strlen(name)), deep ? LIMIT_INCLUDE_DEPTH : LIMIT_INCLUDES,
+                    deep ? "inside each other" : "are included");
     s->broken = true;
-  } else if (!(text = deck_read_file(s->d, file, s->here, "@include"))) {
+  } else if (!(text = deck_read_file(s->d, file, most, s->here, "@include"))) {
     s->broken = true;
+  } else if ((s->bytes += strlen(text)) > most) {
+    deck_fail_place(s->d, s->here, "@include \"%s\": the deck has more than %d MiB with all that it includes",
+                    deck_quote(s->d, name, strlen(name)), LIMIT_DECK);
+    s->broken = true;
+    text = NULL;
   }
+  s->included_files++;
   if (text) {
     /* drop "@include ..." from the raw text, whose copy runs up to here, and put the file in its place */
     s->included = true;
@@ -406,6 +436,7 @@ deck_text deck_scan(deck *d, const char *text, deck_place place, bool override) 
   s->d = d;
   s->override = override;
   s->here = place;
+  s->bytes = strlen(text);
   begin_line(s);
   emit(s, "", 0);
   scan_all(s, text, place);
@@ -428,25 +459,12 @@ char *deck_resolve(deck *d, const char *file, const char *path) {
   return deck_format(d, "%.*s/%s", (int)(slash - file), file, path);
 }
 
-char *deck_read_file(deck *d, const char *path, deck_place place, const char *what) {
-  FILE *in = fopen(path, "rb");
-  buffer b = {0};
-  char block[8192];
-  size_t n = 0;
-  if (in) {
-    put(d, &b, "", 0);
-    while ((n = fread(block, 1, sizeof block, in)) > 0) put(d, &b, block, n);
-  }
-  bool bad = !in || ferror(in);
-  int error = errno;
-  if (in) fclose(in);
-  if (bad) {
-    deck_fail_place(d, place, "%s \"%s\": %s", what, path, strerror(error));
+char *deck_read_file(deck *d, const char *path, uint64_t most, deck_place place, const char *what) {
+  char *text, trouble[FILE_TROUBLE];
+  if (file_text(path, most, &text, trouble) != SD_OK) {
+    deck_fail_place(d, place, "%s \"%s\": %s", what, path, trouble);
     return NULL;
   }
-  if (strlen(b.bytes) != b.n) {
-    deck_fail_place(d, place, "%s \"%s\": not a text file (it holds a zero byte)", what, path);
-    return NULL;
-  }
-  return b.bytes;
+  deck_own(d, text);
+  return text;
 }

@@ -354,25 +354,69 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
 
 /* --- reading -------------------------------------------------------------------------------------- */
 
+/* -1 with errno set. A pipe must not keep the call waiting. */
+static int open_regular(int base, const char *name, int flags, uint64_t *size) {
+  struct stat facts;
+  int fd = file_open_at(base, name, O_RDONLY | O_NONBLOCK | O_NOCTTY | flags);
+  if (fd < 0) return -1;
+  int error = fstat(fd, &facts) != 0 ? errno : 0;
+  if (!error && !S_ISREG(facts.st_mode)) error = S_ISDIR(facts.st_mode) ? EISDIR : ENODEV;
+  if (!error) {
+    *size = (uint64_t)facts.st_size;
+    return fd;
+  }
+  close(fd);
+  errno = error;
+  return -1;
+}
+
+const char *file_trouble(int error) {
+  return error == EISDIR                     ? "it is a folder, not a file"
+         : error == ENODEV || error == ENXIO ? "it is a device or a pipe, not a file"
+                                             : strerror(error);
+}
+
+int file_open_quiet(const char *path, uint64_t *size) { return open_regular(AT_FDCWD, path, 0, size); }
+
 int file_open(int folder, const char *path, sd_messages *messages) {
   const char *name;
-  int base = base_of(folder, path, &name);
-  struct stat facts;
-  /* a pipe must not keep the call waiting */
-  int fd = file_open_at(base, name, O_RDONLY | O_NONBLOCK | (folder < 0 ? 0 : O_NOFOLLOW));
-  if (fd < 0) {
-    fail(messages, "open", path);
-  } else if (fstat(fd, &facts) != 0) {
-    fail(messages, "read", path);
-    close(fd);
-    fd = -1;
-  } else if (!S_ISREG(facts.st_mode)) {
-    sd_fail(messages, SD_ERROR_IO, "cannot read %s: it is %s, not a file", path,
-            S_ISDIR(facts.st_mode) ? "a folder" : "a device or a pipe");
-    close(fd);
-    fd = -1;
-  }
+  uint64_t size;
+  int base = base_of(folder, path, &name), fd = open_regular(base, name, folder < 0 ? 0 : O_NOFOLLOW, &size);
+  if (fd < 0) sd_fail(messages, SD_ERROR_IO, "cannot open %s: %s", path, file_trouble(errno));
   return fd;
+}
+
+sd_status file_text(const char *path, uint64_t most, char **text, char trouble[FILE_TROUBLE]) {
+  uint64_t size;
+  size_t have = 0;
+  *text = NULL;
+  int fd = file_open_quiet(path, &size);
+  if (fd < 0) {
+    int error = errno;
+    bool mistake =
+        error == ENOENT || error == ENOTDIR || error == EISDIR || error == ENODEV || error == ENXIO;
+    snprintf(trouble, FILE_TROUBLE, "%s", file_trouble(error));
+    return mistake ? SD_ERROR_USER : SD_ERROR_IO;
+  }
+  sd_status status = SD_ERROR_IO;
+  char *read = size > most ? NULL : malloc((size_t)size + 1);
+  if (size > most) {
+    snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB", (double)size / 0x1p20,
+             (double)most / 0x1p20);
+    status = SD_ERROR_USER;
+  } else if (!read || !file_read_at(fd, 0, read, (size_t)size, &have)) {
+    snprintf(trouble, FILE_TROUBLE, "%s", read ? strerror(errno) : "no memory");
+  } else if (memchr(read, 0, have)) {
+    snprintf(trouble, FILE_TROUBLE, "not a text file (it holds a zero byte)");
+    status = SD_ERROR_USER;
+  } else {
+    read[have] = 0;
+    *text = read;
+    status = SD_OK;
+  }
+  close(fd);
+  if (!*text) free(read);
+  return status;
 }
 
 char *file_again(int fd, const char *path) {

@@ -71,6 +71,13 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
 int file_open(int folder, const char *path, sd_messages *messages);
 /* A path by which a library opens this very file again; to be freed, NULL: no memory. */
 char *file_again(int fd, const char *path);
+/* The same without a message: -1 with errno set; its errno in words. */
+int file_open_quiet(const char *path, uint64_t *size);
+const char *file_trouble(int error);
+/* A whole text with a zero behind it, to be freed. Not read: SD_ERROR_USER where the name is a mistake, it is larger
+ * than `most` bytes, or no text, else SD_ERROR_IO; why in `trouble`. */
+enum { FILE_TROUBLE = 120 };
+sd_status file_text(const char *path, uint64_t most, char **text, char trouble[FILE_TROUBLE]);
 /* The first n bytes of a file, or all of it when n is SIZE_MAX; to be freed. */
 sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages);
 /* Up to n bytes from `at` on; *have < n: the file ends there. False with errno set when they cannot be read. */

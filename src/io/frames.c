@@ -4,12 +4,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/checkpoint.h"
 #include "io/constants.h"
 #include "io/file.h"
 
 #define DISKS "/particles/disks"
 #define WALLS "/particles/walls"
+
+/* Of one moment. */
+static const int64_t MOST_CONTACTS = 8 * (int64_t)LIMIT_DISKS;
 
 static void *reserve(size_t n, size_t size, sd_status *status, sd_messages *messages) {
   void *data = calloc(n + 1, size);
@@ -103,9 +107,9 @@ sd_status frames_entry(const frames *f, size_t k, frame_entry *out, sd_messages 
   h5_file *file = NULL;
   sd_status status = open_source(f, source, &file, messages);
   if (status != SD_OK) return status;
-  status = h5_get_rows(file, DISKS "/position/step", SD_I64, out->row, 1, &out->step, messages);
+  status = h5_get_values(file, DISKS "/position/step", SD_I64, out->row, 1, 1, &out->step, messages);
   if (status == SD_OK)
-    status = h5_get_rows(file, DISKS "/position/time", SD_F64, out->row, 1, &out->time, messages);
+    status = h5_get_values(file, DISKS "/position/time", SD_F64, out->row, 1, 1, &out->time, messages);
   release_source(f, file);
   return status;
 }
@@ -147,7 +151,8 @@ static void *state_column(reader *r, const char *name, sd_type type, size_t n) {
   if (r->status != SD_OK) return NULL;
   char path[64];
   snprintf(path, sizeof path, "/state/%s", name);
-  void *data = reserve(n, sd_type_size(type), &r->status, r->messages);
+  r->status = h5_check(r->file, path, n, r->messages);
+  void *data = r->status == SD_OK ? reserve(n, sd_type_size(type), &r->status, r->messages) : NULL;
   if (data) r->status = h5_get(r->file, path, type, n, data, r->messages);
   return data;
 }
@@ -197,6 +202,7 @@ static int material_of(const sd_model *m, uint32_t body) {
 /* tau = - k_t times the stretch of the skin. */
 static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   size_t n = rows_of(r->file, "/state/contact_a");
+  if (r->status == SD_OK) r->status = h5_check(r->file, "/state/contact_a", n, r->messages);
   if (r->status == SD_OK) r->status = frame_data_contacts(f, n, r->messages);
   if (r->status != SD_OK) return;
   const struct {
@@ -252,7 +258,8 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
     if (status == SD_OK && (dims[1] != n || (width > 1 && dims[2] != width)))
       status = sd_fail(messages, SD_ERROR_IO, "%s does not have %zu bodies", path, n);
     if (status == SD_OK)
-      status = h5_get_rows(file, path, SD_F64, row, 1, data + (walls ? f->n_disks * width : 0), messages);
+      status = h5_get_values(file, path, SD_F64, row, 1, n * width, data + (walls ? f->n_disks * width : 0),
+                             messages);
   }
   return status;
 }
@@ -260,10 +267,10 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
 /* Where the contacts of a moment begin: a result says so, of a part the counts before are added. */
 static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
-    return h5_get_rows(file, "/contacts/first", SD_I64, row, 1, first, messages);
+    return h5_get_values(file, "/contacts/first", SD_I64, row, 1, 1, first, messages);
   sd_status status = SD_OK;
   int64_t *counts = reserve(row, sizeof *counts, &status, messages);
-  if (status == SD_OK) status = h5_get_rows(file, "/contacts/count", SD_I64, 0, row, counts, messages);
+  if (status == SD_OK) status = h5_get_values(file, "/contacts/count", SD_I64, 0, row, 1, counts, messages);
   *first = 0;
   for (size_t k = 0; status == SD_OK && k < row; k++) *first += counts[k];
   free(counts);
@@ -277,16 +284,16 @@ static bool find_table(const h5_file *file, int64_t step, int64_t *first, int64_
   int64_t at = -1;
   while (*status == SD_OK && low < high) { /* to the first that is later */
     size_t middle = low + (high - low) / 2;
-    *status = h5_get_rows(file, "/contacts/step", SD_I64, middle, 1, &at, messages);
+    *status = h5_get_values(file, "/contacts/step", SD_I64, middle, 1, 1, &at, messages);
     if (at <= step)
       low = middle + 1;
     else
       high = middle;
   }
   if (*status != SD_OK || low == 0) return false;
-  *status = h5_get_rows(file, "/contacts/step", SD_I64, low - 1, 1, &at, messages);
+  *status = h5_get_values(file, "/contacts/step", SD_I64, low - 1, 1, 1, &at, messages);
   if (*status != SD_OK || at != step) return false;
-  *status = h5_get_rows(file, "/contacts/count", SD_I64, low - 1, 1, rows, messages);
+  *status = h5_get_values(file, "/contacts/count", SD_I64, low - 1, 1, 1, rows, messages);
   if (*status == SD_OK) *status = first_contact(file, low - 1, first, messages);
   return *status == SD_OK;
 }
@@ -295,7 +302,8 @@ static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages 
   sd_status status = SD_OK;
   int64_t first = 0, n = 0;
   if (!find_table(file, f->step, &first, &n, &status, messages) || status != SD_OK) return status;
-  if (first < 0 || n < 0 || (size_t)(first + n) > rows_of(file, "/contacts/a"))
+  size_t stored = rows_of(file, "/contacts/a");
+  if (first < 0 || n < 0 || n > MOST_CONTACTS || (uint64_t)first + (uint64_t)n > stored)
     return sd_fail(messages, SD_ERROR_IO, "/contacts is damaged: the table of step %lld is not there",
                    (long long)f->step);
   status = frame_data_contacts(f, (size_t)n, messages);
@@ -311,8 +319,8 @@ static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages 
       {"/contacts/sliding", SD_I32, f->slide},
   };
   for (size_t k = 0; status == SD_OK && k < sizeof columns / sizeof *columns; k++)
-    status = h5_get_rows(file, columns[k].path, columns[k].type, (size_t)first, (size_t)n, columns[k].data,
-                         messages);
+    status = h5_get_values(file, columns[k].path, columns[k].type, (size_t)first, (size_t)n, 1,
+                           columns[k].data, messages);
   return status;
 }
 
@@ -329,9 +337,10 @@ static sd_status read_frame(const frames *f, const h5_file *file, const frame_en
   if (status == SD_OK) status = frame_element(file, "angle", e->row, 1, out, out->angle, messages);
   if (status == SD_OK) status = frame_element(file, "angular_velocity", e->row, 1, out, out->spin, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/box/scale/value"))
-    status = h5_get_rows(file, DISKS "/box/scale/value", SD_F64, e->row, 1, &out->scale, messages);
+    status = h5_get_values(file, DISKS "/box/scale/value", SD_F64, e->row, 1, 1, &out->scale, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/activity/value")) {
-    status = h5_get_rows(file, DISKS "/activity/value", SD_I32, e->row, 1, out->activity, messages);
+    status = h5_get_values(file, DISKS "/activity/value", SD_I32, e->row, 1, out->n_disks, out->activity,
+                           messages);
   } else if (status == SD_OK) {
     reader r = {f->base, SD_OK, messages};
     state_activity(&r, out);

@@ -4,6 +4,9 @@
  * nothing: the first problem is remembered in the file and reported once, by h5_save or h5_close, so that
  * code that writes twenty datasets reads like a list of twenty datasets.
  *
+ * What is read stands in the file itself: links to other files or places, external storage and virtual datasets are
+ * refused (a missing source would read as zeros).
+ *
  * Files are built in memory and saved whole (h5_new ... h5_save): a file on disk is never appended to, so a
  * kill or a full disk cannot damage what is there. Only the merge of a finished run writes through the library to
  * disk (h5_create), into a draft, and h5_finish compares what can be read from it with what was put into it. All files
@@ -81,6 +84,8 @@ bool h5_have(h5_file *file, bool got, const char *path);
 
 /* --- read ----------------------------------------------------------------------------------------- */
 bool h5_exists(const h5_file *file, const char *path);
+/* Has the dataset n elements? Asked before there is memory for as many as a number in the file says. */
+sd_status h5_check(const h5_file *file, const char *path, size_t n, sd_messages *messages);
 /* rank and dims[H5_MAX_RANK] of a dataset. */
 sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims, sd_messages *messages);
 /* Exactly n elements, converted to type; another size in the file is an error. */
@@ -88,7 +93,11 @@ sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, 
                  sd_messages *messages);
 sd_status h5_get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n, void *data,
                       sd_messages *messages);
-char *h5_get_text(const h5_file *file, const char *path); /* to be freed; NULL when there is none */
+/* The same of rows that have `width` elements each; another shape in the file is an error. */
+sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
+                        size_t width, void *data, sd_messages *messages);
+/* To be freed; NULL when there is none. Texts that are read are printable UTF-8: ? stands for other bytes. */
+char *h5_get_text(const h5_file *file, const char *path);
 bool h5_has_attr(const h5_file *file, const char *path, const char *name);
 /* Values when absent: the given default. */
 double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, double otherwise);

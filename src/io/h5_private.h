@@ -91,5 +91,12 @@ void h5_quiet(void);
 /* The library's reason for the last failure, written into text[size]. */
 const char *h5_reason(char *text, size_t size);
 hid_t h5_native(sd_type type);
+/* Is there a link on the way that is not followed? */
+bool h5_is_link(const h5_file *file, const char *path);
+/* Opens a dataset, or the group or dataset at path; negative: reported. */
+hid_t h5_open_data(const h5_file *file, const char *path, sd_messages *messages);
+hid_t h5_open_object(const h5_file *file, const char *path, sd_messages *messages);
+/* Dimensions; returns the rank. */
+int h5_extent(hid_t set, size_t dims[H5_MAX_RANK]);
 
 #endif

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
 #include "io/h5.h"
 #include "io/h5_private.h"
 
@@ -14,7 +15,8 @@ typedef struct table {
   const char *const *columns;
   double *values;
   size_t n_rows;
-  bool sized; /* n_rows is known */
+  bool sized;    /* n_rows is known */
+  bool too_long; /* reported */
   sd_messages *messages;
 } table;
 
@@ -25,6 +27,11 @@ static sd_status user_error(const table *t, const char *column, const char *what
 
 /* The first column fixes the number of rows. */
 static sd_status size_rows(table *t, const char *column, size_t n) {
+  if (!t->sized && n > LIMIT_DISKS) {
+    t->too_long = true;
+    return sd_fail(t->messages, SD_ERROR_USER, "%s: %s has %zu rows; expected at most %d", t->file->path,
+                   t->path, n, LIMIT_DISKS);
+  }
   if (!t->sized) {
     t->n_rows = n;
     t->sized = true;
@@ -48,9 +55,11 @@ static void scatter(table *t, size_t column, const double *data) {
 
 static sd_status read_compound(table *t, hid_t set, hid_t type) {
   hid_t space = H5Dget_space(set);
-  size_t rows = (size_t)H5Sget_simple_extent_npoints(space);
+  hssize_t points = H5Sget_simple_extent_npoints(space);
+  size_t rows = points < 0 ? SIZE_MAX : (size_t)points;
   H5Sclose(space);
   sd_status status = size_rows(t, "", rows);
+  if (t->too_long) return status;
   double *data = calloc(rows + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
   for (size_t c = 0; status != SD_ERROR_IO && c < t->n_columns; c++) {
@@ -84,9 +93,9 @@ static char *column_names(hid_t set) {
   hid_t attr = H5Aopen(set, "columns", H5P_DEFAULT), type = H5Aget_type(attr), space = H5Aget_space(attr);
   hssize_t n = H5Sget_simple_extent_npoints(space);
   char *text = NULL;
-  if (H5Tget_class(type) == H5T_STRING && n > 0) {
-    bool variable = H5Tis_variable_str(type) > 0;
-    size_t size = variable ? sizeof(char *) : H5Tget_size(type), total = 1;
+  bool variable = H5Tis_variable_str(type) > 0;
+  size_t size = variable ? sizeof(char *) : H5Tget_size(type), total = 1;
+  if (H5Tget_class(type) == H5T_STRING && n > 0 && n <= LIMIT_COLUMNS && size <= LIMIT_MIB) {
     char *raw = calloc((size_t)n, size);
     hid_t memory = H5Tcopy(type);
     if (raw && H5Aread(attr, memory, raw) >= 0) {
@@ -130,22 +139,33 @@ static size_t find_name(const char *names, const char *name) {
   return SIZE_MAX;
 }
 
+/* One column of a 2D dataset: however wide it is, there is memory for one. */
+static bool read_wide(hid_t set, size_t rows, size_t column, double *data) {
+  hsize_t start[2] = {0, column}, count[2] = {rows, 1}, length = rows;
+  hid_t space = H5Dget_space(set), memory = H5Screate_simple(1, &length, NULL);
+  bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+              H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, data) >= 0;
+  H5Sclose(memory);
+  H5Sclose(space);
+  return good;
+}
+
 static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   sd_status status = size_rows(t, "", rows);
   if (status != SD_OK) return status;
-  double *data = calloc(rows * width + 1, sizeof *data);
+  double *data = calloc(rows + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
   char *names = column_names(set);
-  if (rows * width > 0 && H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-    status = user_error(t, "", "the dataset cannot be read as numbers");
   for (size_t c = 0; status != SD_ERROR_IO && c < t->n_columns; c++) {
     size_t from = names ? find_name(names, t->columns[c]) : c;
     if (from >= width)
       status =
           user_error(t, t->columns[c],
                      names ? "is not among the names in attribute \"columns\"" : "the dataset is too narrow");
-    for (size_t k = 0; from < width && k < rows; k++)
-      t->values[k * t->n_columns + c] = data[k * width + from];
+    else if (rows > 0 && !read_wide(set, rows, from, data))
+      status = user_error(t, t->columns[c], "cannot be read as numbers");
+    else
+      scatter(t, c, data);
   }
   free(names);
   free(data);
@@ -153,6 +173,9 @@ static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
 }
 
 /* --- group of columns, or H5MD particles ---------------------------------------------------------- */
+
+/* Of a vector. */
+enum { MOST_COMPONENTS = 3 };
 
 /* Short names of the components of H5MD elements. */
 static const struct alias {
@@ -171,14 +194,14 @@ static sd_status read_element(table *t, size_t column, const char *path, bool fr
   const size_t *inner = dims + (framed ? 1 : 0);
   int inner_rank = rank - (framed ? 1 : 0);
   if (inner_rank != (component < 0 ? 1 : 2) || (framed && dims[0] == 0) ||
-      (component >= 0 && (size_t)component >= inner[1]))
+      (component >= 0 && ((size_t)component >= inner[1] || inner[1] > MOST_COMPONENTS)))
     return user_error(t, name, "has not the shape of one value per particle");
   size_t width = component < 0 ? 1 : inner[1], n = inner[0] * width;
   status = size_rows(t, name, inner[0]);
   if (status != SD_OK) return status;
   double *data = calloc(n + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  status = framed ? h5_get_rows(t->file, path, SD_F64, dims[0] - 1, 1, data, NULL)
+  status = framed ? h5_get_values(t->file, path, SD_F64, dims[0] - 1, 1, n, data, NULL)
                   : h5_get(t->file, path, SD_F64, n, data, NULL);
   if (status != SD_OK) status = user_error(t, name, "cannot be read as numbers");
   for (size_t k = 0; status == SD_OK && k < t->n_rows; k++)
@@ -189,7 +212,7 @@ static sd_status read_element(table *t, size_t column, const char *path, bool fr
 
 static bool is_set(const h5_file *file, const char *path) {
   if (!h5_exists(file, path)) return false;
-  hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
+  hid_t object = h5_open_object(file, path, NULL);
   bool set = object >= 0 && H5Iget_type(object) == H5I_DATASET;
   if (object >= 0) H5Oclose(object);
   return set;
@@ -201,6 +224,7 @@ static sd_status read_column(table *t, size_t c) {
   int component = -1;
   /* a dataset of the column's own name goes before an element that holds it */
   snprintf(path, sizeof path, "%s/%s", base, element);
+  bool linked = h5_is_link(t->file, path);
   if (!h5_exists(t->file, path))
     for (size_t k = 0; k < sizeof aliases / sizeof *aliases; k++)
       if (strcmp(aliases[k].column, t->columns[c]) == 0) {
@@ -211,6 +235,8 @@ static sd_status read_column(table *t, size_t c) {
   if (is_set(t->file, path)) return read_element(t, c, path, false, component);
   snprintf(path, sizeof path, "%s/%s/value", base, element);
   if (is_set(t->file, path)) return read_element(t, c, path, true, component);
+  if (linked || h5_is_link(t->file, path))
+    return user_error(t, t->columns[c], "is a link, which is not followed");
   return user_error(t, t->columns[c], "there is no such dataset");
 }
 
@@ -245,14 +271,14 @@ sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
              .n_columns = n_columns,
              .columns = columns,
              .messages = messages};
-  hid_t object = h5_exists(h5, t.path) ? H5Oopen(h5->id, t.path, H5P_DEFAULT) : H5I_INVALID_HID;
+  hid_t object = h5_open_object(h5, t.path, messages);
   if (object < 0)
-    worst = sd_fail(messages, SD_ERROR_USER, "%s: there is no dataset or group %s", file, t.path);
+    worst = SD_ERROR_USER;
   else if (H5Iget_type(object) == H5I_DATASET)
     worst = read_set(&t, object);
   else
     /* every missing column gets its message */
-    for (size_t c = 0; c < n_columns; c++)
+    for (size_t c = 0; c < n_columns && !t.too_long; c++)
       if ((status = read_column(&t, c)) != SD_OK && worst == SD_OK) worst = status;
   if (object >= 0) H5Oclose(object);
   h5_close(h5, NULL);

@@ -336,14 +336,15 @@ void summary_write(const summary *s, h5_file *file) {
 /* Sizes that the file gives, and room for what they count. */
 static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
   const struct {
-    const char *group;
+    const char *group, *first;
     size_t *count;
-  } lists[] = {{"/summary/rotation", &s->n_rotations},
-               {"/summary/slide", &s->n_slides},
-               {"/summary/phase", &s->n_stages}};
+  } lists[] = {{"/summary/rotation", "/summary/rotation/disk", &s->n_rotations},
+               {"/summary/slide", "/summary/slide/disk", &s->n_slides},
+               {"/summary/phase", "/summary/phase/steps", &s->n_stages}};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
     int64_t n = h5_exists(file, lists[k].group) ? h5_get_attr_i64(file, lists[k].group, "count", 0) : 0;
-    if (n < 0 || n > UINT32_MAX) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+    if (n < 0 || (n > 0 && h5_check(file, lists[k].first, (size_t)n, messages) != SD_OK))
+      return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
     *lists[k].count = (size_t)n;
   }
   return allocate(s, messages);
@@ -374,7 +375,8 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
   if (status == SD_OK && converged)
     status = h5_get(file, "/summary/rotation/converged", SD_I32, s->n_rotations, converged, messages);
-  for (size_t k = 0; converged && k < s->n_rotations; k++) s->rotations[k].converged = converged[k] != 0;
+  for (size_t k = 0; status == SD_OK && converged && k < s->n_rotations; k++)
+    s->rotations[k].converged = converged[k] != 0;
   free(converged);
   if (status == SD_OK)
     status = members_read(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,

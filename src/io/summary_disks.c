@@ -207,6 +207,7 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
 
 sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages) {
   if (s->n == 0 || s->disks) return SD_OK;
-  sd_status status = allocate(s, messages);
+  sd_status status = h5_check(file, "/summary/disks/id", s->n, messages);
+  if (status == SD_OK) status = allocate(s, messages);
   return status == SD_OK ? read_rows(file, group, s->disks, s->n, messages) : status;
 }

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
+#include "base/text.h"
 #include "io/checkpoint.h"
 #include "io/file.h"
 #include "io/folder.h"
@@ -133,7 +135,7 @@ static char *read_failure(const sweep *s, size_t point) {
   char *path = sweep_point_path(s, point, ".failed"), *text = file_path("%s", "");
   unsigned char *bytes = NULL;
   size_t size = 0;
-  if (path && file_exists(path)) file_read(path, SIZE_MAX, &bytes, &size, NULL);
+  if (path && file_exists(path)) file_read(path, LIMIT_MIB, &bytes, &size, NULL);
   for (size_t k = 0, n; text && k < size; k += n + 1) {
     const char *line = (const char *)bytes + k;
     const char *end = memchr(line, '\n', size - k);
@@ -144,7 +146,7 @@ static char *read_failure(const sweep *s, size_t point) {
   }
   free(bytes);
   free(path);
-  return text;
+  return text_clean(text);
 }
 
 sd_status sweep_look(const sweep *s, size_t point, sweep_result *r, sd_messages *messages) {

@@ -21,6 +21,7 @@ MODES = {
     "faults": "calls that fail once or for ever, full disks, folders that go away",
     "power": "power cuts on a file system of its own; then the same command again",
     "altered": "files with other bytes than those that were written, and files of other versions",
+    "fuzz": "damaged decks, -D, CSV, LAMMPS and HDF5 under sanitizers (needs clang)",
     "coverage": "lines and branches of src/ that tests and faults reach, room by room",
 }
 

@@ -1,0 +1,66 @@
+/* text.c: see text.h. */
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+
+size_t text_step(const char *p) {
+  const unsigned char *b = (const unsigned char *)p;
+  if (b[0] < 0x80) return b[0] >= 0x20 && b[0] != 0x7f;
+  size_t n = b[0] >= 0xf0 ? 4 : b[0] >= 0xe0 ? 3 : 2;
+  if (b[0] < 0xc2 || b[0] > 0xf4) return 0;
+  for (size_t k = 1; k < n; k++)
+    if ((b[k] & 0xc0) != 0x80) return 0;
+  bool control = b[0] == 0xc2 && b[1] < 0xa0;
+  bool overlong = (b[0] == 0xe0 && b[1] < 0xa0) || (b[0] == 0xf0 && b[1] < 0x90);
+  bool surrogate = b[0] == 0xed && b[1] >= 0xa0, beyond = b[0] == 0xf4 && b[1] >= 0x90;
+  return control || overlong || surrogate || beyond ? 0 : n;
+}
+
+static size_t step_or_blank(const char *p) { return *p == '\n' || *p == '\t' ? 1 : text_step(p); }
+
+bool text_printable(const char *text) {
+  for (size_t n; *text; text += n)
+    if ((n = step_or_blank(text)) == 0) return false;
+  return true;
+}
+
+char *text_clean(char *text) {
+  for (char *p = text; p && *p;) {
+    size_t n = step_or_blank(p);
+    if (n == 0) *p = '?';
+    p += n ? n : 1;
+  }
+  return text;
+}
+
+size_t text_quoted(const char *text, size_t n) {
+  if (n <= LIMIT_QUOTE) return n;
+  n = LIMIT_QUOTE;
+  while (n > 0 && ((unsigned char)text[n] & 0xc0) == 0x80) n--;
+  return n;
+}
+
+char *text_escaped(const char *text, size_t most) {
+  size_t length = strlen(text);
+  char *out = malloc(4 * (length < most ? length : most) + 8), *to = out;
+  if (!out) return NULL;
+  for (const char *p = text; *p;) {
+    size_t n = text_step(p);
+    if ((size_t)(p - text) + (n ? n : 1) > most) {
+      to += sprintf(to, "...");
+      break;
+    }
+    if (n > 0)
+      memcpy(to, p, n);
+    else
+      sprintf(to, "\\x%02x", (unsigned)(unsigned char)*p);
+    to += n ? n : 4;
+    p += n ? n : 1;
+  }
+  *to = 0;
+  return out;
+}

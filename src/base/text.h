@@ -1,0 +1,19 @@
+/* text.h: text from files and from the command line, made fit for a terminal and for JSON. */
+#ifndef SLIPDISK_BASE_TEXT_H
+#define SLIPDISK_BASE_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Bytes of the character at p; 0: a control character, or no UTF-8. */
+size_t text_step(const char *p);
+/* UTF-8 without control characters; line ends and tabs are none here. */
+bool text_printable(const char *text);
+/* Puts ? for every byte that is not so, in place. */
+char *text_clean(char *text);
+/* How many of the first n bytes are quoted in a message: at most LIMIT_QUOTE, whole characters. */
+size_t text_quoted(const char *text, size_t n);
+/* A copy with \xHH for such bytes, to be freed; NULL: no memory. A longer text than `most` bytes ends in "...". */
+char *text_escaped(const char *text, size_t most);
+
+#endif
