@@ -257,7 +257,7 @@ static void load_memory(lanes *l, size_t lane) {
   }
   for (size_t i = 0; i < l->n_free; i++) {
     *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
-    *cell(l, l->disk[i], DISK_FAST, lane) = s->radius[i] * s->radius[i] * e->work.speed_limit2;
+    *cell(l, rows_at(l, ROWS_FAST), i, lane) = s->radius[i] * s->radius[i] * e->work.speed_limit2;
   }
 }
 

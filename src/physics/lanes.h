@@ -24,8 +24,7 @@ enum {
   DISK_COLUMNS = 6,
   DISK_GAIN = DISK_COLUMNS * SD_COORDINATES, /* dt^2/2 over the mass, by coordinate */
   DISK_PUSH = DISK_GAIN + SD_COORDINATES,    /* the same times the constant force */
-  DISK_FAST = DISK_PUSH + SD_COORDINATES,    /* squared speed beyond which it is too fast */
-  DISK_ROWS
+  DISK_ROWS = DISK_PUSH + SD_COORDINATES
 };
 
 /* Rows of a pair. */
@@ -73,8 +72,9 @@ enum {
   ROWS_DT = ROWS_RADIUS + LANES_BODIES,
   ROWS_PER_DT,
   ROWS_WORK,
-  ROWS_LEAST, /* force of each watched contact */
-  ROWS_ALL = ROWS_LEAST + 2 * LANES_SLIDES
+  ROWS_LEAST,                                /* force of each watched contact */
+  ROWS_FAST = ROWS_LEAST + 2 * LANES_SLIDES, /* squared speed beyond which a free disk is too fast */
+  ROWS_ALL = ROWS_FAST + LANES_FREE
 };
 
 typedef struct lanes {

@@ -261,8 +261,7 @@ LANE_INLINE LANE(mask) PASS(out_of_turn)(const PASS(flight) * f, size_t i) {
 }
 
 LANE_INLINE LANE(mask) PASS(too_fast)(const lanes *l, const PASS(flight) * f, size_t i) {
-  const double *d = PASS(rows_at)(l, ROWS_DISK + i * DISK_ROWS);
-  return LANE(is_fast)(f->c[i][SD_X].v, f->c[i][SD_Y].v, PASS(row)(d, DISK_FAST));
+  return LANE(is_fast)(f->c[i][SD_X].v, f->c[i][SD_Y].v, PASS(row)(PASS(rows_at)(l, ROWS_FAST), i));
 }
 
 /* Work of a prescribed coordinate: trapezoid of the contact forces over the step to `at`. */
