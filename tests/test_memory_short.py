@@ -19,10 +19,10 @@ class Memory(unittest.TestCase):
     def test_nothing_false_and_nothing_silent(self):
         work = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-test-"))
         try:
-            rows = memory.run(Setup(pathlib.Path(PROGRAM), PROGRAM_FOLDER, work, "small", 2), own=5, most=3)
+            rows = memory.run(Setup(pathlib.Path(PROGRAM), PROGRAM_FOLDER, work, "small", 2), own=3, most=2)
         finally:
             shutil.rmtree(work)
-        self.assertGreater(sum(row.trials for row in rows), 100)
+        self.assertGreater(sum(row.trials for row in rows), 80)
         self.assertEqual([f"{row.what}: {row.note}" for row in rows if row.failed], [])
 
 

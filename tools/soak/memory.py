@@ -152,8 +152,6 @@ class Trials:
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             found = list(pool.map(lambda task: self.one(*task), tasks))
         wrong = [what for what, _ in found if what]
-        if os.environ.get("SOAK_DEBUG"):
-            print(case.name, own, *wrong, sep="\n   ", flush=True)
         crashes = sum(crash for _, crash in found)
         whose = "of the program" if own else "of all libraries"
         note = f"of {count} allocations" if own else f"of {count} allocations; {crashes} crashes in libraries"
