@@ -5,8 +5,8 @@
  * run one after the other here, or shared among the ranks of an MPI job. All else goes through the folder.
  *
  * Ctrl-C and its like go to all workers, which stop at checkpoints. A signal may come at any moment: before the
- * folder is touched it ends the process (signals.c); a worker inherits app_stop, so one that came before the fork stops it too, and one that comes after is passed on. A
- * worker whose parent is gone gets SIGTERM from the kernel.
+ * folder is touched it ends the process (signals.c); a worker inherits app_stop, so one that came before the fork
+ * stops it too, and one that comes after is passed on. A worker whose parent is gone gets SIGTERM from the kernel.
  */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
