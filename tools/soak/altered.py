@@ -210,7 +210,7 @@ def _empty(path):
 
 
 STRANGE = (("of a newer format", _with_format(99), "format|newer"), ("of an older format", _with_format(1), "format|older"),
-           ("of another program", _foreign, "no result of slipdisk"),
+           ("of another program", _foreign, "no[t a]* result of slipdisk"),
            ("of text", _text, "not an? HDF5|no checkpoint that can be"),
            ("that is empty", _empty, "not an? HDF5|empty|no checkpoint that can be"))
 
