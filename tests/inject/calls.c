@@ -2,7 +2,7 @@
  *
  *   INJECT_BELOW=FOLDER   files below this absolute path are concerned, no others
  *   INJECT_NAME=PATTERN   of these, only paths like this one (fnmatch)
- *   INJECT_CALL=KIND,...  which calls are counted: the names in `kinds`; or writing, or any
+ *   INJECT_CALL=KIND,...  which calls are counted: of `any`, below; or writing, or any
  *   INJECT_FROM=program   calls from the program itself, not from its libraries; `library`: the others
  *   INJECT_WHEN=N         the N-th call, in each process, goes wrong,
  *   INJECT_TIMES=K        and those after it, K in all (1); 0: for ever
@@ -13,8 +13,7 @@
  *   INJECT_BYTES=N        a full disk: what is written beyond N bytes fails with ENOSPC
  *   INJECT_LOG=FILE       one line per counted call, "KIND PATH"; with "! " before it when it went wrong
  *
- * A call that closes does close before it fails, as Linux does. Allocations (malloc) have no path: only calls from the
- * program itself are counted. They are left out where a sanitizer has its own allocator. */
+ * A call that closes does close before it fails, as Linux does. Allocations: memory.c. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -43,33 +42,10 @@
 
 #define EXPORT __attribute__((visibility("default")))
 
-enum {
-  OPEN,
-  READ,
-  PREAD,
-  WRITE,
-  PWRITE,
-  FSYNC,
-  TRUNCATE,
-  ALLOCATE,
-  RENAME,
-  LINK,
-  UNLINK,
-  STAT,
-  CLOSE,
-  MKDIR,
-  RMDIR,
-  READDIR,
-  LOCK,
-  MMAP,
-  MALLOC,
-  KINDS
-};
-static const char *const kinds[KINDS] = {
-    "open",   "read", "pread", "write", "pwrite", "fsync",   "truncate", "allocate", "rename", "link",
-    "unlink", "stat", "close", "mkdir", "rmdir",  "readdir", "lock",     "mmap",     "malloc"};
-
-/* Calls that change something on the disk. */
+/* Kinds of calls; of these `writing` change something on the disk. */
+static const char any[] =
+    "open,read,pread,write,pwrite,fsync,truncate,allocate,rename,link,unlink,stat,close,mkdir,"
+    "rmdir,readdir,lock,mmap";
 static const char writing[] =
     "open,write,pwrite,fsync,truncate,allocate,rename,link,unlink,close,mkdir,rmdir,lock";
 
@@ -77,8 +53,7 @@ static const char writing[] =
 enum { GO_ON = 0, SHORT = -1, TORN = -2, KILL = -3 };
 
 static bool ready;
-static const char *below, *pattern;
-static bool counted[KINDS];
+static const char *below, *pattern, *counted = "";
 static long when, times = 1, calls;
 static int what;
 static long long budget = -1;
@@ -98,15 +73,6 @@ static int note_program(struct dl_phdr_info *info, size_t size, void *user) {
   return 1; /* the program comes first */
 }
 
-static void read_kinds(const char *text) {
-  for (int k = 0; k < KINDS; k++) {
-    size_t n = strlen(kinds[k]);
-    for (const char *at = text; (at = strstr(at, kinds[k])); at += n)
-      counted[k] |= (at == text || at[-1] == ',') && (at[n] == ',' || !at[n]);
-    counted[k] |= strcmp(text, "any") == 0 && k != MALLOC;
-  }
-}
-
 static long number(const char *name, long otherwise) {
   const char *text = getenv(name);
   return text ? atol(text) : otherwise;
@@ -119,7 +85,7 @@ __attribute__((constructor)) static void begin(void) {
   not_library = from && strcmp(from, "program") == 0;
   below = getenv("INJECT_BELOW");
   pattern = getenv("INJECT_NAME");
-  if (kind) read_kinds(strcmp(kind, "writing") == 0 ? writing : kind);
+  if (kind) counted = strcmp(kind, "writing") == 0 ? writing : strcmp(kind, "any") == 0 ? any : kind;
   when = number("INJECT_WHEN", 0);
   times = number("INJECT_TIMES", 1);
   budget = number("INJECT_BYTES", -1);
@@ -134,10 +100,10 @@ __attribute__((constructor)) static void begin(void) {
   ready = below != NULL;
 }
 
-static void tell(int kind, const char *path, bool wrong) {
+static void tell(const char *kind, const char *path, bool wrong) {
   if (log_file < 0) return;
   char line[PATH_MAX + 40];
-  int n = snprintf(line, sizeof line, "%s%s %s\n", wrong ? "! " : "", kinds[kind], path);
+  int n = snprintf(line, sizeof line, "%s%s %s\n", wrong ? "! " : "", kind, path);
   (void)!syscall(SYS_write, log_file, line, (size_t)n);
 }
 
@@ -154,16 +120,24 @@ static bool concerns(const char *path) {
 
 static bool is_program(void) { return (uintptr_t)caller >= program_begin && (uintptr_t)caller < program_end; }
 
+/* Is it one of the words between the commas? */
+static bool is_among(const char *word, const char *list) {
+  size_t n = strlen(word);
+  for (const char *at = list; (at = strstr(at, word)); at += n)
+    if ((at == list || at[-1] == ',') && (at[n] == ',' || !at[n])) return true;
+  return false;
+}
+
 /* Counts a call on a file and says what is to become of it. */
-static int verdict(int kind, const char *path) {
-  if (!counted[kind] || (is_program() ? not_program : not_library)) return GO_ON;
+static int verdict(const char *kind, const char *path) {
+  if (!is_among(kind, counted) || (is_program() ? not_program : not_library)) return GO_ON;
   long n = __atomic_add_fetch(&calls, 1, __ATOMIC_RELAXED);
   bool wrong = when > 0 && what != GO_ON && n >= when && (times == 0 || n < when + times);
   tell(kind, path, wrong);
   if (!wrong) return GO_ON;
-  bool writes = kind == WRITE || kind == PWRITE;
+  bool writes = is_among(kind, "write,pwrite");
   if (what == KILL || (what == TORN && !writes)) die();
-  if (what == SHORT && !writes && kind != READ && kind != PREAD) return GO_ON;
+  if (what == SHORT && !writes && !is_among(kind, "read,pread")) return GO_ON;
   return what;
 }
 
@@ -187,7 +161,7 @@ static void resolve(int at, const char *name, char *path) {
   snprintf(path + n, (size_t)(PATH_MAX - n), "%s", name);
 }
 
-static int on_path(int kind, int at, const char *name) {
+static int on_path(const char *kind, int at, const char *name) {
   if (!ready) return GO_ON;
   char path[PATH_MAX];
   int before = errno;
@@ -197,7 +171,7 @@ static int on_path(int kind, int at, const char *name) {
   return result;
 }
 
-static int on_fd(int kind, int fd) { return fd < 0 ? GO_ON : on_path(kind, fd, ""); }
+static int on_fd(const char *kind, int fd) { return fd < 0 ? GO_ON : on_path(kind, fd, ""); }
 
 #define REAL(type, name, ...)                                                                                \
   static type (*real)(__VA_ARGS__);                                                                          \
@@ -226,26 +200,26 @@ static int on_fd(int kind, int fd) { return fd < 0 ? GO_ON : on_path(kind, fd, "
   EXPORT int name(const char *path, int flags, ...) {                                                        \
     REAL(int, #name, const char *, int, ...);                                                                \
     MODE_OF(flags)                                                                                           \
-    FAIL_ON(on_path(OPEN, AT_FDCWD, path), -1);                                                              \
+    FAIL_ON(on_path("open", AT_FDCWD, path), -1);                                                            \
     return real(path, flags, mode);                                                                          \
   }
 #define OPENS_AT(name)                                                                                       \
   EXPORT int name(int at, const char *path, int flags, ...) {                                                \
     REAL(int, #name, int, const char *, int, ...);                                                           \
     MODE_OF(flags)                                                                                           \
-    FAIL_ON(on_path(OPEN, at, path), -1);                                                                    \
+    FAIL_ON(on_path("open", at, path), -1);                                                                  \
     return real(at, path, flags, mode);                                                                      \
   }
 #define OPENS_TEMPLATE(name, declared, given)                                                                \
   EXPORT int name declared {                                                                                 \
     REAL(int, #name, char *, int, int);                                                                      \
-    FAIL_ON(on_path(OPEN, AT_FDCWD, path), -1);                                                              \
+    FAIL_ON(on_path("open", AT_FDCWD, path), -1);                                                            \
     return real given;                                                                                       \
   }
 #define OPENS_STREAM(name)                                                                                   \
   EXPORT FILE *name(const char *path, const char *mode) {                                                    \
     REAL(FILE *, #name, const char *, const char *);                                                         \
-    FAIL_ON(on_path(OPEN, AT_FDCWD, path), NULL);                                                            \
+    FAIL_ON(on_path("open", AT_FDCWD, path), NULL);                                                          \
     return real(path, mode);                                                                                 \
   }
 OPENS(open)
@@ -265,13 +239,13 @@ EXPORT int __openat_2(int at, const char *path, int flags) { return openat(at, p
 
 EXPORT DIR *opendir(const char *path) {
   REAL(DIR *, "opendir", const char *);
-  FAIL_ON(on_path(OPEN, AT_FDCWD, path), NULL);
+  FAIL_ON(on_path("open", AT_FDCWD, path), NULL);
   return real(path);
 }
 
 EXPORT int close(int fd) {
   REAL(int, "close", int);
-  int error = on_fd(CLOSE, fd), result = real(fd);
+  int error = on_fd("close", fd), result = real(fd);
   FAIL_ON(error, -1);
   return result;
 }
@@ -279,13 +253,13 @@ EXPORT int close(int fd) {
 /* --- read and write ------------------------------------------------------------------------------- */
 
 /* How much of it, by the verdict and by what is left of the disk; -1 with errno set: nothing. */
-static ssize_t share(int kind, int fd, size_t n, bool *dies) {
+static ssize_t share(const char *kind, int fd, size_t n, bool *dies) {
   int decision = on_fd(kind, fd);
   FAIL_ON(decision, -1);
   *dies = decision == TORN;
   if (decision < 0 && n > 1) n /= 2;
   char path[PATH_MAX];
-  if (budget < 0 || (kind != WRITE && kind != PWRITE)) return (ssize_t)n;
+  if (budget < 0 || !is_among(kind, "write,pwrite")) return (ssize_t)n;
   resolve(fd, "", path);
   if (!concerns(path)) return (ssize_t)n;
   long long left = __atomic_load_n(&budget, __ATOMIC_RELAXED);
@@ -318,12 +292,12 @@ static ssize_t share(int kind, int fd, size_t n, bool *dies) {
     if (dies) die();                                                                                         \
     return result;                                                                                           \
   }
-MOVES(READ, read, "read", void)
-MOVES(WRITE, write, "write", const void)
-MOVES_AT(PREAD, pread, "pread", void, off_t)
-MOVES_AT(PREAD, pread64, "pread64", void, off64_t)
-MOVES_AT(PWRITE, pwrite, "pwrite", const void, off_t)
-MOVES_AT(PWRITE, pwrite64, "pwrite64", const void, off64_t)
+MOVES("read", read, "read", void)
+MOVES("write", write, "write", const void)
+MOVES_AT("pread", pread, "pread", void, off_t)
+MOVES_AT("pread", pread64, "pread64", void, off64_t)
+MOVES_AT("pwrite", pwrite, "pwrite", const void, off_t)
+MOVES_AT("pwrite", pwrite64, "pwrite64", const void, off64_t)
 
 ssize_t __read_chk(int fd, void *bytes, size_t n, size_t size);
 ssize_t __pread_chk(int fd, void *bytes, size_t n, off_t at, size_t size);
@@ -357,35 +331,38 @@ EXPORT ssize_t __pread_chk(int fd, void *bytes, size_t n, off_t at, size_t size)
     FAIL_ON(on_path(kind, at, path), -1);                                                                    \
     return real given;                                                                                       \
   }
-ON_FD(FSYNC, int, fsync, (int fd), (fd), int)
-ON_FD(FSYNC, int, fdatasync, (int fd), (fd), int)
-ON_FD(TRUNCATE, int, ftruncate, (int fd, off_t size), (fd, size), int, off_t)
-ON_FD(TRUNCATE, int, ftruncate64, (int fd, off64_t size), (fd, size), int, off64_t)
-ON_FD(ALLOCATE, int, fallocate, (int fd, int mode, off_t at, off_t n), (fd, mode, at, n), int, int, off_t,
+ON_FD("fsync", int, fsync, (int fd), (fd), int)
+ON_FD("fsync", int, fdatasync, (int fd), (fd), int)
+ON_FD("truncate", int, ftruncate, (int fd, off_t size), (fd, size), int, off_t)
+ON_FD("truncate", int, ftruncate64, (int fd, off64_t size), (fd, size), int, off64_t)
+ON_FD("allocate", int, fallocate, (int fd, int mode, off_t at, off_t n), (fd, mode, at, n), int, int, off_t,
       off_t)
-ON_FD(ALLOCATE, int, fallocate64, (int fd, int mode, off64_t at, off64_t n), (fd, mode, at, n), int, int,
+ON_FD("allocate", int, fallocate64, (int fd, int mode, off64_t at, off64_t n), (fd, mode, at, n), int, int,
       off64_t, off64_t)
-ON_FD(LOCK, int, flock, (int fd, int operation), (fd, operation), int, int)
-ON_FD(MMAP, void *, mmap, (void *place, size_t n, int protection, int flags, int fd, off_t at),
+ON_FD("lock", int, flock, (int fd, int operation), (fd, operation), int, int)
+ON_FD("mmap", void *, mmap, (void *place, size_t n, int protection, int flags, int fd, off_t at),
       (place, n, protection, flags, fd, at), void *, size_t, int, int, int, off_t)
-ON_PATH(UNLINK, unlink, (const char *path), (path), const char *)
-ON_PATH_AT(UNLINK, unlinkat, (int at, const char *path, int flags), (at, path, flags), int, const char *, int)
-ON_PATH(MKDIR, mkdir, (const char *path, mode_t mode), (path, mode), const char *, mode_t)
-ON_PATH_AT(MKDIR, mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), int, const char *,
+ON_PATH("unlink", unlink, (const char *path), (path), const char *)
+ON_PATH_AT("unlink", unlinkat, (int at, const char *path, int flags), (at, path, flags), int, const char *,
+           int)
+ON_PATH("mkdir", mkdir, (const char *path, mode_t mode), (path, mode), const char *, mode_t)
+ON_PATH_AT("mkdir", mkdirat, (int at, const char *path, mode_t mode), (at, path, mode), int, const char *,
            mode_t)
-ON_PATH(RMDIR, rmdir, (const char *path), (path), const char *)
-ON_PATH(STAT, access, (const char *path, int mode), (path, mode), const char *, int)
-ON_PATH(STAT, stat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
-ON_PATH(STAT, lstat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
-ON_PATH(STAT, stat64, (const char *path, struct stat64 *facts), (path, facts), const char *, struct stat64 *)
-ON_PATH(STAT, lstat64, (const char *path, struct stat64 *facts), (path, facts), const char *, struct stat64 *)
-ON_FD(STAT, int, fstat, (int fd, struct stat *facts), (fd, facts), int, struct stat *)
-ON_FD(STAT, int, fstat64, (int fd, struct stat64 *facts), (fd, facts), int, struct stat64 *)
-ON_PATH_AT(STAT, fstatat, (int at, const char *path, struct stat *facts, int flags), (at, path, facts, flags),
-           int, const char *, struct stat *, int)
-ON_PATH_AT(STAT, fstatat64, (int at, const char *path, struct stat64 *facts, int flags),
+ON_PATH("rmdir", rmdir, (const char *path), (path), const char *)
+ON_PATH("stat", access, (const char *path, int mode), (path, mode), const char *, int)
+ON_PATH("stat", stat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
+ON_PATH("stat", lstat, (const char *path, struct stat *facts), (path, facts), const char *, struct stat *)
+ON_PATH("stat", stat64, (const char *path, struct stat64 *facts), (path, facts), const char *,
+        struct stat64 *)
+ON_PATH("stat", lstat64, (const char *path, struct stat64 *facts), (path, facts), const char *,
+        struct stat64 *)
+ON_FD("stat", int, fstat, (int fd, struct stat *facts), (fd, facts), int, struct stat *)
+ON_FD("stat", int, fstat64, (int fd, struct stat64 *facts), (fd, facts), int, struct stat64 *)
+ON_PATH_AT("stat", fstatat, (int at, const char *path, struct stat *facts, int flags),
+           (at, path, facts, flags), int, const char *, struct stat *, int)
+ON_PATH_AT("stat", fstatat64, (int at, const char *path, struct stat64 *facts, int flags),
            (at, path, facts, flags), int, const char *, struct stat64 *, int)
-ON_PATH_AT(STAT, statx, (int at, const char *path, int flags, unsigned mask, struct statx *facts),
+ON_PATH_AT("stat", statx, (int at, const char *path, int flags, unsigned mask, struct statx *facts),
            (at, path, flags, mask, facts), int, const char *, int, unsigned, struct statx *)
 
 /* --- calls on two paths: the new name counts ------------------------------------------------------ */
@@ -396,14 +373,15 @@ ON_PATH_AT(STAT, statx, (int at, const char *path, int flags, unsigned mask, str
     FAIL_ON(on_path(kind, folder, path), -1);                                                                \
     return real given;                                                                                       \
   }
-TO_PATH(RENAME, rename, (const char *from, const char *path), (from, path), AT_FDCWD, const char *,
+TO_PATH("rename", rename, (const char *from, const char *path), (from, path), AT_FDCWD, const char *,
         const char *)
-TO_PATH(RENAME, renameat, (int old, const char *from, int at, const char *path), (old, from, at, path), at,
+TO_PATH("rename", renameat, (int old, const char *from, int at, const char *path), (old, from, at, path), at,
         int, const char *, int, const char *)
-TO_PATH(RENAME, renameat2, (int old, const char *from, int at, const char *path, unsigned flags),
+TO_PATH("rename", renameat2, (int old, const char *from, int at, const char *path, unsigned flags),
         (old, from, at, path, flags), at, int, const char *, int, const char *, unsigned)
-TO_PATH(LINK, link, (const char *from, const char *path), (from, path), AT_FDCWD, const char *, const char *)
-TO_PATH(LINK, linkat, (int old, const char *from, int at, const char *path, int flags),
+TO_PATH("link", link, (const char *from, const char *path), (from, path), AT_FDCWD, const char *,
+        const char *)
+TO_PATH("link", linkat, (int old, const char *from, int at, const char *path, int flags),
         (old, from, at, path, flags), at, int, const char *, int, const char *, int)
 
 /* --- folders -------------------------------------------------------------------------------------- */
@@ -411,32 +389,8 @@ TO_PATH(LINK, linkat, (int old, const char *from, int at, const char *path, int 
 #define READS_FOLDER(name, entry)                                                                            \
   EXPORT struct entry *name(DIR *folder) {                                                                   \
     REAL(struct entry *, #name, DIR *);                                                                      \
-    FAIL_ON(on_fd(READDIR, dirfd(folder)), NULL);                                                            \
+    FAIL_ON(on_fd("readdir", dirfd(folder)), NULL);                                                          \
     return real(folder);                                                                                     \
   }
 READS_FOLDER(readdir, dirent)
 READS_FOLDER(readdir64, dirent64)
-
-/* --- memory --------------------------------------------------------------------------------------- */
-
-#ifndef INJECT_NO_MALLOC
-extern void *__libc_malloc(size_t n), *__libc_calloc(size_t n, size_t size),
-    *__libc_realloc(void *old, size_t n), *__libc_memalign(size_t align, size_t n);
-
-static bool memory_fails(const void *from) {
-  if (!ready || !counted[MALLOC]) return false;
-  caller = from;
-  return is_program() && verdict(MALLOC, "-") > 0;
-}
-
-#define ALLOCATES(name, declared, given)                                                                     \
-  EXPORT void *name declared {                                                                               \
-    if (!memory_fails(__builtin_return_address(0))) return given;                                            \
-    errno = ENOMEM;                                                                                          \
-    return NULL;                                                                                             \
-  }
-ALLOCATES(malloc, (size_t n), __libc_malloc(n))
-ALLOCATES(calloc, (size_t n, size_t size), __libc_calloc(n, size))
-ALLOCATES(realloc, (void *old, size_t n), __libc_realloc(old, n))
-ALLOCATES(aligned_alloc, (size_t align, size_t n), __libc_memalign(align, n))
-#endif
