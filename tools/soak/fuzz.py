@@ -39,7 +39,13 @@ def sound_files(setup):
     """A result and tables of each form: what the harness of HDF5 alters."""
     (setup.work / "sound.cfg").write_text(DECK)
     result, table = setup.work / "sound.h5", setup.work / "table.h5"
-    subprocess.run([setup.program, "run", setup.work / "sound.cfg", "-o", result, "--quiet"], check=True)
+    sealed = setup.work / "sealed.h5"
+    subprocess.run([setup.program, "run", setup.work / "sound.cfg", "-o", sealed, "--quiet"], check=True)
+    # without its checksum, which would keep the readers from all that is altered
+    with h5py.File(sealed) as new, h5py.File(result, "w") as old:
+        for key in new:
+            new.copy(key, old)
+        old.attrs.update({name: value for name, value in new.attrs.items() if name != "sealed"})
     x, radius = numpy.array([0.0, 3.0, 6.0]), numpy.array([1.0, 1.0, 0.5])
     with h5py.File(table, "w") as file:
         rows = numpy.zeros(3, dtype=[("x", "f8"), ("y", "f4"), ("radius", "f8"), ("id", "i8")])
