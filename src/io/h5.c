@@ -256,6 +256,8 @@ static const void *image_of(hid_t id, size_t *size) {
 
 sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages) {
   size_t size = 0;
+  int64_t one = 1;
+  h5_attr(file, "/", "sealed", SD_I64, 0, &one);
   close_sets(file);
   const void *image = file->failed ? NULL : image_of(file->id, &size);
   sd_status status;

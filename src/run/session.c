@@ -247,8 +247,8 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
 }
 
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages) {
-  char *there = session_identity(s);
-  if (!there) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", s->result);
+  char *there;
+  if (session_identity(s, &there, messages) != SD_OK) return SD_ERROR_IO;
   bool may = !*there || strcmp(there, s->replaces) == 0;
   free(there);
   if (may) return SD_OK;

@@ -24,24 +24,33 @@ static char *finished_id(const char *result) {
   return id;
 }
 
-char *session_identity(const session *s) {
+sd_status session_identity(const session *s, char **id, sd_messages *messages) {
   struct stat facts;
-  char *id = finished_id(s->result);
-  if (id) return id;
-  if (lstat(s->result, &facts) != 0) return file_path("%s", errno == ENOENT ? "" : "unknown");
-  return file_path("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
-                   facts.st_mtim.tv_nsec);
+  *id = NULL;
+  if (lstat(s->result, &facts) == 0)
+    *id = finished_id(s->result);
+  else if (errno != ENOENT)
+    return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
+  else
+    *id = file_path("%s", "");
+  if (!*id)
+    *id = file_path("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
+                    facts.st_mtim.tv_nsec);
+  return *id ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to look at %s", s->result);
+}
+
+/* Of a result that can be read, or of any other file? */
+static bool is_result(const char *identity) {
+  return strlen(identity) == 32 && strspn(identity, "0123456789abcdef") == 32;
 }
 
 /* Without --force nothing is replaced. */
-static sd_status refuse_existing(const session *s, sd_messages *messages) {
-  char *id = finished_id(s->result);
-  sd_fail(messages, SD_ERROR_USER,
-          id ? "%s is finished already; --force runs it again and replaces it"
-             : "%s is there, and is damaged or no result of slipdisk; --force replaces it",
-          s->result);
-  free(id);
-  return SD_ERROR_USER;
+static sd_status refuse_existing(const session *s, const char *there, sd_messages *messages) {
+  return sd_fail(messages, SD_ERROR_USER,
+                 is_result(there)
+                     ? "%s is finished already; --force runs it again and replaces it"
+                     : "%s is there, and is damaged or no result of slipdisk; --force replaces it",
+                 s->result);
 }
 
 /* The deck of the checkpoint must be this one, and so must the files that it names. */
@@ -99,7 +108,7 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
                           : sd_fail(messages, SD_ERROR_IO, "no memory to read the checkpoint");
   if (status == SD_OK) status = checkpoint_check_origin(file, path, messages);
   if (status == SD_OK) status = provenance_read(&s->origin, file, messages);
-  s->was_finished = status == SD_OK && finished && strcmp(finished, s->origin.run_id) == 0;
+  s->was_finished = status == SD_OK && strcmp(finished, s->origin.run_id) == 0;
   if (status == SD_OK && !s->was_finished) status = read_checkpoint(s, file, path, state, messages);
   if (status == SD_OK && shortage_seen())
     status = sd_fail(messages, SD_ERROR_IO, "there was no memory for all that %s says", path);
@@ -153,9 +162,10 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
   return status;
 }
 
-static sd_status begin_fresh(session *s, sd_messages *messages) {
+/* there: identity of the file that may be replaced in the end; "": none. */
+static sd_status begin_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
-  s->replaces = s->options.force ? session_identity(s) : file_path("%s", "");
+  s->replaces = file_path("%s", there);
   if (!s->replaces) return sd_fail(messages, SD_ERROR_IO, "no memory to start");
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
@@ -183,10 +193,15 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
   return sd_simulation_resume(s->model, state, s->options.threads, &s->simulation, messages);
 }
 
-/* Refuses what can be refused without touching anything, then takes the lock. */
-static sd_status prepare(session *s, sd_messages *messages) {
+/* Refuses what can be refused without touching anything, then takes the lock. there: identity of the file at the result's
+ * name. */
+static sd_status prepare(session *s, char **there, sd_messages *messages) {
   char *parts = file_path("%s.parts", s->result);
-  sd_status status = SD_OK;
+  sd_status status = session_identity(s, there, messages);
+  if (status != SD_OK) {
+    free(parts);
+    return status;
+  }
   if (!parts)
     status = sd_fail(messages, SD_ERROR_IO, "no memory to start");
   else if (file_is_folder(s->result))
@@ -195,8 +210,8 @@ static sd_status prepare(session *s, sd_messages *messages) {
     status = sd_fail(messages, SD_ERROR_USER, "%s is a symbolic link, a result is a file", s->result);
   else if (file_is_special(s->result))
     status = sd_fail(messages, SD_ERROR_USER, "%s is a device or a pipe, a result is a file", s->result);
-  else if (!s->options.force && file_exists(s->result) && !file_exists(parts))
-    status = refuse_existing(s, messages);
+  else if (!s->options.force && **there && !file_exists(parts))
+    status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
   if (status == SD_OK) status = record_new(&s->rows, s->model, messages);
   free(parts);
@@ -205,19 +220,22 @@ static sd_status prepare(session *s, sd_messages *messages) {
 
 static sd_status begin(session *s, sd_messages *messages) {
   sd_state *state = NULL;
-  sd_status status = prepare(s, messages);
+  char *there = NULL;
+  sd_status status = prepare(s, &there, messages);
   if (status == SD_OK && !s->options.force) {
-    char *finished = finished_id(s->result);
-    status = find_checkpoint(s, finished, &state, messages);
+    status = find_checkpoint(s, there, &state, messages);
     /* without a checkpoint nothing was begun */
-    s->was_finished = s->was_finished || (finished && status == SD_OK && !state);
-    free(finished);
+    s->was_finished = s->was_finished || (status == SD_OK && !state && is_result(there));
   }
-  if (status != SD_OK) return status;
-  if (s->was_finished) return folder_remove(&s->parts_folder, messages);
-  if (state) return begin_again(s, state, messages);
-  return !s->options.force && file_exists(s->result) ? refuse_existing(s, messages)
-                                                     : begin_fresh(s, messages);
+  if (status == SD_OK && s->was_finished)
+    status = folder_remove(&s->parts_folder, messages);
+  else if (status == SD_OK && state)
+    status = begin_again(s, state, messages);
+  else if (status == SD_OK)
+    status =
+        !s->options.force && *there ? refuse_existing(s, there, messages) : begin_fresh(s, there, messages);
+  free(there);
+  return status;
 }
 
 sd_status session_open(const sd_model *model, const session_options *options, session **out,

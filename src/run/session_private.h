@@ -35,8 +35,8 @@ unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);
 sd_status session_checkpoint(session *s, sd_messages *messages);
-/* Which file lies at the result's name: run_id of a result, else size and time; "": none. To be freed; NULL: no memory. */
-char *session_identity(const session *s);
+/* Which file lies at the result's name: run_id of a result, else size and time; "": none. To be freed. */
+sd_status session_identity(const session *s, char **id, sd_messages *messages);
 /* May the result get its name? Not when another file has appeared there than the one that is to be replaced. `kind` is the
  * status of a refusal. */
 sd_status session_may_publish(const session *s, sd_status kind, sd_messages *messages);

@@ -66,8 +66,8 @@ class Looks:
 
 
 def is_merging(result):
-    """Next to the parts there is a file whose name begins with the result's."""
-    return result.suffix == ".h5" and any(p.is_file() for p in result.parent.glob(f"*{result.name}*"))
+    """Among the parts there is the draft of the result, or it has its name already."""
+    return result.is_file() or any(result.with_name(f"{result.name}.parts").glob("result.h5.*.tmp"))
 
 
 def look(pid, result, found):

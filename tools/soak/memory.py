@@ -21,7 +21,7 @@ from .trial import ROOT, Row
 THREE = ROOT / "inputs" / "three_disk"
 STEPS = ["-D", "phases.settle.steps=200", "-D", "phases.measure.steps=20000", "-D", "phases.measure.series=500"]
 MEANS = """
-integrator = "verlet"; dt = 0.01; seed = 3; gravity = { g = 1; };
+integrator = "verlet"; dt = 0.001; seed = 3; gravity = { g = 1; };
 materials = ( { name = "a"; k_n = 1e3; k_t = 500; gamma_n = 2; mu = 0.5; } );
 container = { type = "box"; width = 8; height = 10; };
 packings = ( { type = "random"; count = 12; density = 1; sizes = "mono"; radius = 0.5; } );
