@@ -20,9 +20,9 @@ SECONDS, RSS, ALLOCATION = 10, 1500, 700   # of one execution; MiB of the proces
 
 DECK = """dt = 1e-4; gravity = { g = 9.81; }; materials = ( { name = "m"; k_n = 1e4; k_t = 5e3; gamma_n = 3; mu = 0.5; } );
 disks = ( { name = "a"; x = 0; y = 0.999; radius = 1; mass = 1; group = "g"; },
-  { x = 2; y = 0.999; radius = 1; mass = 1; }, { x = 0.9; y = 2.6; radius = 1; mass = 1; } );
+  { x = 1.9995; y = 0.999; radius = 1; mass = 1; fixed = true; }, { x = 0.9; y = 2.785; radius = 1; mass = 1; } );
 walls = ( { name = "floor"; type = "line"; points = ( (-9, 0), (9, 0) ); },
-  { type = "polyline"; points = ( (-1.001, 0), (-1.001, 4), (-2, 5) ); } );
+  { type = "polyline"; points = ( (-0.9995, 0), (-0.9995, 4), (-2, 5) ); } );
 phases = ( { name = "p"; steps = 40; }, { steps = 60; } ); output = { series = 50; frames = 50; contacts = 50; };
 measure = { rotation = ("a"); sliding = ( { disk = "a"; partners = ("floor", 1); } ); disks = true; };
 """
