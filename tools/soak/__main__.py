@@ -74,6 +74,8 @@ def run_mode(mode, args):
     (args.folder / f"{mode}.json").write_text(json.dumps(
         {"mode": mode, "what": MODES[mode], "size": args.size, "seed": args.seed, "seconds": clock.seconds(),
          "rows": [dataclasses.asdict(row) for row in rows]}, indent=1))
+    if rows and all(row.trials == 0 and row.note.startswith("left out") for row in rows):
+        return 0
     # A mode without a trial shows nothing: that is a failure, too.
     return sum(row.failed for row in rows) if sum(row.trials for row in rows) else 1
 
