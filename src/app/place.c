@@ -57,20 +57,22 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     size_t n;
     sd_status status = folder_checkpoints(p->folder, &steps, &n, messages);
     sd_messages *why = sd_messages_new();
-    for (size_t k = 0; status == SD_OK && k < n && !*out; k++) {
+    for (size_t k = 0; status == SD_OK && k < n && !*path; k++) {
       char *candidate = folder_checkpoint(p->folder, steps[k]);
+      /* one that vanished is no reason to step back */
       bool there = candidate && file_exists(candidate);
-      if (there && h5_open_sealed(-1, candidate, out, NULL, why) == SD_OK) *path = candidate;
-      if (!*out) free(candidate);
+      if (there && h5_open_sealed(-1, candidate, out, NULL, why) == SD_OK)
+        *path = candidate;
+      else
+        free(candidate);
     }
-    /* one that vanished is no reason to step back */
-    for (size_t k = 0; *out && k < sd_messages_count(why); k++)
+    for (size_t k = 0; *path && k < sd_messages_count(why); k++)
       sd_warn(messages, "%s; an older checkpoint is read: %s", sd_messages_text(why, k), *path);
-    for (size_t k = 0; !*out && attempt == 2 && k < sd_messages_count(why); k++)
+    for (size_t k = 0; !*path && attempt == 2 && k < sd_messages_count(why); k++)
       sd_fail(messages, SD_ERROR_IO, "%s", sd_messages_text(why, k));
     sd_messages_free(why);
     free(steps);
-    if (status != SD_OK || *out) return status;
+    if (status != SD_OK || *path) return status;
   }
   return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
 }

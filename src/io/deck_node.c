@@ -72,7 +72,7 @@ const char *deck_quote(deck *d, const char *text, size_t n) {
   size_t shown = text_quoted(text, n);
   char *copy = deck_alloc(d, shown + 4, 1);
   memcpy(copy, text, shown);
-  if (shown < n) memcpy(copy + shown, "...", 3);
+  if (shown < n) memcpy(copy + shown, "...", sizeof "...");
   return copy;
 }
 

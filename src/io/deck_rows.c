@@ -236,7 +236,7 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
 static void read_csv(deck *d, deck_node *file, deck_columns *t) {
   csv in;
   if (!csv_open(&in, d, file)) return;
-  size_t n = in.n_fields, from[COLUMN_KINDS];
+  size_t n = in.n_fields, from[COLUMN_KINDS] = {0};
   bool whole = true;
   if (t->n_columns == 0)
     for (size_t k = 0; k < n; k++) whole &= deck_columns_add(d, t, in.field[k], NULL, in.here);

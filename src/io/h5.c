@@ -318,10 +318,10 @@ bool h5_failed(const h5_file *file) { return file->failed; }
 
 /* --- write ---------------------------------------------------------------------------------------- */
 
-void h5_fail(h5_file *file, const char *what) {
+void h5_no_memory(h5_file *file, const char *path) {
   if (file->failed) return;
   file->failed = true;
-  file->trouble = file_path("%s", what);
+  file->trouble = file_path("no memory for %s", path);
 }
 
 /* Remembers the first failure. */
@@ -330,14 +330,6 @@ static void check(h5_file *file, bool good, const char *path) {
   char reason[200];
   file->failed = true;
   file->trouble = file_path("%s: %s", path, h5_reason(reason, sizeof reason));
-}
-
-bool h5_have(h5_file *file, bool got, const char *path) {
-  if (!got && !file->failed) {
-    file->failed = true;
-    file->trouble = file_path("no memory for %s", path);
-  }
-  return got;
 }
 
 /* Link creation with the groups on the way; text is UTF-8. */
@@ -411,7 +403,7 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
   check(file, set >= 0, path);
   uint64_t elements = H5Tget_class(type) == H5T_STRING ? H5Tget_size(type) : 1;
   for (int k = 0; k < rank; k++) elements *= dims[k];
-  if (set >= 0 && !h5_expect(file, path, NULL, elements)) h5_fail(file, "no memory");
+  if (set >= 0 && !h5_expect(file, path, NULL, elements)) h5_no_memory(file, path);
   H5Sclose(space);
   H5Pclose(create);
   H5Pclose(link);
@@ -493,7 +485,7 @@ static void write_attr(h5_file *file, const char *path, const char *name, hid_t 
   check(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
   bool text = H5Tget_class(type) == H5T_STRING;
   size_t size = H5Tget_size(type), n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
-  if (!h5_expect(file, path, name, n)) h5_fail(file, "no memory");
+  if (!h5_expect(file, path, name, n)) h5_no_memory(file, path);
   h5_note(file, path, name, data, n, text ? 1 : size, 0);
   if (file->failed) return;
   check(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);

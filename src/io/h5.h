@@ -76,11 +76,14 @@ void h5_link(h5_file *file, const char *target, const char *path); /* hard link 
  * a compressed one come in order, and wait in memory until their chunk is full, or the file is saved or closed. */
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress);
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data);
-void h5_fail(h5_file *file,
-             const char *what);      /* what is to be written cannot be made: reported like a failed write */
 bool h5_failed(const h5_file *file); /* a write has gone wrong */
-/* Returns got. False: there is no memory for what should stand at path, and the file is not saved. */
-bool h5_have(h5_file *file, bool got, const char *path);
+/* There is no memory for what should stand at path: reported like a failed write. */
+void h5_no_memory(h5_file *file, const char *path);
+/* Returns got; false is no memory, as above. */
+static inline bool h5_have(h5_file *file, bool got, const char *path) {
+  if (!got) h5_no_memory(file, path);
+  return got;
+}
 
 /* --- read ----------------------------------------------------------------------------------------- */
 bool h5_exists(const h5_file *file, const char *path);

@@ -162,7 +162,7 @@ static sd_status get_rows(const h5_file *file, const char *path, sd_type type, s
   start[0] = first;
   count[0] = n;
   hid_t memory = good ? H5Screate_simple(rank, count, NULL) : H5I_INVALID_HID;
-  good = good && (width == 0 || H5Sget_simple_extent_npoints(memory) == (hssize_t)(n * width)) &&
+  good = good && (width == 0 || H5Sget_simple_extent_npoints(memory) == (hssize_t)n * (hssize_t)width) &&
          H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
          H5Dread(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0;
   if (memory >= 0) H5Sclose(memory);

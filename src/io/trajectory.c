@@ -238,8 +238,9 @@ static void write_names(h5_file *file, const sd_model *model, const char *path, 
     named = named || name;
     total += (name ? strlen(name) : 0) + 1;
   }
-  char *text = named ? malloc(total) : NULL;
-  if (!h5_have(file, text || !named, path) || !named) return;
+  if (!named) return;
+  char *text = malloc(total);
+  if (!h5_have(file, text, path)) return;
   char *at = text;
   for (size_t k = first; k < first + n; k++) {
     const char *name = k < model->n_disks ? model->disks[k].name : model->walls[k - model->n_disks].name;

@@ -2,6 +2,7 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
+#include <assert.h>
 #include <errno.h>
 #include <inttypes.h>
 #include <math.h>
@@ -196,12 +197,10 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
 /* Refuses what can be refused without touching anything, then takes the lock. there: identity of the file at the result's
  * name. */
 static sd_status prepare(session *s, char **there, sd_messages *messages) {
-  char *parts = file_path("%s.parts", s->result);
   sd_status status = session_identity(s, there, messages);
-  if (status != SD_OK) {
-    free(parts);
-    return status;
-  }
+  if (status != SD_OK) return status;
+  assert(*there);
+  char *parts = file_path("%s.parts", s->result);
   if (!parts)
     status = sd_fail(messages, SD_ERROR_IO, "no memory to start");
   else if (file_is_folder(s->result))
@@ -222,7 +221,12 @@ static sd_status begin(session *s, sd_messages *messages) {
   sd_state *state = NULL;
   char *there = NULL;
   sd_status status = prepare(s, &there, messages);
-  if (status == SD_OK && !s->options.force) {
+  if (status != SD_OK) {
+    free(there);
+    return status;
+  }
+  assert(there);
+  if (!s->options.force) {
     status = find_checkpoint(s, there, &state, messages);
     /* without a checkpoint nothing was begun */
     s->was_finished = s->was_finished || (status == SD_OK && !state && is_result(there));

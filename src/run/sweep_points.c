@@ -117,8 +117,11 @@ void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_optio
   size_t running = 0;
   for (size_t k = 0; k < n; k++) {
     sd_messages *messages = sd_messages_new();
-    runner lost = {.all = &all, .k = k}, *r = memory ? &all.runners[running] : &lost;
-    *r = lost;
+    runner lost, *r = memory ? &all.runners[running] : &lost;
+    r->all = &all;
+    r->k = k;
+    r->model = NULL;
+    r->result = NULL;
     session *opened = NULL;
     sweep_status status = SWEEP_FAILED;
     sd_status ran = memory && messages
