@@ -109,7 +109,8 @@ static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
   else if (file_exists(name))
     verify_file(v, name);
   else if (!file_is_folder(parts))
-    status = sd_fail(messages, SD_ERROR_USER, "there is no %s", name);
+    status = sd_fail(messages, SD_ERROR_USER, "there is neither a result %s nor an unfinished run %s", name,
+                     parts);
   if (status == SD_OK && !file_is_folder(name) && file_is_folder(parts))
     status = verify_folder(v, parts, messages);
   free(points);
@@ -137,6 +138,6 @@ int app_verify(int argc, char **argv) {
   }
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
-  if (v.files != 1 && !v.quiet) printf("%zu files, %zu damaged\n", v.files, v.damaged);
+  if (v.files > 1 && !v.quiet) printf("%zu files, %zu damaged\n", v.files, v.damaged);
   return v.damaged > 0 ? SD_ERROR_IO : status;
 }
