@@ -85,7 +85,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
     return SD_OK;
   }
   if (status == SD_OK) status = place_open_checkpoint(&p, &file, &checkpoint, messages);
-  if (status == SD_OK) status = checkpoint_check_origin(file, checkpoint, messages);
+  if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
   if (status == SD_OK) status = provenance_read(&origin, file, messages);
   h5_close(file, NULL);
   if (status == SD_OK) status = load(&origin, &model, messages);

@@ -141,21 +141,37 @@ char *checkpoint_get_replaces(const h5_file *file) {
   return h5_get_attr_text(file, "/checkpoint", "replaces");
 }
 
-sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages) {
+/* least: the oldest format that will do. */
+static sd_status check_version(const h5_file *file, const char *path, int64_t least, sd_messages *messages) {
   char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
   char *version = h5_get_attr_text(file, "/h5md/creator", "version");
-  bool ours = creator && strcmp(creator, "slipdisk") == 0;
+  const char *shown = version ? version : "unknown";
   int64_t format = h5_get_attr_i64(file, "/state", "format", 0);
   sd_status status = SD_OK;
-  if (!ours)
+  if (!creator || strcmp(creator, "slipdisk") != 0)
     status = sd_fail(messages, SD_ERROR_USER, "%s is no result of slipdisk%s%.80s", path,
                      creator ? ": it was written by " : "", creator ? creator : "");
   else if (format > CHECKPOINT_FORMAT)
     status = sd_fail(messages, SD_ERROR_USER,
                      "%s was written by a newer slipdisk, version %.40s: its format is %" PRId64
                      ", this program reads up to %d",
-                     path, version ? version : "unknown", format, CHECKPOINT_FORMAT);
+                     path, shown, format, CHECKPOINT_FORMAT);
+  else if (format < least)
+    status =
+        sd_fail(messages, SD_ERROR_USER,
+                "%s was written by an older slipdisk, version %.40s: its format is %" PRId64
+                ", this program goes on from %d only; let the older one finish the run, or start over with "
+                "--force",
+                path, shown, format, CHECKPOINT_FORMAT);
   free(creator);
   free(version);
   return status;
+}
+
+sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages) {
+  return check_version(file, path, 0, messages);
+}
+
+sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages) {
+  return check_version(file, path, CHECKPOINT_FORMAT, messages);
 }

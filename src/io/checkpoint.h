@@ -37,5 +37,7 @@ uint64_t checkpoint_get_last_part(const h5_file *file);
 char *checkpoint_get_replaces(const h5_file *file); /* to be freed; NULL: none */
 /* Is it a result, or a checkpoint, that this version can read? SD_ERROR_USER: another program's, or a newer one's. */
 sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages);
+/* And a checkpoint that it can go on from? */
+sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages);
 
 #endif

@@ -107,7 +107,7 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
   h5_file *file = NULL;
   sd_status status = path ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to read the checkpoint");
-  if (status == SD_OK) status = checkpoint_check_origin(file, path, messages);
+  if (status == SD_OK) status = checkpoint_check_format(file, path, messages);
   if (status == SD_OK) status = provenance_read(&s->origin, file, messages);
   s->was_finished = status == SD_OK && strcmp(finished, s->origin.run_id) == 0;
   if (status == SD_OK && !s->was_finished) status = read_checkpoint(s, file, path, state, messages);
