@@ -10,7 +10,7 @@
 #include "io/h5_private.h"
 
 /* Datasets are read back in pieces of at most this many bytes. */
-enum { PIECE_BYTES = 32 << 20 };
+enum { PIECE_BYTES = 8 << 20 };
 
 /* element: a constant where this is called, so that the loop knows it. */
 static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element, uint64_t first) {
