@@ -245,7 +245,7 @@ static void test_result_seals(void **unused) {
   }
 }
 
-/* What was not put is found missing before anything else is done with the file. */
+/* Rows that were not put are found missing before anything else is done with the file. */
 static void test_missing_rows(void **unused) {
   (void)unused;
   write_result(100000, false, SD_ERROR_IO);

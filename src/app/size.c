@@ -13,7 +13,7 @@
 static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;
 /* Mass, radius, group and the like of a body. */
 static const double BODY_BYTES = 40;
-/* What is left of coordinates and forces after compression: their trailing bytes are noise. Of integers in frames
+/* Fraction of coordinates and forces that compression leaves: their trailing bytes are noise. Of integers in frames
  * next to nothing is left. */
 static const double NOISE_LEFT = 0.88, FORCE_LEFT = 0.85;
 /* Of a packing; each contact belongs to two disks. */

@@ -15,7 +15,7 @@
  * and no fast_*, so that it reads 2 and 3 as well. */
 enum { CHECKPOINT_FORMAT = 4, CHECKPOINT_OF_PACKING = 2 };
 
-/* What else has to be there for the state to be gone on from. */
+/* Parts that belong to a state, without which a run cannot go on from it. */
 typedef struct checkpoint_parts {
   int64_t n;            /* sealed parts */
   uint64_t last;        /* sum in the seal of the last one; each part names that of the one before */

@@ -86,7 +86,7 @@ const deck_key *deck_key_find(const deck_table *table, const char *name);
 const char *deck_kind_text(deck_kind kind);
 const char *deck_range_text(deck_range range);
 bool deck_in_range(deck_range range, double x);
-/* What is expected in place of x, a number out of this range. */
+/* Words for the range in which x, which is out of it, is expected. */
 const char *deck_expected(deck_range range, double x);
 
 /* The candidate nearest to word in edit distance, NULL when none is near enough to be meant. */

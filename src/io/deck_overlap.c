@@ -81,7 +81,7 @@ static bool check_pair(grid *g, size_t i, size_t j, double x, double y) {
   return true;
 }
 
-/* What a cell has. When enough was told one pair of each disk is counted: true, then the disk is done. */
+/* Overlaps of one cell. When enough was told one pair of each disk is counted: true, then the disk is done. */
 static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
   for (int64_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
     /* another cell may share the slot of the table */

@@ -8,7 +8,7 @@
  *   *.tmp                a draft: a file whose writing was interrupted, or the result while parts are merged
  *
  * The folder is held by a descriptor. Before anything is written or removed folder_check makes sure that the path
- * still leads to it and that its lock is ours: another run may have taken the name after somebody removed the folder.
+ * still leads to it and that its lock is ours: another run may have taken the name after the folder was removed.
  */
 #ifndef SLIPDISK_IO_FOLDER_H
 #define SLIPDISK_IO_FOLDER_H

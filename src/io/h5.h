@@ -4,7 +4,7 @@
  * nothing: the first problem is remembered in the file and reported once, by h5_save or h5_close, so that
  * code that writes twenty datasets reads like a list of twenty datasets.
  *
- * What is read stands in the file itself: links to other files or places, external storage and virtual datasets are
+ * Only data in the file itself are read: links to other files or places, external storage and virtual datasets are
  * refused (a missing source would read as zeros).
  *
  * Files are built in memory and saved whole (h5_new ... h5_save): a file on disk is never appended to, so a

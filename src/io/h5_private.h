@@ -30,7 +30,7 @@ typedef struct h5_open_set {
   h5_rows rows;
 } h5_open_set;
 
-/* What was put into a dataset or an attribute of a file on disk, to be compared with what is there in the end. */
+/* Sum of a dataset or an attribute as it was put into a file on disk, to be compared with the finished file. */
 typedef struct h5_entry {
   char *path, *attr;      /* attr NULL: a dataset */
   uint64_t expected, put; /* elements */
@@ -72,7 +72,7 @@ typedef struct h5_mark {
   uint64_t sum, small;
 } h5_mark;
 
-/* What stands at the end of the file. */
+/* Reads the marks at the end of the file. */
 sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages);
 /* Is the sum of the bytes that of the seal? */
 sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages);

@@ -23,7 +23,7 @@ typedef struct summary_doubt {
 } summary_doubt;
 
 typedef struct summary summary;
-/* What the summary holds against these limits; state: of the run, NULL where only the summary is known. */
+/* Compares the summary with these limits; state: of the run, NULL where only the summary is known. */
 sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
                         sd_messages *messages);
 /* How many; and their texts, joined by "; ", to be freed (NULL: no memory). */

@@ -83,7 +83,7 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
   return SD_OK;
 }
 
-/* What a checkpoint in an open file has to be for the run to go on from it. */
+/* Checks deck, state and parts of a checkpoint in an open file, and takes them over. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
                                  sd_messages *messages) {
   sd_status status = check_deck(s, &s->origin, NULL, messages);

@@ -27,7 +27,7 @@ typedef struct seed {
 static seed seeds[MOST_FILES];
 static size_t n_seeds;
 
-/* What is left of the input; zeros when it is used up. */
+/* The rest of the input; zeros when it is used up. */
 typedef struct input {
   const uint8_t *data;
   size_t n;

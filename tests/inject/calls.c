@@ -49,7 +49,7 @@ static const char any[] =
 static const char writing[] =
     "open,write,pwrite,fsync,truncate,allocate,rename,link,unlink,close,mkdir,rmdir,lock";
 
-/* What a call shall do, besides failing with an errno. */
+/* Ends of a call, besides failing with an errno. */
 enum { GO_ON = 0, SHORT = -1, TORN = -2, KILL = -3 };
 
 static bool ready;
@@ -231,7 +231,7 @@ OPENS_TEMPLATE(mkostemp, (char *path, int flags), (path, flags, 0))
 OPENS_STREAM(fopen)
 OPENS_STREAM(fopen64)
 
-/* What a hardened program calls instead. */
+/* Names that a hardened program calls instead. */
 int __open_2(const char *path, int flags);
 int __openat_2(int at, const char *path, int flags);
 EXPORT int __open_2(const char *path, int flags) { return open(path, flags, 0); }

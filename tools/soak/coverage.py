@@ -27,7 +27,7 @@ ROOMS = {
 # Percent of branches below which a room must not fall; 95 is the aim of the first three.
 LEAST = {"deck reader": 90, "checkpoint": 75, "merge": 82}  # per cent of branches
 
-# What reaches most in a second: no tests of numbers and of speed, none that run for long.
+# The tests that reach most in a second: no tests of numbers and of speed, none that run for long.
 TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|sweep_(deck|mistakes|folder)|check_sweep|checkpoint|restart"
          r"|rows|configuration|configuration_frames|measure_command|disk_files|disk_results|results|large_files"
          r"|session_group|settle|settle_runs|ensemble|compress|compress_results|watch|bounds|walls|rain|relax|generators|motion"

@@ -11,7 +11,7 @@ from . import folders, inject, kill, runs
 from .inject import Fault
 from .trial import Row
 
-# What each kind of call can fail with. EINTR and a short count are no failures: a program goes on.
+# Errors with which each kind of call can fail. EINTR and a short count are no failures: a program goes on.
 ERRORS = {
     "open": "EIO EMFILE EACCES ESTALE ENOSPC EINTR", "read": "EIO ESTALE EINTR short",
     "pread": "EIO ESTALE EINTR short", "write": "ENOSPC EIO EDQUOT EINTR short",

@@ -133,7 +133,7 @@ def _stopped_second(other, place):
 
 
 def _read_only(setup, run, number):
-    """No file can be made any more in the folder of parts, or beside the result. Root may always: so as nobody."""
+    """No file can be made any more in the folder of parts, or beside the result. Root may always, so the run belongs to another user."""
     found = _stopped(run, setup.random("read-only", number))
     if not found:
         return None
