@@ -111,8 +111,12 @@ static void finish(crew *w, worker *one, int ended) {
   if (*how) snprintf(text, sizeof text, "the process that ran it %s", how);
   for (size_t i = 0; i < one->n; i++) {
     if (one->told[i]) continue;
-    if (*text) sweep_note(w->s, one->points[i], text);
-    sweep_account(w, one->points[i], status, text, &one->cells[i], sweep_seconds() - one->started);
+    size_t point = one->points[i];
+    /* it may have ended after its result was complete */
+    bool done = sweep_peek(w->s, point) == SWEEP_DONE;
+    if (*text && !done) sweep_note(w->s, point, text);
+    sweep_account(w, point, done ? SD_OK : status, done ? "" : text, &one->cells[i],
+                  sweep_seconds() - one->started);
   }
 }
 
