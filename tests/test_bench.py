@@ -106,14 +106,17 @@ class Bench(unittest.TestCase):
         self.assertRegex(out, re.compile(r"quartiles are 1\.0 % .* 2\.0 % at most\s+\(`heap/gear5/avx512`\)", re.S))
 
     def test_a_build_against_itself(self):
-        out = self.run_ok("--quick", "--only", "sync/gear5/baseline", "--compare", PROGRAM, "--csv", self.csv)
-        table = rows(self.csv)
+        for _ in range(3):  # other programs may take the processor from one of the two for a while, but not each time
+            out = self.run_ok("--quick", "--only", "sync/gear5/baseline", "--compare", PROGRAM, "--csv", self.csv)
+            table = rows(self.csv)
+            if all(0.5 < float(row["ratio"]) < 2 for row in table.values()):
+                break
         self.assertEqual(sorted(table), ["sync/gear5/baseline", "sync/gear5/baseline/lanes"])
         for name, row in table.items():
             self.assertIn(name, out)
             ratio = float(row["ratio"])
             self.assertAlmostEqual(ratio, float(row["this_median_ns"]) / float(row["other_median_ns"]), delta=1e-3)
-            self.assertTrue(0.1 < ratio < 10, row)  # the machine may be busy with other things for a while
+            self.assertTrue(0.5 < ratio < 2, row)
             self.assertLessEqual(float(row["ratio_quartile1"]), float(row["ratio_quartile3"]))
 
     def test_an_older_build(self):
