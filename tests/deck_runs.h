@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "physics/work.h"
+#include "physics/system/work.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
 

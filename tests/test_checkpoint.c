@@ -15,9 +15,9 @@
 
 #include <cmocka.h>
 
-#include "io/checkpoint.h"
-#include "io/file.h"
-#include "io/folder.h"
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
 #include "run/deck_diff.h"
 #include "slipdisk/deck.h"
 

@@ -12,7 +12,7 @@
 #include <glob.h>
 #include <math.h>
 
-#include "io/h5.h"
+#include "io/store/h5.h"
 #include "slipdisk/deck.h"
 
 static sd_messages *messages;

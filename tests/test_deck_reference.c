@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "io/deck_keys.h"
+#include "io/deck/deck_keys.h"
 #include "slipdisk/deck.h"
 
 static char *read_all(const char *path) {

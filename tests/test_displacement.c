@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "io/summary.h"
+#include "io/results/summary.h"
 #include "run/ensemble.h"
 #include "slipdisk/deck.h"
 #include "system.h"

@@ -1,6 +1,7 @@
 """The rules of the house (docs/architecture.md) that can be read off the sources.
 
 - A file under src/ includes only headers of its own floor or of a floor below; public headers are for all.
+- A floor with rooms: a file includes only headers of its own room or of rooms below, so that no circle runs through two.
 - A public header includes public headers and the C library only.
 - libconfig, HDF5, MPI and Qhull are each seen by the files of one name only.
 - Nothing below app/ ends the process.
@@ -14,8 +15,9 @@ import unittest
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
 SRC = ROOT / "src"
+ROOMS = {"physics": ["system", "contact", "neighbours", "motion", "step", "small"], "io": ["store", "results", "deck"]}
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
-ONLY = {"libconfig.h": "io/deck", "hdf5.h": "io/h5", "hdf5_hl.h": "io/h5", "mpi.h": "base/comm",
+ONLY = {"libconfig.h": "io/deck/", "hdf5.h": "io/store/h5", "hdf5_hl.h": "io/store/h5", "mpi.h": "base/comm",
         "libqhull_r/libqhull_r.h": "measure/cells"}
 LINES = 600
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
@@ -83,6 +85,24 @@ class Floors(unittest.TestCase):
                 elif level(target.parts[0]) > level(floor):
                     problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: "
                                     f"{floor}/ must not know {target}")
+        self.check(problems)
+
+    def test_rooms_include_down(self):
+        problems = []
+        for path in self.files:
+            parts = path.relative_to(SRC).parts
+            rooms = ROOMS.get(parts[0])
+            if not rooms:
+                continue
+            if len(parts) != 3 or parts[1] not in rooms:
+                problems.append(f"{path.relative_to(ROOT)}: in none of the rooms {rooms}")
+                continue
+            text = uncommented(path.read_text())
+            for found in INCLUDE.finditer(text):
+                target = resolve(path, found.group(2))
+                if target and target.parts[0] == parts[0] and rooms.index(target.parts[1]) > rooms.index(parts[1]):
+                    problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {parts[1]}/ must not "
+                                    f"know {target}")
         self.check(problems)
 
     def test_public_headers_stand_alone(self):

@@ -11,12 +11,12 @@
 #include <gsl/gsl_cdf.h>
 
 #include "deck_runs.h"
-#include "physics/kernels.h"
+#include "physics/system/kernels.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
 #include "base/vmath.h"
-#include "physics/draws.h"
+#include "physics/motion/draws.h"
 #undef LANE_WIDTH
 
 enum { PATHS = 3 };

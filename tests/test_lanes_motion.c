@@ -9,9 +9,9 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
-#include "physics/kernels.h"
-#include "physics/lanes_motion.h"
-#include "physics/motion.h"
+#include "physics/system/kernels.h"
+#include "physics/small/lanes_motion.h"
+#include "physics/motion/motion.h"
 
 enum { MOST = 8, FIRST = 1, BODIES = 3 /* a free disk in slot 0, two driven ones and a wall */ };
 

@@ -16,8 +16,8 @@
 
 #include <cmocka.h>
 
-#include "io/file.h"
-#include "io/h5.h"
+#include "io/store/file.h"
+#include "io/store/h5.h"
 
 #define SCRATCH_NAME "large"
 #include "scratch_file.h"

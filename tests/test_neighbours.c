@@ -8,8 +8,8 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
-#include "physics/neighbours.h"
-#include "physics/walls.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/contact/walls.h"
 
 /* n disks at random in a w by h box, overlapping or not; some fixed, some on the edges of cells and of the box. A
  * deck would refuse them, so they are put there afterwards. */

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
-#include "physics/order.h"
+#include "physics/neighbours/order.h"
 
 enum { WIDE = 60, HIGH = 25, DISKS = WIDE * HIGH };
 

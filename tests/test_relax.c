@@ -9,7 +9,8 @@
 
 #include "deck_runs.h"
 #include "pack/relax.h"
-#include "physics/engine.h"
+#include "physics/system/bodies.h"
+#include "physics/step/engine.h"
 
 /* A heap of disks in a box, thrown in every direction; one is locked in x, one turns at a given speed. */
 static sd_model *heap_new(const char *integrator, double dt, double gamma_n, const char *phases) {
@@ -155,7 +156,7 @@ static void test_out_of_play(void **unused) {
   advance(sim, 10);
   s->activity[5] = SD_REMOVED;
   s->activity[6] = SD_OUTSIDE;
-  engine_fill_constants(engine_of(sim));
+  bodies_fill_constants(engine_of(sim));
   double kept = s->vx[5], lost = s->vx[6];
   relax_sums team_sums;
   relax_step(engine_of(sim), &(team){0, 1}, &team_sums);

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "io/file.h"
+#include "io/store/file.h"
 #include "run/sweep.h"
 #include "slipdisk/deck.h"
 #include "sweep_decks.h"

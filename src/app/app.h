@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "io/provenance.h"
-#include "io/summary.h"
+#include "io/results/provenance.h"
+#include "io/results/summary.h"
 #include "slipdisk/model.h"
 
 /* Each takes the arguments from the name of the subcommand on, and returns the exit status. */

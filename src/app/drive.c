@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "app/app.h"
-#include "io/file.h"
+#include "io/store/file.h"
 #include "run/session.h"
 #include "run/simulation_private.h"
 

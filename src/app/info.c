@@ -9,10 +9,10 @@
 #include "app/app.h"
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/checkpoint.h"
-#include "io/file.h"
-#include "io/folder.h"
-#include "io/series.h"
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
+#include "io/results/series.h"
 
 /* All that is told. */
 typedef struct facts {

@@ -13,8 +13,8 @@
 #include "base/shortage.h"
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/deck_keys.h"
-#include "io/file.h"
+#include "io/deck/deck_keys.h"
+#include "io/store/file.h"
 #include "version.h"
 
 static const char help[] =

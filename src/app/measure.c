@@ -7,10 +7,10 @@
 #include <string.h>
 
 #include "app/app.h"
-#include "io/checkpoint.h"
-#include "io/file.h"
-#include "io/folder.h"
-#include "io/frames.h"
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
+#include "io/results/frames.h"
 
 typedef struct arguments {
   const char *name, *csv, *output; /* NULL: not asked for */

@@ -5,7 +5,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
-#include "io/file.h"
+#include "io/store/file.h"
 #include "measure/cells.h"
 #include "measure/correlation.h"
 #include "measure/stress.h"

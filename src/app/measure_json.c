@@ -4,7 +4,7 @@
 
 #include "app/measure.h"
 #include "base/text.h"
-#include "io/file.h"
+#include "io/store/file.h"
 
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
                             sd_messages *messages) {

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "app/measure.h"
-#include "io/file.h"
+#include "io/store/file.h"
 
 static const struct table {
   const char *name, *head;

@@ -3,8 +3,8 @@
 #include <string.h>
 
 #include "app/app.h"
-#include "io/file.h"
-#include "io/folder.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
 
 static bool ends_with(const char *text, size_t length, const char *tail) {
   size_t n = strlen(tail);

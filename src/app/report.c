@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "app/app.h"
-#include "io/series.h"
-#include "physics/outside.h"
+#include "io/results/series.h"
+#include "physics/step/outside.h"
 
 const char *report_duration(double seconds, char *text, size_t size) {
   if (!(seconds >= 0) || seconds > 1e9) {

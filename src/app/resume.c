@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include "app/app.h"
-#include "io/checkpoint.h"
-#include "io/file.h"
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
 #include "slipdisk/deck.h"
 
 enum { QUIET = 256, THREADS, LOG };

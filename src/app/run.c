@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "app/app.h"
-#include "io/file.h"
+#include "io/store/file.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {

@@ -7,7 +7,7 @@
 
 #include "app/app.h"
 #include "app/sweep.h"
-#include "io/file.h"
+#include "io/store/file.h"
 
 /* How long --table waits for another process that is writing the tables, s. */
 static const double TABLE_PATIENCE = 600;

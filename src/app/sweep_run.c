@@ -20,7 +20,7 @@
 
 #include "app/app.h"
 #include "app/sweep_crew.h"
-#include "io/file.h"
+#include "io/store/file.h"
 #include "run/ensemble.h"
 
 /* Between tables while points are run: at least so long, and a multiple of what the last ones took. */

@@ -6,8 +6,8 @@
 
 #include "app/app.h"
 #include "app/sweep.h"
-#include "io/file.h"
-#include "io/summary_disks.h"
+#include "io/store/file.h"
+#include "io/results/summary_disks.h"
 #include "run/ensemble.h"
 
 /* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */

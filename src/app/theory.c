@@ -7,7 +7,7 @@
 
 #include "app/app.h"
 #include "app/theory.h"
-#include "io/file.h"
+#include "io/store/file.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {

@@ -4,7 +4,7 @@
 
 #include "app/theory.h"
 #include "base/text.h"
-#include "io/file.h"
+#include "io/store/file.h"
 
 static const char *const kinds[] = {[THEORY_REST] = "rest",
                                     [THEORY_STEADY] = "steady",

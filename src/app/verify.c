@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "app/app.h"
-#include "io/checkpoint.h"
-#include "io/file.h"
-#include "io/folder.h"
-#include "io/record.h"
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
+#include "io/results/record.h"
 
 typedef struct verifier {
   bool quiet, seal;

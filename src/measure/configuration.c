@@ -4,9 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "physics/contacts.h"
-#include "physics/engine.h"
-#include "physics/walls.h"
+#include "physics/system/bodies.h"
+#include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/contact/walls.h"
 
 /* --- frame -------------------------------------------------------------------------------------------- */
 
@@ -52,7 +53,7 @@ static void fill_space(sd_model *m, const sd_model *from, double scale) {
   m->container = from->container;
   m->variant = from->variant;
   for (int c = 0; c < 2; c++) {
-    double corner = engine_corner(from, c);
+    double corner = box_corner(from, c);
     m->gravity[c] = from->gravity[c];
     m->periodic[c] = from->periodic[c];
     m->lower[c] = from->lower[c];

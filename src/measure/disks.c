@@ -4,8 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "physics/engine.h"
-#include "physics/losses.h"
+#include "physics/system/bodies.h"
+#include "physics/step/engine.h"
+#include "physics/contact/losses.h"
 
 static double angle_of(const sd_state *s, size_t i) { return s->theta[i] + s->turn[i]; }
 
@@ -23,7 +24,7 @@ void disks_begin(engine *e) {
   for (size_t i = 0; i < s->n_means; i++) {
     double angle = angle_of(s, i);
     if (s->measured == 0) {
-      bool there = engine_in_play(s, i);
+      bool there = body_in_play(s, i);
       s->mean_angle[i] = s->mean_last[i] = angle;
       s->mean_x0[i] = there ? absolute_x(e, i) : NAN;
       s->mean_y0[i] = there ? absolute_y(e, i) : NAN;

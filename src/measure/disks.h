@@ -9,7 +9,7 @@
 #define MEASURE_DISKS_H
 
 #include "base/team.h"
-#include "physics/work.h"
+#include "physics/system/work.h"
 
 /* As watch_begin and watch_end; no-ops unless the model asks for means. */
 void disks_begin(engine *e);

@@ -2,7 +2,7 @@
 #ifndef MEASURE_WATCH_H
 #define MEASURE_WATCH_H
 
-#include "physics/work.h"
+#include "physics/system/work.h"
 
 /* A measured phase begins or goes on after one that was not measured. */
 void watch_begin(engine *e);

@@ -13,14 +13,15 @@
 #include <string.h>
 
 #include "pack/rain.h"
-#include "physics/contacts.h"
-#include "physics/energy.h"
-#include "physics/engine.h"
-#include "physics/kernels.h"
-#include "physics/neighbours.h"
-#include "physics/pairs.h"
-#include "physics/sweep.h"
-#include "physics/walls.h"
+#include "physics/system/bodies.h"
+#include "physics/step/contacts.h"
+#include "physics/contact/energy.h"
+#include "physics/step/engine.h"
+#include "physics/system/kernels.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/contact/pairs.h"
+#include "physics/step/sweep.h"
+#include "physics/contact/walls.h"
 
 /* Part of the missing pressure that one change would bring if all disks followed it. */
 static const double GAIN = 0.1;
@@ -67,7 +68,7 @@ double compress_stored_pressure(const sd_model *m, const sd_state *s) {
 double compress_fraction(const sd_model *m, const sd_state *s) {
   double sum = 0.0;
   for (size_t i = 0; i < s->n_free; i++)
-    if (engine_in_play(s, i)) sum += s->radius[i] * s->radius[i];
+    if (body_in_play(s, i)) sum += s->radius[i] * s->radius[i];
   return M_PI * sum / area_of(m, s);
 }
 
@@ -186,13 +187,13 @@ sd_status compress_step(engine *e, sd_messages *messages) {
   if (check_width(e, f, messages) != SD_OK) return SD_ERROR_NUMERIC;
   sd_energy before = energy_of(e);
   scale_arcs(e, f);
-  double corner[2] = {engine_corner(e->model, SD_X), engine_corner(e->model, SD_Y)};
+  double corner[2] = {box_corner(e->model, SD_X), box_corner(e->model, SD_Y)};
   scale_column(s->x, s->n_bodies, corner[SD_X], f);
   scale_column(s->y, s->n_bodies, corner[SD_Y], f);
   scale_column(s->base_x, s->n_bodies, corner[SD_X], f);
   scale_column(s->base_y, s->n_bodies, corner[SD_Y], f);
   s->box_scale *= f;
-  engine_place_box(e);
+  box_place(e);
   walls_place(e);
   sd_status status = neighbours_rescale(e, f, messages);
   if (status == SD_OK) status = renew_contacts(e, messages);

@@ -9,7 +9,7 @@
 #ifndef PACK_COMPRESS_H
 #define PACK_COMPRESS_H
 
-#include "physics/work.h"
+#include "physics/system/work.h"
 
 /* Steps between two changes of the lengths. */
 enum { COMPRESS_EVERY = 8 };

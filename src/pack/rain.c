@@ -7,10 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "physics/energy.h"
-#include "physics/engine.h"
-#include "physics/neighbours.h"
-#include "physics/walls.h"
+#include "physics/system/bodies.h"
+#include "physics/contact/energy.h"
+#include "physics/step/engine.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/contact/walls.h"
 
 /* Part of a row's width that disks take, at most; between two rows this part of the higher one's radius is left. */
 static const double ROW_FILL = 0.9, ROW_GAP = 0.1;
@@ -46,7 +47,7 @@ static double top_of(const engine *e, const sd_rain *r) {
   const work *w = &e->work;
   double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper), half = 0.5 * (r->upper - r->lower);
   for (size_t i = 0; i < s->n_disks; i++) {
-    if (i < s->n_free && !engine_in_play(s, i)) continue;
+    if (i < s->n_free && !body_in_play(s, i)) continue;
     double dx = s->x[i] - middle;
     if (w->periodic[SD_X]) dx -= w->length[SD_X] * nearbyint(dx * w->inverse_length[SD_X]);
     if (fabs(dx) < half + s->radius[i]) top = fmax(top, s->y[i] + s->radius[i]);
@@ -217,7 +218,7 @@ sd_status rain_release(engine *e, sd_messages *messages) {
     if (due(e, &m->rains[k]))
       status = place_batch_of(e, &m->rains[k], s->step / m->rains[k].interval, messages);
   if (status != SD_OK) return status;
-  engine_fill_constants(e);
+  bodies_fill_constants(e);
   for (size_t k = 0; k < m->n_rains; k++)
     if (due(e, &m->rains[k])) accelerate(e, &m->rains[k], s->step / m->rains[k].interval);
   status = neighbours_build(e, messages);

@@ -7,7 +7,7 @@
 #ifndef PACK_RAIN_H
 #define PACK_RAIN_H
 
-#include "physics/work.h"
+#include "physics/system/work.h"
 
 /* The first step after `step` at which a batch is due; INT64_MAX: none. */
 int64_t rain_next(const engine *e, int64_t step);

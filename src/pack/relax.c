@@ -15,7 +15,7 @@
 
 #include <math.h>
 
-#include "physics/engine.h"
+#include "physics/step/engine.h"
 
 enum { PATIENCE = 5 };
 static const double ALPHA = 0.1, SHRINK = 0.99, BRAKE = 2.0;

@@ -8,7 +8,7 @@
 #define PACK_RELAX_H
 
 #include "base/team.h"
-#include "physics/work.h"
+#include "physics/system/work.h"
 
 /* Of the whole team: what its threads have summed, block of disks by block. */
 enum { RELAX_BLOCKS = 64 };

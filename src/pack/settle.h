@@ -2,7 +2,7 @@
 #ifndef PACK_SETTLE_H
 #define PACK_SETTLE_H
 
-#include "physics/work.h"
+#include "physics/system/work.h"
 
 /* Over the free disks in play and within the bounds: kinetic energy per disk, of translation and rotation; mean
  * resultant force on one (contacts, gravity, body forces; coordinates that are free) over the mean normal force of

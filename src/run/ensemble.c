@@ -9,9 +9,9 @@
 #include <string.h>
 
 #include "base/subnormal.h"
-#include "physics/kernels.h"
-#include "physics/lanes.h"
-#include "physics/neighbours.h"
+#include "physics/system/kernels.h"
+#include "physics/small/lanes.h"
+#include "physics/neighbours/neighbours.h"
 #include "run/lanes_loop.h"
 #include "run/simulation_private.h"
 

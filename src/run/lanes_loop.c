@@ -2,8 +2,8 @@
 #include "run/lanes_loop.h"
 
 #include "measure/watch.h"
-#include "physics/motion.h"
-#include "physics/step.h"
+#include "physics/motion/motion.h"
+#include "physics/step/step.h"
 
 static int64_t least_room(const lanes *l) {
   int64_t least = INT64_MAX;

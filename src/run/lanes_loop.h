@@ -2,7 +2,7 @@
 #ifndef SLIPDISK_RUN_LANES_LOOP_H
 #define SLIPDISK_RUN_LANES_LOOP_H
 
-#include "physics/lanes.h"
+#include "physics/small/lanes.h"
 
 /* n steps within a phase, or fewer when one of the systems goes wrong: the others are then where it was, and its
  * work.status says so. States are complete before and after. */

@@ -11,8 +11,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "io/file.h"
-#include "io/merge.h"
+#include "io/store/file.h"
+#include "io/results/merge.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
 #include "run/session_private.h"

@@ -9,8 +9,8 @@
 
 #include <signal.h>
 
-#include "io/provenance.h"
-#include "io/summary.h"
+#include "io/results/provenance.h"
+#include "io/results/summary.h"
 #include "slipdisk/simulation.h"
 
 typedef struct session session;

@@ -11,8 +11,8 @@
 #include <sys/stat.h>
 
 #include "base/shortage.h"
-#include "io/file.h"
-#include "io/merge.h"
+#include "io/store/file.h"
+#include "io/results/merge.h"
 #include "run/deck_diff.h"
 #include "run/session_private.h"
 

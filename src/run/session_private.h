@@ -2,9 +2,9 @@
 #ifndef SLIPDISK_RUN_SESSION_PRIVATE_H
 #define SLIPDISK_RUN_SESSION_PRIVATE_H
 
-#include "io/checkpoint.h"
-#include "io/folder.h"
-#include "io/record.h"
+#include "io/results/checkpoint.h"
+#include "io/store/folder.h"
+#include "io/results/record.h"
 #include "run/session.h"
 
 struct session {

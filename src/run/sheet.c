@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/file.h"
+#include "io/store/file.h"
 
 sheet_column *sheet_find(const sheet *s, const char *name) {
   for (size_t k = 0; k < s->n_columns; k++)

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "io/h5.h"
+#include "io/store/h5.h"
 
 typedef enum sheet_kind { SHEET_NUMBER, SHEET_INTEGER, SHEET_TEXT } sheet_kind;
 

@@ -14,16 +14,16 @@
 #include "pack/rain.h"
 #include "pack/relax.h"
 #include "pack/settle.h"
-#include "physics/contacts.h"
-#include "physics/energy.h"
-#include "physics/engine.h"
-#include "physics/feedback.h"
-#include "physics/kernels.h"
-#include "physics/motion.h"
-#include "physics/neighbours.h"
-#include "physics/order.h"
-#include "physics/outside.h"
-#include "physics/step.h"
+#include "physics/step/contacts.h"
+#include "physics/contact/energy.h"
+#include "physics/step/engine.h"
+#include "physics/motion/feedback.h"
+#include "physics/system/kernels.h"
+#include "physics/motion/motion.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/neighbours/order.h"
+#include "physics/step/outside.h"
+#include "physics/step/step.h"
 #include "run/lanes_loop.h"
 #include "run/simulation_private.h"
 
@@ -75,6 +75,20 @@ static sd_status fail_new(sd_simulation *sim, sd_simulation **out, sd_status sta
   return status;
 }
 
+/* Work, and the rows of a small system. */
+static sd_status build(engine *e, int threads, sd_messages *messages) {
+  sd_status status = engine_build(e, threads, messages);
+  if (status == SD_OK && threads == 1 && lanes_suit(e->model) &&
+      lanes_new(true, 1, &e, &e->work.lanes) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  return status;
+}
+
+static void release(engine *e) {
+  lanes_free(e->work.lanes);
+  engine_free(e);
+}
+
 sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out, sd_messages *messages) {
   sd_state *state = sd_state_new(model);
   if (!state) {
@@ -107,7 +121,7 @@ sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threa
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
   }
   *sim = (sd_simulation){.engine = {.model = model, .state = state}};
-  sd_status status = engine_build(&sim->engine, choose_threads(model, threads), messages);
+  sd_status status = build(&sim->engine, choose_threads(model, threads), messages);
   if (status != SD_OK) return fail_new(sim, out, status);
   *out = sim;
   return SD_OK;
@@ -115,7 +129,7 @@ sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threa
 
 void sd_simulation_free(sd_simulation *sim) {
   if (!sim) return;
-  engine_free(&sim->engine);
+  release(&sim->engine);
   sd_state_free(sim->engine.state);
   free(sim);
 }
@@ -183,8 +197,8 @@ static sd_status order_again(engine *e, sd_messages *messages) {
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
   if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
-  engine_free(e);
-  sd_status status = engine_build(e, threads, messages);
+  release(e);
+  sd_status status = build(e, threads, messages);
   e->work.messages = messages;
   return status;
 }
@@ -318,8 +332,8 @@ sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
   engine *e = &sim->engine;
   int threads = e->work.n_threads;
   if (!sd_simulation_state(sim)) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
-  engine_free(e);
-  return engine_build(e, threads, messages);
+  release(e);
+  return build(e, threads, messages);
 }
 
 int sd_simulation_threads(const sd_simulation *sim) { return sim->engine.work.n_threads; }

@@ -2,7 +2,7 @@
 #ifndef SLIPDISK_RUN_SIMULATION_PRIVATE_H
 #define SLIPDISK_RUN_SIMULATION_PRIVATE_H
 
-#include "physics/work.h"
+#include "physics/system/work.h"
 #include "slipdisk/simulation.h"
 
 engine *simulation_engine(sd_simulation *simulation);

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/file.h"
+#include "io/store/file.h"
 #include "run/sweep_private.h"
 
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,

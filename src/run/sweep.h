@@ -11,7 +11,7 @@
 #ifndef SLIPDISK_RUN_SWEEP_H
 #define SLIPDISK_RUN_SWEEP_H
 
-#include "io/deck_sweep.h"
+#include "io/deck/deck_sweep.h"
 #include "run/session.h"
 
 typedef struct sweep {

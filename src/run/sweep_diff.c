@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/deck.h"
-#include "io/file.h"
+#include "io/deck/deck.h"
+#include "io/store/file.h"
 #include "run/deck_diff.h"
 #include "run/sweep_private.h"
 

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/file.h"
+#include "io/store/file.h"
 #include "run/sweep_private.h"
 
 /* Points in the order of their names. */

@@ -5,9 +5,9 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/checkpoint.h"
-#include "io/file.h"
-#include "io/folder.h"
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
 #include "run/sweep_private.h"
 
 const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "stopped",   "done",

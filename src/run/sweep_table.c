@@ -5,8 +5,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "io/file.h"
-#include "io/folder.h"
+#include "io/store/file.h"
+#include "io/store/folder.h"
 #include "run/sheet.h"
 #include "run/sweep.h"
 

@@ -10,7 +10,7 @@
 
 #include "bench/packings.h"
 #include "bench/scaling_table.h"
-#include "physics/neighbours.h"
+#include "physics/neighbours/neighbours.h"
 #include "run/simulation_private.h"
 
 enum { BUILD_REPEATS = 5, LEAST_STEPS = 16, QUICK_STEPS = 64, MAX_CHOICES = 16 };

@@ -10,10 +10,10 @@
 
 #include <hdf5.h>
 
-#include "io/checkpoint.h"
-#include "io/frames.h"
-#include "io/provenance.h"
-#include "io/summary.h"
+#include "io/results/checkpoint.h"
+#include "io/results/frames.h"
+#include "io/results/provenance.h"
+#include "io/results/summary.h"
 #include "slipdisk/model.h"
 
 enum { MOST_FILES = 8, MOST_PATHS = 600, MOST_OPERATIONS = 6 };

@@ -17,9 +17,9 @@ BUILD = ROOT / "build" / "coverage"
 # Room -> its files below src/; the first that fits counts.
 ROOMS = {
     "deck reader": r"io/deck",
-    "checkpoint": r"io/(checkpoint|file|folder|members)",
-    "merge": r"io/(merge|record|table|series|trajectory|frames)",
-    "HDF5": r"io/h5",
+    "checkpoint": r"io/(results/checkpoint|store/file|store/folder|store/members)",
+    "merge": r"io/(store/table|results/(merge|record|series|trajectory|frames))",
+    "HDF5": r"io/store/h5",
     "summary": r"io/",
     "app": r"app/", "run": r"run/", "measure": r"measure/", "theory": r"theory/", "pack": r"pack/",
     "physics": r"physics/", "model": r"model/", "base": r"base/",

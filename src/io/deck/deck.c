@@ -1,0 +1,258 @@
+/* deck.c: from a deck to a finished model; see slipdisk/deck.h and io/deck.h. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "io/deck/deck_read.h"
+#include "io/deck/deck_result.h"
+#include "io/deck/deck_sweep.h"
+#include "io/store/file.h"
+#include "slipdisk/deck.h"
+
+/* --- the keys of the deck itself --------------------------------------------------------------------------- */
+
+static void read_run(deck *d) {
+  sd_model *m = d->model;
+  deck_group top;
+  if (!deck_enter(d, d->root, &deck_top, &top)) return;
+  m->title = deck_keep_text(d, deck_text_of(&top, "title"));
+  m->seed = (uint64_t)deck_integer(&top, "seed");
+  m->integrator = deck_choice(&top, "integrator") == 1 ? SD_VERLET : SD_GEAR5;
+  m->dt = deck_number(&top, "dt");
+  m->variant = deck_choice(&top, "contact_variant") == 1 ? SD_CONSERVATIVE : SD_PAPER;
+  m->skin = deck_number(&top, "skin");
+  m->max_overlap = deck_number(&top, "max_overlap");
+  m->checkpoint_seconds = deck_number(&top, "checkpoint");
+}
+
+void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages) {
+  if (!(fabs(tilt) > M_PI / 2)) return;
+  char line[24] = "";
+  if (place.line > 0) snprintf(line, sizeof line, ":%d", place.line);
+  sd_warn(
+      messages,
+      "%s%s: gravity.tilt = %.10g: more than a right angle; angles are in radians, degrees are \"%.10g deg\"",
+      place.file ? place.file : d->path, line, tilt, tilt);
+}
+
+static void read_gravity(deck *d) {
+  deck_group g;
+  if (!deck_enter_one(d, d->root, "gravity", &deck_gravity, &g)) return;
+  double strength = deck_number(&g, "g"), tilt = deck_number(&g, "tilt");
+  const deck_node *written = deck_get(&g, "tilt");
+  if (written->type == DECK_FLOAT) deck_warn_tilt(d, tilt, written->place, d->messages);
+  d->model->gravity[0] = -strength * sin(tilt);
+  d->model->gravity[1] = -strength * cos(tilt);
+  if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */
+}
+
+/* Without the group the limits are those of sd_model_new. */
+static void read_limits(deck *d) {
+  sd_limits *l = &d->model->limits;
+  deck_group g;
+  if (!deck_child(d->root, "limits")) return;
+  if (!deck_enter_one(d, d->root, "limits", &deck_limits, &g)) return;
+  l->residual = deck_number(&g, "residual");
+  l->open = deck_number(&g, "open");
+  l->displacement = deck_number(&g, "displacement");
+}
+
+/* Edges from the file that the key `file` names, which is read when they are first asked for. */
+typedef struct file_edges {
+  bool tried, found;
+  double lower[2], upper[2];
+} file_edges;
+
+static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
+  const char *name = deck_text_of(g, "file"), *key = c ? "y" : "x";
+  const deck_node *file = deck_get(g, "file");
+  if (!file)
+    deck_fail_key(g->d, g->node, key, "missing: expected (lower, upper), since the box is periodic in %s",
+                  key);
+  if (!file || !name) return false;
+  if (!from->tried)
+    from->found = deck_file_format(name) == DECK_HDF5 ? deck_result_box(g->d, file, from->lower, from->upper)
+                                                      : deck_lammps_box(g->d, file, from->lower, from->upper);
+  from->tried = true;
+  if (!from->found) return false;
+  edge[0] = from->lower[c];
+  edge[1] = from->upper[c];
+  if (edge[1] > edge[0]) {
+    deck_default_pair(g, key, edge);
+    return true;
+  }
+  deck_fail(g->d, file, "the box of this file is not periodic in %s", key);
+  return false;
+}
+
+static void read_box(deck *d) {
+  sd_model *m = d->model;
+  deck_group g;
+  if (!deck_enter_one(d, d->root, "box", &deck_box, &g)) return;
+  int periodic = deck_choice(&g, "periodic");
+  m->periodic[0] = periodic == 1 || periodic == 3;
+  m->periodic[1] = periodic == 2 || periodic == 3;
+  file_edges from = {0};
+  for (int c = 0; c < 2; c++) {
+    const char *key = c ? "y" : "x";
+    double edge[2];
+    bool given = deck_pair(&g, key, edge);
+    if (!given && m->periodic[c] && !deck_get(&g, key)) given = file_edge(&g, &from, c, edge);
+    if (!given) continue;
+    if (!(edge[1] > edge[0])) deck_fail_key(d, g.node, key, "expected (lower, upper) with lower < upper");
+    m->lower[c] = m->region_lower[c] = edge[0];
+    m->upper[c] = m->region_upper[c] = edge[1];
+  }
+}
+
+/* Checked and counted; the model is that of the deck as it stands. */
+static void read_sweep(deck *d, bool point) {
+  if (!point) d->model->sweep_points = deck_sweep_count(d);
+  deck_remove(d->root, deck_child(d->root, "sweep"));
+}
+
+/* The order matters: motions speak of bodies, phases of motions. */
+static void read_all(deck *d, bool point) {
+  read_run(d);
+  read_gravity(d);
+  read_box(d);
+  deck_read_materials(d);
+  deck_read_container(d);
+  deck_read_disks(d);
+  deck_read_walls(d);
+  deck_container_bodies(d);
+  deck_read_packings(d);
+  deck_read_memories(d);
+  deck_read_forces(d);
+  deck_read_locks(d);
+  deck_read_motions(d);
+  deck_read_bounds(d);
+  deck_read_phases(d);
+  deck_check_motions(d);
+  deck_read_measure(d);
+  deck_read_until(d);
+  read_limits(d);
+  read_sweep(d, point);
+  deck_check_laws(d);
+  deck_check_overlaps(d);
+}
+
+/* --- loading ------------------------------------------------------------------------------------------------ */
+
+static char *join_settings(deck *d, size_t n, const deck_setting *settings) {
+  size_t length = 0;
+  for (size_t k = 0; k < n; k++) length += strlen(settings[k].text) + 1;
+  char *text = deck_keep(d, length + 1, 1), *p = text;
+  for (size_t k = 0; k < n; k++) {
+    size_t size = strlen(settings[k].text);
+    memcpy(p, settings[k].text, size);
+    p[size] = '\n';
+    p += size + 1;
+  }
+  return text;
+}
+
+static sd_status finish(deck *d) {
+  if (d->reported > 0) return SD_ERROR_USER;
+  sd_status status = sd_model_finish(d->model, d->messages);
+  if (status != SD_OK) return status;
+  deck_echo_files(d);
+  d->model->deck_full = deck_echo(d);
+  return SD_OK;
+}
+
+/* What deck_open was given, and what to do with it. */
+typedef struct task {
+  const char *text;
+  size_t n_settings;
+  const deck_setting *settings;
+  deck_use *use;
+  void *user;
+} task;
+
+static sd_status open_and_use(deck *d, const task *t) {
+  deck_text scanned = deck_scan(d, t->text, (deck_place){d->path, 1}, false);
+  if (!scanned.broken) d->root = deck_parse(d, &scanned);
+  if (!d->root) return SD_ERROR_USER;
+  d->text = scanned.raw ? scanned.raw : t->text;
+  for (size_t k = 0; k < t->n_settings; k++) deck_override(d, &t->settings[k]);
+  return t->use(d, t->user);
+}
+
+sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
+                    deck_use *use, void *user, sd_messages *messages) {
+  deck *d = calloc(1, sizeof *d);
+  if (!d) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  d->path = path;
+  d->messages = messages;
+  task t = {text, n_settings, settings, use, user};
+  sd_status status;
+  if (setjmp(d->out_of_memory) == 0)
+    status = open_and_use(d, &t);
+  else
+    status = sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  deck_report_rest(d);
+  if (status != SD_OK) sd_model_free(d->model);
+  deck_parse_free(d);
+  deck_memory_free(d);
+  free(d);
+  return status;
+}
+
+typedef struct model_task {
+  size_t n_settings;
+  const deck_setting *settings;
+  bool point;
+  sd_model *model;
+} model_task;
+
+static sd_status make_model(deck *d, void *user) {
+  model_task *t = user;
+  d->model = sd_model_new();
+  if (!d->model) longjmp(d->out_of_memory, 1);
+  d->model->deck_path = deck_keep_text(d, d->path);
+  d->model->deck_text = deck_keep_text(d, d->text);
+  d->model->deck_overrides = join_settings(d, t->n_settings, t->settings);
+  read_all(d, t->point);
+  sd_status status = finish(d);
+  t->model = status == SD_OK ? d->model : NULL;
+  return status;
+}
+
+sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
+                    bool point, sd_model **out, sd_messages *messages) {
+  model_task t = {n_settings, settings, point, NULL};
+  sd_status status = deck_open(text, path, n_settings, settings, make_model, &t, messages);
+  *out = t.model;
+  return status;
+}
+
+sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
+                            const char *const *overrides, sd_model **out, sd_messages *messages) {
+  deck_setting *settings = calloc(n_overrides + 1, sizeof *settings);
+  *out = NULL;
+  if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  for (size_t k = 0; k < n_overrides; k++) settings[k].text = overrides[k];
+  sd_status status = deck_load(text, path, n_overrides, settings, false, out, messages);
+  free(settings);
+  return status;
+}
+
+char *deck_file_text(const char *path, sd_messages *messages, sd_status *status) {
+  char *text, trouble[FILE_TROUBLE];
+  *status = file_text(path, (uint64_t)LIMIT_DECK * LIMIT_MIB, &text, trouble);
+  if (!text) sd_fail(messages, *status, "%s: cannot be read: %s", path, trouble);
+  return text;
+}
+
+sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
+                       sd_messages *messages) {
+  sd_status status;
+  char *text = deck_file_text(path, messages, &status);
+  *out = NULL;
+  if (text) status = sd_deck_load_text(text, path, n_overrides, overrides, out, messages);
+  free(text);
+  return status;
+}

@@ -1,0 +1,182 @@
+/* deck_bounds.c: where the disks belong. See deck.h and sd_bounds in slipdisk/model.h.
+ *
+ * Without limits of its own the group follows the container, a largest radius beyond its walls and as far again as
+ * these move; below the outlet of a hopper is outside. Where there is no container, limits are far out: FAR times
+ * the extent of all bodies at the start. They hold also without the group when there are walls through which
+ * gravity may pull a disk: none of them endless, so that there is no way to roll on for ever.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "io/deck/deck_read.h"
+
+enum { FAR = 10, MOST_ALIKE = 8 };
+/* A random motion rarely goes beyond so many times its rms value. */
+static const double SWING = 4;
+
+static double largest_radius(const sd_model *m) {
+  double largest = 0;
+  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  return largest;
+}
+
+/* --- of the container ------------------------------------------------------------------------------------ */
+
+/* A wall of this name, else a disk of a group of this name. */
+static bool find_side(const sd_model *m, const char *name, uint32_t *body) {
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    *body = (uint32_t)m->n_disks + w;
+    if (m->walls[w].name && strcmp(m->walls[w].name, name) == 0) return true;
+  }
+  for (*body = 0; *body < m->n_disks; ++*body) {
+    int group = m->disks[*body].group;
+    if (group >= 0 && strcmp(m->groups[group], name) == 0) return true;
+  }
+  return false;
+}
+
+/* How far motions carry a body along a coordinate; infinite where they say nothing about it. */
+static double travel(const sd_model *m, uint32_t body, int coordinate) {
+  double sum = 0;
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    bool bounded =
+        q->kind == SD_MOTION_HARMONIC || q->kind == SD_MOTION_PARABOLIC || q->kind == SD_MOTION_RANDOM;
+    bool turns =
+        q->coordinate == SD_THETA && body >= m->n_disks && m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE;
+    if (!turns && q->coordinate != coordinate) continue;
+    for (size_t b = 0; b < q->n_bodies; b++)
+      if (q->bodies[b] == body) sum += bounded && !turns ? SWING * fabs(q->amplitude) : HUGE_VAL;
+  }
+  return sum;
+}
+
+/* One limit, `margin` beyond the edge of the region. */
+static void limit_side(const deck *d, const char *wall, int c, bool upper, double margin) {
+  sd_model *m = d->model;
+  uint32_t body;
+  if (m->periodic[c] || !find_side(m, wall, &body)) return;
+  double room = margin + travel(m, body, c);
+  if (upper)
+    m->bounds.upper[c] = m->region_upper[c] + room;
+  else
+    m->bounds.lower[c] = m->region_lower[c] - room;
+}
+
+static void follow_container(const deck *d) {
+  const sd_model *m = d->model;
+  bool drum = m->container == SD_CONTAINER_DRUM, hopper = m->container == SD_CONTAINER_HOPPER;
+  double margin = largest_radius(m);
+  limit_side(d, drum ? "drum" : "left", SD_X, false, margin);
+  limit_side(d, drum ? "drum" : "right", SD_X, true, margin);
+  limit_side(d, drum ? "drum" : hopper ? "left" : "floor", SD_Y, false, hopper ? 0 : margin);
+  limit_side(d, drum ? "drum" : "lid", SD_Y, true, margin);
+}
+
+/* --- far out --------------------------------------------------------------------------------------------- */
+
+typedef struct extent {
+  double low[2], high[2];
+} extent;
+
+static void extend(extent *e, const double *at, double radius) {
+  for (int c = 0; c < 2; c++) {
+    e->low[c] = fmin(e->low[c], at[c] - radius);
+    e->high[c] = fmax(e->high[c], at[c] + radius);
+  }
+}
+
+static void far_out(sd_model *m) {
+  extent e = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+  for (size_t i = 0; i < m->n_disks; i++) extend(&e, m->disks[i].position, m->disks[i].radius);
+  for (size_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    if (wall->kind == SD_WALL_CIRCLE) extend(&e, wall->pivot, wall->radius);
+    for (size_t k = 0; k < wall->n_points; k++) extend(&e, wall->points[k], 0);
+  }
+  double room = FAR * fmax(e.high[0] - e.low[0], e.high[1] - e.low[1]);
+  for (int c = 0; c < 2; c++) {
+    if (m->periodic[c] || !isfinite(room)) continue;
+    m->bounds.lower[c] = e.low[c] - room;
+    m->bounds.upper[c] = e.high[c] + room;
+  }
+}
+
+/* Gravity, and walls that have an end or may be passed by. */
+static bool may_leak(const sd_model *m) {
+  bool endless = false;
+  for (size_t w = 0; w < m->n_walls; w++) endless = endless || m->walls[w].kind == SD_WALL_LINE;
+  return m->n_walls > 0 && !endless && (m->gravity[0] != 0 || m->gravity[1] != 0);
+}
+
+/* --- the group ------------------------------------------------------------------------------------------- */
+
+static bool starts_inside(const deck *d, size_t i) {
+  const sd_bounds *b = &d->model->bounds;
+  const sd_disk *disk = &d->model->disks[i];
+  bool inside = disk->waiting || deck_is_driven(d, i);
+  for (int c = 0; c < 2 && !inside; c++)
+    if (disk->position[c] < b->lower[c] || disk->position[c] > b->upper[c]) return false;
+  return true;
+}
+
+/* Limits that nobody has written are no reason to refuse the deck. */
+static void warn_start(const deck *d) {
+  const sd_model *m = d->model;
+  size_t found = 0, first = 0;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (!starts_inside(d, i) && found++ == 0) first = i;
+  if (found == 0) return;
+  char name[96];
+  sd_warn(d->messages, "%s:%d: %s at (%g, %g) starts outside the container%s", d->disk_place[first].file,
+          d->disk_place[first].line, sd_model_body_name(m, (uint32_t)first, name, sizeof name),
+          m->disks[first].position[SD_X], m->disks[first].position[SD_Y],
+          found > 1 ? ", and so do others" : "");
+}
+
+static void check_start(deck *d) {
+  const sd_model *m = d->model;
+  size_t found = 0;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *disk = &m->disks[i];
+    if (starts_inside(d, i) || found++ >= MOST_ALIKE) continue;
+    char name[96];
+    deck_fail_place(d, d->disk_place[i], "%s at (%g, %g) starts outside the bounds",
+                    sd_model_body_name(m, (uint32_t)i, name, sizeof name), disk->position[SD_X],
+                    disk->position[SD_Y]);
+  }
+  if (found > MOST_ALIKE)
+    deck_fail_place(d, (deck_place){d->path, 0}, "%zu more disks start outside the bounds",
+                    found - MOST_ALIKE);
+}
+
+void deck_read_bounds(deck *d) {
+  sd_model *m = d->model;
+  sd_bounds *b = &m->bounds;
+  bool written = deck_child(d->root, "bounds") != NULL, set = false;
+  deck_group g;
+  for (int c = 0; c < 2; c++) {
+    b->lower[c] = -HUGE_VAL;
+    b->upper[c] = HUGE_VAL;
+  }
+  if (m->container != SD_CONTAINER_NONE)
+    follow_container(d);
+  else if (written || may_leak(m))
+    far_out(m);
+  for (int c = 0; c < 2; c++) b->given = b->given || isfinite(b->lower[c]) || isfinite(b->upper[c]);
+  if (!written && !b->given) return;
+  if (!deck_enter_one(d, d->root, "bounds", &deck_bounds, &g)) return;
+  for (int c = 0; c < 2; c++) {
+    double limit[2];
+    if (!deck_pair(&g, c ? "y" : "x", limit)) continue;
+    if (!(limit[1] > limit[0]))
+      deck_fail_key(d, g.node, c ? "y" : "x", "expected (lower, upper) with lower < upper");
+    b->lower[c] = limit[0];
+    b->upper[c] = limit[1];
+    b->given = set = true;
+  }
+  b->outside = (sd_outside)deck_choice(&g, "outside");
+  if (written && !b->given) deck_fail(d, g.node, "there is nothing to leave; expected x, y or both");
+  if (set && d->reported == 0) check_start(d);
+  if (!set && d->reported == 0 && m->container != SD_CONTAINER_NONE) warn_start(d);
+}

@@ -1,0 +1,320 @@
+/* deck_disks.c: disks from disks, disk_rows and disk_files, in this order; forces and locks. See deck.h.
+ *
+ * Every source ends in add_disk: single disks are rows without columns, whose values all come from their
+ * group.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "base/text.h"
+#include "io/deck/deck_rows.h"
+
+/* Disk files up to so many disks are echoed as rows, so that the echo stands on its own. */
+enum { MOST_ECHOED = 1000 };
+
+/* What a group says about its disks; a row's columns are put over it. */
+typedef struct values {
+  double number[COLUMN_NUMBERS]; /* NAN: not given */
+  const char *name, *group;
+  int material;
+  unsigned locked;
+  double force[3];
+  const deck_node *node; /* for messages; NULL when the disk comes from a file */
+  deck_place place;
+  bool broken; /* the common values have errors: rows are not checked again */
+} values;
+
+/* --- one disk ------------------------------------------------------------------------------------------- */
+
+static void fail_value(deck *d, const values *v, const char *key, const char *text) {
+  if (v->node)
+    deck_fail_key(d, v->node, key, "%s", text);
+  else
+    deck_fail_place(d, v->place, "%s: %s", key, text);
+}
+
+static void check_values(deck *d, const values *v) {
+  const double *x = v->number;
+  static const int required[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
+  bool single = v->node && v->node->table == &deck_disks; /* then the getters have reported */
+  for (int k = 0; k < 3 && !single; k++)
+    if (isnan(x[required[k]]))
+      fail_value(d, v, deck_column_names[required[k]], "missing: neither a column nor a common value");
+  bool mass = !isnan(x[COLUMN_MASS]), density = !isnan(x[COLUMN_DENSITY]);
+  bool tried = v->node && (deck_child(v->node, "mass") || deck_child(v->node, "density"));
+  if (!mass && !density && !tried) fail_value(d, v, "mass", "missing: expected mass or density > 0");
+  if (mass && density) fail_value(d, v, "density", "given together with mass; expected one of them");
+  bool moving =
+      fabs(x[COLUMN_VX]) > 0 || fabs(x[COLUMN_VY]) > 0 || fabs(x[COLUMN_OMEGA]) > 0; /* NAN: reported */
+  if (x[COLUMN_FIXED] != 0 && moving)
+    fail_value(d, v, "fixed", "a fixed disk cannot have a velocity; a motion of type \"velocity\" moves it");
+  for (int c = 0; c < 3; c++)
+    if ((v->locked >> c & 1) && fabs(x[COLUMN_VX + c]) > 0)
+      fail_value(d, v, "locked", "a locked coordinate cannot have a velocity");
+}
+
+static int group_number(deck *d, const char *name) {
+  sd_model *m = d->model;
+  if (!name) return -1;
+  uint32_t found;
+  if (deck_index_find(&d->groups, name, &found)) return (int)found;
+  if ((m->n_groups & (m->n_groups - 1)) == 0)
+    m->groups = deck_grow(d, m->groups, 2 * m->n_groups + 1, sizeof *m->groups);
+  m->groups[m->n_groups] = deck_keep_text(d, name);
+  deck_index_add(d, &d->groups, deck_copy(d, name, strlen(name)), (uint32_t)m->n_groups);
+  return (int)m->n_groups++;
+}
+
+static void make_room(deck *d) {
+  sd_model *m = d->model;
+  if (m->n_disks < d->disk_capacity) return;
+  size_t capacity = 2 * d->disk_capacity + 64;
+  m->disks = deck_grow(d, m->disks, capacity, sizeof *m->disks);
+  deck_place *place = deck_alloc(d, capacity, sizeof *place);
+  if (m->n_disks) memcpy(place, d->disk_place, m->n_disks * sizeof *place);
+  d->disk_place = place;
+  d->disk_capacity = capacity;
+}
+
+void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
+  sd_model *m = d->model;
+  make_room(d);
+  d->disk_place[m->n_disks] = place;
+  sd_disk *own = &m->disks[m->n_disks++];
+  *own = *disk;
+  own->name = NULL; /* the model is whole if there is no memory for the name */
+  own->group = group_number(d, group);
+  own->name = deck_keep_text(d, name);
+}
+
+static void add_disk(deck *d, const values *v) {
+  if (!v->broken) check_values(d, v);
+  const double *x = v->number;
+  double radius = x[COLUMN_RADIUS];
+  sd_disk disk = {.position = {x[COLUMN_X], x[COLUMN_Y], x[COLUMN_THETA]},
+                  .velocity = {x[COLUMN_VX], x[COLUMN_VY], x[COLUMN_OMEGA]},
+                  .radius = radius,
+                  .mass = isnan(x[COLUMN_MASS]) ? x[COLUMN_DENSITY] * 3.14159265358979323846 * radius * radius
+                                                : x[COLUMN_MASS],
+                  .inertia = x[COLUMN_INERTIA],
+                  .force = {v->force[0], v->force[1], v->force[2]},
+                  .material = v->material,
+                  .driven = x[COLUMN_FIXED] != 0};
+  if (isnan(x[COLUMN_MASS]) && disk.mass >= 0 && !deck_in_range(DECK_POSITIVE, disk.mass))
+    fail_value(d, v, "density",
+               deck_format(d, "the mass is %g; expected a number %s", disk.mass,
+                           deck_expected(DECK_POSITIVE, disk.mass)));
+  for (int c = 0; c < 3; c++) disk.locked[c] = v->locked >> c & 1;
+  deck_push_disk(d, &disk, v->name, v->group, v->place);
+}
+
+/* --- groups of the deck ---------------------------------------------------------------------------------- */
+
+static bool has_column(const deck_columns *t, int column) {
+  for (size_t k = 0; k < t->n_columns; k++)
+    if (t->column[k] == column) return true;
+  return false;
+}
+
+/* A value that is a column is not asked for in the group, and may not stand there too. */
+static bool common(deck_group *g, const deck_columns *t, int column) {
+  if (!has_column(t, column)) return true;
+  if (deck_given(g, deck_column_names[column]))
+    deck_fail_key(g->d, g->node, deck_column_names[column],
+                  "given here and as a column; expected one of them");
+  return false;
+}
+
+static values read_common(deck_group *g, const deck_columns *t) {
+  deck *d = g->d;
+  values v = {.material = -1, .node = g->node, .place = g->node->place};
+  for (int k = 0; k < COLUMN_NUMBERS; k++) v.number[k] = k == COLUMN_FIXED ? 0 : NAN;
+  for (int k = 0; k < COLUMN_FIXED; k++)
+    if (common(g, t, k)) v.number[k] = deck_number(g, deck_column_names[k]);
+  if (common(g, t, COLUMN_FIXED)) v.number[COLUMN_FIXED] = deck_bool(g, "fixed");
+  if (g->table == &deck_disks) v.name = deck_text_of(g, "name");
+  if (common(g, t, COLUMN_MATERIAL)) {
+    if (d->model->n_materials == 1) deck_default_text(g, "material", d->model->materials[0].name);
+    const char *material = deck_text_of(g, "material");
+    if (material) v.material = deck_material(d, deck_get(g, "material"), material);
+    if (!deck_get(g, "material") && d->model->n_materials > 1)
+      deck_fail_key(d, g->node, "material", "missing: expected the name of a material");
+  }
+  if (common(g, t, COLUMN_GROUP)) v.group = deck_text_of(g, "group");
+  v.locked = deck_coordinates(d, g, "locked");
+  deck_pair(g, "force", v.force);
+  v.force[2] = deck_number(g, "torque");
+  return v;
+}
+
+static void check_cell(deck *d, const values *v, int column) {
+  const deck_key *key = deck_key_find(&deck_disks, deck_column_names[column]);
+  double x = v->number[column];
+  if (isnan(x) || deck_in_range(key->range, x)) return;
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
+  fail_value(d, v, key->name, deck_format(d, "%g: expected a number %s", x, deck_expected(key->range, x)));
+}
+
+/* Row r of the table over the common values. */
+static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
+  v.node = NULL;
+  v.place = t->place[r];
+  for (size_t c = 0; c < t->n_columns; c++) {
+    int column = t->column[c];
+    const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
+    if (column < COLUMN_NUMBERS) {
+      v.number[column] = t->number[r * t->n_columns + c];
+      check_cell(d, &v, column);
+    } else if (text && !text_printable(text)) {
+      fail_value(d, &v, deck_column_names[column], "expected a text in UTF-8 without control characters");
+    } else if (column == COLUMN_NAME) {
+      v.name = text;
+    } else if (column == COLUMN_GROUP) {
+      v.group = text;
+    } else {
+      v.material = text ? deck_material(d, NULL, text) : -1;
+      if (v.material < 0)
+        fail_value(
+            d, &v, "material",
+            deck_format(d, "no material is called \"%s\"", text ? deck_quote(d, text, strlen(text)) : ""));
+    }
+  }
+  add_disk(d, &v);
+}
+
+/* A file's table is kept until deck_echo_files. */
+static deck_columns read_table(deck *d, deck_node *node, const deck_table *table) {
+  deck_columns t = {0};
+  deck_group g;
+  if (!deck_enter(d, node, table, &g)) return t;
+  size_t before = d->reported;
+  deck_columns_read(&g, &t);
+  if (table == &deck_disk_rows)
+    deck_columns_from_rows(&g, &t);
+  else
+    deck_columns_from_file(&g, &t);
+  d->disks_missing |= d->reported > before;
+  values v = read_common(&g, &t);
+  v.broken = d->reported > before;
+  t.first = d->model->n_disks;
+  for (size_t r = 0; r < t.n_rows; r++) add_row_disk(d, &t, r, v);
+  return t;
+}
+
+void deck_read_disks(deck *d) {
+  deck_node *list = deck_groups(d, d->root, "disks");
+  static const deck_columns none;
+  for (size_t k = 0; list && k < list->n; k++) {
+    deck_group g;
+    if (!deck_enter(d, list->child[k], &deck_disks, &g)) continue;
+    values v = read_common(&g, &none);
+    add_disk(d, &v);
+  }
+  list = deck_groups(d, d->root, "disk_rows");
+  for (size_t k = 0; list && k < list->n; k++) read_table(d, list->child[k], &deck_disk_rows);
+  list = deck_groups(d, d->root, "disk_files");
+  d->n_file_tables = list ? list->n : 0;
+  d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
+  for (size_t k = 0; list && k < list->n; k++)
+    d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
+  if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files") && !deck_child(d->root, "packings"))
+    deck_fail_key(d, d->root, "disks",
+                  "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
+  deck_index_names(d);
+}
+
+/* --- the echo of short files ------------------------------------------------------------------------------ */
+
+static void file_to_rows(deck *d, deck_node *file, const deck_columns *t, deck_node *rows_list) {
+  deck_node *group = deck_node_new(d, rows_list, NULL, DECK_GROUP, file->place);
+  group->table = &deck_disk_rows;
+  deck_node *names = deck_node_new(d, group, "columns", DECK_LIST, file->place);
+  for (size_t c = 0; c < t->n_columns; c++)
+    deck_node_new(d, names, NULL, DECK_STRING, file->place)->value.text = deck_column_names[t->column[c]];
+  deck_node *rows = deck_node_new(d, group, "rows", DECK_LIST, file->place);
+  for (size_t r = 0; r < t->n_rows; r++) {
+    deck_node *row = deck_node_new(d, rows, NULL, DECK_LIST, t->place[r]);
+    for (size_t c = 0; c < t->n_columns; c++) {
+      const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
+      bool number = t->column[c] < COLUMN_NUMBERS;
+      deck_node *cell = deck_node_new(d, row, NULL, number ? DECK_FLOAT : DECK_STRING, t->place[r]);
+      if (number)
+        cell->value.number = t->number[r * t->n_columns + c];
+      else
+        cell->value.text = text ? text : "";
+    }
+  }
+  for (size_t k = 0; k < file->n; k++) {
+    deck_node *key = file->child[k], *copy;
+    if (!strcmp(key->name, "columns") || !deck_key_find(&deck_disk_rows, key->name)) continue;
+    copy = deck_node_new(d, group, key->name, key->type, key->place);
+    deck_node *parent = copy->parent;
+    *copy = *key;
+    copy->parent = parent;
+  }
+}
+
+/* Files are read after rows: the order of the disks stays when the first few files become rows. Contacts have no
+ * rows: their file stays. */
+void deck_echo_files(deck *d) {
+  deck_node *files = deck_child(d->root, "disk_files"), *rows = deck_child(d->root, "disk_rows");
+  size_t total = 0;
+  while (files && files->n) {
+    const deck_columns *t = &d->file_tables[0];
+    bool empty_text = false;
+    for (size_t k = 0; k < t->n_rows * t->n_columns; k++)
+      empty_text |= t->column[k % t->n_columns] >= COLUMN_NUMBERS && !(t->text && t->text[k]);
+    total += t->n_rows;
+    if (total > MOST_ECHOED || empty_text || t->contacts) return;
+    if (!rows) rows = deck_node_new(d, d->root, "disk_rows", DECK_LIST, files->place);
+    file_to_rows(d, files->child[0], t, rows);
+    deck_remove(files, files->child[0]);
+    d->file_tables++;
+  }
+  if (files) deck_remove(d->root, files);
+}
+
+/* --- forces and locks ------------------------------------------------------------------------------------- */
+
+void deck_read_forces(deck *d) {
+  deck_node *list = deck_groups(d, d->root, "forces");
+  for (size_t k = 0; list && k < list->n; k++) {
+    deck_group g;
+    if (!deck_enter(d, list->child[k], &deck_forces, &g)) continue;
+    deck_bodies bodies = deck_select(d, &g, false);
+    double force[2], torque = deck_number(&g, "torque");
+    deck_pair(&g, "force", force);
+    for (size_t b = 0; b < bodies.n; b++) {
+      double *sum = d->model->disks[bodies.body[b]].force;
+      sum[0] += force[0];
+      sum[1] += force[1];
+      sum[2] += torque;
+    }
+  }
+}
+
+void deck_read_locks(deck *d) {
+  deck_node *list = deck_groups(d, d->root, "locks");
+  for (size_t k = 0; list && k < list->n; k++) {
+    deck_group g;
+    if (!deck_enter(d, list->child[k], &deck_locks, &g)) continue;
+    deck_bodies bodies = deck_select(d, &g, false);
+    unsigned mask = deck_coordinates(d, &g, "coordinates");
+    for (size_t b = 0; b < bodies.n; b++)
+      for (int c = 0; c < 3; c++) {
+        sd_disk *disk = &d->model->disks[bodies.body[b]];
+        if (!(mask >> c & 1)) continue;
+        disk->locked[c] = true;
+        if (disk->velocity[c] != 0) {
+          char name[80];
+          deck_fail_key(d, g.node, "coordinates", "%s has a velocity there",
+                        sd_model_body_name(d->model, bodies.body[b], name, sizeof name));
+        }
+      }
+  }
+}

@@ -1,0 +1,150 @@
+/* deck_echo.c: the completed tree, printed as a deck. See deck.h.
+ *
+ * Keys come in the order of their tables; values that were left out are marked "# default". Reading the
+ * echo again gives the same model: numbers have the shortest digits that read back as the same double, and
+ * integers beyond 32 bits their suffix L.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/deck/deck_read.h"
+
+enum { WIDTH = 110 };
+
+typedef struct printer {
+  deck *d;
+  char *text;
+  size_t n, capacity, line; /* line: where the current line begins */
+  bool one_line;
+} printer;
+
+static void put(printer *p, const char *text) {
+  size_t n = strlen(text);
+  if (p->n + n + 1 > p->capacity) {
+    size_t capacity = 2 * (p->n + n + 1) + 4096;
+    char *grown = deck_alloc(p->d, capacity, 1);
+    if (p->n) memcpy(grown, p->text, p->n);
+    p->text = grown;
+    p->capacity = capacity;
+  }
+  memcpy(p->text + p->n, text, n + 1);
+  for (size_t k = 0; k < n; k++)
+    if (text[k] == '\n') p->line = p->n + k + 1;
+  p->n += n;
+}
+
+static void newline(printer *p, int indent) {
+  put(p, p->one_line ? " " : "\n");
+  if (p->one_line) return;
+  for (int k = 0; k < indent; k++) put(p, "  ");
+}
+
+static void put_text(printer *p, const char *text) {
+  put(p, "\"");
+  for (; *text; text++) {
+    char piece[8] = {*text, 0};
+    unsigned char c = (unsigned char)*text;
+    if (c == '"' || c == '\\')
+      snprintf(piece, sizeof piece, "\\%c", c);
+    else if (c == '\n')
+      strcpy(piece, "\\n");
+    else if (c < 0x20 || c == 0x7f)
+      snprintf(piece, sizeof piece, "\\x%02X", (unsigned)c);
+    put(p, piece);
+  }
+  put(p, "\"");
+}
+
+static void put_scalar(printer *p, const deck_node *node) {
+  char text[40];
+  switch (node->type) {
+    case DECK_BOOL: put(p, node->value.flag ? "true" : "false"); break;
+    case DECK_STRING: put_text(p, node->value.text); break;
+    case DECK_FLOAT: put(p, deck_number_text(node->value.number, text)); break;
+    case DECK_INT: {
+      int64_t x = node->value.integer;
+      snprintf(text, sizeof text, "%lld%s", (long long)x, x > INT32_MAX || x < INT32_MIN ? "L" : "");
+      put(p, text);
+      break;
+    }
+    default: break;
+  }
+}
+
+static bool scalar(const deck_node *node) { return node->type != DECK_GROUP && node->type != DECK_LIST; }
+
+static void put_group(printer *p, const deck_node *node, int indent);
+
+static void put_value(printer *p, const deck_node *node, int indent) {
+  if (scalar(node)) {
+    put_scalar(p, node);
+    return;
+  }
+  if (node->type == DECK_GROUP) {
+    put(p, "{");
+    put_group(p, node, indent);
+    put(p, " }");
+    return;
+  }
+  bool rows =
+      node->n && (node->child[0]->type == DECK_GROUP || (node->child[0]->type == DECK_LIST && node->n > 4));
+  put(p, "(");
+  for (size_t k = 0; k < node->n; k++) {
+    if (k) put(p, ",");
+    if (rows || p->n - p->line > WIDTH)
+      newline(p, indent + 1);
+    else if (k)
+      put(p, " ");
+    put_value(p, node->child[k], indent + 1);
+  }
+  if (rows) newline(p, indent);
+  put(p, ")");
+}
+
+static const deck_node *nth(const deck_node *group, size_t k) {
+  return group->table ? deck_child(group, group->table->key[k].name) : group->child[k];
+}
+
+static size_t count(const deck_node *group) { return group->table ? group->table->n : group->n; }
+
+/* key = value; key = value; as many as fit on a line. */
+static void put_group(printer *p, const deck_node *node, int indent) {
+  for (size_t k = 0; k < count(node); k++) {
+    const deck_node *child = nth(node, k);
+    if (!child) continue;
+    if (p->n - p->line > WIDTH - 20 || (!scalar(child) && child->n && !scalar(child->child[0])))
+      newline(p, indent + 1);
+    else
+      put(p, " ");
+    put(p, child->name);
+    put(p, " = ");
+    put_value(p, child, indent + 1);
+    put(p, ";");
+  }
+}
+
+static void put_top(printer *p, const deck_node *child) {
+  put(p, child->name);
+  put(p, " = ");
+  put_value(p, child, 0);
+  put(p, ";");
+  if (child->defaulted) put(p, "  # default");
+  put(p, "\n");
+}
+
+const char *deck_value_text(deck *d, const deck_node *node) {
+  printer p = {.d = d, .one_line = true};
+  put_value(&p, node, 0);
+  return p.text;
+}
+
+char *deck_echo(deck *d) {
+  printer p = {.d = d};
+  put(&p, "# full deck, with all defaults; written by slipdisk\n");
+  for (size_t k = 0; k < deck_top.n; k++) {
+    const deck_node *child = deck_child(d->root, deck_top.key[k].name);
+    if (child) put_top(&p, child);
+  }
+  return deck_keep_text(d, p.text);
+}

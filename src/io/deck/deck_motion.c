@@ -1,0 +1,377 @@
+/* deck_motion.c: motions. See deck.h.
+ *
+ * One entry of the deck becomes one motion of the model for each coordinate, and for random motions with
+ * independent signals for each body too. The number of a random stream is made of what it drives,
+ *   index (24 bits) | ordinal (4) | coordinate (2) | kind of driven thing (2),
+ * so that it does not change when other motions come or go: ordinal counts the random motions that add up
+ * on the same coordinate of the same thing.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/deck/deck_rows.h"
+
+/* Tables of motions up to so many rows are echoed in place of their file. */
+enum { MOST_ECHOED = 1000, ORDINALS = 16, INDICES = 1 << 24 };
+
+enum { THING_DISK, THING_WALL, THING_GROUP, THING_LIST, THINGS };
+
+/* How many random motions drive each coordinate of each thing so far. */
+typedef struct streams {
+  unsigned char *used[THINGS]; /* [3 * things] */
+} streams;
+
+static const double pi = 3.14159265358979323846;
+
+static double read_omega(deck_group *g) {
+  if (!deck_given(g, "frequency")) {
+    double w = deck_get(g, "omega") ? deck_number(g, "omega") : NAN;
+    if (w <= 0) deck_fail_key(g->d, g->node, "omega", "expected an angular frequency > 0");
+    return w;
+  }
+  return 2 * pi * deck_number(g, "frequency");
+}
+
+/* From `amplitude`, or from the largest acceleration a: a harmonic signal has A w^2 = a. The second derivative of
+ * u = 4A(z - z|z|), z = (wt + phi)/pi, is 8A (w/pi)^2 in size at all times (eq. 21). Of a random one the rms
+ * displacement follows as of a harmonic one. */
+static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
+  if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
+  const double *gravity = g->d->model->gravity;
+  double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
+  if (mask >> SD_THETA & 1)
+    deck_fail_key(g->d, g->node, "acceleration", "theta has none in units of g; expected amplitude");
+  if (!(strength > 0))
+    deck_fail_key(g->d, g->node, "acceleration",
+                  "in units of g, but there is no gravity; expected amplitude");
+  double a = deck_number(g, "acceleration") * strength / (w * w);
+  return motion->kind == SD_MOTION_PARABOLIC ? a * pi * pi / 8 : a;
+}
+
+/* --- tables ------------------------------------------------------------------------------------------------ */
+
+static size_t read_list(deck *d, deck_node *list, double **out) {
+  if (!list || list->type != DECK_LIST) {
+    if (list) deck_fail(d, list, "expected a list of numbers (0.0, 0.5, ...)");
+    return 0;
+  }
+  *out = deck_alloc(d, list->n, sizeof(double));
+  for (size_t k = 0; k < list->n; k++) deck_value_number(d, list->child[k], false, &(*out)[k]);
+  return list->n;
+}
+
+/* The file's numbers in place of the file, for the echo. */
+static void table_to_lists(deck_group *g, size_t n, const double *time, const double *value) {
+  static const char *const file_keys[] = {"file", "columns"}, *const list_keys[] = {"times", "values"};
+  for (int k = 0; k < 2; k++) deck_remove(g->node, deck_get(g, file_keys[k]));
+  for (int k = 0; k < 2; k++) {
+    deck_node *list = deck_default_list(g, list_keys[k]);
+    list->defaulted = false;
+    for (size_t r = 0; r < n; r++)
+      deck_node_new(g->d, list, NULL, DECK_FLOAT, list->place)->value.number = k ? value[r] : time[r];
+  }
+}
+
+static size_t read_table_file(deck_group *g, double **time, double **value) {
+  deck *d = g->d;
+  const char *names[2] = {"time", "value"};
+  deck_node *file = deck_get(g, "file"), *columns = deck_get(g, "columns");
+  if (!deck_text_of(g, "file")) return 0;
+  if (columns && (deck_each_count(columns) != 2 || columns->type != DECK_LIST)) {
+    deck_fail(d, columns, "expected the names of two columns (\"time\", \"value\")");
+    return 0;
+  }
+  for (size_t k = 0; columns && k < 2; k++) {
+    if (columns->child[k]->type != DECK_STRING) {
+      deck_fail(d, columns->child[k], "expected the name of a column in quotes");
+      return 0;
+    }
+    names[k] = columns->child[k]->value.text;
+  }
+  size_t before = d->reported, n = deck_csv_pair(d, file, names, time, value);
+  return d->reported > before ? 0 : n;
+}
+
+static void read_table(deck_group *g, sd_motion *motion) {
+  deck *d = g->d;
+  double *time = NULL, *value = NULL;
+  size_t n, before = d->reported;
+  bool from_file = deck_given(g, "file");
+  deck_node *at = deck_get(g, from_file ? "file" : "times");
+  motion->periodic = deck_bool(g, "periodic");
+  motion->amplitude = deck_number(g, "factor");
+  if (from_file) {
+    if (deck_given(g, "values"))
+      deck_fail_key(d, g->node, "values", "given together with file; expected one of them");
+    n = read_table_file(g, &time, &value);
+  } else {
+    n = read_list(d, at, &time);
+    if (!deck_get(g, "values"))
+      deck_fail_key(d, g->node, "values", "missing: expected a value for each of times");
+    if (read_list(d, deck_get(g, "values"), &value) != n && d->reported == before)
+      deck_fail_key(d, g->node, "values", "expected as many values as times (%zu)", n);
+  }
+  if (d->reported > before || !at) return;
+  if (n < 3) deck_fail(d, at, "expected a table of at least 3 rows, it has %zu", n);
+  for (size_t r = 1; r < n; r++)
+    if (!(time[r] > time[r - 1])) {
+      deck_fail(d, at, "times must increase, but row %zu has %g after %g", r, time[r], time[r - 1]);
+      break;
+    }
+  if (motion->periodic && n && value[0] != value[n - 1])
+    deck_fail_key(d, g->node, "periodic", "the last value (%g) must equal the first (%g)", value[n - 1],
+                  value[0]);
+  if (d->reported > before) return;
+  motion->n_table = n;
+  motion->table_time = time; /* in the arena; each motion of the model gets its own copy */
+  motion->table_value = value;
+  if (from_file && n <= MOST_ECHOED) table_to_lists(g, n, time, value);
+}
+
+/* --- into the model ---------------------------------------------------------------------------------------- */
+
+static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, size_t n,
+                 const uint32_t *bodies) {
+  sd_model *m = d->model;
+  if (m->n_motions == d->motion_capacity) {
+    size_t capacity = 2 * d->motion_capacity + 32;
+    m->motions = deck_grow(d, m->motions, capacity, sizeof *m->motions);
+    size_t *entries = deck_alloc(d, capacity, sizeof *entries);
+    if (m->n_motions) memcpy(entries, d->motion_entry, m->n_motions * sizeof *entries);
+    d->motion_entry = entries;
+    d->motion_capacity = capacity;
+  }
+  sd_motion *motion = &m->motions[m->n_motions];
+  *motion = *like;
+  motion->name = NULL;
+  motion->bodies = NULL;
+  motion->table_time = motion->table_value = NULL;
+  d->motion_entry[m->n_motions++] = entry;
+  motion->name = deck_keep_text(d, like->name);
+  motion->coordinate = coordinate;
+  motion->n_bodies = n;
+  motion->bodies = deck_keep(d, n, sizeof *bodies);
+  memcpy(motion->bodies, bodies, n * sizeof *bodies);
+  if (like->n_table) {
+    motion->table_time = deck_keep(d, like->n_table, sizeof(double));
+    motion->table_value = deck_keep(d, like->n_table, sizeof(double));
+    memcpy(motion->table_time, like->table_time, like->n_table * sizeof(double));
+    memcpy(motion->table_value, like->table_value, like->n_table * sizeof(double));
+  }
+  for (size_t b = 0; b < n; b++)
+    if (bodies[b] < m->n_disks) d->held[bodies[b]] |= (unsigned char)(1u << coordinate);
+}
+
+static uint32_t stream_number(deck *d, const deck_node *node, streams *s, int thing, size_t index,
+                              int coordinate) {
+  if (index >= INDICES) {
+    deck_fail(d, node, "random motions reach disks and walls up to number %d only", INDICES - 1);
+    return 0;
+  }
+  unsigned char *used = &s->used[thing][3 * index + (size_t)coordinate];
+  if (*used == ORDINALS) {
+    deck_fail(d, node, "more than %d random motions on one coordinate of one body", ORDINALS);
+    return 0;
+  }
+  unsigned ordinal = (*used)++;
+  return (uint32_t)index << 8 | ordinal << 4 | (unsigned)coordinate << 2 | (unsigned)thing;
+}
+
+static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
+                        unsigned mask, streams *s) {
+  size_t n_disks = d->model->n_disks;
+  deck_default_bool(g, "independent", !bodies->shared);
+  bool independent = deck_bool(g, "independent");
+  for (int c = 0; c < 3; c++) {
+    if (!(mask >> c & 1)) continue;
+    if (!independent) {
+      int thing = bodies->group >= 0 ? THING_GROUP : THING_LIST;
+      size_t index = bodies->group >= 0 ? (size_t)bodies->group : bodies->body[0];
+      motion->stream = stream_number(d, g->node, s, thing, index, c);
+      push(d, motion, entry, c, bodies->n, bodies->body);
+      continue;
+    }
+    for (size_t b = 0; b < bodies->n; b++) {
+      uint32_t body = bodies->body[b];
+      bool disk = body < n_disks;
+      motion->stream =
+          stream_number(d, g->node, s, disk ? THING_DISK : THING_WALL, disk ? body : body - n_disks, c);
+      push(d, motion, entry, c, 1, &body);
+    }
+  }
+}
+
+static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsigned mask) {
+  for (size_t b = 0; b < bodies->n; b++) {
+    if (bodies->body[b] >= d->model->n_disks) continue;
+    const sd_disk *disk = &d->model->disks[bodies->body[b]];
+    for (int c = 0; c < 3; c++) {
+      if (!(mask >> c & 1) || !(disk->locked[c] || fabs(disk->velocity[c]) > 0)) continue;
+      char name[80];
+      deck_fail_key(d, g->node, "coordinate", "%s of %s is %s, and cannot be moved too",
+                    c == 0   ? "x"
+                    : c == 1 ? "y"
+                             : "theta",
+                    sd_model_body_name(d->model, bodies->body[b], name, sizeof name),
+                    disk->locked[c] ? "locked" : "given a velocity of its own");
+    }
+  }
+}
+
+/* --- walls that the disks move ------------------------------------------------------------------------------ */
+
+static uint32_t wall_called(const sd_model *m, const char *name) {
+  for (size_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].name && !strcmp(m->walls[w].name, name)) return (uint32_t)(m->n_disks + w);
+  return 0;
+}
+
+/* What a pressure acts on: the segment; the period of the box; of a line in a container the distance of the walls
+ * beside it, wherever they move. */
+static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, int coordinate) {
+  static const char *const beside[2][2] = {{"left", "right"}, {"floor", "lid"}};
+  const sd_model *m = g->d->model;
+  int across = coordinate == SD_X ? SD_Y : SD_X;
+  motion->beside[0] = motion->beside[1] = 0;
+  if (deck_given(g, "length")) {
+    motion->length = deck_number(g, "length");
+  } else if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
+    motion->length = hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
+  } else if (wall->kind == SD_WALL_LINE && m->periodic[across]) {
+    motion->length = m->upper[across] - m->lower[across];
+  } else if (wall->kind == SD_WALL_LINE && m->container == SD_CONTAINER_BOX) {
+    motion->length = m->region_upper[across] - m->region_lower[across];
+    for (int k = 0; k < 2; k++) motion->beside[k] = wall_called(m, beside[across][k]);
+  } else {
+    deck_fail_key(g->d, g->node, "length",
+                  "missing: expected the length of the wall that the pressure acts on");
+  }
+}
+
+static void read_servo(deck_group *g, sd_motion *motion, uint32_t body, int coordinate) {
+  deck *d = g->d;
+  const sd_model *m = d->model;
+  motion->velocity = deck_number(g, "speed");
+  if (deck_given(g, "force")) {
+    motion->force = deck_number(g, "force");
+    if (motion->force == 0) deck_fail_key(d, g->node, "force", "expected a force other than 0");
+    if (deck_given(g, "length")) deck_fail_key(d, g->node, "length", "expected with pressure only");
+  } else if (deck_given(g, "pressure")) {
+    int side = sd_model_side(m, body, coordinate);
+    motion->pressure = side * deck_number(g, "pressure");
+    if (side == 0)
+      deck_fail_key(d, g->node, "pressure", "this wall does not press along %s; expected force",
+                    coordinate == SD_X ? "x" : "y");
+    read_length(g, motion, &m->walls[body - m->n_disks], coordinate);
+  }
+}
+
+static void read_load(deck_group *g, sd_motion *motion, int coordinate) {
+  if (!deck_get(g, "force")) {
+    deck_node *force = deck_node_new(g->d, g->node, "force", DECK_FLOAT, g->node->place);
+    force->defaulted = true;
+  }
+  motion->mass = deck_number(g, "mass");
+  motion->force = deck_number(g, "force") + motion->mass * g->d->model->gravity[coordinate];
+}
+
+/* One motion for each wall: they move on their own. */
+static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
+                          unsigned mask) {
+  deck *d = g->d;
+  size_t before = d->reported;
+  const char *what = motion->kind == SD_MOTION_LOAD ? "load" : "servo";
+  for (int k = 0; k < 2; k++) {
+    const char *key = k ? "group" : "disk";
+    if (deck_given(g, key)) deck_fail_key(d, g->node, key, "a %s moves walls only; expected wall", what);
+  }
+  int coordinate = mask == 1u << SD_X ? SD_X : SD_Y;
+  if (mask && mask != 1u << SD_X && mask != 1u << SD_Y)
+    deck_fail_key(d, g->node, "coordinate",
+                  "a %s moves its wall along one direction; expected \"x\" or \"y\"", what);
+  if (motion->kind == SD_MOTION_LOAD) read_load(g, motion, coordinate);
+  for (size_t b = 0; d->reported == before && b < bodies->n; b++) {
+    if (motion->kind == SD_MOTION_SERVO) read_servo(g, motion, bodies->body[b], coordinate);
+    push(d, motion, entry, coordinate, 1, &bodies->body[b]);
+  }
+}
+
+/* --- all ---------------------------------------------------------------------------------------------------- */
+
+static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
+  deck_group g;
+  if (!deck_enter(d, node, &deck_motions, &g)) return;
+  size_t before = d->reported;
+  const char *name = deck_text_of(&g, "name");
+  deck_bodies bodies = deck_select(d, &g, true);
+  unsigned mask = deck_coordinates(d, &g, "coordinate");
+  int choice = deck_choice(&g, "type");
+  if (choice < 0) return;
+  const deck_shape *shape = &deck_motion_kinds[choice];
+  deck_check_shape(&g, shape, deck_motion_kinds, deck_motion_kind_count);
+  char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
+  sd_motion motion = {.name = own_name, .kind = (sd_motion_kind)shape->kind, .interval = 1};
+  if (motion.kind == SD_MOTION_LOAD || motion.kind == SD_MOTION_SERVO) {
+    read_feedback(&g, &motion, entry, &bodies, mask);
+    return;
+  }
+  if (shape->kind == DECK_MOTION_FIXED) {
+    motion.kind = SD_MOTION_VELOCITY; /* of velocity 0 */
+  } else {
+    motion.ramp = deck_number(&g, "ramp");
+    if (motion.kind == SD_MOTION_VELOCITY) motion.velocity = deck_number(&g, "velocity");
+    if (motion.kind == SD_MOTION_TABLE) {
+      read_table(&g, &motion);
+    } else if (motion.kind != SD_MOTION_VELOCITY) {
+      motion.omega = read_omega(&g);
+      motion.amplitude = read_amplitude(&g, &motion, mask);
+    }
+    if (motion.kind == SD_MOTION_HARMONIC || motion.kind == SD_MOTION_PARABOLIC)
+      motion.phase = deck_number(&g, "phase");
+    if (motion.kind == SD_MOTION_RANDOM) {
+      motion.damping = deck_number(&g, "damping");
+      motion.interval = deck_integer(&g, "interval");
+      if (motion.amplitude < 0) deck_fail_key(d, node, "amplitude", "expected an rms displacement >= 0");
+    }
+  }
+  check_held(d, &g, &bodies, mask);
+  if (bodies.n == 0) return;
+  if (motion.kind == SD_MOTION_RANDOM) {
+    push_random(d, &g, &motion, entry, &bodies, mask, s);
+    return;
+  }
+  if (d->reported > before) motion.n_table = 0;
+  for (int c = 0; c < 3; c++)
+    if (mask >> c & 1) push(d, &motion, entry, c, bodies.n, bodies.body);
+}
+
+void deck_check_motions(deck *d) {
+  const sd_model *m = d->model;
+  const deck_node *list = deck_child(d->root, "motions");
+  size_t q[2];
+  for (size_t k = 0; k < m->n_phases; k++) {
+    if (!sd_model_clash(m, k, q)) continue;
+    const deck_node *other = list->child[d->motion_entry[q[1]]];
+    deck_fail(d, list->child[d->motion_entry[q[0]]],
+              "in phase %zu, %s moves the same coordinate of this wall; a load or a servo expects to be "
+              "alone there",
+              k, deck_node_path(d, other));
+    return;
+  }
+}
+
+void deck_read_motions(deck *d) {
+  sd_model *m = d->model;
+  deck_node *list = deck_groups(d, d->root, "motions");
+  d->held = deck_alloc(d, m->n_disks + 1, 1);
+  size_t things[THINGS] = {m->n_disks, m->n_walls, m->n_groups, m->n_disks + m->n_walls};
+  streams s;
+  for (int k = 0; k < THINGS; k++) s.used[k] = deck_alloc(d, 3 * things[k] + 1, 1);
+  for (size_t k = 0; list && k < list->n; k++) {
+    read_motion(d, list->child[k], k, &s);
+    const deck_node *name = deck_child(list->child[k], "name");
+    if (name && name->type == DECK_STRING && !deck_index_add(d, &d->motions, name->value.text, (uint32_t)k))
+      deck_fail(d, name, "two motions have this name");
+  }
+}

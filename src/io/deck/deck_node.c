@@ -1,0 +1,247 @@
+/* deck_node.c: the arena, the tree, and how a place in the deck is put into words. See deck.h. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "base/text.h"
+#include "io/deck/deck.h"
+
+enum { CHUNK = 64 * 1024 };
+
+struct deck_chunk {
+  deck_chunk *next;
+  void *owned; /* of deck_own */
+  size_t used, size;
+  _Alignas(16) unsigned char bytes[];
+};
+
+void *deck_alloc(deck *d, size_t n, size_t size) {
+  if (size && n > SIZE_MAX / 4 / size) longjmp(d->out_of_memory, 1);
+  size_t need = (n * size + 15) & ~(size_t)15;
+  if (!d->memory || d->memory->size - d->memory->used < need) {
+    size_t room = need > CHUNK ? need : CHUNK;
+    deck_chunk *chunk = malloc(sizeof *chunk + room);
+    if (!chunk) longjmp(d->out_of_memory, 1);
+    *chunk = (deck_chunk){.next = d->memory, .size = room};
+    d->memory = chunk;
+  }
+  void *start = d->memory->bytes + d->memory->used;
+  d->memory->used += need;
+  return memset(start, 0, need);
+}
+
+char *deck_copy(deck *d, const char *text, size_t n) {
+  char *copy = deck_alloc(d, n + 1, 1);
+  memcpy(copy, text, n);
+  return copy;
+}
+
+static char *words(deck *d, const char *format, va_list args) {
+  char *text = NULL;
+  if (vasprintf(&text, format, args) < 0) longjmp(d->out_of_memory, 1);
+  char *copy = deck_copy(d, text, strlen(text));
+  free(text);
+  return copy;
+}
+
+char *deck_format(deck *d, const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  char *text = words(d, format, args);
+  va_end(args);
+  return text;
+}
+
+void deck_own(deck *d, void *p) {
+  deck_chunk *chunk = malloc(sizeof *chunk);
+  if (!chunk) {
+    free(p);
+    longjmp(d->out_of_memory, 1);
+  }
+  *chunk = (deck_chunk){.owned = p};
+  /* behind the chunk that is being filled */
+  deck_chunk **at = d->memory ? &d->memory->next : &d->memory;
+  chunk->next = *at;
+  *at = chunk;
+}
+
+const char *deck_quote(deck *d, const char *text, size_t n) {
+  size_t shown = text_quoted(text, n);
+  char *copy = deck_alloc(d, shown + 4, 1);
+  memcpy(copy, text, shown);
+  if (shown < n) memcpy(copy + shown, "...", sizeof "...");
+  return copy;
+}
+
+void *deck_keep(deck *d, size_t n, size_t size) {
+  void *p = calloc(n ? n : 1, size);
+  if (!p) longjmp(d->out_of_memory, 1);
+  return p;
+}
+
+void *deck_grow(deck *d, void *old, size_t n, size_t size) {
+  if (size && n > SIZE_MAX / 4 / size) longjmp(d->out_of_memory, 1);
+  void *p = realloc(old, n && size ? n * size : 1);
+  if (!p) longjmp(d->out_of_memory, 1);
+  return p;
+}
+
+char *deck_keep_text(deck *d, const char *text) {
+  if (!text) return NULL;
+  size_t n = strlen(text) + 1;
+  char *copy = deck_keep(d, n, 1);
+  memcpy(copy, text, n);
+  return copy;
+}
+
+void deck_memory_free(deck *d) {
+  while (d->memory) {
+    deck_chunk *next = d->memory->next;
+    free(d->memory->owned);
+    free(d->memory);
+    d->memory = next;
+  }
+}
+
+/* --- the tree ------------------------------------------------------------------------------------------- */
+
+deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place) {
+  deck_node *node = deck_alloc(d, 1, sizeof *node);
+  *node = (deck_node){.name = name, .type = type, .place = place, .parent = parent};
+  if (!parent) return node;
+  if (parent->n == parent->capacity) {
+    size_t capacity = parent->capacity ? 2 * parent->capacity : 4;
+    deck_node **child = deck_alloc(d, capacity, sizeof(deck_node *));
+    if (parent->n) memcpy(child, parent->child, parent->n * sizeof(deck_node *));
+    parent->child = child;
+    parent->capacity = capacity;
+  }
+  parent->child[parent->n++] = node;
+  return node;
+}
+
+deck_node *deck_child(const deck_node *group, const char *name) {
+  if (!group || group->type != DECK_GROUP) return NULL;
+  for (size_t k = 0; k < group->n; k++)
+    if (strcmp(group->child[k]->name, name) == 0) return group->child[k];
+  return NULL;
+}
+
+void deck_remove(deck_node *parent, const deck_node *child) {
+  size_t kept = 0;
+  for (size_t k = 0; k < parent->n; k++)
+    if (parent->child[k] != child) parent->child[kept++] = parent->child[k];
+  parent->n = kept;
+}
+
+const char *deck_node_path(deck *d, const deck_node *node) {
+  if (!node || !node->parent) return "";
+  const char *above = deck_node_path(d, node->parent);
+  if (node->name) return *above ? deck_format(d, "%s.%s", above, node->name) : node->name;
+  size_t k = 0;
+  while (k < node->parent->n && node->parent->child[k] != node) k++;
+  return deck_format(d, "%s[%zu]", above, k);
+}
+
+const char *deck_number_text(double x, char text[32]) {
+  for (int digits = 15; digits <= 17; digits++) {
+    snprintf(text, 32, "%.*g", digits, x);
+    if (strtod(text, NULL) == x) break;
+  }
+  if (isfinite(x) && !strpbrk(text, ".e")) strcat(text, ".0");
+  return text;
+}
+
+const char *deck_node_value(deck *d, const deck_node *node) {
+  char text[32];
+  switch (node->type) {
+    case DECK_BOOL: return node->value.flag ? "true" : "false";
+    case DECK_INT: return deck_format(d, "%lld", (long long)node->value.integer);
+    case DECK_FLOAT:
+      snprintf(text, sizeof text, "%.10g", node->value.number);
+      return deck_copy(d, text, strlen(text));
+    case DECK_STRING:
+      return deck_format(d, "\"%s\"", deck_quote(d, node->value.text, strlen(node->value.text)));
+    case DECK_GROUP: return "{...}";
+    case DECK_LIST: break;
+  }
+  bool within = node->parent && node->parent->type == DECK_LIST && node->parent->parent &&
+                node->parent->parent->type == DECK_LIST;
+  if (node->n > 4 || within) return deck_format(d, "(list of %zu)", node->n);
+  char *list = deck_format(d, "(");
+  for (size_t k = 0; k < node->n; k++)
+    list = deck_format(d, "%s%s%s", list, k ? ", " : "", deck_node_value(d, node->child[k]));
+  return deck_format(d, "%s)", list);
+}
+
+/* --- messages ------------------------------------------------------------------------------------------- */
+
+bool deck_told(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
+
+static void report(deck *d, deck_place place, const char *head, const char *text) {
+  d->reported++;
+  const char *colon = *head ? ": " : "";
+  if (place.line > 0)
+    sd_fail(d->messages, SD_ERROR_USER, "%s:%d: %s%s%s", place.file, place.line, head, colon, text);
+  else if (place.line < 0)
+    sd_fail(d->messages, SD_ERROR_USER, "%s: row %d: %s%s%s", place.file, -(place.line + 1), head, colon,
+            text);
+  else
+    sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", place.file ? place.file : d->path, head, colon, text);
+}
+
+void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
+  va_list args;
+  va_start(args, format);
+  const char *text = words(d, format, args), *path = deck_node_path(d, node);
+  va_end(args);
+  bool leaf = node->type != DECK_GROUP;
+  const char *head = leaf ? deck_format(d, "%s = %s", path, deck_node_value(d, node)) : path;
+  report(d, node->place, head, text);
+}
+
+void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) {
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
+  va_list args;
+  va_start(args, format);
+  const char *text = words(d, format, args), *path = deck_node_path(d, group);
+  va_end(args);
+  const deck_node *node = deck_child(group, key);
+  if (node && node->defaulted) node = NULL;
+  const char *head = *path ? deck_format(d, "%s.%s", path, key) : key;
+  if (node && node->type != DECK_GROUP) head = deck_format(d, "%s = %s", head, deck_node_value(d, node));
+  report(d, node ? node->place : group->place, head, text);
+}
+
+void deck_fail_place(deck *d, deck_place place, const char *format, ...) {
+  if (deck_told(d)) {
+    d->reported++;
+    return;
+  }
+  va_list args;
+  va_start(args, format);
+  const char *text = words(d, format, args);
+  va_end(args);
+  report(d, place, "", text);
+}
+
+void deck_check_text(deck *d, const deck_node *node) {
+  if (!text_printable(node->value.text))
+    deck_fail(d, node, "expected a text in UTF-8 without control characters");
+}
+
+void deck_report_rest(deck *d) {
+  if (d->reported > LIMIT_DECK_ERRORS)
+    sd_fail(d->messages, SD_ERROR_USER, "%s: %zu more errors like these", d->path,
+            d->reported - LIMIT_DECK_ERRORS);
+}

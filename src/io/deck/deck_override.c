@@ -1,0 +1,321 @@
+/* deck_override.c: path=value, from -D or from a point of a sweep. See deck.h.
+ *
+ * The path is that of the messages: gravity.tilt, motions[0].amplitude; also motions.[0].amplitude as
+ * libconfig writes it, and motions.left_x.amplitude for the entry whose name is left_x;
+ * motions[*].amplitude for all entries. Groups on the way
+ * that are not there yet are made: the check of unknown keys finds the wrong ones later.
+ */
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+
+#include "base/limits.h"
+#include "base/text.h"
+#include "io/deck/deck.h"
+#include "io/deck/deck_keys.h"
+
+/* Of these only one may be given: setting one takes the others away. */
+enum { MOST_ALTERNATIVES = 3 };
+static const char *const alternatives[][MOST_ALTERNATIVES] = {{"steps", "time"},
+                                                              {"frequency", "omega"},
+                                                              {"mass", "density"},
+                                                              {"error", "relative"},
+                                                              {"values", "linspace", "logspace"},
+                                                              {"count", "fraction"},
+                                                              {"amplitude", "acceleration"},
+                                                              {"pressure", "fraction"},
+                                                              {"force", "pressure"}};
+
+static bool same_word(const char *word, size_t n, const char *text) {
+  return strlen(text) == n && !memcmp(word, text, n);
+}
+
+static bool are_alternatives(const char *a, size_t n, const char *b, size_t m) {
+  for (size_t k = 0; k < sizeof alternatives / sizeof *alternatives; k++) {
+    bool first = false, second = false;
+    for (size_t j = 0; j < MOST_ALTERNATIVES && alternatives[k][j]; j++) {
+      first = first || same_word(a, n, alternatives[k][j]);
+      second = second || same_word(b, m, alternatives[k][j]);
+    }
+    if (first && second) return true;
+  }
+  return false;
+}
+
+/* What -D has set stands in the command line. */
+static deck_place place_of(deck *d, const deck_setting *s) {
+  return s->place.file ? s->place
+                       : (deck_place){deck_format(d, "-D %s", deck_quote(d, s->text, strlen(s->text))), 0};
+}
+
+/* About the setting as a whole: "-D path=value: ...", or "file:line: path = value: ...". */
+static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRINTF(3, 4);
+static void fail(deck *d, const deck_setting *s, const char *format, ...) {
+  char *text = NULL;
+  va_list args;
+  va_start(args, format);
+  int n = vasprintf(&text, format, args);
+  va_end(args);
+  if (n < 0) longjmp(d->out_of_memory, 1);
+  const char *words = deck_copy(d, text, (size_t)n), *equals = strchr(s->text, '=');
+  free(text);
+  if (s->place.file && equals)
+    deck_fail_place(d, s->place, "%s = %s: %s", deck_quote(d, s->text, (size_t)(equals - s->text)),
+                    deck_quote(d, equals + 1, strlen(equals + 1)), words);
+  else
+    deck_fail_place(d, place_of(d, s), "%s", words);
+}
+
+/* The value as a deck would read it, else as a text: -D motions[0].type=parabolic, -D gravity.tilt=0.04 pi. */
+static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
+  deck_place place = place_of(d, s);
+  while (isspace((unsigned char)*text)) text++;
+  bool word = !strchr("([{\"", *text) || !*text;
+  sd_messages *all = d->messages, *mine = sd_messages_new();
+  size_t reported = d->reported;
+  d->messages = mine;
+  deck_text scanned = deck_scan(d, deck_format(d, "value = %s;", text), place, true);
+  bool bad_number = d->reported > reported && !scanned.broken;
+  deck_node *root = scanned.broken || bad_number ? NULL : deck_parse(d, &scanned);
+  bool one = root && root->n == 1;
+  d->messages = all;
+  if (!one && !bad_number && word) {
+    d->reported = reported;
+    sd_messages_free(mine);
+    deck_node *node = deck_node_new(d, NULL, NULL, DECK_STRING, place);
+    node->value.text = deck_copy(d, text, strlen(text));
+    if (text_printable(text)) return node;
+    fail(d, s, "expected a text in UTF-8 without control characters");
+    return NULL;
+  }
+  sd_messages_free(mine);
+  bool bad_text = one && d->reported > reported; /* all that is wrong with a value that can be parsed */
+  d->reported = reported;
+  if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
+  if (one) return bad_text ? NULL : root->child[0];
+  char *end;
+  strtod(text, &end);
+  bool number = end != text && !*end;
+  fail(d, s, "%s", number ? "the number is out of range" : "the value cannot be read");
+  return NULL;
+}
+
+/* The name of an entry of a list; NULL: it has none. A parameter of a sweep that is not named goes by the last word of
+ * its path, as in the table of results (deck_grid.c). */
+static const char *entry_name(const deck_node *entry) {
+  const deck_node *name = deck_child(entry, "name");
+  if (name) return name->type == DECK_STRING ? name->value.text : NULL;
+  const deck_node *path = deck_child(entry, "path");
+  if (path && path->type == DECK_LIST && path->n > 0) path = path->child[0];
+  if (!path || path->type != DECK_STRING) return NULL;
+  const char *dot = strrchr(path->value.text, '.');
+  return dot ? dot + 1 : path->value.text;
+}
+
+/* The entry of this name; one that is so named by the deck goes before one that has the name from its path. */
+static deck_node *find_entry(const deck_node *list, const char *word, size_t n) {
+  deck_node *found = NULL;
+  for (size_t k = 0; k < list->n; k++) {
+    const char *name = entry_name(list->child[k]);
+    if (!name || !same_word(word, n, name)) continue;
+    if (deck_child(list->child[k], "name")) return list->child[k];
+    if (!found) found = list->child[k];
+  }
+  return found;
+}
+
+/* "; expected "a" or "b"" when a list has few names, "" when it has more, or none. */
+static const char *names_of(deck *d, const deck_node *list) {
+  enum { FEW = 6 };
+  const char *text = "";
+  size_t n = 0;
+  for (size_t k = 0; k < list->n; k++) {
+    const char *name = entry_name(list->child[k]);
+    if (!name) continue;
+    text = deck_format(d, "%s%s\"%s\"", text, n++ == 0 ? "; expected " : " or ", name);
+    if (n > FEW) return "";
+  }
+  return text;
+}
+
+static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
+  deck_node *found = find_entry(list, word, n);
+  if (found) return found;
+  deck_guess guess = deck_guess_start(deck_copy(d, word, n));
+  for (size_t k = 0; k < list->n; k++) {
+    const char *name = entry_name(list->child[k]);
+    if (name) deck_guess_add(&guess, name);
+  }
+  const char *hint = names_of(d, list), *above = deck_node_path(d, list);
+  if (strspn(guess.word, "0123456789") == n)
+    hint = deck_format(d, "; did you mean %s[%s]?", above, guess.word);
+  else if (guess.best)
+    hint = deck_format(d, "; did you mean \"%s\"?", guess.best);
+  fail(d, s, "%s has no entry named \"%s\"%s", above, guess.word, hint);
+  return NULL;
+}
+
+/* One step of the path, "[3]" or "name"; *p goes behind it. NULL: reported. make: a key may be new. */
+static deck_node *step(deck *d, const deck_setting *s, deck_node *at, const char **p) {
+  if (**p == '.') ++*p;
+  if (**p == '[') {
+    char *end;
+    unsigned long k = strtoul(*p + 1, &end, 10);
+    if (end == *p + 1 || *end != ']' || !isdigit((unsigned char)(*p)[1])) {
+      fail(d, s, "expected a number in [ ]");
+      return NULL;
+    }
+    *p = end + 1;
+    if (at->type == DECK_LIST && k < at->n) return at->child[k];
+    fail(d, s, "%s has %s", *deck_node_path(d, at) ? deck_node_path(d, at) : "the deck",
+         at->type != DECK_LIST ? "no entries [ ]"
+                               : deck_format(d, "entries [0] to [%zd] only", (ssize_t)at->n - 1));
+    return NULL;
+  }
+  size_t n = strcspn(*p, ".[");
+  const char *word = *p;
+  *p += n;
+  if (n > LIMIT_QUOTE) {
+    fail(d, s, "a key of %zu characters; expected at most %d", n, LIMIT_QUOTE);
+    return NULL;
+  }
+  if (n == 0 || (at->type != DECK_GROUP && at->type != DECK_LIST)) {
+    if (n == 0)
+      fail(d, s, "expected path=value, such as gravity.tilt=0.1");
+    else
+      fail(d, s, "%s is a value and has no keys", deck_node_path(d, at));
+    return NULL;
+  }
+  if (at->type == DECK_LIST) return element(d, s, at, word, n);
+  deck_node *child = deck_child(at, deck_copy(d, word, n));
+  return child ? child : deck_node_new(d, at, deck_copy(d, word, n), DECK_GROUP, place_of(d, s));
+}
+
+/* The value and its children come from the setting, wherever the node stands. */
+static void adopt(deck *d, deck_node *to, const deck_node *from, deck_place place) {
+  to->type = from->type;
+  to->value = from->value;
+  to->place = place;
+  to->n = to->capacity = 0;
+  for (size_t k = 0; k < from->n; k++) {
+    const deck_node *child = from->child[k];
+    adopt(d, deck_node_new(d, to, child->name, child->type, place), child, place);
+  }
+}
+
+/* Steps of a path, or more: more brackets and points. */
+static size_t path_depth(const char *p) {
+  size_t n = 1;
+  for (; *p; p++) n += *p == '.' || *p == '[';
+  return n;
+}
+
+static void set(deck *d, const deck_setting *s, deck_node *at, const char *p, const deck_node *value) {
+  while (*p) {
+    if (strncmp(p, "[*]", 3) == 0 || strncmp(p, ".[*]", 4) == 0) {
+      if (at->type != DECK_LIST) fail(d, s, "%s is no list", deck_node_path(d, at));
+      for (size_t k = 0; at->type == DECK_LIST && k < at->n; k++)
+        set(d, s, at->child[k], strchr(p, ']') + 1, value);
+      return;
+    }
+    at = step(d, s, at, &p);
+    if (!at) return;
+    if (*p && !strchr(".[", *p)) {
+      fail(d, s, "expected . or [ after ] in the path");
+      return;
+    }
+  }
+  for (size_t k = 0; at->name && k < sizeof alternatives / sizeof *alternatives; k++)
+    for (size_t mine = 0; mine < MOST_ALTERNATIVES; mine++) {
+      if (!alternatives[k][mine] || strcmp(at->name, alternatives[k][mine]) != 0) continue;
+      for (size_t other = 0; other < MOST_ALTERNATIVES; other++)
+        if (other != mine && alternatives[k][other])
+          deck_remove(at->parent, deck_child(at->parent, alternatives[k][other]));
+    }
+  adopt(d, at, value, place_of(d, s));
+}
+
+void deck_override(deck *d, const deck_setting *setting) {
+  const char *text = setting->text, *equals = strchr(text, '=');
+  if (!equals || equals == text) {
+    fail(d, setting, "expected path=value, such as gravity.tilt=0.1");
+    return;
+  }
+  size_t n = (size_t)(equals - text);
+  while (n && isspace((unsigned char)text[n - 1])) n--;
+  const char *path = deck_copy(d, text, n);
+  if (path_depth(path) > LIMIT_DEPTH) {
+    fail(d, setting, "more than %d steps in the path", LIMIT_DEPTH);
+    return;
+  }
+  const deck_node *value = value_of(d, setting, equals + 1);
+  if (value) set(d, setting, d->root, path, value);
+}
+
+/* --- two paths --------------------------------------------------------------------------------------------- */
+
+/* The next piece of a path, "word" or "[3]", which ends at `end`. */
+typedef struct piece {
+  const char *start;
+  size_t n;
+} piece;
+
+static piece next_piece(const char **p, const char *end) {
+  if (*p < end && **p == '.') ++*p;
+  piece one = {*p, 0};
+  const char *stop = one.start + (one.start < end && *one.start == '[');
+  while (stop < end && *stop != '.' && *stop != '[') stop++;
+  one.n = (size_t)(stop - one.start);
+  *p = stop;
+  return one;
+}
+
+/* The entries of a list to which a piece of a path leads: from *first on, how many. */
+static size_t entries_of(piece one, const deck_node *list, size_t *first) {
+  *first = 0;
+  if (same_word(one.start, one.n, "[*]")) return list->n;
+  if (*one.start == '[') {
+    *first = strtoul(one.start + 1, NULL, 10);
+    return *first < list->n;
+  }
+  const deck_node *found = find_entry(list, one.start, one.n);
+  while (found && list->child[*first] != found) ++*first;
+  return found != NULL;
+}
+
+/* at: where both have come to; NULL: a group that is not there. */
+static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, const char *q,
+                         const char *q_end) {
+  if (p == p_end || q == q_end) return DECK_SAME_KEY; /* or a part of it */
+  piece a = next_piece(&p, p_end), b = next_piece(&q, q_end);
+  if (a.n == 0 || b.n == 0) return DECK_APART; /* no paths */
+  if (at && at->type == DECK_LIST) {
+    deck_meeting met = DECK_APART;
+    size_t from_a, from_b, n_a = entries_of(a, at, &from_a), n_b = entries_of(b, at, &from_b);
+    for (size_t k = from_a > from_b ? from_a : from_b; k < from_a + n_a && k < from_b + n_b; k++)
+      if (met == DECK_APART) met = meet(at->child[k], p, p_end, q, q_end);
+    return met;
+  }
+  if (a.n == b.n && memcmp(a.start, b.start, a.n) == 0) {
+    const deck_node *child = NULL;
+    for (size_t k = 0; at && at->type == DECK_GROUP && k < at->n; k++)
+      if (same_word(a.start, a.n, at->child[k]->name)) child = at->child[k];
+    return meet(child, p, p_end, q, q_end);
+  }
+  bool last = p == p_end && q == q_end;
+  return last && are_alternatives(a.start, a.n, b.start, b.n) ? DECK_ALTERNATIVES : DECK_APART;
+}
+
+/* Where a path ends: at its =, or without it; blanks before that do not count. */
+static const char *path_end(const char *path) {
+  size_t n = strcspn(path, "=");
+  while (n > 0 && isspace((unsigned char)path[n - 1])) n--;
+  return path + n;
+}
+
+deck_meeting deck_paths_meet(const deck *d, const char *p, const char *q) {
+  return meet(d->root, p, path_end(p), q, path_end(q));
+}

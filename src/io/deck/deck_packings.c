@@ -1,0 +1,504 @@
+/* deck_packings.c: disks from generators. See deck.h.
+ *
+ * Each entry of `packings` is read and checked, then its disks are made and appended, so that the next one finds
+ * them there. What the generators allocate is freed before the arena is used again: deck_alloc may not return.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "io/deck/deck_read.h"
+#include "pack/front.h"
+#include "pack/lattice.h"
+#include "pack/place.h"
+#include "pack/rain.h"
+#include "pack/sizes.h"
+
+/* More disks than this in one packing are taken for a mistake. */
+/* Densest packing of equal disks, pi/sqrt(12). */
+static const double DENSEST = 0.90689968211710892;
+/* A distribution that is cut down to less than this is taken for a mistake. */
+static const double LEAST_KEPT = 1e-6;
+
+typedef struct packing {
+  deck_group g;
+  size_t number;
+  sd_packing_kind kind;
+  sizes sizes;
+  double mean_area;
+  double lower[2], upper[2]; /* region */
+  double area;               /* of its part inside the container; NAN: that has mistakes */
+  int64_t count;             /* 0: not given */
+  double fraction;           /* NAN: not given */
+  double mass, density;      /* one is NAN */
+  int material;
+  const char *group;
+} packing;
+
+/* --- sizes ---------------------------------------------------------------------------------------------- */
+
+static const double *read_numbers(deck_group *g, const char *key, size_t *n) {
+  deck *d = g->d;
+  deck_node *list = deck_get(g, key);
+  const deck_range range = deck_key_find(g->table, key)->range;
+  *n = deck_each_count(list);
+  if (*n == 0) deck_fail_key(d, g->node, key, "expected a list of numbers %s", deck_range_text(range));
+  double *x = deck_alloc(d, *n, sizeof *x);
+  for (size_t k = 0; k < *n; k++) {
+    deck_node *value = deck_each(list, k);
+    if (deck_value_number(d, value, false, &x[k]) && !deck_in_range(range, x[k]))
+      deck_fail(d, value, "expected a number %s", deck_range_text(range));
+  }
+  return x;
+}
+
+static void read_list(deck_group *g, sizes *s) {
+  deck *d = g->d;
+  size_t n_weights;
+  s->radii = read_numbers(g, "radii", &s->n);
+  if (s->n == 0) return;
+  if (!deck_get(g, "weights")) {
+    deck_node *list = deck_default_list(g, "weights");
+    for (size_t k = 0; k < s->n; k++) deck_node_new(d, list, NULL, DECK_FLOAT, list->place)->value.number = 1;
+  }
+  s->weights = read_numbers(g, "weights", &n_weights);
+  if (n_weights != s->n) {
+    deck_fail_key(d, g->node, "weights", "%zu weights for %zu radii; expected one for each", n_weights, s->n);
+    return;
+  }
+  s->lower = HUGE_VAL;
+  for (size_t k = 0; k < s->n; k++)
+    if (s->weights[k] > 0) {
+      s->lower = fmin(s->lower, s->radii[k]);
+      s->upper = fmax(s->upper, s->radii[k]);
+    }
+  if (!(s->upper > 0)) deck_fail_key(d, g->node, "weights", "all are 0");
+}
+
+/* Gaussian and lognormal are cut at 3 deviations unless the deck says otherwise. */
+static void read_normal(deck_group *g, sizes *s) {
+  deck *d = g->d;
+  bool logarithm = s->kind == SD_SIZES_LOGNORMAL;
+  s->radius = deck_number(g, "radius");
+  s->deviation = deck_number(g, "deviation");
+  if (isnan(s->radius) || isnan(s->deviation)) return;
+  double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;
+  double upper = logarithm ? s->radius * exp(3 * s->deviation) : s->radius + 3 * s->deviation;
+  if (!deck_get(g, "lower") && !(lower > 0)) {
+    deck_fail_key(d, g->node, "lower", "missing: 3 deviations below the mean is %g; expected a radius > 0",
+                  lower);
+    return;
+  }
+  deck_default_number(g, "lower", lower);
+  deck_default_number(g, "upper", upper);
+}
+
+static void read_sizes(deck_group *g, sizes *s) {
+  deck *d = g->d;
+  size_t before = d->reported;
+  int choice = deck_choice(g, "sizes");
+  if (choice < 0) return;
+  deck_check_shape(g, &deck_size_kinds[choice], deck_size_kinds, deck_size_kind_count);
+  if (d->reported > before) return;
+  s->kind = (sd_size_kind)deck_size_kinds[choice].kind;
+  if (s->kind == SD_SIZES_MONO) {
+    s->radius = s->lower = s->upper = deck_number(g, "radius");
+    return;
+  }
+  if (s->kind == SD_SIZES_LIST) {
+    read_list(g, s);
+    return;
+  }
+  if (s->kind == SD_SIZES_GAUSSIAN || s->kind == SD_SIZES_LOGNORMAL) read_normal(g, s);
+  if (s->kind == SD_SIZES_POWERLAW) s->exponent = deck_number(g, "exponent");
+  if (d->reported > before) return;
+  s->lower = deck_number(g, "lower");
+  s->upper = deck_number(g, "upper");
+  if (s->lower >= s->upper && deck_given(g, "upper"))
+    deck_fail_key(d, g->node, "upper", "expected more than lower, %g", s->lower);
+  else if (s->lower >= s->upper)
+    deck_fail_key(d, g->node, "lower", "expected less than upper, %g", s->upper);
+  if (d->reported == before && sizes_kept(s) < LEAST_KEPT)
+    deck_fail_key(d, g->node, "lower", "only %g of the distribution lies between lower and upper",
+                  sizes_kept(s));
+}
+
+/* --- region --------------------------------------------------------------------------------------------- */
+
+/* The region's upper edge is one of the container. */
+static bool has_lid(const deck *d) {
+  const deck_node *open = deck_child(deck_child(d->root, "container"), "open");
+  return d->model->container == SD_CONTAINER_BOX && open && !open->value.flag;
+}
+
+static void check_edges(packing *p, int c) {
+  deck *d = p->g.d;
+  const sd_model *m = d->model;
+  const char *key = c ? "y" : "x";
+  if (!(p->lower[c] < p->upper[c])) {
+    deck_fail_key(d, p->g.node, key, "expected (lower, upper) with lower < upper");
+    return;
+  }
+  if (m->periodic[c] && (p->lower[c] < m->lower[c] || p->upper[c] > m->upper[c])) {
+    deck_fail_key(d, p->g.node, key, "reaches beyond the periodic box, from %g to %g", m->lower[c],
+                  m->upper[c]);
+    return;
+  }
+  if (m->container == SD_CONTAINER_NONE || m->periodic[c]) return;
+  bool open = c == SD_Y && !has_lid(d);
+  double slack = 1e-12 * (m->region_upper[c] - m->region_lower[c]);
+  if (p->lower[c] < m->region_lower[c] - slack || (p->upper[c] > m->region_upper[c] + slack && !open))
+    deck_fail_key(d, p->g.node, key, "reaches beyond the container, from %g to %g", m->region_lower[c],
+                  m->region_upper[c]);
+}
+
+static void read_region(packing *p) {
+  deck *d = p->g.d;
+  const sd_model *m = d->model;
+  size_t before = d->reported;
+  bool broken = m->container == SD_CONTAINER_NONE && deck_child(d->root, "container");
+  if (broken) p->area = NAN;
+  for (int c = 0; c < 2 && !broken; c++) {
+    const char *key = c ? "y" : "x";
+    if (!deck_get(&p->g, key)) {
+      if (!(m->region_upper[c] > m->region_lower[c])) {
+        deck_fail_key(d, p->g.node, key,
+                      "missing: expected (lower, upper), since no container and no box gives edges in %s",
+                      key);
+        continue;
+      }
+      deck_default_pair(&p->g, key, (double[2]){m->region_lower[c], m->region_upper[c]});
+    }
+    double edge[2];
+    if (!deck_pair(&p->g, key, edge)) continue;
+    p->lower[c] = edge[0];
+    p->upper[c] = edge[1];
+    check_edges(p, c);
+  }
+  if (broken || d->reported > before) return;
+  p->area = place_area(d->interior, p->lower, p->upper);
+  if (isnan(p->area)) longjmp(d->out_of_memory, 1);
+  if (!(p->area > 0)) deck_fail(d, p->g.node, "its region lies outside the container");
+}
+
+/* --- can it fit? ------------------------------------------------------------------------------------------- */
+
+/* The largest disk must go between the edges; the disks' area must be less than the region's. */
+static void check_room(packing *p, double width, double height) {
+  deck *d = p->g.d;
+  const sd_model *m = d->model;
+  double largest = p->sizes.upper, room[2] = {width, height};
+  for (int c = 0; c < 2; c++) {
+    bool wraps = m->periodic[c] && room[c] >= m->upper[c] - m->lower[c];
+    if (2 * largest > room[c] * (1 + 1e-12) && !wraps)
+      deck_fail(d, p->g.node, "a disk of radius %g does not fit into a region that is %g %s", largest,
+                room[c], c ? "high" : "wide");
+  }
+}
+
+static void check_area(packing *p, double count, double area) {
+  deck *d = p->g.d;
+  if (!isnan(p->fraction) && p->fraction > DENSEST)
+    deck_fail_key(d, p->g.node, "fraction",
+                  "more than the densest packing of equal disks has; expected at most 0.9069");
+  else if (count > LIMIT_DISKS)
+    deck_fail(d, p->g.node, "%g disks; expected at most %d", count, LIMIT_DISKS);
+  else if (count * p->mean_area > DENSEST * area * (1 + 1e-9))
+    deck_fail(d, p->g.node,
+              "%g disks of area %g in all in a region of area %g: a packing fraction of %.4g; "
+              "expected at most 0.9069",
+              count, count * p->mean_area, area, count * p->mean_area / area);
+}
+
+/* --- disks -------------------------------------------------------------------------------------------------- */
+
+static void push(packing *p, size_t n, const double *radius, double (*position)[2], bool waiting) {
+  for (size_t k = 0; k < n; k++) {
+    double mass = isnan(p->mass) ? p->density * 3.14159265358979323846 * radius[k] * radius[k] : p->mass;
+    if (mass >= 0 && !deck_in_range(DECK_POSITIVE, mass)) {
+      deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
+                    deck_expected(DECK_POSITIVE, mass));
+      return;
+    }
+    sd_disk disk = {.position = {position[k][0], position[k][1], 0},
+                    .radius = radius[k],
+                    .mass = mass,
+                    .material = p->material,
+                    .waiting = waiting};
+    deck_push_disk(p->g.d, &disk, NULL, p->group, p->g.node->place);
+  }
+}
+
+/* Radii whose areas add up to `area` as nearly as they can: a fixed number where there are few radii, else as many as
+ * it takes. Returns how many; capacity: at most. */
+static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity, double *radius,
+                        sd_status *status) {
+  double sum = 0;
+  size_t n = (size_t)fmax(1, fmin(rint(area / p->mean_area), (double)capacity));
+  *status = sizes_draw(&p->sizes, rng, n, radius);
+  if (p->sizes.kind == SD_SIZES_MONO || p->sizes.kind == SD_SIZES_LIST || *status != SD_OK) return n;
+  for (size_t k = 0; k < n; k++) sum += M_PI * radius[k] * radius[k];
+  for (; n < capacity; n++) {
+    sizes_draw(&p->sizes, rng, 1, &radius[n]);
+    double more = M_PI * radius[n] * radius[n];
+    if (sum + more / 2 > area) break;
+    sum += more;
+  }
+  while (n > 1) {
+    double last = M_PI * radius[n - 1] * radius[n - 1];
+    if (sum - last / 2 <= area) break;
+    sum -= last;
+    n--;
+  }
+  return n;
+}
+
+static double fraction_of(const packing *p, size_t n, const double *radius) {
+  double sum = 0;
+  for (size_t k = 0; k < n; k++) sum += M_PI * radius[k] * radius[k];
+  return sum / p->area;
+}
+
+/* --- generators -------------------------------------------------------------------------------------------- */
+
+/* What a generator works with. Between open_bench and close_bench nothing may be taken from the arena. */
+typedef struct bench {
+  size_t n, capacity;
+  double *radius, (*position)[2]; /* in the arena */
+  place_space space;
+  gsl_rng *rng;
+  sd_status status;
+} bench;
+
+static bench open_bench(const packing *p, double capacity) {
+  deck *d = p->g.d;
+  bench b = {.capacity = (size_t)capacity};
+  b.radius = deck_alloc(d, b.capacity, sizeof *b.radius);
+  b.position = deck_alloc(d, b.capacity, sizeof *b.position);
+  b.status = place_begin(&b.space, d->model, d->interior, p->lower, p->upper, b.capacity);
+  b.rng = sizes_random(d->model->seed, p->number);
+  if (!b.rng) b.status = SD_ERROR_IO;
+  return b;
+}
+
+static void close_bench(const packing *p, bench *b) {
+  gsl_rng_free(b->rng);
+  place_end(&b->space);
+  if (b->status != SD_OK) longjmp(p->g.d->out_of_memory, 1);
+}
+
+static void make_lattice(packing *p) {
+  deck *d = p->g.d;
+  deck_group *g = &p->g;
+  size_t before = d->reported;
+  deck_default_number(g, "spacing", 2 * p->sizes.upper);
+  double spacing = deck_number(g, "spacing"), jitter = deck_number(g, "jitter");
+  if (spacing < 2 * p->sizes.upper)
+    deck_fail_key(d, g->node, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes.upper);
+  if (jitter > 1) deck_fail_key(d, g->node, "jitter", "expected at most 1; beyond it disks could overlap");
+  if (d->reported > before) return;
+  double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
+                 ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
+  if (sites > LIMIT_DISKS) {
+    deck_fail_key(d, g->node, "spacing", "the lattice has about %g sites; expected at most %d", sites,
+                  LIMIT_DISKS);
+    return;
+  }
+  bench b = open_bench(p, p->count > 0 ? fmin((double)p->count, sites) : sites);
+  if (b.status == SD_OK) {
+    b.n = lattice_sites(&b.space, p->kind, spacing, b.capacity, b.position);
+    b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+    lattice_jitter(&b.space, b.rng, spacing, jitter, b.n, b.radius, b.position);
+  }
+  close_bench(p, &b);
+  if (b.n == 0)
+    deck_fail(d, g->node, "the lattice has no free site in the region");
+  else if ((int64_t)b.n < p->count)
+    deck_fail_key(d, g->node, "count", "the lattice has %zu free sites only", b.n);
+  else
+    push(p, b.n, b.radius, b.position, false);
+}
+
+static void make_random(packing *p) {
+  deck *d = p->g.d;
+  bool by_count = isnan(p->fraction);
+  double target = by_count ? (double)p->count * p->mean_area : p->fraction * p->area;
+  bench b = open_bench(p, by_count ? (double)p->count : 2 * target / p->mean_area + 100);
+  size_t placed = 0;
+  b.n = b.capacity;
+  if (b.status == SD_OK && by_count) b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+  if (b.status == SD_OK && !by_count) b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
+  if (b.status == SD_OK) b.status = place_random(&b.space, b.rng, b.n, b.radius, b.position, &placed);
+  close_bench(p, &b);
+  if (placed == b.n) {
+    push(p, b.n, b.radius, b.position, false);
+    return;
+  }
+  double all = fraction_of(p, b.n, b.radius);
+  for (size_t k = 0; k < b.n; k++)
+    if (isnan(b.position[k][0])) b.radius[k] = 0;
+  deck_fail_key(
+      d, p->g.node, by_count ? "count" : "fraction",
+      "random placement found no room for more than %zu of %zu disks, a fraction of %.3f of the region "
+      "where %.3f was asked for; expected less, or type \"front\"",
+      placed, b.n, fraction_of(p, b.n, b.radius), all);
+}
+
+/* Without count there are more disks than can fit. */
+static void make_front(packing *p) {
+  deck *d = p->g.d;
+  double target = 1.05 * p->area + p->mean_area;
+  bench b = open_bench(p, p->count > 0 ? (double)p->count : 2 * target / p->mean_area + 100);
+  size_t placed = 0;
+  b.n = b.capacity;
+  if (b.status == SD_OK && p->count > 0) b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+  if (b.status == SD_OK && p->count == 0) b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
+  if (b.status == SD_OK) b.status = front_fill(&b.space, b.n, b.radius, b.position, &placed);
+  close_bench(p, &b);
+  if (placed == 0)
+    deck_fail(d, p->g.node, "the front found no place for a disk in the region");
+  else if ((int64_t)placed < p->count)
+    deck_fail_key(d, p->g.node, "count", "the front has filled the region with %zu disks, a fraction of %.3f",
+                  placed, fraction_of(p, placed, b.radius));
+  else
+    push(p, placed, b.radius, b.position, false);
+}
+
+/* --- rain ----------------------------------------------------------------------------------------------------- */
+
+/* Time in which a batch falls by its own height. */
+static double fall_time(const sd_model *m, double height, double speed) {
+  double g = fmax(0, -m->gravity[SD_Y]), end = sqrt(speed * speed + 2 * g * height);
+  return speed + end > 0 ? 2 * height / (speed + end) : NAN;
+}
+
+/* The lowest height at which the container is as wide as the rain. */
+static double rain_floor(packing *p) {
+  deck *d = p->g.d;
+  const place_interior *in = d->interior;
+  double half = fmax(in->x - p->lower[0], p->upper[0] - in->x);
+  if (in->kind == SD_CONTAINER_DRUM) {
+    double low = place_half_width(in, p->lower[1]), high = place_half_width(in, p->upper[1]);
+    if (fmin(low, high) < half * (1 - 1e-12))
+      deck_fail(d, p->g.node, "rain in a drum needs x and y, a rectangle that lies inside the drum");
+  }
+  if (in->kind != SD_CONTAINER_HOPPER || half <= in->bottom) return p->lower[1];
+  return fmax(p->lower[1], in->y + in->rise * fmin(1, (half - in->bottom) / (in->top - in->bottom)));
+}
+
+static void check_rain(packing *p, double height) {
+  deck *d = p->g.d;
+  const sd_model *m = d->model;
+  bool under_lid = has_lid(d) || m->container == SD_CONTAINER_DRUM;
+  if (m->periodic[SD_Y]) deck_fail(d, p->g.node, "rain cannot fall in a box that is periodic in y");
+  if (under_lid && height > p->upper[1] - p->lower[1])
+    deck_fail_key(d, p->g.node, "rows", "a batch is %g high, the region only %g", height,
+                  p->upper[1] - p->lower[1]);
+  if (m->container != SD_CONTAINER_NONE)
+    check_area(p, (double)p->count, place_area(d->interior, m->region_lower, m->region_upper));
+}
+
+/* Above the region and everything that is there, or waits there already. */
+static double waiting_height(const packing *p, double spacing) {
+  const sd_model *m = p->g.d->model;
+  double top = p->upper[1];
+  for (size_t i = 0; i < m->n_disks; i++) top = fmax(top, m->disks[i].position[1] + m->disks[i].radius);
+  return top + spacing;
+}
+
+static void make_rain(packing *p) {
+  deck *d = p->g.d;
+  deck_group *g = &p->g;
+  sd_model *m = d->model;
+  size_t before = d->reported;
+  double largest = p->sizes.upper, rows = (double)deck_integer(g, "rows"), height = 2 * largest * rows;
+  deck_default_number(g, "gap", largest);
+  sd_rain rain = {.first = m->n_disks,
+                  .count = (size_t)p->count,
+                  .lower = p->lower[0],
+                  .upper = p->upper[0],
+                  .gap = deck_number(g, "gap"),
+                  .speed = deck_number(g, "speed")};
+  rain.floor = rain_floor(p);
+  double interval = fall_time(m, height, rain.speed);
+  if (isnan(interval))
+    deck_fail(d, g->node, "nothing falls; expected gravity that points down (g > 0), or a speed > 0");
+  else
+    deck_default_number(g, "interval", interval);
+  check_rain(p, height);
+  if (d->reported > before) return;
+  rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
+  bench b = open_bench(p, (double)p->count);
+  b.n = b.capacity;
+  if (b.status == SD_OK) b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+  close_bench(p, &b);
+  double spacing = 2.1 * largest;
+  place_waiting(p->lower[0], p->upper[0], waiting_height(p, spacing), spacing, b.n, b.position);
+  push(p, b.n, b.radius, b.position, true);
+  for (double row = 0; row < rows && rain.batch < rain.count; row++)
+    rain.batch += rain_row(m, rain.first + rain.batch, m->n_disks, rain.upper - rain.lower);
+  m->rains = deck_grow(d, m->rains, m->n_rains + 1, sizeof *m->rains);
+  m->rains[m->n_rains++] = rain;
+}
+
+/* --- a packing ------------------------------------------------------------------------------------------------ */
+
+static void read_common(packing *p) {
+  deck *d = p->g.d;
+  deck_group *g = &p->g;
+  if (d->model->n_materials == 1) deck_default_text(g, "material", d->model->materials[0].name);
+  const char *material = deck_text_of(g, "material");
+  if (material) p->material = deck_material(d, deck_get(g, "material"), material);
+  if (!deck_get(g, "material"))
+    deck_fail_key(d, g->node, "material", "missing: expected the name of a material");
+  p->group = deck_text_of(g, "group");
+  p->mass = deck_number(g, "mass");
+  p->density = deck_number(g, "density");
+  bool mass = deck_given(g, "mass"), density = deck_given(g, "density");
+  if (mass && density) deck_fail_key(d, g->node, "density", "given together with mass; expected one of them");
+  if (!mass && !density) deck_fail_key(d, g->node, "mass", "missing: expected mass or density > 0");
+}
+
+static void make_packing(packing *p) {
+  static void (*const make[])(packing *) = {[SD_PACKING_TRIANGULAR] = make_lattice,
+                                            [SD_PACKING_SQUARE] = make_lattice,
+                                            [SD_PACKING_RANDOM] = make_random,
+                                            [SD_PACKING_FRONT] = make_front,
+                                            [SD_PACKING_RAIN] = make_rain};
+  deck *d = p->g.d;
+  size_t before = d->reported;
+  bool rain = p->kind == SD_PACKING_RAIN;
+  p->mean_area = sizes_mean_area(&p->sizes);
+  if (isnan(p->mean_area)) longjmp(d->out_of_memory, 1);
+  check_room(p, p->upper[0] - p->lower[0], rain ? HUGE_VAL : p->upper[1] - p->lower[1]);
+  double count = p->count > 0         ? (double)p->count
+                 : isnan(p->fraction) ? 0
+                                      : rint(p->fraction * p->area / p->mean_area);
+  if (d->reported == before) check_area(p, count, rain ? HUGE_VAL : p->area);
+  if (!isnan(p->fraction) && count < 1)
+    deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
+  if (d->reported == before) make[p->kind](p);
+}
+
+static void read_packing(deck *d, deck_node *node, size_t number) {
+  packing p = {.number = number, .material = -1, .fraction = NAN};
+  if (!deck_enter(d, node, &deck_packings, &p.g)) return;
+  size_t before = d->reported;
+  int choice = deck_choice(&p.g, "type");
+  if (choice < 0) return;
+  deck_check_shape(&p.g, &deck_packing_kinds[choice], deck_packing_kinds, deck_packing_kind_count);
+  p.kind = (sd_packing_kind)deck_packing_kinds[choice].kind;
+  if (deck_given(&p.g, "count")) p.count = deck_integer(&p.g, "count");
+  p.fraction = deck_number(&p.g, "fraction");
+  read_common(&p);
+  read_sizes(&p.g, &p.sizes);
+  read_region(&p);
+  if (d->reported == before && !isnan(p.area)) make_packing(&p);
+  d->disks_missing |= d->reported > before || isnan(p.area);
+}
+
+void deck_read_packings(deck *d) {
+  deck_node *list = deck_groups(d, d->root, "packings");
+  for (size_t k = 0; list && k < list->n; k++) read_packing(d, list->child[k], k);
+}

@@ -1,0 +1,58 @@
+/* deck_read.h: typed getters that follow the key tables.
+ *
+ * A getter reports what is wrong (type, range, missing) and then returns a harmless value, so that reading
+ * goes on and finds the next mistake. Values that were left out are put into the tree with their default;
+ * what deck_echo prints afterwards is complete.
+ */
+#ifndef SLIPDISK_IO_DECK_READ_H
+#define SLIPDISK_IO_DECK_READ_H
+
+#include "io/deck/deck.h"
+#include "io/deck/deck_keys.h"
+
+/* A group that is being read, with the table of its keys. */
+typedef struct deck_group {
+  deck *d;
+  deck_node *node;
+  const deck_table *table;
+} deck_group;
+
+/* Begins to read a group: node must be one, and have no key outside the table. False: reported. */
+bool deck_enter(deck *d, deck_node *node, const deck_table *table, deck_group *g);
+/* The group parent.key, made empty when it is not there; false when it is something else (reported). */
+bool deck_enter_one(deck *d, deck_node *parent, const char *key, const deck_table *table, deck_group *g);
+/* The list of groups parent.key; NULL when there is none. */
+deck_node *deck_groups(deck *d, deck_node *parent, const char *key);
+
+bool deck_given(const deck_group *g, const char *key);     /* written by the user */
+deck_node *deck_get(const deck_group *g, const char *key); /* NULL: not there */
+
+bool deck_bool(deck_group *g, const char *key);
+int64_t deck_integer(deck_group *g, const char *key);
+double deck_number(deck_group *g, const char *key); /* also angles; NAN when left out and without default */
+const char *deck_text_of(deck_group *g, const char *key); /* NULL when left out and without default */
+int deck_choice(deck_group *g, const char *key);          /* number of the word; -1: left out, or reported */
+bool deck_pair(deck_group *g, const char *key,
+               double pair[2]); /* two numbers; false: left out, or reported */
+
+/* Put a value in that was left out: for defaults that depend on other keys. No-ops when it is there. */
+void deck_default_bool(deck_group *g, const char *key, bool value);
+void deck_default_integer(deck_group *g, const char *key, int64_t value);
+void deck_default_number(deck_group *g, const char *key, double value);
+void deck_default_text(deck_group *g, const char *key, const char *value);
+void deck_default_pair(deck_group *g, const char *key, const double pair[2]);
+deck_node *deck_default_list(deck_group *g, const char *key);
+
+/* One value as a number; an integer turns into a float in the tree. angle: texts such as "0.04 pi" too. */
+bool deck_value_number(deck *d, deck_node *node, bool angle, double *x);
+/* "0.04 pi", "7.2 deg", "pi/6", "-2*pi" in radians; false: not an angle. */
+bool deck_angle(const char *text, double *x);
+
+/* The elements of a list, or the one value itself. */
+size_t deck_each_count(const deck_node *node);
+deck_node *deck_each(deck_node *node, size_t k);
+
+/* Checks a group against the keys that its shape reads (deck_motion_kinds, deck_wall_kinds, ...). */
+void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *all, size_t n_all);
+
+#endif

@@ -1,0 +1,398 @@
+/* deck_result.c: the last state of a result or a checkpoint, as disks of a deck. See deck_result.h.
+ *
+ * Numbers come from /state. What only the deck knew of a run - names, shapes of walls, the box - stands in
+ * /parameters/deck_bodies, in lines of words with tabs between:
+ *   box   periodic_x periodic_y lower_x upper_x lower_y upper_y
+ *   material NAME     group NAME     disk NUMBER NAME
+ *   wall NAME  PIECES ANGLE SCALE  kind, closed, inside, radius, pivot, points
+ */
+#include "base/limits.h"
+#include "io/deck/deck_result.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/results/checkpoint.h"
+#include "io/store/file.h"
+
+/* Those of a deck and of its container. */
+enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
+
+/* --- the text ------------------------------------------------------------------------------------------- */
+
+typedef struct lines {
+  deck *d;
+  char *text;
+  size_t n, capacity;
+} lines;
+
+static void put(lines *out, const char *text) {
+  size_t n = strlen(text);
+  if (out->n + n + 1 > out->capacity) {
+    size_t capacity = 2 * (out->n + n + 1) + 1024;
+    char *grown = deck_alloc(out->d, capacity, 1);
+    if (out->n) memcpy(grown, out->text, out->n);
+    out->text = grown;
+    out->capacity = capacity;
+  }
+  memcpy(out->text + out->n, text, n + 1);
+  out->n += n;
+}
+
+/* A name that would break the lines is left out. */
+static const char *clean(const char *name) { return name && !strpbrk(name, "\t\n") ? name : ""; }
+
+/* As sd_model_finish counts them. */
+static size_t pieces_of(const sd_wall *w) {
+  if (w->kind == SD_WALL_CIRCLE || w->n_points < 2) return 0;
+  return w->kind == SD_WALL_POLYLINE ? w->n_points - 1 + (w->closed ? 1 : 0) : 1;
+}
+
+result_wall *deck_result_walls(deck *d) {
+  const sd_model *m = d->model;
+  result_wall *walls = deck_alloc(d, m->n_walls, sizeof *walls);
+  for (size_t k = 0; k < m->n_walls; k++) {
+    const sd_wall *w = &m->walls[k];
+    lines out = {.d = d};
+    put(&out, deck_format(d, "%d %d %d %.17g %.17g %.17g", (int)w->kind, w->closed, w->inside, w->radius,
+                          w->pivot[0], w->pivot[1]));
+    for (size_t n = 0; n < w->n_points; n++)
+      put(&out, deck_format(d, " %.17g %.17g", w->points[n][0], w->points[n][1]));
+    walls[k] = (result_wall){clean(w->name), out.text, pieces_of(w), 0, 1};
+  }
+  return walls;
+}
+
+char *deck_result_text(deck *d, const result_wall *walls) {
+  const sd_model *m = d->model;
+  lines out = {.d = d};
+  put(&out, deck_format(d, "box\t%d %d %.17g %.17g %.17g %.17g\n", m->periodic[0], m->periodic[1],
+                        m->lower[0], m->upper[0], m->lower[1], m->upper[1]));
+  for (size_t k = 0; k < m->n_materials; k++)
+    put(&out, deck_format(d, "material\t%s\n", clean(m->materials[k].name)));
+  for (size_t k = 0; k < m->n_groups; k++) put(&out, deck_format(d, "group\t%s\n", clean(m->groups[k])));
+  for (size_t k = 0; k < m->n_disks; k++)
+    if (*clean(m->disks[k].name)) put(&out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
+  for (size_t k = 0; k < m->n_walls; k++)
+    put(&out, deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].pieces,
+                          walls[k].angle, walls[k].scale, walls[k].text));
+  return deck_keep_text(d, out.text);
+}
+
+static void add_name(deck *d, result_names *list, size_t at, const char *name) {
+  if (at >= list->n) {
+    size_t n = at + 1 + list->n;
+    const char **grown = deck_alloc(d, n, sizeof *grown);
+    if (list->n) memcpy(grown, list->name, list->n * sizeof *grown);
+    list->name = grown;
+    list->n = n;
+  }
+  list->name[at] = name;
+}
+
+static void add_wall(deck *d, deck_result *r, char *line) {
+  char *count = strchr(line, '\t'), *text = count ? strchr(count + 1, '\t') : NULL;
+  if (!text) return;
+  *count++ = *text++ = 0;
+  result_wall wall = {.name = line, .text = text};
+  if (sscanf(count, "%zu %lf %lf", &wall.pieces, &wall.angle, &wall.scale) != 3) return;
+  if (r->n_walls == MOST_WALLS) return;
+  if ((r->n_walls & (r->n_walls - 1)) == 0) {
+    result_wall *grown = deck_alloc(d, 2 * r->n_walls + 1, sizeof *grown);
+    if (r->n_walls) memcpy(grown, r->walls, r->n_walls * sizeof *grown);
+    r->walls = grown;
+  }
+  r->walls[r->n_walls++] = wall;
+}
+
+static void parse_text(deck *d, deck_result *r, char *text) {
+  size_t materials = 0, groups = 0;
+  for (char *rest = NULL, *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
+    char *value = strchr(line, '\t');
+    if (!value) continue;
+    *value++ = 0;
+    if (strcmp(line, "material") == 0) add_name(d, &r->materials, materials++, value);
+    if (strcmp(line, "group") == 0) add_name(d, &r->groups, groups++, value);
+    if (strcmp(line, "wall") == 0) add_wall(d, r, value);
+    if (strcmp(line, "box") == 0) {
+      int px, py;
+      r->boxed = sscanf(value, "%d %d %lf %lf %lf %lf", &px, &py, &r->lower[0], &r->upper[0], &r->lower[1],
+                        &r->upper[1]) == 6;
+      r->periodic[0] = r->boxed && px;
+      r->periodic[1] = r->boxed && py;
+    }
+    if (strcmp(line, "disk") == 0) {
+      char *name;
+      size_t at = (size_t)strtoul(value, &name, 10);
+      if (*name == '\t' && at < r->n_disks) add_name(d, &r->disk_names, at, name + 1);
+    }
+  }
+}
+
+/* --- the state ------------------------------------------------------------------------------------------ */
+
+bool deck_result_there(const char *path) {
+  h5_file *file;
+  bool sealed = false;
+  uint64_t sum;
+  if (h5_open(path, &file, NULL) != SD_OK) {
+    /* a damaged one is one: its reader says what is wrong with it */
+    if (file_exists(path)) h5_verify(path, &sealed, &sum, NULL);
+    return sealed;
+  }
+  bool there = h5_get_attr_i64(file, "/state", "format", -1) >= 0;
+  h5_close(file, NULL);
+  return there;
+}
+
+typedef struct reader {
+  deck *d;
+  h5_file *file;
+  bool failed;
+} reader;
+
+/* NULL: reported. Its length is looked at before there is memory for it. */
+static void *column(reader *in, const char *name, sd_type type, size_t n) {
+  const char *path = deck_format(in->d, "/state/%s", name);
+  if (in->failed || h5_check(in->file, path, n, in->d->messages) != SD_OK) {
+    in->failed = true;
+    return NULL;
+  }
+  void *data = deck_alloc(in->d, n, sd_type_size(type));
+  in->failed = n && h5_get(in->file, path, type, n, data, in->d->messages) != SD_OK;
+  return data;
+}
+
+/* A column that goes by slots, brought into the order of body numbers. */
+static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r, const uint32_t *id,
+                     size_t n) {
+  size_t size = sd_type_size(type);
+  char *from = column(in, name, type, n);
+  char *to = in->failed ? NULL : deck_alloc(in->d, r->n_bodies, size);
+  for (size_t slot = 0; slot < n && !in->failed; slot++)
+    memcpy(to + id[slot] * size, from + slot * size, size);
+  return to;
+}
+
+static void read_contacts(reader *in, deck_result *r) {
+  size_t n = r->n_contacts;
+  r->a = column(in, "contact_a", SD_U32, n);
+  r->b = column(in, "contact_b", SD_U32, n);
+  r->part = column(in, "contact_part", SD_U32, n);
+  r->lambda = column(in, "contact_lambda", SD_F64, n);
+  r->ex = column(in, "contact_ex", SD_F64, n);
+  r->ey = column(in, "contact_ey", SD_F64, n);
+  r->side = column(in, "contact_side", SD_F64, n);
+  r->force = column(in, "contact_force", SD_F64, n);
+  r->overlap = column(in, "contact_overlap", SD_F64, n);
+  r->stretch = column(in, "contact_stretch", SD_F64, n);
+  r->turned = column(in, "contact_turned", SD_F64, n);
+  r->slide = column(in, "contact_slide", SD_I32, n);
+  for (size_t k = 0; k < n && !in->failed; k++)
+    in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
+}
+
+static void read_bodies(reader *in, deck_result *r) {
+  const uint32_t *id = column(in, "id", SD_U32, r->n_bodies);
+  if (in->failed) return;
+  bool *seen = deck_alloc(in->d, r->n_bodies, sizeof *seen);
+  for (size_t slot = 0; slot < r->n_bodies; slot++) {
+    in->failed |= id[slot] >= r->n_bodies || seen[id[slot]];
+    if (in->failed) return;
+    seen[id[slot]] = true;
+  }
+  const struct {
+    double **to;
+    const char *name;
+  } reals[] = {{&r->x, "x"},         {&r->y, "y"},
+               {&r->theta, "theta"}, {&r->turn, "turn"},
+               {&r->vx, "vx"},       {&r->vy, "vy"},
+               {&r->omega, "omega"}, {&r->radius, "radius"},
+               {&r->mass, "mass"},   {&r->inertia, "inertia"}};
+  for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
+    *reals[k].to = by_body(in, reals[k].name, SD_F64, r, id, r->n_bodies);
+  r->material = by_body(in, "material", SD_I32, r, id, r->n_bodies);
+  r->group = by_body(in, "group", SD_I32, r, id, r->n_bodies);
+  const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
+  if (in->failed) return;
+  r->driven = deck_alloc(in->d, r->n_disks, sizeof *r->driven);
+  r->gone = deck_alloc(in->d, r->n_disks, sizeof *r->gone);
+  for (size_t slot = 0; slot < r->n_disks; slot++)
+    if (id[slot] < r->n_disks) r->driven[id[slot]] = slot >= r->n_free;
+  for (size_t k = 0; k < r->n_disks; k++)
+    r->gone[k] = !r->driven[k] && (activity[k] == SD_WAITING || activity[k] == SD_REMOVED);
+}
+
+/* NULL: reported. */
+static deck_result *read_state(deck *d, const deck_node *node, const char *path) {
+  size_t before = sd_messages_errors(d->messages);
+  deck_result *r = deck_alloc(d, 1, sizeof *r);
+  reader in = {.d = d};
+  r->path = path;
+  if (h5_open_whole(path, &in.file, d->messages) != SD_OK) {
+    d->reported += sd_messages_errors(d->messages) - before;
+    return NULL;
+  }
+  int64_t format = h5_get_attr_i64(in.file, "/state", "format", -1);
+  if (format < CHECKPOINT_OF_PACKING || format > CHECKPOINT_FORMAT) {
+    h5_close(in.file, NULL);
+    deck_fail(d, node, "its state has format %lld, this program reads %d to %d", (long long)format,
+              CHECKPOINT_OF_PACKING, CHECKPOINT_FORMAT);
+    return NULL;
+  }
+  const struct {
+    size_t *n;
+    const char *name;
+  } extents[] = {{&r->n_disks, "n_disks"},
+                 {&r->n_bodies, "n_bodies"},
+                 {&r->n_free, "n_free"},
+                 {&r->n_contacts, "n_contacts"}};
+  for (size_t k = 0; k < sizeof extents / sizeof *extents; k++) {
+    int64_t n = h5_get_attr_i64(in.file, "/state", extents[k].name, -1);
+    in.failed |= n < 0 || n > 8 * (int64_t)LIMIT_DISKS;
+    *extents[k].n = in.failed ? 0 : (size_t)n;
+  }
+  in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
+  const double *scale = column(&in, "box_scale", SD_F64, 1);
+  if (!in.failed) read_bodies(&in, r);
+  if (!in.failed) read_contacts(&in, r);
+  r->box_scale = in.failed ? 1.0 : *scale;
+  char *text = h5_get_text(in.file, "/parameters/deck_bodies");
+  if (text) parse_text(d, r, deck_copy(d, text, strlen(text)));
+  free(text);
+  h5_close(in.file, NULL);
+  d->reported += sd_messages_errors(d->messages) - before;
+  if (in.failed) deck_fail(d, node, "the state in this file is damaged");
+  return in.failed ? NULL : r;
+}
+
+/* --- rows ----------------------------------------------------------------------------------------------- */
+
+static const char *name_at(const result_names *list, int64_t k) {
+  return k >= 0 && (size_t)k < list->n && list->name[k] && *list->name[k] ? list->name[k] : NULL;
+}
+
+static double number_of(const deck_result *r, int column, size_t k) {
+  bool still = r->driven[k];
+  switch (column) {
+    case COLUMN_X: return r->x[k];
+    case COLUMN_Y: return r->y[k];
+    case COLUMN_THETA: return r->turn[k] + r->theta[k];
+    case COLUMN_VX: return still ? 0.0 : r->vx[k]; /* motions move it, not its velocity */
+    case COLUMN_VY: return still ? 0.0 : r->vy[k];
+    case COLUMN_OMEGA: return still ? 0.0 : r->omega[k];
+    case COLUMN_RADIUS: return r->radius[k];
+    case COLUMN_MASS: return r->mass[k];
+    case COLUMN_INERTIA: return r->inertia[k];
+    case COLUMN_FIXED: return still;
+    default: return NAN;
+  }
+}
+
+static const char *text_of(const deck_result *r, int column, size_t k) {
+  if (column == COLUMN_NAME) return name_at(&r->disk_names, (int64_t)k);
+  return column == COLUMN_GROUP ? name_at(&r->groups, r->group[k]) : name_at(&r->materials, r->material[k]);
+}
+
+static bool any_text(const deck_result *r, int column) {
+  for (size_t k = 0; k < r->n_disks; k++)
+    if (!r->gone[k] && text_of(r, column, k)) return true;
+  return false;
+}
+
+/* Places are those of the contacts: the deck cannot give them itself. */
+static bool takes(const deck_group *g, const deck_result *r, const deck_columns *t, int column) {
+  bool given = deck_given(g, deck_column_names[column]);
+  bool mass = deck_given(g, "mass") || deck_given(g, "density");
+  switch (column) {
+    case COLUMN_X:
+    case COLUMN_Y:
+    case COLUMN_THETA:
+    case COLUMN_RADIUS: return t->contacts || !given;
+    case COLUMN_DENSITY: return false;
+    case COLUMN_MASS: return !mass;
+    case COLUMN_INERTIA: return !given && !mass && !deck_given(g, "radius");
+    case COLUMN_MATERIAL: return !given && g->d->model->n_materials > 1 && any_text(r, column);
+    case COLUMN_NAME:
+    case COLUMN_GROUP: return !given && any_text(r, column);
+    default: return !given;
+  }
+}
+
+void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *t) {
+  deck *d = g->d;
+  deck_result *r = read_state(d, file, path);
+  if (!r) { /* and nobody shall miss what would have come from it */
+    if (!deck_given(g, "material")) deck_columns_add(d, t, "material", file, file->place);
+    return;
+  }
+  for (int column = 0; column < COLUMN_KINDS; column++)
+    if (takes(g, r, t, column)) deck_columns_add(d, t, deck_column_names[column], file, file->place);
+  t->result = r;
+  t->file = file;
+  t->body = deck_alloc(d, r->n_disks, sizeof *t->body);
+  for (uint32_t k = 0; k < r->n_disks; k++) {
+    if (r->gone[k]) continue;
+    t->body[t->n_rows] = k;
+    if (!deck_columns_add_row(d, t, (deck_place){deck_format(d, "%s: disk %u", path, (unsigned)k), 0}))
+      return;
+    for (size_t c = 0; c < t->n_columns; c++) {
+      size_t at = (t->n_rows - 1) * t->n_columns + c;
+      t->number[at] = number_of(r, t->column[c], k);
+      if (t->column[c] >= COLUMN_NUMBERS) t->text[at] = text_of(r, t->column[c], k);
+    }
+  }
+}
+
+/* --- the box -------------------------------------------------------------------------------------------- */
+
+/* Of H5MD: fixed edges, or those of the last frame; the attribute lower is ours. */
+static bool box_of_particles(const h5_file *file, double lower[2], double upper[2]) {
+  double edges[2] = {0, 0};
+  size_t dims[H5_MAX_RANK];
+  int rank;
+  const char *fixed = RESULT_DISKS "/box/edges", *framed = RESULT_DISKS "/box/edges/value";
+  sd_status status = SD_ERROR_IO;
+  if (h5_exists(file, framed)) {
+    if (h5_shape(file, framed, &rank, dims, NULL) == SD_OK && rank == 2 && dims[0] > 0 && dims[1] == 2)
+      status = h5_get_values(file, framed, SD_F64, dims[0] - 1, 1, 2, edges, NULL);
+  } else {
+    status = h5_get(file, fixed, SD_F64, 2, edges, NULL);
+  }
+  lower[0] = lower[1] = 0;
+  h5_get_attr_f64s(file, RESULT_DISKS "/box", "lower", 2, lower);
+  for (int c = 0; c < 2; c++) upper[c] = lower[c] + edges[c];
+  return status == SD_OK;
+}
+
+/* As the engine places them. */
+static bool box_of_text(deck *d, const h5_file *file, double lower[2], double upper[2]) {
+  deck_result r = {0};
+  double scale = 1.0;
+  char *text = h5_get_text(file, "/parameters/deck_bodies");
+  if (text) parse_text(d, &r, text);
+  if (r.boxed && h5_get(file, "/state/box_scale", SD_F64, 1, &scale, NULL) != SD_OK) r.boxed = false;
+  for (int c = 0; c < 2; c++) {
+    lower[c] = r.lower[c];
+    upper[c] = scale != 1.0 ? r.lower[c] + scale * (r.upper[c] - r.lower[c]) : r.upper[c];
+    if (!r.periodic[c]) upper[c] = lower[c];
+  }
+  free(text);
+  return r.boxed;
+}
+
+bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upper[2]) {
+  const char *path = deck_resolve(d, d->path, node->value.text);
+  size_t before = sd_messages_errors(d->messages);
+  h5_file *file;
+  if (h5_open(path, &file, d->messages) != SD_OK) {
+    d->reported += sd_messages_errors(d->messages) - before;
+    deck_fail(d, node, "cannot be read");
+    return false;
+  }
+  bool found = box_of_text(d, file, lower, upper) || box_of_particles(file, lower, upper);
+  h5_close(file, NULL);
+  if (!found) deck_fail(d, node, "this file has no edges in " RESULT_DISKS "/box");
+  return found;
+}

@@ -1,0 +1,60 @@
+/* deck_result.h: results and checkpoints of a run as the beginning of another: bodies, contacts, the box. */
+#ifndef SLIPDISK_IO_DECK_RESULT_H
+#define SLIPDISK_IO_DECK_RESULT_H
+
+#include "io/deck/deck_rows.h"
+
+/* The usual dataset: it stands for the last state. */
+#define RESULT_DISKS "/particles/disks"
+
+/* A wall as its deck describes it, and how that run's packing had turned it about its pivot and stretched it
+ * when the run began. */
+typedef struct result_wall {
+  const char *name; /* "": none */
+  const char *text; /* kind, size and place */
+  size_t pieces;    /* straight ones */
+  double angle, scale;
+} result_wall;
+
+typedef struct result_names {
+  size_t n;
+  const char **name;
+} result_names;
+
+/* The last state in a file. Columns of bodies go by body number: disks, then walls. */
+typedef struct deck_result {
+  const char *path;
+  size_t n_disks, n_bodies, n_free, n_contacts;
+  double box_scale;
+  double *x, *y, *theta, *turn, *vx, *vy, *omega, *radius, *mass, *inertia;
+  int32_t *material, *group;
+  bool *driven, *gone; /* disks; gone: removed, or waiting for rain */
+  uint32_t *a, *b, *part;
+  double *lambda, *ex, *ey, *side, *force, *overlap, *stretch, *turned;
+  int32_t *slide;
+
+  /* what the text of deck_bodies says; nothing in files without it */
+  result_names materials, groups, disk_names;
+  size_t n_walls;
+  result_wall *walls;
+  bool boxed, periodic[2];
+  double lower[2], upper[2];
+} deck_result;
+
+/* Does the file hold a state? No messages. */
+bool deck_result_there(const char *path);
+/* All disks in play, with all columns that are known and that the group does not give itself. */
+void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *table);
+/* Edges of the periodic box of the last frame: of a result, a checkpoint or another H5MD file; false:
+ * reported. Directions that are not periodic there have equal edges. */
+bool deck_result_box(deck *d, const deck_node *file, double lower[2], double upper[2]);
+
+/* The walls of the model as they stand. */
+result_wall *deck_result_walls(deck *d);
+/* The text for deck_bodies of the model; with these walls. */
+char *deck_result_text(deck *d, const result_wall *walls);
+/* deck_memory.c: contacts of the files that were asked for them, and the places of the walls that they know.
+ * Call when all disks and walls are there. */
+void deck_read_memories(deck *d);
+
+#endif

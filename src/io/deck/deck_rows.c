@@ -1,0 +1,375 @@
+/* deck_rows.c: disks in columns: which form a file has; CSV and HDF5. See deck_rows.h.
+ *
+ * CSV: values with commas between, a line of names at the top, # begins a comment line, blank lines do not
+ * count. No quoting: names and numbers need none.
+ */
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/limits.h"
+#include "io/deck/deck_result.h"
+#include "io/store/file.h"
+#include "io/store/h5.h"
+
+const char *const deck_column_names[COLUMN_KINDS] = {"x",     "y",      "theta",    "vx",      "vy",
+                                                     "omega", "radius", "mass",     "density", "inertia",
+                                                     "fixed", "name",   "material", "group"};
+
+int deck_column(const char *name) {
+  for (int k = 0; k < COLUMN_KINDS; k++)
+    if (strcmp(deck_column_names[k], name) == 0) return k;
+  return -1;
+}
+
+/* --- the key `columns` ---------------------------------------------------------------------------------- */
+
+/* "radius", or "radius = diameter column of the file" */
+bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
+                      deck_place place) {
+  const char *equals = strchr(text, '=');
+  size_t n = equals ? (size_t)(equals - text) : strlen(text);
+  while (n && isspace((unsigned char)text[n - 1])) n--;
+  const char *name = deck_copy(d, text, n), *source = equals ? equals + 1 : name;
+  const char *shown = deck_quote(d, text, n);
+  while (isspace((unsigned char)*source)) source++;
+  int column = deck_column(name);
+  const char *wrong = NULL;
+  if (column < 0) {
+    deck_guess guess = deck_guess_start(name);
+    for (int k = 0; k < COLUMN_KINDS; k++) deck_guess_add(&guess, deck_column_names[k]);
+    wrong =
+        guess.best
+            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown, guess.best)
+            : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", shown);
+  }
+  for (size_t k = 0; k < table->n_columns && !wrong; k++)
+    if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);
+  if (wrong && node) deck_fail(d, node, "%s", wrong);
+  if (wrong && !node) deck_fail_place(d, place, "%s", wrong);
+  if (wrong) return false;
+  table->source[table->n_columns] = source;
+  table->column[table->n_columns++] = column;
+  return true;
+}
+
+void deck_columns_read(deck_group *g, deck_columns *table) {
+  deck_node *list = deck_get(g, "columns");
+  if (!list && g->table == &deck_disk_rows)
+    deck_fail_key(g->d, g->node, "columns", "missing: expected (\"x\", \"y\", \"radius\") or the like");
+  for (size_t k = 0; k < deck_each_count(list); k++) {
+    deck_node *node = deck_each(list, k);
+    if (node->type == DECK_STRING)
+      deck_columns_add(g->d, table, node->value.text, node, node->place);
+    else
+      deck_fail(g->d, node, "expected the name of a column in quotes");
+  }
+}
+
+/* --- cells ---------------------------------------------------------------------------------------------- */
+
+static void grow(deck *d, deck_columns *t, size_t capacity) {
+  size_t cells = capacity * t->n_columns;
+  bool texts = false;
+  for (size_t c = 0; c < t->n_columns; c++) texts |= t->column[c] >= COLUMN_NUMBERS;
+  double *number = deck_alloc(d, cells, sizeof *number);
+  const char **text = texts ? deck_alloc(d, cells, sizeof *text) : NULL;
+  deck_place *where = deck_alloc(d, capacity, sizeof *where);
+  if (t->n_rows) {
+    memcpy(number, t->number, t->n_rows * t->n_columns * sizeof *number);
+    if (texts) memcpy(text, t->text, t->n_rows * t->n_columns * sizeof *text);
+    memcpy(where, t->place, t->n_rows * sizeof *where);
+  }
+  t->number = number;
+  t->text = text;
+  t->place = where;
+  t->capacity = capacity;
+}
+
+bool deck_columns_add_row(deck *d, deck_columns *t, deck_place place) {
+  if (t->n_rows >= LIMIT_DISKS) {
+    deck_fail_place(d, place, "more than %d disks", LIMIT_DISKS);
+    return false;
+  }
+  if (t->n_rows == t->capacity) grow(d, t, 2 * t->capacity + 64);
+  t->place[t->n_rows++] = place;
+  return true;
+}
+
+void deck_columns_from_rows(deck_group *g, deck_columns *t) {
+  deck *d = g->d;
+  deck_node *rows = deck_get(g, "rows");
+  if (!rows || rows->type != DECK_LIST) {
+    deck_fail_key(d, g->node, "rows", "expected a list of rows ( (1.0, 2.0, 0.5), ... )");
+    return;
+  }
+  for (size_t r = 0; r < rows->n && t->n_columns; r++) {
+    deck_node *row = rows->child[r];
+    if (row->type != DECK_LIST || row->n != t->n_columns) {
+      deck_fail(d, row, "expected %zu values in ( ), one per column", t->n_columns);
+      continue;
+    }
+    if (!deck_columns_add_row(d, t, row->place)) return;
+    for (size_t c = 0; c < t->n_columns; c++) {
+      deck_node *cell = row->child[c];
+      size_t at = (t->n_rows - 1) * t->n_columns + c;
+      bool angle = t->column[c] == COLUMN_THETA || t->column[c] == COLUMN_OMEGA;
+      t->number[at] = NAN;
+      if (t->column[c] == COLUMN_FIXED && cell->type == DECK_BOOL)
+        t->number[at] = cell->value.flag;
+      else if (t->column[c] < COLUMN_NUMBERS)
+        deck_value_number(d, cell, angle, &t->number[at]);
+      else if (cell->type == DECK_STRING)
+        t->text[at] = cell->value.text;
+      else
+        deck_fail(d, cell, "expected a text in quotes");
+    }
+  }
+}
+
+/* --- CSV ------------------------------------------------------------------------------------------------ */
+
+typedef struct csv {
+  deck *d;
+  char *p;
+  deck_place here;
+  size_t n_fields, capacity;
+  char **field; /* of the line that csv_line has read */
+} csv;
+
+/* Of more than LIMIT_COLUMNS fields only the number is known. */
+static void add_field(csv *in, char *text) {
+  if (in->n_fields >= LIMIT_COLUMNS) {
+    in->n_fields++;
+    return;
+  }
+  if (in->n_fields == in->capacity) {
+    size_t capacity = 2 * in->capacity + 16;
+    char **field = deck_alloc(in->d, capacity, sizeof *field);
+    if (in->n_fields) memcpy(field, in->field, in->n_fields * sizeof *field);
+    in->field = field;
+    in->capacity = capacity;
+  }
+  while (isspace((unsigned char)*text)) text++;
+  char *end = text + strlen(text);
+  while (end > text && isspace((unsigned char)end[-1])) *--end = 0;
+  in->field[in->n_fields++] = text;
+}
+
+/* Reads the next line that counts, in place; false at the end. */
+static bool csv_line(csv *in) {
+  while (*in->p) {
+    char *line = in->p, *end = strchr(line, '\n');
+    in->p = end ? end + 1 : line + strlen(line);
+    if (end) *end = 0;
+    in->here.line++;
+    char *start = line + strspn(line, " \t\r");
+    if (!*start || *start == '#') continue;
+    in->n_fields = 0;
+    for (char *comma; (comma = strchr(line, ',')); line = comma + 1) {
+      *comma = 0;
+      add_field(in, line);
+    }
+    add_field(in, line);
+    return true;
+  }
+  return false;
+}
+
+static bool csv_open(csv *in, deck *d, const deck_node *file) {
+  const char *path = deck_resolve(d, d->path, file->value.text);
+  *in = (csv){.d = d, .here = {path, 0}};
+  in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
+  if (!in->p) return false;
+  bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS;
+  if (!line) deck_fail(d, file, "the file is empty; expected a line with the names of its columns");
+  if (line && !good)
+    deck_fail_place(d, in->here, "%zu columns; expected at most %d", in->n_fields, LIMIT_COLUMNS);
+  return good;
+}
+
+static size_t csv_find(const csv *in, const char *name) {
+  for (size_t k = 0; k < in->n_fields; k++)
+    if (strcmp(in->field[k], name) == 0) return k;
+  return SIZE_MAX;
+}
+
+static bool csv_number(const csv *in, const char *column, const char *text, double *x) {
+  char *end;
+  *x = strtod(text, &end);
+  if (end != text && !*end && isfinite(*x)) return true;
+  deck_fail_place(in->d, in->here, "%s = %s: expected a number", column,
+                  *text ? deck_quote(in->d, text, strlen(text)) : "(empty)");
+  *x = NAN;
+  return false;
+}
+
+static size_t csv_find_reported(const csv *in, const char *name) {
+  size_t k = csv_find(in, name);
+  if (k != SIZE_MAX) return k;
+  deck_guess guess = deck_guess_start(name);
+  for (size_t j = 0; j < in->n_fields; j++) deck_guess_add(&guess, in->field[j]);
+  if (guess.best) {
+    deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?", name,
+                    guess.best);
+    return SIZE_MAX;
+  }
+  const char *found = "";
+  for (size_t j = 0; j < in->n_fields && j < 8; j++)
+    found = deck_format(in->d, "%s%s\"%s\"", found, j ? ", " : "",
+                        deck_quote(in->d, in->field[j], strlen(in->field[j])));
+  deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; found %s%s", name, found,
+                  in->n_fields > 8 ? ", ..." : "");
+  return SIZE_MAX;
+}
+
+static bool csv_row_is_whole(const csv *in, size_t n) {
+  if (in->n_fields == n) return true;
+  deck_fail_place(in->d, in->here, "%zu values; expected %zu, one per name in the first line", in->n_fields,
+                  n);
+  return false;
+}
+
+static void read_csv(deck *d, deck_node *file, deck_columns *t) {
+  csv in;
+  if (!csv_open(&in, d, file)) return;
+  size_t n = in.n_fields, from[COLUMN_KINDS] = {0};
+  bool whole = true;
+  if (t->n_columns == 0)
+    for (size_t k = 0; k < n; k++) whole &= deck_columns_add(d, t, in.field[k], NULL, in.here);
+  for (size_t c = 0; c < t->n_columns; c++)
+    whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
+  while (whole && csv_line(&in)) {
+    if (!csv_row_is_whole(&in, n)) continue;
+    if (!deck_columns_add_row(d, t, in.here)) return;
+    for (size_t c = 0; c < t->n_columns; c++) {
+      size_t at = (t->n_rows - 1) * t->n_columns + c;
+      t->number[at] = NAN;
+      if (t->column[c] < COLUMN_NUMBERS)
+        csv_number(&in, t->source[c], in.field[from[c]], &t->number[at]);
+      else if (*in.field[from[c]])
+        t->text[at] = in.field[from[c]];
+    }
+  }
+}
+
+size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b) {
+  csv in;
+  if (!csv_open(&in, d, file)) return 0;
+  size_t n = in.n_fields, rows = 0, capacity = 0, from[2];
+  for (int k = 0; k < 2; k++) from[k] = csv_find_reported(&in, names[k]);
+  if (from[0] == SIZE_MAX || from[1] == SIZE_MAX) return 0;
+  double *out[2] = {NULL, NULL};
+  while (csv_line(&in)) {
+    if (!csv_row_is_whole(&in, n)) continue;
+    if (rows == LIMIT_TABLE_ROWS) {
+      deck_fail_place(d, in.here, "more than %d rows", LIMIT_TABLE_ROWS);
+      return 0;
+    }
+    for (int k = 0; k < 2 && rows == capacity; k++) {
+      double *old = out[k];
+      out[k] = deck_alloc(d, 2 * capacity + 64, sizeof(double));
+      if (rows) memcpy(out[k], old, rows * sizeof(double));
+    }
+    if (rows == capacity) capacity = 2 * capacity + 64;
+    for (int k = 0; k < 2; k++) csv_number(&in, names[k], in.field[from[k]], &out[k][rows]);
+    rows++;
+  }
+  *a = out[0];
+  *b = out[1];
+  return rows;
+}
+
+/* --- HDF5 ----------------------------------------------------------------------------------------------- */
+
+static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const char *path) {
+  deck *d = g->d;
+  for (size_t c = 0; c < t->n_columns; c++)
+    if (t->column[c] >= COLUMN_NUMBERS)
+      deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; a dataset gives numbers only",
+                    deck_column_names[t->column[c]]);
+  const char *dataset = deck_text_of(g, "dataset");
+  uint64_t size;
+  int there = file_open_quiet(path, &size);
+  if (there < 0) {
+    deck_fail(d, file, "cannot be read: %s", file_trouble(errno));
+    return;
+  }
+  close(there);
+  if (!dataset) {
+    deck_fail_key(d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
+    return;
+  }
+  static const char *const usual[] = {"x", "y", "radius"};
+  for (int k = 0; k < 3 && !deck_given(g, "columns"); k++)
+    deck_columns_add(d, t, usual[k], file, file->place);
+  double *values = NULL;
+  size_t n = 0, before = sd_messages_errors(d->messages);
+  if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &n, d->messages) != SD_OK) {
+    /* the reader has said what; say where the deck asked for it */
+    d->reported += sd_messages_errors(d->messages) - before;
+    deck_fail(d, file, "cannot be read");
+    free(values);
+    return;
+  }
+  if (n) grow(d, t, n);
+  for (size_t r = 0; r < n && deck_columns_add_row(d, t, (deck_place){path, -1 - (int)r}); r++)
+    for (size_t c = 0; c < t->n_columns; c++) t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
+  free(values);
+}
+
+/* Of a result all that it knows is taken, unless columns or another dataset are asked for. */
+static void hdf5_or_result(deck_group *g, deck_node *file, deck_columns *t) {
+  deck *d = g->d;
+  const char *path = deck_resolve(d, d->path, file->value.text);
+  deck_node *dataset = deck_get(g, "dataset"), *contacts = deck_get(g, "contacts");
+  t->contacts = contacts && contacts->type == DECK_BOOL && contacts->value.flag;
+  bool whole = !deck_given(g, "columns") &&
+               (!dataset || (dataset->type == DECK_STRING && strcmp(dataset->value.text, RESULT_DISKS) == 0));
+  if (whole && deck_result_there(path)) {
+    deck_default_text(g, "dataset", RESULT_DISKS);
+    deck_result_rows(g, file, path, t);
+    return;
+  }
+  if (t->contacts && deck_given(g, "columns"))
+    deck_fail_key(d, g->node, "columns", "given together with contacts = true, which takes all of a result");
+  else if (t->contacts && file_exists(path))
+    deck_fail_key(d, g->node, "contacts",
+                  "%s is no result or checkpoint of a run: its contacts are not known", path);
+  t->contacts = false;
+  read_hdf5(g, file, t, path);
+}
+
+static bool ends_in(const char *name, const char *const *endings) {
+  const char *dot = strrchr(name, '.');
+  for (; dot && *endings; endings++)
+    if (strcmp(dot, *endings) == 0) return true;
+  return false;
+}
+
+int deck_file_format(const char *name) {
+  static const char *const hdf5[] = {".h5", ".hdf5", NULL}, *const lammps[] = {".data", ".lmp", ".lammps",
+                                                                               NULL};
+  return ends_in(name, hdf5) ? DECK_HDF5 : ends_in(name, lammps) ? DECK_LAMMPS : DECK_CSV;
+}
+
+void deck_columns_from_file(deck_group *g, deck_columns *t) {
+  deck *d = g->d;
+  static const char *const words[] = {[DECK_CSV] = "csv", [DECK_HDF5] = "hdf5", [DECK_LAMMPS] = "lammps"};
+  const char *name = deck_text_of(g, "file");
+  deck_node *file = deck_get(g, "file");
+  if (!name || !file) return;
+  deck_default_text(g, "format", words[deck_file_format(name)]);
+  int format = deck_choice(g, "format");
+  bool contacts = deck_bool(g, "contacts");
+  if (format >= 0 && format != DECK_HDF5) {
+    if (deck_given(g, "dataset")) deck_fail_key(d, g->node, "dataset", "belongs to HDF5 files only");
+    if (contacts) deck_fail_key(d, g->node, "contacts", "belongs to results of a run (HDF5) only");
+  }
+  if (format == DECK_HDF5) hdf5_or_result(g, file, t);
+  if (format == DECK_CSV) read_csv(d, file, t);
+  if (format == DECK_LAMMPS) deck_lammps_read(g, file, t);
+}

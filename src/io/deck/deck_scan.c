@@ -1,0 +1,470 @@
+/* deck_scan.c: a deck's text, made safe for libconfig. See deck.h.
+ *
+ * libconfig 1.5 takes these without a word, or with a poor one:
+ *   5000000000   cut to 32 bits            -> given the suffix L
+ *   1e400        read as infinity          -> error
+ *   10kg, 1.2.3  read as two tokens        -> error
+ *   / * ...      unterminated comment      -> error at its first line
+ *   "...         string over a line end    -> error: most likely a quote was forgotten
+ *   [0, 10.5]    arrays of one type only   -> written as a list, whose elements may differ
+ *   a = 1; a = 2 stops at the first        -> all reported, with the line of the first
+ *   @include     lines counted per file    -> put in place here, each line remembering where it is from
+ *   a = word     "syntax error"            -> error that names the quotes
+ * Line breaks are kept, so that line k of the clean text has a known place.
+ */
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "io/deck/deck.h"
+#include "io/store/file.h"
+
+typedef struct buffer {
+  char *bytes;
+  size_t n, capacity;
+} buffer;
+
+typedef struct key {
+  const char *name;
+  size_t length;
+  deck_place place;
+} key;
+
+/* One open bracket; level 0 is the deck itself. */
+typedef struct level {
+  char open;
+  deck_place place;
+  bool value;       /* in a group: a = was read, its value has not come yet */
+  const char *name; /* in a group: of the key being read */
+  size_t length;
+  size_t index; /* in a list: of the element being read */
+  key *keys;
+  size_t n_keys, key_capacity;
+  size_t n_seen; /* repeated ones counted in */
+} level;
+
+typedef struct scanner {
+  deck *d;
+  buffer clean, raw;
+  deck_place *line;
+  size_t n_lines, line_capacity;
+  level levels[LIMIT_DEPTH];
+  int depth;
+  int includes; /* files open around this one */
+  int included_files;
+  size_t bytes; /* of the deck and all that it includes */
+  int repeated;
+  bool override, included, broken;
+  bool torn;     /* a text was not closed: brackets may have gone with it */
+  const char *p; /* current text */
+  const char *start;
+  deck_place here;
+} scanner;
+
+/* --- output --------------------------------------------------------------------------------------------- */
+
+static void put(deck *d, buffer *b, const char *text, size_t n) {
+  if (b->n + n + 1 > b->capacity) {
+    size_t capacity = 2 * (b->n + n + 1) + 1024;
+    char *bytes = deck_alloc(d, capacity, 1);
+    if (b->n) memcpy(bytes, b->bytes, b->n);
+    b->bytes = bytes;
+    b->capacity = capacity;
+  }
+  memcpy(b->bytes + b->n, text, n);
+  b->n += n;
+  b->bytes[b->n] = 0;
+}
+
+static void emit(scanner *s, const char *text, size_t n) { put(s->d, &s->clean, text, n); }
+static void emit_text(scanner *s, const char *text) { emit(s, text, strlen(text)); }
+
+static void begin_line(scanner *s) {
+  if (s->n_lines == s->line_capacity) {
+    size_t capacity = 2 * s->line_capacity + 64;
+    deck_place *line = deck_alloc(s->d, capacity, sizeof *line);
+    if (s->n_lines) memcpy(line, s->line, s->n_lines * sizeof *line);
+    s->line = line;
+    s->line_capacity = capacity;
+  }
+  s->line[s->n_lines++] = s->here;
+}
+
+static void newline(scanner *s) {
+  emit(s, "\n", 1);
+  if (!s->override) s->here.line++;
+  begin_line(s);
+}
+
+static level *top(scanner *s) { return &s->levels[s->depth]; }
+static bool in_group(scanner *s) { return top(s)->open == 0 || top(s)->open == '{'; }
+
+/* The path of the value being read, with " = " behind it; "" before any. */
+static const char *path(scanner *s) {
+  if (s->override || deck_told(s->d)) return "";
+  const char *text = "";
+  for (int k = 0; k <= s->depth; k++) {
+    const level *l = &s->levels[k];
+    if (l->open == 0 || l->open == '{')
+      text = deck_format(s->d, "%s%s%.*s", text, *text ? "." : "", (int)l->length, l->name ? l->name : "");
+    else
+      text = deck_format(s->d, "%s[%zu]", text, l->index);
+  }
+  return *text ? deck_format(s->d, "%s = ", text) : text;
+}
+
+/* --- tokens --------------------------------------------------------------------------------------------- */
+
+static void skip_comment(scanner *s) {
+  deck_place start = s->here;
+  s->p += 2;
+  while (*s->p && !(s->p[0] == '*' && s->p[1] == '/')) {
+    if (*s->p == '\n') newline(s);
+    s->p++;
+  }
+  if (*s->p) {
+    s->p += 2;
+    emit(s, " ", 1);
+    return;
+  }
+  deck_fail_place(s->d, start, "the comment that begins here with /* is never closed with */");
+  s->broken = true;
+}
+
+/* \" does not end a string, \\ does not escape what follows it. */
+static void scan_string(scanner *s) {
+  deck_place start = s->here;
+  const char *from = s->p++;
+  while (*s->p && *s->p != '"' && *s->p != '\n') s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
+  if (*s->p != '"') {
+    /* what follows is read as if a quote stood here: one that is forgotten does not turn the deck inside out */
+    deck_fail_place(s->d, start, "%sthe text %s is not closed with \" on this line", path(s),
+                    deck_quote(s->d, from, (size_t)(s->p - from)));
+    s->broken = s->torn = true;
+    top(s)->value = false;
+    return;
+  }
+  s->p++;
+  emit(s, from, (size_t)(s->p - from));
+  top(s)->value = false;
+}
+
+static bool word_char(char c) { return isalnum((unsigned char)c) || c == '_' || c == '-' || c == '*'; }
+
+/* Length of the number at p, 0 when it is none; *real: it has a point or an exponent. */
+static size_t number_length(const char *p, bool *real) {
+  const char *q = p;
+  *real = false;
+  if (*q == '+' || *q == '-') q++;
+  const char *digits = q;
+  while (isdigit((unsigned char)*q)) q++;
+  size_t n = (size_t)(q - digits);
+  if (*q == '.') {
+    *real = true;
+    for (q++; isdigit((unsigned char)*q); q++) n++;
+  }
+  if (n == 0) return 0;
+  if (*q == 'e' || *q == 'E') {
+    const char *e = q + 1;
+    if (*e == '+' || *e == '-') e++;
+    if (isdigit((unsigned char)*e)) {
+      *real = true;
+      for (q = e; isdigit((unsigned char)*q);) q++;
+    }
+  }
+  return (size_t)(q - p);
+}
+
+static void emit_integer(scanner *s, const char *token, int base) {
+  errno = 0;
+  long long x = strtoll(token, NULL, base);
+  if (errno == ERANGE) {
+    deck_fail_place(s->d, s->here, "%s%s: integer beyond 64 bits; expected at most %lld", path(s),
+                    deck_quote(s->d, token, strlen(token)), INT64_MAX + 0LL);
+    x = 1;
+  }
+  bool wide = x > INT32_MAX || x < INT32_MIN;
+  emit_text(s, deck_format(s->d, "%lld%s", x, wide ? "L" : ""));
+}
+
+static void emit_real(scanner *s, const char *token) {
+  double x = strtod(token, NULL);
+  bool nonzero = false;
+  for (const char *p = token; *p && *p != 'e' && *p != 'E'; p++) nonzero |= *p >= '1' && *p <= '9';
+  if (!isfinite(x)) {
+    deck_fail_place(s->d, s->here, "%s%s: number too large; expected at most 1.79e308", path(s),
+                    deck_quote(s->d, token, strlen(token)));
+    token = "1.0";
+  } else if (x == 0 && nonzero) {
+    deck_fail_place(s->d, s->here, "%s%s: number too small, it would be read as 0", path(s),
+                    deck_quote(s->d, token, strlen(token)));
+    token = "1.0";
+  }
+  emit_text(s, token);
+}
+
+/* False: this is no number. */
+static bool scan_number(scanner *s) {
+  bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') && isxdigit((unsigned char)s->p[2]);
+  size_t n = number_length(s->p, &real);
+  if (hex)
+    for (n = 3, real = false; isxdigit((unsigned char)s->p[n]);) n++;
+  if (n == 0) return false;
+  const char *token = deck_copy(s->d, s->p, n), *end = s->p + n;
+  if (!real && *end == 'L') end += end[1] == 'L' ? 2 : 1;
+  if (word_char(*end) || *end == '.') {
+    while (word_char(*end) || *end == '.') end++;
+    const char *word = deck_quote(s->d, s->p, (size_t)(end - s->p));
+    deck_fail_place(s->d, s->here, "%s%s: neither a number nor a text (a text needs quotes: \"%s\")", path(s),
+                    word, word);
+    emit_text(s, "1"); /* most likely within range, so that no second message follows */
+  } else if (real) {
+    emit_real(s, token);
+  } else {
+    emit_integer(s, token, hex ? 16 : 10);
+  }
+  s->p = end;
+  top(s)->value = false;
+  return true;
+}
+
+static void scan_key(scanner *s, const char *name, size_t n) {
+  level *l = top(s);
+  if (n > LIMIT_QUOTE) {
+    deck_fail_place(s->d, s->here, "%s: a key of %zu characters; expected at most %d",
+                    deck_quote(s->d, name, n), n, LIMIT_QUOTE);
+    s->broken = true;
+    return;
+  }
+  l->name = name;
+  l->length = n;
+  if (l->n_seen++ >= LIMIT_KEYS) {
+    if (l->n_seen == LIMIT_KEYS + 1)
+      deck_fail_place(s->d, s->here, "%.*s: more than %d keys in one group", (int)n, name, LIMIT_KEYS);
+    s->broken = true;
+    return;
+  }
+  for (size_t k = 0; k < l->n_keys; k++) {
+    if (l->keys[k].length != n || memcmp(l->keys[k].name, name, n) != 0) continue;
+    const char *full = path(s);
+    int length = *full ? (int)strlen(full) - 3 : 0;
+    deck_fail_place(s->d, s->here, "%.*s: key given twice; first on line %d%s%s", length, full,
+                    l->keys[k].place.line, l->keys[k].place.file == s->here.file ? "" : " of ",
+                    l->keys[k].place.file == s->here.file ? "" : l->keys[k].place.file);
+    emit_text(s, deck_format(s->d, "*repeated-%d", s->repeated++));
+    return;
+  }
+  if (l->n_keys == l->key_capacity) {
+    size_t capacity = 2 * l->key_capacity + 16;
+    key *keys = deck_alloc(s->d, capacity, sizeof *keys);
+    if (l->n_keys) memcpy(keys, l->keys, l->n_keys * sizeof *keys);
+    l->keys = keys;
+    l->key_capacity = capacity;
+  }
+  l->keys[l->n_keys++] = (key){name, n, s->here};
+  emit(s, name, n);
+}
+
+static bool is_word(const char *name, size_t n, const char *word) {
+  if (strlen(word) != n) return false;
+  for (size_t k = 0; k < n; k++)
+    if (tolower((unsigned char)name[k]) != word[k]) return false;
+  return true;
+}
+
+static void scan_word(scanner *s) {
+  const char *name = s->p;
+  while (word_char(*s->p)) s->p++;
+  size_t n = (size_t)(s->p - name);
+  if (in_group(s) && !top(s)->value) {
+    scan_key(s, name, n);
+    return;
+  }
+  top(s)->value = false;
+  if (is_word(name, n, "true") || is_word(name, n, "false")) {
+    emit(s, name, n);
+    return;
+  }
+  /* read on as if the quotes were there, so that later mistakes are found too */
+  if (!s->override) {
+    const char *word = deck_quote(s->d, name, n);
+    deck_fail_place(s->d, s->here, "%s%s: a text needs quotes: \"%s\"", path(s), word, word);
+  }
+  s->broken |= s->override;
+  emit_text(s, deck_format(s->d, "\"%.*s\"", (int)n, name));
+}
+
+/* --- brackets and includes ------------------------------------------------------------------------------ */
+
+static void open_bracket(scanner *s) {
+  char c = *s->p++;
+  top(s)->value = false;
+  if (s->depth + 1 >= LIMIT_DEPTH) {
+    if (!s->broken)
+      deck_fail_place(s->d, s->here, "more than %d brackets inside each other", LIMIT_DEPTH - 2);
+    s->broken = true;
+    return;
+  }
+  s->levels[++s->depth] = (level){.open = c, .place = s->here};
+  emit(s, c == '{' ? "{" : "(", 1);
+}
+
+static void close_bracket(scanner *s) {
+  char c = *s->p++, open = top(s)->open;
+  char wanted = open == '{' ? '}' : open == '(' ? ')' : ']';
+  if (open == 0 || c != wanted) {
+    if (open == 0 && !s->torn)
+      deck_fail_place(s->d, s->here, "%c closes nothing", c);
+    else if (!s->torn)
+      deck_fail_place(s->d, s->here, "%c found where %c of line %d should be closed with %c", c, open,
+                      top(s)->place.line, wanted);
+    s->broken = true;
+  }
+  if (s->depth > 0) s->depth--;
+  emit(s, c == '}' ? "}" : ")", 1);
+}
+
+static void scan_all(scanner *s, const char *text, deck_place place);
+
+/* @include "file" alone on its line. */
+static void include_file(scanner *s) {
+  const char *p = s->p + 8, *line = s->p;
+  while (line > s->start && (line[-1] == ' ' || line[-1] == '\t')) line--;
+  bool alone = strncmp(s->p, "@include", 8) == 0 && (line == s->start || line[-1] == '\n');
+  while (alone && (*p == ' ' || *p == '\t')) p++;
+  const char *end = alone && *p == '"' ? strpbrk(p + 1, "\"\n") : NULL;
+  if (s->override || !end || *end != '"') {
+    deck_fail_place(s->d, s->here, "@: expected @include \"file\" alone on its line");
+    s->p++;
+    s->broken = true;
+    return;
+  }
+  const char *name = deck_copy(s->d, p + 1, (size_t)(end - p - 1)), *after = end + 1;
+  const char *file = deck_resolve(s->d, s->here.file, name), *start = s->start;
+  deck_place here = s->here;
+  char *text = NULL;
+  const size_t most = (size_t)LIMIT_DECK * LIMIT_MIB;
+  if (s->includes >= LIMIT_INCLUDE_DEPTH || s->included_files >= LIMIT_INCLUDES) {
+    bool deep = s->includes >= LIMIT_INCLUDE_DEPTH;
+    deck_fail_place(s->d, s->here, "@include \"%s\": more than %d files %s",
+                    deck_quote(s->d, name, strlen(name)), deep ? LIMIT_INCLUDE_DEPTH : LIMIT_INCLUDES,
+                    deep ? "inside each other" : "are included");
+    s->broken = true;
+  } else if (!(text = deck_read_file(s->d, file, most, s->here, "@include"))) {
+    s->broken = true;
+  } else if ((s->bytes += strlen(text)) > most) {
+    deck_fail_place(s->d, s->here, "@include \"%s\": the deck has more than %d MiB with all that it includes",
+                    deck_quote(s->d, name, strlen(name)), LIMIT_DECK);
+    s->broken = true;
+    text = NULL;
+  }
+  s->included_files++;
+  if (text) {
+    /* drop "@include ..." from the raw text, whose copy runs up to here, and put the file in its place */
+    s->included = true;
+    put(s->d, &s->raw, start, (size_t)(line - start));
+    s->includes++;
+    deck_place inside = {file, 1};
+    s->line[s->n_lines - 1] = inside;
+    scan_all(s, text, inside);
+    s->includes--;
+    s->here = here;
+    newline(s);
+    s->here = here;
+    s->line[s->n_lines - 1] = here;
+    put(s->d, &s->raw, "\n", 1);
+    start = after;
+  }
+  s->start = start;
+  s->p = after;
+}
+
+/* --- the loop ------------------------------------------------------------------------------------------- */
+
+static void scan_token(scanner *s) {
+  char c = *s->p;
+  if (c == '\n') {
+    newline(s);
+    s->p++;
+  } else if (isspace((unsigned char)c)) {
+    emit(s, " ", 1);
+    s->p++;
+  } else if (c == '#' || (c == '/' && s->p[1] == '/')) {
+    while (*s->p && *s->p != '\n') s->p++;
+  } else if (c == '/' && s->p[1] == '*') {
+    skip_comment(s);
+  } else if (c == '"') {
+    scan_string(s);
+  } else if (c == '@') {
+    include_file(s);
+  } else if (strchr("{([", c)) {
+    open_bracket(s);
+  } else if (strchr("})]", c)) {
+    close_bracket(s);
+  } else if (strchr("=:;,", c)) {
+    top(s)->value = c == '=' || c == ':';
+    top(s)->index += c == ',';
+    emit(s, &c, 1);
+    s->p++;
+  } else if (scan_number(s)) {
+    return;
+  } else if (isalpha((unsigned char)c) || c == '*') {
+    scan_word(s);
+  } else {
+    if (isprint((unsigned char)c))
+      deck_fail_place(s->d, s->here, "unexpected character %c", c);
+    else
+      deck_fail_place(s->d, s->here, "unexpected byte 0x%02x outside quotes", (unsigned)(unsigned char)c);
+    s->broken = true;
+    s->p++;
+  }
+}
+
+static void scan_all(scanner *s, const char *text, deck_place place) {
+  s->p = s->start = text;
+  s->here = place;
+  while (*s->p) scan_token(s);
+  put(s->d, &s->raw, s->start, strlen(s->start));
+}
+
+deck_text deck_scan(deck *d, const char *text, deck_place place, bool override) {
+  scanner *s = deck_alloc(d, 1, sizeof *s);
+  s->d = d;
+  s->override = override;
+  s->here = place;
+  s->bytes = strlen(text);
+  begin_line(s);
+  emit(s, "", 0);
+  scan_all(s, text, place);
+  if (s->depth > 0 && !s->broken) {
+    deck_fail_place(d, top(s)->place, "the %c of this line is never closed", top(s)->open);
+    s->broken = true;
+  }
+  return (deck_text){.raw = s->included ? s->raw.bytes : NULL,
+                     .clean = s->clean.bytes,
+                     .n_lines = s->n_lines,
+                     .line = s->line,
+                     .broken = s->broken};
+}
+
+/* --- files ---------------------------------------------------------------------------------------------- */
+
+char *deck_resolve(deck *d, const char *file, const char *path) {
+  const char *slash = file ? strrchr(file, '/') : NULL;
+  if (!slash || path[0] == '/') return deck_copy(d, path, strlen(path));
+  return deck_format(d, "%.*s/%s", (int)(slash - file), file, path);
+}
+
+char *deck_read_file(deck *d, const char *path, uint64_t most, deck_place place, const char *what) {
+  char *text, trouble[FILE_TROUBLE];
+  if (file_text(path, most, &text, trouble) != SD_OK) {
+    deck_fail_place(d, place, "%s \"%s\": %s", what, path, trouble);
+    return NULL;
+  }
+  deck_own(d, text);
+  return text;
+}

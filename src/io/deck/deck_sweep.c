@@ -1,0 +1,410 @@
+/* deck_sweep.c: the points of a sweep; see deck_sweep.h. How the deck's group is read: deck_grid.c. */
+#include "io/deck/deck_sweep.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/deck/deck_grid.h"
+#include "io/store/file.h"
+#include "slipdisk/deck.h"
+
+/* Names of files are cut here. */
+enum { LONGEST_NAME = 120 };
+
+typedef struct expansion {
+  deck *d;
+  deck_sweep *out;
+  size_t capacity;
+  int64_t seed;           /* of the deck */
+  size_t *slots, n_slots; /* hash table of the points by name: number + 1, 0 where there is none */
+} expansion;
+
+/* --- names and seeds --------------------------------------------------------------------------------------- */
+
+/* Mixes the bits of a sum (the finaliser of splitmix64), and keeps as many as a double holds. */
+static int64_t mixed(uint64_t z) {
+  z += UINT64_C(0x9e3779b97f4a7c15);
+  z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+  z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+  return (int64_t)((z ^ (z >> 31)) >> 11);
+}
+
+/* What is set, replica and seed of the deck: whatever else is in the sweep has no part in it. */
+static uint64_t point_sum(const sweep_point *p, int64_t replica, int64_t seed) {
+  uint64_t sum = file_sum(FILE_SUM, &seed, sizeof seed);
+  for (size_t k = 0; k < p->n_overrides; k++)
+    sum = file_sum(sum, p->overrides[k], strlen(p->overrides[k]) + 1);
+  return file_sum(sum, &replica, sizeof replica);
+}
+
+/* A value as a part of a file name, where all but letters, digits and ._+- turns into _. The blank of an angle goes.
+ * False: this lost something. */
+static bool file_word(char *text, bool number) {
+  bool good = true;
+  char *to = text;
+  for (const char *from = text; *from; from++) {
+    if (isalnum((unsigned char)*from) || strchr("._+-", *from)) {
+      *to++ = *from;
+    } else if (*from != ' ' || !number) {
+      good = false;
+      if (to > text && to[-1] != '_') *to++ = '_';
+    }
+  }
+  if (!good && to > text && to[-1] == '_') to--;
+  *to = 0;
+  return good;
+}
+
+/* "tilt=0.04pi,eps=0.0001,r=2"; where a text does not go into a file name, a sum of all is added. */
+static const char *name_of(deck *d, const deck_sweep *s, const sweep_point *p) {
+  const char *name = "";
+  bool good = true;
+  for (size_t k = 0; k < s->n_parameters; k++) {
+    if (!p->texts[k]) continue;
+    char *text = deck_copy(d, p->texts[k], strlen(p->texts[k]));
+    if (!file_word(text, isfinite(p->values[k]))) good = false;
+    name = deck_format(d, "%s%s%s=%s", name, *name ? "," : "", s->parameters[k].name, text);
+  }
+  if (!good || strlen(name) > LONGEST_NAME)
+    name = deck_format(d, "%.*s,%08x", LONGEST_NAME, name, (unsigned)point_sum(p, 0, 0));
+  if (!*name && p->replica == 0) return "base";
+  if (p->replica > 0) name = deck_format(d, "%s%sr=%" PRId64, name, *name ? "," : "", p->replica);
+  return name;
+}
+
+/* --- points ------------------------------------------------------------------------------------------------ */
+
+static size_t column_of(const deck_sweep *s, const grid_axis *a) {
+  for (size_t k = 0; k < s->n_parameters; k++)
+    if (strcmp(s->parameters[k].name, a->name) == 0) return k;
+  return s->n_parameters;
+}
+
+static void add_parameters(expansion *e, const grid *g) {
+  deck_sweep *s = e->out;
+  for (size_t k = 0; k < g->n_axes; k++) {
+    const grid_axis *a = &g->axes[k];
+    bool text = false;
+    for (size_t v = 0; v < a->n_values; v++) text = text || isnan(a->values[v].number);
+    size_t column = column_of(s, a);
+    if (column < s->n_parameters) {
+      s->parameters[column].text = s->parameters[column].text || text;
+      continue;
+    }
+    s->parameters = deck_grow(e->d, s->parameters, s->n_parameters + 1, sizeof *s->parameters);
+    sweep_parameter *p = &s->parameters[s->n_parameters++];
+    *p = (sweep_parameter){.text = text};
+    const char *path = "";
+    for (size_t j = 0; j < a->n_paths; j++)
+      path = deck_format(e->d, "%s%s%s", path, j ? " " : "", a->paths[j]);
+    p->name = deck_keep_text(e->d, a->name);
+    p->path = deck_keep_text(e->d, path);
+  }
+}
+
+static const char *keep_file(deck *d, deck_sweep *s, const char *file) {
+  for (size_t k = 0; k < s->n_files; k++)
+    if (strcmp(s->files[k], file) == 0) return s->files[k];
+  s->files = deck_grow(d, s->files, s->n_files + 1, sizeof *s->files);
+  s->files[s->n_files] = deck_keep_text(d, file);
+  return s->files[s->n_files++];
+}
+
+static void add_override(expansion *e, sweep_point *p, const char *text, deck_place place) {
+  deck *d = e->d;
+  p->overrides = deck_grow(d, p->overrides, p->n_overrides + 1, sizeof *p->overrides);
+  p->places = deck_grow(d, p->places, p->n_overrides + 1, sizeof *p->places);
+  /* values that -D has put into the sweep have no line, but a name that says it all */
+  p->places[p->n_overrides] =
+      (sweep_place){keep_file(d, e->out, place.file ? place.file : d->path), place.line};
+  p->overrides[p->n_overrides] = deck_keep_text(d, text);
+  p->n_overrides++;
+}
+
+/* The seed that a value stands for; `otherwise` when it is none, which the loader of the model reports. */
+static int64_t seed_value(const grid_value *v, int64_t otherwise) {
+  char *end;
+  errno = 0;
+  long long x = strtoll(v->literal, &end, 10);
+  return errno == 0 && end != v->literal && !*end && x >= 0 ? (int64_t)x : otherwise;
+}
+
+static void set_value(expansion *e, sweep_point *p, const grid_axis *a, const grid_value *v) {
+  size_t column = column_of(e->out, a);
+  p->values[column] = v->number;
+  p->texts[column] = deck_keep_text(e->d, v->text);
+  for (size_t j = 0; j < a->n_paths; j++) {
+    add_override(e, p, deck_format(e->d, "%s=%s", a->paths[j], v->literal), v->place);
+    if (strcmp(a->paths[j], "seed") == 0) p->seed = seed_value(v, e->seed);
+  }
+}
+
+/* A new point at the end of the list, whose values come from place[dimension] of each axis. */
+static sweep_point *add_point(expansion *e, const grid *g, const size_t *place, int64_t replica) {
+  deck *d = e->d;
+  deck_sweep *s = e->out;
+  if (s->n_points == e->capacity) {
+    e->capacity = 2 * e->capacity + 16;
+    s->points = deck_grow(d, s->points, e->capacity, sizeof *s->points);
+  }
+  sweep_point *p = &s->points[s->n_points++];
+  *p = (sweep_point){.replica = replica, .seed = e->seed};
+  p->values = deck_keep(d, s->n_parameters + 1, sizeof *p->values);
+  p->texts = deck_keep(d, s->n_parameters + 1, sizeof *p->texts);
+  for (size_t k = 0; k < s->n_parameters; k++) p->values[k] = NAN;
+  for (size_t k = 0; g && k < g->n_axes; k++)
+    set_value(e, p, &g->axes[k], &g->axes[k].values[place[g->axes[k].dimension]]);
+  p->name = deck_keep_text(d, name_of(d, s, p));
+  for (size_t k = 0; k < s->n_parameters; k++)
+    if (!p->texts[k]) p->texts[k] = deck_keep_text(d, "");
+  return p;
+}
+
+static void point_free(sweep_point *p, size_t n_parameters) {
+  for (size_t k = 0; k < p->n_overrides; k++) free(p->overrides[k]);
+  for (size_t k = 0; p->texts && k < n_parameters; k++) free(p->texts[k]);
+  free(p->overrides);
+  free(p->places);
+  free(p->texts);
+  free(p->values);
+  free(p->name);
+}
+
+/* The place in the hash table of the point of this name: 0 there, when there is none yet. */
+static size_t *slot_of(const expansion *e, const char *name) {
+  size_t k = (size_t)file_sum(FILE_SUM, name, strlen(name)) % e->n_slots;
+  while (e->slots[k] && strcmp(e->out->points[e->slots[k] - 1].name, name) != 0) k = (k + 1) % e->n_slots;
+  return &e->slots[k];
+}
+
+/* Names are made from the values, but a letter that does not go into a file name is lost in them. */
+static bool same_values(const deck_sweep *s, const sweep_point *p, const sweep_point *q) {
+  for (size_t k = 0; k < s->n_parameters; k++)
+    if (strcmp(p->texts[k], q->texts[k]) != 0 && !(p->values[k] == q->values[k])) return false;
+  return true;
+}
+
+static void add_replicas(expansion *e, const grid *g, const size_t *place, int64_t replicas) {
+  deck_sweep *s = e->out;
+  size_t set = s->n_sets;
+  for (int64_t r = 0; r < replicas; r++) {
+    sweep_point *p = add_point(e, g, place, r);
+    size_t *slot = slot_of(e, p->name);
+    if (*slot) { /* an equal point of another grid: it stays */
+      if (g && !same_values(s, p, &s->points[*slot - 1]))
+        deck_fail(e->d, g->node, "two points would have the same name, %s", p->name);
+      set = s->points[*slot - 1].set;
+      point_free(p, s->n_parameters);
+      s->n_points--;
+      continue;
+    }
+    *slot = s->n_points;
+    p->set = set;
+    if (g && !g->seed_varies) {
+      p->seed = mixed(point_sum(p, p->replica, e->seed));
+      add_override(e, p, deck_format(e->d, "seed=%" PRId64, p->seed), g->node->place);
+    }
+  }
+  s->n_sets += set == s->n_sets;
+}
+
+/* All combinations, the last dimension fastest. */
+static void add_grid(expansion *e, const grid *g) {
+  size_t *place = deck_alloc(e->d, g->n_dimensions + 1, sizeof *place), k;
+  if (deck_grid_points(g) == 0) return;
+  do {
+    add_replicas(e, g, place, g->replicas);
+    for (k = g->n_dimensions; k > 0; k--) {
+      if (++place[k - 1] < g->length[k - 1]) break;
+      place[k - 1] = 0;
+    }
+  } while (k > 0);
+}
+
+/* As deck_integer would read it. */
+static void find_seed(expansion *e) {
+  const deck_node *seed = deck_child(e->d->root, "seed");
+  e->seed = 1;
+  if (seed && seed->type == DECK_INT) e->seed = seed->value.integer;
+  if (seed && seed->type == DECK_FLOAT && fabs(seed->value.number) <= 9007199254740992.0)
+    e->seed = (int64_t)seed->value.number;
+}
+
+static bool names_files(const deck_node *node) {
+  bool found = node->name && strcmp(node->name, "file") == 0;
+  if (node->type != DECK_GROUP && node->type != DECK_LIST) return found;
+  for (size_t k = 0; k < node->n && !found; k++) found = names_files(node->child[k]);
+  return found;
+}
+
+static bool sets_files(const deck_grids *all) {
+  for (size_t i = 0; i < all->n; i++)
+    for (size_t k = 0; k < all->grid[i].n_axes; k++)
+      for (size_t j = 0; j < all->grid[i].axes[k].n_paths; j++)
+        if (strstr(all->grid[i].axes[k].paths[j], "file")) return true;
+  return false;
+}
+
+/* The number of points that the deck asks for, whose grids are these; `reported` mistakes were there before them. */
+static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
+  expansion e = {.d = d, .out = s};
+  if (d->reported > reported) return 0;
+  find_seed(&e);
+  s->written = all.n > 0;
+  s->reads_files = names_files(d->root) || sets_files(&all);
+  for (size_t k = 0; k < all.n; k++) add_parameters(&e, &all.grid[k]);
+  e.n_slots = 16;
+  for (size_t k = 0; k < all.n; k++) e.n_slots += 2 * deck_grid_points(&all.grid[k]);
+  e.slots = deck_alloc(d, e.n_slots, sizeof *e.slots);
+  for (size_t k = 0; k < all.n; k++) add_grid(&e, &all.grid[k]);
+  if (all.n == 0) add_replicas(&e, NULL, NULL, 1);
+  s->collect = deck_keep(d, all.n_collect, sizeof *s->collect);
+  for (size_t k = 0; k < all.n_collect; k++) s->collect[s->n_collect++] = deck_keep_text(d, all.collect[k]);
+  return d->reported > reported || all.n == 0 ? 0 : s->n_points;
+}
+
+/* --- interface --------------------------------------------------------------------------------------------- */
+
+/* What the user has typed is set again by the points, perhaps in other words. */
+static void warn_of_overrides(const deck *d, const deck_grids *all, const deck_sweep *s,
+                              sd_messages *messages) {
+  for (size_t o = 0; o < s->n_overrides; o++) {
+    deck_meeting met = DECK_APART;
+    for (size_t i = 0; i < all->n; i++)
+      for (size_t k = 0; k < all->grid[i].n_axes; k++)
+        for (size_t j = 0; j < all->grid[i].axes[k].n_paths && met == DECK_APART; j++)
+          met = deck_paths_meet(d, s->overrides[o], all->grid[i].axes[k].paths[j]);
+    if (met != DECK_APART)
+      sd_warn(messages, "-D %s: the sweep sets %s; it counts for points that do not set it", s->overrides[o],
+              met == DECK_SAME_KEY ? "this key" : "a key that takes this one away");
+  }
+}
+
+/* Is a value of the axis a text such as "90 deg", or computed from such texts? */
+static bool has_unit(const grid_axis *a, const grid_value *v) {
+  static const char *const ranges[] = {"linspace", "logspace"};
+  bool unit = *v->literal == '"';
+  for (size_t k = 0; k < 2; k++) {
+    const deck_node *range = deck_child(a->node, ranges[k]);
+    for (size_t j = 0; range && j < range->n; j++) unit = unit || range->child[j]->type == DECK_STRING;
+  }
+  return unit;
+}
+
+/* As for the deck's own tilt; once a parameter. */
+static void warn_of_tilts(const deck *d, const deck_grids *all, sd_messages *messages) {
+  for (size_t i = 0; i < all->n; i++)
+    for (size_t k = 0; k < all->grid[i].n_axes; k++) {
+      const grid_axis *a = &all->grid[i].axes[k];
+      bool tilts = false;
+      for (size_t j = 0; j < a->n_paths; j++)
+        tilts = tilts || deck_paths_meet(d, a->paths[j], "gravity.tilt") == DECK_SAME_KEY;
+      const grid_value *worst = NULL;
+      for (size_t v = 0; tilts && v < a->n_values; v++)
+        if (!isnan(a->values[v].number) && !has_unit(a, &a->values[v]) &&
+            (!worst || fabs(a->values[v].number) > fabs(worst->number)))
+          worst = &a->values[v];
+      if (worst) deck_warn_tilt(d, worst->number, worst->place, messages);
+    }
+}
+
+typedef struct reading {
+  deck_sweep *out;
+  sd_messages *messages; /* of a sweep without mistakes */
+} reading;
+
+static sd_status read_deck(deck *d, void *user) {
+  const reading *r = user;
+  size_t reported = d->reported;
+  r->out->deck_text = deck_keep_text(d, d->text);
+  deck_grids all = deck_read_grids(d);
+  expand(d, all, reported, r->out);
+  if (d->reported > 0) return SD_ERROR_USER;
+  warn_of_overrides(d, &all, r->out, r->messages);
+  warn_of_tilts(d, &all, r->messages);
+  return SD_OK;
+}
+
+static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
+  deck_setting *settings = calloc(s->n_overrides + 1, sizeof *settings);
+  if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
+  for (size_t k = 0; k < s->n_overrides; k++) settings[k].text = s->overrides[k];
+  sd_messages *mine = sd_messages_new();
+  reading r = {s, messages};
+  sd_status status = deck_open(text, s->deck_path, s->n_overrides, settings, read_deck, &r, mine);
+  if (status != SD_OK) {
+    /* the deck as it stands has the same mistakes, and perhaps others: tell all at once */
+    sd_model *model;
+    sd_status again = deck_load(text, s->deck_path, s->n_overrides, settings, false, &model, messages);
+    sd_model_free(model);
+    /* what was missing at first is there now; but not the points */
+    status = again != SD_OK ? again : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
+  }
+  sd_messages_free(mine);
+  free(settings);
+  return status;
+}
+
+sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
+                          sd_messages *messages) {
+  *out = (deck_sweep){.deck_path = file_path("%s", path)};
+  out->overrides = calloc(n_overrides + 1, sizeof *out->overrides);
+  sd_status status;
+  char *text = deck_file_text(path, messages, &status);
+  if (!text) return status;
+  bool good = out->deck_path && out->overrides;
+  for (size_t k = 0; good && k < n_overrides; k++) {
+    out->overrides[k] = file_path("%s", overrides[k]);
+    good = out->overrides[k] != NULL;
+    out->n_overrides++;
+  }
+  status = good ? load(text, out, messages) : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  free(text);
+  return status;
+}
+
+size_t deck_sweep_count(deck *d) {
+  deck_sweep s = {0};
+  size_t reported = d->reported;
+  deck_grids all = deck_read_grids(d);
+  size_t n = expand(d, all, reported, &s);
+  deck_sweep_free(&s);
+  return n;
+}
+
+void deck_sweep_free(deck_sweep *s) {
+  for (size_t k = 0; k < s->n_points; k++) point_free(&s->points[k], s->n_parameters);
+  for (size_t k = 0; k < s->n_parameters; k++) {
+    free(s->parameters[k].name);
+    free(s->parameters[k].path);
+  }
+  for (size_t k = 0; k < s->n_overrides; k++) free(s->overrides[k]);
+  for (size_t k = 0; k < s->n_collect; k++) free(s->collect[k]);
+  for (size_t k = 0; k < s->n_files; k++) free(s->files[k]);
+  free(s->points);
+  free(s->parameters);
+  free(s->overrides);
+  free(s->collect);
+  free(s->files);
+  free(s->deck_path);
+  free(s->deck_text);
+  *s = (deck_sweep){0};
+}
+
+sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages) {
+  const sweep_point *p = &s->points[point];
+  size_t n = s->n_overrides + p->n_overrides;
+  deck_setting *all = calloc(n + 1, sizeof *all);
+  *out = NULL;
+  if (!all) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
+  for (size_t k = 0; k < s->n_overrides; k++) all[k].text = s->overrides[k];
+  for (size_t k = 0; k < p->n_overrides; k++)
+    all[s->n_overrides + k] = (deck_setting){p->overrides[k], {p->places[k].file, p->places[k].line}};
+  sd_status status = deck_load(s->deck_text, s->deck_path, n, all, true, out, messages);
+  free(all);
+  return status;
+}

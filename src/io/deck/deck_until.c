@@ -1,0 +1,108 @@
+/* deck_until.c: the error bar at which the last phase ends. See deck.h and sd_until in slipdisk/model.h.
+ *
+ * The last phase of the model has as many steps as there can be (max_time); until.least holds its own length.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "io/deck/deck_read.h"
+
+static const char *const quantities[] = {"omega", "scaled"};
+enum { OMEGA, SCALED, QUANTITIES };
+
+/* What the first part of an observable calls the k-th watched disk: its name, else its number. */
+static const char *watched_name(deck *d, size_t k) {
+  uint32_t disk = d->model->rotations[k];
+  const char *name = d->model->disks[disk].name;
+  return name ? name : deck_format(d, "%u", disk);
+}
+
+/* Which of the watched disks is called that; n_rotations: none. */
+static size_t find_watched(deck *d, const char *name) {
+  const sd_model *m = d->model;
+  for (size_t k = 0; k < m->n_rotations; k++)
+    if (strcmp(watched_name(d, k), name) == 0) return k;
+  for (size_t k = 0; k < m->n_rotations; k++)
+    if (strcmp(deck_format(d, "%u", m->rotations[k]), name) == 0) return k;
+  return m->n_rotations;
+}
+
+static void read_disk(deck *d, const deck_node *node, const char *name) {
+  sd_model *m = d->model;
+  m->until.rotation = find_watched(d, name);
+  if (m->until.rotation < m->n_rotations) return;
+  deck_guess guess = deck_guess_start(name);
+  for (size_t k = 0; k < m->n_rotations; k++) deck_guess_add(&guess, watched_name(d, k));
+  const char *hint = guess.best ? deck_format(d, "; did you mean \"%s\"?", guess.best) : "";
+  deck_fail(d, node, "measure.rotation watches no disk that is called \"%s\"%s", name, hint);
+}
+
+static void read_quantity(deck *d, const deck_node *node, const char *word) {
+  deck_guess guess = deck_guess_start(word);
+  int kind = 0;
+  while (kind < QUANTITIES && strcmp(quantities[kind], word) != 0) deck_guess_add(&guess, quantities[kind++]);
+  const char *hint = guess.best ? deck_format(d, "; did you mean \"%s\"?", guess.best) : "";
+  if (kind == QUANTITIES)
+    deck_fail(d, node, "expected \"NAME.omega\" or \"NAME.scaled\", NAME that of a watched disk%s", hint);
+  d->model->until.scaled = kind == SCALED;
+  if (kind == SCALED && d->model->gravity[0] == 0 && d->model->gravity[1] == 0)
+    deck_fail(d, node, "t_g Omega does not exist without gravity; expected \"NAME.omega\"");
+}
+
+/* "upper.omega"; a name may have dots in it. */
+static void read_observable(deck_group *g) {
+  deck *d = g->d;
+  if (d->model->n_rotations == 0) {
+    deck_fail_key(d, g->node, "observable", "no disk is watched; expected measure.rotation to name one");
+    return;
+  }
+  deck_default_text(g, "observable", deck_format(d, "%s.omega", watched_name(d, 0)));
+  const char *text = deck_text_of(g, "observable");
+  if (!text) return;
+  const deck_node *node = deck_get(g, "observable");
+  const char *dot = strrchr(text, '.');
+  read_quantity(d, node, dot ? dot + 1 : "");
+  if (dot) read_disk(d, node, deck_copy(d, text, (size_t)(dot - text)));
+}
+
+/* The goal, one way or the other. */
+static void read_error(deck_group *g) {
+  deck *d = g->d;
+  bool error = deck_given(g, "error"), relative = deck_given(g, "relative");
+  if (error && relative)
+    deck_fail_key(d, g->node, "relative", "given together with error; expected one of them");
+  if (!error && !relative)
+    deck_fail_key(d, g->node, "error",
+                  "missing: expected the standard error to be reached, error or relative");
+  if (error) d->model->until.error = deck_number(g, "error");
+  if (relative) d->model->until.relative = deck_number(g, "relative");
+}
+
+/* The length of the last phase in steps turns into what it has at least. */
+static void read_length(deck_group *g, sd_phase *last) {
+  deck *d = g->d;
+  d->model->until.least = last->steps;
+  double most = round(deck_number(g, "max_time") / d->model->dt);
+  if (isnan(most)) return; /* reported */
+  if (most >= 9e18)
+    deck_fail_key(d, g->node, "max_time", "more than 9e18 time steps");
+  else if (most < (double)last->steps)
+    deck_fail_key(d, g->node, "max_time", "expected at least the length of the last phase, %g",
+                  (double)last->steps * d->model->dt);
+  else
+    last->steps = (int64_t)most;
+}
+
+void deck_read_until(deck *d) {
+  sd_model *m = d->model;
+  deck_group g;
+  if (!deck_child(d->root, "until")) return;
+  if (!deck_enter_one(d, d->root, "until", &deck_until, &g)) return;
+  m->until.asked = true;
+  read_observable(&g);
+  read_error(&g);
+  if (m->n_phases == 0) return; /* reported */
+  sd_phase *last = &m->phases[m->n_phases - 1];
+  if (!last->measure) deck_fail(d, g.node, "the last phase does not measure; expected measure = true in it");
+  read_length(&g, last);
+}

@@ -1,0 +1,177 @@
+/* checkpoint.c: see checkpoint.h. */
+#include "io/results/checkpoint.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/shortage.h"
+#include "io/store/file.h"
+
+static const struct extent {
+  const char *name;
+  size_t offset; /* of the size_t in sd_state */
+} extents[] = {
+    {"n_disks", offsetof(sd_state, n_disks)},         {"n_bodies", offsetof(sd_state, n_bodies)},
+    {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
+    {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
+    {"n_means", offsetof(sd_state, n_means)},         {"n_phases", offsetof(sd_state, n_phases)},
+};
+enum { EXTENTS = sizeof extents / sizeof *extents };
+
+static size_t extent_of(const sd_state *state, size_t k) {
+  size_t n;
+  memcpy(&n, (const char *)state + extents[k].offset, sizeof n);
+  return n;
+}
+
+void checkpoint_put_state(h5_file *file, const sd_state *state) {
+  h5_group(file, "/state");
+  h5_attr_i64(file, "/state", "format", CHECKPOINT_FORMAT);
+  for (size_t k = 0; k < EXTENTS; k++)
+    h5_attr_i64(file, "/state", extents[k].name, (int64_t)extent_of(state, k));
+  h5_attr_i64(file, "/state", "n_contacts", (int64_t)state->n_contacts);
+  char hash[20];
+  snprintf(hash, sizeof hash, "%016" PRIx64, sd_state_hash(state));
+  h5_attr_text(file, "/state", "hash", hash);
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    size_t n = sd_extent_size(state, f->extent);
+    char *path = file_path("/state/%s", f->name);
+    if (!h5_have(file, path, "/state")) return;
+    /* no filter: a checkpoint is written often and read once */
+    h5_put(file, path, f->type, f->extent == SD_PER_RUN ? 0 : 1, &n, sd_field_data(state, f), false);
+    h5_attr_text(file, path, "unit", f->unit);
+    h5_attr_text(file, path, "description", f->meaning);
+    free(path);
+  }
+}
+
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
+                           const provenance *origin, const summary *found, sd_messages *messages) {
+  h5_file *file;
+  sd_status status = h5_new(&file, messages);
+  if (status != SD_OK) return status;
+  h5_group(file, "/checkpoint");
+  h5_attr_i64(file, "/checkpoint", "parts", parts->n);
+  h5_attr_i64(file, "/checkpoint", "last_part", (int64_t)parts->last);
+  h5_attr_text(file, "/checkpoint", "replaces", parts->replaces);
+  provenance_write(origin, file);
+  summary_write(found, file);
+  checkpoint_put_state(file, state);
+  return h5_save(file, folder, path, NULL, messages);
+}
+
+/* Sizes that must be those of the model. */
+static sd_status check_extents(const h5_file *file, const sd_state *state, sd_messages *messages) {
+  int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
+  if (format != CHECKPOINT_FORMAT)
+    return sd_fail(messages, SD_ERROR_USER,
+                   "the state is stored in format %" PRId64 ", this program reads %d", format,
+                   CHECKPOINT_FORMAT);
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < EXTENTS; k++) {
+    int64_t stored = h5_get_attr_i64(file, "/state", extents[k].name, -1);
+    if (stored != (int64_t)extent_of(state, k))
+      status = sd_fail(messages, SD_ERROR_USER,
+                       "the state does not belong to this deck: %s is %" PRId64 ", in the deck it is %zu",
+                       extents[k].name, stored, extent_of(state, k));
+  }
+  return status;
+}
+
+static sd_status read_columns(const h5_file *file, sd_state *state, sd_messages *messages) {
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    char *path = file_path("/state/%s", f->name);
+    if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
+    status = h5_get(file, path, f->type, sd_extent_size(state, f->extent), sd_field_data(state, f), messages);
+    free(path);
+  }
+  return status;
+}
+
+static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
+  char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
+  snprintf(found, sizeof found, "%016" PRIx64, sd_state_hash(state));
+  bool same = stored && strcmp(stored, found) == 0;
+  free(stored);
+  return same ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
+}
+
+sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
+                               sd_messages *messages) {
+  *out = NULL;
+  sd_state *state = sd_state_new(model);
+  if (!state) shortage_note();
+  if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
+  sd_status status = check_extents(file, state, messages);
+  int64_t contacts = h5_get_attr_i64(file, "/state", "n_contacts", -1);
+  /* a damaged number does not get to ask for all memory */
+  if (status == SD_OK &&
+      (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
+    status = sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
+  if (status == SD_OK && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK) {
+    shortage_note();
+    status = sd_fail(messages, SD_ERROR_IO, "no memory for %" PRId64 " contacts", contacts);
+  }
+  if (status == SD_OK) {
+    state->n_contacts = (size_t)contacts;
+    status = read_columns(file, state, messages);
+  }
+  if (status == SD_OK) status = check_hash(file, state, messages);
+  if (status == SD_OK)
+    *out = state;
+  else
+    sd_state_free(state);
+  return status;
+}
+
+int64_t checkpoint_get_parts(const h5_file *file) {
+  return h5_get_attr_i64(file, "/checkpoint", "parts", -1);
+}
+
+uint64_t checkpoint_get_last_part(const h5_file *file) {
+  return (uint64_t)h5_get_attr_i64(file, "/checkpoint", "last_part", 0);
+}
+
+char *checkpoint_get_replaces(const h5_file *file) {
+  return h5_get_attr_text(file, "/checkpoint", "replaces");
+}
+
+/* least: the oldest format that will do. */
+static sd_status check_version(const h5_file *file, const char *path, int64_t least, sd_messages *messages) {
+  char *creator = h5_get_attr_text(file, "/h5md/creator", "name");
+  char *version = h5_get_attr_text(file, "/h5md/creator", "version");
+  const char *shown = version ? version : "unknown";
+  int64_t format = h5_get_attr_i64(file, "/state", "format", 0);
+  sd_status status = SD_OK;
+  if (!creator || strcmp(creator, "slipdisk") != 0)
+    status = sd_fail(messages, SD_ERROR_USER, "%s is no result of slipdisk%s%.80s", path,
+                     creator ? ": it was written by " : "", creator ? creator : "");
+  else if (format > CHECKPOINT_FORMAT)
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "%s was written by a newer slipdisk, version %.40s: its format is %" PRId64
+                     ", this program reads up to %d",
+                     path, shown, format, CHECKPOINT_FORMAT);
+  else if (format < least)
+    status =
+        sd_fail(messages, SD_ERROR_USER,
+                "%s was written by an older slipdisk, version %.40s: its format is %" PRId64
+                ", this program goes on from %d only; let the older one finish the run, or start over with "
+                "--force",
+                path, shown, format, CHECKPOINT_FORMAT);
+  free(creator);
+  free(version);
+  return status;
+}
+
+sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages) {
+  return check_version(file, path, 0, messages);
+}
+
+sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages) {
+  return check_version(file, path, CHECKPOINT_FORMAT, messages);
+}

@@ -1,0 +1,43 @@
+/* checkpoint.h: the state, and all that is needed to go on from it, in one file.
+ *
+ * /state holds one dataset per row of sd_fields, with unit and description; /checkpoint the number of sealed
+ * parts that belong to it and the hash of the state; /parameters the deck and where the run comes from;
+ * /summary what has been measured so far. A finished result has the same groups.
+ */
+#ifndef SLIPDISK_IO_CHECKPOINT_H
+#define SLIPDISK_IO_CHECKPOINT_H
+
+#include "io/results/provenance.h"
+#include "io/results/summary.h"
+
+/* Raised when a column changes its meaning or a new one is there; who goes on from a state refuses other numbers. 3: contacts
+ * stand by slots, and not by the number of the partner; 4: columns fast_*. A packing takes bodies and contacts in any order,
+ * and no fast_*, so that it reads 2 and 3 as well. */
+enum { CHECKPOINT_FORMAT = 4, CHECKPOINT_OF_PACKING = 2 };
+
+/* Parts that belong to a state, without which a run cannot go on from it. */
+typedef struct checkpoint_parts {
+  int64_t n;            /* sealed parts */
+  uint64_t last;        /* sum in the seal of the last one; each part names that of the one before */
+  const char *replaces; /* which result may be replaced in the end, see session_begin.c; "": none */
+} checkpoint_parts;
+
+/* folder: see file.h. */
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
+                           const provenance *origin, const summary *found, sd_messages *messages);
+
+/* The group /state of a file that is being written. */
+void checkpoint_put_state(h5_file *file, const sd_state *state);
+/* The state in an open file, sized for the model; verified against its hash. SD_ERROR_USER: it belongs to
+ * another model. */
+sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
+                               sd_messages *messages);
+int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
+uint64_t checkpoint_get_last_part(const h5_file *file);
+char *checkpoint_get_replaces(const h5_file *file); /* to be freed; NULL: none */
+/* Is it a result, or a checkpoint, that this version can read? SD_ERROR_USER: another program's, or a newer one's. */
+sd_status checkpoint_check_origin(const h5_file *file, const char *path, sd_messages *messages);
+/* And a checkpoint that it can go on from? */
+sd_status checkpoint_check_format(const h5_file *file, const char *path, sd_messages *messages);
+
+#endif

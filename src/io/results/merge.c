@@ -1,0 +1,193 @@
+/* merge.c: see merge.h. */
+#include "io/results/merge.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+#include "io/store/file.h"
+#include "io/store/folder.h"
+#include "io/results/trajectory.h"
+
+/* Rows are copied in pieces of at most this many bytes. */
+enum { PIECE_BYTES = 32 << 20 };
+
+/* Place of a part in the chain: run, number, and the sum of the part before. */
+static record_link link_of(const merge_job *job, int64_t number, uint64_t after) {
+  return (record_link){.run_id = job->origin->run_id, .number = number, .after = after};
+}
+
+/* Rows of each table in one part; `sum` becomes that of its seal. */
+static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES], uint64_t *bytes,
+                            uint64_t *sum, sd_messages *messages) {
+  char *path = folder_part(job->folder->path, number);
+  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  h5_file *part = NULL;
+  record_link link = link_of(job, number, *sum);
+  sd_status status = record_open(job->folder->at, path, &link, &part, sum, messages);
+  for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
+    const table *layout = job->layout->tables[t];
+    size_t dims[H5_MAX_RANK];
+    int rank;
+    if (layout->n_columns == 0) continue;
+    status = h5_shape(part, layout->columns[0].path, &rank, dims, messages);
+    if (status == SD_OK) rows[t] = dims[0];
+  }
+  *bytes = file_size(path);
+  h5_close(part, NULL);
+  free(path);
+  return status;
+}
+
+sd_status merge_check_parts(const folder *f, const record *layout, const char *run_id, int64_t parts,
+                            uint64_t last, sd_messages *messages) {
+  provenance origin = {.run_id = (char *)(uintptr_t)run_id};
+  merge_job job = {.folder = f, .layout = layout, .origin = &origin};
+  uint64_t bytes, sum = 0;
+  sd_status status = SD_OK;
+  for (int64_t p = 1; status == SD_OK && p <= parts; p++) {
+    size_t rows[RECORD_TABLES] = {0};
+    status = count_rows(&job, p, rows, &bytes, &sum, messages);
+  }
+  if (status == SD_OK && sum != last)
+    status = sd_fail(messages, SD_ERROR_IO,
+                     "the last of the %" PRId64 " parts in %s is not the one that its checkpoint names",
+                     parts, f->path);
+  return status;
+}
+
+/* Copies one column of a part behind what is there. */
+static sd_status copy_column(const table_column *c, const h5_file *part, h5_file *out, size_t first, size_t n,
+                             sd_messages *messages) {
+  size_t row = c->width * sd_type_size(c->type);
+  size_t piece = row > 0 && PIECE_BYTES / row > 0 ? PIECE_BYTES / row : 1;
+  if (piece > n) piece = n;
+  void *data = malloc(piece * row + 1);
+  if (!data) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
+    size_t m = n - k < piece ? n - k : piece;
+    status = h5_get_rows(part, c->path, c->type, k, m, data, messages);
+    if (status == SD_OK) h5_put_rows(out, c->path, c->type, first + k, m, data);
+  }
+  free(data);
+  return status;
+}
+
+static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out, size_t done[RECORD_TABLES],
+                           uint64_t *sum, sd_messages *messages) {
+  char *path = folder_part(job->folder->path, number);
+  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  h5_file *part = NULL;
+  record_link link = link_of(job, number, *sum);
+  /* checked once more: what is copied are the bytes that were looked at */
+  sd_status status = record_open(job->folder->at, path, &link, &part, sum, messages);
+  for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
+    const table *rows = job->layout->tables[t];
+    if (rows->n_columns == 0) continue;
+    size_t dims[H5_MAX_RANK];
+    int rank;
+    status = h5_shape(part, rows->columns[0].path, &rank, dims, messages);
+    for (size_t c = 0; status == SD_OK && c < rows->n_columns; c++)
+      status = copy_column(&rows->columns[c], part, out, done[t], dims[0], messages);
+    if (status == SD_OK) done[t] += dims[0];
+  }
+  h5_close(part, NULL);
+  free(path);
+  return status;
+}
+
+/* Where each moment's contacts begin: the running sum of the counts. */
+static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
+  enum { BLOCK = 65536 };
+  h5_make(out, "/contacts/first", SD_I64, 1, &n, false);
+  h5_attr_text(out, "/contacts/first", "unit", "1");
+  h5_attr_text(out, "/contacts/first", "description", "row of the first contact of this step");
+  int64_t *count = calloc(BLOCK, sizeof *count), first = 0;
+  if (!count) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += BLOCK) {
+    size_t m = n - k < BLOCK ? n - k : BLOCK;
+    status = h5_get_rows(out, "/contacts/count", SD_I64, k, m, count, messages);
+    for (size_t i = 0; i < m; i++) {
+      int64_t next = first + count[i];
+      count[i] = first;
+      first = next;
+    }
+    if (status == SD_OK) h5_put_rows(out, "/contacts/first", SD_I64, k, m, count);
+  }
+  free(count);
+  return status;
+}
+
+/* What stands in the file besides the rows. */
+static void write_rest(const merge_job *job, h5_file *out) {
+  provenance_write(job->origin, out);
+  summary_write(job->found, out);
+  checkpoint_put_state(out, job->state);
+  trajectory_write_constants(out, job->model);
+  /* whose columns the angles are */
+  if (job->model->n_rotations == 0) return;
+  h5_put(out, "/observables/watched_disks", SD_U32, 1, &job->model->n_rotations, job->model->rotations, true);
+  h5_attr_text(out, "/observables/watched_disks", "description",
+               "id of the disks whose angle and angular_velocity are here, in this order");
+}
+
+static uint64_t state_bytes(const sd_state *state) {
+  uint64_t bytes = 0;
+  for (size_t k = 0; k < sd_field_count; k++)
+    bytes += sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type);
+  return bytes;
+}
+
+static bool stopped(const merge_job *job) { return job->stop && *job->stop; }
+
+static sd_status fill(const merge_job *job, h5_file *out, const size_t total[RECORD_TABLES],
+                      sd_messages *messages) {
+  size_t done[RECORD_TABLES] = {0};
+  uint64_t sum = 0;
+  sd_status status = SD_OK;
+  for (int t = 0; t < RECORD_TABLES; t++) table_make(job->layout->tables[t], out, total[t]);
+  for (int64_t p = 1; status == SD_OK && !h5_failed(out) && p <= job->parts; p++) {
+    if (stopped(job)) return SD_INTERRUPTED;
+    status = copy_part(job, p, out, done, &sum, messages);
+  }
+  if (status == SD_OK && !h5_failed(out)) status = write_offsets(out, total[RECORD_CONTACT_INDEX], messages);
+  if (status == SD_OK && !h5_failed(out)) write_rest(job, out);
+  return status;
+}
+
+/* The draft lies among the parts, so that a kill leaves nothing beside the result. */
+static sd_status write_result(const merge_job *job, const size_t total[RECORD_TABLES], uint64_t bytes,
+                              sd_messages *messages) {
+  h5_file *out = NULL;
+  file_draft draft;
+  char *name = file_path("%s/result.h5", job->folder->path);
+  if (!name) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  sd_status status = file_draft_new(job->folder->at, name, &draft, messages);
+  free(name);
+  if (status == SD_OK) status = h5_create(&draft, bytes, &out, messages);
+  if (status == SD_OK) {
+    status = fill(job, out, total, messages);
+    sd_status closed = status == SD_OK ? h5_finish(out, &draft, messages) : h5_close(out, messages);
+    if (status == SD_OK) status = closed;
+  }
+  if (status == SD_OK) status = folder_check(job->folder, messages);
+  if (status == SD_OK) return file_draft_publish(&draft, -1, job->result, job->how, messages);
+  file_draft_drop(&draft);
+  return status;
+}
+
+sd_status merge_parts(const merge_job *job, sd_messages *messages) {
+  size_t total[RECORD_TABLES] = {0};
+  uint64_t bytes = (4u << 20) + 2 * state_bytes(job->state), sum = 0;
+  sd_status status = SD_OK;
+  for (int64_t p = 1; status == SD_OK && p <= job->parts; p++) {
+    size_t rows[RECORD_TABLES] = {0};
+    uint64_t size = 0;
+    if (stopped(job)) return SD_INTERRUPTED;
+    status = count_rows(job, p, rows, &size, &sum, messages);
+    for (int t = 0; t < RECORD_TABLES; t++) total[t] += rows[t];
+    bytes += size + size / 16;
+  }
+  return status == SD_OK ? write_result(job, total, bytes, messages) : status;
+}

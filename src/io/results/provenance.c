@@ -1,0 +1,222 @@
+/* provenance.c: see provenance.h. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include "io/results/provenance.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <gsl/gsl_version.h>
+#include <pwd.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "io/store/file.h"
+#include "version.h"
+
+#define TEXT(name)                                                                                           \
+  { #name, offsetof(provenance, name) }
+
+const provenance_text provenance_texts[] = {
+    TEXT(title),    TEXT(run_id),   TEXT(deck_path), TEXT(directory), TEXT(version),
+    TEXT(revision), TEXT(compiler), TEXT(hdf5),      TEXT(gsl),       TEXT(libconfig),
+    TEXT(cpu_path), TEXT(author),   TEXT(host),      TEXT(started),   TEXT(ended),
+};
+const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
+
+/* Decks can be longer than an attribute may be (64 KiB): they are datasets. */
+static const provenance_text decks[] = {TEXT(deck_text), TEXT(deck_overrides), TEXT(deck_full),
+                                        TEXT(deck_bodies)};
+enum { DECKS = sizeof decks / sizeof *decks };
+
+static char **place(const provenance *p, size_t offset) {
+  return (char **)(void *)((char *)(uintptr_t)p + offset);
+}
+
+const char *provenance_get(const provenance *p, size_t k) {
+  const char *text = *place(p, provenance_texts[k].offset);
+  return text ? text : "";
+}
+
+static sd_status set(char **at, const char *text, sd_messages *messages) {
+  char *copy = file_path("%s", text ? text : "");
+  if (!copy) return sd_fail(messages, SD_ERROR_IO, "no memory for the description of the run");
+  free(*at);
+  *at = copy;
+  return SD_OK;
+}
+
+static void now(char *text, size_t size) {
+  time_t t = time(NULL);
+  struct tm utc;
+  gmtime_r(&t, &utc);
+  strftime(text, size, "%Y-%m-%dT%H:%M:%SZ", &utc);
+}
+
+/* 128 random bits; the clock and the process number where the system has none to give. */
+static void make_run_id(char text[33]) {
+  uint64_t bits[2] = {0, 0};
+  int fd = open("/dev/urandom", O_RDONLY | O_CLOEXEC);
+  ssize_t got = fd < 0 ? 0 : read(fd, bits, sizeof bits);
+  if (fd >= 0) close(fd);
+  if (got != (ssize_t)sizeof bits) {
+    struct timespec t;
+    clock_gettime(CLOCK_REALTIME, &t);
+    bits[0] = (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+    bits[1] = (uint64_t)getpid();
+  }
+  snprintf(text, 33, "%016llx%016llx", (unsigned long long)bits[0], (unsigned long long)bits[1]);
+}
+
+/* The account's full name, else its short one, else "unknown". */
+static void author_of(char *text, size_t size) {
+  struct passwd entry, *found = NULL;
+  char buffer[2048];
+  snprintf(text, size, "unknown");
+  if (getpwuid_r(getuid(), &entry, buffer, sizeof buffer, &found) != 0 || !found) return;
+  int length = found->pw_gecos ? (int)strcspn(found->pw_gecos, ",") : 0;
+  if (length > 0)
+    snprintf(text, size, "%.*s", length, found->pw_gecos);
+  else if (found->pw_name && *found->pw_name)
+    snprintf(text, size, "%s", found->pw_name);
+}
+
+/* Contacts taken over from a file, and the walls, which then stand where the file has them. */
+static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
+  for (size_t k = 0; k < model->n_memories; k++) {
+    const sd_contact_memory *c = &model->memories[k];
+    const uint32_t body[] = {c->a, c->b, c->part, (uint32_t)c->slide};
+    const double real[] = {c->lambda, c->ex, c->ey, c->side, c->force, c->overlap, c->stretch, c->turned};
+    sum = file_sum(file_sum(sum, body, sizeof body), real, sizeof real);
+  }
+  for (size_t k = 0; model->n_memories && k < model->n_walls; k++) {
+    const sd_wall *w = &model->walls[k];
+    sum = file_sum(file_sum(sum, w->pivot, sizeof w->pivot), &w->radius, sizeof w->radius);
+    if (w->n_points) sum = file_sum(sum, w->points, w->n_points * sizeof *w->points);
+  }
+  return sum;
+}
+
+int64_t provenance_inputs(const sd_model *model) {
+  uint64_t sum = FILE_SUM;
+  for (size_t k = 0; k < model->n_disks; k++) {
+    const sd_disk *d = &model->disks[k];
+    const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};
+    const int32_t whole[] = {d->material, d->group, d->locked[0], d->locked[1], d->locked[2], d->driven};
+    sum = file_sum(file_sum(sum, real, sizeof real), whole, sizeof whole);
+  }
+  for (size_t k = 0; k < model->n_motions; k++) {
+    const sd_motion *m = &model->motions[k];
+    if (!m->n_table) continue;
+    sum = file_sum(sum, m->table_time, m->n_table * sizeof *m->table_time);
+    sum = file_sum(sum, m->table_value, m->n_table * sizeof *m->table_value);
+  }
+  return (sum = sum_packing(sum, model)) ? (int64_t)sum : 1;
+}
+
+sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages) {
+  *p = (provenance){.seed = (int64_t)model->seed, .inputs = provenance_inputs(model)};
+  char id[33], time[32], author[256], directory[4096];
+  make_run_id(id);
+  now(time, sizeof time);
+  author_of(author, sizeof author);
+  if (!getcwd(directory, sizeof directory)) directory[0] = 0;
+  const struct {
+    char **at;
+    const char *text;
+  } texts[] = {{&p->run_id, id},
+               {&p->started, time},
+               {&p->author, author},
+               {&p->directory, directory},
+               {&p->title, model->title},
+               {&p->deck_path, model->deck_path},
+               {&p->deck_text, model->deck_text},
+               {&p->deck_overrides, model->deck_overrides},
+               {&p->deck_full, model->deck_full},
+               {&p->deck_bodies, model->deck_bodies}};
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)
+    status = set(texts[k].at, texts[k].text, messages);
+  return status;
+}
+
+sd_status provenance_refresh(provenance *p, int threads, const char *cpu_path, sd_messages *messages) {
+  char host[256] = "unknown", time[32], hdf5[32];
+  gethostname(host, sizeof host - 1);
+  now(time, sizeof time);
+  p->threads = threads;
+  const struct {
+    char **at;
+    const char *text;
+  } texts[] = {{&p->host, host},
+               {&p->ended, time},
+               {&p->version, SD_VERSION},
+               {&p->revision, SD_GIT_REVISION},
+               {&p->compiler, SD_COMPILER},
+               {&p->hdf5, h5_version(hdf5, sizeof hdf5)},
+               {&p->gsl, GSL_VERSION},
+               {&p->libconfig, SD_LIBCONFIG_VERSION},
+               {&p->cpu_path, cpu_path}};
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)
+    status = set(texts[k].at, texts[k].text, messages);
+  return status;
+}
+
+void provenance_free(provenance *p) {
+  for (size_t k = 0; k < provenance_text_count; k++) free(*place(p, provenance_texts[k].offset));
+  for (size_t k = 0; k < DECKS; k++) free(*place(p, decks[k].offset));
+  *p = (provenance){0};
+}
+
+void provenance_write(const provenance *p, h5_file *file) {
+  static const int64_t h5md[2] = {1, 1};
+  h5_group(file, "/h5md/author");
+  h5_group(file, "/h5md/creator");
+  h5_attr(file, "/h5md", "version", SD_I64, 2, h5md);
+  h5_attr_text(file, "/h5md/author", "name", p->author);
+  h5_attr_text(file, "/h5md/creator", "name", "slipdisk");
+  h5_attr_text(file, "/h5md/creator", "version", p->version);
+
+  h5_group(file, "/parameters");
+  for (size_t k = 0; k < provenance_text_count; k++)
+    h5_attr_text(file, "/parameters", provenance_texts[k].name, provenance_get(p, k));
+  for (size_t k = 0; k < DECKS; k++) {
+    char *path = file_path("/parameters/%s", decks[k].name);
+    if (h5_have(file, path, "/parameters")) h5_put_text(file, path, *place(p, decks[k].offset));
+    free(path);
+  }
+  h5_attr_i64(file, "/parameters", "seed", p->seed);
+  h5_attr_i64(file, "/parameters", "inputs", p->inputs);
+  h5_attr_i64(file, "/parameters", "threads", p->threads);
+  h5_attr_i64(file, "/parameters", "sessions", p->sessions);
+  h5_attr_f64(file, "/parameters", "wall_seconds", p->wall_seconds);
+  h5_attr_f64(file, "/parameters", "step_seconds", p->step_seconds);
+}
+
+sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messages) {
+  *p = (provenance){0};
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && k < provenance_text_count; k++) {
+    char *text = h5_get_attr_text(file, "/parameters", provenance_texts[k].name);
+    status = set(place(p, provenance_texts[k].offset), text, messages);
+    free(text);
+  }
+  for (size_t k = 0; status == SD_OK && k < DECKS; k++) {
+    char *path = file_path("/parameters/%s", decks[k].name);
+    char *text = path ? h5_get_text(file, path) : NULL;
+    status = set(place(p, decks[k].offset), text, messages);
+    free(text);
+    free(path);
+  }
+  p->seed = h5_get_attr_i64(file, "/parameters", "seed", 0);
+  p->inputs = h5_get_attr_i64(file, "/parameters", "inputs", 0);
+  p->threads = h5_get_attr_i64(file, "/parameters", "threads", 0);
+  p->sessions = h5_get_attr_i64(file, "/parameters", "sessions", 0);
+  p->wall_seconds = h5_get_attr_f64(file, "/parameters", "wall_seconds", 0);
+  p->step_seconds = h5_get_attr_f64(file, "/parameters", "step_seconds", 0);
+  return status;
+}

@@ -1,0 +1,90 @@
+/* record.c: see record.h. */
+#include "io/results/record.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/results/series.h"
+#include "io/results/trajectory.h"
+
+sd_status record_new(record *r, const sd_model *model, sd_messages *messages) {
+  *r = (record){.model = model};
+  table *tables[RECORD_TABLES] = {&r->series, &r->disks, &r->walls, &r->contact_index, &r->contact_rows};
+  for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
+  r->slots = calloc(sd_model_bodies(model) + 1, sizeof *r->slots);
+  if (!r->slots) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  sd_status status = series_new(&r->series, model, messages);
+  if (status == SD_OK) status = trajectory_new_bodies(&r->disks, model, false, messages);
+  if (status == SD_OK) status = trajectory_new_bodies(&r->walls, model, true, messages);
+  if (status == SD_OK) status = trajectory_new_contacts(&r->contact_index, &r->contact_rows, messages);
+  return status;
+}
+
+void record_free(record *r) {
+  for (int k = 0; k < RECORD_TABLES; k++)
+    if (r->tables[k]) table_free(r->tables[k]);
+  free(r->slots);
+  *r = (record){0};
+}
+
+sd_status record_sample(record *r, unsigned what, const sd_state *state, const sd_energy *energy,
+                        sd_messages *messages) {
+  sd_status status = SD_OK;
+  for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
+  if (what & RECORD_SERIES) status = series_sample(&r->series, r->model, state, energy, r->slots, messages);
+  if (what & RECORD_FRAMES && status == SD_OK)
+    status = trajectory_sample_bodies(&r->disks, r->model, state, false, r->slots, messages);
+  if (what & RECORD_FRAMES && status == SD_OK)
+    status = trajectory_sample_bodies(&r->walls, r->model, state, true, r->slots, messages);
+  if (what & RECORD_CONTACTS && status == SD_OK)
+    status = trajectory_sample_contacts(&r->contact_index, &r->contact_rows, r->model, state, messages);
+  return status;
+}
+
+size_t record_bytes(const record *r) {
+  size_t bytes = 0;
+  for (int k = 0; k < RECORD_TABLES; k++) bytes += table_bytes(r->tables[k]);
+  return bytes;
+}
+
+bool record_empty(const record *r) {
+  for (int k = 0; k < RECORD_TABLES; k++)
+    if (r->tables[k]->n_rows > 0) return false;
+  return true;
+}
+
+void record_clear(record *r) {
+  for (int k = 0; k < RECORD_TABLES; k++) table_clear(r->tables[k]);
+}
+
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link, uint64_t *sum,
+                      sd_messages *messages) {
+  h5_file *file;
+  sd_status status = h5_new(&file, messages);
+  if (status != SD_OK) return status;
+  h5_attr_text(file, "/", "run_id", link->run_id);
+  h5_attr_i64(file, "/", "part", link->number);
+  h5_attr_i64(file, "/", "after", (int64_t)link->after);
+  for (int k = 0; k < RECORD_TABLES; k++) table_write(r->tables[k], file);
+  status = h5_save(file, folder, path, sum, messages);
+  if (status == SD_OK) record_clear(r);
+  return status;
+}
+
+sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out, uint64_t *sum,
+                      sd_messages *messages) {
+  sd_status status = h5_open_sealed(folder, path, out, sum, messages);
+  if (status != SD_OK) return status;
+  char *run_id = h5_get_attr_text(*out, "/", "run_id");
+  bool same_run = run_id && strcmp(run_id, link->run_id) == 0;
+  bool same_place = h5_get_attr_i64(*out, "/", "part", -1) == link->number &&
+                    (uint64_t)h5_get_attr_i64(*out, "/", "after", -1) == link->after;
+  free(run_id);
+  if (same_run && same_place) return SD_OK;
+  h5_close(*out, NULL);
+  *out = NULL;
+  return sd_fail(messages, SD_ERROR_IO,
+                 same_run ? "%s is a part of this run, but does not follow on the one before it"
+                          : "%s is a part of another run",
+                 path);
+}

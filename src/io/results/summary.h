@@ -1,0 +1,58 @@
+/* summary.h: what a run has found so far: means with errors, sliding fractions, energy budget, cost.
+ * Computed with every checkpoint and stored in it and in the finished file, as /summary, so that `info`
+ * reads a few numbers whatever the size of the file. */
+#ifndef SLIPDISK_IO_SUMMARY_H
+#define SLIPDISK_IO_SUMMARY_H
+
+#include "io/store/h5.h"
+#include "io/results/summary_disks.h"
+#include "io/results/summary_doubts.h"
+#include "slipdisk/measure.h"
+#include "slipdisk/simulation.h"
+
+/* A phase that is over, or is not yet (steps 0). Values are those at its end, 0 where nothing was asked. */
+typedef struct summary_phase {
+  int64_t steps, most;                                       /* taken, and its length */
+  int32_t asked;                                             /* bit 0: to settle, bit 1: to compress */
+  int32_t reached;                                           /* what was asked for was there */
+  double kinetic, kinetic_goal, unbalanced, unbalanced_goal; /* 0: no goal */
+  double target, target_goal;                                /* pressure or packing fraction */
+} summary_phase;
+enum { SUMMARY_SETTLE = 1, SUMMARY_COMPRESS = 2 };
+
+struct summary {
+  int64_t step, steps; /* done, of all phases; the most that there can be, as phases may end early */
+  double dt;
+  int64_t phase, phases; /* index, number */
+  char *phase_name;      /* "" when finished */
+  int64_t measured;      /* steps measured */
+  int64_t disks, walls, contacts;
+  int64_t waiting, outside,
+      left;                /* disks: not yet released, beyond the bounds or taken out; times one left */
+  char *lost;              /* the first of those outside: "disk 3 at (1, -5), ..."; "" for none */
+  double step_nanoseconds; /* wall time per step; NAN before the first */
+  sd_energy energy;
+  size_t n_rotations, n_slides, n_stages;
+  summary_phase *stages;
+  char **stage_names; /* [n_stages] */
+  sd_rotation *rotations;
+  sd_slide *slides;
+  char **rotation_names; /* [n_rotations] */
+  char **slide_names;    /* [3 n_slides]: disk, first and second partner */
+  summary_disks packing; /* means of every free disk; n = 0: not asked for */
+  bool has_until;        /* the deck has `until`, and what follows */
+  char *observable;      /* "upper.omega" */
+  double relative;       /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
+  sd_goal goal;
+  int64_t until_step; /* at which the run ended because its goal was reached; -1: it was not, or not yet */
+  summary_doubt doubts[DOUBT_KINDS];
+};
+
+/* summary_free also when it fails. */
+sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
+                          double step_nanoseconds, sd_messages *messages);
+void summary_free(summary *s);
+void summary_write(const summary *s, h5_file *file);
+sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
+
+#endif

@@ -1,0 +1,57 @@
+/* summary_disks.h: the part of a summary about every free disk of a packing: /summary/disks. */
+#ifndef SLIPDISK_IO_SUMMARY_DISKS_H
+#define SLIPDISK_IO_SUMMARY_DISKS_H
+
+#include "io/store/h5.h"
+#include "slipdisk/measure.h"
+
+/* The fastest disks are kept apart, so that a report needs to read no more than these. */
+enum { SUMMARY_FASTEST = 10 };
+
+typedef struct summary_disks {
+  size_t n;            /* disks; 0: the deck does not ask for their means */
+  sd_disk_mean *disks; /* NULL: they have not been read, see summary_disks_read_all */
+  size_t n_fastest;
+  sd_disk_mean fastest[SUMMARY_FASTEST]; /* those with the largest |Omega|, which is not 0 */
+  sd_disk_totals totals;
+  int64_t looks, bins; /* at the contacts; of the angle records */
+  double measured;     /* time */
+} summary_disks;
+
+/* One of the totals: an attribute of /summary/disks, a column of a sweep's table, a line of the report. */
+typedef struct summary_total {
+  const char *name;
+  size_t offset; /* in sd_disk_totals */
+  const char *unit, *meaning;
+} summary_total;
+
+extern const summary_total summary_totals[];
+extern const size_t summary_total_count;
+
+static inline double summary_total_value(const sd_disk_totals *totals, size_t k) {
+  return *(const double *)(const void *)((const char *)totals + summary_totals[k].offset);
+}
+
+/* One of the means: a dataset. The id is not among them. */
+extern const summary_total summary_means[]; /* offsets in sd_disk_mean */
+extern const size_t summary_mean_count;
+
+static inline double summary_mean_value(const sd_disk_mean *disk, size_t k) {
+  return *(const double *)(const void *)((const char *)disk + summary_means[k].offset);
+}
+
+/* A record of fewer bins has no error bars. */
+enum { SUMMARY_FEWEST_BINS = 16 };
+
+/* summary_disks_free also when it fails. */
+sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
+                                sd_messages *messages);
+void summary_disks_free(summary_disks *s);
+/* Writes nothing when there are no disks. */
+void summary_disks_write(const summary_disks *s, h5_file *file);
+/* All but the means of each disk. */
+sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages *messages);
+/* These as well. */
+sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages);
+
+#endif

@@ -1,0 +1,167 @@
+/* summary_doubts.c: see summary_doubts.h. */
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/store/file.h"
+#include "io/results/series.h"
+#include "io/results/summary.h"
+
+const char *const doubt_names[DOUBT_KINDS] = {"residual", "open", "displacement", "finite"};
+
+/* --- judging ---------------------------------------------------------------------------------------- */
+
+/* False: no memory. */
+static bool doubt(summary *s, doubt_kind kind, double value, double limit, char *text) {
+  s->doubts[kind] = (summary_doubt){text, value, limit};
+  return text != NULL;
+}
+
+/* Elastic energy that rounded coordinates leave open: k_n times overlap times the rounding of a position. */
+static double rounding(const sd_model *model, const sd_state *state) {
+  double stiffest = 0, farthest = 0, overlaps = 0;
+  for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
+    stiffest = fmax(stiffest, model->laws[k].k_n);
+  for (size_t i = 0; i < state->n_disks; i++)
+    farthest = fmax(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
+  for (size_t c = 0; c < state->n_contacts; c++) overlaps += state->contact_overlap[c];
+  return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
+}
+
+static bool judge_residual(summary *s, double limit, double floor) {
+  const sd_energy *e = &s->energy;
+  if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return true; /* NAN goes on */
+  double part = fabs(e->residual) / e->scale;
+  return doubt(
+      s, DOUBT_RESIDUAL, part, limit,
+      file_path("the energy budget does not close: a smaller dt is needed (residual %.2g of its scale, "
+                "limits.residual is %g)",
+                part, limit));
+}
+
+/* One watched contact of the two, or both, or now one and now the other. */
+static bool judge_open(summary *s, double limit) {
+  size_t k = 0;
+  while (k < s->n_slides && !(s->slides[k].open > limit)) k++;
+  if (!(limit > 0) || k == s->n_slides) return true;
+  const sd_slide *w = &s->slides[k];
+  char *const *names = &s->slide_names[3 * k];
+  bool first = w->contact_open[0] > limit, second = w->contact_open[1] > limit;
+  if (first == second)
+    return doubt(
+        s, DOUBT_OPEN, w->open, limit,
+        file_path("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open));
+  size_t one = first ? 0 : 1;
+  return doubt(s, DOUBT_OPEN, w->contact_open[one], limit,
+               file_path("the watched contact of %s with %s was open %.3g %% of the time", names[0],
+                         names[1 + one], 100 * w->contact_open[one]));
+}
+
+static bool judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
+  if (!(limit > 0) || state->fast_step < 0) return true;
+  char name[96];
+  sd_model_body_name(model, (uint32_t)state->fast_disk, name, sizeof name);
+  return doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement, limit,
+               file_path("%s moves by %.3g of its radius in a step, after step %" PRId64
+                         ", and disks may have passed through others: a smaller dt is needed "
+                         "(limits.displacement is %g)",
+                         name, state->fast_displacement, state->fast_step, limit));
+}
+
+/* The name of a number that is none, NULL when all are there. A mean is there from the first full bin on. */
+static const char *not_finite(const summary *s, const sd_state *state) {
+  const double *const columns[] = {state->vx,      state->vy,      state->omega,
+                                   state->force_x, state->force_y, state->torque};
+  static const char *const names[] = {"vx", "vy", "omega", "force_x", "force_y", "torque"};
+  for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
+    for (size_t i = 0; i < state->n_bodies; i++)
+      if (!isfinite(columns[c][i])) return names[c];
+  for (size_t k = 0; k < series_energy_count; k++)
+    if (!isfinite(series_energy_value(&s->energy, k))) return series_energies[k].name;
+  for (size_t k = 0; k < s->n_rotations; k++)
+    if (state->bins > 0 && !isfinite(s->rotations[k].omega)) return "Omega";
+  for (size_t k = 0; k < 2 * s->n_slides; k++)
+    if (isnan(s->slides[k / 2].force_min[k % 2])) return "force_min";
+  return NULL;
+}
+
+static bool judge_finite(summary *s, const sd_state *state) {
+  const char *name = not_finite(s, state);
+  return !name || doubt(s, DOUBT_FINITE, NAN, NAN,
+                        file_path("a number is not finite (%s): a smaller dt is needed", name));
+}
+
+sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
+                        sd_messages *messages) {
+  bool memory =
+      judge_residual(s, limits->residual, state ? rounding(model, state) : 0) && judge_open(s, limits->open);
+  if (state)
+    memory = memory && judge_displacement(s, limits->displacement, model, state) && judge_finite(s, state);
+  return memory ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
+}
+
+size_t summary_doubts(const summary *s) {
+  size_t n = 0;
+  for (size_t k = 0; k < DOUBT_KINDS; k++) n += s->doubts[k].text != NULL;
+  return n;
+}
+
+char *summary_doubts_text(const summary *s) {
+  char *all = file_path("%s", "");
+  for (size_t k = 0; all && k < DOUBT_KINDS; k++) {
+    if (!s->doubts[k].text) continue;
+    char *longer = file_path("%s%s%s", all, *all ? "; " : "", s->doubts[k].text);
+    free(all);
+    all = longer;
+  }
+  return all;
+}
+
+void summary_doubts_free(summary *s) {
+  for (size_t k = 0; k < DOUBT_KINDS; k++) free(s->doubts[k].text);
+}
+
+/* --- stored ------------------------------------------------------------------------------------------ */
+
+static const char *const meanings[DOUBT_KINDS] = {
+    "residual of the energy budget over its scale",
+    "fraction of the measured time in which a watched contact was open",
+    "displacement of a free disk in one step over its radius",
+    "a number of the result is not finite",
+};
+
+static char *group_of(size_t kind) { return file_path("/summary/doubts/%s", doubt_names[kind]); }
+
+void summary_doubts_write(const summary *s, h5_file *file) {
+  h5_group(file, "/summary/doubts");
+  h5_attr_i64(file, "/summary/doubts", "count", (int64_t)summary_doubts(s));
+  for (size_t k = 0; k < DOUBT_KINDS; k++) {
+    char *group = s->doubts[k].text ? group_of(k) : NULL;
+    if (!group) continue;
+    h5_group(file, group);
+    h5_attr_text(file, group, "message", s->doubts[k].text);
+    h5_attr_f64(file, group, "value", s->doubts[k].value);
+    h5_attr_f64(file, group, "limit", s->doubts[k].limit);
+    h5_attr_text(file, group, "unit", "1");
+    h5_attr_text(file, group, "description", meanings[k]);
+    free(group);
+  }
+}
+
+sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages) {
+  const sd_limits before = {.residual = 0.01, .open = 0.99};
+  int64_t n = h5_exists(file, "/summary/doubts") ? h5_get_attr_i64(file, "/summary/doubts", "count", -1) : -2;
+  if (n == -2) return summary_judge(s, &before, NULL, NULL, messages);
+  for (size_t k = 0; k < DOUBT_KINDS; k++) {
+    char *group = group_of(k);
+    if (!group) return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
+    if (h5_exists(file, group))
+      s->doubts[k] = (summary_doubt){h5_get_attr_text(file, group, "message"),
+                                     h5_get_attr_f64(file, group, "value", NAN),
+                                     h5_get_attr_f64(file, group, "limit", NAN)};
+    free(group);
+  }
+  return n == (int64_t)summary_doubts(s) ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+}

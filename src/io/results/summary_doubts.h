@@ -1,0 +1,38 @@
+/* summary_doubts.h: reasons to doubt a result that came to its end: beyond a limit of the deck (sd_limits), or not finite.
+ * Judged in one place, when the summary is collected, and stored with it: run, info and sweep tell the same. */
+#ifndef SLIPDISK_IO_SUMMARY_DOUBTS_H
+#define SLIPDISK_IO_SUMMARY_DOUBTS_H
+
+#include "io/store/h5.h"
+#include "slipdisk/model.h"
+#include "slipdisk/state.h"
+
+typedef enum doubt_kind {
+  DOUBT_RESIDUAL,     /* the energy budget does not close */
+  DOUBT_OPEN,         /* watched contacts were open nearly all the time */
+  DOUBT_DISPLACEMENT, /* a disk moved too far in one step */
+  DOUBT_FINITE,       /* a number that should be there is none */
+  DOUBT_KINDS
+} doubt_kind;
+/* "residual", "open", "displacement", "finite" */
+extern const char *const doubt_names[DOUBT_KINDS];
+
+typedef struct summary_doubt {
+  char *text; /* one line; NULL: no such doubt */
+  double value, limit;
+} summary_doubt;
+
+typedef struct summary summary;
+/* Compares the summary with these limits; state: of the run, NULL where only the summary is known. */
+sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
+                        sd_messages *messages);
+/* How many; and their texts, joined by "; ", to be freed (NULL: no memory). */
+size_t summary_doubts(const summary *s);
+char *summary_doubts_text(const summary *s);
+
+void summary_doubts_free(summary *s);
+void summary_doubts_write(const summary *s, h5_file *file);
+/* Files of older versions have none: these are judged by the limits that held then. */
+sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages);
+
+#endif

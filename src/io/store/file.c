@@ -1,0 +1,502 @@
+/* file.c: see file.h. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* fallocate, renameat2 */
+#endif
+#include "io/store/file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/shortage.h"
+
+char *file_path(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  int n = vsnprintf(NULL, 0, format, args);
+  va_end(args);
+  char *path = n < 0 ? NULL : malloc((size_t)n + 1);
+  if (!path) shortage_note();
+  if (!path) return NULL;
+  va_start(args, format);
+  vsnprintf(path, (size_t)n + 1, format, args);
+  va_end(args);
+  return path;
+}
+
+static sd_status fail(sd_messages *messages, const char *what, const char *path) {
+  return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
+}
+
+/* --- system calls that a signal may cut short ----------------------------------------------------- */
+
+int file_open_at(int folder, const char *name, int flags) {
+  int fd;
+  do fd = openat(folder, name, flags | O_CLOEXEC, 0666);
+  while (fd < 0 && errno == EINTR);
+  return fd;
+}
+
+static bool sync_again(int fd) {
+  int result;
+  do result = fsync(fd);
+  while (result != 0 && errno == EINTR);
+  return result == 0;
+}
+
+static bool truncate_again(int fd, off_t size) {
+  int result;
+  do result = ftruncate(fd, size);
+  while (result != 0 && errno == EINTR);
+  return result == 0;
+}
+
+/* Linux has closed the descriptor when a signal comes. */
+static bool close_told(int fd) { return close(fd) == 0 || errno == EINTR; }
+
+bool file_write_all(int fd, const void *bytes, size_t size) {
+  /* One call is kept below 1 GiB: the kernel cuts longer ones anyway. */
+  const size_t most = (size_t)1 << 30;
+  for (const unsigned char *at = bytes; size > 0;) {
+    ssize_t n = write(fd, at, size < most ? size : most);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    if (n == 0) {
+      errno = ENOSPC;
+      return false;
+    }
+    at += n;
+    size -= (size_t)n;
+  }
+  return true;
+}
+
+/* --- names ---------------------------------------------------------------------------------------- */
+
+static const char *last_component(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+/* Where a path is looked up, and by which name. */
+static int base_of(int folder, const char *path, const char **name) {
+  *name = folder < 0 ? path : last_component(path);
+  return folder < 0 ? AT_FDCWD : folder;
+}
+
+/* To be freed; NULL: no memory. */
+static char *folder_of(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return !slash          ? file_path(".")
+         : slash == path ? file_path("/")
+                         : file_path("%.*s", (int)(slash - path), path);
+}
+
+bool file_exists(const char *path) {
+  struct stat facts;
+  return stat(path, &facts) == 0 || (errno != ENOENT && errno != ENOTDIR);
+}
+
+bool file_is_folder(const char *path) {
+  struct stat facts;
+  return stat(path, &facts) == 0 && S_ISDIR(facts.st_mode);
+}
+
+bool file_is_link(const char *path) {
+  struct stat facts;
+  return lstat(path, &facts) == 0 && S_ISLNK(facts.st_mode);
+}
+
+static bool is_special(mode_t mode) { return !S_ISREG(mode) && !S_ISLNK(mode) && !S_ISDIR(mode); }
+
+bool file_is_special(const char *path) {
+  struct stat facts;
+  return lstat(path, &facts) == 0 && is_special(facts.st_mode);
+}
+
+uint64_t file_size(const char *path) {
+  struct stat facts;
+  return stat(path, &facts) == 0 ? (uint64_t)facts.st_size : 0;
+}
+
+sd_status file_make_folder(const char *path, sd_messages *messages) {
+  if (mkdir(path, 0777) == 0) return file_sync_folder(-1, path, messages);
+  if (errno == EEXIST && file_is_folder(path)) return SD_OK;
+  int error = errno;
+  sd_status status;
+  const char *slash = strrchr(path, '/');
+  char *above =
+      error == ENOENT && slash && slash > path ? file_path("%.*s", (int)(slash - path), path) : NULL;
+  if (above && !file_exists(above)) {
+    status = sd_fail(messages, SD_ERROR_USER, "there is no folder %s: make it, or name another place", above);
+  } else {
+    errno = error;
+    status = fail(messages, "make folder", path);
+  }
+  free(above);
+  return status;
+}
+
+sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) {
+  char *above = folder_of(path);
+  if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  int fd = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
+  sd_status status = SD_OK;
+  if (fd < 0) status = fail(messages, "open folder", above);
+  /* some file systems do not synchronise folders and say EINVAL; there is no more to be done there */
+  else if (!sync_again(fd) && errno != EINVAL && errno != ENOTSUP)
+    status = fail(messages, "synchronise", above);
+  if (folder < 0 && fd >= 0) close(fd);
+  free(above);
+  return status;
+}
+
+sd_status file_remove(int folder, const char *path, sd_messages *messages) {
+  const char *name;
+  int base = base_of(folder, path, &name);
+  if (unlinkat(base, name, 0) == 0 || errno == ENOENT) return SD_OK;
+  return fail(messages, "remove", path);
+}
+
+/* --- drafts --------------------------------------------------------------------------------------- */
+
+enum { DRAFT_DIGITS = 16 };
+static const char draft_ending[] = ".tmp";
+
+bool file_is_draft(const char *name) {
+  size_t length = strlen(name), tail = strlen(draft_ending);
+  return length > tail && strcmp(name + length - tail, draft_ending) == 0;
+}
+
+/* "NAME.h5.0123456789abcdef.tmp": an ending that cannot be foreseen, so that nothing can lie in wait there. */
+static char *draft_name(const char *name) {
+  uint64_t bits;
+  if (getrandom(&bits, sizeof bits, GRND_NONBLOCK) != (ssize_t)sizeof bits) {
+    struct timespec t;
+    clock_gettime(CLOCK_REALTIME, &t);
+    bits = ((uint64_t)t.tv_nsec << 32) ^ (uint64_t)t.tv_sec ^ ((uint64_t)getpid() << 16);
+  }
+  return file_path("%s.%0*" PRIx64 "%s", name, DRAFT_DIGITS, bits, draft_ending);
+}
+
+sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages) {
+  *out = (file_draft){.folder = -1, .fd = -1};
+  char *above = folder_of(path);
+  if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  /* a descriptor of its own, so that a draft outlives the caller's */
+  out->folder =
+      folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
+  sd_status status = out->folder < 0 ? fail(messages, "write to folder", above) : SD_OK;
+  for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
+    free(out->name);
+    free(out->path);
+    out->name = draft_name(last_component(path));
+    out->path = out->name ? file_path("%s/%s", above, out->name) : NULL;
+    if (!out->path)
+      status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+    else if ((out->fd = file_open_at(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW)) < 0 &&
+             (errno != EEXIST || attempt > 8))
+      status = fail(messages, "create", out->path);
+  }
+  free(above);
+  return status;
+}
+
+static void draft_close(file_draft *draft) {
+  if (draft->fd >= 0) close(draft->fd);
+  if (draft->folder >= 0) close(draft->folder);
+  free(draft->name);
+  free(draft->path);
+  *draft = (file_draft){.folder = -1, .fd = -1};
+}
+
+void file_draft_drop(file_draft *draft) {
+  if (draft->fd >= 0) unlinkat(draft->folder, draft->name, 0);
+  draft_close(draft);
+}
+
+/* Where the file system knows neither RENAME_NOREPLACE nor links, the name is looked at just before. */
+static bool rename_new(const file_draft *draft, int base, const char *name) {
+  if (renameat2(draft->folder, draft->name, base, name, RENAME_NOREPLACE) == 0) return true;
+  if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) return false;
+  if (linkat(draft->folder, draft->name, base, name, 0) == 0)
+    return unlinkat(draft->folder, draft->name, 0) == 0;
+  if (errno == EEXIST) return false;
+  struct stat facts;
+  if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0) {
+    errno = EEXIST;
+    return false;
+  }
+  return errno == ENOENT && renameat(draft->folder, draft->name, base, name) == 0;
+}
+
+static bool rename_draft(const file_draft *draft, int base, const char *name, file_replace how) {
+  bool good;
+  do
+    good = how == FILE_KEEP ? rename_new(draft, base, name)
+                            : renameat(draft->folder, draft->name, base, name) == 0;
+  while (!good && errno == EINTR);
+  return good;
+}
+
+/* Closes the file, and gives it its name; false with errno set. */
+static bool finish_draft(file_draft *draft, int base, const char *name, file_replace how) {
+  int fd = draft->fd;
+  draft->fd = -1;
+  /* close can be the first to tell of a full disk (NFS, quotas) */
+  if (close_told(fd) && rename_draft(draft, base, name, how)) return true;
+  int error = errno;
+  unlinkat(draft->folder, draft->name, 0);
+  errno = error;
+  return false;
+}
+
+sd_status file_draft_publish(file_draft *draft, int folder, const char *path, file_replace how,
+                             sd_messages *messages) {
+  const char *name;
+  int base = base_of(folder, path, &name);
+  sd_status status = SD_OK;
+  struct stat facts;
+  /* A rename would put a file in the place of a device or a pipe, and of /dev/null for everybody. */
+  if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0 && is_special(facts.st_mode))
+    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
+  /* to its own size: gives back what file_reserve took and the file does not use */
+  else if (fstat(draft->fd, &facts) != 0 || !truncate_again(draft->fd, facts.st_size) ||
+           !sync_again(draft->fd))
+    status = fail(messages, "write", path);
+  else if (!finish_draft(draft, base, name, how))
+    status = how == FILE_KEEP && errno == EEXIST
+                 ? sd_fail(messages, SD_ERROR_IO, "%s has appeared meanwhile: it is not overwritten", path)
+                 : fail(messages, "write", path);
+  file_draft_drop(draft);
+  return status == SD_OK ? file_sync_folder(folder, path, messages) : status;
+}
+
+sd_status file_write_atomic(int folder, const char *path, size_t n_pieces, const file_piece *pieces,
+                            sd_messages *messages) {
+  file_draft draft;
+  sd_status status = file_draft_new(folder, path, &draft, messages);
+  bool good = status == SD_OK;
+  for (size_t k = 0; good && k < n_pieces; k++)
+    good = file_write_all(draft.fd, pieces[k].bytes, pieces[k].size);
+  if (good) return file_draft_publish(&draft, folder, path, FILE_REPLACE, messages);
+  if (status == SD_OK) status = fail(messages, "write", path);
+  file_draft_drop(&draft);
+  return status;
+}
+
+sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages) {
+  *s = (file_stream){.path = file_path("%s", path)};
+  if (!s->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  sd_status status = file_draft_new(-1, path, &s->draft, messages);
+  int fd = status == SD_OK ? fcntl(s->draft.fd, F_DUPFD_CLOEXEC, 0) : -1;
+  s->out = fd < 0 ? NULL : fdopen(fd, "w");
+  if (status == SD_OK && !s->out) status = fail(messages, "write", path);
+  if (fd >= 0 && !s->out) close(fd);
+  if (status != SD_OK) file_draft_drop(&s->draft);
+  return status;
+}
+
+sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages) {
+  if (s->out) {
+    bool bad = ferror(s->out) != 0;
+    bad = fclose(s->out) != 0 || bad;
+    if (bad && status == SD_OK) status = fail(messages, "write", s->path);
+    if (status == SD_OK)
+      status = file_draft_publish(&s->draft, -1, s->path, FILE_REPLACE, messages);
+    else
+      file_draft_drop(&s->draft);
+  }
+  free(s->path);
+  *s = (file_stream){0};
+  return status;
+}
+
+sd_status file_remove_drafts(const char *folder, const char *base, sd_messages *messages) {
+  DIR *directory = opendir(folder);
+  if (!directory) return fail(messages, "read", folder);
+  sd_status worst = SD_OK;
+  size_t length = strlen(base);
+  for (struct dirent *entry; (entry = readdir(directory));) {
+    const char *name = entry->d_name;
+    if (strncmp(name, base, length) != 0 || name[length] != '.' ||
+        strlen(name) != length + 1 + DRAFT_DIGITS + sizeof draft_ending - 1 || !file_is_draft(name))
+      continue;
+    if (unlinkat(dirfd(directory), name, 0) != 0 && errno != ENOENT) worst = fail(messages, "remove", name);
+  }
+  closedir(directory);
+  return worst;
+}
+
+sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *messages) {
+#ifdef FALLOC_FL_KEEP_SIZE
+  int result;
+  do result = fallocate(fd, FALLOC_FL_KEEP_SIZE, 0, (off_t)bytes);
+  while (result != 0 && errno == EINTR);
+  /* a file system that cannot reserve lets the writes find out */
+  if (result != 0 && (errno == ENOSPC || errno == EDQUOT || errno == EFBIG))
+    return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %.0f MB are needed: %s", path,
+                   (double)bytes / 1e6, strerror(errno));
+#else
+  (void)fd, (void)path, (void)bytes, (void)messages;
+#endif
+  return SD_OK;
+}
+
+/* --- reading -------------------------------------------------------------------------------------- */
+
+/* -1 with errno set. A pipe must not keep the call waiting. */
+static int open_regular(int base, const char *name, int flags, uint64_t *size) {
+  struct stat facts;
+  int fd = file_open_at(base, name, O_RDONLY | O_NONBLOCK | O_NOCTTY | flags);
+  if (fd < 0) return -1;
+  int error = fstat(fd, &facts) != 0 ? errno : 0;
+  if (!error && !S_ISREG(facts.st_mode)) error = S_ISDIR(facts.st_mode) ? EISDIR : ENODEV;
+  if (!error) {
+    *size = (uint64_t)facts.st_size;
+    return fd;
+  }
+  close(fd);
+  errno = error;
+  return -1;
+}
+
+const char *file_trouble(int error) {
+  return error == EISDIR                     ? "it is a folder, not a file"
+         : error == ENODEV || error == ENXIO ? "it is a device or a pipe, not a file"
+                                             : strerror(error);
+}
+
+int file_open_quiet(const char *path, uint64_t *size) { return open_regular(AT_FDCWD, path, 0, size); }
+
+int file_open(int folder, const char *path, sd_messages *messages) {
+  const char *name;
+  uint64_t size;
+  int base = base_of(folder, path, &name), fd = open_regular(base, name, folder < 0 ? 0 : O_NOFOLLOW, &size);
+  if (fd < 0) sd_fail(messages, SD_ERROR_IO, "cannot open %s: %s", path, file_trouble(errno));
+  return fd;
+}
+
+sd_status file_text(const char *path, uint64_t most, char **text, char trouble[FILE_TROUBLE]) {
+  uint64_t size;
+  size_t have = 0;
+  *text = NULL;
+  int fd = file_open_quiet(path, &size);
+  if (fd < 0) {
+    int error = errno;
+    bool mistake =
+        error == ENOENT || error == ENOTDIR || error == EISDIR || error == ENODEV || error == ENXIO;
+    snprintf(trouble, FILE_TROUBLE, "%s", file_trouble(error));
+    return mistake ? SD_ERROR_USER : SD_ERROR_IO;
+  }
+  sd_status status = SD_ERROR_IO;
+  char *read = size > most ? NULL : malloc((size_t)size + 1);
+  if (size > most) {
+    snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB", (double)size / 0x1p20,
+             (double)most / 0x1p20);
+    status = SD_ERROR_USER;
+  } else if (!read || !file_read_at(fd, 0, read, (size_t)size, &have)) {
+    snprintf(trouble, FILE_TROUBLE, "%s", read ? strerror(errno) : "no memory");
+  } else if (memchr(read, 0, have)) {
+    snprintf(trouble, FILE_TROUBLE, "not a text file (it holds a zero byte)");
+    status = SD_ERROR_USER;
+  } else {
+    read[have] = 0;
+    *text = read;
+    status = SD_OK;
+  }
+  close(fd);
+  if (!*text) free(read);
+  return status;
+}
+
+char *file_again(int fd, const char *path) {
+  char *again = file_path("/proc/self/fd/%d", fd);
+  struct stat held, named;
+  if (again && fstat(fd, &held) == 0 && stat(again, &named) == 0 && held.st_ino == named.st_ino &&
+      held.st_dev == named.st_dev)
+    return again;
+  free(again);
+  return file_path("%s", path); /* without /proc */
+}
+
+bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {
+  for (*have = 0; *have < n;) {
+    ssize_t got = pread(fd, (unsigned char *)bytes + *have, n - *have, (off_t)(at + *have));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return false;
+    if (got == 0) break;
+    *have += (size_t)got;
+  }
+  return true;
+}
+
+sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *size, sd_messages *messages) {
+  *bytes = NULL;
+  *size = 0;
+  int fd = file_open(-1, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  struct stat facts;
+  sd_status status = SD_OK;
+  if (fstat(fd, &facts) != 0) {
+    status = fail(messages, "read", path);
+  } else {
+    size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
+    unsigned char *buffer = malloc(want ? want : 1);
+    if (!buffer)
+      status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+    else if (!file_read_at(fd, 0, buffer, want, &have))
+      status = fail(messages, "read", path);
+    if (status == SD_OK) {
+      *bytes = buffer;
+      *size = have;
+    } else {
+      free(buffer);
+    }
+  }
+  close(fd);
+  return status;
+}
+
+sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages) {
+  enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
+  *sum = FILE_SUM;
+  unsigned char *buffer = malloc(PIECE);
+  if (!buffer) shortage_note();
+  sd_status status = buffer ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+  for (uint64_t at = 0; status == SD_OK && at < n;) {
+    size_t want = n - at < PIECE ? (size_t)(n - at) : PIECE, have;
+    if (!file_read_at(fd, at, buffer, want, &have))
+      status = fail(messages, "read", path);
+    else if (have < want)
+      status = sd_fail(messages, SD_ERROR_IO, "%s has become shorter while it was read", path);
+    else
+      *sum = file_sum(*sum, buffer, have);
+    at += want;
+  }
+  free(buffer);
+  return status;
+}
+
+uint64_t file_sum(uint64_t sum, const void *bytes, size_t n) {
+  const unsigned char *b = bytes;
+  const uint64_t prime = UINT64_C(1099511628211);
+  for (; n >= 8; b += 8, n -= 8) {
+    uint64_t word;
+    memcpy(&word, b, 8);
+    /* the fold brings high bits down: a product alone never lets them reach the low ones */
+    sum = (sum ^ word) * prime;
+    sum ^= sum >> 32;
+  }
+  for (; n > 0; b++, n--) sum = (sum ^ *b) * prime;
+  return sum;
+}

@@ -1,0 +1,269 @@
+/* folder.c: see folder.h. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* flock */
+#endif
+#include "io/store/folder.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "io/store/file.h"
+
+char *folder_part(const char *path, int64_t number) {
+  return file_path("%s/part-%06" PRId64 ".h5", path, number);
+}
+
+char *folder_checkpoint(const char *path, int64_t step) {
+  return file_path("%s/checkpoint-%" PRId64 ".h5", path, step);
+}
+
+char *folder_emergency(const char *path, int64_t step) {
+  return file_path("%s/emergency-%" PRId64 ".h5", path, step);
+}
+
+/* --- lock ----------------------------------------------------------------------------------------- */
+
+static bool is_same(const struct stat *a, const struct stat *b) {
+  return a->st_ino == b->st_ino && a->st_dev == b->st_dev;
+}
+
+/* Does the path lead to the folder that is held, and the name in it to the lock that is held? errno 0: to others. */
+static bool is_still_there(const folder *f, int lock) {
+  struct stat held, named, file, entry;
+  errno = 0;
+  return fstat(f->at, &held) == 0 && stat(f->path, &named) == 0 && is_same(&held, &named) &&
+         fstat(lock, &file) == 0 && fstatat(f->at, "lock", &entry, AT_SYMLINK_NOFOLLOW) == 0 &&
+         is_same(&file, &entry);
+}
+
+sd_status folder_check(const folder *f, sd_messages *messages) {
+  if (is_still_there(f, f->lock)) return SD_OK;
+  if (errno != 0 && errno != ENOENT && errno != ENOTDIR)
+    return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", f->path, strerror(errno));
+  return sd_fail(
+      messages, SD_ERROR_IO,
+      "%s was removed or replaced while the run went on: nothing is written into what is there now", f->path);
+}
+
+static sd_status open_folder(folder *f, bool may_be_link, sd_messages *messages) {
+  sd_status status = file_make_folder(f->path, messages);
+  if (status != SD_OK) return status;
+  f->at = file_open_at(AT_FDCWD, f->path, O_RDONLY | O_DIRECTORY | (may_be_link ? 0 : O_NOFOLLOW));
+  if (f->at >= 0) return SD_OK;
+  if (!may_be_link && file_is_link(f->path))
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "%s is a symbolic link: it has to be a folder of the run's own; remove the link, or give the "
+        "result a name in the folder to which it leads",
+        f->path);
+  return sd_fail(messages, SD_ERROR_IO, "cannot open folder %s: %s", f->path, strerror(errno));
+}
+
+/* One try. SD_OK without a lock: try again. */
+static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
+  int fd = file_open_at(f->at, "lock", O_RDWR | O_CREAT | O_NOFOLLOW);
+  if (fd < 0 && errno == ENOENT) return SD_OK;
+  if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot create %s/lock: %s", f->path, strerror(errno));
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+    int error = errno;
+    close(fd);
+    if (error == EINTR) return SD_OK;
+    if (error != EWOULDBLOCK)
+      return sd_fail(messages, SD_ERROR_IO, "cannot lock %s/lock: %s", f->path, strerror(error));
+    /* a process that only asks whether it is locked (folder_is_locked) holds it for a moment */
+    if ((*busy)++ >= 4)
+      return sd_fail(messages, SD_ERROR_USER, "another process is writing this result (%s/lock is locked)",
+                     f->path);
+    nanosleep(&(struct timespec){.tv_nsec = 2000000}, NULL);
+    return SD_OK;
+  }
+  /* it may have been removed, with the folder, between open and flock: then nothing is held */
+  if (is_still_there(f, fd))
+    f->lock = fd;
+  else
+    close(fd);
+  return SD_OK;
+}
+
+sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messages *messages) {
+  *out = (folder){.path = file_path("%s", path), .at = -1, .lock = -1};
+  sd_status status = out->path ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
+  int busy = 0;
+  for (int attempt = 0; status == SD_OK && out->lock < 0; attempt++) {
+    if (out->at >= 0) close(out->at);
+    out->at = -1;
+    status = attempt < 100
+                 ? open_folder(out, may_be_link, messages)
+                 : sd_fail(messages, SD_ERROR_IO, "cannot lock %s/lock: it keeps disappearing", path);
+    if (status == SD_OK) status = try_lock(out, &busy, messages);
+  }
+  if (status != SD_OK) folder_close(out);
+  return status;
+}
+
+bool folder_is_locked(const char *path) {
+  char *lock = file_path("%s/lock", path);
+  int fd = lock ? file_open_at(AT_FDCWD, lock, O_RDONLY | O_NOFOLLOW | O_NONBLOCK) : -1;
+  bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (fd >= 0) close(fd);
+  free(lock);
+  return locked;
+}
+
+void folder_close(folder *f) {
+  if (f->lock >= 0) close(f->lock);
+  if (f->at >= 0) close(f->at);
+  free(f->path);
+  *f = (folder){.at = -1, .lock = -1};
+}
+
+/* --- contents ------------------------------------------------------------------------------------- */
+
+/* Does the name belong to slipdisk? The number in it, or -1, goes to *number. */
+typedef enum kind { FOREIGN, PART, CHECKPOINT, TEMPORARY, OTHER } kind;
+
+static kind kind_of(const char *name, int64_t *number) {
+  int end = 0;
+  *number = -1;
+  if (file_is_draft(name)) return TEMPORARY;
+  if (sscanf(name, "part-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end]) return PART;
+  if (sscanf(name, "checkpoint-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end])
+    return CHECKPOINT;
+  if (strncmp(name, "emergency-", 10) == 0 || strncmp(name, "damaged-", 8) == 0) return OTHER;
+  return FOREIGN;
+}
+
+/* Numbers of the files of a kind, unsorted, to be freed. */
+static sd_status list_numbers(const char *path, kind wanted, int64_t **numbers, size_t *n,
+                              sd_messages *messages) {
+  *numbers = NULL;
+  *n = 0;
+  DIR *directory;
+  do directory = opendir(path);
+  while (!directory && errno == EINTR);
+  if (!directory) return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
+  sd_status status = SD_OK;
+  errno = 0;
+  for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
+    int64_t number;
+    if (kind_of(entry->d_name, &number) != wanted) continue;
+    int64_t *longer = realloc(*numbers, (*n + 1) * sizeof *longer);
+    if (longer) {
+      *numbers = longer;
+      longer[(*n)++] = number;
+    } else {
+      status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+    }
+  }
+  if (status == SD_OK && errno != 0)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
+  closedir(directory);
+  return status;
+}
+
+static int newest_first(const void *a, const void *b) {
+  int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+  return x < y ? 1 : x > y ? -1 : 0;
+}
+
+static int ascending(const void *a, const void *b) { return newest_first(b, a); }
+
+sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_messages *messages) {
+  sd_status status = list_numbers(path, CHECKPOINT, steps, n, messages);
+  if (*n > 0) qsort(*steps, *n, sizeof **steps, newest_first);
+  return status;
+}
+
+sd_status folder_parts(const char *path, int64_t **numbers, size_t *n, sd_messages *messages) {
+  sd_status status = list_numbers(path, PART, numbers, n, messages);
+  if (*n > 0) qsort(*numbers, *n, sizeof **numbers, ascending);
+  return status;
+}
+
+/* Removes the files for which doomed says so. */
+typedef bool chooser(kind what, int64_t number, int64_t limit);
+
+static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit, sd_messages *messages) {
+  sd_status worst = folder_check(f, messages);
+  if (worst != SD_OK) return worst;
+  /* by the descriptor: the path may lead elsewhere by now */
+  int fd = file_open_at(f->at, ".", O_RDONLY | O_DIRECTORY);
+  DIR *directory = fd < 0 ? NULL : fdopendir(fd);
+  if (!directory) {
+    worst = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", f->path, strerror(errno));
+    if (fd >= 0) close(fd);
+    return worst;
+  }
+  errno = 0;
+  for (struct dirent *entry; (entry = readdir(directory)); errno = 0) {
+    int64_t number;
+    kind what = kind_of(entry->d_name, &number);
+    if (what == FOREIGN || !doomed(what, number, limit)) continue;
+    if (unlinkat(f->at, entry->d_name, 0) != 0 && errno != ENOENT)
+      worst =
+          sd_fail(messages, SD_ERROR_IO, "cannot remove %s/%s: %s", f->path, entry->d_name, strerror(errno));
+  }
+  if (errno != 0) worst = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", f->path, strerror(errno));
+  closedir(directory);
+  return worst;
+}
+
+static bool is_stale(kind what, int64_t number, int64_t parts) {
+  return what == TEMPORARY || (what == PART && number > parts);
+}
+
+static bool is_older(kind what, int64_t number, int64_t oldest) {
+  return what == CHECKPOINT && number < oldest;
+}
+
+static bool is_ours(kind what, int64_t number, int64_t limit) {
+  (void)number, (void)limit;
+  return what != FOREIGN;
+}
+
+sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages) {
+  return remove_some(f, is_stale, parts, messages);
+}
+
+sd_status folder_prune(const folder *f, size_t keep, sd_messages *messages) {
+  int64_t *steps;
+  size_t n;
+  sd_status status = folder_check(f, messages);
+  if (status != SD_OK) return status;
+  status = folder_checkpoints(f->path, &steps, &n, messages);
+  if (status == SD_OK && n > keep) status = remove_some(f, is_older, steps[keep - 1], messages);
+  free(steps);
+  return status;
+}
+
+sd_status folder_empty(const folder *f, sd_messages *messages) {
+  return remove_some(f, is_ours, 0, messages);
+}
+
+void folder_set_aside(const folder *f, int64_t step) {
+  char from[64], to[80];
+  snprintf(from, sizeof from, "checkpoint-%" PRId64 ".h5", step);
+  snprintf(to, sizeof to, "damaged-%s", from);
+  /* best effort: when it cannot be moved it is found damaged again next time */
+  if (folder_check(f, NULL) == SD_OK) (void)!renameat(f->at, from, f->at, to);
+}
+
+sd_status folder_remove(folder *f, sd_messages *messages) {
+  /* The lock goes last, and is held until its name is gone: a process that waits for it starts over. */
+  sd_status status = remove_some(f, is_ours, 0, messages);
+  if (status == SD_OK && unlinkat(f->at, "lock", 0) != 0)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot remove %s/lock: %s", f->path, strerror(errno));
+  if (status == SD_OK && rmdir(f->path) != 0)
+    sd_warn(messages, "%s is not removed: %s", f->path, strerror(errno));
+  folder_close(f);
+  return status;
+}

@@ -1,0 +1,570 @@
+/* h5.c: opening, closing and writing; see h5.h. */
+#include "io/store/h5.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/shortage.h"
+#include "io/store/file.h"
+#include "io/store/h5_private.h"
+
+/* Chunks hold about this many bytes: well below the library's chunk cache of 1 MiB, so that rows which come
+ * in pieces do not make it compress a chunk again and again. */
+enum { CHUNK_BYTES = 256 * 1024 };
+
+/* Sealed files of up to so many bytes are looked at as a whole whenever they are opened: a tenth of a second. */
+static const uint64_t CHECKED_WHOLE = UINT64_C(64) << 20;
+
+/* The library prints nothing; but what it had no memory for looks as if it were not there. */
+static herr_t look_for_shortage(unsigned n, const H5E_error2_t *error, void *user) {
+  (void)n, (void)user;
+  if (error->maj_num == H5E_RESOURCE) shortage_note();
+  return 0;
+}
+
+static herr_t look_at_error(hid_t stack, void *user) {
+  H5Ewalk2(stack, H5E_WALK_UPWARD, look_for_shortage, user);
+  return 0;
+}
+
+void h5_quiet(void) {
+  static bool asked;
+  /* must come before the library starts: at exit it would write to files that have failed */
+  if (!__atomic_exchange_n(&asked, true, __ATOMIC_RELAXED)) H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, look_at_error, NULL);
+}
+
+static herr_t first_reason(unsigned n, const H5E_error2_t *error, void *user) {
+  const char **reason = user;
+  (void)n;
+  if (error->desc && !*reason) *reason = error->desc;
+  return 0;
+}
+
+const char *h5_reason(char *text, size_t size) {
+  const char *reason = NULL;
+  /* upward: the innermost entry, the actual cause, comes first */
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, first_reason, &reason);
+  snprintf(text, size, "%s", reason ? reason : "unknown reason");
+  return text;
+}
+
+const char *h5_version(char *text, size_t size) {
+  unsigned major = 0, minor = 0, release = 0;
+  h5_quiet();
+  H5get_libversion(&major, &minor, &release);
+  snprintf(text, size, "%u.%u.%u", major, minor, release);
+  return text;
+}
+
+hid_t h5_native(sd_type type) {
+  switch (type) {
+    case SD_F64: return H5T_NATIVE_DOUBLE;
+    case SD_I64: return H5T_NATIVE_INT64;
+    case SD_I32: return H5T_NATIVE_INT32;
+    case SD_U32: return H5T_NATIVE_UINT32;
+  }
+  return H5I_INVALID_HID;
+}
+
+/* --- open and close ------------------------------------------------------------------------------- */
+
+static sd_status allocate(const char *path, h5_file **out, sd_messages *messages) {
+  h5_quiet();
+  *out = calloc(1, sizeof **out);
+  if (*out && ((*out)->path = file_path("%s", path))) return SD_OK;
+  free(*out);
+  *out = NULL;
+  shortage_note();
+  sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
+  return SD_ERROR_IO;
+}
+
+static void release(h5_file *file) {
+  if (!file) return;
+  free(file->path);
+  free(file->trouble);
+  for (size_t k = 0; k < file->n_sets; k++) {
+    h5_rows_close(&file->sets[k].rows);
+    free(file->sets[k].path);
+  }
+  free(file->sets);
+  h5_journal_free(file);
+  free(file);
+}
+
+sd_status h5_new(h5_file **out, sd_messages *messages) {
+  /* The library takes two memory files of one name for the same file. */
+  static unsigned count;
+  char name[40];
+  snprintf(name, sizeof name, "memory-%u", __atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
+  sd_status status = allocate(name, out, messages);
+  if (status != SD_OK) return status;
+  (*out)->memory = (*out)->writing = true;
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_fapl_core(access, (size_t)1 << 20, false);
+  /* The default (earliest) format on purpose: h5_save takes the bytes of the open file, and later formats would say
+   * in them that it is being written. */
+  (*out)->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  H5Pclose(access);
+  if ((*out)->id >= 0) return SD_OK;
+  release(*out);
+  *out = NULL;
+  return sd_fail(messages, SD_ERROR_IO, "no memory for an HDF5 file");
+}
+
+sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
+  sd_status status = allocate(draft->path, out, messages);
+  if (status != SD_OK) return status;
+  h5_file *file = *out;
+  file->writing = file->on_disk = true;
+  status = file_reserve(draft->fd, draft->path, bytes, messages);
+  char *again = status == SD_OK ? file_again(draft->fd, draft->path) : NULL, reason[200];
+  if (again) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    /* what is written is written now, and its failure told by the call that writes */
+    H5Pset_sieve_buf_size(access, 0);
+    file->id = H5Fcreate(again, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+    h5_reason(reason, sizeof reason);
+    H5Pclose(access);
+    if (file->id < 0) status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", draft->path, reason);
+  } else if (status == SD_OK) {
+    status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", draft->path);
+  }
+  free(again);
+  if (status == SD_OK) return SD_OK;
+  release(file);
+  *out = NULL;
+  return status;
+}
+
+sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
+  sd_status status = allocate(path, out, messages);
+  if (status != SD_OK) return status;
+  char *again = file_again(fd, path), reason[200];
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+#if H5_VERSION_GE(1, 10, 7)
+  /* what is read here was renamed into place whole, and some file systems cannot lock */
+  H5Pset_file_locking(access, false, true);
+#endif
+  (*out)->id = again ? H5Fopen(again, H5F_ACC_RDONLY, access) : H5I_INVALID_HID;
+  h5_reason(reason, sizeof reason); /* any other call would clear it */
+  H5Pclose(access);
+  if ((*out)->id >= 0) {
+    free(again);
+    return SD_OK;
+  }
+  if (again && H5Fis_hdf5(again) == 0)
+    status = sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
+  else
+    status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
+  free(again);
+  release(*out);
+  *out = NULL;
+  return status;
+}
+
+/* Of a file that is too large to be read whole: its small data, if it has a sum of them. */
+static sd_status check_small(h5_file *file, const h5_mark *mark, sd_messages *messages) {
+  uint64_t sum;
+  if (!mark->sealed && h5_get_attr_i64(file, "/", "sealed", 0) != 0)
+    return sd_fail(messages, SD_ERROR_IO,
+                   "%s is damaged, or was changed by another program: its checksum is missing", file->path);
+  if (!mark->has_small || mark->size <= CHECKED_WHOLE) return SD_OK;
+  sd_status status = h5_small_sum(file, &sum, messages);
+  if (status == SD_OK && sum != mark->small)
+    status =
+        sd_fail(messages, SD_ERROR_IO,
+                "%s is damaged, or was changed by another program: the sum of its small data does not fit",
+                file->path);
+  return status;
+}
+
+typedef enum trust { AGAIN, QUICK, WHOLE, SEALED } trust;
+
+static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
+                              sd_messages *messages) {
+  *out = NULL;
+  h5_mark mark;
+  int fd = file_open(folder, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  bool whole = mark.broken || how == SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
+  if (status == SD_OK && whole && how != AGAIN) status = h5_check_whole(fd, path, &mark, messages);
+  if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
+  if (status == SD_OK && how != AGAIN) status = check_small(*out, &mark, messages);
+  if (status != SD_OK && *out) {
+    h5_close(*out, NULL);
+    *out = NULL;
+  }
+  if (sum) *sum = mark.sum;
+  close(fd);
+  return status;
+}
+
+sd_status h5_open(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, QUICK, out, NULL, messages);
+}
+
+sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, AGAIN, out, NULL, messages);
+}
+
+sd_status h5_open_whole(const char *path, h5_file **out, sd_messages *messages) {
+  return open_checked(-1, path, WHOLE, out, NULL, messages);
+}
+
+sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum, sd_messages *messages) {
+  return open_checked(folder, path, SEALED, out, sum, messages);
+}
+
+sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages) {
+  h5_file *file = NULL;
+  h5_mark mark = {0};
+  int fd = file_open(-1, path, messages);
+  if (fd < 0) return SD_ERROR_IO;
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  close(fd);
+  *sealed = mark.sealed || mark.broken;
+  *sum = mark.sum;
+  if (status == SD_OK) status = h5_open_whole(path, &file, messages);
+  h5_close(file, NULL);
+  return status;
+}
+
+/* What is still held, or in the chunk caches, is written now. */
+static void close_sets(h5_file *file) {
+  char reason[200];
+  for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
+    if (h5_rows_flush(&file->sets[k].rows) && H5Dclose(file->sets[k].rows.set) >= 0) continue;
+    file->failed = true;
+    file->trouble = file_path("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
+  }
+}
+
+/* The file's bytes: those that the library holds, no copy. They are there while the file is open. */
+static const void *image_of(hid_t id, size_t *size) {
+  void *handle = NULL;
+  if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) return NULL;
+  ssize_t n = H5Fget_file_image(id, NULL, 0);
+  if (n <= 0 || H5Fget_vfd_handle(id, H5P_DEFAULT, &handle) < 0 || !handle) return NULL;
+  *size = (size_t)n;
+  return *(void **)handle; /* of a file in memory: where the bytes are */
+}
+
+sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages) {
+  size_t size = 0;
+  int64_t one = 1;
+  h5_attr(file, "/", "sealed", SD_I64, 0, &one);
+  close_sets(file);
+  const void *image = file->failed ? NULL : image_of(file->id, &size);
+  sd_status status;
+  if (image) {
+    unsigned char seal[H5_SEAL_BYTES];
+    uint64_t found = h5_image_seal(image, size, seal);
+    if (sum) *sum = found;
+    file_piece pieces[2] = {{image, size}, {seal, sizeof seal}};
+    status = file_write_atomic(folder, path, 2, pieces, messages);
+  } else {
+    status = sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path,
+                     file->trouble ? file->trouble : "no memory");
+  }
+  H5Fclose(file->id);
+  release(file);
+  return status;
+}
+
+/* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
+static sd_status close_file(h5_file *file, sd_messages *messages) {
+  char reason[200];
+  close_sets(file);
+  /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
+   * file is left open for the rest of the process. */
+  if (!file->failed &&
+      ((file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) || H5Fclose(file->id) < 0)) {
+    file->failed = true;
+    file->trouble = file_path("%s", h5_reason(reason, sizeof reason));
+  }
+  if (!file->failed) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path,
+                 file->trouble ? file->trouble : "no memory");
+}
+
+sd_status h5_close(h5_file *file, sd_messages *messages) {
+  if (!file) return SD_OK;
+  sd_status status = close_file(file, messages);
+  release(file);
+  return status;
+}
+
+sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *messages) {
+  h5_file *back = NULL;
+  uint64_t small = 0;
+  int64_t one = 1;
+  h5_attr(file, "/", "sealed", SD_I64, 0, &one);
+  sd_status status = close_file(file, messages);
+  if (status == SD_OK) status = h5_open_descriptor(draft->fd, draft->path, &back, messages);
+  if (status == SD_OK) status = h5_compare(back, file, messages);
+  if (status == SD_OK) status = h5_small_sum(back, &small, messages);
+  h5_close(back, NULL);
+  if (status == SD_OK) status = h5_put_seal(draft->fd, draft->path, small, messages);
+  release(file);
+  return status;
+}
+
+bool h5_failed(const h5_file *file) { return file->failed; }
+
+/* --- write ---------------------------------------------------------------------------------------- */
+
+void h5_no_memory(h5_file *file, const char *path) {
+  if (file->failed) return;
+  file->failed = true;
+  file->trouble = file_path("no memory for %s", path);
+}
+
+/* Remembers the first failure. */
+static void check(h5_file *file, bool good, const char *path) {
+  if (good || file->failed) return;
+  char reason[200];
+  file->failed = true;
+  file->trouble = file_path("%s: %s", path, h5_reason(reason, sizeof reason));
+}
+
+/* Link creation with the groups on the way; text is UTF-8. */
+static hid_t with_parents(void) {
+  hid_t list = H5Pcreate(H5P_LINK_CREATE);
+  H5Pset_create_intermediate_group(list, 1);
+  H5Pset_char_encoding(list, H5T_CSET_UTF8);
+  return list;
+}
+
+static hid_t text_type(size_t length) {
+  hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, length ? length : 1);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  H5Tset_strpad(type, H5T_STR_NULLPAD);
+  return type;
+}
+
+void h5_group(h5_file *file, const char *path) {
+  if (file->failed || h5_exists(file, path)) return;
+  hid_t link = with_parents();
+  hid_t group = H5Gcreate2(file->id, path, link, H5P_DEFAULT, H5P_DEFAULT);
+  check(file, group >= 0, path);
+  if (group >= 0) H5Gclose(group);
+  H5Pclose(link);
+}
+
+/* The least that covers `length` with as many pieces as pieces of `most` need: the last one is then nearly as long as
+ * the others, for it is stored as if it were. */
+static size_t even_pieces(size_t length, size_t most) {
+  size_t pieces = (length + most - 1) / most;
+  return pieces > 0 ? (length + pieces - 1) / pieces : 1;
+}
+
+/* Chunks of whole rows when a row fits, else of parts of one row. */
+static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *chunk) {
+  size_t row = element;
+  for (int k = 1; k < rank; k++) {
+    chunk[k] = dims[k] ? dims[k] : 1;
+    row *= (size_t)chunk[k];
+  }
+  size_t rows = CHUNK_BYTES / row;
+  chunk[0] = rows ? even_pieces(dims[0], rows) : 1;
+  for (int k = 1; k < rank && row > CHUNK_BYTES; k++) {
+    size_t rest = row / (size_t)chunk[k];
+    size_t keep = CHUNK_BYTES / rest;
+    chunk[k] = keep ? even_pieces(dims[k], keep) : 1;
+    row = rest * (size_t)chunk[k];
+  }
+}
+
+/* Creates a dataset; chunked and compressed only where there is something to gain. */
+static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims, bool chunked,
+                  bool compress) {
+  hsize_t extent[H5_MAX_RANK] = {0}, chunk[H5_MAX_RANK] = {0};
+  for (int k = 0; k < rank; k++) extent[k] = dims[k];
+  hid_t link = with_parents();
+  hid_t create = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_obj_track_times(create, false);
+  if (chunked && rank > 0) {
+    choose_chunk(rank, dims, H5Tget_size(type), chunk);
+    H5Pset_chunk(create, rank, chunk);
+    if (compress && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
+      H5Pset_shuffle(create);
+      H5Pset_deflate(create, 1);
+    }
+    if (H5Zfilter_avail(H5Z_FILTER_FLETCHER32) > 0) H5Pset_fletcher32(create);
+  }
+  hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);
+  hid_t set = H5Dcreate2(file->id, path, type, space, link, create, H5P_DEFAULT);
+  check(file, set >= 0, path);
+  uint64_t elements = H5Tget_class(type) == H5T_STRING ? H5Tget_size(type) : 1;
+  for (int k = 0; k < rank; k++) elements *= dims[k];
+  if (set >= 0 && !h5_expect(file, path, NULL, elements)) h5_no_memory(file, path);
+  H5Sclose(space);
+  H5Pclose(create);
+  H5Pclose(link);
+  return set;
+}
+
+/* Closing writes what the library still holds. */
+static void close_set(h5_file *file, hid_t set, const char *path) {
+  if (!file->failed) check(file, H5Dclose(set) >= 0, path);
+}
+
+void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
+            bool compress) {
+  if (file->failed) return;
+  size_t n = 1;
+  for (int k = 0; k < rank; k++) n *= dims[k];
+  /* small datasets: a filter costs more than it saves */
+  bool large = compress && n * sd_type_size(type) > 4096;
+  hid_t set = make(file, path, h5_native(type), rank, dims, large, large);
+  if (set < 0) return;
+  if (n > 0 && large) {
+    h5_rows rows;
+    bool good =
+        h5_rows_open(&rows, set, type) && h5_rows_put(&rows, 0, dims[0], data) && h5_rows_flush(&rows);
+    check(file, good, path);
+    h5_rows_close(&rows);
+  } else if (n > 0) {
+    check(file, H5Dwrite(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0, path);
+  }
+  h5_note(file, path, NULL, data, n, sd_type_size(type), 0);
+  close_set(file, set, path);
+}
+
+void h5_put_text(h5_file *file, const char *path, const char *text) {
+  if (file->failed) return;
+  if (!text) text = "";
+  hid_t type = text_type(strlen(text));
+  hid_t set = make(file, path, type, 0, NULL, false, false);
+  if (set >= 0) {
+    check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0, path);
+    h5_note(file, path, NULL, text, H5Tget_size(type), 1, 0);
+    close_set(file, set, path);
+  }
+  H5Tclose(type);
+}
+
+/* Texts side by side, each filled up to the length of the longest; to be freed. */
+static char *dense_texts(h5_file *file, const char *path, size_t n, const char *const *texts,
+                         size_t *longest) {
+  *longest = 1;
+  for (size_t k = 0; k < n; k++)
+    if (texts[k] && strlen(texts[k]) > *longest) *longest = strlen(texts[k]);
+  char *all = calloc(n + 1, *longest);
+  check(file, all != NULL, path);
+  for (size_t k = 0; all && k < n; k++)
+    if (texts[k]) memcpy(all + k * *longest, texts[k], strlen(texts[k]));
+  return all;
+}
+
+void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *texts) {
+  if (file->failed) return;
+  size_t longest;
+  char *all = dense_texts(file, path, n, texts, &longest);
+  if (!all) return;
+  hid_t type = text_type(longest), set = make(file, path, type, 1, &n, false, false);
+  if (set >= 0) {
+    if (n > 0) check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
+    h5_note(file, path, NULL, all, n * longest, 1, 0);
+    close_set(file, set, path);
+  }
+  H5Tclose(type);
+  free(all);
+}
+
+static void write_attr(h5_file *file, const char *path, const char *name, hid_t type, hid_t space,
+                       const void *data) {
+  hid_t object = H5Oopen(file->id, path, H5P_DEFAULT);
+  hid_t attr = object < 0 ? H5I_INVALID_HID : H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  check(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
+  bool text = H5Tget_class(type) == H5T_STRING;
+  size_t size = H5Tget_size(type), n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
+  if (!h5_expect(file, path, name, n)) h5_no_memory(file, path);
+  h5_note(file, path, name, data, n, text ? 1 : size, 0);
+  if (file->failed) return;
+  check(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);
+}
+
+void h5_attr(h5_file *file, const char *path, const char *name, sd_type type, size_t n, const void *data) {
+  if (file->failed) return;
+  hsize_t extent = n;
+  hid_t space = n == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, NULL);
+  write_attr(file, path, name, h5_native(type), space, data);
+  H5Sclose(space);
+}
+
+void h5_attr_text(h5_file *file, const char *path, const char *name, const char *text) {
+  if (file->failed) return;
+  if (!text) text = "";
+  hid_t type = text_type(strlen(text)), space = H5Screate(H5S_SCALAR);
+  write_attr(file, path, name, type, space, text);
+  H5Sclose(space);
+  H5Tclose(type);
+}
+
+void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, const char *const *texts) {
+  if (file->failed || n == 0) return;
+  size_t longest;
+  char *all = dense_texts(file, path, n, texts, &longest);
+  if (!all) return;
+  hsize_t extent = n;
+  hid_t type = text_type(longest), space = H5Screate_simple(1, &extent, NULL);
+  write_attr(file, path, name, type, space, all);
+  H5Sclose(space);
+  H5Tclose(type);
+  free(all);
+}
+
+void h5_attr_f64(h5_file *file, const char *path, const char *name, double value) {
+  h5_attr(file, path, name, SD_F64, 0, &value);
+}
+
+void h5_attr_i64(h5_file *file, const char *path, const char *name, int64_t value) {
+  h5_attr(file, path, name, SD_I64, 0, &value);
+}
+
+void h5_link(h5_file *file, const char *target, const char *path) {
+  if (file->failed) return;
+  hid_t link = with_parents();
+  check(file, H5Lcreate_hard(file->id, target, file->id, path, link, H5P_DEFAULT) >= 0, path);
+  H5Pclose(link);
+}
+
+void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress) {
+  if (file->failed) return;
+  hid_t set = make(file, path, h5_native(type), rank, dims, compress, compress);
+  if (set >= 0) close_set(file, set, path);
+}
+
+/* The dataset, opened once. */
+static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
+  for (size_t k = 0; k < file->n_sets; k++)
+    if (strcmp(file->sets[k].path, path) == 0) return &file->sets[k].rows;
+  h5_open_set *sets = realloc(file->sets, (file->n_sets + 1) * sizeof *sets);
+  if (!sets) return NULL;
+  file->sets = sets;
+  h5_open_set set = {.path = file_path("%s", path)};
+  hid_t id = set.path ? H5Dopen2(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
+  if (id >= 0 && h5_rows_open(&set.rows, id, type)) {
+    sets[file->n_sets++] = set;
+    return &sets[file->n_sets - 1].rows;
+  }
+  if (id >= 0) H5Dclose(id);
+  free(set.path);
+  return NULL;
+}
+
+void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n, const void *data) {
+  if (file->failed || n == 0) return;
+  h5_rows *rows = set_of(file, path, type);
+  check(file, rows && h5_rows_put(rows, first, n, data), path);
+  if (!rows) return;
+  size_t each = rows->row / rows->element;
+  h5_note(file, path, NULL, data, n * each, rows->element, (uint64_t)first * each);
+}

@@ -1,0 +1,165 @@
+/* h5_journal.c: what was put into a file is remembered as sums and compared with what can be read from it.
+ *
+ * A write may fail in many places: in a cache of the library that is emptied late, in a block of the file system. So the
+ * merge of a run, after which its parts are removed, does not rely on return codes alone.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/store/file.h"
+#include "io/store/h5_private.h"
+
+/* Datasets are read back in pieces of at most this many bytes. */
+enum { PIECE_BYTES = 8 << 20 };
+
+/* element: a constant where this is called, so that the loop knows it. */
+static inline uint64_t sum_words(const unsigned char *at, size_t n, size_t element, uint64_t first) {
+  uint64_t sum = 0;
+  for (size_t k = 0; k < n; k++, at += element) {
+    uint64_t word = 0;
+    memcpy(&word, at, element);
+    word += (first + k + 1) * UINT64_C(0x9E3779B97F4A7C15);
+    word = (word ^ (word >> 32)) * UINT64_C(0xD6E8FEB86659FD93);
+    sum += word ^ (word >> 29);
+  }
+  return sum;
+}
+
+uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first) {
+  return element == 8   ? sum_words(data, n, 8, first)
+         : element == 4 ? sum_words(data, n, 4, first)
+         : element == 1 ? sum_words(data, n, 1, first)
+                        : sum_words(data, n, element, first);
+}
+
+static bool is_of(const h5_entry *e, const char *path, const char *attr) {
+  if (!e->attr != !attr || (attr && strcmp(e->attr, attr) != 0)) return false;
+  return strcmp(e->path, path) == 0;
+}
+
+/* The newest first: rows go to one of the last. */
+static h5_entry *find(const h5_file *file, const char *path, const char *attr) {
+  for (size_t k = file->n_entries; k-- > 0;)
+    if (is_of(&file->journal[k], path, attr)) return &file->journal[k];
+  return NULL;
+}
+
+bool h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements) {
+  if (!file->on_disk) return true;
+  if (file->n_entries == file->most_entries) {
+    size_t most = 2 * file->most_entries + 64;
+    h5_entry *longer = realloc(file->journal, most * sizeof *longer);
+    if (!longer) return false;
+    file->journal = longer;
+    file->most_entries = most;
+  }
+  h5_entry e = {
+      .path = file_path("%s", path), .attr = attr ? file_path("%s", attr) : NULL, .expected = elements};
+  if (!e.path || (attr && !e.attr)) {
+    free(e.path);
+    free(e.attr);
+    return false;
+  }
+  file->journal[file->n_entries++] = e;
+  return true;
+}
+
+void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
+             uint64_t first) {
+  h5_entry *e = file->on_disk ? find(file, path, attr) : NULL;
+  if (!e) return;
+  e->put += n;
+  e->sum += h5_sum(data, n, element, first);
+}
+
+void h5_journal_free(h5_file *file) {
+  for (size_t k = 0; k < file->n_entries; k++) {
+    free(file->journal[k].path);
+    free(file->journal[k].attr);
+  }
+  free(file->journal);
+}
+
+/* --- reading back ----------------------------------------------------------------------------------- */
+
+/* Texts are summed byte by byte. */
+static size_t element_of(hid_t type, size_t *each) {
+  size_t size = H5Tget_size(type);
+  bool text = H5Tget_class(type) == H5T_STRING;
+  *each = text ? size : 1;
+  return text ? 1 : size;
+}
+
+/* Rows first ... first + n - 1 of a dataset as they are stored. */
+static bool read_rows(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *dims, hsize_t first,
+                      hsize_t n, void *data) {
+  if (rank == 0) return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+  hsize_t start[H5S_MAX_RANK] = {first}, count[H5S_MAX_RANK] = {n};
+  for (int k = 1; k < rank; k++) count[k] = dims[k];
+  hid_t memory = H5Screate_simple(rank, count, NULL);
+  bool good = memory >= 0 && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+              H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
+  if (memory >= 0) H5Sclose(memory);
+  return good;
+}
+
+/* Number and sum of the elements of a dataset; false: it cannot be read. */
+static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
+  hid_t type = H5Dget_type(set), space = H5Dget_space(set);
+  hsize_t dims[H5S_MAX_RANK] = {1};
+  int rank = H5Sget_simple_extent_dims(space, dims, NULL);
+  size_t each, element = element_of(type, &each), row = each;
+  for (int k = 1; k < rank; k++) row *= (size_t)dims[k];
+  hsize_t rows = rank == 0 ? 1 : dims[0], piece = PIECE_BYTES / (row * element + 1) + 1;
+  unsigned char *data =
+      element <= 8 ? malloc((size_t)(piece < rows ? piece : rows) * row * element + 1) : NULL;
+  bool good = data && rank >= 0;
+  *elements = *sum = 0;
+  for (hsize_t at = 0; good && row > 0 && at < rows; at += piece) {
+    hsize_t n = rows - at < piece ? rows - at : piece;
+    good = read_rows(set, type, space, rank, dims, at, n, data);
+    if (good) *sum += h5_sum(data, (size_t)n * row, element, *elements);
+    *elements += n * row;
+  }
+  free(data);
+  H5Sclose(space);
+  H5Tclose(type);
+  return good;
+}
+
+static bool sum_attr(hid_t attr, uint64_t *elements, uint64_t *sum) {
+  hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
+  size_t each, element = element_of(type, &each);
+  hssize_t n = H5Sget_simple_extent_npoints(space);
+  unsigned char *data = n >= 0 && element <= 8 ? malloc((size_t)n * each * element + 1) : NULL;
+  bool good = data && H5Aread(attr, type, data) >= 0;
+  *elements = good ? (uint64_t)n * each : 0;
+  *sum = good ? h5_sum(data, (size_t)*elements, element, 0) : 0;
+  free(data);
+  H5Sclose(space);
+  H5Tclose(type);
+  return good;
+}
+
+static bool is_there(const h5_file *file, const h5_entry *e) {
+  uint64_t elements = 0, sum = 0;
+  hid_t id = e->attr ? H5Aopen_by_name(file->id, e->path, e->attr, H5P_DEFAULT, H5P_DEFAULT)
+                     : H5Dopen2(file->id, e->path, H5P_DEFAULT);
+  if (id < 0) return false;
+  bool good = e->attr ? sum_attr(id, &elements, &sum) : sum_set(id, &elements, &sum);
+  if (e->attr)
+    H5Aclose(id);
+  else
+    H5Dclose(id);
+  return good && elements == e->expected && e->put == e->expected && sum == e->sum;
+}
+
+sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages) {
+  for (size_t k = 0; k < written->n_entries; k++) {
+    const h5_entry *e = &written->journal[k];
+    if (!is_there(file, e))
+      return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s%s%s does not read back as it was written",
+                     written->path, e->path, e->attr ? ", attribute " : "", e->attr ? e->attr : "");
+  }
+  return SD_OK;
+}

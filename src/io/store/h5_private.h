@@ -1,0 +1,102 @@
+/* h5_private.h: what h5*.c share; no other file includes it. */
+#ifndef SLIPDISK_IO_H5_PRIVATE_H
+#define SLIPDISK_IO_H5_PRIVATE_H
+
+#include <hdf5.h>
+
+#include "io/store/h5.h"
+
+/* A dataset that is being filled by rows, see h5_chunks.c. */
+typedef struct h5_rows {
+  hid_t set, type;
+  int rank, filters;
+  bool checksum; /* the last of the filters */
+  bool chunked;  /* rows are gathered until a chunk is full */
+  hsize_t dims[H5_MAX_RANK], chunk[H5_MAX_RANK];
+  size_t element, row; /* bytes */
+  size_t first, held;  /* rows in the buffer; those before are written */
+  unsigned char *buffer, *padded;
+} h5_rows;
+
+/* The dataset's type must be that of the rows, or they are written as they come. False: it has another rank. */
+bool h5_rows_open(h5_rows *w, hid_t set, sd_type type);
+bool h5_rows_put(h5_rows *w, size_t first, size_t n, const void *data);
+bool h5_rows_flush(h5_rows *w); /* what is still held */
+void h5_rows_close(h5_rows *w); /* frees; the dataset stays open */
+
+/* Kept open, so that its rows can come in many calls. */
+typedef struct h5_open_set {
+  char *path;
+  h5_rows rows;
+} h5_open_set;
+
+/* Sum of a dataset or an attribute as it was put into a file on disk, to be compared with the finished file. */
+typedef struct h5_entry {
+  char *path, *attr;      /* attr NULL: a dataset */
+  uint64_t expected, put; /* elements */
+  uint64_t sum;           /* h5_sum of all */
+} h5_entry;
+
+struct h5_file {
+  hid_t id;
+  char *path;  /* for messages */
+  bool memory; /* made by h5_new */
+  bool writing;
+  bool failed;   /* a write went wrong ... */
+  char *trouble; /* ... and this was the first */
+  h5_open_set *sets;
+  size_t n_sets;
+  bool on_disk; /* made by h5_create: has a journal */
+  h5_entry *journal;
+  size_t n_entries, most_entries;
+};
+
+/* --- h5_journal.c ----------------------------------------------------------------------------------- */
+/* Sum over elements, each with its place, so that pieces add up in any order. */
+uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first);
+/* Makes or finds the entry of an object with so many elements. False: no memory. */
+bool h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements);
+/* Elements first ... first + n - 1 were put there. */
+void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
+             uint64_t first);
+/* Is what `file` (just opened) holds what the journal of `written` says? */
+sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages);
+void h5_journal_free(h5_file *file);
+
+/* --- h5_seal.c -------------------------------------------------------------------------------------- */
+typedef struct h5_mark {
+  bool sealed;    /* there is a seal, and the file has the length that it says */
+  bool broken;    /* there is a seal, and the file has not */
+  bool has_small; /* there is a sum of the small data */
+  uint64_t size;  /* bytes that the seal covers */
+  uint64_t sum, small;
+} h5_mark;
+
+/* Reads the marks at the end of the file. */
+sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages);
+/* Is the sum of the bytes that of the seal? */
+sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages);
+/* Sum of all attributes and of the datasets of up to 64 KiB, in the order of their names. */
+sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages);
+/* The seal of an image in memory, to stand behind it; returns its sum. */
+enum { H5_SEAL_BYTES = 24 };
+uint64_t h5_image_seal(const void *image, size_t size, unsigned char seal[H5_SEAL_BYTES]);
+/* Puts seal and sum of the small data behind the HDF5 data of an open file. */
+sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages);
+
+/* Opens the file behind a descriptor, which stays the caller's. Nothing is checked. */
+sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages);
+/* Switches the library's own printing off, in this thread, and its clean-up at exit (which writes). */
+void h5_quiet(void);
+/* The library's reason for the last failure, written into text[size]. */
+const char *h5_reason(char *text, size_t size);
+hid_t h5_native(sd_type type);
+/* Is there a link on the way that is not followed? */
+bool h5_is_link(const h5_file *file, const char *path);
+/* Opens a dataset, or the group or dataset at path; negative: reported. */
+hid_t h5_open_data(const h5_file *file, const char *path, sd_messages *messages);
+hid_t h5_open_object(const h5_file *file, const char *path, sd_messages *messages);
+/* Dimensions; returns the rank. */
+int h5_extent(hid_t set, size_t dims[H5_MAX_RANK]);
+
+#endif

@@ -1,0 +1,321 @@
+/* h5_read.c: reading; see h5.h. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "base/text.h"
+#include "base/shortage.h"
+#include "io/store/h5.h"
+#include "io/store/h5_private.h"
+
+/* Is it there, and by hard links all the way? Other links, which may lead to other files, are not followed; *link is
+ * then set. Every group on the way must exist before the next may be asked for. */
+static bool is_there(const h5_file *file, const char *path, bool *link) {
+  *link = false;
+  if (path[0] == '/' && path[1] == 0) return true;
+  char *copy = malloc(strlen(path) + 1);
+  if (!copy) shortage_note();
+  if (!copy) return false;
+  strcpy(copy, path);
+  h5_quiet();
+  bool there = true;
+  for (char *slash = strchr(copy + 1, '/'); there; slash = strchr(slash + 1, '/')) {
+    H5L_info_t info;
+    if (slash) *slash = 0;
+    there =
+        H5Lexists(file->id, copy, H5P_DEFAULT) > 0 && H5Lget_info(file->id, copy, &info, H5P_DEFAULT) >= 0;
+    *link = there && info.type != H5L_TYPE_HARD;
+    there = there && !*link;
+    if (!slash) break;
+    *slash = '/';
+  }
+  free(copy);
+  return there;
+}
+
+bool h5_exists(const h5_file *file, const char *path) {
+  bool link;
+  return is_there(file, path, &link);
+}
+
+bool h5_is_link(const h5_file *file, const char *path) {
+  bool link;
+  is_there(file, path, &link);
+  return link;
+}
+
+hid_t h5_open_object(const h5_file *file, const char *path, sd_messages *messages) {
+  bool link;
+  hid_t object = is_there(file, path, &link) ? H5Oopen(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
+  if (link)
+    sd_fail(messages, SD_ERROR_IO, "%s: %s is a link, which is not followed; expected the data in this place",
+            file->path, path);
+  else if (object < 0)
+    sd_fail(messages, SD_ERROR_IO, "%s: there is no dataset or group %s", file->path, path);
+  return object;
+}
+
+/* NULL: its values stand in the file, in chunks of a size that can be meant. */
+static const char *set_trouble(hid_t set) {
+  hid_t made = H5Dget_create_plist(set), type = H5Dget_type(set);
+  const char *trouble = NULL;
+  H5D_layout_t layout = H5Pget_layout(made);
+  if (H5Pget_external_count(made) > 0) trouble = "its values stand in other files (external storage)";
+  if (layout == H5D_VIRTUAL) trouble = "its values stand in other datasets (a virtual dataset)";
+  hsize_t chunk[H5S_MAX_RANK], bytes = H5Tget_size(type);
+  int rank = layout == H5D_CHUNKED ? H5Pget_chunk(made, H5S_MAX_RANK, chunk) : 0;
+  const hsize_t most = (hsize_t)LIMIT_CHUNK * LIMIT_MIB;
+  for (int k = 0; k < rank; k++)
+    bytes = chunk[k] > 0 && bytes > most / chunk[k] ? most + 1 : bytes * chunk[k];
+  if (bytes > most) trouble = "its chunks are too large";
+  H5Tclose(type);
+  H5Pclose(made);
+  return trouble;
+}
+
+hid_t h5_open_data(const h5_file *file, const char *path, sd_messages *messages) {
+  hid_t set = h5_open_object(file, path, messages);
+  if (set < 0) return set;
+  const char *trouble = H5Iget_type(set) != H5I_DATASET ? "it is no dataset" : set_trouble(set);
+  if (!trouble) return set;
+  sd_fail(messages, SD_ERROR_IO, "%s: %s cannot be read: %s", file->path, path, trouble);
+  H5Oclose(set);
+  return H5I_INVALID_HID;
+}
+
+int h5_extent(hid_t set, size_t dims[H5_MAX_RANK]) {
+  hsize_t extent[H5S_MAX_RANK] = {0};
+  hid_t space = H5Dget_space(set);
+  int rank = H5Sget_simple_extent_dims(space, extent, NULL);
+  for (int k = 0; k < H5_MAX_RANK; k++) dims[k] = k < rank ? (size_t)extent[k] : 1;
+  H5Sclose(space);
+  return rank;
+}
+
+sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dims, sd_messages *messages) {
+  hid_t set = h5_open_data(file, path, messages);
+  if (set < 0) return SD_ERROR_IO;
+  *rank = h5_extent(set, dims);
+  H5Oclose(set);
+  if (*rank >= 0 && *rank <= H5_MAX_RANK) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "%s: %s has a shape that cannot be read here", file->path, path);
+}
+
+/* Its elements; SIZE_MAX: more than a size_t can say. */
+static size_t elements(hid_t set) {
+  hid_t space = H5Dget_space(set);
+  hssize_t n = H5Sget_simple_extent_npoints(space);
+  H5Sclose(space);
+  return n < 0 ? SIZE_MAX : (size_t)n;
+}
+
+/* Values that were never written would read as zeros, and ask for memory without end. Compression makes no more than a
+ * thousand bytes of one. */
+static bool is_stored(hid_t set, size_t n) {
+  hid_t type = H5Dget_type(set);
+  double bytes = (double)n * (double)H5Tget_size(type);
+  H5Tclose(type);
+  return bytes <= LIMIT_MIB || bytes <= LIMIT_EXPANSION * (double)H5Dget_storage_size(set);
+}
+
+static sd_status check_size(const h5_file *file, const char *path, hid_t set, size_t n,
+                            sd_messages *messages) {
+  size_t have = elements(set);
+  if (have == n && is_stored(set, n)) return SD_OK;
+  if (have == n) return sd_fail(messages, SD_ERROR_IO, "%s: %s was not written as a whole", file->path, path);
+  return sd_fail(messages, SD_ERROR_IO, "%s: %s has %zu values where %zu are expected", file->path, path,
+                 have, n);
+}
+
+sd_status h5_check(const h5_file *file, const char *path, size_t n, sd_messages *messages) {
+  hid_t set = h5_open_data(file, path, messages);
+  if (set < 0) return SD_ERROR_IO;
+  sd_status status = check_size(file, path, set, n, messages);
+  H5Oclose(set);
+  return status;
+}
+
+sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, void *data,
+                 sd_messages *messages) {
+  hid_t set = h5_open_data(file, path, messages);
+  if (set < 0) return SD_ERROR_IO;
+  sd_status status = check_size(file, path, set, n, messages);
+  char reason[200];
+  if (status == SD_OK && n > 0 && H5Dread(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+    status = sd_fail(messages, SD_ERROR_IO, "%s: cannot read %s: %s", file->path, path,
+                     h5_reason(reason, sizeof reason));
+  H5Oclose(set);
+  return status;
+}
+
+/* width: elements of a row, 0: as many as the dataset has. */
+static sd_status get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
+                          size_t width, void *data, sd_messages *messages) {
+  if (n == 0) return SD_OK;
+  hid_t set = h5_open_data(file, path, messages);
+  if (set < 0) return SD_ERROR_IO;
+  hsize_t start[H5S_MAX_RANK] = {0}, count[H5S_MAX_RANK] = {0};
+  hid_t space = H5Dget_space(set);
+  int rank = H5Sget_simple_extent_dims(space, count, NULL);
+  bool good = rank > 0 && first <= count[0] && n <= count[0] - first;
+  start[0] = first;
+  count[0] = n;
+  hid_t memory = good ? H5Screate_simple(rank, count, NULL) : H5I_INVALID_HID;
+  good = good && (width == 0 || H5Sget_simple_extent_npoints(memory) == (hssize_t)n * (hssize_t)width) &&
+         H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+         H5Dread(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0;
+  if (memory >= 0) H5Sclose(memory);
+  H5Sclose(space);
+  H5Oclose(set);
+  if (good) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "%s: cannot read rows of %s", file->path, path);
+}
+
+sd_status h5_get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n, void *data,
+                      sd_messages *messages) {
+  return get_rows(file, path, type, first, n, 0, data, messages);
+}
+
+sd_status h5_get_values(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
+                        size_t width, void *data, sd_messages *messages) {
+  return get_rows(file, path, type, first, n, width, data, messages);
+}
+
+/* A string, of fixed or variable length, from a dataset or an attribute. */
+static char *read_text(hid_t id, bool attribute) {
+  hid_t type = attribute ? H5Aget_type(id) : H5Dget_type(id);
+  hid_t space = attribute ? H5Aget_space(id) : H5Dget_space(id);
+  char *text = NULL;
+  bool one = H5Sget_simple_extent_npoints(space) == 1 && H5Tget_size(type) <= (size_t)LIMIT_TEXT * LIMIT_MIB;
+  if (one && H5Tget_class(type) == H5T_STRING) {
+    if (H5Tis_variable_str(type) > 0) {
+      hid_t memory = H5Tcopy(H5T_C_S1);
+      H5Tset_size(memory, H5T_VARIABLE);
+      H5Tset_cset(memory, H5Tget_cset(type));
+      char *found = NULL;
+      herr_t result = attribute ? H5Aread(id, memory, &found)
+                                : H5Dread(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, &found);
+      if (result >= 0 && found && !(text = malloc(strlen(found) + 1))) shortage_note();
+      if (text) strcpy(text, found);
+      if (found) H5free_memory(found);
+      H5Tclose(memory);
+    } else {
+      text = calloc(H5Tget_size(type) + 1, 1);
+      if (!text) shortage_note();
+      herr_t result = !text       ? -1
+                      : attribute ? H5Aread(id, type, text)
+                                  : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
+      if (result < 0) {
+        free(text);
+        text = NULL;
+      }
+    }
+  }
+  H5Sclose(space);
+  H5Tclose(type);
+  return text_clean(text);
+}
+
+char *h5_get_text(const h5_file *file, const char *path) {
+  hid_t set = h5_open_data(file, path, NULL);
+  if (set < 0) return NULL;
+  char *text = read_text(set, false);
+  H5Oclose(set);
+  return text;
+}
+
+bool h5_has_attr(const h5_file *file, const char *path, const char *name) {
+  return h5_exists(file, path) && H5Aexists_by_name(file->id, path, name, H5P_DEFAULT) > 0;
+}
+
+/* Reads an attribute of n elements as `type`; leaves value as it is when there is none. */
+static bool get_attr(const h5_file *file, const char *path, const char *name, hid_t type, size_t n,
+                     void *value) {
+  if (!h5_has_attr(file, path, name)) return false;
+  hid_t attr = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, H5P_DEFAULT);
+  if (attr < 0) return false;
+  hid_t space = H5Aget_space(attr);
+  bool found = H5Sget_simple_extent_npoints(space) == (hssize_t)n && H5Aread(attr, type, value) >= 0;
+  H5Sclose(space);
+  H5Aclose(attr);
+  return found;
+}
+
+double h5_get_attr_f64(const h5_file *file, const char *path, const char *name, double otherwise) {
+  get_attr(file, path, name, H5T_NATIVE_DOUBLE, 1, &otherwise);
+  return otherwise;
+}
+
+int64_t h5_get_attr_i64(const h5_file *file, const char *path, const char *name, int64_t otherwise) {
+  get_attr(file, path, name, H5T_NATIVE_INT64, 1, &otherwise);
+  return otherwise;
+}
+
+bool h5_get_attr_f64s(const h5_file *file, const char *path, const char *name, size_t n, double *values) {
+  return get_attr(file, path, name, H5T_NATIVE_DOUBLE, n, values);
+}
+
+char *h5_get_attr_text(const h5_file *file, const char *path, const char *name) {
+  if (!h5_has_attr(file, path, name)) return NULL;
+  hid_t attr = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, H5P_DEFAULT);
+  if (attr < 0) return NULL;
+  char *text = read_text(attr, true);
+  H5Aclose(attr);
+  return text;
+}
+
+/* --- list ----------------------------------------------------------------------------------------- */
+
+typedef struct walk {
+  const h5_file *file;
+  h5_visitor *visit;
+  void *user;
+  const char *group;
+  int depth;
+  size_t *listed;
+} walk;
+
+static sd_type nearest_type(hid_t type) {
+  if (H5Tget_class(type) != H5T_INTEGER) return SD_F64;
+  if (H5Tget_size(type) > 4) return SD_I64;
+  return H5Tget_sign(type) == H5T_SGN_NONE ? SD_U32 : SD_I32;
+}
+
+/* Links, not objects, are walked: a hard link shared by several elements is listed in each. Groups may be linked in
+ * rings: depth and number end that. Negative: the walk is over. */
+static herr_t list_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {
+  const walk *at = user;
+  if (info->type != H5L_TYPE_HARD) return 0;
+  if (++*at->listed > LIMIT_LINKS || at->depth > LIMIT_GROUPS) return -1;
+  char *path = malloc(strlen(at->group) + strlen(name) + 2);
+  if (!path) shortage_note();
+  hid_t object = path ? H5Oopen(group, name, H5P_DEFAULT) : H5I_INVALID_HID;
+  if (object < 0) {
+    free(path);
+    return -1;
+  }
+  sprintf(path, "%s/%s", at->group, name);
+  herr_t result = 0;
+  if (H5Iget_type(object) == H5I_GROUP) {
+    walk below = {at->file, at->visit, at->user, path, at->depth + 1, at->listed};
+    result = H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, NULL, list_link, &below);
+  } else if (H5Iget_type(object) == H5I_DATASET) {
+    size_t dims[H5_MAX_RANK];
+    hid_t type = H5Dget_type(object);
+    int rank = h5_extent(object, dims);
+    at->visit(at->user, text_clean(path), nearest_type(type), H5Tget_class(type) == H5T_STRING, rank, dims);
+    H5Tclose(type);
+  }
+  H5Oclose(object);
+  free(path);
+  return result < 0 ? -1 : 0;
+}
+
+sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messages *messages) {
+  size_t listed = 0;
+  walk top = {file, visit, user, "", 0, &listed};
+  h5_quiet();
+  if (H5Literate(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, list_link, &top) >= 0) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "%s: cannot list its contents", file->path);
+}

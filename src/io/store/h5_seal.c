@@ -1,0 +1,200 @@
+/* h5_seal.c: sums behind the HDF5 data of a file, where readers of HDF5 do not look.
+ *
+ *   HDF5 data | "slipdata" size sum | "slipseal" size sum
+ *
+ * The seal covers all that stands before it. A finished result has the middle piece, too: a sum of its attributes and
+ * small datasets alone, which can be looked at each time however large the file is.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "io/store/file.h"
+#include "io/store/h5_private.h"
+
+typedef struct piece {
+  char mark[8];
+  uint64_t size; /* of what stands before */
+  uint64_t sum;
+} piece;
+static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
+static const char small_mark[8] = {'s', 'l', 'i', 'p', 'd', 'a', 't', 'a'};
+
+/* Datasets of up to so many bytes are small. */
+enum { SMALL = 64 << 10 };
+
+static piece make_piece(const char mark[8], uint64_t size, uint64_t sum) {
+  piece p = {.size = size, .sum = sum};
+  memcpy(p.mark, mark, sizeof p.mark);
+  return p;
+}
+
+sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages) {
+  *mark = (h5_mark){0};
+  piece last[2];
+  struct stat facts;
+  size_t have = 0;
+  if (fstat(fd, &facts) != 0 || facts.st_size < 0)
+    return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);
+  uint64_t size = (uint64_t)facts.st_size;
+  if (size < sizeof last) return SD_OK;
+  if (!file_read_at(fd, size - sizeof last, last, sizeof last, &have))
+    return sd_fail(messages, SD_ERROR_IO, "cannot read the end of %s", path);
+  if (have != sizeof last || memcmp(last[1].mark, seal_mark, sizeof seal_mark) != 0) return SD_OK;
+  mark->size = last[1].size;
+  mark->sum = last[1].sum;
+  mark->sealed = mark->size == size - sizeof last[1];
+  mark->broken = !mark->sealed;
+  mark->has_small =
+      memcmp(last[0].mark, small_mark, sizeof small_mark) == 0 && last[0].size == size - sizeof last;
+  mark->small = last[0].sum;
+  return SD_OK;
+}
+
+sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages) {
+  uint64_t sum = 0;
+  sd_status status = SD_OK;
+  if (mark->sealed) status = file_sum_of(fd, path, mark->size, &sum, messages);
+  if (status == SD_OK && (!mark->sealed || sum != mark->sum))
+    status = sd_fail(messages, SD_ERROR_IO,
+                     "%s is damaged, or was changed by another program: its checksum does not fit", path);
+  return status;
+}
+
+/* Adds a piece behind what is there. */
+static bool append(int fd, uint64_t size, const piece *p) {
+  return lseek(fd, (off_t)size, SEEK_SET) == (off_t)size && file_write_all(fd, p, sizeof *p);
+}
+
+sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages) {
+  struct stat facts;
+  bool good = fstat(fd, &facts) == 0;
+  uint64_t size = good ? (uint64_t)facts.st_size : 0, sum = 0;
+  piece first = make_piece(small_mark, size, small);
+  good = good && append(fd, size, &first);
+  size += sizeof first;
+  if (good && file_sum_of(fd, path, size, &sum, messages) != SD_OK) return SD_ERROR_IO;
+  piece second = make_piece(seal_mark, size, sum);
+  good = good && append(fd, size, &second);
+  return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
+}
+
+sd_status h5_reseal(const char *path, sd_messages *messages) {
+  h5_mark mark;
+  h5_file *file = NULL;
+  uint64_t small = 0;
+  int fd = file_open_at(AT_FDCWD, path, O_RDWR | O_NOFOLLOW);
+  if (fd < 0) return sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
+  sd_status status = h5_read_mark(fd, path, &mark, messages);
+  uint64_t data = mark.size - (mark.has_small ? sizeof(piece) : 0);
+  if (status == SD_OK && mark.sealed && ftruncate(fd, (off_t)data) != 0)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot change %s: %s", path, strerror(errno));
+  if (status == SD_OK) status = h5_open_descriptor(fd, path, &file, messages);
+  if (status == SD_OK) status = h5_small_sum(file, &small, messages);
+  h5_close(file, NULL);
+  if (status == SD_OK) status = h5_put_seal(fd, path, small, messages);
+  if (close(fd) != 0 && status == SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
+  return status;
+}
+
+uint64_t h5_image_seal(const void *image, size_t size, unsigned char seal[H5_SEAL_BYTES]) {
+  piece p = make_piece(seal_mark, size, file_sum(FILE_SUM, image, size));
+  memcpy(seal, &p, sizeof p);
+  return p.sum;
+}
+
+/* --- small data --------------------------------------------------------------------------------------- */
+
+typedef struct tally {
+  uint64_t sum;
+  bool failed;
+} tally;
+
+static void add(tally *t, const void *data, size_t n) { t->sum = file_sum(t->sum, data, n); }
+
+/* The bytes of a dataset or an attribute as they are stored. Types whose bytes are addresses, which no file of ours has,
+ * are passed over. */
+static void add_data(tally *t, hid_t id, bool attribute, hid_t type, hid_t space) {
+  hssize_t n = H5Sget_simple_extent_npoints(space);
+  size_t size = H5Tget_size(type);
+  H5T_class_t kind = H5Tget_class(type);
+  bool plain =
+      kind == H5T_INTEGER || kind == H5T_FLOAT || (kind == H5T_STRING && H5Tis_variable_str(type) == 0);
+  if (!plain || n <= 0 || (uint64_t)n > SMALL || (uint64_t)n * size > SMALL) return;
+  unsigned char *data = malloc((size_t)n * size);
+  bool good = data && (attribute ? H5Aread(id, type, data)
+                                 : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data)) >= 0;
+  if (good) add(t, data, (size_t)n * size);
+  t->failed = t->failed || !good;
+  free(data);
+}
+
+static void add_shape(tally *t, hid_t type, hid_t space) {
+  hsize_t dims[H5S_MAX_RANK] = {0};
+  int rank = H5Sget_simple_extent_dims(space, dims, NULL);
+  const uint64_t facts[3] = {(uint64_t)rank, (uint64_t)H5Tget_class(type), H5Tget_size(type)};
+  add(t, facts, sizeof facts);
+  if (rank > 0) add(t, dims, (size_t)rank * sizeof *dims);
+}
+
+static herr_t add_attribute(hid_t object, const char *name, const H5A_info_t *info, void *user) {
+  (void)info;
+  tally *t = user;
+  hid_t attr = H5Aopen(object, name, H5P_DEFAULT);
+  if (attr < 0) {
+    t->failed = true;
+    return 0;
+  }
+  hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
+  add(t, name, strlen(name));
+  add_shape(t, type, space);
+  add_data(t, attr, true, type, space);
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Aclose(attr);
+  return 0;
+}
+
+static herr_t add_link(hid_t group, const char *name, const H5L_info_t *info, void *user);
+
+static void add_object(tally *t, hid_t object) {
+  t->failed |= H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, add_attribute, t) < 0;
+  if (H5Iget_type(object) == H5I_GROUP) {
+    t->failed |= H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, NULL, add_link, t) < 0;
+  } else if (H5Iget_type(object) == H5I_DATASET) {
+    hid_t type = H5Dget_type(object), space = H5Dget_space(object);
+    add_shape(t, type, space);
+    add_data(t, object, false, type, space);
+    H5Sclose(space);
+    H5Tclose(type);
+  }
+}
+
+static herr_t add_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {
+  tally *t = user;
+  add(t, name, strlen(name));
+  hid_t object = info->type == H5L_TYPE_HARD ? H5Oopen(group, name, H5P_DEFAULT) : H5I_INVALID_HID;
+  if (object >= 0) {
+    add_object(t, object);
+    H5Oclose(object);
+  } else {
+    t->failed = true;
+  }
+  return 0;
+}
+
+sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages) {
+  tally t = {.sum = FILE_SUM};
+  hid_t root = H5Oopen(file->id, "/", H5P_DEFAULT);
+  if (root >= 0) {
+    add_object(&t, root);
+    H5Oclose(root);
+  }
+  *sum = t.sum;
+  if (root >= 0 && !t.failed) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "%s is damaged: its small data cannot be read", file->path);
+}

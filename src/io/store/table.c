@@ -1,0 +1,116 @@
+/* table.c: see table.h. */
+#include "io/store/table.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "io/store/file.h"
+
+void table_free(table *t) {
+  for (size_t k = 0; k < t->n_columns; k++) {
+    free(t->columns[k].path);
+    free(t->columns[k].unit);
+    free(t->columns[k].meaning);
+    free(t->columns[k].data);
+  }
+  free(t->columns);
+  *t = (table){0};
+}
+
+sd_status table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
+                    const char *meaning, sd_messages *messages) {
+  table_column *columns = realloc(t->columns, (t->n_columns + 1) * sizeof *columns);
+  if (!columns) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  t->columns = columns;
+  table_column *c = &columns[t->n_columns++];
+  *c = (table_column){.type = type, .rank = rank, .width = 1, .dims = {1, 1}};
+  for (int k = 0; k < rank; k++) {
+    c->dims[k] = dims[k];
+    c->width *= dims[k];
+  }
+  c->path = file_path("%s", path);
+  c->unit = file_path("%s", unit);
+  c->meaning = file_path("%s", meaning);
+  if (c->path && c->unit && c->meaning) return SD_OK;
+  return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+}
+
+static size_t row_bytes(const table_column *c) { return c->width * sd_type_size(c->type); }
+
+sd_status table_reserve(table *t, size_t n, sd_messages *messages) {
+  if (t->n_rows + n <= t->capacity) return SD_OK;
+  size_t capacity = t->n_rows + n + t->n_rows / 2;
+  for (size_t k = 0; k < t->n_columns; k++) {
+    table_column *c = &t->columns[k];
+    unsigned char *data = realloc(c->data, capacity * row_bytes(c) + 1);
+    if (!data) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+    c->data = data;
+  }
+  t->capacity = capacity;
+  return SD_OK;
+}
+
+void *table_cell(table *t, size_t column) {
+  table_column *c = &t->columns[column];
+  return c->data + t->n_rows * row_bytes(c);
+}
+
+void table_commit(table *t, size_t n) { t->n_rows += n; }
+
+void table_clear(table *t) { t->n_rows = 0; }
+
+size_t table_bytes(const table *t) {
+  size_t bytes = 0;
+  for (size_t k = 0; k < t->n_columns; k++) bytes += row_bytes(&t->columns[k]);
+  return bytes * t->n_rows;
+}
+
+int table_shape(const table_column *c, size_t n_rows, size_t dims[H5_MAX_RANK]) {
+  dims[0] = n_rows;
+  for (int k = 0; k < c->rank; k++) dims[k + 1] = c->dims[k];
+  return c->rank + 1;
+}
+
+/* Length of the path without "/value"; 0 when it ends otherwise. */
+static int element_of(const char *path) {
+  size_t length = strlen(path), tail = strlen("/value");
+  return length > tail && strcmp(path + length - tail, "/value") == 0 ? (int)(length - tail) : 0;
+}
+
+/* Units, meanings, and the links of the elements to the table's step and time. */
+static void annotate(const table *t, h5_file *file) {
+  for (size_t k = 0; k < t->n_columns; k++) {
+    const table_column *c = &t->columns[k];
+    h5_attr_text(file, c->path, "unit", c->unit);
+    h5_attr_text(file, c->path, "description", c->meaning);
+    int length = element_of(c->path);
+    if (length == 0) continue;
+    char *step = file_path("%.*s/step", length, c->path), *time = file_path("%.*s/time", length, c->path);
+    if (h5_have(file, step && time, c->path) && strcmp(step, t->columns[0].path) != 0) {
+      h5_link(file, t->columns[0].path, step);
+      h5_link(file, t->columns[1].path, time);
+    }
+    free(step);
+    free(time);
+  }
+}
+
+void table_write(const table *t, h5_file *file) {
+  for (size_t k = 0; k < t->n_columns; k++) {
+    const table_column *c = &t->columns[k];
+    size_t dims[H5_MAX_RANK];
+    int rank = table_shape(c, t->n_rows, dims);
+    h5_put(file, c->path, c->type, rank, dims, c->data, t->compress);
+  }
+  annotate(t, file);
+}
+
+void table_make(const table *t, h5_file *file, size_t n_rows) {
+  for (size_t k = 0; k < t->n_columns; k++) {
+    const table_column *c = &t->columns[k];
+    size_t dims[H5_MAX_RANK];
+    int rank = table_shape(c, n_rows, dims);
+    h5_make(file, c->path, c->type, rank, dims, t->compress);
+  }
+  annotate(t, file);
+}

@@ -1,0 +1,55 @@
+/* energy.c: sums of the energy budget; see energy.h and sd_energy. */
+#include "physics/contact/energy.h"
+
+#include <math.h>
+
+/* Coordinates that are held or prescribed carry no energy of the system: their work is counted instead. */
+static void add_disks(const engine *e, sd_energy *sum) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  for (size_t i = 0; i < s->n_free; i++) {
+    double x = s->x[i] + s->image_x[i] * w->length[0], y = s->y[i] + s->image_y[i] * w->length[1];
+    if (w->inverse_mass_x[i] != 0.0) {
+      sum->kinetic_translation += 0.5 * s->mass[i] * s->vx[i] * s->vx[i];
+      sum->external -= w->constant_x[i] * x;
+    }
+    if (w->inverse_mass_y[i] != 0.0) {
+      sum->kinetic_translation += 0.5 * s->mass[i] * s->vy[i] * s->vy[i];
+      sum->external -= w->constant_y[i] * y;
+    }
+    if (w->inverse_inertia[i] != 0.0) {
+      sum->kinetic_rotation += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+      sum->external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
+    }
+    sum->viscous += s->past_viscous[i];
+    sum->friction += s->past_friction[i];
+    sum->opening += s->loss_opening[i];
+    sum->variant += s->past_gain[i];
+  }
+}
+
+sd_energy energy_of(const engine *e) {
+  sd_energy sum = {0};
+  const pairs *p = &e->work.pairs;
+  add_disks(e, &sum);
+  for (size_t k = 0; k < p->count; k++) {
+    const law_row *law = &e->work.laws[PAIR(p, k, law)];
+    sum.elastic_normal += 0.5 * law->k_n * PAIR(p, k, overlap) * PAIR(p, k, overlap);
+    sum.elastic_skin += 0.5 * law->k_t * PAIR(p, k, stretch) * PAIR(p, k, stretch);
+    sum.viscous += PAIR(p, k, viscous);
+    sum.friction += PAIR(p, k, friction);
+    sum.variant += PAIR(p, k, gain);
+  }
+  sum.start = e->state->energy_start;
+  sum.work = e->state->work_driven;
+  sum.relaxed = e->state->relaxed;
+  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.variant) +
+                 (sum.viscous + sum.friction + sum.opening + sum.relaxed);
+  /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale; at
+   * rest it is what rounding can do to the energies that are there */
+  double done =
+      fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening) + fabs(sum.relaxed);
+  double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_skin + fabs(sum.external));
+  sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
+  return sum;
+}

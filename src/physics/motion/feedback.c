@@ -1,0 +1,148 @@
+/* feedback.c: see feedback.h.
+ *
+ * Load, mass M: velocity Verlet for this one coordinate, whatever integrates the disks,
+ *   u += v dt + a dt^2/2,  forces at v + a dt,  v += (a + a_new) dt/2,   a = (contacts + weight + force)/M.
+ * Servo: v = speed clamp((target - F)/|target|, -1, 1), with F what the wall exerts on the disks, averaged
+ * exponentially over the shortest contact period P. Short of the clamp this is a wall of mass P target/speed with a
+ * drag target/speed: it takes energy out of whatever it pushes and cannot make it swing.
+ */
+#include "physics/system/bodies.h"
+#include "physics/motion/feedback.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/neighbours/neighbours.h"
+
+sd_status feedback_new(const engine *e, feedbacks *all) {
+  size_t n = 0;
+  bool servo = false;
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    n += feedback_drives(&e->model->motions[k]);
+    servo |= e->model->motions[k].kind == SD_MOTION_SERVO;
+  }
+  all->item = calloc(n + 1, sizeof *all->item);
+  if (servo) all->smoothing = -expm1(-e->model->dt / sd_model_shortest_period(e->model, NULL));
+  return all->item ? SD_OK : SD_ERROR_IO;
+}
+
+void feedback_free(feedbacks *all) {
+  free(all->item);
+  *all = (feedbacks){0};
+}
+
+void feedback_list(engine *e, feedbacks *all) {
+  const sd_model *m = e->model;
+  sd_state *s = e->state;
+  all->count = 0;
+  for (size_t k = 0; k < m->n_motions; k++) {
+    if (s->motion_start[k] < 0 || !feedback_drives(&m->motions[k])) continue;
+    uint32_t slot = e->work.slot[m->motions[k].bodies[0]];
+    bool x = m->motions[k].coordinate == SD_X;
+    all->item[all->count++] = (feedback){.motion = k,
+                                         .slot = slot,
+                                         .coordinate = m->motions[k].coordinate,
+                                         .at = (x ? s->x : s->y) + slot,
+                                         .speed = (x ? s->vx : s->vy) + slot,
+                                         .force = (x ? s->force_x : s->force_y) + slot,
+                                         .base = (x ? s->base_x : s->base_y) + slot,
+                                         .image = (x ? s->image_x : s->image_y) + slot};
+  }
+}
+
+void feedback_begin(engine *e, size_t k) {
+  const sd_motion *m = &e->model->motions[k];
+  sd_state *s = e->state;
+  uint32_t slot = e->work.slot[m->bodies[0]];
+  double force = m->coordinate == SD_X ? s->force_x[slot] : s->force_y[slot];
+  s->motion_u0[k] = s->motion_v0[k] = 0.0;
+  s->motion_u1[k] = m->kind == SD_MOTION_SERVO ? -force : 0.0;
+}
+
+void feedback_start(engine *e) {
+  for (size_t k = 0; k < e->model->n_motions; k++)
+    if (feedback_drives(&e->model->motions[k]) && e->state->motion_start[k] >= 0) feedback_begin(e, k);
+}
+
+void feedback_end(engine *e, size_t k) {
+  const sd_motion *m = &e->model->motions[k];
+  sd_state *s = e->state;
+  (m->coordinate == SD_X ? s->base_x : s->base_y)[e->work.slot[m->bodies[0]]] += s->motion_u0[k];
+  s->motion_u0[k] = s->motion_v0[k] = s->motion_u1[k] = 0.0;
+}
+
+/* --- servo --------------------------------------------------------------------------------------------- */
+
+/* How far a wall is from where the lengths of the region alone would have brought it; body 0: no wall. */
+static double displaced(const engine *e, uint32_t body, int c) {
+  if (body == 0) return 0.0;
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  uint32_t slot = e->work.slot[body];
+  double at = c == SD_X ? s->x[slot] + s->image_x[slot] * e->work.length[0]
+                        : s->y[slot] + s->image_y[slot] * e->work.length[1];
+  double corner = box_corner(m, c);
+  return at - (corner + s->box_scale * (m->walls[body - m->n_disks].pivot[c] - corner));
+}
+
+/* What the wall shall exert on the disks now. */
+static double target(const engine *e, const sd_motion *m) {
+  if (m->pressure == 0.0) return m->force;
+  int across = m->coordinate == SD_X ? SD_Y : SD_X;
+  double length = e->state->box_scale * m->length + displaced(e, m->beside[1], across) -
+                  displaced(e, m->beside[0], across);
+  return m->pressure * fmax(length, 0.0);
+}
+
+static double servo_speed(engine *e, const feedbacks *all, const feedback *f) {
+  const sd_motion *m = &e->model->motions[f->motion];
+  double *felt = &e->state->motion_u1[f->motion], wanted = target(e, m);
+  *felt += all->smoothing * (-*f->force - *felt);
+  if (wanted == 0.0) return 0.0; /* no length is left */
+  return m->velocity * fmin(fmax((wanted - *felt) / fabs(wanted), -1.0), 1.0);
+}
+
+/* --- both ---------------------------------------------------------------------------------------------- */
+
+static double acceleration(const engine *e, const feedback *f, double contacts) {
+  const sd_motion *m = &e->model->motions[f->motion];
+  return (contacts + m->force) / m->mass;
+}
+
+void feedback_place(engine *e, feedbacks *all, thread_work *mine) {
+  const work *w = &e->work;
+  sd_state *s = e->state;
+  for (feedback *f = all->item; f < all->item + all->count; f++) {
+    double *u = &s->motion_u0[f->motion], *v = &s->motion_v0[f->motion], before = *u;
+    f->force_before = *f->force;
+    if (e->model->motions[f->motion].kind == SD_MOTION_SERVO) {
+      *v = servo_speed(e, all, f);
+      *u += w->dt * *v;
+      *f->speed = *v;
+    } else {
+      double a = acceleration(e, f, *f->force);
+      *u += w->dt * *v + w->half_dt2 * a;
+      *f->speed = *v + w->dt * a;
+    }
+    f->moved = *u - before;
+    *f->at = *f->base + *u - *f->image * w->length[f->coordinate];
+    body_seat(e, f->slot);
+    if (neighbours_moved(e, f->slot)) mine->stale = true;
+    if (!(*f->at >= w->lower[f->coordinate] && *f->at < w->upper[f->coordinate]))
+      event_add(&mine->returns, f->slot, 0.0);
+  }
+}
+
+double feedback_correct(engine *e, feedbacks *all) {
+  sd_state *s = e->state;
+  double done = 0.0;
+  for (feedback *f = all->item; f < all->item + all->count; f++) {
+    done += (f->force_before + *f->force) * f->moved;
+    if (e->model->motions[f->motion].kind != SD_MOTION_LOAD) continue;
+    double *v = &s->motion_v0[f->motion];
+    *v += 0.5 * e->work.dt * (acceleration(e, f, f->force_before) + acceleration(e, f, *f->force));
+    *f->speed = *v;
+    body_seat(e, f->slot);
+  }
+  return done;
+}

@@ -1,0 +1,315 @@
+/* motion.c: phases and placing of prescribed bodies; see motion.h. */
+#include "physics/system/bodies.h"
+#include "physics/motion/motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/motion/feedback.h"
+#include "physics/system/kernels.h"
+#include "physics/neighbours/neighbours.h"
+
+struct motions {
+  signals signals;
+  int64_t first; /* step of the batch's first value */
+  size_t n_placed;
+  placed *places;
+  const signal_values **terms;
+  size_t *term_motions; /* of each term */
+  feedbacks feedbacks;
+  bool moves_walls, drives_free; /* free: coordinates of free disks */
+  bool quiet;                    /* nothing in this batch can make the lists stale or leave its range */
+};
+
+bool motion_in_range(const engine *e, int coordinate, double at) {
+  if (coordinate == SD_THETA) return at >= -4.0 && at <= 4.0;
+  return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
+}
+
+void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, double *base) {
+  const sd_state *s = e->state;
+  *off = coordinate == SD_X   ? s->image_x[slot] * e->work.length[0]
+         : coordinate == SD_Y ? s->image_y[slot] * e->work.length[1]
+                              : s->turn[slot];
+  *base = (coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta)[slot];
+}
+
+/* Sums a coordinate's signals. */
+static void fill_place(engine *e, placed *p) {
+  place_batch b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
+  motion_offset(e, p->slot, p->coordinate, &b.off, &b.base);
+  e->work.kernels->place(&b, MOTION_BATCH);
+  p->low = b.low;
+  p->high = b.high;
+}
+
+/* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
+ * again for walls, which also swing. */
+static bool place_is_quiet(const engine *e, const placed *p) {
+  const work *w = &e->work;
+  const sd_state *s = e->state;
+  bool wall = p->slot >= s->n_disks;
+  double from = p->coordinate == SD_X   ? w->x0[p->slot]
+                : p->coordinate == SD_Y ? w->y0[p->slot]
+                                        : w->theta0[p->slot] - s->turn[p->slot];
+  double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
+  double most = (wall ? 0.02 : 0.06) * w->moved_limit2; /* less than that: the skin may shrink on the way */
+  double down = (p->low - from) * arm, up = (p->high - from) * arm;
+  return down * down <= most && up * up <= most && motion_in_range(e, p->coordinate, p->low) &&
+         motion_in_range(e, p->coordinate, p->high);
+}
+
+static void fill(engine *e, int64_t first) {
+  motions *q = e->work.motions;
+  signals_fill(e, &q->signals, first);
+  q->first = first;
+  q->quiet = q->feedbacks.count == 0;
+  for (size_t k = 0; k < q->n_placed; k++) {
+    fill_place(e, &q->places[k]);
+    q->quiet = q->quiet && place_is_quiet(e, &q->places[k]);
+  }
+}
+
+/* --- tables ------------------------------------------------------------------------------------------ */
+
+sd_status motion_new(engine *e, sd_messages *messages) {
+  const sd_model *m = e->model;
+  motions *q = calloc(1, sizeof *q);
+  e->work.motions = q;
+  size_t terms = 0;
+  for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
+  if (q) {
+    q->places =
+        calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
+    q->terms = calloc(terms + 1, sizeof *q->terms);
+    q->term_motions = calloc(terms + 1, sizeof *q->term_motions);
+  }
+  if (!q || !q->places || !q->terms || !q->term_motions || feedback_new(e, &q->feedbacks) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  return signals_new(e, &q->signals, messages);
+}
+
+void motion_free(engine *e) {
+  motions *q = e->work.motions;
+  if (!q) return;
+  signals_free(e, &q->signals);
+  free(q->places);
+  free(q->terms);
+  free(q->term_motions);
+  feedback_free(&q->feedbacks);
+  free(q);
+  e->work.motions = NULL;
+}
+
+static void place_new(engine *e, placed *p, size_t c, size_t first, size_t count) {
+  sd_state *s = e->state;
+  double *at[] = {s->x, s->y, s->theta}, *speed[] = {s->vx, s->vy, s->omega};
+  double *force[] = {s->force_x, s->force_y, s->torque};
+  size_t slot = c / 3, k = c % 3;
+  p->slot = (uint32_t)slot;
+  p->coordinate = (int)k;
+  p->first = first;
+  p->count = count;
+  p->at = at[k] + slot;
+  p->last = *p->at;
+  p->speed = speed[k] + slot;
+  p->force = force[k] + slot;
+}
+
+/* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
+static sd_status list_places(engine *e) {
+  const sd_model *m = e->model;
+  motions *q = e->work.motions;
+  size_t n = 3 * e->state->n_bodies, terms = 0;
+  size_t *count = calloc(n + 1, sizeof *count), *at = calloc(n + 1, sizeof *at);
+  q->n_placed = 0;
+  q->moves_walls = q->drives_free = false;
+  for (int pass = 0; count && at && pass < 2; pass++) {
+    for (size_t k = 0; k < m->n_motions; k++) {
+      if (e->state->motion_start[k] < 0) continue;
+      for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+        uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
+        size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
+        if (slot >= e->state->n_disks) q->moves_walls = true;
+        if (slot < e->state->n_free) q->drives_free = true;
+        if (feedback_drives(&m->motions[k])) continue;
+        if (pass == 0) {
+          count[c]++;
+        } else {
+          q->terms[at[c]] = &q->signals.item[k].now;
+          q->term_motions[at[c]++] = k;
+        }
+      }
+    }
+    for (size_t c = 0; pass == 0 && c < n; c++) {
+      if (!count[c]) continue;
+      place_new(e, &q->places[q->n_placed++], c, terms, count[c]);
+      at[c] = terms;
+      terms += count[c];
+    }
+  }
+  feedback_list(e, &q->feedbacks);
+  bool failed = !count || !at;
+  free(count);
+  free(at);
+  return failed ? SD_ERROR_IO : SD_OK;
+}
+
+static double *base_of(sd_state *s, int coordinate) {
+  return coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta;
+}
+
+/* How many running motions add to each coordinate of each body (by 3 slot + coordinate): counts motion k in
+ * (by = 1) or out (by = -1). */
+static void count_mover(const engine *e, int32_t *movers, size_t k, int by) {
+  const sd_motion *m = &e->model->motions[k];
+  for (size_t b = 0; b < m->n_bodies; b++)
+    movers[3 * (size_t)e->work.slot[m->bodies[b]] + (size_t)m->coordinate] += by;
+}
+
+/* Stands still where the base and the images say. */
+static void rest(engine *e, uint32_t slot, int coordinate) {
+  sd_state *s = e->state;
+  if (coordinate == SD_THETA) {
+    s->theta[slot] = s->base_theta[slot] - s->turn[slot];
+    s->omega[slot] = 0.0;
+  } else if (coordinate == SD_X) {
+    s->x[slot] = s->base_x[slot] - s->image_x[slot] * e->work.length[0];
+    s->vx[slot] = 0.0;
+  } else {
+    s->y[slot] = s->base_y[slot] - s->image_y[slot] * e->work.length[1];
+    s->vy[slot] = 0.0;
+  }
+}
+
+/* The last value stays in the base; a motion that never took a step displaced nothing. What no other motion
+ * moves comes to rest. */
+static void switch_off(engine *e, int32_t *movers, size_t k) {
+  const sd_motion *m = &e->model->motions[k];
+  const motions *q = e->work.motions;
+  sd_state *s = e->state;
+  double *base = base_of(s, m->coordinate);
+  if (feedback_drives(m))
+    feedback_end(e, k);
+  else if (s->step > s->motion_start[k])
+    for (size_t b = 0; b < m->n_bodies; b++)
+      base[e->work.slot[m->bodies[b]]] += q->signals.item[k].now.u[s->step - q->first];
+  s->motion_start[k] = -1;
+  count_mover(e, movers, k, -1);
+  for (size_t b = 0; b < m->n_bodies; b++) {
+    uint32_t slot = e->work.slot[m->bodies[b]];
+    if (movers[3 * (size_t)slot + (size_t)m->coordinate] == 0) rest(e, slot, m->coordinate);
+  }
+}
+
+static void switch_on(engine *e, int32_t *movers, size_t k) {
+  e->state->motion_start[k] = e->state->step;
+  count_mover(e, movers, k, 1);
+  if (e->model->motions[k].kind == SD_MOTION_RANDOM) signals_start_random(e, &e->work.motions->signals, k);
+  if (feedback_drives(&e->model->motions[k])) feedback_begin(e, k);
+}
+
+sd_status motion_begin_phase(engine *e) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  motion_store(e);
+  const bool *active = m->phases[s->phase].active;
+  int32_t *movers = calloc(3 * s->n_bodies, sizeof *movers);
+  if (!movers) return SD_ERROR_IO;
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (s->motion_start[k] >= 0) count_mover(e, movers, k, 1);
+  if (e->work.motions->first < 0) fill(e, s->step); /* the last values are not known */
+  for (size_t k = 0; k < m->n_motions; k++) {
+    bool on = s->motion_start[k] >= 0;
+    if (on && !active[k]) switch_off(e, movers, k);
+    if (!on && active[k]) switch_on(e, movers, k);
+  }
+  free(movers);
+  return motion_resume(e);
+}
+
+void motion_reload(engine *e) {
+  motions *q = e->work.motions;
+  signals_load(e, &q->signals);
+  q->first = INT64_MIN / 2; /* nothing computed yet */
+  for (size_t k = 0; k < q->n_placed; k++) q->places[k].last = *q->places[k].at;
+}
+
+sd_status motion_resume(engine *e) {
+  motion_reload(e);
+  return list_places(e);
+}
+
+void motion_store(engine *e) {
+  const motions *q = e->work.motions;
+  if (q && q->first >= 0) signals_store(e, &q->signals);
+}
+
+bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
+
+bool motion_drives_free(const engine *e) { return e->work.motions->drives_free; }
+
+bool motion_corrects(const engine *e) { return e->work.motions->feedbacks.count > 0; }
+
+int64_t motion_index(const engine *e) { return e->state->step + 1 - e->work.motions->first; }
+
+placed *motion_places(engine *e, size_t *n) {
+  *n = e->work.motions->n_placed;
+  return e->work.motions->places;
+}
+
+size_t motion_term(const engine *e, const placed *p, size_t t) {
+  return e->work.motions->term_motions[p->first + t];
+}
+
+signals *motion_signals(const engine *e) { return &e->work.motions->signals; }
+
+bool motion_ahead(engine *e) {
+  int64_t k = motion_index(e);
+  if (k < 0 || k >= MOTION_BATCH) fill(e, e->state->step + 1);
+  return e->work.motions->quiet;
+}
+
+void motion_place(engine *e, thread_work *mine) {
+  motions *q = e->work.motions;
+  const sd_state *s = e->state;
+  motion_ahead(e);
+  int64_t k = motion_index(e);
+  for (placed *p = q->places; p < q->places + q->n_placed; p++) {
+    double after = p->value[k];
+    p->moved = 0.0;
+    if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue; /* it waits, or was taken out */
+    p->moved = after - p->last;
+    p->force_before = *p->force;
+    *p->at = p->last = after;
+    *p->speed = p->velocity[k];
+    body_seat(e, p->slot);
+  }
+  if (q->quiet) return;
+  feedback_place(e, &q->feedbacks, mine);
+  for (const placed *p = q->places; p < q->places + q->n_placed; p++) {
+    if (neighbours_moved(e, p->slot)) mine->stale = true;
+    /* free disks with a prescribed coordinate are looked at by the corrector */
+    if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
+      event_add(&mine->returns, p->slot, 0.0);
+  }
+}
+
+void motion_came_back(engine *e, uint32_t slot) {
+  motions *q = e->work.motions;
+  bool known = q->first >= 0 && e->state->step + 1 - q->first < MOTION_BATCH;
+  for (size_t k = 0; k < q->n_placed; k++) {
+    if (q->places[k].slot != slot) continue;
+    q->places[k].last = *q->places[k].at;
+    if (known) fill_place(e, &q->places[k]);
+  }
+}
+
+void motion_work(engine *e) {
+  motions *q = e->work.motions;
+  double done = feedback_correct(e, &q->feedbacks);
+  for (const placed *p = q->places; p < q->places + q->n_placed; p++)
+    done += (p->force_before + *p->force) * p->moved;
+  e->state->work_driven -= 0.5 * done;
+}

@@ -1,0 +1,30 @@
+/* oscillators.h: randomly forced oscillators (eq. 52; random.h), side by side in lanes: several random motions of one
+ * system, or one motion of several systems.
+ *
+ * Draws are numbered from the motion's start: number 0 is the stationary start, number k > 0 comes from half k & 1 of
+ * block start + k/2 of its stream, where start is the step at which the motion was switched on. (A motion that runs
+ * for n steps uses n/2 blocks, so a later start meets other blocks.) Row r of a lane holds number base + r.
+ * Blocks are used whole: rows are added from an even number on, and what the state does not hold is
+ * computed again.
+ */
+#ifndef PHYSICS_OSCILLATORS_H
+#define PHYSICS_OSCILLATORS_H
+
+#include "physics/system/kernels.h"
+#include "physics/motion/random.h"
+
+/* n zeroed groups whose rows begin where vectors do; NULL without memory; goes with free. */
+oscillators *oscillators_new(size_t n);
+void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed, uint32_t stream);
+
+/* Takes a lane from the state: motion k runs, and its draws are `interval` steps apart. Back: at state->step. */
+void oscillators_load(oscillators *g, size_t lane, const sd_state *s, size_t k, int64_t interval);
+void oscillators_store(const oscillators *g, size_t lane, sd_state *s, size_t k, int64_t interval);
+/* Not running. */
+void oscillators_rest(oscillators *g, size_t lane);
+
+/* Brings the rows of every lane that runs to a batch of n values, the first of them at step first[lane]: from the last
+ * draw before it to the first one after it. Returns how many rows there are. */
+size_t oscillators_ahead(const kernels *k, oscillators *g, const int64_t *first, int64_t n, int64_t interval);
+
+#endif

@@ -1,0 +1,265 @@
+/* signals.c: see signals.h. */
+#include "physics/motion/signals.h"
+
+#include <gsl/gsl_errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/motion/feedback.h"
+#include "physics/motion/oscillators.h"
+
+/* --- kinds ------------------------------------------------------------------------------------------- */
+
+typedef struct batch {
+  const engine *e;
+  const kernels *k;
+  const sd_motion *motion;
+  signal *signal;
+  int64_t local;       /* steps since the motion was switched on, of the batch's first value */
+  double *u, *v, *low; /* where values go that are not elsewhere already */
+} batch;
+
+/* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 2, trap 4). */
+static void fill_velocity(batch *b) {
+  double c = b->motion->velocity * b->e->work.dt;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double l = (double)(b->local + k);
+    b->u[k] = c * l;
+    b->low[k] = fma(c, l, -b->u[k]);
+    b->v[k] = b->motion->velocity;
+  }
+  b->signal->now.low = b->low;
+}
+
+/* The anchors that the batch needs: exact turns every WAVE_STEPS steps. */
+static void set_anchors(batch *b) { b->k->anchors(&b->signal->wave, b->local & ~(int64_t)(WAVE_STEPS - 1)); }
+
+static void fill_harmonic(batch *b) {
+  set_anchors(b);
+  b->k->harmonic(&b->signal->wave, b->local, MOTION_BATCH, b->u, b->v);
+}
+
+static void fill_parabolic(batch *b) {
+  set_anchors(b);
+  b->k->parabolic(&b->signal->wave, b->local, MOTION_BATCH, b->u, b->v);
+}
+
+static void fill_table(batch *b) {
+  const sd_motion *m = b->motion;
+  double from = m->table_time[0], to = m->table_time[m->n_table - 1], span = to - from;
+  for (int k = 0; k < MOTION_BATCH; k++) {
+    double t = (double)(b->local + k) * b->e->work.dt;
+    if (m->periodic) t = from + (t - from) - span * floor((t - from) / span);
+    bool beyond = !m->periodic && (t < from || t > to);
+    double at = t < from ? from : t > to ? to : t, u = 0.0, v = 0.0;
+    gsl_spline_eval_e(b->signal->spline, at, b->signal->accel, &u);
+    if (!beyond) gsl_spline_eval_deriv_e(b->signal->spline, at, b->signal->accel, &v);
+    b->u[k] = m->amplitude * u;
+    b->v[k] = m->amplitude * v;
+  }
+}
+
+typedef struct signal_kind {
+  const char *name;
+  void (*fill)(batch *b);
+} signal_kind;
+
+static const signal_kind signal_kinds[SD_MOTION_KINDS] = {
+    [SD_MOTION_VELOCITY] = {"velocity", fill_velocity},
+    [SD_MOTION_HARMONIC] = {"harmonic", fill_harmonic},
+    [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic},
+    [SD_MOTION_RANDOM] = {"random", NULL}, /* fill_random */
+    [SD_MOTION_TABLE] = {"table", fill_table},
+    [SD_MOTION_LOAD] = {"load", NULL}, /* feedback.h */
+    [SD_MOTION_SERVO] = {"servo", NULL},
+};
+
+/* A value per step from the draws: the draws themselves, or the cubics between them. */
+static void fill_random(batch *b, const signals *all) {
+  signal *s = b->signal;
+  const oscillators *g = &all->groups[s->group];
+  const double *u = all->draws[s->group][0][s->lane], *v = all->draws[s->group][1][s->lane];
+  int64_t m = b->motion->interval;
+  if (m == 1) {
+    size_t row = (size_t)(b->local - g->base[s->lane]);
+    s->now = (signal_values){u + row, v + row, NULL};
+    return;
+  }
+  double h = (double)m * b->e->work.dt;
+  draw_series d = {u, v, h, 1.0 / h, 1.0 / (double)m, m, g->base[s->lane]};
+  b->k->cubics(&d, b->local, MOTION_BATCH, b->u, b->v);
+}
+
+/* Values in place of those that are now. */
+static void fade_in(batch *b) {
+  signal_values *now = &b->signal->now;
+  if ((double)b->local * b->e->work.dt >= b->motion->ramp) return;
+  if (now->u != b->u) {
+    memcpy(b->u, now->u, MOTION_BATCH * sizeof *b->u);
+    memcpy(b->v, now->v, MOTION_BATCH * sizeof *b->v);
+    now->u = b->u;
+    now->v = b->v;
+  }
+  b->k->fade(b->e->work.dt, b->motion->ramp, b->local, MOTION_BATCH, b->u, b->v, now->low ? b->low : NULL);
+}
+
+static batch batch_of(const engine *e, signal *s, size_t motion, int64_t local) {
+  batch b = {e, e->work.kernels, &e->model->motions[motion], s, local, .u = s->room[0] + WAVE_FINE};
+  b.v = s->room[1] + WAVE_FINE;
+  b.low = s->room[2] + WAVE_FINE;
+  s->now = (signal_values){b.u, b.v, NULL};
+  return b;
+}
+
+void signals_fill_one(const engine *e, signal *s, size_t motion, int64_t local) {
+  batch b = batch_of(e, s, motion, local);
+  signal_kinds[b.motion->kind].fill(&b);
+  if (b.motion->ramp > 0.0) fade_in(&b);
+}
+
+/* New draws of every running random motion, up to the one after the batch's last step. */
+static void draw_ahead(const engine *e, signals *all, int64_t first) {
+  const kernels *k = e->work.kernels;
+  int64_t firsts[OSCILLATORS];
+  for (size_t l = 0; l < OSCILLATORS; l++) firsts[l] = first;
+  for (size_t n = 0; n < all->n_groups; n++) {
+    oscillators *g = &all->groups[n];
+    size_t rows = oscillators_ahead(k, g, firsts, MOTION_BATCH, g->interval);
+    k->spread(g, rows, all->draws[n][0], all->draws[n][1]);
+  }
+}
+
+void signals_fill(const engine *e, signals *all, int64_t first) {
+  draw_ahead(e, all, first);
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const sd_motion *m = &e->model->motions[k];
+    if (e->state->motion_start[k] < 0 || feedback_drives(m)) continue;
+    int64_t local = first - e->state->motion_start[k];
+    if (m->kind != SD_MOTION_RANDOM) {
+      signals_fill_one(e, &all->item[k], k, local);
+      continue;
+    }
+    batch b = batch_of(e, &all->item[k], k, local);
+    fill_random(&b, all);
+    if (m->ramp > 0.0) fade_in(&b);
+  }
+}
+
+/* --- tables ------------------------------------------------------------------------------------------ */
+
+static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages) {
+  gsl_error_handler_t *handler = gsl_set_error_handler_off();
+  const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
+  s->spline = gsl_spline_alloc(type, m->n_table);
+  s->accel = gsl_interp_accel_alloc();
+  int bad = !s->spline || !s->accel || gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
+  gsl_set_error_handler(handler);
+  if (!bad) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table",
+                 m->name ? m->name : "?");
+}
+
+/* Angles of 0 ... 7 steps, and of 0, 8, ... 56. */
+static void wave_new(const engine *e, wave *w, const sd_motion *m) {
+  const double per_turn = 0.5 / M_PI;
+  double t[2 * WAVE_FINE];
+  w->rate = m->omega * e->model->dt * per_turn;
+  w->rate_high = (double)(float)w->rate; /* 24 digits */
+  w->rate_low = w->rate - w->rate_high;
+  w->offset = m->phase * per_turn;
+  bool parabolic = m->kind == SD_MOTION_PARABOLIC;
+  w->scale_u = parabolic ? 8.0 * m->amplitude : m->amplitude;
+  w->scale_v = parabolic ? 4.0 * m->amplitude * (m->omega / M_PI) : m->amplitude * m->omega;
+  for (int k = 0; k < WAVE_FINE; k++) {
+    t[k] = w->rate * k;
+    t[WAVE_FINE + k] = w->rate * (WAVE_FINE * k);
+  }
+  e->work.kernels->sine_cosine(t, 2 * WAVE_FINE, w->sine, w->cosine);
+  w->from = -1;
+}
+
+static sd_status join_group(const engine *e, signals *all, size_t k) {
+  signal *s = &all->item[k];
+  const sd_motion *m = &e->model->motions[k];
+  s->step = random_step_new(m->omega, m->damping, m->amplitude, (double)m->interval * e->model->dt);
+  if (isnan(s->step.cholesky[0])) return SD_ERROR_IO;
+  oscillators *last = all->groups + all->n_groups - 1;
+  if (all->n_groups == 0 || last->count == OSCILLATORS || last->interval != m->interval) {
+    last = &all->groups[all->n_groups++];
+    last->interval = m->interval;
+  }
+  s->group = all->n_groups - 1;
+  s->lane = last->count++;
+  oscillators_set(last, s->lane, &s->step, e->model->seed, m->stream);
+  return SD_OK;
+}
+
+sd_status signals_new(const engine *e, signals *all, sd_messages *messages) {
+  const sd_model *m = e->model;
+  size_t n = 0;
+  for (size_t k = 0; k < m->n_motions; k++) n += m->motions[k].kind == SD_MOTION_RANDOM;
+  all->item = calloc(m->n_motions + 1, sizeof *all->item);
+  all->groups = oscillators_new(n + 1);
+  all->draws = calloc(n + 1, sizeof *all->draws);
+  if (!all->item || !all->groups || !all->draws)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *motion = &m->motions[k];
+    if (motion->kind == SD_MOTION_RANDOM && join_group(e, all, k) != SD_OK)
+      return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+    if (motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC)
+      wave_new(e, &all->item[k].wave, motion);
+    if (motion->kind == SD_MOTION_TABLE && spline_new(&all->item[k], motion, messages) != SD_OK)
+      return SD_ERROR_USER;
+  }
+  return SD_OK;
+}
+
+void signals_free(const engine *e, signals *all) {
+  for (size_t k = 0; all->item && k < e->model->n_motions; k++) {
+    gsl_spline_free(all->item[k].spline);
+    gsl_interp_accel_free(all->item[k].accel);
+  }
+  free(all->item);
+  free(all->groups);
+  free(all->draws);
+}
+
+/* --- the state ---------------------------------------------------------------------------------------- */
+
+void signals_load(const engine *e, signals *all) {
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const sd_motion *m = &e->model->motions[k];
+    if (m->kind != SD_MOTION_RANDOM) continue;
+    oscillators *g = &all->groups[all->item[k].group];
+    if (e->state->motion_start[k] < 0)
+      oscillators_rest(g, all->item[k].lane);
+    else
+      oscillators_load(g, all->item[k].lane, e->state, k, m->interval);
+  }
+}
+
+void signals_store(const engine *e, const signals *all) {
+  for (size_t k = 0; k < e->model->n_motions; k++) {
+    const sd_motion *m = &e->model->motions[k];
+    if (m->kind != SD_MOTION_RANDOM || e->state->motion_start[k] < 0) continue;
+    oscillators_store(&all->groups[all->item[k].group], all->item[k].lane, e->state, k, m->interval);
+  }
+}
+
+void signals_start_random(const engine *e, const signals *all, size_t k) {
+  const sd_motion *m = &e->model->motions[k];
+  const random_step *r = &all->item[k].step;
+  sd_state *s = e->state;
+  double a, b;
+  e->work.kernels->normals(e->model->seed, m->stream, RANDOM_START, s->step, 1, &a, &b);
+  double u = m->amplitude * a, v = m->omega * m->amplitude * b;
+  s->motion_u0[k] = u;
+  s->motion_v0[k] = v;
+  e->work.kernels->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a, &b);
+  /* as the kernel sums it */
+  s->motion_u1[k] = r->propagator[0][0] * u + (r->propagator[0][1] * v + r->cholesky[0] * a);
+  s->motion_v1[k] =
+      r->propagator[1][1] * v + (r->propagator[1][0] * u + (r->cholesky[1] * a + r->cholesky[2] * b));
+}

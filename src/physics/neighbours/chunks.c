@@ -1,0 +1,270 @@
+/* chunks.c: see chunks.h. */
+#include "physics/neighbours/chunks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Disks per chunk: few enough for the cache, and several chunks for every thread, so that few of them have to wait for
+ * other threads. */
+enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
+
+/* A piece of a straight wall costs as much as this many round pairs; a disk without any, too. */
+enum { PIECE_COST = 4, DISK_COST = 1 };
+
+static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
+
+/* Of a share of n disks, the last chunk may be smaller; all shares have room for as many. */
+static size_t chunk_size(size_t n) {
+  size_t size = (n + CHUNKS_PER_THREAD - 1) / CHUNKS_PER_THREAD;
+  if (size > CHUNK_MOST) size = CHUNK_MOST;
+  if (size < CHUNK_LEAST) size = CHUNK_LEAST;
+  return rounded(size);
+}
+
+void chunks_free(chunks *c) {
+  free(c->begin);
+  free(c->of_disks);
+  free(c->pair);
+  free(c->piece);
+  free(c->need_start);
+  free(c->need);
+  free(c->kept);
+  free(c->row);
+  free(c->predicted);
+  free(c->seated);
+  free(c->early);
+  free(c->late);
+  free(c->last);
+  free(c->commit_start);
+  free(c->commit);
+  *c = (chunks){0};
+}
+
+static sd_status reserve(chunks *c, size_t count, size_t n_free) {
+  if (count <= c->capacity) return SD_OK;
+  chunks_free(c);
+  c->begin = malloc((count + 1) * sizeof *c->begin);
+  c->of_disks = malloc((n_free / CHUNK_STEP + 1) * sizeof *c->of_disks);
+  c->pair = malloc((count + 1) * sizeof *c->pair);
+  c->piece = malloc((count + 1) * sizeof *c->piece);
+  c->need_start = malloc((count + 1) * sizeof *c->need_start);
+  c->kept = malloc(count);
+  c->row = malloc(count * sizeof *c->row);
+  c->predicted = malloc(count * sizeof *c->predicted);
+  c->seated = malloc(count * sizeof *c->seated);
+  c->early = malloc(count);
+  c->late = malloc(count);
+  c->last = malloc(count * sizeof *c->last);
+  c->commit_start = malloc((count + 2) * sizeof *c->commit_start);
+  c->commit = malloc(count * sizeof *c->commit);
+  bool all = c->begin && c->of_disks && c->pair && c->piece && c->need_start && c->kept && c->row &&
+             c->predicted && c->seated && c->early && c->late && c->last && c->commit_start && c->commit;
+  c->capacity = all ? count : 0;
+  return all ? SD_OK : SD_ERROR_IO;
+}
+
+/* Where the pairs of each chunk begin; round ones to whole blocks. */
+static void find_pairs(chunks *c, const pairs *p) {
+  size_t k = 0, piece = p->first_piece;
+  for (size_t n = 0; n <= c->count; n++) {
+    const int32_t first = (int32_t)c->begin[n];
+    while (k < p->n_round && (n == c->count || p->a[k] < first)) k++;
+    while (piece < p->count && (n == c->count || p->a[piece] < first)) piece++;
+    size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
+    c->pair[n] = whole < p->first_piece ? whole : p->first_piece;
+    c->piece[n] = piece;
+  }
+}
+
+static sd_status add_need(chunks *c, size_t *n, uint32_t chunk) {
+  if (*n == c->need_capacity) {
+    size_t capacity = 2 * *n + 4 * c->count + 16;
+    uint32_t *more = realloc(c->need, capacity * sizeof *more);
+    if (!more) return SD_ERROR_IO;
+    c->need = more;
+    c->need_capacity = capacity;
+  }
+  c->need[(*n)++] = chunk;
+  return SD_OK;
+}
+
+/* Which chunks the pairs of each one see; itself always. `last` marks here for whom a chunk was found last. */
+static sd_status find_needs(chunks *c, const pairs *p, size_t n_free) {
+  size_t n = 0;
+  for (size_t k = 0; k < c->count; k++) c->last[k] = SIZE_MAX;
+  for (size_t k = 0; k < c->count; k++) {
+    c->need_start[k] = n;
+    c->last[k] = k;
+    if (add_need(c, &n, (uint32_t)k) != SD_OK) return SD_ERROR_IO;
+    for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
+      for (int side = 0; side < 2; side++) {
+        int32_t slot = side ? p->b[at] : p->a[at];
+        if (slot < 0 || (size_t)slot >= n_free || c->last[chunks_of_disk(c, (size_t)slot)] == k) continue;
+        size_t seen = chunks_of_disk(c, (size_t)slot);
+        c->last[seen] = k;
+        if (add_need(c, &n, (uint32_t)seen) != SD_OK) return SD_ERROR_IO;
+      }
+  }
+  c->need_start[c->count] = n;
+  return SD_OK;
+}
+
+static int thread_of_chunk(const chunks *c, size_t k) {
+  int t = 0;
+  while (k >= c->share[t + 1]) t++;
+  return t;
+}
+
+static void find_early(chunks *c, int threads) {
+  memset(c->early, 0, c->count);
+  memset(c->late, 0, c->count);
+  c->any_early = false;
+  for (int t = 0; t < threads; t++)
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
+      for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
+        if (c->need[n] < c->share[t] || c->need[n] >= c->share[t + 1])
+          c->any_early = c->early[c->need[n]] = true;
+}
+
+/* Where the share of each thread begins, so that all cost the same. */
+static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *disk) {
+  const size_t all = p->n_round + PIECE_COST * (p->count - p->first_piece) + DISK_COST * n_free;
+  size_t k = 0, piece = p->first_piece, t = 1;
+  disk[0] = 0;
+  for (size_t d = 0; d < n_free; d += CHUNK_STEP) {
+    while (k < p->n_round && p->a[k] < (int32_t)d) k++;
+    while (piece < p->count && p->a[piece] < (int32_t)d) piece++;
+    const size_t cost = k + PIECE_COST * (piece - p->first_piece) + DISK_COST * d;
+    while (t < threads && cost >= all * t / threads) disk[t++] = d;
+  }
+  while (t <= threads) disk[t++] = n_free;
+}
+
+static void cut_shares(chunks *c, const size_t *disk) {
+  size_t k = 0;
+  for (int t = 0; t < c->n_threads; t++) {
+    c->share[t] = k;
+    for (size_t d = disk[t]; d < disk[t + 1]; d += c->size, k++) {
+      const size_t end = d + c->size < disk[t + 1] ? d + c->size : disk[t + 1];
+      c->begin[k] = d;
+      for (size_t n = d / CHUNK_STEP; n * CHUNK_STEP < end; n++) c->of_disks[n] = (uint32_t)k;
+    }
+  }
+  c->share[c->n_threads] = k;
+  c->begin[k] = disk[c->n_threads];
+}
+
+sd_status chunks_plan(engine *e) {
+  work *w = &e->work;
+  chunks *c = &w->chunks;
+  const size_t n_free = e->state->n_free, threads = (size_t)w->n_threads;
+  size_t disk[WORK_MAX_THREADS + 1], most = 0, count = 0;
+  share_disks(&w->pairs, n_free, threads, disk);
+  for (size_t t = 0; t < threads; t++)
+    if (disk[t + 1] - disk[t] > most) most = disk[t + 1] - disk[t];
+  const size_t size = chunk_size(threads > 1 ? most : CHUNKS_PER_THREAD * n_free);
+  for (size_t t = 0; t < threads; t++) count += (disk[t + 1] - disk[t] + size - 1) / size;
+  if (reserve(c, count ? count : 1, n_free) != SD_OK) return SD_ERROR_IO;
+  c->size = size;
+  c->count = count;
+  c->n_threads = w->n_threads;
+  cut_shares(c, disk);
+  for (size_t k = 0; k < count; k++) c->predicted[k] = c->seated[k] = INT64_MIN;
+  find_pairs(c, &w->pairs);
+  if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
+  find_early(c, w->n_threads);
+  return SD_OK;
+}
+
+int chunks_thread_of_disk(const engine *e, size_t slot) {
+  return thread_of_chunk(&e->work.chunks, chunks_of_disk(&e->work.chunks, slot));
+}
+
+int chunks_thread_of_pair(const engine *e, size_t pair) {
+  const chunks *c = &e->work.chunks;
+  if (pair >= e->work.pairs.first_piece) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
+  int t = 0;
+  while (pair >= c->pair[c->share[t + 1]]) t++;
+  return t;
+}
+
+/* The last chunk whose corrected disks its pairs want; none before all are through: n. */
+static size_t last_of(const chunks *c, size_t k, size_t from, size_t to) {
+  size_t last = k;
+  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
+    size_t seen = c->need[n];
+    if (seen < from || seen >= to || c->late[seen]) return c->count;
+    if (seen > last) last = seen;
+  }
+  return last;
+}
+
+void chunks_plan_commits(chunks *c) {
+  memset(c->commit_start, 0, (c->count + 2) * sizeof *c->commit_start);
+  for (int t = 0; t < c->n_threads; t++)
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
+      c->last[k] = last_of(c, k, c->share[t], c->share[t + 1]);
+      if (c->last[k] < c->count) c->commit_start[c->last[k] + 2]++;
+    }
+  for (size_t k = 2; k < c->count + 2; k++) c->commit_start[k] += c->commit_start[k - 1];
+  for (size_t k = 0; k < c->count; k++)
+    if (c->last[k] < c->count) c->commit[c->commit_start[c->last[k] + 1]++] = (uint32_t)k;
+}
+
+/* --- rows -------------------------------------------------------------------------------------------- */
+
+/* Rows for as many disks as a chunk has. */
+typedef struct page_list {
+  size_t *until; /* of each: after which chunk it is free */
+  size_t n;
+} page_list;
+
+/* A page that is free from chunk k on; they are few. What is kept gets a new one: it may be seated before the share
+ * begins, when earlier chunks still want all others. */
+static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
+  size_t page = until == SIZE_MAX ? l->n : first;
+  while (page < l->n && l->until[page] >= k) page++;
+  if (page == l->n) l->n++;
+  l->until[page] = until;
+  return page;
+}
+
+/* After which chunk of its share nobody wants each any more: SIZE_MAX where it is kept. */
+static void find_ends(chunks *c, size_t *until) {
+  for (size_t k = 0; k < c->count; k++) until[k] = c->early[k] || c->late[k] ? SIZE_MAX : k;
+  for (size_t k = 0; k < c->count; k++) {
+    const size_t last = c->last[k] < c->count ? c->last[k] : SIZE_MAX;
+    for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
+      if (until[c->need[n]] < last) until[c->need[n]] = last;
+  }
+  for (size_t k = 0; k < c->count; k++) c->kept[k] = until[k] == SIZE_MAX;
+}
+
+static void give_rows(chunks *c, const size_t *until, page_list *pages) {
+  for (size_t k = 0; k < c->count; k++) c->row[k] = SIZE_MAX;
+  for (int t = 0; t < c->n_threads; t++) {
+    const size_t first = pages->n; /* those of other shares are in use at any time */
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
+      for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
+        const size_t seen = c->need[n];
+        if (seen < c->share[t] || seen >= c->share[t + 1] || c->row[seen] != SIZE_MAX) continue;
+        c->row[seen] = c->size * take_page(pages, first, k, until[seen]);
+      }
+  }
+}
+
+sd_status chunks_plan_rows(chunks *c, size_t n_free) {
+  size_t *until = malloc((2 * c->count + 1) * sizeof *until);
+  if (!until) return SD_ERROR_IO;
+  page_list pages = {until + c->count, 0};
+  find_ends(c, until);
+  give_rows(c, until, &pages);
+  c->rows = pages.n * c->size;
+  c->shares = pages.n < c->count;
+  if (!c->shares) {
+    for (size_t k = 0; k < c->count; k++) c->row[k] = c->begin[k];
+    c->rows = n_free;
+  }
+  free(until);
+  return SD_OK;
+}

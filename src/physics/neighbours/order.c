@@ -1,0 +1,156 @@
+/* order.c: see order.h. */
+#include "physics/neighbours/order.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- order of the disks ------------------------------------------------------------------------------ */
+
+typedef struct place {
+  uint64_t strip; /* UINT64_MAX: not in play */
+  double along;
+  uint32_t id, slot;
+} place;
+
+static int by_place(const void *one, const void *two) {
+  const place *p = one, *q = two;
+  if (p->strip != q->strip) return p->strip < q->strip ? -1 : 1;
+  if (p->strip != UINT64_MAX && p->along != q->along) return p->along < q->along ? -1 : 1;
+  return p->id < q->id ? -1 : p->id > q->id;
+}
+
+typedef struct range {
+  double low, high;
+} range;
+
+static bool in_play(const sd_state *s, size_t i) {
+  return s->activity[i] == SD_IN_PLAY || s->activity[i] == SD_OUTSIDE;
+}
+
+static range range_of(const sd_state *s, const double *at) {
+  range x = {HUGE_VAL, -HUGE_VAL};
+  for (size_t i = 0; i < s->n_free; i++) {
+    if (!in_play(s, i)) continue;
+    x.low = fmin(x.low, at[i]);
+    x.high = fmax(x.high, at[i]);
+  }
+  return x;
+}
+
+/* Strips as wide as the largest disk; of a periodic side the first, the last, the second, the last but one ... */
+static uint64_t strip_of(double at, range x, double width, bool folded) {
+  width = fmax(width, (x.high - x.low) * 1e-9); /* a disk may be lost far away */
+  double count = floor((x.high - x.low) / width) + 1.0, k = floor((at - x.low) / width);
+  k = fmin(fmax(k, 0.0), count - 1.0);
+  if (!folded) return (uint64_t)k;
+  return (uint64_t)(k < 0.5 * count ? 2.0 * k : 2.0 * (count - 1.0 - k) + 1.0);
+}
+
+static void fill_places(const sd_model *m, const sd_state *s, place *list) {
+  range x = range_of(s, s->x), y = range_of(s, s->y);
+  const bool along_x = x.high - x.low >= y.high - y.low;
+  double width = 0.0;
+  for (size_t i = 0; i < s->n_free; i++) width = fmax(width, 2.0 * s->radius[i]);
+  for (uint32_t i = 0; i < s->n_free; i++) {
+    list[i] = (place){.strip = UINT64_MAX, .id = s->id[i], .slot = i};
+    if (!in_play(s, i)) continue;
+    list[i].strip = along_x ? strip_of(s->x[i], x, width, m->periodic[SD_X])
+                            : strip_of(s->y[i], y, width, m->periodic[SD_Y]);
+    list[i].along = along_x ? s->y[i] : s->x[i];
+  }
+}
+
+/* --- columns ----------------------------------------------------------------------------------------- */
+
+/* Rows of a column in a new order: row k becomes that which was from[k]. */
+static void permute(char *column, size_t row, size_t n, const uint32_t *from, char *scratch) {
+  for (size_t k = 0; k < n; k++) memcpy(scratch + k * row, column + from[k] * row, row);
+  memcpy(column, scratch, n * row);
+}
+
+static size_t rows_of(const sd_state *s, sd_extent extent, bool contacts) {
+  if (contacts) return extent == SD_PER_CONTACT ? s->n_contacts : 0;
+  if (extent == SD_PER_MEAN || extent == SD_PER_MEAN_BIN) return s->n_means;
+  return extent == SD_PER_BODY || extent == SD_PER_FREE ? s->n_free : 0;
+}
+
+static void permute_all(sd_state *s, bool contacts, const uint32_t *from, void *scratch) {
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    size_t row = sd_type_size(f->type) * (f->extent == SD_PER_MEAN_BIN ? SD_MEAN_BINS : 1);
+    permute(sd_field_data(s, f), row, rows_of(s, f->extent, contacts), from, scratch);
+  }
+}
+
+/* --- contacts ---------------------------------------------------------------------------------------- */
+
+typedef struct contact_place {
+  bool piece; /* of a straight wall: these follow the round pairs */
+  uint32_t a, b, part, from;
+} contact_place;
+
+static int by_slots(const void *one, const void *two) {
+  const contact_place *p = one, *q = two;
+  if (p->piece != q->piece) return p->piece ? 1 : -1;
+  if (p->a != q->a) return p->a < q->a ? -1 : 1;
+  if (p->b != q->b) return p->b < q->b ? -1 : 1;
+  return p->part < q->part ? -1 : p->part > q->part;
+}
+
+/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
+static void turn_contact(sd_state *s, size_t k, const uint32_t *slot) {
+  uint32_t a = s->contact_a[k], b = s->contact_b[k];
+  if (b >= s->n_disks || slot[a] < slot[b]) return;
+  s->contact_a[k] = b;
+  s->contact_b[k] = a;
+  s->contact_ex[k] = -s->contact_ex[k];
+  s->contact_ey[k] = -s->contact_ey[k];
+}
+
+static void list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list) {
+  for (uint32_t k = 0; k < s->n_contacts; k++) {
+    turn_contact(s, k, slot);
+    uint32_t b = s->contact_b[k];
+    bool piece = b >= s->n_disks && m->walls[b - s->n_disks].kind != SD_WALL_CIRCLE;
+    list[k] = (contact_place){piece, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
+  }
+}
+
+sd_status order_contacts(const sd_model *m, sd_state *s) {
+  const size_t n = s->n_contacts;
+  contact_place *list = malloc((n + 1) * sizeof *list);
+  uint32_t *from = calloc(n + 1, sizeof *from), *slot = calloc(s->n_bodies + 1, sizeof *slot);
+  void *scratch = malloc((n + 1) * sizeof(double));
+  sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
+  if (status == SD_OK) {
+    for (uint32_t k = 0; k < s->n_bodies; k++) slot[s->id[k]] = k;
+    list_contacts(m, s, slot, list);
+    if (n > 1) qsort(list, n, sizeof *list, by_slots);
+    for (size_t k = 0; k < n; k++) from[k] = list[k].from;
+    permute_all(s, true, from, scratch);
+  }
+  free(list);
+  free(from);
+  free(slot);
+  free(scratch);
+  return status;
+}
+
+sd_status order_disks(const sd_model *m, sd_state *s) {
+  size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
+  place *disks = malloc((s->n_free + 1) * sizeof *disks);
+  uint32_t *from = calloc(s->n_free + 1, sizeof *from);
+  void *scratch = malloc((s->n_free + 1) * row);
+  sd_status status = disks && from && scratch ? SD_OK : SD_ERROR_IO;
+  if (status == SD_OK) {
+    fill_places(m, s, disks);
+    if (s->n_free > 1) qsort(disks, s->n_free, sizeof *disks, by_place);
+    for (size_t k = 0; k < s->n_free; k++) from[k] = disks[k].slot;
+    permute_all(s, false, from, scratch);
+  }
+  free(disks);
+  free(from);
+  free(scratch);
+  return status == SD_OK ? order_contacts(m, s) : status;
+}

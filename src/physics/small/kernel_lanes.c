@@ -1,0 +1,81 @@
+/* kernel_lanes.c: steps of small systems in lanes (lanes.h); compiled once per instruction set.
+ *
+ * One system by itself fills both lanes of the narrowest vector: scalar code would have branches where vectors have
+ * masks. With sanitizers only the text for any system is compiled: the other one takes them minutes.
+ */
+#include "physics/system/kernel_path.h"
+#include "physics/system/kernels.h"
+#include "physics/small/lanes.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define KNOWN_SHAPES 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define KNOWN_SHAPES 0
+#endif
+#endif
+#ifndef KNOWN_SHAPES
+#define KNOWN_SHAPES 1
+#endif
+
+#define LANE_WIDTH 2
+#include "base/lane.h"
+#include "physics/step/integrate_pass.h"
+#include "physics/contact/law.h"
+#define LANES_TEXT any
+#define LANES_KNOWN 0
+#include "physics/small/lanes_pass.h"
+#undef LANES_TEXT
+#undef LANES_KNOWN
+#define LANES_TEXT three
+#define LANES_KNOWN 1
+#include "physics/small/lanes_pass.h"
+#if VECTOR_WIDTH > 2
+#undef LANE_WIDTH
+#define LANE_WIDTH VECTOR_WIDTH
+#include "base/lane.h"
+#include "physics/step/integrate_pass.h"
+#include "physics/contact/law.h"
+#include "physics/small/lanes_pass.h"
+#undef LANES_TEXT
+#undef LANES_KNOWN
+#define LANES_TEXT any
+#define LANES_KNOWN 0
+#include "physics/small/lanes_pass.h"
+#endif
+
+void KERNEL(kernel_lanes)(lanes *l, int64_t n);
+
+#define SHAPES(name, width, single)                                                                          \
+  static void name##_three_gear(lanes *l, int64_t n) {                                                       \
+    steps_three_w##width(l, n, (shape_three_w##width){1, 2, true, false, single});                           \
+  }                                                                                                          \
+  static void name##_three_verlet(lanes *l, int64_t n) {                                                     \
+    steps_three_w##width(l, n, (shape_three_w##width){1, 2, false, false, single});                          \
+  }                                                                                                          \
+  static void name##_any(lanes *l, int64_t n) {                                                              \
+    steps_any_w##width(l, n, (shape_any_w##width){l->n_free, l->n_pairs, l->gear, l->conservative, single}); \
+  }                                                                                                          \
+  static void name(lanes *l, int64_t n) {                                                                    \
+    if (!KNOWN_SHAPES || l->n_free != 1 || l->n_pairs != 2 || l->conservative)                               \
+      name##_any(l, n);                                                                                      \
+    else if (l->gear)                                                                                        \
+      name##_three_gear(l, n);                                                                               \
+    else                                                                                                     \
+      name##_three_verlet(l, n);                                                                             \
+  }
+SHAPES(one, 2, true)
+#if VECTOR_WIDTH == 8
+SHAPES(many, 8, false)
+#elif VECTOR_WIDTH == 4
+SHAPES(many, 4, false)
+#else
+SHAPES(many, 2, false)
+#endif
+
+void KERNEL(kernel_lanes)(lanes *l, int64_t n) {
+  if (l->motion)
+    many(l, n);
+  else
+    one(l, n);
+}

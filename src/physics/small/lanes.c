@@ -1,0 +1,512 @@
+/* lanes.c: small systems between their states and the rows of lanes.h; rare events. */
+#include "physics/small/lanes.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/system/kernels.h"
+#include "physics/small/lanes_motion.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/contact/pairs.h"
+#include "physics/neighbours/rows.h"
+
+/* --- which systems ------------------------------------------------------------------------------------ */
+
+static size_t count_pairs(const sd_model *m) {
+  size_t bodies = m->n_disks + m->n_walls;
+  return m->n_free * (bodies - m->n_free) + m->n_free * (m->n_free - 1) / 2;
+}
+
+static bool suits_motion(const sd_model *m, const sd_motion *motion) {
+  if (motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO) return false;
+  for (size_t b = 0; b < motion->n_bodies; b++)
+    if (motion->bodies[b] < m->n_disks && !m->disks[motion->bodies[b]].driven) return false;
+  return true;
+}
+
+/* Both contacts are pairs of the free disk. */
+static bool suits_watch(const sd_model *m, const sd_slide_watch *w) {
+  return !m->disks[w->disk].driven && w->partner[0] != w->disk && w->partner[1] != w->disk;
+}
+
+bool lanes_suit(const sd_model *m) {
+  if (m->n_free < 1 || m->n_free > LANES_FREE || m->n_disks + m->n_walls > LANES_BODIES ||
+      count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES || m->n_segments > 0 ||
+      m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 ||
+      (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
+    return false;
+  bool suits = true;
+  for (size_t k = 0; k < m->n_phases; k++)
+    suits = suits && !m->phases[k].relax && !m->phases[k].compress.asked;
+  for (size_t k = 0; k < m->n_motions; k++) suits = suits && suits_motion(m, &m->motions[k]);
+  for (size_t k = 0; k < m->n_slides; k++) suits = suits && suits_watch(m, &m->slides[k]);
+  return suits;
+}
+
+/* Nothing is the same as nothing, wherever it stands. */
+static bool same_bytes(const void *a, const void *b, size_t n) { return n == 0 || memcmp(a, b, n) == 0; }
+
+static bool same_motion(const sd_motion *a, const sd_motion *b) {
+  return a->kind == b->kind && a->coordinate == b->coordinate && a->n_bodies == b->n_bodies &&
+         a->interval == b->interval && same_bytes(a->bodies, b->bodies, a->n_bodies * sizeof *a->bodies);
+}
+
+static bool same_phase(const sd_phase *a, const sd_phase *b, size_t n_motions) {
+  return a->steps == b->steps && a->measure == b->measure && a->series_every == b->series_every &&
+         a->frames_every == b->frames_every && a->contacts_every == b->contacts_every &&
+         a->settle.asked == b->settle.asked && a->settle.every == b->settle.every &&
+         same_bytes(a->active, b->active, n_motions * sizeof *a->active);
+}
+
+bool lanes_alike(const sd_model *a, const sd_model *b) {
+  if (a->n_disks != b->n_disks || a->n_walls != b->n_walls || a->n_motions != b->n_motions ||
+      a->n_phases != b->n_phases || a->n_rotations != b->n_rotations || a->n_slides != b->n_slides ||
+      a->integrator != b->integrator || a->variant != b->variant || !lanes_suit(a) || !lanes_suit(b))
+    return false;
+  bool same = same_bytes(a->rotations, b->rotations, a->n_rotations * sizeof *a->rotations) &&
+              same_bytes(a->slides, b->slides, a->n_slides * sizeof *a->slides);
+  for (size_t k = 0; k < a->n_disks; k++) same = same && a->disks[k].driven == b->disks[k].driven;
+  for (size_t k = 0; k < a->n_motions; k++) same = same && same_motion(&a->motions[k], &b->motions[k]);
+  for (size_t k = 0; k < a->n_phases; k++)
+    same = same && same_phase(&a->phases[k], &b->phases[k], a->n_motions);
+  return same;
+}
+
+bool lanes_in_step(const engine *a, const engine *b) {
+  const sd_state *s = a->state, *t = b->state;
+  bool same = s->phase == t->phase;
+  for (size_t k = 0; k < s->n_motions; k++)
+    same = same && (s->motion_start[k] < 0 ? t->motion_start[k] < 0
+                                           : t->motion_start[k] >= 0 && s->step - s->motion_start[k] ==
+                                                                            t->step - t->motion_start[k]);
+  return same;
+}
+
+/* --- tables ------------------------------------------------------------------------------------------- */
+
+static size_t find_pair(const lanes *l, uint32_t one, uint32_t two) {
+  for (size_t k = 0; k < l->n_pairs; k++)
+    if ((l->a[k] == one && l->b[k] == two) || (l->a[k] == two && l->b[k] == one)) return k;
+  return 0; /* suits_watch: never */
+}
+
+/* Every pair as the lists have them, by slots; each body's in the same order. */
+static void list_pairs(lanes *l) {
+  for (uint32_t i = 0; i < l->n_free; i++)
+    for (uint32_t j = i + 1; j < l->n_bodies; j++) {
+      l->a[l->n_pairs] = i;
+      l->b[l->n_pairs++] = j;
+    }
+  for (uint32_t i = 0; i < l->n_bodies; i++)
+    for (uint32_t j = 0; j < l->n_bodies; j++) {
+      if (j == i || (i >= l->n_free && j >= l->n_free)) continue;
+      size_t k = find_pair(l, i, j);
+      l->entry[i][l->touching[i]++] = (uint8_t)(2 * k + (l->b[k] == i));
+    }
+}
+
+static double *rows_at(const lanes *l, size_t row) { return l->memory + row * l->width; }
+
+static void lay_rows(lanes *l) {
+  for (size_t i = 0; i < LANES_FREE; i++) l->disk[i] = rows_at(l, ROWS_DISK + i * DISK_ROWS);
+  for (size_t k = 0; k < LANES_PAIRS; k++) l->pair[k] = rows_at(l, ROWS_PAIR + k * PAIR_ROWS);
+  l->place = rows_at(l, ROWS_PLACE);
+  l->radius = rows_at(l, ROWS_RADIUS);
+  l->dt = rows_at(l, ROWS_DT);
+  l->per_dt = rows_at(l, ROWS_PER_DT);
+  l->work = rows_at(l, ROWS_WORK);
+  l->least = rows_at(l, ROWS_LEAST);
+}
+
+sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out) {
+  const size_t width = alone ? 2 : system[0]->work.kernels->lane_width;
+  lanes *l = calloc(1, sizeof *l);
+  *out = l;
+  size_t bytes = (size_t)ROWS_ALL * LANES_MOST * sizeof(double) / 64 * 64 + 64;
+  if (l) l->memory = aligned_alloc(64, bytes);
+  if (!l || !l->memory) {
+    lanes_free(l);
+    *out = NULL;
+    return SD_ERROR_IO;
+  }
+  memset(l->memory, 0, bytes);
+  l->width = width;
+  l->count = count;
+  for (size_t k = 0; k < LANES_MOST; k++) l->system[k] = system[k < count ? k : 0];
+  const sd_model *m = system[0]->model;
+  const sd_state *s = system[0]->state;
+  l->gear = m->integrator == SD_GEAR5;
+  l->conservative = m->variant == SD_CONSERVATIVE;
+  l->n_free = s->n_free;
+  l->n_bodies = s->n_bodies;
+  l->n_slides = s->n_slides;
+  list_pairs(l);
+  const uint32_t *slot = system[0]->work.slot;
+  for (size_t k = 0; k < l->n_slides; k++)
+    for (size_t side = 0; side < 2; side++)
+      l->watched[2 * k + side] =
+          (uint8_t)find_pair(l, slot[m->slides[k].disk], slot[m->slides[k].partner[side]]);
+  lay_rows(l);
+  if (!alone && lanes_motion_new(width, count, system, &l->motion) != SD_OK) {
+    lanes_free(l);
+    *out = NULL;
+    return SD_ERROR_IO;
+  }
+  return SD_OK;
+}
+
+void lanes_free(lanes *l) {
+  if (!l) return;
+  lanes_motion_free(l->motion);
+  free(l->memory);
+  free(l);
+}
+
+/* --- poses --------------------------------------------------------------------------------------------- */
+
+/* Where prescribed poses stand: in the scene; alone: as in the state, or in the batch where a motion runs. */
+static void find_poses(lanes *l) {
+  engine *e = l->system[0];
+  const sd_state *s = e->state;
+  memset(l->placed, 0, sizeof l->placed);
+  size_t n;
+  const placed *p = motion_places(e, &n);
+  for (size_t k = 0; k < n; k++) l->placed[p[k].slot][p[k].coordinate] = true;
+  l->scene = l->motion ? lanes_motion_scene(l->motion) : NULL;
+  for (size_t i = l->n_free; i < l->n_bodies && !l->motion; i++) {
+    const double now[POSES] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
+    for (int c = 0; c < POSES; c++) {
+      l->pose[i][c] = l->still[i][c];
+      for (size_t k = 0; k < MOTION_BATCH; k++) l->still[i][c][k] = now[c];
+    }
+  }
+  for (size_t k = 0; !l->motion && k < n; k++) {
+    l->pose[p[k].slot][p[k].coordinate] = p[k].value;
+    l->pose[p[k].slot][POSE_VX + p[k].coordinate] = p[k].velocity;
+  }
+}
+
+static double pose_now(const lanes *l, size_t slot, int which, size_t lane) {
+  if (!l->motion) return l->pose[slot][which][l->at];
+  return l
+      ->scene[(((slot - l->n_free) * POSES + (size_t)which) * SCENE_STEPS + (size_t)l->at) * l->width + lane];
+}
+
+static double *cell(const lanes *l, double *rows, size_t row, size_t lane) {
+  return rows + row * l->width + lane;
+}
+
+/* Poses of the last completed step into the rows: they stay there when the next batch is computed. */
+static void keep_poses(lanes *l) {
+  double *p = l->place;
+  for (size_t i = l->n_free; i < l->n_bodies; i++)
+    for (int c = 0; c < SD_COORDINATES; c++) {
+      if (!l->placed[i][c]) continue;
+      for (size_t lane = 0; lane < l->width; lane++) {
+        *cell(l, p, PLACE_LAST, lane) = pose_now(l, i, c, lane);
+        *cell(l, p, PLACE_SPEED, lane) = pose_now(l, i, POSE_VX + c, lane);
+      }
+      p += PLACE_ROWS * l->width;
+    }
+}
+
+int64_t lanes_ready(lanes *l) {
+  engine *e = l->system[0];
+  if (l->motion) {
+    int64_t ready = lanes_motion_ahead(l->motion);
+    l->at = e->state->step - lanes_motion_first(l->motion);
+    return ready;
+  }
+  motion_ahead(e);
+  size_t n;
+  const placed *p = motion_places(e, &n);
+  for (size_t k = 0; k < n; k++)
+    if (p[k].coordinate == SD_THETA && (p[k].low < -4.0 || p[k].high > 4.0)) return 0;
+  l->at = motion_index(e) - 1;
+  return MOTION_BATCH - motion_index(e);
+}
+
+/* --- load and store ------------------------------------------------------------------------------------ */
+
+static size_t index_in(const engine *e, const lanes *l, size_t k) {
+  const pairs *p = &e->work.pairs;
+  for (size_t n = 0; n < p->count; n++)
+    if ((uint32_t)p->a[n] == l->a[k] && (uint32_t)p->b[n] == l->b[k]) return n;
+  return SIZE_MAX;
+}
+
+/* What pair n remembers, in the order of the rows. */
+static void memory_of(const pairs *p, size_t n, double *column[PAIR_MEMORY]) {
+  pair_block *b = p->block + n / PAIR_BLOCK;
+  double *first[PAIR_MEMORY] = {b->star,   b->ex,   b->ey,      b->force,    b->overlap, b->stretch,
+                                b->turned, b->slip, b->viscous, b->friction, b->gain};
+  for (size_t r = 0; r < PAIR_MEMORY; r++) column[r] = first[r] + n % PAIR_BLOCK;
+}
+
+static void load_memory(lanes *l, size_t lane) {
+  const engine *e = l->system[lane];
+  const sd_state *s = e->state;
+  for (size_t k = 0; k < l->n_pairs; k++) {
+    size_t n = index_in(e, l, k);
+    double *from[PAIR_MEMORY];
+    if (n != SIZE_MAX) memory_of(&e->work.pairs, n, from);
+    for (size_t r = 0; r < PAIR_MEMORY; r++) *cell(l, l->pair[k], r, lane) = n == SIZE_MAX ? 0.0 : *from[r];
+  }
+  for (size_t i = 0; i < l->n_free; i++) {
+    *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
+    *cell(l, rows_at(l, ROWS_FAST), i, lane) = s->radius[i] * s->radius[i] * e->work.speed_limit2;
+  }
+}
+
+static void load_constants(lanes *l, size_t lane) {
+  const engine *e = l->system[lane];
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  *cell(l, l->dt, 0, lane) = w->dt;
+  *cell(l, l->per_dt, 0, lane) = w->per_dt;
+  for (size_t i = 0; i < l->n_bodies; i++) *cell(l, l->radius, i, lane) = s->radius[i];
+  for (size_t i = 0; i < l->n_free; i++)
+    for (size_t c = 0; c < SD_COORDINATES; c++) {
+      double gain = w->half_dt2 * w->columns[c].inverse[i];
+      *cell(l, l->disk[i], DISK_GAIN + c, lane) = gain;
+      *cell(l, l->disk[i], DISK_PUSH + c, lane) = w->columns[c].constant[i] * gain;
+    }
+  for (size_t k = 0; k < l->n_pairs; k++) {
+    double ra = s->radius[l->a[k]], rb = s->radius[l->b[k]], least = fabs(rb) < ra ? fabs(rb) : ra;
+    const law_row *law =
+        &w->laws[(size_t)s->material[l->a[k]] * e->model->n_materials + (size_t)s->material[l->b[k]]];
+    double *p = l->pair[k];
+    *cell(l, p, PAIR_KN, lane) = law->k_n;
+    *cell(l, p, PAIR_KT, lane) = law->k_t;
+    *cell(l, p, PAIR_GAMMA, lane) = law->gamma_n;
+    *cell(l, p, PAIR_CAP, lane) = law->cap;
+    *cell(l, p, PAIR_LIMIT, lane) = e->model->max_overlap * least;
+    *cell(l, p, PAIR_RA, lane) = ra;
+    *cell(l, p, PAIR_RB, lane) = rb;
+    *cell(l, p, PAIR_SUM, lane) = ra + rb;
+  }
+}
+
+static void load_lane(lanes *l, size_t lane) {
+  const engine *e = l->system[lane];
+  const sd_state *s = e->state;
+  load_constants(l, lane);
+  load_memory(l, lane);
+  for (size_t i = 0; i < l->n_free; i++)
+    for (size_t c = 0; c < SD_COORDINATES; c++) {
+      const columns *q = &e->work.columns[c];
+      const double column[DISK_COLUMNS] = {q->q[i], q->v[i], q->q2[i], q->q3[i], q->q4[i], q->q5[i]};
+      for (size_t r = 0; r < DISK_COLUMNS; r++) *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane) = column[r];
+    }
+  const double *at[] = {s->x, s->y, s->theta}, *force[] = {s->force_x, s->force_y, s->torque};
+  const double *speed[] = {s->vx, s->vy, s->omega};
+  double *p = l->place;
+  for (size_t i = l->n_free; i < l->n_bodies; i++)
+    for (size_t c = 0; c < SD_COORDINATES; c++) {
+      if (!l->placed[i][c]) continue;
+      *cell(l, p, PLACE_LAST, lane) = at[c][i];
+      *cell(l, p, PLACE_SPEED, lane) = speed[c][i];
+      *cell(l, p, PLACE_FORCE, lane) = force[c][i];
+      p += PLACE_ROWS * l->width;
+    }
+  *cell(l, l->work, 0, lane) = s->work_driven;
+  for (size_t k = 0; k < 2 * l->n_slides; k++) *cell(l, l->least, k, lane) = s->slide_force_min[k];
+}
+
+void lanes_load(lanes *l) {
+  if (l->motion) lanes_motion_load(l->motion);
+  find_poses(l);
+  l->dead = 0;
+  l->stepped = false;
+  memset(l->returns, 0, sizeof l->returns);
+  l->fast = 0;
+  memset(l->count_of, 0, sizeof l->count_of);
+  for (size_t lane = 0; lane < l->width; lane++) load_lane(l, lane);
+}
+
+/* Poses, and the lists where they are stale. */
+static sd_status store_poses(const lanes *l, size_t lane) {
+  engine *e = l->system[lane];
+  sd_state *s = e->state;
+  for (size_t i = 0; i < l->n_free; i++)
+    for (size_t c = 0; c < SD_COORDINATES; c++) {
+      const columns *q = &e->work.columns[c];
+      double *column[DISK_COLUMNS] = {q->q + i, q->v + i, q->q2 + i, q->q3 + i, q->q4 + i, q->q5 + i};
+      for (size_t r = 0; r < DISK_COLUMNS; r++) *column[r] = *cell(l, l->disk[i], c * DISK_COLUMNS + r, lane);
+    }
+  double *at[POSES] = {s->x, s->y, s->theta, s->vx, s->vy, s->omega}, *p = l->place;
+  for (size_t i = l->n_free; i < l->n_bodies; i++)
+    for (int c = 0; c < SD_COORDINATES; c++) {
+      if (!l->placed[i][c]) continue;
+      at[c][i] = *cell(l, p, PLACE_LAST, lane);
+      at[POSE_VX + c][i] = *cell(l, p, PLACE_SPEED, lane);
+      p += PLACE_ROWS * l->width;
+    }
+  for (uint32_t i = 0; i < l->n_bodies; i++)
+    if (neighbours_moved(e, i)) {
+      sd_status status = neighbours_check_finite(e, s->step, e->work.messages);
+      return status == SD_OK ? neighbours_build(e, e->work.messages) : status;
+    }
+  return SD_OK;
+}
+
+static void store_memory(const lanes *l, size_t lane) {
+  engine *e = l->system[lane];
+  const pairs *p = &e->work.pairs;
+  pairs_clear_sums(e);
+  for (size_t k = 0; k < l->n_pairs; k++) {
+    size_t n = index_in(e, l, k);
+    if (n == SIZE_MAX) continue; /* farther apart than any contact */
+    double *to[PAIR_MEMORY];
+    memory_of(p, n, to);
+    for (size_t r = 0; r < PAIR_MEMORY; r++) *to[r] = *cell(l, l->pair[k], r, lane);
+    const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
+    double tau = *cell(l, l->pair[k], PAIR_TAU, lane);
+    double *on_a = e->work.sums.row + PAIR(p, n, sum_a), *on_b = e->work.sums.row + PAIR(p, n, sum_b);
+    on_a[SUM_X] -= push[0], on_b[SUM_X] += push[0];
+    on_a[SUM_Y] -= push[1], on_b[SUM_Y] += push[1];
+    on_a[SUM_TURN] += tau;
+    on_b[SUM_TURN] += tau;
+  }
+}
+
+static void store_counts(lanes *l, size_t lane) {
+  sd_state *s = l->system[lane]->state;
+  for (size_t k = 0; k < l->n_slides; k++)
+    for (size_t c = 0; c < 16; c++) {
+      s->slide_count[16 * k + c] += l->count_of[k][c][lane];
+      l->count_of[k][c][lane] = 0;
+    }
+  for (size_t k = 0; k < 2 * l->n_slides; k++) s->slide_force_min[k] = *cell(l, l->least, k, lane);
+  s->work_driven = *cell(l, l->work, 0, lane);
+}
+
+static sd_status store_lane(lanes *l, size_t lane) {
+  engine *e = l->system[lane];
+  sd_status status = store_poses(l, lane);
+  if (status != SD_OK) return status;
+  store_memory(l, lane);
+  store_counts(l, lane);
+  e->work.kernels->gather(e, 0, l->n_bodies);
+  size_t n;
+  for (placed *p = motion_places(e, &n), *end = p + n; p < end; p++) p->last = *p->at;
+  return SD_OK;
+}
+
+static bool is_dead(const lanes *l, size_t lane) { return l->dead >> lane & 1u; }
+
+static void die(lanes *l, size_t lane, sd_status status) {
+  l->system[lane]->work.status = status;
+  l->dead |= 1u << lane;
+  l->dead_now = true;
+}
+
+void lanes_store(lanes *l) {
+  if (!l->stepped) return;
+  for (size_t lane = 0; lane < l->count; lane++) {
+    if (is_dead(l, lane)) continue;
+    sd_status status = store_lane(l, lane);
+    if (status != SD_OK) die(l, lane, status);
+  }
+  if (l->motion) lanes_motion_store(l->motion);
+}
+
+void lanes_show_angles(const lanes *l) {
+  for (size_t lane = 0; lane < l->count; lane++) {
+    sd_state *s = l->system[lane]->state;
+    if (is_dead(l, lane)) continue;
+    for (size_t i = 0; i < l->n_free; i++) s->theta[i] = *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane);
+    const double *p = l->place;
+    for (size_t i = l->n_free; i < l->n_bodies; i++)
+      for (int c = 0; c < SD_COORDINATES; c++) {
+        if (!l->placed[i][c]) continue;
+        if (c == SD_THETA) s->theta[i] = p[lane];
+        p += PLACE_ROWS * l->width;
+      }
+  }
+}
+
+int64_t lanes_take(lanes *l, int64_t n, bool measure) {
+  l->measure = measure;
+  l->stepped = true;
+  l->dead_now = false;
+  for (size_t lane = 0; lane < l->count; lane++) l->from[lane] = l->system[lane]->state->step;
+  l->system[0]->work.kernels->lanes(l, n);
+  keep_poses(l);
+  for (size_t lane = 0; lane < l->count; lane++) {
+    if (is_dead(l, lane)) continue;
+    sd_state *s = l->system[lane]->state;
+    s->step += l->done;
+    if (measure) s->measured += l->done;
+  }
+  return l->done;
+}
+
+/* --- rare events --------------------------------------------------------------------------------------- */
+
+static void count_openings(const lanes *l, size_t lane) {
+  sd_state *s = l->system[lane]->state;
+  for (size_t k = 0; k < 2 * l->n_slides; k++) {
+    int open = *cell(l, l->pair[l->watched[k]], PAIR_OVERLAP, lane) == 0.0;
+    if (open == s->slide_was_open[k]) continue;
+    s->slide_openings[k] += open;
+    s->slide_was_open[k] = open;
+  }
+}
+
+static void list_events(const lanes *l, size_t lane) {
+  engine *e = l->system[lane];
+  thread_work *mine = &e->work.threads[0];
+  for (size_t k = 0; k < l->n_pairs; k++) {
+    if (!(l->rare[k] >> lane & 1u)) continue;
+    size_t n = index_in(e, l, k);
+    double *p = l->pair[k];
+    if (n == SIZE_MAX) continue;
+    event *v = event_add(&mine->events, (uint32_t)n, *cell(l, p, PAIR_DROP, lane));
+    if (!v) return; /* the list knows */
+    v->ex = *cell(l, p, PAIR_WAS_EX, lane);
+    v->ey = *cell(l, p, PAIR_WAS_EY, lane);
+    v->missed = *cell(l, p, PAIR_MISSED, lane);
+  }
+  for (size_t i = 0; i < l->n_free; i++)
+    if (l->returns[i] >> lane & 1u) event_add(&mine->returns, (uint32_t)i, 0.0);
+  mine->fast = l->fast >> lane & 1u;
+}
+
+static void treat_lane(lanes *l, size_t lane) {
+  engine *e = l->system[lane];
+  sd_state *s = e->state;
+  s->step = l->from[lane] + l->done;
+  sd_status status = store_lane(l, lane);
+  if (status == SD_OK) {
+    list_events(l, lane);
+    s->step--; /* messages count from the step that is being taken */
+    status = contacts_events(e, e->work.messages);
+    s->step++;
+  }
+  if (status != SD_OK) {
+    if (l->measure) s->measured += l->done - 1;
+    die(l, lane, status);
+    return;
+  }
+  s->step = l->from[lane];
+  load_memory(l, lane);
+  if (l->measure) count_openings(l, lane);
+}
+
+void lanes_events(lanes *l) {
+  keep_poses(l);
+  unsigned lanes_with = l->fast;
+  for (size_t k = 0; k < l->n_pairs; k++) lanes_with |= l->rare[k];
+  for (size_t i = 0; i < l->n_free; i++) lanes_with |= l->returns[i];
+  for (size_t lane = 0; lane < l->count; lane++)
+    if ((lanes_with >> lane & 1u) && !is_dead(l, lane)) treat_lane(l, lane);
+  for (size_t lane = l->count; lane < l->width; lane++)
+    if (lanes_with & 1u) load_memory(l, lane);
+  memset(l->returns, 0, sizeof l->returns);
+  l->fast = 0;
+}

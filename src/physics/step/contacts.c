@@ -1,0 +1,341 @@
+/* contacts.c: rare events, store and load; see contacts.h. */
+#include "physics/system/bodies.h"
+#include "physics/step/contacts.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/step/engine.h"
+#include "physics/system/kernels.h"
+#include "physics/contact/losses.h"
+#include "physics/motion/motion.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/contact/pairs.h"
+#include "physics/step/speed.h"
+#include "physics/contact/walls.h"
+
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#include "physics/contact/law.h"
+
+/* --- rare events ------------------------------------------------------------------------------------- */
+
+event *event_add(event_list *list, uint32_t index, double opening) {
+  if (list->count == list->capacity) {
+    size_t capacity = 2 * list->capacity + 16;
+    event *more = realloc(list->item, capacity * sizeof *more);
+    if (!more) {
+      list->failed = true;
+      return NULL;
+    }
+    list->item = more;
+    list->capacity = capacity;
+  }
+  list->item[list->count] = (event){.index = index, .opening = opening};
+  return &list->item[list->count++];
+}
+
+/* Unit vector from a to b's surface, as the law has it. */
+static void normal(const engine *e, size_t k, double *nx, double *ny) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  int32_t a = w->pairs.a[k], b = w->pairs.b[k];
+  double dx, dy, sign = 1.0;
+  if (k < w->pairs.n_round) {
+    dx = s->x[b] - s->x[a];
+    dy = s->y[b] - s->y[a];
+    if (w->periodic[0]) dx -= w->length[0] * nearest_w1(dx * w->inverse_length[0]);
+    if (w->periodic[1]) dy -= w->length[1] * nearest_w1(dy * w->inverse_length[1]);
+    if (s->radius[a] + s->radius[b] < 0.0) sign = -1.0;
+  } else {
+    nearest_point q = walls_nearest(&w->segments[w->pairs.part[k]], s->x[a], s->y[a]);
+    dx = q.dx;
+    dy = q.dy;
+  }
+  double r = sign * sqrt(dx * dx + dy * dy);
+  *nx = dx / r;
+  *ny = dy / r;
+}
+
+/* Measures lambda from the present contact line on; on a straight wall also from the present side. */
+static void rebase(engine *e, size_t k) {
+  const sd_state *s = e->state;
+  pairs *p = &e->work.pairs;
+  double sum = s->radius[p->a[k]] + s->radius[p->b[k]];
+  PAIR(p, k, star) += sum * PAIR(p, k, turned);
+  PAIR(p, k, turned) = 0.0;
+  normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
+  if (k < p->n_round) return;
+  nearest_point q = walls_nearest(&e->work.segments[p->part[k]], s->x[p->a[k]], s->y[p->a[k]]);
+  if (!q.flat && q.side != p->side[k]) {
+    PAIR(p, k, star) += (q.side - p->side[k]) * q.arc;
+    p->side[k] = q.side;
+  }
+}
+
+static bool was_closed(const event *v) { return v->ex != 0.0 || v->ey != 0.0; }
+
+/* The event of this step in which the disk's contact with a piece next to k's opened, NULL: none. */
+static event *left_next_piece(engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  const sd_segment *pieces = e->model->segments;
+  int64_t here = p->part[k];
+  const event_list *events = &e->work.threads[0].events;
+  for (size_t n = 0; n < events->count; n++) {
+    event *v = &events->item[n];
+    bool opened = v->index >= p->n_round && was_closed(v) && !pairs_closed(p, v->index);
+    if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
+    int64_t there = p->part[v->index];
+    if (pieces[there].next == here || pieces[here].next == there) return v;
+  }
+  return NULL;
+}
+
+/* The arc length runs on through a vertex, so a disk that passes from one piece to the next keeps lambda*.
+ * False: it comes from no other piece. */
+static bool hand_over(engine *e, size_t k) {
+  pairs *p = &e->work.pairs;
+  event *v = left_next_piece(e, k);
+  if (!v) return false;
+  /* around the joint of a closed polyline the arc length jumps by its whole */
+  const sd_segment *there = &e->model->segments[p->part[v->index]], *here = &e->model->segments[p->part[k]];
+  double jump = 0.0;
+  if (there->next == p->part[k] && here <= there) jump = there->arc + there->length - here->arc;
+  if (here->next == p->part[v->index] && there <= here) jump = -(here->arc + here->length - there->arc);
+  PAIR(p, k, star) = v->star - v->side * jump;
+  PAIR(p, k, ex) = v->ex;
+  PAIR(p, k, ey) = v->ey;
+  p->side[k] = v->side;
+  v->handed = true; /* the energy goes along */
+  /* the losses of this step are those of one contact, from the piece it left to this one */
+  PAIR(p, k, force) = v->force;
+  PAIR(p, k, overlap) = v->overlap;
+  PAIR(p, k, stretch) = v->stretch;
+  PAIR(p, k, viscous) = PAIR(p, k, friction) = PAIR(p, k, gain) = 0.0;   /* as if it had not been committed */
+  e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
+  return true;
+}
+
+static void book_opening(engine *e, size_t k, double energy) {
+  sd_state *s = e->state;
+  int32_t a = e->work.pairs.a[k], b = e->work.pairs.b[k];
+  bool shared = (size_t)b < s->n_free;
+  losses_share(e, s->loss_opening, a, b, energy);
+  if (s->n_means == 0 || !e->model->phases[s->phase].measure) return;
+  s->mean_openings[a]++;
+  if (shared) s->mean_openings[b]++;
+}
+
+static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  double ra = s->radius[p->a[k]], rb = fabs(s->radius[p->b[k]]), least = rb > 0.0 && rb < ra ? rb : ra;
+  if (!(PAIR(p, k, overlap) > e->model->max_overlap * least)) return SD_OK;
+  char a[96], b[96];
+  return sd_fail(messages, SD_ERROR_NUMERIC,
+                 "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
+                 "is dt too large, or k_n too small?",
+                 (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
+                 sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), PAIR(p, k, overlap),
+                 e->model->max_overlap, least);
+}
+
+static bool begun(const pairs *p, const event *v) { return pairs_closed(p, v->index) && !was_closed(v); }
+
+/* Does the disk touch another piece of the same wall? Its pairs with them stand side by side. */
+static bool touches_beside(const pairs *p, size_t k) {
+  for (size_t j = k; j-- > p->first_piece && p->a[j] == p->a[k] && p->b[j] == p->b[k];)
+    if (pairs_closed(p, j)) return true;
+  for (size_t j = k + 1; j < p->count && p->a[j] == p->a[k] && p->b[j] == p->b[k]; j++)
+    if (pairs_closed(p, j)) return true;
+  return false;
+}
+
+/* Work of a force at the trial coordinates that the losses of the step do not know, or know without its having
+ * acted. Between pieces of a wall the one may have acted and the other be known: nothing is missing. */
+static void book_missed(engine *e, const event *v) {
+  const pairs *p = &e->work.pairs;
+  size_t k = v->index;
+  if (v->missed == 0.0 || v->handed || (k >= p->n_round && touches_beside(p, k))) return;
+  losses_share(e, e->state->past_viscous, p->a[k], p->b[k], v->missed);
+}
+
+static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
+  pairs *p = &e->work.pairs;
+  size_t k = v->index;
+  if (!was_closed(v)) book_missed(e, v);
+  if (!pairs_closed(p, k)) {
+    PAIR(p, k, overlap) = 0.0; /* else it has no direction: a centre on a centre */
+    losses_end(e, p, k);
+    if (was_closed(v) && !v->handed) book_opening(e, k, v->opening);
+    return SD_OK;
+  }
+  if (!begun(p, v)) rebase(e, k);
+  return check_overlap(e, k, messages);
+}
+
+/* theta back into [-4, 4] and the position into the box; lambda* of the disk's contacts follows. */
+static void bring_back(engine *e, uint32_t i) {
+  sd_state *s = e->state;
+  work *w = &e->work;
+  pairs *p = &w->pairs;
+  double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
+  double shift[2] = {0.0, 0.0};
+  if (s->x[i] < w->lower[0] || s->x[i] >= w->upper[0])
+    shift[0] = s->x[i] < w->lower[0] ? w->length[0] : -w->length[0];
+  if (s->y[i] < w->lower[1] || s->y[i] >= w->upper[1])
+    shift[1] = s->y[i] < w->lower[1] ? w->length[1] : -w->length[1];
+  s->theta[i] -= turn;
+  s->turn[i] += turn;
+  s->x[i] += shift[0];
+  s->y[i] += shift[1];
+  w->x0[i] += shift[0];
+  w->y0[i] += shift[1];
+  s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
+  s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
+  motion_came_back(e, i);
+  body_seat(e, i);
+  if (i >= s->n_disks) walls_place(e);
+  for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
+    size_t k = w->incidence.entry[at] / 2;
+    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
+    PAIR(p, k, star) -= s->radius[i] * turn;
+    if (k >= p->n_round) { /* the arc length of the nearest point changes, with the disk or with the wall */
+      const placed_segment *g = &w->segments[p->part[k]];
+      double way = shift[0] * g->tx + shift[1] * g->ty;
+      PAIR(p, k, star) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
+    }
+  }
+}
+
+static int by_index(const void *one, const void *two) {
+  const event *p = one, *q = two;
+  return p->index < q->index ? -1 : p->index > q->index;
+}
+
+/* All into the first list, in the order of pairs or slots, whoever noted them when. */
+static sd_status merge(event_list *first, const event_list *more) {
+  for (size_t n = 0; n < more->count; n++) {
+    event *v = event_add(first, 0, 0.0);
+    if (!v) return SD_ERROR_IO;
+    *v = more->item[n];
+  }
+  return first->failed || more->failed ? SD_ERROR_IO : SD_OK;
+}
+
+static sd_status collect(work *w) {
+  thread_work *first = &w->threads[0];
+  sd_status status = first->events.failed || first->returns.failed ? SD_ERROR_IO : SD_OK;
+  for (int t = 1; t < w->n_threads && status == SD_OK; t++) {
+    status = merge(&first->events, &w->threads[t].events);
+    if (status == SD_OK) status = merge(&first->returns, &w->threads[t].returns);
+    w->threads[t].events.count = w->threads[t].returns.count = 0;
+  }
+  if (first->events.count > 1) qsort(first->events.item, first->events.count, sizeof(event), by_index);
+  if (first->returns.count > 1) qsort(first->returns.item, first->returns.count, sizeof(event), by_index);
+  return status;
+}
+
+static void check_speed(engine *e) {
+  work *w = &e->work;
+  bool fast = false;
+  for (int t = 0; t < w->n_threads; t++) {
+    fast |= w->threads[t].fast;
+    w->threads[t].fast = false;
+  }
+  if (fast) speed_check(e, e->state->step + 1);
+}
+
+sd_status contacts_events(engine *e, sd_messages *messages) {
+  sd_status status = SD_OK;
+  work *w = &e->work;
+  if (collect(w) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+  event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
+  for (size_t n = 0; n < events->count; n++)
+    if (events->item[n].index >= w->pairs.n_round && begun(&w->pairs, &events->item[n]) &&
+        hand_over(e, events->item[n].index))
+      events->item[n].missed = 0.0;
+  for (size_t n = 0; n < events->count; n++) {
+    event v = events->item[n];
+    sd_status s = pair_event(e, &v, messages);
+    if (status == SD_OK) status = s;
+  }
+  for (size_t n = 0; n < returns->count; n++) bring_back(e, returns->item[n].index);
+  returns->count = events->count = 0;
+  check_speed(e);
+  return status;
+}
+
+/* --- store and load ---------------------------------------------------------------------------------- */
+
+sd_status contacts_store(engine *e) {
+  sd_state *s = e->state;
+  losses_show(e);
+  const pairs *p = &e->work.pairs;
+  size_t n = 0;
+  for (size_t k = 0; k < p->count; k++) n += pairs_closed(p, k);
+  s->n_contacts = 0; /* nothing worth copying */
+  if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < p->count; k++) {
+    if (!pairs_closed(p, k)) continue;
+    size_t c = s->n_contacts++;
+    s->contact_a[c] = s->id[p->a[k]];
+    s->contact_b[c] = s->id[p->b[k]];
+    s->contact_part[c] = (uint32_t)p->part[k];
+    s->contact_lambda[c] = PAIR(p, k, star);
+    s->contact_ex[c] = PAIR(p, k, ex);
+    s->contact_ey[c] = PAIR(p, k, ey);
+    s->contact_side[c] = p->side[k];
+    s->contact_force[c] = PAIR(p, k, force);
+    s->contact_overlap[c] = PAIR(p, k, overlap);
+    s->contact_stretch[c] = PAIR(p, k, stretch);
+    s->contact_turned[c] = PAIR(p, k, turned);
+    s->contact_slide[c] = (PAIR(p, k, slip) < 0.0) - (PAIR(p, k, slip) > 0.0);
+    s->contact_viscous[c] = PAIR(p, k, viscous);
+    s->contact_friction[c] = PAIR(p, k, friction);
+    s->contact_gain[c] = PAIR(p, k, gain);
+  }
+  return SD_OK;
+}
+
+/* Does stored contact c stand before pair k in the order of both: round pairs and then pieces of walls? */
+static bool stands_before(const engine *e, size_t c, size_t k) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  uint32_t a = e->work.slot[s->contact_a[c]], b = e->work.slot[s->contact_b[c]],
+           n_disks = (uint32_t)s->n_disks;
+  bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
+  if (piece != (k >= p->n_round)) return !piece;
+  if (a != (uint32_t)p->a[k]) return a < (uint32_t)p->a[k];
+  if (b != (uint32_t)p->b[k]) return b < (uint32_t)p->b[k];
+  return s->contact_part[c] < (uint32_t)p->part[k];
+}
+
+void contacts_load(engine *e) {
+  const sd_state *s = e->state;
+  pairs *p = &e->work.pairs;
+  size_t c = 0;
+  for (size_t k = 0; k < p->count; k++) {
+    if (p->a[k] < 0) continue;
+    /* a contact of a packing may be too far apart here to be a candidate */
+    while (c < s->n_contacts && stands_before(e, c, k)) c++;
+    if (c == s->n_contacts) return;
+    if (s->contact_a[c] != s->id[p->a[k]] || s->contact_b[c] != s->id[p->b[k]] ||
+        s->contact_part[c] != (uint32_t)p->part[k])
+      continue;
+    PAIR(p, k, star) = s->contact_lambda[c];
+    PAIR(p, k, ex) = s->contact_ex[c];
+    PAIR(p, k, ey) = s->contact_ey[c];
+    p->side[k] = s->contact_side[c];
+    PAIR(p, k, force) = s->contact_force[c];
+    PAIR(p, k, overlap) = fmax(s->contact_overlap[c], DBL_MIN); /* closed */
+    PAIR(p, k, stretch) = s->contact_stretch[c];
+    PAIR(p, k, turned) = s->contact_turned[c];
+    PAIR(p, k, slip) = -s->contact_slide[c];
+    PAIR(p, k, viscous) = s->contact_viscous[c];
+    PAIR(p, k, friction) = s->contact_friction[c];
+    PAIR(p, k, gain) = s->contact_gain[c];
+    c++;
+  }
+}

@@ -1,0 +1,28 @@
+/* contacts.h: contact memory between passes: rare events, and the way to and from the state. */
+#ifndef PHYSICS_CONTACTS_H
+#define PHYSICS_CONTACTS_H
+
+#include "physics/system/work.h"
+
+/* After a commit: books what contacts dropped when they opened, hands memory on where a disk passes from
+ * one piece of a wall to the next, renews reference directions, brings angles and positions back into
+ * range, notes a disk that is too fast. Serial; the order does not depend on the threads. SD_ERROR_NUMERIC: overlap
+ * beyond the limit. */
+sd_status contacts_events(engine *e, sd_messages *messages);
+
+/* Is there anything for it to do? Lost memory counts. */
+static inline bool contacts_any_event(const work *w) {
+  for (int t = 0; t < w->n_threads; t++) {
+    const event_list *events = &w->threads[t].events, *returns = &w->threads[t].returns;
+    if (events->count || returns->count || events->failed || returns->failed || w->threads[t].fast)
+      return true;
+  }
+  return false;
+}
+
+/* Closed contacts from the live pairs into the state's columns, and back into empty pairs; what is stored and
+ * no candidate is left out. */
+sd_status contacts_store(engine *e);
+void contacts_load(engine *e);
+
+#endif

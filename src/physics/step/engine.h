@@ -1,0 +1,20 @@
+/* engine.h: building the work of a system from model and state, and throwing it away. */
+#ifndef PHYSICS_ENGINE_H
+#define PHYSICS_ENGINE_H
+
+#include "physics/system/work.h"
+
+/* Fills the state of step 0 from the model: poses, slots, and the contacts that the packing brings along.
+ * SD_ERROR_IO: no memory for these. */
+sd_status engine_fill_state(const sd_model *model, sd_state *state);
+
+/* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
+sd_status engine_build(engine *e, int threads, sd_messages *messages);
+void engine_free(engine *e);
+
+/* At step 0, once the first phase's motions run: contacts that are closed at the start begin (lambda* =
+ * lambda) or, where the packing brings them along, go on; accelerations follow from the forces, and the energy
+ * is noted. Contacts of the packing that do not touch are dropped, with a warning. */
+sd_status engine_start(engine *e, sd_messages *messages);
+
+#endif

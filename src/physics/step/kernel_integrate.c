@@ -1,0 +1,123 @@
+/* kernel_integrate.c: predictor and corrector of both integrators; compiled once per instruction set.
+ */
+#include "physics/system/kernel_path.h"
+#include "physics/system/kernels.h"
+#include "physics/contact/pairs.h"
+#include "physics/neighbours/rows.h"
+
+#define LANE_WIDTH 1
+#include "base/lane.h"
+#include "physics/step/integrate_pass.h"
+#undef LANE_WIDTH
+#define LANE_WIDTH VECTOR_WIDTH
+#include "base/lane.h"
+#include "physics/step/integrate_pass.h"
+
+/* The whole vectors of [begin, end), then single lanes. */
+#define FOR_LANES(vector, single)                                                                            \
+  do {                                                                                                       \
+    size_t i = begin;                                                                                        \
+    for (; i + VECTOR_WIDTH <= end; i += VECTOR_WIDTH) vector;                                               \
+    for (; i < end; i++) single;                                                                             \
+  } while (0)
+
+/* Poses to where the pairs see them. */
+static void seat(engine *e, size_t begin, size_t end) {
+  const view v = view_of(e, begin);
+  FOR_LANES((LANE(seat_at)(&v, i), LANE(lay_nothing)(&v, i)), (seat_at_w1(&v, i), lay_nothing_w1(&v, i)));
+}
+
+static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
+  const view v = view_of(e, begin);
+  int any = 0;
+  if (ahead)
+    FOR_LANES(any |= LANE(stale_at)(&v, i, 1), any |= stale_at_w1(&v, i, 1));
+  else
+    FOR_LANES(any |= LANE(stale_at)(&v, i, 0), any |= stale_at_w1(&v, i, 0));
+  return any != 0;
+}
+
+LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int gear) {
+  const view v = view_of(e, begin);
+  FOR_LANES(LANE(predict_at)(&v, i, gear), predict_at_w1(&v, i, gear));
+}
+
+/* Notes disks whose angle or position must return into its range, and that one is too fast. */
+LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
+  const view v = view_of(e, begin);
+  sums_add_listed(&e->work, begin, end);
+  int out = 0, stale = 0;
+  FOR_LANES(out |= LANE(correct_at)(&v, i, gear, &stale), out |= correct_at_w1(&v, i, gear, &stale));
+  if (stale) mine->stale = true;
+  for (size_t i = begin; out && i < end; i++) {
+    if (out_of_range_w1(&v, v.k[SD_X].q[i], v.k[SD_Y].q[i], v.k[SD_THETA].q[i]))
+      event_add(&mine->returns, (uint32_t)i, 0.0);
+    if (is_fast_at_w1(&v, i, v.k[SD_X].v[i], v.k[SD_Y].v[i])) mine->fast = true;
+  }
+}
+
+static void gear_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 1); }
+static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
+  correct(e, mine, begin, end, 1);
+}
+static void verlet_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 0); }
+static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
+  correct(e, mine, begin, end, 0);
+}
+
+/* Of any bodies; prescribed ones are few. */
+static void gather(engine *e, size_t begin, size_t end) {
+  view v = view_of(e, begin);
+  v.show = true;
+  sums_add_listed(&e->work, begin, end);
+  for (size_t i = begin; i < end; i++) {
+    double sum[SD_COORDINATES], turn = v.sums[SUM_ROW * (i + v.shift) + SUM_TURN];
+    take_sum_w1(&v, i, sum);
+    if (v.radius[i] == 0.0) v.k[SD_THETA].force[i] = turn;
+  }
+}
+
+extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+extern void KERNEL(kernel_lanes)(lanes *l, int64_t n);
+extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
+                                   double *a, double *b);
+extern void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
+extern void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
+                                  double (*v)[OSCILLATOR_ROWS]);
+extern void KERNEL(kernel_anchors)(wave *w, int64_t from);
+extern void KERNEL(kernel_harmonic)(const wave *w, int64_t local, size_t n, double *u, double *v);
+extern void KERNEL(kernel_parabolic)(const wave *w, int64_t local, size_t n, double *u, double *v);
+extern void KERNEL(kernel_cubics)(const draw_series *d, int64_t local, size_t n, double *u, double *v);
+extern void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n, double *u, double *v,
+                                double *low);
+extern void KERNEL(kernel_place)(place_batch *b, size_t n);
+extern void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
+extern void KERNEL(kernel_lanes_place)(const lanes_place *p, size_t n);
+extern bool KERNEL(kernel_lanes_beyond)(const lanes_place *p, size_t n, double limit);
+extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
+extern const kernels KERNEL(kernels);
+
+const kernels KERNEL(kernels) = {
+    .name = KERNEL_NAME(SD_PATH),
+    .pairs = KERNEL(kernel_pairs),
+    .lane_width = VECTOR_WIDTH,
+    .lanes = KERNEL(kernel_lanes),
+    .gather = gather,
+    .seat = seat,
+    .stale = stale,
+    .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
+    .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
+    .normals = KERNEL(kernel_normals),
+    .oscillate = KERNEL(kernel_oscillate),
+    .spread = KERNEL(kernel_spread),
+    .anchors = KERNEL(kernel_anchors),
+    .harmonic = KERNEL(kernel_harmonic),
+    .parabolic = KERNEL(kernel_parabolic),
+    .cubics = KERNEL(kernel_cubics),
+    .fade = KERNEL(kernel_fade),
+    .place = KERNEL(kernel_place),
+    .lanes_signal = KERNEL(kernel_lanes_signal),
+    .lanes_place = KERNEL(kernel_lanes_place),
+    .lanes_beyond = KERNEL(kernel_lanes_beyond),
+    .sine_cosine = KERNEL(kernel_sine_cosine),
+};

@@ -1,0 +1,62 @@
+/* bodies.c: see bodies.h. */
+#include "physics/system/bodies.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What need not be read disk by disk. */
+static void note_sameness(engine *e) {
+  work *w = &e->work;
+  const size_t n = e->state->n_free;
+  bool same = n == 0 || memcmp(w->inverse_mass_x, w->inverse_mass_y, n * sizeof(double)) == 0;
+  w->columns[SD_Y].inverse = same ? w->inverse_mass_x : w->inverse_mass_y;
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    w->nothing_constant[c] = true;
+    for (size_t i = 0; i < n && w->nothing_constant[c]; i++)
+      w->nothing_constant[c] = w->columns[c].constant[i] == 0.0;
+  }
+}
+
+void bodies_fill_constants(engine *e) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  work *w = &e->work;
+  for (size_t i = 0; i < s->n_free; i++) {
+    const sd_disk *d = &m->disks[s->id[i]];
+    if (!body_in_play(s, i)) {
+      w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
+      w->constant_x[i] = w->constant_y[i] = w->constant_torque[i] = 0.0;
+      continue;
+    }
+    w->inverse_mass_x[i] = d->locked[SD_X] ? 0.0 : 1.0 / d->mass;
+    w->inverse_mass_y[i] = d->locked[SD_Y] ? 0.0 : 1.0 / d->mass;
+    w->inverse_inertia[i] = d->locked[SD_THETA] ? 0.0 : 1.0 / d->inertia;
+    w->constant_x[i] = d->mass * m->gravity[0] + d->force[SD_X];
+    w->constant_y[i] = d->mass * m->gravity[1] + d->force[SD_Y];
+    w->constant_torque[i] = d->force[SD_THETA];
+  }
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t slot = w->slot[m->motions[k].bodies[b]];
+      if (slot >= s->n_free) continue;
+      int c = m->motions[k].coordinate;
+      (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
+    }
+  note_sameness(e);
+}
+
+double box_corner(const sd_model *m, int c) { return m->periodic[c] ? m->lower[c] : m->region_lower[c]; }
+
+void box_place(engine *e) {
+  const sd_model *m = e->model;
+  work *w = &e->work;
+  for (int c = 0; c < 2; c++) {
+    double upper = m->upper[c], scale = e->state->box_scale;
+    if (scale != 1.0) upper = m->lower[c] + scale * (m->upper[c] - m->lower[c]);
+    w->periodic[c] = m->periodic[c];
+    w->lower[c] = m->periodic[c] ? m->lower[c] : -HUGE_VAL;
+    w->upper[c] = m->periodic[c] ? upper : HUGE_VAL;
+    w->length[c] = m->periodic[c] ? upper - m->lower[c] : 0.0;
+    w->inverse_length[c] = m->periodic[c] ? 1.0 / w->length[c] : 0.0;
+  }
+}
