@@ -200,7 +200,7 @@ static inline system_contact system_touch(sd_simulation *s, uint32_t a, uint32_t
     c = (system_contact){true,
                          q->contact_force[k],
                          q->contact_overlap[k],
-                         q->contact_stretch[k],
+                         q->contact_zeta[k],
                          q->contact_slide[k],
                          q->contact_part[k],
                          c.pieces + 1};

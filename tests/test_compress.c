@@ -182,8 +182,8 @@ static size_t compare_stretches(const sd_state *a, const sd_state *b, double *mo
     for (d = 0; d < b->n_contacts; d++) {
       if (a->contact_a[c] != b->contact_a[d] || a->contact_b[c] != b->contact_b[d]) continue;
       if (b->contact_slide[d] != 0) continue;
-      *most = fmax(*most, fabs(a->contact_stretch[c] - b->contact_stretch[d]));
-      *largest = fmax(*largest, fabs(a->contact_stretch[c]));
+      *most = fmax(*most, fabs(a->contact_zeta[c] - b->contact_zeta[d]));
+      *largest = fmax(*largest, fabs(a->contact_zeta[c]));
       n++;
     }
   return n;

@@ -50,7 +50,7 @@ class Golden(unittest.TestCase):
         original, other = self.result(deck), self.folder / "other.h5"
         with h5py.File(original) as file:
             trajectory = golden.trajectory_hash(file["state"])
-        for column, moves in ("theta", True), ("contact_lambda", True), ("image_x", True), ("loss_viscous", False):
+        for column, moves in ("theta", True), ("contact_lambda_ref", True), ("image_x", True), ("loss_viscous", False):
             with self.subTest(column=column):
                 shutil.copy(original, other)
                 with h5py.File(other, "r+") as file:

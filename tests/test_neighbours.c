@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "physics/contact/pairs.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/walls.h"
 
@@ -130,16 +131,16 @@ static void lists_equal_brute_force(void **unused) {
   assert_true(total > 10000);
 }
 
-/* The memory of every closed pair, by its bodies. */
-static size_t remember(const engine *e, double (*memory)[9], uint32_t (*key)[3]) {
+/* The record of every closed pair, its side and sliding, by its bodies. */
+enum { REMEMBERED = SD_CONTACT_COLUMNS + 2 };
+static size_t remember(const engine *e, double (*memory)[REMEMBERED], uint32_t (*key)[3]) {
   const pairs *p = &e->work.pairs;
   size_t n = 0;
   for (size_t k = 0; k < p->count; k++) {
-    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
-    const double row[9] = {
-        PAIR(p, k, star),    PAIR(p, k, ex),     PAIR(p, k, ey),
-        p->side[k],          PAIR(p, k, force),  PAIR(p, k, overlap),
-        PAIR(p, k, stretch), PAIR(p, k, turned), copysign(PAIR(p, k, slip) != 0.0, PAIR(p, k, slip))};
+    if (!pairs_closed(p, k)) continue;
+    double row[REMEMBERED] = {p->side[k], pairs_slide_sign(p, k)};
+    const sd_contact_record record = pairs_record(p, k);
+    memcpy(row + 2, &record, sizeof record);
     memcpy(memory[n], row, sizeof row);
     key[n][0] = e->state->id[p->a[k]];
     key[n][1] = e->state->id[p->b[k]];
@@ -151,7 +152,7 @@ static size_t remember(const engine *e, double (*memory)[9], uint32_t (*key)[3])
 static void rebuilds_carry_the_memory(void **unused) {
   (void)unused;
   enum { MOST = 20000 };
-  static double before[MOST][9], after[MOST][9];
+  static double before[MOST][REMEMBERED], after[MOST][REMEMBERED];
   static uint32_t key_before[MOST][3], key_after[MOST][3];
   for (int c = 0; c < 8; c++) {
     sd_model *model = scattered(120, 0.6, 0.7, 2, c % 4, true, 900 + (uint64_t)c);

@@ -13,6 +13,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "slipdisk/contact.h"
 #include "slipdisk/status.h"
 
 enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
@@ -179,8 +180,9 @@ typedef struct sd_bounds {
 /* Memory of a contact with which a run begins (columns contact_* of state.h). */
 typedef struct sd_contact_memory {
   uint32_t a, b, part; /* body numbers of this model */
-  double lambda, ex, ey, side, force, overlap, stretch, turned;
   int32_t slide;
+  double side;
+  sd_contact_record record;
 } sd_contact_memory;
 
 /* When the last phase ends: not before `least` of its steps, then at the first look at which the error bar of

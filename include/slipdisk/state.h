@@ -4,8 +4,8 @@
  * All columns are listed once in sd_fields (name, type, unit, extent, meaning); allocation, checkpoint,
  * trajectory, comparison and hash follow that table. What is not here can be recomputed (physics/work.h).
  *
- * Angle of a body: turn + theta, theta in [-4, 4], turn a multiple of 8 rad, so that the skin's stretch
- * stays exact to rounding of order R 1e-15 after any number of turns.
+ * Angle of a body: turn + theta, theta in [-4, 4], turn a multiple of 8 rad, so that the tangential
+ * displacement stays exact to rounding of order R 1e-15 after any number of turns.
  * Position: the periodic image in the box plus image * box length.
  */
 #ifndef SLIPDISK_STATE_H
@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "slipdisk/contact.h"
 #include "slipdisk/model.h"
 
 typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
@@ -88,9 +89,9 @@ typedef struct sd_state {
   double *loss_viscous;  /* energy lost in this body's contacts since step 0: half of each contact's, */
   double *loss_friction; /* the whole where the other side is a wall or prescribed */
   double *loss_opening;  /* left in contacts when they opened */
-  double *gain_variant;  /* put in by the paper's tangential force, which is not that of a potential */
+  double *nonconservative_work; /* put in by the paper's tangential force, which is not that of a potential */
   double *past_viscous, *past_friction,
-      *past_gain; /* of loss_viscous, loss_friction, gain_variant: in contacts that
+      *past_nonconservative_work; /* of loss_viscous, loss_friction, nonconservative_work: in contacts that
                                                        have ended */
 
   /* per free disk: Nordsieck column k is dt^k/k! times the k-th derivative */
@@ -99,18 +100,14 @@ typedef struct sd_state {
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
   /* per closed contact, ordered by (lower slot, partner) */
-  uint32_t *contact_a;             /* body number of the disk */
-  uint32_t *contact_b;             /* body number of the partner disk or wall */
-  uint32_t *contact_part;          /* straight piece of the wall (feature number), 0 for round bodies */
-  double *contact_lambda;          /* lambda*, measured from the reference direction */
-  double *contact_ex, *contact_ey; /* reference direction: unit vector */
-  double *contact_side;            /* +1, -1: side of a straight wall; 0: round */
-  double *contact_force;           /* normal force */
-  double *contact_overlap;
-  double *contact_stretch; /* lambda - lambda* */
-  double *contact_turned;  /* angle from the reference direction */
-  int32_t *contact_slide;  /* 0 stuck, +1/-1 sliding with that sign of torque */
-  double *contact_viscous, *contact_friction, *contact_gain; /* lost and gained since it began */
+  uint32_t *contact_a;    /* body number of the disk */
+  uint32_t *contact_b;    /* body number of the partner disk or wall */
+  uint32_t *contact_part; /* straight piece of the wall (feature number), 0 for round bodies */
+  double *contact_side;   /* +1, -1: side of a straight wall; 0: round */
+  int32_t *contact_slide; /* 0 stuck, +1/-1 sliding with that sign of torque */
+#define SD_CONTACT_POINTER(name, unit, meaning) double *contact_##name;
+  SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* contact.h */
+#undef SD_CONTACT_POINTER
 
   /* per motion */
   int64_t *motion_start;                                 /* step at which it was switched on, -1: off */
@@ -170,6 +167,9 @@ SD_API sd_state *sd_state_new(const sd_model *model);
 SD_API void sd_state_free(sd_state *state);
 /* Room for n contacts; their old contents are kept as far as they fit. */
 SD_API sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
+/* Record of stored contact c. */
+SD_API sd_contact_record sd_state_record(const sd_state *state, size_t c);
+SD_API void sd_state_set_record(sd_state *state, size_t c, const sd_contact_record *record);
 /* FNV-1a over every column in table order: equal states have equal hashes. */
 SD_API uint64_t sd_state_hash(const sd_state *state);
 /* First column that differs in any bit, NULL when equal. */

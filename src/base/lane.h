@@ -3,7 +3,7 @@
  * The same text (law, random draws) is compiled for width 1 and for the machine's vectors. Every operation
  * here is an IEEE basic operation or a selection, so a lane's result does not depend on the width.
  * Names carry the width: LANE(real) is real_w1 or real_w8. A mask says yes or no for each lane: masks are combined
- * with & and |, and what they are made of is the machine's affair.
+ * with &, | and ^, and what they are made of is the machine's affair; bits_of and mask_of lead to bit k for lane k.
  */
 #ifndef LANE_WIDTH
 #error "define LANE_WIDTH before including base/lane.h"
@@ -45,6 +45,8 @@ LANE_INLINE real_w1 least_w1(real_w1 a, real_w1 b) { return a < b ? a : b; }
 LANE_INLINE real_w1 most_w1(real_w1 a, real_w1 b) { return a > b ? a : b; }
 LANE_INLINE int any_w1(mask_w1 m) { return m != 0; }
 LANE_INLINE int lane_is_w1(mask_w1 m, int k) { return (void)k, m != 0; }
+LANE_INLINE unsigned bits_of_w1(mask_w1 m) { return m != 0; }
+LANE_INLINE mask_w1 mask_of_w1(unsigned bits) { return bits & 1u; }
 LANE_INLINE real_w1 root_w1(real_w1 a) { return sqrt(a); }
 LANE_INLINE bits_w1 as_bits_w1(real_w1 a) {
   bits_w1 b;
@@ -88,6 +90,8 @@ LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) { return (LANE(mask))(yes ? (1u 
 LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) { return (LANE(mask))(m ^ ((1u << LANE_WIDTH) - 1u)); }
 LANE_INLINE int LANE(any)(LANE(mask) m) { return m != 0; }
 LANE_INLINE int LANE(lane_is)(LANE(mask) m, int k) { return m >> k & 1; }
+LANE_INLINE unsigned LANE(bits_of)(LANE(mask) m) { return m & ((1u << LANE_WIDTH) - 1u); }
+LANE_INLINE LANE(mask) LANE(mask_of)(unsigned bits) { return (LANE(mask))(bits & ((1u << LANE_WIDTH) - 1u)); }
 #if LANE_WIDTH == 8
 #define LANE_VECTOR __m512d
 #define LANE_INTEGERS __m512i
@@ -121,6 +125,11 @@ typedef int64_t LANE(mask) __attribute__((vector_size(8 * LANE_WIDTH)));
 LANE_INLINE LANE(mask) LANE(all_lanes)(int yes) { return (LANE(mask)){0} - (int64_t)yes; }
 LANE_INLINE LANE(mask) LANE(not )(LANE(mask) m) { return ~m; }
 LANE_INLINE int LANE(lane_is)(LANE(mask) m, int k) { return m[k] != 0; }
+LANE_INLINE LANE(mask) LANE(mask_of)(unsigned bits) {
+  LANE(mask) m = {0};
+  for (int k = 0; k < LANE_WIDTH; k++) m[k] = -(int64_t)(bits >> k & 1u);
+  return m;
+}
 LANE_INLINE LANE(mask) LANE(greater)(LANE(real) a, LANE(real) b) { return a > b; }
 LANE_INLINE LANE(mask) LANE(within)(LANE(real) a, LANE(real) b) { return a <= b; }
 LANE_INLINE LANE(mask) LANE(equal)(LANE(real) a, LANE(real) b) { return a == b; }
@@ -128,7 +137,8 @@ LANE_INLINE LANE(mask) LANE(equal)(LANE(real) a, LANE(real) b) { return a == b; 
 #define LANE_VECTOR __m256d
 #define LANE_INTEGERS __m256i
 #define LANE_OPERATION(name) _mm256_##name
-LANE_INLINE int any_w4(mask_w4 m) { return _mm256_movemask_pd((__m256d)m) != 0; }
+LANE_INLINE unsigned bits_of_w4(mask_w4 m) { return (unsigned)_mm256_movemask_pd((__m256d)m); }
+LANE_INLINE int any_w4(mask_w4 m) { return bits_of_w4(m) != 0; }
 LANE_INLINE real_w4 select_w4(mask_w4 m, real_w4 a, real_w4 b) {
   return (real_w4)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)m);
 }
@@ -136,7 +146,8 @@ LANE_INLINE real_w4 select_w4(mask_w4 m, real_w4 a, real_w4 b) {
 #define LANE_VECTOR __m128d
 #define LANE_INTEGERS __m128i
 #define LANE_OPERATION(name) _mm_##name
-LANE_INLINE int any_w2(mask_w2 m) { return _mm_movemask_pd((__m128d)m) != 0; }
+LANE_INLINE unsigned bits_of_w2(mask_w2 m) { return (unsigned)_mm_movemask_pd((__m128d)m); }
+LANE_INLINE int any_w2(mask_w2 m) { return bits_of_w2(m) != 0; }
 LANE_INLINE real_w2 select_w2(mask_w2 m, real_w2 a, real_w2 b) {
 #if defined(__SSE4_1__)
   return (real_w2)_mm_blendv_pd((__m128d)b, (__m128d)a, (__m128d)m);
@@ -145,11 +156,12 @@ LANE_INLINE real_w2 select_w2(mask_w2 m, real_w2 a, real_w2 b) {
 #endif
 }
 #else
-LANE_INLINE int LANE(any)(LANE(mask) m) {
-  int64_t any = m[0];
-  for (int k = 1; k < LANE_WIDTH; k++) any |= m[k];
-  return any != 0;
+LANE_INLINE unsigned LANE(bits_of)(LANE(mask) m) {
+  unsigned bits = 0;
+  for (int k = 0; k < LANE_WIDTH; k++) bits |= m[k] ? 1u << k : 0u;
+  return bits;
 }
+LANE_INLINE int LANE(any)(LANE(mask) m) { return LANE(bits_of)(m) != 0; }
 LANE_INLINE LANE(real) LANE(select)(LANE(mask) m, LANE(real) a, LANE(real) b) {
   return (LANE(real))((m & (LANE(mask))a) | (~m & (LANE(mask))b));
 }

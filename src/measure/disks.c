@@ -7,6 +7,7 @@
 #include "physics/system/bodies.h"
 #include "physics/step/engine.h"
 #include "physics/contact/losses.h"
+#include "physics/contact/pairs.h"
 
 static double angle_of(const sd_state *s, size_t i) { return s->theta[i] + s->turn[i]; }
 
@@ -84,8 +85,8 @@ static void look_at_contacts(engine *e, size_t begin, size_t end) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
     for (size_t at = start[i]; at < start[i + 1]; at++) {
       size_t k = entry[at] / 2;
-      contacts += PAIR(p, k, overlap) > 0.0 ? 1.0 : 0.0;
-      sliding += PAIR(p, k, slip) != 0.0 ? 1.0 : 0.0;
+      contacts += pairs_closed(p, k) ? 1.0 : 0.0;
+      sliding += pairs_slide_sign(p, k) != 0 ? 1.0 : 0.0;
       force += PAIR(p, k, force);
     }
     s->mean_contacts[i] += contacts;
@@ -157,7 +158,7 @@ static void add_power(engine *e, size_t listed) {
   for (size_t at = n->start[slot], row = m->single[listed]; at < n->start[slot + 1]; at++, row++) {
     size_t k = n->entry[at] / 2;
     size_t other = (size_t)(n->entry[at] & 1 ? e->work.pairs.a[k] : e->work.pairs.b[k]);
-    if (PAIR(&e->work.pairs, k, overlap) > 0.0)
+    if (pairs_closed(&e->work.pairs, k))
       s->mean_injected[other < s->n_free ? other : slot] +=
           power_of(m->row + SUM_ROW * row, s->radius[slot], d);
   }

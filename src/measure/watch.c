@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "physics/contact/pairs.h"
+
 static double angle_of(const engine *e, size_t k) {
   uint32_t slot = e->work.slot[e->model->rotations[k]];
   return e->state->theta[slot] + e->state->turn[slot];
@@ -12,8 +14,7 @@ static double angle_of(const engine *e, size_t k) {
 static int64_t pressed_piece(const pairs *p, int64_t first) {
   int64_t pressed = first;
   for (size_t at = (size_t)first; at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
-    if (PAIR(p, at, force) > PAIR(p, pressed, force) ||
-        (PAIR(p, pressed, ex) == 0.0 && PAIR(p, pressed, ey) == 0.0))
+    if (PAIR(p, at, force) > PAIR(p, pressed, force) || !pairs_closed(p, (size_t)pressed))
       pressed = (int64_t)at;
   return pressed;
 }
@@ -25,9 +26,10 @@ static int contact_now(const engine *e, size_t k, double *force) {
   *force = 0.0;
   if (at < 0) return SD_OPEN;
   if ((size_t)at >= p->n_round) at = pressed_piece(p, at);
-  if (PAIR(p, at, ex) == 0.0 && PAIR(p, at, ey) == 0.0) return SD_OPEN;
+  if (!pairs_closed(p, (size_t)at)) return SD_OPEN;
   *force = PAIR(p, at, force);
-  return PAIR(p, at, slip) < 0.0 ? SD_SLIDE_POSITIVE : PAIR(p, at, slip) > 0.0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
+  const int sign = pairs_slide_sign(p, (size_t)at);
+  return sign > 0 ? SD_SLIDE_POSITIVE : sign < 0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
 void watch_begin(engine *e) {

@@ -56,10 +56,11 @@ const sd_field sd_fields[] = {
     COLUMN(loss_viscous, SD_F64, SD_PER_BODY, "energy", "lost to viscosity in this body's contacts"),
     COLUMN(loss_friction, SD_F64, SD_PER_BODY, "energy", "lost to sliding in this body's contacts"),
     COLUMN(loss_opening, SD_F64, SD_PER_BODY, "energy", "left in this body's contacts when they opened"),
-    COLUMN(gain_variant, SD_F64, SD_PER_BODY, "energy", "put in by the paper's tangential force"),
+    COLUMN(nonconservative_work, SD_F64, SD_PER_BODY, "energy", "put in by the paper's tangential force"),
     COLUMN(past_viscous, SD_F64, SD_PER_BODY, "energy", "of loss_viscous: in contacts that have ended"),
     COLUMN(past_friction, SD_F64, SD_PER_BODY, "energy", "of loss_friction: in contacts that have ended"),
-    COLUMN(past_gain, SD_F64, SD_PER_BODY, "energy", "of gain_variant: in contacts that have ended"),
+    COLUMN(past_nonconservative_work, SD_F64, SD_PER_BODY, "energy",
+           "of nonconservative_work: in contacts that have ended"),
 
     COLUMN(activity, SD_I32, SD_PER_FREE, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
     COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
@@ -78,22 +79,13 @@ const sd_field sd_fields[] = {
     COLUMN(contact_a, SD_U32, SD_PER_CONTACT, "1", "body number of the first disk"),
     COLUMN(contact_b, SD_U32, SD_PER_CONTACT, "1", "body number of the second disk or wall"),
     COLUMN(contact_part, SD_U32, SD_PER_CONTACT, "1", "straight piece of the wall"),
-    COLUMN(contact_lambda, SD_F64, SD_PER_CONTACT, "length",
-           "lambda* from the reference direction (eq. tau)"),
-    COLUMN(contact_ex, SD_F64, SD_PER_CONTACT, "1", "reference direction, x"),
-    COLUMN(contact_ey, SD_F64, SD_PER_CONTACT, "1", "reference direction, y"),
     COLUMN(contact_side, SD_F64, SD_PER_CONTACT, "1", "side of a straight wall, 0: round"),
-    COLUMN(contact_force, SD_F64, SD_PER_CONTACT, "force", "normal force F_n"),
-    COLUMN(contact_overlap, SD_F64, SD_PER_CONTACT, "length", "overlap delta"),
-    COLUMN(contact_stretch, SD_F64, SD_PER_CONTACT, "length", "stretch of the skin, lambda - lambda*"),
-    COLUMN(contact_turned, SD_F64, SD_PER_CONTACT, "rad", "angle of the normal from the reference direction"),
     COLUMN(contact_slide, SD_I32, SD_PER_CONTACT, "1", "0 stuck, +1/-1 sliding with that sign of torque"),
-    COLUMN(contact_viscous, SD_F64, SD_PER_CONTACT, "energy", "lost to viscosity since the contact began"),
-    COLUMN(contact_friction, SD_F64, SD_PER_CONTACT, "energy", "lost to sliding since the contact began"),
-    COLUMN(contact_gain, SD_F64, SD_PER_CONTACT, "energy",
-           "put in by the paper's tangential force since the contact began"),
+#define RECORD_COLUMN(name, unit, meaning) COLUMN(contact_##name, SD_F64, SD_PER_CONTACT, unit, meaning),
+    SD_CONTACT_RECORD(RECORD_COLUMN)
+#undef RECORD_COLUMN
 
-    COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
+        COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
     COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad",
            "random motion: displacement at the last draw; load, servo: displacement"),
     COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time",
@@ -243,6 +235,18 @@ sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
   }
   s->contact_capacity = capacity;
   return SD_OK;
+}
+
+sd_contact_record sd_state_record(const sd_state *s, size_t c) {
+#define RECORD_READ(name, unit, meaning) .name = s->contact_##name[c],
+  return (sd_contact_record){SD_CONTACT_RECORD(RECORD_READ)};
+#undef RECORD_READ
+}
+
+void sd_state_set_record(sd_state *s, size_t c, const sd_contact_record *record) {
+#define RECORD_WRITE(name, unit, meaning) s->contact_##name[c] = record->name;
+  SD_CONTACT_RECORD(RECORD_WRITE)
+#undef RECORD_WRITE
 }
 
 uint64_t sd_state_hash(const sd_state *s) {

@@ -7,7 +7,6 @@
  */
 #include "pack/compress.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +15,7 @@
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
+#include "physics/contact/evaluate.h"
 #include "physics/step/engine.h"
 #include "physics/system/kernels.h"
 #include "physics/neighbours/neighbours.h"
@@ -44,7 +44,7 @@ static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
   double force = 0.0, stiffness = 0.0, twice = 2.0 * area_of(e->model, s);
   for (size_t k = 0; k < p->count; k++) {
-    if (!(PAIR(p, k, overlap) > 0.0)) continue;
+    if (!pairs_closed(p, k)) continue;
     bool disk = (size_t)p->b[k] < s->n_disks;
     double r = s->radius[p->a[k]] + (disk ? s->radius[p->b[k]] : 0.0) - PAIR(p, k, overlap);
     force += PAIR(p, k, force) * r;
@@ -122,32 +122,21 @@ static void scale_column(double *x, size_t n, double corner, double f) {
 static void scale_arcs(engine *e, double f) {
   pairs *p = &e->work.pairs;
   for (size_t k = p->first_piece; k < p->count; k++) {
-    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
+    if (!pairs_closed(p, k)) continue;
     const placed_segment *g = &e->work.segments[p->part[k]];
     double arc = walls_nearest(g, e->state->x[p->a[k]], e->state->y[p->a[k]]).arc - g->arc;
-    PAIR(p, k, star) += p->side[k] * ((f - 1.0) * arc);
+    PAIR(p, k, lambda_ref) += p->side[k] * ((f - 1.0) * arc);
   }
 }
 
 /* What closed contacts remember of their overlap is that of the new lengths, so that the change itself is not
  * taken for a motion. */
 static void renew_overlaps(engine *e) {
-  const sd_state *s = e->state;
-  const work *w = &e->work;
   pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
-    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
-    int32_t a = p->a[k], b = p->b[k];
-    double dx = s->x[b] - s->x[a], dy = s->y[b] - s->y[a];
-    if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
-    if (w->periodic[1]) dy -= w->length[1] * nearbyint(dy * w->inverse_length[1]);
-    if (k >= p->n_round) {
-      nearest_point q = walls_nearest(&w->segments[p->part[k]], s->x[a], s->y[a]);
-      dx = q.dx;
-      dy = q.dy;
-    }
-    double overlap = s->radius[a] + s->radius[b] - sqrt(dx * dx + dy * dy);
-    PAIR(p, k, overlap) = overlap > 0.0 ? overlap : DBL_MIN; /* it is closed until a commit opens it */
+    if (!pairs_closed(p, k)) continue;
+    PAIR(p, k, overlap) =
+        fmax(contact_geometry_of(e, k).overlap, 0.0); /* it is closed until the next evaluation */
   }
 }
 
@@ -160,13 +149,13 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   for (size_t k = 0; k < p->count; k++) {
     before[k] = PAIR(p, k, viscous);
-    before[p->count + k] = PAIR(p, k, gain);
+    before[p->count + k] = PAIR(p, k, nonconservative_work);
   }
   renew_overlaps(e);
   sweep_forces(e);
   for (size_t k = 0; k < p->count; k++) {
     PAIR(p, k, viscous) = before[k];
-    PAIR(p, k, gain) = before[p->count + k];
+    PAIR(p, k, nonconservative_work) = before[p->count + k];
   }
   free(before);
   sd_status status = contacts_events(e, messages);

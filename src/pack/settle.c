@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "pack/rain.h"
+#include "physics/contact/pairs.h"
 
 /* 0 for a coordinate that is held. */
 static double resultant(const columns *c, size_t i) {
@@ -19,7 +20,7 @@ static double mean_force(const engine *e) {
   double sum = 0.0;
   size_t n = 0;
   for (size_t k = 0; k < p->count; k++) {
-    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
+    if (!pairs_closed(p, k)) continue;
     sum += PAIR(p, k, force);
     n++;
   }

@@ -155,10 +155,12 @@ static packing packing_of(const packing_kind *kind, double width, const sd_state
                                   .mass = s->mass[i],
                                   .group = -1};
   for (size_t k = 0; k < p.n_contacts; k++)
-    p.contacts[k] = (sd_contact_memory){s->contact_a[k],       s->contact_b[k],      s->contact_part[k],
-                                        s->contact_lambda[k],  s->contact_ex[k],     s->contact_ey[k],
-                                        s->contact_side[k],    s->contact_force[k],  s->contact_overlap[k],
-                                        s->contact_stretch[k], s->contact_turned[k], s->contact_slide[k]};
+    p.contacts[k] = (sd_contact_memory){.a = s->contact_a[k],
+                                        .b = s->contact_b[k],
+                                        .part = s->contact_part[k],
+                                        .slide = s->contact_slide[k],
+                                        .side = s->contact_side[k],
+                                        .record = sd_state_record(s, k)};
   return p;
 }
 
@@ -205,7 +207,7 @@ static sd_contact_memory copied_contact(const packing *base, sd_contact_memory c
     c.b = (uint32_t)(disks * other + c.b);
   } else {
     c.b = (uint32_t)(disks * n);
-    c.lambda += c.side * base->width * (double)k; /* lambda counts the floor's arc length, too */
+    c.record.lambda_ref += c.side * base->width * (double)k; /* lambda counts the floor's arc length, too */
   }
   c.a = (uint32_t)(disks * k + c.a);
   return c;

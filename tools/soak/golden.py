@@ -122,7 +122,7 @@ def text(value):
 
 
 BODIES = ("x", "y", "image_x", "image_y", "turn", "theta", "vx", "vy", "omega")
-CONTACTS = ("contact_lambda", "contact_ex", "contact_ey")
+CONTACTS = ("contact_lambda_ref", "contact_ex", "contact_ey")
 
 
 def moving(state):

@@ -114,19 +114,23 @@ static bool take_contact(const mapping *map, size_t k, sd_contact_memory *c) {
   const deck_result *r = map->t->result;
   uint32_t a = r->a[k], b = r->b[k], part = r->part[k];
   if (map->body[a] == NOWHERE || map->body[b] == NOWHERE) return false;
-  double lambda = r->lambda[k] + r->radius[a] * angle_shift(r, a);
+  double record[SD_CONTACT_COLUMNS], shift = r->radius[a] * angle_shift(r, a); /* of lambda* */
   if (b < r->n_disks) {
-    lambda += r->radius[b] * angle_shift(r, b);
+    shift += r->radius[b] * angle_shift(r, b);
   } else {
     size_t theirs = b - r->n_disks, own = map->body[b] - map->ours->d->model->n_disks;
     if (r->walls[theirs].pieces && part - map->piece[theirs] >= r->walls[theirs].pieces) return false;
     if (r->walls[theirs].pieces) part = (uint32_t)(part - map->piece[theirs] + map->ours->piece[own]);
     /* a round wall begins at angle 0 */
-    if (!r->walls[theirs].pieces) lambda -= r->radius[b] * r->theta[b];
+    if (!r->walls[theirs].pieces) shift -= r->radius[b] * r->theta[b];
   }
-  *c = (sd_contact_memory){map->body[a],  map->body[b],  part,         lambda,
-                           r->ex[k],      r->ey[k],      r->side[k],   r->force[k],
-                           r->overlap[k], r->stretch[k], r->turned[k], r->slide[k]};
+  *c = (sd_contact_memory){
+      .a = map->body[a], .b = map->body[b], .part = part, .slide = r->slide[k], .side = r->side[k]};
+  for (size_t n = 0; n < SD_CONTACT_COLUMNS; n++) record[n] = r->record[n][k];
+  memcpy(&c->record, record, sizeof record);
+  c->record.lambda_ref += shift;
+  c->record.viscous = c->record.friction = c->record.nonconservative_work =
+      0.0; /* these are of the other run */
   return true;
 }
 

@@ -154,7 +154,7 @@ typedef struct reader {
 
 /* NULL: reported. Its length is looked at before there is memory for it. */
 static void *column(reader *in, const char *name, sd_type type, size_t n) {
-  const char *path = deck_format(in->d, "/state/%s", name);
+  const char *path = deck_format(in->d, "/state/%s", checkpoint_column(in->file, name));
   if (in->failed || h5_check(in->file, path, n, in->d->messages) != SD_OK) {
     in->failed = true;
     return NULL;
@@ -180,15 +180,12 @@ static void read_contacts(reader *in, deck_result *r) {
   r->a = column(in, "contact_a", SD_U32, n);
   r->b = column(in, "contact_b", SD_U32, n);
   r->part = column(in, "contact_part", SD_U32, n);
-  r->lambda = column(in, "contact_lambda", SD_F64, n);
-  r->ex = column(in, "contact_ex", SD_F64, n);
-  r->ey = column(in, "contact_ey", SD_F64, n);
   r->side = column(in, "contact_side", SD_F64, n);
-  r->force = column(in, "contact_force", SD_F64, n);
-  r->overlap = column(in, "contact_overlap", SD_F64, n);
-  r->stretch = column(in, "contact_stretch", SD_F64, n);
-  r->turned = column(in, "contact_turned", SD_F64, n);
   r->slide = column(in, "contact_slide", SD_I32, n);
+#define NAME(name, unit, meaning) "contact_" #name,
+  static const char *const names[] = {SD_CONTACT_RECORD(NAME)};
+#undef NAME
+  for (size_t k = 0; k < SD_CONTACT_COLUMNS; k++) r->record[k] = column(in, names[k], SD_F64, n);
   for (size_t k = 0; k < n && !in->failed; k++)
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
 }

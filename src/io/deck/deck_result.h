@@ -30,8 +30,9 @@ typedef struct deck_result {
   int32_t *material, *group;
   bool *driven, *gone; /* disks; gone: removed, or waiting for rain */
   uint32_t *a, *b, *part;
-  double *lambda, *ex, *ey, *side, *force, *overlap, *stretch, *turned;
+  double *side;
   int32_t *slide;
+  double *record[SD_CONTACT_COLUMNS]; /* columns of slipdisk/contact.h */
 
   /* what the text of deck_bodies says; nothing in files without it */
   result_names materials, groups, disk_names;

@@ -20,6 +20,18 @@ static const struct extent {
 };
 enum { EXTENTS = sizeof extents / sizeof *extents };
 
+const char *checkpoint_column(const h5_file *file, const char *name) {
+  static const char *const renamed[][2] = {{"contact_lambda_ref", "contact_lambda"},
+                                           {"contact_zeta", "contact_stretch"},
+                                           {"contact_nonconservative_work", "contact_gain"},
+                                           {"nonconservative_work", "gain_variant"},
+                                           {"past_nonconservative_work", "past_gain"}};
+  if (h5_get_attr_i64(file, "/state", "format", 0) >= 5) return name;
+  for (size_t k = 0; k < sizeof renamed / sizeof *renamed; k++)
+    if (strcmp(name, renamed[k][0]) == 0) return renamed[k][1];
+  return name;
+}
+
 static size_t extent_of(const sd_state *state, size_t k) {
   size_t n;
   memcpy(&n, (const char *)state + extents[k].offset, sizeof n);

@@ -12,8 +12,11 @@
 
 /* Raised when a column changes its meaning or a new one is there; who goes on from a state refuses other numbers. 3: contacts
  * stand by slots, and not by the number of the partner; 4: columns fast_*. A packing takes bodies and contacts in any order,
- * and no fast_*, so that it reads 2 and 3 as well. */
-enum { CHECKPOINT_FORMAT = 4, CHECKPOINT_OF_PACKING = 2 };
+ * and no fast_*, so that it reads 2 and 3 as well; 5: columns of contacts named as in slipdisk/contact.h, history of the
+ * evaluation whose forces act. */
+enum { CHECKPOINT_FORMAT = 5, CHECKPOINT_OF_PACKING = 2 };
+/* Name below /state of a column of sd_fields in the file's format. */
+const char *checkpoint_column(const h5_file *file, const char *name);
 
 /* Parts that belong to a state, without which a run cannot go on from it. */
 typedef struct checkpoint_parts {

@@ -199,12 +199,14 @@ static int material_of(const sd_model *m, uint32_t body) {
   return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
 }
 
-/* tau = - k_t times the stretch of the skin. */
+/* tau = - k_t zeta. */
 static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   size_t n = rows_of(r->file, "/state/contact_a");
   if (r->status == SD_OK) r->status = h5_check(r->file, "/state/contact_a", n, r->messages);
   if (r->status == SD_OK) r->status = frame_data_contacts(f, n, r->messages);
   if (r->status != SD_OK) return;
+  const char *zeta =
+      h5_exists(r->file, "/state/contact_zeta") ? "/state/contact_zeta" : "/state/contact_stretch";
   const struct {
     const char *path;
     sd_type type;
@@ -212,7 +214,7 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   } columns[] = {
       {"/state/contact_a", SD_U32, f->a},         {"/state/contact_b", SD_U32, f->b},
       {"/state/contact_part", SD_U32, f->part},   {"/state/contact_overlap", SD_F64, f->overlap},
-      {"/state/contact_force", SD_F64, f->force}, {"/state/contact_stretch", SD_F64, f->tau},
+      {"/state/contact_force", SD_F64, f->force}, {zeta, SD_F64, f->tau},
       {"/state/contact_slide", SD_I32, f->slide},
   };
   for (size_t k = 0; r->status == SD_OK && k < sizeof columns / sizeof *columns; k++)

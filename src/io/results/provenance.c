@@ -89,8 +89,8 @@ static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
   for (size_t k = 0; k < model->n_memories; k++) {
     const sd_contact_memory *c = &model->memories[k];
     const uint32_t body[] = {c->a, c->b, c->part, (uint32_t)c->slide};
-    const double real[] = {c->lambda, c->ex, c->ey, c->side, c->force, c->overlap, c->stretch, c->turned};
-    sum = file_sum(file_sum(sum, body, sizeof body), real, sizeof real);
+    sum = file_sum(file_sum(sum, body, sizeof body), &c->side, sizeof c->side);
+    sum = file_sum(sum, &c->record, sizeof c->record);
   }
   for (size_t k = 0; model->n_memories && k < model->n_walls; k++) {
     const sd_wall *w = &model->walls[k];

@@ -161,13 +161,13 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const sd_model *
   memcpy(table_cell(rows, PART), state->contact_part, n * sizeof(uint32_t));
   memcpy(table_cell(rows, OVERLAP), state->contact_overlap, n * sizeof(double));
   memcpy(table_cell(rows, FORCE), state->contact_force, n * sizeof(double));
-  memcpy(table_cell(rows, STRETCH), state->contact_stretch, n * sizeof(double));
+  memcpy(table_cell(rows, STRETCH), state->contact_zeta, n * sizeof(double));
   memcpy(table_cell(rows, SLIDING), state->contact_slide, n * sizeof(int32_t));
   double *tau = table_cell(rows, TORQUE);
   for (size_t k = 0; k < n; k++) {
     const sd_contact_law *law =
         sd_model_law(model, material_of(model, state->contact_a[k]), material_of(model, state->contact_b[k]));
-    tau[k] = 0.0 - law->k_t * state->contact_stretch[k]; /* no -0 */
+    tau[k] = 0.0 - law->k_t * state->contact_zeta[k]; /* no -0 */
   }
   table_commit(rows, n);
   return SD_OK;

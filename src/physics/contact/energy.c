@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+#include "physics/contact/evaluate.h"
+#include "physics/contact/pairs.h"
+
 /* Coordinates that are held or prescribed carry no energy of the system: their work is counted instead. */
 static void add_disks(const engine *e, sd_energy *sum) {
   const sd_state *s = e->state;
@@ -24,7 +27,7 @@ static void add_disks(const engine *e, sd_energy *sum) {
     sum->viscous += s->past_viscous[i];
     sum->friction += s->past_friction[i];
     sum->opening += s->loss_opening[i];
-    sum->variant += s->past_gain[i];
+    sum->variant += s->past_nonconservative_work[i];
   }
 }
 
@@ -33,12 +36,20 @@ sd_energy energy_of(const engine *e) {
   const pairs *p = &e->work.pairs;
   add_disks(e, &sum);
   for (size_t k = 0; k < p->count; k++) {
+    if (!pairs_closed(p, k)) continue;
+    double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta);
+    if (e->model->integrator ==
+        SD_GEAR5) { /* forces acted at the predicted coordinates, energy is stored at the corrected ones */
+      const contact_geometry g = contact_geometry_of(e, k);
+      delta = fmax(g.overlap, 0.0);
+      zeta = g.lambda - PAIR(p, k, lambda_ref);
+    }
     const law_row *law = &e->work.laws[PAIR(p, k, law)];
-    sum.elastic_normal += 0.5 * law->k_n * PAIR(p, k, overlap) * PAIR(p, k, overlap);
-    sum.elastic_skin += 0.5 * law->k_t * PAIR(p, k, stretch) * PAIR(p, k, stretch);
+    sum.elastic_normal += 0.5 * law->k_n * delta * delta;
+    sum.elastic_skin += 0.5 * law->k_t * zeta * zeta;
     sum.viscous += PAIR(p, k, viscous);
     sum.friction += PAIR(p, k, friction);
-    sum.variant += PAIR(p, k, gain);
+    sum.variant += PAIR(p, k, nonconservative_work);
   }
   sum.start = e->state->energy_start;
   sum.work = e->state->work_driven;

@@ -1,88 +1,83 @@
-/* kernel_pairs.c: forces and commits of all candidate pairs; compiled once per instruction set.
+/* kernel_pairs.c: one evaluation of all candidate pairs; compiled once per instruction set.
  *
- * Round pairs (disks, round walls) go in whole blocks, pieces of straight walls in vectors or one by one.
+ * Round pairs (disks, round walls) go in whole blocks, wall segments in vectors or one by one.
  */
 #include <stddef.h>
 
+#include "physics/contact/pairs.h"
+#include "physics/contact/walls.h"
 #include "physics/system/kernel_path.h"
 #include "physics/system/kernels.h"
-#include "physics/contact/walls.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
-#include "physics/contact/law.h"
+#include "physics/contact/contact_step.h"
 #include "physics/contact/pair_pass.h"
-#include "physics/contact/piece_pass.h"
+#include "physics/contact/segment_pass.h"
 #undef LANE_WIDTH
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
-#include "physics/contact/law.h"
+#include "physics/contact/contact_step.h"
 #include "physics/contact/pair_pass.h"
-#include "physics/contact/piece_pass.h"
+#include "physics/contact/segment_pass.h"
 
-void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
 
-/* Round pairs go block by block. What is seen of a vector of the next one, its root and its division, is under way beside
- * the law of this one: processors look only some hundred instructions ahead, and these must not all wait for a root. */
+/* Round pairs go block by block. The distances of the next block, with root and division, are under way beside the law of
+ * this one: processors look only some hundred instructions ahead. */
 enum { BLOCK_VECTORS = PAIR_BLOCK / VECTOR_WIDTH };
-#define PLACE(block, v) ((LANE(place)){(block), (v)*VECTOR_WIDTH})
+#define AT(block, v) ((LANE(location)){(block), (v)*VECTOR_WIDTH})
 
-/* The columns of a later block are on their way meanwhile: processors do not foresee them, and have room for some twenty
+/* The columns of a later block are fetched meanwhile: processors do not foresee them, and have room for some twenty
  * lines at a time, so that each vector asks for some. (Not a function: one that only fetches is taken for one that does
- * nothing.) */
-enum { LINES = offsetof(pair_block, acted) / 64, AHEAD = 9 };
+ * nothing.) The last two columns are the paper's. */
+enum { AHEAD = 9, PAPER_LINES = offsetof(pair_block, law) / 64, LINES = offsetof(pair_block, turned) / 64 };
 #define FETCH(block, v)                                                                                      \
-  for (size_t line = LINES * (v) / BLOCK_VECTORS; line < LINES * ((v) + 1) / BLOCK_VECTORS; line++)          \
+  for (size_t line = lines * (v) / BLOCK_VECTORS; line < lines * ((v) + 1) / BLOCK_VECTORS; line++)          \
   __builtin_prefetch((const char *)(block) + 64 * line, 0, 3)
 
 LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t blocks, const int kind) {
-  const LANE(pass_constants) one = LANE(pass_constants_of)(&e->work);
-  LANE(law_sight) seen[BLOCK_VECTORS];
+  const LANE(pass_constants) constants = LANE(pass_constants_of)(&e->work);
+  const size_t lines = kind & PASS_PAPER ? PAPER_LINES : LINES;
+  LANE(pair_distance) d[BLOCK_VECTORS];
   double *sum = e->work.sums.row;
-  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(see)(&e->work, PLACE(b, v), &seen[v]);
-  for (size_t k = 0; k < blocks; k++, b++) {
+  pair_flags *flags = e->work.pairs.flags + (b - e->work.pairs.block);
+  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(distance)(&e->work, AT(b, v), &d[v]);
+  for (size_t k = 0; k < blocks; k++, b++, flags++) {
     pair_block *next = k + 1 < blocks ? b + 1 : b;
 #pragma GCC unroll 4
     for (size_t v = 0; v < BLOCK_VECTORS; v++) {
-      LANE(meet)(e, mine, PLACE(b, v), PLACE(next, v), &seen[v], &one, sum, kind);
+      LANE(contact_evaluate)(e, mine, AT(b, v), AT(next, v), flags, &d[v], &constants, sum, kind);
       FETCH(b + AHEAD, v);
     }
   }
 }
 
 /* Whole vectors, as they stand in their blocks: the others' lanes may be another thread's. */
-static __attribute__((noinline)) void some_pieces(engine *e, thread_work *mine, size_t begin, size_t end,
-                                                  int pass) {
+static __attribute__((noinline)) void segments(engine *e, thread_work *mine, size_t begin, size_t end) {
   size_t at = begin;
-  while (at < end && at % VECTOR_WIDTH) meet_pieces_w1(e, mine, at++, pass);
-  for (; at + VECTOR_WIDTH <= end; at += VECTOR_WIDTH) LANE(meet_pieces)(e, mine, at, pass);
-  while (at < end) meet_pieces_w1(e, mine, at++, pass);
-}
-
-LANE_INLINE void all_pairs(engine *e, thread_work *mine, size_t begin, size_t end, const int kind) {
-  const pairs *p = &e->work.pairs;
-  const size_t round_end = end < p->first_piece ? end : p->first_piece;
-  if (begin < round_end)
-    round_pairs(e, mine, p->block + begin / PAIR_BLOCK, (round_end - begin) / PAIR_BLOCK, kind);
-  else if (begin < end)
-    some_pieces(e, mine, begin, end, kind & (PASS_FORCE | PASS_COMMIT));
+  while (at < end && at % VECTOR_WIDTH) evaluate_segments_w1(e, mine, at++, 1);
+  for (; at + VECTOR_WIDTH <= end; at += VECTOR_WIDTH) LANE(evaluate_segments)(e, mine, at, 1);
+  while (at < end) evaluate_segments_w1(e, mine, at++, 1);
 }
 
 /* A copy for each kind of pass, so that what it does not do costs nothing. */
 #define COPY(kind)                                                                                           \
   case kind:                                                                                                 \
-    all_pairs(e, mine, begin, end, kind);                                                                    \
+    round_pairs(e, mine, w->pairs.block + begin / PAIR_BLOCK, (end - begin) / PAIR_BLOCK, kind);             \
     break
-#define COPIES(kind)                                                                                         \
-  COPY(kind | PASS_FORCE);                                                                                   \
-  COPY(kind | PASS_COMMIT);                                                                                  \
-  COPY(kind | PASS_FORCE | PASS_COMMIT)
-void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass) {
+void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end) {
   const work *w = &e->work;
-  switch (pass | (w->conservative ? 0 : PASS_VARIANT) | (w->one_law ? 0 : PASS_LAWS)) {
-    COPIES(0);
-    COPIES(PASS_VARIANT);
-    COPIES(PASS_LAWS);
-    COPIES(PASS_VARIANT | PASS_LAWS);
+  if (begin >= end) return;
+  if (pairs_is_segment(&w->pairs, begin)) {
+    segments(e, mine, begin, end);
+    return;
+  }
+  assert(begin % PAIR_BLOCK == 0 && end % PAIR_BLOCK == 0 && end <= w->pairs.first_piece);
+  switch ((w->conservative ? 0 : PASS_PAPER) | (w->one_law ? 0 : PASS_LAWS)) {
+    COPY(0);
+    COPY(PASS_PAPER);
+    COPY(PASS_LAWS);
+    COPY(PASS_PAPER | PASS_LAWS);
   }
 }

@@ -1,7 +1,7 @@
 /* losses.h: what contacts have lost, by contact while they last, and by body afterwards.
  *
  * The commit adds to a contact's own sums, which are its memory. When it ends they go to its bodies: half to each
- * disk, all to the disk whose partner is a wall or prescribed. state->loss_viscous, _friction and gain_variant are
+ * disk, all to the disk whose partner is a wall or prescribed. state->loss_viscous, _friction and nonconservative_work are
  * the sums of both, and are brought up to date where they are read.
  */
 #ifndef PHYSICS_LOSSES_H
@@ -18,7 +18,7 @@ static inline void losses_share(const engine *e, double *sum, int32_t a, int32_t
 
 /* Contact k of a list has ended: what it has lost becomes its bodies' past. */
 void losses_end(engine *e, pairs *p, size_t k);
-/* loss_viscous, loss_friction and gain_variant of every free disk, up to now. */
+/* loss_viscous, loss_friction and nonconservative_work of every free disk, up to now. */
 void losses_show(engine *e);
 
 #endif

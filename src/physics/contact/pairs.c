@@ -14,6 +14,7 @@ void pairs_free(pairs *p) {
   room_free(p->part);
   room_free(p->side);
   room_free(p->block);
+  room_free(p->flags);
   *p = (pairs){0};
 }
 
@@ -35,9 +36,11 @@ sd_status pairs_reserve(pairs *p, size_t count) {
     if (grow((void **)whole[k], p->count, capacity, sizeof(int32_t)) != SD_OK) return SD_ERROR_IO;
   room_free(p->side);
   room_free(p->block);
+  room_free(p->flags);
+  p->flags = room_for(capacity, sizeof *p->flags);
   p->side = room_for(capacity, sizeof *p->side);
   p->block = room_for(capacity / PAIR_BLOCK, sizeof *p->block);
-  p->capacity = p->side && p->block ? capacity : 0;
+  p->capacity = p->side && p->block && p->flags ? capacity : 0;
   return p->capacity ? SD_OK : SD_ERROR_IO;
 }
 
@@ -52,12 +55,63 @@ sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part) {
 sd_status pairs_end_round(pairs *p) {
   p->n_round = p->count;
   sd_status status = SD_OK;
-  while (p->count % PAIR_BLOCK && status == SD_OK) status = pairs_push(p, PAIR_OF_NOBODY, PAIR_OF_NOBODY, 0);
+  while (p->count % PAIR_BLOCK && status == SD_OK) status = pairs_push(p, PAIR_PADDING, PAIR_PADDING, 0);
   p->first_piece = p->count;
   return status;
 }
 
-/* --- memory ------------------------------------------------------------------------------------------ */
+/* --- record of one pair ---------------------------------------------------------------------------------- */
+
+void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign) {
+  pair_flags *flags = &p->flags[pairs_flags_at(p, k)];
+  const unsigned bit = pairs_flag_bit(p, k);
+  assert(closed || slide_sign == 0);
+  flags->closed = (uint8_t)((flags->closed & ~bit) | (closed ? bit : 0u));
+  flags->slides_positive = (uint8_t)((flags->slides_positive & ~bit) | (slide_sign > 0 ? bit : 0u));
+  flags->slides_negative = (uint8_t)((flags->slides_negative & ~bit) | (slide_sign < 0 ? bit : 0u));
+}
+
+sd_contact_record pairs_record(const pairs *p, size_t k) {
+  sd_contact_record found;
+  double row[SD_CONTACT_COLUMNS];
+  for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) row[c] = PAIR(p, k, record[c]);
+  memcpy(&found, row, sizeof found);
+  return found;
+}
+
+void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record) {
+  double row[SD_CONTACT_COLUMNS];
+  memcpy(row, record, sizeof row);
+  for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(p, k, record[c]) = row[c];
+}
+
+/* --- rare events ----------------------------------------------------------------------------------------- */
+
+event *event_add(event_list *list, uint32_t index) {
+  if (list->count == list->capacity) {
+    size_t capacity = 2 * list->capacity + 16;
+    event *more = realloc(list->item, capacity * sizeof *more);
+    if (!more) {
+      list->failed = true;
+      return NULL;
+    }
+    list->item = more;
+    list->capacity = capacity;
+  }
+  list->item[list->count] = (event){.index = index};
+  return &list->item[list->count++];
+}
+
+void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped) {
+  event *v = event_add(list, (uint32_t)k);
+  if (!v) return;
+  v->dropped = dropped;
+  v->was_closed = was_closed;
+  v->before = pairs_record(p, k);
+  v->side_before = p->side[k];
+}
+
+/* --- from one list to the next ------------------------------------------------------------------------------------------ */
 
 static bool same_pair(const pairs *p, size_t k, const pairs *q, size_t n) {
   return p->a[k] == q->a[n] && p->b[k] == q->b[n] && p->part[k] == q->part[n];
@@ -69,21 +123,12 @@ static bool stands_before(const pairs *p, size_t k, const pairs *q, size_t n) {
   return p->part[k] < q->part[n];
 }
 
+/* What is left in the old list is of contacts that end. */
 static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
-  PAIR(to, n, star) = PAIR(from, k, star);
-  PAIR(to, n, ex) = PAIR(from, k, ex);
-  PAIR(to, n, ey) = PAIR(from, k, ey);
-  PAIR(to, n, overlap) = PAIR(from, k, overlap);
-  PAIR(to, n, force) = PAIR(from, k, force);
-  PAIR(to, n, stretch) = PAIR(from, k, stretch);
-  PAIR(to, n, turned) = PAIR(from, k, turned);
-  PAIR(to, n, slip) = PAIR(from, k, slip);
-  PAIR(to, n, viscous) = PAIR(from, k, viscous);
-  PAIR(to, n, friction) = PAIR(from, k, friction);
-  PAIR(to, n, gain) = PAIR(from, k, gain);
+  for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(to, n, record[c]) = PAIR(from, k, record[c]);
   to->side[n] = from->side[k];
-  /* what is left in the old list is of contacts that end */
-  PAIR(from, k, viscous) = PAIR(from, k, friction) = PAIR(from, k, gain) = 0.0;
+  pairs_set_flags(to, n, true, pairs_slide_sign(from, k));
+  PAIR(from, k, viscous) = PAIR(from, k, friction) = PAIR(from, k, nonconservative_work) = 0.0;
 }
 
 /* Both lists have the same order, so one sweep finds what the old one remembers. */
@@ -106,6 +151,7 @@ sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   memset(to->block, 0, (to->count + PAIR_BLOCK - 1) / PAIR_BLOCK * sizeof *to->block);
   memset(to->side, 0, to->count * sizeof *to->side);
+  memset(to->flags, 0, to->count * sizeof *to->flags);
   for (size_t k = 0; k < to->count; k++) PAIR(to, k, law) = law_of(e, to, k);
   carry(from, to, 0, from->n_round, 0, to->n_round);
   carry(from, to, from->first_piece, from->count, to->first_piece, to->count);

@@ -1,23 +1,57 @@
-/* pairs.h: room for candidate pairs, and their memory from one list to the next. */
+/* pairs.h: candidate pairs, the record of closed contacts among them, and its way from one list to the next. */
 #ifndef PHYSICS_PAIRS_H
 #define PHYSICS_PAIRS_H
+
+#include <assert.h>
 
 #include "physics/system/work.h"
 
 /* All return SD_ERROR_IO without memory. */
 void pairs_free(pairs *p);
-/* Room for so many; memories of those that are there are lost where it has to grow. */
+/* Capacity for so many; records are lost where it has to grow. */
 sd_status pairs_reserve(pairs *p, size_t count);
-/* Adds a pair; a = b = PAIR_OF_NOBODY fills up. */
-enum { PAIR_OF_NOBODY = -1 };
+/* Adds a pair; a = b = PAIR_PADDING fills up. */
+enum { PAIR_PADDING = -1 };
 sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part);
 /* The round ones are complete: what follows begins with a whole block. */
 sd_status pairs_end_round(pairs *p);
-/* All are pushed: fills laws, and memories with that of the same pairs in `from`, whose losses go along. */
+/* All are pushed: fills laws, and records with those of the same pairs in `from`, whose losses go along. */
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to);
 
-static inline bool pairs_closed(const pairs *p, size_t k) {
-  return PAIR(p, k, ex) != 0.0 || PAIR(p, k, ey) != 0.0;
+/* --- closed or open ---------------------------------------------------------------------------------------- */
+
+static inline bool pairs_is_segment(const pairs *p, size_t k) { return k >= p->first_piece; }
+
+/* Where the flags of pair k stand. */
+static inline size_t pairs_flags_at(const pairs *p, size_t k) {
+  return pairs_is_segment(p, k) ? p->first_piece / PAIR_BLOCK + (k - p->first_piece) : k / PAIR_BLOCK;
 }
+static inline unsigned pairs_flag_bit(const pairs *p, size_t k) {
+  return pairs_is_segment(p, k) ? 1u : 1u << k % PAIR_BLOCK;
+}
+
+/* The pair touched in the last evaluation, and has a record. */
+static inline bool pairs_closed(const pairs *p, size_t k) {
+  return (p->flags[pairs_flags_at(p, k)].closed & pairs_flag_bit(p, k)) != 0;
+}
+/* +1, -1: sliding with that sign of torque on both disks; 0: stuck or open. */
+static inline int pairs_slide_sign(const pairs *p, size_t k) {
+  const pair_flags *flags = &p->flags[pairs_flags_at(p, k)];
+  const unsigned bit = pairs_flag_bit(p, k);
+  return ((flags->slides_positive & bit) != 0) - ((flags->slides_negative & bit) != 0);
+}
+void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign);
+
+/* --- record ---------------------------------------------------------------------------------------------- */
+
+sd_contact_record pairs_record(const pairs *p, size_t k);
+void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record);
+
+/* --- rare events ------------------------------------------------------------------------------------------ */
+
+/* Disk or pair `index`; returns the new item to fill, NULL without memory, which the list remembers. */
+event *event_add(event_list *list, uint32_t index);
+/* Pair k, with the record of before the pass. */
+void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped);
 
 #endif

@@ -12,6 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "physics/contact/pairs.h"
 #include "physics/neighbours/neighbours.h"
 
 sd_status feedback_new(const engine *e, feedbacks *all) {
@@ -129,7 +130,7 @@ void feedback_place(engine *e, feedbacks *all, thread_work *mine) {
     body_seat(e, f->slot);
     if (neighbours_moved(e, f->slot)) mine->stale = true;
     if (!(*f->at >= w->lower[f->coordinate] && *f->at < w->upper[f->coordinate]))
-      event_add(&mine->returns, f->slot, 0.0);
+      event_add(&mine->returns, f->slot);
   }
 }
 

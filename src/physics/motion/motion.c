@@ -8,6 +8,7 @@
 
 #include "physics/motion/feedback.h"
 #include "physics/system/kernels.h"
+#include "physics/contact/pairs.h"
 #include "physics/neighbours/neighbours.h"
 
 struct motions {
@@ -292,7 +293,7 @@ void motion_place(engine *e, thread_work *mine) {
     if (neighbours_moved(e, p->slot)) mine->stale = true;
     /* free disks with a prescribed coordinate are looked at by the corrector */
     if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
-      event_add(&mine->returns, p->slot, 0.0);
+      event_add(&mine->returns, p->slot);
   }
 }
 

@@ -28,15 +28,11 @@ void chunks_free(chunks *c) {
   free(c->piece);
   free(c->need_start);
   free(c->need);
-  free(c->kept);
   free(c->row);
   free(c->predicted);
-  free(c->seated);
+  free(c->packed);
   free(c->early);
   free(c->late);
-  free(c->last);
-  free(c->commit_start);
-  free(c->commit);
   *c = (chunks){0};
 }
 
@@ -48,17 +44,13 @@ static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   c->pair = malloc((count + 1) * sizeof *c->pair);
   c->piece = malloc((count + 1) * sizeof *c->piece);
   c->need_start = malloc((count + 1) * sizeof *c->need_start);
-  c->kept = malloc(count);
   c->row = malloc(count * sizeof *c->row);
   c->predicted = malloc(count * sizeof *c->predicted);
-  c->seated = malloc(count * sizeof *c->seated);
+  c->packed = malloc(count * sizeof *c->packed);
   c->early = malloc(count);
   c->late = malloc(count);
-  c->last = malloc(count * sizeof *c->last);
-  c->commit_start = malloc((count + 2) * sizeof *c->commit_start);
-  c->commit = malloc(count * sizeof *c->commit);
-  bool all = c->begin && c->of_disks && c->pair && c->piece && c->need_start && c->kept && c->row &&
-             c->predicted && c->seated && c->early && c->late && c->last && c->commit_start && c->commit;
+  bool all = c->begin && c->of_disks && c->pair && c->piece && c->need_start && c->row && c->predicted &&
+             c->packed && c->early && c->late;
   c->capacity = all ? count : 0;
   return all ? SD_OK : SD_ERROR_IO;
 }
@@ -88,20 +80,22 @@ static sd_status add_need(chunks *c, size_t *n, uint32_t chunk) {
   return SD_OK;
 }
 
-/* Which chunks the pairs of each one see; itself always. `last` marks here for whom a chunk was found last. */
+/* Chunks that the pairs of each one read; itself always. */
 static sd_status find_needs(chunks *c, const pairs *p, size_t n_free) {
   size_t n = 0;
-  for (size_t k = 0; k < c->count; k++) c->last[k] = SIZE_MAX;
+  int64_t *found_for = c->packed;
+  for (size_t k = 0; k < c->count; k++) found_for[k] = -1;
   for (size_t k = 0; k < c->count; k++) {
     c->need_start[k] = n;
-    c->last[k] = k;
+    found_for[k] = (int64_t)k;
     if (add_need(c, &n, (uint32_t)k) != SD_OK) return SD_ERROR_IO;
     for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
       for (int side = 0; side < 2; side++) {
         int32_t slot = side ? p->b[at] : p->a[at];
-        if (slot < 0 || (size_t)slot >= n_free || c->last[chunks_of_disk(c, (size_t)slot)] == k) continue;
+        if (slot < 0 || (size_t)slot >= n_free || found_for[chunks_of_disk(c, (size_t)slot)] == (int64_t)k)
+          continue;
         size_t seen = chunks_of_disk(c, (size_t)slot);
-        c->last[seen] = k;
+        found_for[seen] = (int64_t)k;
         if (add_need(c, &n, (uint32_t)seen) != SD_OK) return SD_ERROR_IO;
       }
   }
@@ -169,9 +163,9 @@ sd_status chunks_plan(engine *e) {
   c->count = count;
   c->n_threads = w->n_threads;
   cut_shares(c, disk);
-  for (size_t k = 0; k < count; k++) c->predicted[k] = c->seated[k] = INT64_MIN;
   find_pairs(c, &w->pairs);
   if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < count; k++) c->predicted[k] = c->packed[k] = INT64_MIN;
   find_early(c, w->n_threads);
   return SD_OK;
 }
@@ -186,29 +180,6 @@ int chunks_thread_of_pair(const engine *e, size_t pair) {
   int t = 0;
   while (pair >= c->pair[c->share[t + 1]]) t++;
   return t;
-}
-
-/* The last chunk whose corrected disks its pairs want; none before all are through: n. */
-static size_t last_of(const chunks *c, size_t k, size_t from, size_t to) {
-  size_t last = k;
-  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
-    size_t seen = c->need[n];
-    if (seen < from || seen >= to || c->late[seen]) return c->count;
-    if (seen > last) last = seen;
-  }
-  return last;
-}
-
-void chunks_plan_commits(chunks *c) {
-  memset(c->commit_start, 0, (c->count + 2) * sizeof *c->commit_start);
-  for (int t = 0; t < c->n_threads; t++)
-    for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
-      c->last[k] = last_of(c, k, c->share[t], c->share[t + 1]);
-      if (c->last[k] < c->count) c->commit_start[c->last[k] + 2]++;
-    }
-  for (size_t k = 2; k < c->count + 2; k++) c->commit_start[k] += c->commit_start[k - 1];
-  for (size_t k = 0; k < c->count; k++)
-    if (c->last[k] < c->count) c->commit[c->commit_start[c->last[k] + 1]++] = (uint32_t)k;
 }
 
 /* --- rows -------------------------------------------------------------------------------------------- */
@@ -229,15 +200,12 @@ static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
   return page;
 }
 
-/* After which chunk of its share nobody wants each any more: SIZE_MAX where it is kept. */
+/* Last chunk of its share that reads the rows of each; SIZE_MAX where they are kept. */
 static void find_ends(chunks *c, size_t *until) {
   for (size_t k = 0; k < c->count; k++) until[k] = c->early[k] || c->late[k] ? SIZE_MAX : k;
-  for (size_t k = 0; k < c->count; k++) {
-    const size_t last = c->last[k] < c->count ? c->last[k] : SIZE_MAX;
+  for (size_t k = 0; k < c->count; k++)
     for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
-      if (until[c->need[n]] < last) until[c->need[n]] = last;
-  }
-  for (size_t k = 0; k < c->count; k++) c->kept[k] = until[k] == SIZE_MAX;
+      if (until[c->need[n]] < k) until[c->need[n]] = k;
 }
 
 static void give_rows(chunks *c, const size_t *until, page_list *pages) {

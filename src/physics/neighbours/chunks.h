@@ -22,10 +22,8 @@ int chunks_thread_of_pair(const engine *e, size_t pair);
 int chunks_thread_of_disk(const engine *e, size_t slot);
 /* The disk has contacts in the share of another thread: its chunk is corrected when all are through. */
 static inline void chunks_put_off(chunks *c, size_t slot) { c->late[chunks_of_disk(c, slot)] = true; }
-/* When nothing more is put off: when can each chunk be committed? */
-void chunks_plan_commits(chunks *c);
-/* After that: rows in seats and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
- * them, so that they need not leave the cache; what other threads or commits at the end want keeps its own. SD_ERROR_IO
+/* When nothing more is put off: rows of packed bodies and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
+ * them, so that they need not leave the cache; what other threads read or push keeps its own. SD_ERROR_IO
  * without memory. */
 sd_status chunks_plan_rows(chunks *c, size_t n_free);
 

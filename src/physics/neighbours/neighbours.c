@@ -346,7 +346,7 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
   if (status != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the list of neighbours");
   find_watched(e);
   note_poses(e);
-  w->kernels->seat(e, s->n_free, s->n_bodies);
+  w->kernels->pack(e, s->n_free, s->n_bodies);
   w->list_scale = s->box_scale;
   w->built_at = s->step;
   w->moved_limit2 = limit_of(e) * limit_of(e);

@@ -35,7 +35,7 @@ static sd_status list_incidence(engine *e) {
   return SD_OK;
 }
 
-/* --- seats and sums ---------------------------------------------------------------------------------- */
+/* --- packed and sums ---------------------------------------------------------------------------------- */
 
 /* How many bodies have, with that of nobody. */
 static size_t count_rows(const engine *e) {
@@ -45,12 +45,12 @@ static size_t count_rows(const engine *e) {
 static sd_status reserve_rows(engine *e) {
   work *w = &e->work;
   if (!w->row) w->row = malloc((e->state->n_bodies + 1) * sizeof *w->row);
-  if (count_rows(e) > w->seats_capacity) {
-    room_free(w->seats);
-    w->seats_capacity = count_rows(e) + count_rows(e) / 4;
-    w->seats = room_for(w->seats_capacity, SEAT_ROW * sizeof *w->seats);
+  if (count_rows(e) > w->packed_capacity) {
+    room_free(w->packed);
+    w->packed_capacity = count_rows(e) + count_rows(e) / 4;
+    w->packed = room_for(w->packed_capacity, PACKED_ROW * sizeof *w->packed);
   }
-  return w->row && w->seats ? SD_OK : SD_ERROR_IO;
+  return w->row && w->packed ? SD_OK : SD_ERROR_IO;
 }
 
 /* Rows of free disks, of the other bodies, and of nobody: at (0, 0) without a radius, where it touches nothing. */
@@ -64,13 +64,13 @@ static sd_status list_rows(engine *e) {
     for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot++)
       w->row[slot] = (int32_t)(c->row[k] + slot - c->begin[k]);
   for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
-  memset(w->seats + SEAT_ROW * (size_t)w->row[n_bodies], 0, SEAT_ROW * sizeof *w->seats);
+  memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
   for (size_t k = 0; k < p->count; k++) {
     const bool nobody = p->a[k] < 0;
     const int32_t a = w->row[nobody ? n_bodies : (size_t)p->a[k]];
     const int32_t b = w->row[nobody ? n_bodies : (size_t)p->b[k]];
-    PAIR(p, k, seat_a) = SEAT_ROW * a;
-    PAIR(p, k, seat_b) = SEAT_ROW * b;
+    PAIR(p, k, packed_a) = PACKED_ROW * a;
+    PAIR(p, k, packed_b) = PACKED_ROW * b;
     PAIR(p, k, sum_a) = SUM_ROW * a;
     PAIR(p, k, sum_b) = SUM_ROW * b;
   }
@@ -177,7 +177,6 @@ void sums_add_listed(const work *w, size_t begin, size_t end) {
 sd_status pairs_list(engine *e) {
   work *w = &e->work;
   if (chunks_plan(e) != SD_OK || list_incidence(e) != SD_OK || list_listed(e) != SD_OK) return SD_ERROR_IO;
-  chunks_plan_commits(&w->chunks);
   if (chunks_plan_rows(&w->chunks, e->state->n_free) != SD_OK || list_rows(e) != SD_OK) return SD_ERROR_IO;
   return list_sums(e);
 }
@@ -190,11 +189,11 @@ void pairs_list_free(engine *e) {
   room_free(w->sums.row);
   free(w->sums.listed);
   free(w->sums.single);
-  room_free(w->seats);
+  room_free(w->packed);
   free(w->row);
   w->incidence = (incidence){0};
-  w->seats = NULL;
+  w->packed = NULL;
   w->row = NULL;
-  w->seats_capacity = 0;
+  w->packed_capacity = 0;
   w->sums = (sums){0};
 }

@@ -21,7 +21,7 @@
 #define LANE_WIDTH 2
 #include "base/lane.h"
 #include "physics/step/integrate_pass.h"
-#include "physics/contact/law.h"
+#include "physics/contact/contact_step.h"
 #define LANES_TEXT any
 #define LANES_KNOWN 0
 #include "physics/small/lanes_pass.h"
@@ -35,7 +35,7 @@
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "physics/step/integrate_pass.h"
-#include "physics/contact/law.h"
+#include "physics/contact/contact_step.h"
 #include "physics/small/lanes_pass.h"
 #undef LANES_TEXT
 #undef LANES_KNOWN

@@ -239,22 +239,17 @@ static size_t index_in(const engine *e, const lanes *l, size_t k) {
   return SIZE_MAX;
 }
 
-/* What pair n remembers, in the order of the rows. */
-static void memory_of(const pairs *p, size_t n, double *column[PAIR_MEMORY]) {
-  pair_block *b = p->block + n / PAIR_BLOCK;
-  double *first[PAIR_MEMORY] = {b->star,   b->ex,   b->ey,      b->force,    b->overlap, b->stretch,
-                                b->turned, b->slip, b->viscous, b->friction, b->gain};
-  for (size_t r = 0; r < PAIR_MEMORY; r++) column[r] = first[r] + n % PAIR_BLOCK;
-}
-
 static void load_memory(lanes *l, size_t lane) {
   const engine *e = l->system[lane];
   const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
-    double *from[PAIR_MEMORY];
-    if (n != SIZE_MAX) memory_of(&e->work.pairs, n, from);
-    for (size_t r = 0; r < PAIR_MEMORY; r++) *cell(l, l->pair[k], r, lane) = n == SIZE_MAX ? 0.0 : *from[r];
+    const bool listed = n != SIZE_MAX;
+    for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++)
+      *cell(l, l->pair[k], r, lane) = listed ? PAIR(p, n, record[r]) : 0.0;
+    *cell(l, l->pair[k], PAIR_CLOSED, lane) = listed && pairs_closed(p, n) ? 1.0 : 0.0;
+    *cell(l, l->pair[k], PAIR_SLIP, lane) = listed ? -pairs_slide_sign(p, n) : 0.0;
   }
   for (size_t i = 0; i < l->n_free; i++) {
     *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
@@ -356,14 +351,15 @@ static sd_status store_poses(const lanes *l, size_t lane) {
 
 static void store_memory(const lanes *l, size_t lane) {
   engine *e = l->system[lane];
-  const pairs *p = &e->work.pairs;
+  pairs *p = &e->work.pairs;
   pairs_clear_sums(e);
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
     if (n == SIZE_MAX) continue; /* farther apart than any contact */
-    double *to[PAIR_MEMORY];
-    memory_of(p, n, to);
-    for (size_t r = 0; r < PAIR_MEMORY; r++) *to[r] = *cell(l, l->pair[k], r, lane);
+    const double slip = *cell(l, l->pair[k], PAIR_SLIP, lane);
+    const bool closed = *cell(l, l->pair[k], PAIR_CLOSED, lane) > 0.0;
+    for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++) PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
+    pairs_set_flags(p, n, closed, (slip < 0.0) - (slip > 0.0));
     const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
     double tau = *cell(l, l->pair[k], PAIR_TAU, lane);
     double *on_a = e->work.sums.row + PAIR(p, n, sum_a), *on_b = e->work.sums.row + PAIR(p, n, sum_b);
@@ -451,7 +447,7 @@ int64_t lanes_take(lanes *l, int64_t n, bool measure) {
 static void count_openings(const lanes *l, size_t lane) {
   sd_state *s = l->system[lane]->state;
   for (size_t k = 0; k < 2 * l->n_slides; k++) {
-    int open = *cell(l, l->pair[l->watched[k]], PAIR_OVERLAP, lane) == 0.0;
+    int open = *cell(l, l->pair[l->watched[k]], PAIR_CLOSED, lane) == 0.0;
     if (open == s->slide_was_open[k]) continue;
     s->slide_openings[k] += open;
     s->slide_was_open[k] = open;
@@ -466,14 +462,13 @@ static void list_events(const lanes *l, size_t lane) {
     size_t n = index_in(e, l, k);
     double *p = l->pair[k];
     if (n == SIZE_MAX) continue;
-    event *v = event_add(&mine->events, (uint32_t)n, *cell(l, p, PAIR_DROP, lane));
+    event *v = event_add(&mine->events, (uint32_t)n);
     if (!v) return; /* the list knows */
-    v->ex = *cell(l, p, PAIR_WAS_EX, lane);
-    v->ey = *cell(l, p, PAIR_WAS_EY, lane);
-    v->missed = *cell(l, p, PAIR_MISSED, lane);
+    v->was_closed = *cell(l, p, PAIR_WAS_CLOSED, lane) > 0.0;
+    v->dropped = *cell(l, p, PAIR_DROPPED, lane);
   }
   for (size_t i = 0; i < l->n_free; i++)
-    if (l->returns[i] >> lane & 1u) event_add(&mine->returns, (uint32_t)i, 0.0);
+    if (l->returns[i] >> lane & 1u) event_add(&mine->returns, (uint32_t)i);
   mine->fast = l->fast >> lane & 1u;
 }
 

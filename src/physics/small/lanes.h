@@ -2,7 +2,7 @@
  * side in the lanes of vectors.
  *
  * The step is one function over rows of `width` numbers, one of each system (lanes_pass.h); a system that is alone
- * stands in both lanes of the narrowest vector. The text of law, commit, predictor and corrector is that of the
+ * stands in both lanes of the narrowest vector. The text of contacts, predictor and corrector is that of the
  * general step, the sums run in the same order, and lanes do not mix: every bit is that of the general step (tests
  * compare).
  *
@@ -28,20 +28,12 @@ enum {
 };
 
 /* Rows of a pair. */
+#define PAIR_ROW(name, unit, meaning) PAIR_##name,
 enum {
-  PAIR_STAR,
-  PAIR_EX,
-  PAIR_EY,
-  PAIR_FORCE,
-  PAIR_OVERLAP,
-  PAIR_STRETCH,
-  PAIR_TURNED,
-  PAIR_SLIP,
-  PAIR_VISCOUS,
-  PAIR_FRICTION,
-  PAIR_VARIANT, /* so far the memory */
-  PAIR_MEMORY,
-  PAIR_KN = PAIR_MEMORY,
+  SD_CONTACT_RECORD(PAIR_ROW) /* slipdisk/contact.h */
+  PAIR_CLOSED,                /* 1 or 0 */
+  PAIR_SLIP,                  /* of the last step; its sign is opposite to tau's */
+  PAIR_KN,
   PAIR_KT,
   PAIR_GAMMA,
   PAIR_CAP,
@@ -49,16 +41,14 @@ enum {
   PAIR_SUM,   /* R_a + R_b */
   PAIR_RA,
   PAIR_RB,
-  PAIR_FX, /* last force pass */
+  PAIR_FX, /* force of the last step */
   PAIR_FY,
   PAIR_TAU,
-  PAIR_ACTED,  /* F_n there, where the contact was open */
-  PAIR_WAS_EX, /* rare events of a commit: what was remembered, and what is to be booked */
-  PAIR_WAS_EY,
-  PAIR_DROP,
-  PAIR_MISSED,
+  PAIR_WAS_CLOSED, /* rare events: before the step, */
+  PAIR_DROPPED,    /* energy left in a contact that opened */
   PAIR_ROWS
 };
+#undef PAIR_ROW
 
 /* Rows of a prescribed coordinate. */
 enum { PLACE_LAST, PLACE_SPEED, PLACE_FORCE, PLACE_ROWS };
@@ -131,7 +121,7 @@ void lanes_store(lanes *l);
 /* Is every prescribed coordinate computed ahead? Returns for how many steps; 0: the next one needs the general step. */
 int64_t lanes_ready(lanes *l);
 /* Takes n <= lanes_ready steps within a phase, or fewer when a lane goes wrong: then its work.status says so, and its
- * state is that of the step in which it happened (with Gear, columns 2 to 4 of the disks may be a step ahead). Steps and measured steps of the states are counted on. Rows must be
+ * state is that of the step in which it happened. Steps and measured steps of the states are counted on. Rows must be
  * loaded, and are to be stored. Returns the steps that were taken. */
 int64_t lanes_take(lanes *l, int64_t n, bool measure);
 /* Brings the angles to the states. */

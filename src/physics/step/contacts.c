@@ -2,12 +2,12 @@
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "physics/step/engine.h"
 #include "physics/system/kernels.h"
+#include "physics/contact/evaluate.h"
 #include "physics/contact/losses.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
@@ -17,24 +17,8 @@
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
-#include "physics/contact/law.h"
 
 /* --- rare events ------------------------------------------------------------------------------------- */
-
-event *event_add(event_list *list, uint32_t index, double opening) {
-  if (list->count == list->capacity) {
-    size_t capacity = 2 * list->capacity + 16;
-    event *more = realloc(list->item, capacity * sizeof *more);
-    if (!more) {
-      list->failed = true;
-      return NULL;
-    }
-    list->item = more;
-    list->capacity = capacity;
-  }
-  list->item[list->count] = (event){.index = index, .opening = opening};
-  return &list->item[list->count++];
-}
 
 /* Unit vector from a to b's surface, as the law has it. */
 static void normal(const engine *e, size_t k, double *nx, double *ny) {
@@ -62,19 +46,18 @@ static void normal(const engine *e, size_t k, double *nx, double *ny) {
 static void rebase(engine *e, size_t k) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
+  const contact_geometry g = contact_geometry_of(e, k);
   double sum = s->radius[p->a[k]] + s->radius[p->b[k]];
-  PAIR(p, k, star) += sum * PAIR(p, k, turned);
+  PAIR(p, k, lambda_ref) += sum * g.turned;
   PAIR(p, k, turned) = 0.0;
   normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
-  if (k < p->n_round) return;
+  if (!pairs_is_segment(p, k)) return;
   nearest_point q = walls_nearest(&e->work.segments[p->part[k]], s->x[p->a[k]], s->y[p->a[k]]);
   if (!q.flat && q.side != p->side[k]) {
-    PAIR(p, k, star) += (q.side - p->side[k]) * q.arc;
+    PAIR(p, k, lambda_ref) += (q.side - p->side[k]) * q.arc;
     p->side[k] = q.side;
   }
 }
-
-static bool was_closed(const event *v) { return v->ex != 0.0 || v->ey != 0.0; }
 
 /* The event of this step in which the disk's contact with a piece next to k's opened, NULL: none. */
 static event *left_next_piece(engine *e, size_t k) {
@@ -84,17 +67,17 @@ static event *left_next_piece(engine *e, size_t k) {
   const event_list *events = &e->work.threads[0].events;
   for (size_t n = 0; n < events->count; n++) {
     event *v = &events->item[n];
-    bool opened = v->index >= p->n_round && was_closed(v) && !pairs_closed(p, v->index);
-    if (!opened || p->a[v->index] != p->a[k] || v->handed) continue;
+    bool opened = pairs_is_segment(p, v->index) && v->was_closed && !pairs_closed(p, v->index);
+    if (!opened || p->a[v->index] != p->a[k] || v->transferred) continue;
     int64_t there = p->part[v->index];
     if (pieces[there].next == here || pieces[here].next == there) return v;
   }
   return NULL;
 }
 
-/* The arc length runs on through a vertex, so a disk that passes from one piece to the next keeps lambda*.
- * False: it comes from no other piece. */
-static bool hand_over(engine *e, size_t k) {
+/* The arc length runs on through a vertex, so a disk that passes from one segment to the next keeps lambda*.
+ * False: it comes from no other segment. */
+static bool transfer_history(engine *e, size_t k) {
   pairs *p = &e->work.pairs;
   event *v = left_next_piece(e, k);
   if (!v) return false;
@@ -103,17 +86,17 @@ static bool hand_over(engine *e, size_t k) {
   double jump = 0.0;
   if (there->next == p->part[k] && here <= there) jump = there->arc + there->length - here->arc;
   if (here->next == p->part[v->index] && there <= here) jump = -(here->arc + here->length - there->arc);
-  PAIR(p, k, star) = v->star - v->side * jump;
-  PAIR(p, k, ex) = v->ex;
-  PAIR(p, k, ey) = v->ey;
-  p->side[k] = v->side;
-  v->handed = true; /* the energy goes along */
-  /* the losses of this step are those of one contact, from the piece it left to this one */
-  PAIR(p, k, force) = v->force;
-  PAIR(p, k, overlap) = v->overlap;
-  PAIR(p, k, stretch) = v->stretch;
-  PAIR(p, k, viscous) = PAIR(p, k, friction) = PAIR(p, k, gain) = 0.0;   /* as if it had not been committed */
-  e->work.kernels->pairs(e, &e->work.threads[0], k, k + 1, PASS_COMMIT); /* with the memory it now has */
+  sd_contact_record record = v->before;
+  record.lambda_ref -= v->side_before * jump;
+  record.viscous = record.friction = record.nonconservative_work =
+      0.0; /* these stay with the segment that it left */
+  record.turned = 0.0;
+  pairs_set_record(p, k, &record);
+  pairs_set_flags(p, k, true, 0);
+  p->side[k] = v->side_before;
+  v->transferred = true;
+  /* the losses of this step are those of one contact, from the segment it left to this one */
+  contact_evaluate_again(e, k);
   return true;
 }
 
@@ -141,42 +124,20 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
                  e->model->max_overlap, least);
 }
 
-static bool begun(const pairs *p, const event *v) { return pairs_closed(p, v->index) && !was_closed(v); }
-
-/* Does the disk touch another piece of the same wall? Its pairs with them stand side by side. */
-static bool touches_beside(const pairs *p, size_t k) {
-  for (size_t j = k; j-- > p->first_piece && p->a[j] == p->a[k] && p->b[j] == p->b[k];)
-    if (pairs_closed(p, j)) return true;
-  for (size_t j = k + 1; j < p->count && p->a[j] == p->a[k] && p->b[j] == p->b[k]; j++)
-    if (pairs_closed(p, j)) return true;
-  return false;
-}
-
-/* Work of a force at the trial coordinates that the losses of the step do not know, or know without its having
- * acted. Between pieces of a wall the one may have acted and the other be known: nothing is missing. */
-static void book_missed(engine *e, const event *v) {
-  const pairs *p = &e->work.pairs;
-  size_t k = v->index;
-  if (v->missed == 0.0 || v->handed || (k >= p->n_round && touches_beside(p, k))) return;
-  losses_share(e, e->state->past_viscous, p->a[k], p->b[k], v->missed);
-}
-
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   pairs *p = &e->work.pairs;
   size_t k = v->index;
-  if (!was_closed(v)) book_missed(e, v);
   if (!pairs_closed(p, k)) {
-    PAIR(p, k, overlap) = 0.0; /* else it has no direction: a centre on a centre */
     losses_end(e, p, k);
-    if (was_closed(v) && !v->handed) book_opening(e, k, v->opening);
+    if (v->was_closed && !v->transferred) book_opening(e, k, v->dropped);
     return SD_OK;
   }
-  if (!begun(p, v)) rebase(e, k);
+  if (v->was_closed) rebase(e, k);
   return check_overlap(e, k, messages);
 }
 
 /* theta back into [-4, 4] and the position into the box; lambda* of the disk's contacts follows. */
-static void bring_back(engine *e, uint32_t i) {
+static void wrap(engine *e, uint32_t i) {
   sd_state *s = e->state;
   work *w = &e->work;
   pairs *p = &w->pairs;
@@ -199,12 +160,13 @@ static void bring_back(engine *e, uint32_t i) {
   if (i >= s->n_disks) walls_place(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
-    if (PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0) continue;
-    PAIR(p, k, star) -= s->radius[i] * turn;
-    if (k >= p->n_round) { /* the arc length of the nearest point changes, with the disk or with the wall */
+    if (!pairs_closed(p, k)) continue;
+    PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
+    if (pairs_is_segment(
+            p, k)) { /* the arc length of the nearest point changes, with the disk or with the wall */
       const placed_segment *g = &w->segments[p->part[k]];
       double way = shift[0] * g->tx + shift[1] * g->ty;
-      PAIR(p, k, star) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
+      PAIR(p, k, lambda_ref) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
     }
   }
 }
@@ -217,7 +179,7 @@ static int by_index(const void *one, const void *two) {
 /* All into the first list, in the order of pairs or slots, whoever noted them when. */
 static sd_status merge(event_list *first, const event_list *more) {
   for (size_t n = 0; n < more->count; n++) {
-    event *v = event_add(first, 0, 0.0);
+    event *v = event_add(first, 0);
     if (!v) return SD_ERROR_IO;
     *v = more->item[n];
   }
@@ -252,16 +214,17 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
   work *w = &e->work;
   if (collect(w) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
-  for (size_t n = 0; n < events->count; n++)
-    if (events->item[n].index >= w->pairs.n_round && begun(&w->pairs, &events->item[n]) &&
-        hand_over(e, events->item[n].index))
-      events->item[n].missed = 0.0;
+  for (size_t n = 0; n < events->count; n++) {
+    const event *v = &events->item[n];
+    if (pairs_is_segment(&w->pairs, v->index) && !v->was_closed && pairs_closed(&w->pairs, v->index))
+      transfer_history(e, v->index);
+  }
   for (size_t n = 0; n < events->count; n++) {
     event v = events->item[n];
     sd_status s = pair_event(e, &v, messages);
     if (status == SD_OK) status = s;
   }
-  for (size_t n = 0; n < returns->count; n++) bring_back(e, returns->item[n].index);
+  for (size_t n = 0; n < returns->count; n++) wrap(e, returns->item[n].index);
   returns->count = events->count = 0;
   check_speed(e);
   return status;
@@ -279,22 +242,14 @@ sd_status contacts_store(engine *e) {
   if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k)) continue;
+    const sd_contact_record record = pairs_record(p, k);
     size_t c = s->n_contacts++;
     s->contact_a[c] = s->id[p->a[k]];
     s->contact_b[c] = s->id[p->b[k]];
     s->contact_part[c] = (uint32_t)p->part[k];
-    s->contact_lambda[c] = PAIR(p, k, star);
-    s->contact_ex[c] = PAIR(p, k, ex);
-    s->contact_ey[c] = PAIR(p, k, ey);
+    sd_state_set_record(s, c, &record);
     s->contact_side[c] = p->side[k];
-    s->contact_force[c] = PAIR(p, k, force);
-    s->contact_overlap[c] = PAIR(p, k, overlap);
-    s->contact_stretch[c] = PAIR(p, k, stretch);
-    s->contact_turned[c] = PAIR(p, k, turned);
-    s->contact_slide[c] = (PAIR(p, k, slip) < 0.0) - (PAIR(p, k, slip) > 0.0);
-    s->contact_viscous[c] = PAIR(p, k, viscous);
-    s->contact_friction[c] = PAIR(p, k, friction);
-    s->contact_gain[c] = PAIR(p, k, gain);
+    s->contact_slide[c] = pairs_slide_sign(p, k);
   }
   return SD_OK;
 }
@@ -306,7 +261,7 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   uint32_t a = e->work.slot[s->contact_a[c]], b = e->work.slot[s->contact_b[c]],
            n_disks = (uint32_t)s->n_disks;
   bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
-  if (piece != (k >= p->n_round)) return !piece;
+  if (piece != pairs_is_segment(p, k)) return !piece;
   if (a != (uint32_t)p->a[k]) return a < (uint32_t)p->a[k];
   if (b != (uint32_t)p->b[k]) return b < (uint32_t)p->b[k];
   return s->contact_part[c] < (uint32_t)p->part[k];
@@ -324,18 +279,10 @@ void contacts_load(engine *e) {
     if (s->contact_a[c] != s->id[p->a[k]] || s->contact_b[c] != s->id[p->b[k]] ||
         s->contact_part[c] != (uint32_t)p->part[k])
       continue;
-    PAIR(p, k, star) = s->contact_lambda[c];
-    PAIR(p, k, ex) = s->contact_ex[c];
-    PAIR(p, k, ey) = s->contact_ey[c];
+    const sd_contact_record record = sd_state_record(s, c);
+    pairs_set_record(p, k, &record);
+    pairs_set_flags(p, k, true, s->contact_slide[c]);
     p->side[k] = s->contact_side[c];
-    PAIR(p, k, force) = s->contact_force[c];
-    PAIR(p, k, overlap) = fmax(s->contact_overlap[c], DBL_MIN); /* closed */
-    PAIR(p, k, stretch) = s->contact_stretch[c];
-    PAIR(p, k, turned) = s->contact_turned[c];
-    PAIR(p, k, slip) = -s->contact_slide[c];
-    PAIR(p, k, viscous) = s->contact_viscous[c];
-    PAIR(p, k, friction) = s->contact_friction[c];
-    PAIR(p, k, gain) = s->contact_gain[c];
     c++;
   }
 }

@@ -48,15 +48,9 @@ static void fill_contact(sd_state *s, const sd_contact_memory *c) {
   s->contact_a[k] = c->a;
   s->contact_b[k] = c->b;
   s->contact_part[k] = c->part;
-  s->contact_lambda[k] = c->lambda;
-  s->contact_ex[k] = c->ex;
-  s->contact_ey[k] = c->ey;
   s->contact_side[k] = c->side;
-  s->contact_force[k] = c->force;
-  s->contact_overlap[k] = c->overlap;
-  s->contact_stretch[k] = c->stretch;
-  s->contact_turned[k] = c->turned;
   s->contact_slide[k] = c->slide;
+  sd_state_set_record(s, k, &c->record);
 }
 
 static sd_status fill_contacts(const sd_model *m, sd_state *s) {
@@ -265,8 +259,6 @@ void engine_free(engine *e) {
 
 /* --- step 0 ------------------------------------------------------------------------------------------ */
 
-static bool closed(const pairs *p, size_t k) { return PAIR(p, k, ex) != 0.0 || PAIR(p, k, ey) != 0.0; }
-
 /* After the first pass: contacts of the packing that are none here. They did not open, so nothing is booked.
  * loaded: contacts that were closed before the pass. */
 static void drop_apart(engine *e, size_t loaded, sd_messages *messages) {
@@ -274,8 +266,8 @@ static void drop_apart(engine *e, size_t loaded, sd_messages *messages) {
   size_t kept = loaded, n = e->model->n_memories;
   for (size_t k = 0; k < w->threads[0].events.count; k++) {
     event *v = &w->threads[0].events.item[k];
-    if (closed(&w->pairs, v->index)) continue;
-    v->handed = true;
+    if (pairs_closed(&w->pairs, v->index)) continue;
+    v->transferred = true;
     kept--;
   }
   if (kept < n)
@@ -287,11 +279,12 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
   size_t loaded = 0;
-  for (size_t k = 0; k < w->pairs.count; k++) loaded += closed(&w->pairs, k);
+  for (size_t k = 0; k < w->pairs.count; k++) loaded += pairs_closed(&w->pairs, k);
   sweep_forces(e);
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++)
-    PAIR(&w->pairs, k, viscous) = PAIR(&w->pairs, k, friction) = PAIR(&w->pairs, k, gain) = 0.0;
+    PAIR(&w->pairs, k, viscous) = PAIR(&w->pairs, k, friction) = PAIR(&w->pairs, k, nonconservative_work) =
+        0.0;
   drop_apart(e, loaded, messages);
   sd_status status = contacts_events(e, messages);
   for (size_t i = 0; i < s->n_free; i++) {

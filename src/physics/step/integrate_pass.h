@@ -68,7 +68,7 @@ LANE_INLINE LANE(real)
 typedef struct view {
   columns k[SD_COORDINATES];
   const double *radius, *x0, *y0;
-  double *seats, *sums;
+  double *packed, *sums;
   size_t shift; /* from slots to rows of these */
   double dt, per_dt, half_dt2, moved_limit2, speed_limit2, lower[2], upper[2];
   bool periodic[2];
@@ -80,7 +80,7 @@ static inline view view_of(const engine *e, size_t begin) {
   view v = {.radius = e->state->radius,
             .x0 = w->x0,
             .y0 = w->y0,
-            .seats = w->seats,
+            .packed = w->packed,
             .sums = w->sums.row,
             .shift = (size_t)w->row[begin] - begin,
             .dt = w->dt,
@@ -113,20 +113,21 @@ LANE_INLINE void LANE(gear_predict_at)(const columns *k, size_t i, LANE(real) dt
   LANE(store)(k->q4 + i, c->q4);
 }
 
-/* Rows of SEAT_ROW numbers. */
-LANE_INLINE void LANE(lay_seat)(const view *v, size_t i, LANE(real) x, LANE(real) y, LANE(real) theta,
-                                LANE(real) vx, LANE(real) vy) {
+/* Rows of PACKED_ROW numbers. */
+LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(real) y, LANE(real) theta,
+                                    LANE(real) vx, LANE(real) vy) {
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
-  const LANE(real) pose[] = {[SEAT_X] = x, [SEAT_Y] = y, [SEAT_ARC] = radius * theta, [SEAT_RADIUS] = radius};
+  const LANE(real)
+      pose[] = {[PACKED_X] = x, [PACKED_Y] = y, [PACKED_ARC] = radius * theta, [PACKED_RADIUS] = radius};
   const LANE(real) speed[] = {vx, vy, zero, zero};
-  double *seat = v->seats + SEAT_ROW * (i + v->shift);
-  LANE(lay4)(seat, SEAT_ROW, pose);
-  LANE(lay4)(seat + SEAT_VX, SEAT_ROW, speed);
+  double *row = v->packed + PACKED_ROW * (i + v->shift);
+  LANE(lay4)(row, PACKED_ROW, pose);
+  LANE(lay4)(row + PACKED_VX, PACKED_ROW, speed);
 }
 
-LANE_INLINE void LANE(seat_at)(const view *v, size_t i) {
+LANE_INLINE void LANE(pack_at)(const view *v, size_t i) {
   const columns *x = &v->k[SD_X], *y = &v->k[SD_Y];
-  LANE(lay_seat)
+  LANE(store_packed)
   (v, i, LANE(load)(x->q + i), LANE(load)(y->q + i), LANE(load)(v->k[SD_THETA].q + i), LANE(load)(x->v + i),
    LANE(load)(y->v + i));
 }
@@ -137,14 +138,14 @@ LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real)
   return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(v->moved_limit2))));
 }
 
-/* No contact has done anything to disks i ... yet. That the rows are written brings them into the cache. */
-LANE_INLINE void LANE(lay_nothing)(const view *v, size_t i) {
+/* Writing the rows brings them into the cache. */
+LANE_INLINE void LANE(clear_sum)(const view *v, size_t i) {
   const LANE(real) zero = LANE(splat)(0.0);
   double *sum = v->sums + SUM_ROW * (i + v->shift);
   for (size_t k = 0; k < SUM_ROW; k++) LANE(store)(sum + LANE_WIDTH * k, zero);
 }
 
-/* Trial coordinates, and where the pairs see them. */
+/* Predicted coordinates, also to the packed bodies. */
 LANE_INLINE void LANE(predict_at)(const view *v, size_t i, const int gear) {
   LANE(nordsieck) c[SD_COORDINATES];
   LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
@@ -160,8 +161,8 @@ LANE_INLINE void LANE(predict_at)(const view *v, size_t i, const int gear) {
     LANE(store)(k->q + i, c[n].q);
     LANE(store)(k->v + i, c[n].v);
   }
-  LANE(lay_seat)(v, i, c[SD_X].q, c[SD_Y].q, c[SD_THETA].q, c[SD_X].v, c[SD_Y].v);
-  LANE(lay_nothing)(v, i);
+  LANE(store_packed)(v, i, c[SD_X].q, c[SD_Y].q, c[SD_THETA].q, c[SD_X].v, c[SD_Y].v);
+  LANE(clear_sum)(v, i);
 }
 
 LANE_INLINE LANE(mask) LANE(beyond)(const view *v, int c, LANE(real) q) {
@@ -236,8 +237,6 @@ LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, int *s
     next[n] = c.q + (c.v * dt + c.q2);
   }
   *stale |= LANE(is_stale)(v, i, next[SD_X], next[SD_Y]);
-  /* the commit looks again */
-  if (gear) LANE(lay_seat)(v, i, q[SD_X], q[SD_Y], q[SD_THETA], speed[SD_X], speed[SD_Y]);
   return LANE(any)(LANE(out_of_range)(v, q[SD_X], q[SD_Y], q[SD_THETA]) |
                    LANE(is_fast_at)(v, i, speed[SD_X], speed[SD_Y]));
 }

@@ -21,10 +21,10 @@
     for (; i < end; i++) single;                                                                             \
   } while (0)
 
-/* Poses to where the pairs see them. */
-static void seat(engine *e, size_t begin, size_t end) {
+/* Poses to the packed bodies. */
+static void pack(engine *e, size_t begin, size_t end) {
   const view v = view_of(e, begin);
-  FOR_LANES((LANE(seat_at)(&v, i), LANE(lay_nothing)(&v, i)), (seat_at_w1(&v, i), lay_nothing_w1(&v, i)));
+  FOR_LANES((LANE(pack_at)(&v, i), LANE(clear_sum)(&v, i)), (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
 }
 
 static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
@@ -51,7 +51,7 @@ LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end,
   if (stale) mine->stale = true;
   for (size_t i = begin; out && i < end; i++) {
     if (out_of_range_w1(&v, v.k[SD_X].q[i], v.k[SD_Y].q[i], v.k[SD_THETA].q[i]))
-      event_add(&mine->returns, (uint32_t)i, 0.0);
+      event_add(&mine->returns, (uint32_t)i);
     if (is_fast_at_w1(&v, i, v.k[SD_X].v[i], v.k[SD_Y].v[i])) mine->fast = true;
   }
 }
@@ -77,7 +77,7 @@ static void gather(engine *e, size_t begin, size_t end) {
   }
 }
 
-extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
 extern void KERNEL(kernel_lanes)(lanes *l, int64_t n);
 extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
                                    double *a, double *b);
@@ -103,7 +103,7 @@ const kernels KERNEL(kernels) = {
     .lane_width = VECTOR_WIDTH,
     .lanes = KERNEL(kernel_lanes),
     .gather = gather,
-    .seat = seat,
+    .pack = pack,
     .stale = stale,
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},

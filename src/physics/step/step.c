@@ -1,7 +1,7 @@
 /* step.c: the step, one page.
  *
  * place prescribed bodies at t + dt -> (stale? rebuild neighbours, carrying contacts) -> chunk by chunk: predict the free
- * disks that its pairs see, one force per contact, correct, commit lambda* and book losses -> what waits for other threads
+ * disks of its pairs, evaluate each contact once (force, lambda*, losses), correct -> chunks that wait for other threads
  * -> rare events.
  *
  * Every loop writes only its own indices; each wait makes what was written visible to the whole team.
@@ -35,16 +35,16 @@ static void predict_all(engine *e, const team *t) {
   FOR_SHARES(t, share, &e->work) FOR_CHUNKS(k, &e->work, share) sweep_predict(e, k);
 }
 
-/* Have all disks the trial coordinates of the coming step, or none? New lists forget it. */
+/* Marks every chunk as predicted, or none. New lists forget it. */
 static void note_predicted(engine *e, bool all) {
   chunks *c = &e->work.chunks;
   for (size_t k = 0; k < c->count; k++) {
     c->predicted[k] = e->state->step + all;
-    c->seated[k] = INT64_MIN;
+    c->packed[k] = INT64_MIN;
   }
 }
 
-/* Lists for the coming step, on one thread. What moves farther in one step than lists bear is taken where it arrives. */
+/* Lists for the coming step, on one thread. If a disk outruns the list within one step, rebuild at the predicted positions. */
 static sd_status renew_lists(engine *e) {
   work *w = &e->work;
   const team alone = {0, 1};
@@ -61,18 +61,17 @@ static sd_status renew_lists(engine *e) {
 void step_begin(engine *e, int64_t n) {
   const sd_state *s = e->state;
   work *w = &e->work;
-  w->kernels->seat(e, s->n_free, s->n_bodies);
+  w->kernels->pack(e, s->n_free, s->n_bodies);
   w->show_from = s->step + n;
   w->whole = e->model->phases[s->phase].relax || motion_drives_free(e);
-  w->commit_last = motion_corrects(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, true);
   note_predicted(e, false);
 }
 
-/* Where velocities change between steps, or predictions of single coordinates are overwritten: predicts all disks and
- * looks at them before anything else. */
-static void look_at_all(engine *e, const team *t) {
+/* Where velocities change between steps, or predictions of single coordinates are overwritten: predicts all disks first,
+ * and checks the lists. */
+static void predict_and_check(engine *e, const team *t) {
   work *w = &e->work;
   predict_all(e, t);
   FOR_SHARES(t, share, w) {
@@ -84,9 +83,9 @@ static void look_at_all(engine *e, const team *t) {
 
 void step_once(engine *e, const team *t) {
   work *w = &e->work;
-  const bool first = t->rank == 0, one_pass = e->model->integrator == SD_VERLET;
+  const bool first = t->rank == 0;
   if (w->whole) {
-    look_at_all(e, t);
+    predict_and_check(e, t);
     team_wait(t);
   }
   if (first) {
@@ -103,7 +102,7 @@ void step_once(engine *e, const team *t) {
   }
 
   if (w->chunks.any_early) {
-    FOR_SHARES(t, share, w) FOR_CHUNKS(k, w, share) if (w->chunks.early[k]) sweep_seat(e, k);
+    FOR_SHARES(t, share, w) FOR_CHUNKS(k, w, share) if (w->chunks.early[k]) sweep_pack(e, k);
     team_wait(t);
   }
   FOR_SHARES(t, share, w) sweep_share(e, share);
@@ -113,13 +112,8 @@ void step_once(engine *e, const team *t) {
   FOR_CHUNKS(k, w, share) if (w->chunks.late[k]) sweep_correct(e, &w->threads[share], k);
   if (first) w->kernels->gather(e, e->state->n_free, e->state->n_bodies);
   team_wait(t);
-  if (first) motion_work(e);
-  if (!one_pass) {
-    team_wait(t);
-    FOR_SHARES(t, share, w) sweep_commit_last(e, share);
-    team_wait(t);
-  }
   if (first) {
+    motion_work(e);
     if (contacts_any_event(w)) w->status = contacts_events(e, w->messages);
     /* no other step will show the forces; where chunks share rows they are gone */
     if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);

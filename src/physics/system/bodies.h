@@ -18,13 +18,13 @@ static inline bool body_in_play(const sd_state *s, size_t slot) {
 static inline void body_seat(const engine *e, size_t slot) {
   const sd_state *s = e->state;
   if (slot < s->n_free) return;
-  double *row = e->work.seats + SEAT_ROW * (size_t)e->work.row[slot];
-  row[SEAT_X] = s->x[slot];
-  row[SEAT_Y] = s->y[slot];
-  row[SEAT_ARC] = s->radius[slot] * s->theta[slot];
-  row[SEAT_RADIUS] = s->radius[slot];
-  row[SEAT_VX] = s->vx[slot];
-  row[SEAT_VY] = s->vy[slot];
+  double *row = e->work.packed + PACKED_ROW * (size_t)e->work.row[slot];
+  row[PACKED_X] = s->x[slot];
+  row[PACKED_Y] = s->y[slot];
+  row[PACKED_ARC] = s->radius[slot] * s->theta[slot];
+  row[PACKED_RADIUS] = s->radius[slot];
+  row[PACKED_VX] = s->vx[slot];
+  row[PACKED_VY] = s->vy[slot];
 }
 
 /* About which the lengths of the region change: its lower corner. */

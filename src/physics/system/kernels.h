@@ -7,9 +7,6 @@
 
 #include "physics/system/work.h"
 
-/* What a pass over the pairs does: forces for the gather, or committing lambda* and the losses, or both. */
-enum { PASS_FORCE = 1, PASS_COMMIT = 2 };
-
 enum { RANDOM_STEP = 0, RANDOM_START = 1 }; /* purposes of a stream's draws */
 
 /* Oscillators under random forces, one per lane (oscillators.h). Rows: at consecutive draws. */
@@ -66,17 +63,17 @@ typedef struct lanes_place lanes_place;
 
 typedef struct kernels {
   const char *name;
-  /* Pairs [begin, end) in one pass, with the bodies where their seats are; what round ones do to bodies is added to the
-   * sums. Round pairs go in whole blocks, and not together with pieces of straight walls. */
-  void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end, int pass);
+  /* Evaluates pairs [begin, end) once: forces are added to the sums, history is written. Round pairs go in whole blocks,
+   * and not together with wall segments. */
+  void (*pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
   /* Here and below, but for stale: of free disks those of one chunk at a time, where chunks share rows. */
   /* Bodies [begin, end): the sums to force_x, force_y, torque. That of a straight wall is about its pivot. */
   void (*gather)(engine *e, size_t begin, size_t end);
-  /* Seats of the bodies [begin, end) from their poses; nothing has acted on them yet. */
-  void (*seat)(engine *e, size_t begin, size_t end);
+  /* Packs the bodies [begin, end) from their poses; clears the forces on them. */
+  void (*pack)(engine *e, size_t begin, size_t end);
   /* Has a free disk of [begin, end) moved too far since the lists were built; ahead: will it have, after a step? */
   bool (*stale)(const engine *e, size_t begin, size_t end, bool ahead);
-  /* Free disks [begin, end), by sd_integrator; predict lays their seats, correct gathers first, and lays seats with Gear. */
+  /* Free disks [begin, end), by sd_integrator; predict packs them, correct gathers first. */
   void (*predict[2])(engine *e, size_t begin, size_t end);
   void (*correct[2])(engine *e, thread_work *mine, size_t begin, size_t end);
   /* n steps of small systems side by side (lanes.h), lane_width of them or one. */

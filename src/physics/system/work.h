@@ -11,6 +11,7 @@
 #include <stdint.h>
 
 #include "base/team.h"
+#include "slipdisk/contact.h"
 #include "slipdisk/model.h"
 #include "slipdisk/state.h"
 
@@ -19,35 +20,42 @@ typedef struct law_row {
   double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 without a skin */
 } law_row;
 
-/* Eight pairs, each column one cache line, so that a pass reads one stream and takes the columns that it wants.
- * Columns marked M are contact memory: they go through the state at checkpoints and are carried over rebuilds; the
- * others are written by the function named. */
+/* Eight pairs, each column one cache line, so that a pass reads one stream. The record (slipdisk/contact.h) goes through
+ * the state at checkpoints and is carried over rebuilds; other columns are written by the function named. */
 enum { PAIR_BLOCK = 8 };
+#define PAIR_COLUMN(name, unit, meaning) double name[PAIR_BLOCK];
 typedef struct pair_block {
-  _Alignas(64) int32_t seat_a[PAIR_BLOCK], seat_b[PAIR_BLOCK]; /* where the bodies' seats begin; pairs_list */
-  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK]; /* where what it does to them is added; pairs_list */
-  double ex[PAIR_BLOCK], ey[PAIR_BLOCK], star[PAIR_BLOCK];                                /* M */
-  double overlap[PAIR_BLOCK], force[PAIR_BLOCK], stretch[PAIR_BLOCK], turned[PAIR_BLOCK]; /* M */
-  double slip[PAIR_BLOCK]; /* M: the sign; what the last commit's cap took off */
-  double viscous[PAIR_BLOCK], friction[PAIR_BLOCK],
-      gain[PAIR_BLOCK]; /* M: lost since it began; 0 when open */
-  /* not wanted by every pass */
-  double acted[PAIR_BLOCK]; /* F_n at the trial coordinates; force pass by itself */
-  int32_t law[PAIR_BLOCK];  /* row of the law table; neighbours_build */
+  _Alignas(64) int32_t packed_a[PAIR_BLOCK],
+      packed_b[PAIR_BLOCK];                     /* where the packed bodies begin; rows_list */
+  int32_t sum_a[PAIR_BLOCK], sum_b[PAIR_BLOCK]; /* where forces on them are added; rows_list */
+  union {
+    struct {
+      SD_CONTACT_RECORD(PAIR_COLUMN)
+    };
+    double record[SD_CONTACT_COLUMNS][PAIR_BLOCK];
+  };
+  int32_t law[PAIR_BLOCK]; /* row of the law table; neighbours_build */
 } pair_block;
+#undef PAIR_COLUMN
 
 /* Column of pair k. */
 #define PAIR(pairs, k, column) ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 
-/* Candidate pairs, ordered by (slot of a, slot of b, piece): round ones first, then pieces of straight walls, each
- * from a whole block on. What fills a block between them, and what stands beyond the last, are pairs of nobody:
- * a = b = -1, and they touch nothing. */
+/* Bits of the contacts of a block, or bit 0 for one wall segment: it touched in the last evaluation; it slid there with
+ * positive or negative torque. They go with the record. */
+typedef struct pair_flags {
+  uint8_t closed, slides_positive, slides_negative;
+} pair_flags;
+
+/* Candidate pairs, ordered by (slot of a, slot of b, segment): round ones first, then wall segments, each from a whole
+ * block on. Padding between them and beyond the last has a = b = -1 and touches nothing. */
 typedef struct pairs {
   size_t count, n_round, first_piece, capacity;
   int32_t *a, *b; /* slots; neighbours_build */
-  int32_t *part;  /* straight piece; neighbours_build */
-  double *side;   /* M, of straight pieces */
+  int32_t *part;  /* segment; neighbours_build */
+  double *side;   /* of segments, goes with the record */
   pair_block *block;
+  pair_flags *flags; /* of blocks of round pairs, then of single segments */
 } pairs;
 
 /* The contacts of each body in order of the pairs: entry = 2 * pair + (1 if the body is b); neighbours_build. */
@@ -87,23 +95,19 @@ typedef struct chunks {
   size_t share[WORK_MAX_THREADS + 1]; /* of each thread: the first chunk */
   bool *early, *late;                 /* wanted by another thread's pairs; pushed by another thread's pairs */
   bool any_early;
-  bool *kept;         /* has rows of its own, see chunks_plan_rows */
   bool shares;        /* others take over rows of earlier ones */
-  size_t *row, rows;  /* of its first disk, in seats and sums; how many there are */
+  size_t *row, rows;  /* of its first disk, in packed bodies and sums; how many there are */
   int64_t *predicted; /* the step whose trial coordinates its disks have; step */
-  int64_t *seated;    /* and whose its rows show, ~step of corrected ones; step */
-  size_t *last;       /* after whose correction it can be committed; count: when all are through */
-  size_t *commit_start;
-  uint32_t *commit; /* chunks that can be committed after each */
+  int64_t *packed;    /* and whose its packed bodies show; step */
 } chunks;
 
-/* Where the pairs see their bodies: a row for each, so that a body costs one cache line. Predictor, corrector and
- * motion_place write it with the pose. Free disks have a row in seats and
- * sums only while pairs want them (chunks_plan_rows). */
-enum { SEAT_X, SEAT_ARC, SEAT_Y, SEAT_RADIUS, SEAT_VX, SEAT_VY, SEAT_ROW = 8 /* arc: R theta */ };
+/* What a pass over pairs reads of a body, one cache line each. Predictor and motion_place write it with the pose. Free
+ * disks have a row here and in sums only while pairs want them (chunks_plan_rows). arc: R theta. */
+enum { PACKED_X, PACKED_ARC, PACKED_Y, PACKED_RADIUS, PACKED_VX, PACKED_VY, PACKED_ROW = 8 };
 /* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */
-_Static_assert(SEAT_X % 2 == 0 && SEAT_Y % 2 == 0 && SEAT_ARC % 2 == 1 && SEAT_RADIUS % 2 == 1, "across4");
-_Static_assert(SEAT_VY == SEAT_VX + 1, "across2");
+_Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 && PACKED_RADIUS % 2 == 1,
+               "across4");
+_Static_assert(PACKED_VY == PACKED_VX + 1, "across2");
 
 /* A straight piece of a wall in space; walls_place. */
 typedef struct placed_segment {
@@ -114,15 +118,15 @@ typedef struct placed_segment {
   bool end_cap, joined;
 } placed_segment;
 
-/* Pairs that need a rare, serial treatment after the commit pass: contacts that opened (with the energy they
- * dropped), closed, turned far from their reference direction, or overlap beyond the limit. */
+/* Pairs that need rare, serial treatment after the pass: contacts that ended (with the energy they dropped), began,
+ * turned far from their reference direction, or overlap beyond the limit. Or a disk that must return into its range. */
 typedef struct event {
   uint32_t index; /* of the pair, or the disk's slot */
-  double opening;
-  double star, ex, ey, side; /* what a pair remembered before the pass */
-  double force, overlap, stretch;
-  double missed; /* was open: work of a force that the losses of this step do not know */
-  bool handed;   /* opened: the memory went to the next piece of the wall */
+  double dropped;
+  bool was_closed; /* before the pass */
+  sd_contact_record before;
+  double side_before;
+  bool transferred; /* ended: the history went to the next segment of the wall */
 } event;
 
 typedef struct event_list {
@@ -161,7 +165,6 @@ typedef struct work {
   law_row *laws;
   bool one_law;
   bool stale;        /* the lists, for the coming step; step_once */
-  bool commit_last;  /* with Gear: when prescribed bodies, too, are where they end; step_begin */
   int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
   bool whole;        /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
@@ -178,9 +181,9 @@ typedef struct work {
   incidence incidence;
   sums sums;
   chunks chunks;
-  int32_t *row;              /* [n_bodies + 1] of each body in seats and sums; the last is nobody's */
-  double *seats;             /* [rows of bodies][SEAT_ROW] */
-  size_t seats_capacity;     /* rows */
+  int32_t *row;              /* [n_bodies + 1] of each body in packed and sums; the last is that of padding */
+  double *packed;            /* [rows of bodies][PACKED_ROW] */
+  size_t packed_capacity;    /* rows */
   double least_limit;        /* of the overlap, of the smallest body */
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
   double list_scale;         /* state->box_scale when the lists were built */
@@ -197,9 +200,6 @@ typedef struct work {
   sd_status status;     /* of the step that is being done; set by one thread, read by all after a wait */
   sd_messages *messages;
 } work;
-
-/* contacts.c; returns the new item to fill, NULL without memory */
-event *event_add(event_list *list, uint32_t index, double opening);
 
 /* One system. The physics below run/ works on this. */
 struct engine {

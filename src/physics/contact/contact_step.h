@@ -1,0 +1,186 @@
+/* contact_step.h: one contact in one step (eqs. 2, 4, tau, 36), branch-free over lanes.
+ *
+ * Included once per LANE_WIDTH after base/lane.h. Round pairs, wall segments and small systems call the same text; a
+ * lane's bits do not depend on the width.
+ *
+ *   F_n  = max(F_el(delta) - gamma_n u_n, 0) while delta > 0
+ *   zeta = lambda - lambda*, |zeta| <= mu F_n / k_t by shifting lambda*
+ *   tau  = -k_t zeta
+ *
+ * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, arc = R_a th_a +
+ * R_b th_b, turned = angle from e to n. The contact is re-based after a step in which |sin(turned)| exceeds
+ * CONTACT_REBASE, so that three terms of the series of asin(e x n) are exact to rounding.
+ *
+ * History is committed in the one evaluation whose forces act: with velocity Verlet at the new positions, with Gear at the
+ * predicted ones (PEC). The losses of a step are the trapezoid between the evaluation before and this one (physics.md 9).
+ */
+#ifndef CONTACT_STEP_COMMON
+#define CONTACT_STEP_COMMON
+#define CONTACT_REBASE 0.015625
+#define CONTACT_SIGN 0x8000000000000000u
+#endif
+
+/* --- geometry -------------------------------------------------------------------------------------------- */
+
+/* Of two bodies, a and b. */
+typedef struct LANE(pair_input) {
+  LANE(real) dx, dy;   /* from a to b */
+  LANE(real) dvx, dvy; /* velocity of b's surface point relative to a's centre */
+  LANE(real) sum;      /* R_a + R_b; negative inside a round container */
+  LANE(real) arc;      /* R_a th_a + R_b th_b */
+  LANE(real) ex, ey;   /* reference direction, (0, 0) when open */
+} LANE(pair_input);
+
+/* The root and the division are under way while something else is worked out. */
+typedef struct LANE(pair_distance) {
+  LANE(real) dx, dy, sum, arc;
+  LANE(real) dot;   /* of distance and relative velocity */
+  LANE(real) cross; /* of reference direction and distance */
+  LANE(real) r;     /* distance, with the sign of sum */
+  LANE(real) inverse_r;
+} LANE(pair_distance);
+
+typedef struct LANE(pair_geometry) {
+  LANE(real) nx, ny;        /* from a to b's surface */
+  LANE(real) reach;         /* overlap, negative where there is a gap */
+  LANE(real) approach;      /* u_n, separation positive */
+  LANE(real) arc;           /* R_a th_a + R_b th_b */
+  LANE(real) lambda;        /* from the reference direction */
+  LANE(real) turned, sine2; /* angle from e to n, its squared sine */
+  LANE(real) lever;         /* (R_a + R_b)/r */
+} LANE(pair_geometry);
+
+/* Field by field: compilers take copies of the whole apart. */
+LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_distance) * d) {
+  d->dx = in->dx;
+  d->dy = in->dy;
+  d->sum = in->sum;
+  d->arc = in->arc;
+  d->dot = in->dvx * in->dx + in->dvy * in->dy;
+  d->cross = in->ex * in->dy - in->ey * in->dx;
+  /* The floor under r^2 keeps coincident centres finite; it also turns a pose that is not a number into a contact, so
+   * that the step in which it appears is examined. */
+  LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
+  d->r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & CONTACT_SIGN));
+  d->inverse_r = 1.0 / d->r;
+}
+
+LANE_INLINE void LANE(pair_geometry_at)(const LANE(pair_distance) * d, LANE(pair_geometry) * g) {
+  LANE(real) inverse_r = d->inverse_r;
+  g->nx = d->dx * inverse_r;
+  g->ny = d->dy * inverse_r;
+  g->reach = d->sum - d->r;
+  g->approach = d->dot * inverse_r;
+  g->lever = d->sum * inverse_r;
+  /* angle since the reference direction: asin series */
+  LANE(real) s = d->cross * inverse_r, z = s * s;
+  LANE(real) turned = s + (s * z) * (((15.0 / 336.0) * z + 3.0 / 40.0) * z + 1.0 / 6.0);
+  g->sine2 = z;
+  g->turned = turned;
+  g->arc = d->arc;
+  g->lambda = d->arc - d->sum * turned;
+}
+
+LANE_INLINE LANE(pair_geometry) LANE(pair_geometry_of)(const LANE(pair_input) * in) {
+  LANE(pair_distance) d;
+  LANE(pair_geometry) g;
+  LANE(pair_distance_of)(in, &d);
+  LANE(pair_geometry_at)(&d, &g);
+  return g;
+}
+
+/* --- step of a contact ----------------------------------------------------------------------------------- */
+
+typedef struct LANE(contact_constants) {
+  LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: frictionless */
+} LANE(contact_constants);
+
+/* What a contact remembers; sd_contact_record without its sums. */
+typedef struct LANE(contact_memory) {
+  LANE(real) lambda_ref, ex, ey, force, overlap, zeta, turned;
+} LANE(contact_memory);
+
+/* Masks before the step, and after it. */
+typedef struct LANE(contact_closed) {
+  LANE(mask) before, now;
+} LANE(contact_closed);
+
+/* The step of a contact: force on b (on a the opposite) and tau, which turns both; losses; rare events. */
+typedef struct LANE(contact_output) {
+  LANE(real) fx, fy, tau;
+  LANE(real)
+  viscous, friction, work; /* losses of the step; work of the paper's force beyond that of a potential */
+  LANE(real) dropped;      /* energy left in contacts that opened */
+  LANE(real) slip;         /* length by which lambda* was shifted; its sign is opposite to tau's */
+} LANE(contact_output);
+
+/* Contacts in which more happens than sliding: they begin or end, have turned far, or overlap beyond limit. A limit of the
+ * smallest body flags more of them than there are. */
+LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE(real) limit) {
+  return LANE(greater)(g->sine2, LANE(splat)(CONTACT_REBASE * CONTACT_REBASE)) |
+         LANE(greater)(g->reach, limit);
+}
+
+/* Coincident centres have no direction, and do not touch. */
+LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
+  const LANE(real) zero = LANE(splat)(0.0);
+  return LANE(not )(LANE(equal)(g->nx, zero) & LANE(equal)(g->ny, zero));
+}
+
+/* closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the paper's tangential
+ * force, tau instead of tau (R_a + R_b)/r. */
+LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                    LANE(mask) touching, LANE(mask) closed, LANE(real) lever, const int paper,
+                                    LANE(contact_memory) * m, LANE(contact_output) * out) {
+  const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
+  const LANE(real) before_damping = m->force - k->k_n * m->overlap;
+
+  /* normal force: never pulls */
+  LANE(real) delta = LANE(keep)(touching, g->reach), elastic = k->k_n * delta;
+  LANE(real) force = LANE(keep)(touching, LANE(most)(elastic - k->gamma_n * g->approach, zero));
+
+  /* tangential displacement, and Amonton's cap */
+  LANE(real) zeta = LANE(keep)(closed, g->lambda - m->lambda_ref), cap = k->cap * force;
+  LANE(real) capped = LANE(most)(LANE(least)(zeta, cap), -cap), slip = zeta - capped;
+
+  /* losses */
+  LANE(real) damping = force - elastic, torn = m->zeta * m->overlap + capped * delta;
+  out->viscous = half * (before_damping + damping) * (delta - m->overlap);
+  out->friction = k->half_k_t * (m->zeta + capped) * slip;
+  out->work = paper ? k->half_k_t * torn * (m->turned - g->turned) : zero;
+  out->slip = slip;
+
+  m->lambda_ref = m->lambda_ref + slip;
+  m->force = force;
+  m->overlap = delta;
+  m->zeta = capped;
+  m->turned = paper ? g->turned : zero;
+
+  /* F_n n - lever tau t with t = (-n_y, n_x) */
+  LANE(real) tau = -(k->k_t * capped), push = tau * lever;
+  out->fx = force * g->nx + push * g->ny;
+  out->fy = force * g->ny - push * g->nx;
+  out->tau = tau;
+}
+
+/* The rest of a step in which contacts begin or end; before: what they remembered.
+ *
+ * The force with which a contact begins works over the whole way of the step, not only over the part of it on which
+ * the disks overlap. The energy left in a contact that opens is booked as such. */
+LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                         LANE(mask) touching, LANE(mask) closed, LANE(mask) was_closed,
+                                         LANE(real) dt, const LANE(contact_memory) * before,
+                                         LANE(contact_memory) * m, LANE(contact_output) * out) {
+  const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
+  LANE(real) rise = m->overlap - before->overlap, half = LANE(splat)(0.5);
+  out->dropped = LANE(keep)(opened, out->viscous + k->half_k_t * before->zeta * before->zeta);
+  LANE(real) way = LANE(keep)(begun, -(g->approach * dt) - rise);
+  out->viscous = LANE(keep)(touching, out->viscous + half * m->force * way);
+  out->friction = LANE(keep)(closed, out->friction);
+  out->work = LANE(keep)(closed, out->work);
+  /* lambda* = lambda and e = n where it begins */
+  m->lambda_ref = LANE(keep)(touching, LANE(select)(closed, m->lambda_ref, g->arc));
+  m->turned = LANE(keep)(closed, m->turned);
+  m->ex = LANE(keep)(touching, LANE(select)(begun, g->nx, before->ex));
+  m->ey = LANE(keep)(touching, LANE(select)(begun, g->ny, before->ey));
+}

@@ -1,0 +1,18 @@
+/* evaluate.h: single contacts at the present coordinates, outside the pass over all pairs. */
+#ifndef PHYSICS_EVALUATE_H
+#define PHYSICS_EVALUATE_H
+
+#include "physics/system/work.h"
+
+typedef struct contact_geometry {
+  double nx, ny;  /* from a to b's surface */
+  double overlap; /* negative where there is a gap */
+  double lambda;  /* from the reference direction */
+  double turned;  /* angle of the normal from there */
+} contact_geometry;
+
+contact_geometry contact_geometry_of(const engine *e, size_t pair);
+/* The contact with a wall segment once more, after its record has changed: history only, no forces on the bodies. */
+void contact_evaluate_again(engine *e, size_t pair);
+
+#endif
