@@ -17,6 +17,7 @@
 #include "base/lane.h"
 #include "base/vmath.h"
 #include "physics/motion/draws.h"
+#include "physics/motion/motion_kernels.h"
 #undef LANE_WIDTH
 
 enum { PATHS = 3 };
@@ -57,7 +58,7 @@ static void philox_is_random123s(void **unused) {
       int64_t first = firsts[c >> 4];
       uint64_t count = (uint64_t)(N - c);
       a[count] = b[count] = 7.0;
-      k->normals(seed, stream, purpose, first, count, a, b);
+      k->motion->normals(seed, stream, purpose, first, count, a, b);
       assert_true(a[count] == 7.0 && b[count] == 7.0); /* and no more */
       for (uint64_t n = 0; n < count; n++) {
         double x, y;
@@ -141,7 +142,7 @@ static void sine_and_cosine_are_accurate(void **unused) {
   for (int p = 0; p < PATHS; p++) {
     const kernels *path = kernels_named(path_names[p]);
     if (!path) continue;
-    path->sine_cosine(t, N, s, c);
+    path->motion->sine_cosine(t, N, s, c);
     double worst = 0.0;
     for (int k = 0; k < N; k++) {
       long double es, ec;
@@ -187,7 +188,7 @@ static void check_moments(const double *x, const char *what) {
 
 static void normals_are_normal(void **unused) {
   (void)unused;
-  kernels_choose()->normals(2024, 17, RANDOM_STEP, 0, DRAWS, first, second);
+  kernels_choose()->motion->normals(2024, 17, RANDOM_STEP, 0, DRAWS, first, second);
   check_moments(first, "z of a moment of the first numbers");
   check_moments(second, "z of a moment of the second numbers");
   double tails[] = {2, 3, 4, 4.5};
@@ -221,7 +222,7 @@ static void tails_are_normal(void **unused) {
   const double limit[] = {4, 4.5, 5, 5.5, 6.8};
   double count[5] = {0}, n = 0.0;
   for (int part = 0; part < 16; part++) {
-    kernels_choose()->normals(1, 0, RANDOM_STEP, (int64_t)part * DRAWS, DRAWS, first, second);
+    kernels_choose()->motion->normals(1, 0, RANDOM_STEP, (int64_t)part * DRAWS, DRAWS, first, second);
     for (int k = 0; k < DRAWS; k++) {
       double a = fabs(first[k]), b = fabs(second[k]);
       for (int l = 0; fmax(a, b) > 4 && l < 5; l++) count[l] += (a > limit[l]) + (b > limit[l]);
@@ -241,7 +242,7 @@ static void tails_are_normal(void **unused) {
 /* The four numbers of a block, and those of the next one: products, and products of squares. */
 static void numbers_of_a_block_are_independent(void **unused) {
   (void)unused;
-  kernels_choose()->normals(7, 3, RANDOM_STEP, 0, DRAWS, first, second);
+  kernels_choose()->motion->normals(7, 3, RANDOM_STEP, 0, DRAWS, first, second);
   double plain[8][8] = {{0}}, squares[8][8] = {{0}}, n = DRAWS / 4.0, chi2 = 0.0, worst = 0.0;
   for (int k = 0; k + 4 <= DRAWS; k += 4) { /* two blocks */
     double x[8];
@@ -279,11 +280,11 @@ static void streams_are_independent(void **unused) {
   for (uint32_t k = 0; k < SETS; k++) {
     /* neighbouring streams, purposes, seeds (also above 2^32), and blocks of steps */
     uint64_t seed = k < 12 ? 5 : k < 18 ? 5 + k : 5 + ((uint64_t)k << 32);
-    kernels_choose()->normals(seed, k < 8 ? k : 0, k >= 8 && k < 10 ? k - 7 : 0,
-                              k == 10   ? N
-                              : k == 11 ? 2 * N
-                                        : 0,
-                              N, x[k], y[k]);
+    kernels_choose()->motion->normals(seed, k < 8 ? k : 0, k >= 8 && k < 10 ? k - 7 : 0,
+                                      k == 10   ? N
+                                      : k == 11 ? 2 * N
+                                                : 0,
+                                      N, x[k], y[k]);
   }
   double chi2 = 0.0, worst = 0.0;
   int number = 0;
@@ -326,12 +327,12 @@ static void oscillators_do_not_depend_on_the_path(void **unused) {
     for (size_t count = 1; path && count <= OSCILLATORS; count++) {
       g = start;
       g.count = count;
-      path->oscillate(&g, 2, BLOCKS);
-      path->spread(&g, NEW + 2, u, v);
+      path->motion->oscillate(&g, 2, BLOCKS);
+      path->motion->spread(&g, NEW + 2, u, v);
       for (size_t l = 0; l < count; l++) {
         double x = start.u[1][l], y = start.v[1][l], a[NEW], b[NEW];
-        path->normals(start.seed[l], (uint32_t)start.stream[l], RANDOM_STEP, (int64_t)(2 * start.block[l]),
-                      NEW, a, b);
+        path->motion->normals(start.seed[l], (uint32_t)start.stream[l], RANDOM_STEP,
+                              (int64_t)(2 * start.block[l]), NEW, a, b);
         for (size_t k = 0; k < NEW; k++) {
           double next = start.uu[l] * x + (start.uv[l] * y + start.noise_u[l] * a[k]);
           y = start.vv[l] * y + (start.vu[l] * x + (start.noise_vu[l] * a[k] + start.noise_vv[l] * b[k]));

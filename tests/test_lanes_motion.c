@@ -10,7 +10,6 @@
 
 #include "deck_runs.h"
 #include "physics/system/kernels.h"
-#include "physics/small/lanes_motion.h"
 #include "physics/motion/motion.h"
 
 enum { MOST = 8, FIRST = 1, BODIES = 3 /* a free disk in slot 0, two driven ones and a wall */ };
@@ -67,7 +66,7 @@ typedef struct herd {
   sd_model *model[MOST];
   sd_simulation *alone[MOST], *beside[MOST];
   engine *one[MOST], *lane[MOST];
-  lanes_motion *m;
+  pose_batch *m;
   int64_t steps; /* that the motions have run */
 } herd;
 
@@ -87,13 +86,13 @@ static herd herd_new(const char *const *moves, size_t n_moves, size_t n, int res
   }
   h.width = kernels_choose()->lane_width;
   assert_true(n <= h.width);
-  assert_int_equal(lanes_motion_new(h.width, n, systems, &h.m), SD_OK);
-  lanes_motion_load(h.m);
+  assert_int_equal(pose_batch_new(h.width, n, systems, &h.m), SD_OK);
+  pose_batch_load(h.m);
   return h;
 }
 
 static void herd_free(herd *h) {
-  lanes_motion_free(h->m);
+  pose_batch_free(h->m);
   for (size_t l = 0; l < MOST && h->model[l]; l++) {
     sd_simulation_free(h->alone[l]);
     sd_simulation_free(h->beside[l]);
@@ -102,9 +101,9 @@ static void herd_free(herd *h) {
 }
 
 static double pose_of(const herd *h, uint32_t slot, int which, size_t l) {
-  int64_t k = h->lane[0]->state->step + 1 - lanes_motion_first(h->m);
+  int64_t k = h->lane[0]->state->step + 1 - pose_batch_first(h->m);
   size_t stretch = (slot - h->lane[0]->state->n_free) * POSES + (size_t)which;
-  return lanes_motion_scene(h->m)[(stretch * SCENE_STEPS + (size_t)k) * h->width + l];
+  return pose_batch_poses(h->m)[(stretch * POSE_STEPS + (size_t)k) * h->width + l];
 }
 
 static void same_pose(const herd *h, uint32_t slot, int which, size_t l, double expected) {
@@ -120,13 +119,13 @@ static void same_pose(const herd *h, uint32_t slot, int which, size_t l, double 
 
 /* The next step of all systems, as each computes it by itself. */
 static void compare_step(herd *h) {
-  assert_true(lanes_motion_ahead(h->m) > 0);
+  assert_true(pose_batch_ahead(h->m) > 0);
   for (size_t l = 0; l < MOST && h->model[l]; l++) {
     engine *e = h->one[l];
     sd_state *s = e->state;
     size_t n;
     motion_ahead(e);
-    for (placed *p = motion_places(e, &n), *end = p + n; p < end; p++) {
+    for (prescribed *p = motion_prescribed(e, &n), *end = p + n; p < end; p++) {
       double value = p->value[motion_index(e)], velocity = p->velocity[motion_index(e)];
       *p->at = value;
       *p->speed = velocity;
@@ -145,7 +144,7 @@ static void compare_step(herd *h) {
 
 /* Oscillators as the states hold them; poses go along, as those who run the lanes bring them. */
 static void compare_states(herd *h) {
-  lanes_motion_store(h->m);
+  pose_batch_store(h->m);
   for (size_t l = 0; l < MOST && h->model[l]; l++) {
     sd_state *s = h->one[l]->state, *t = h->lane[l]->state;
     motion_store(h->one[l]);
@@ -172,7 +171,7 @@ static void go_on_alone(herd *h, int steps) {
       size_t n = 0;
       for (int side = 0; side < 2; side++) {
         motion_ahead(both[side]);
-        const placed *p = motion_places(both[side], &n);
+        const prescribed *p = motion_prescribed(both[side], &n);
         for (size_t i = 0; i < n; i++) {
           value[side][i] = p[i].value[motion_index(both[side])];
           *p[i].at = value[side][i];
@@ -184,7 +183,7 @@ static void go_on_alone(herd *h, int steps) {
     }
   h->steps += steps;
   for (size_t l = 0; l < MOST && h->model[l]; l++) motion_store(h->lane[l]);
-  lanes_motion_load(h->m);
+  pose_batch_load(h->m);
 }
 
 static void run_decks(const char *const *moves, size_t n_moves) {
@@ -202,9 +201,9 @@ static void run_decks(const char *const *moves, size_t n_moves) {
         if (k % 3 == 0)
           go_on_alone(&h, 1 + 70 * (int)(k / 3));
         else if (k % 3 == 1)
-          lanes_motion_load(h.m);
+          pose_batch_load(h.m);
         else
-          lanes_motion_load(h.m), compare_states(&h), lanes_motion_load(h.m);
+          pose_batch_load(h.m), compare_states(&h), pose_batch_load(h.m);
       }
       herd_free(&h);
     }
@@ -268,7 +267,7 @@ static void ends_where_an_angle_leaves_its_range(void **unused) {
   const char *const moves[] = {"disk = \"a\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 700;"};
   herd h = herd_new(moves, 1, 2, 10);
   int64_t ready;
-  while ((ready = lanes_motion_ahead(h.m)) > 0) {
+  while ((ready = pose_batch_ahead(h.m)) > 0) {
     assert_true(ready <= 64);
     for (int64_t k = 0; k < ready; k++) {
       compare_step(&h);
@@ -280,7 +279,7 @@ static void ends_where_an_angle_leaves_its_range(void **unused) {
   for (size_t l = 0; l < 2; l++) {
     size_t n;
     motion_ahead(h.one[l]);
-    beyond = beyond || motion_places(h.one[l], &n)->value[motion_index(h.one[l])] > 4.0;
+    beyond = beyond || motion_prescribed(h.one[l], &n)->value[motion_index(h.one[l])] > 4.0;
   }
   assert_true(beyond);
   assert_true(h.steps > 20);

@@ -6,11 +6,8 @@
 #include <math.h>
 
 #include "app/theory.h"
+#include "model/motion_kinds.h"
 
-static const char *const kind_names[SD_MOTION_KINDS] = {
-    [SD_MOTION_VELOCITY] = "velocity", [SD_MOTION_HARMONIC] = "harmonic", [SD_MOTION_PARABOLIC] = "parabolic",
-    [SD_MOTION_RANDOM] = "random",     [SD_MOTION_TABLE] = "table",       [SD_MOTION_LOAD] = "load",
-    [SD_MOTION_SERVO] = "servo"};
 static const char *const coordinate_names[SD_COORDINATES] = {"x", "y", "theta"};
 
 /* What is on: the motion of each support's angle, if any, and whether others shake it at random. */
@@ -27,16 +24,22 @@ static bool names(const sd_motion *motion, uint32_t body) {
 }
 
 static bool rests(const sd_motion *motion) {
-  if (motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO) return false;
+  if (motion_is_feedback(motion)) return false;
   return motion->kind == SD_MOTION_VELOCITY ? motion->velocity == 0 : motion->amplitude == 0;
+}
+
+/* Of the angle of a support. */
+static bool is_known(const sd_motion *motion) {
+  return motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC ||
+         motion->kind == SD_MOTION_VELOCITY || motion->kind == SD_MOTION_RANDOM;
 }
 
 /* 'motion "turn" (harmonic)' */
 static const char *motion_name(const sd_motion *motion, char *text, size_t size) {
   if (motion->name)
-    snprintf(text, size, "motion \"%s\" (%s)", motion->name, kind_names[motion->kind]);
+    snprintf(text, size, "motion \"%s\" (%s)", motion->name, motion_kinds[motion->kind].name);
   else
-    snprintf(text, size, "a %s motion", kind_names[motion->kind]);
+    snprintf(text, size, "a %s motion", motion_kinds[motion->kind].name);
   return text;
 }
 
@@ -92,7 +95,7 @@ static sd_status gather(const sd_model *m, size_t phase, uint32_t upper, const u
         if (motion->kind != SD_MOTION_RANDOM)
           status =
               fail_motion(m, messages, motion, support[i], "supports that only turn, or vibrate at random");
-      } else if (motion->kind == SD_MOTION_TABLE) {
+      } else if (!is_known(motion)) {
         status = fail_motion(m, messages, motion, support[i],
                              "type \"harmonic\", \"parabolic\", \"velocity\" or \"random\"");
       } else if (on->turn[i]) {
@@ -123,8 +126,7 @@ static sd_status check_pair(const sd_model *m, const drivers *on, const uint32_t
              motion_name(a, other, sizeof other));
     return fail_motion(m, messages, b, support[1], expected);
   }
-  bool periodic = a->kind == SD_MOTION_HARMONIC || a->kind == SD_MOTION_PARABOLIC;
-  if (periodic && fabs(a->omega - b->omega) > 1e-12 * a->omega) {
+  if (motion_is_wave(a) && fabs(a->omega - b->omega) > 1e-12 * a->omega) {
     char expected[128];
     snprintf(expected, sizeof expected, "omega = %.12g, as of the other support, not %.12g", a->omega,
              b->omega);

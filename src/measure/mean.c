@@ -6,6 +6,7 @@
 #include "base/shortage.h"
 #include "measure/blocking.h"
 #include "measure/mean.h"
+#include "model/motion_kinds.h"
 
 /* What a drift adds to the error. Without noise: exp(-t/T) has a mean of half the difference of its halves times
  * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
@@ -45,11 +46,9 @@ double mean_period(const sd_model *model) {
     for (size_t p = 0; p < model->n_phases; p++)
       used |= model->phases[p].measure && model->phases[p].active[m];
     if (!used) continue;
-    bool wave = motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC;
-    bool table = motion->kind == SD_MOTION_TABLE && motion->periodic;
-    if (!(wave || table) || n == MOST) return 0;
-    each[n++] = wave ? 2 * M_PI / fabs(motion->omega)
-                     : motion->table_time[motion->n_table - 1] - motion->table_time[0];
+    double period = motion_period(motion);
+    if (!(period > 0) || n == MOST) return 0;
+    each[n++] = period;
   }
   for (int turns = 1; n > 0 && turns <= MOST; turns++) {
     bool common = true;

@@ -3,9 +3,7 @@
 
 #include <math.h>
 
-static bool driven_by_disks(const sd_motion *q) {
-  return q->kind == SD_MOTION_LOAD || q->kind == SD_MOTION_SERVO;
-}
+#include "model/motion_kinds.h"
 
 /* Mean of the free disks in play; of the region when there are none. */
 static void middle(const sd_model *m, double at[2]) {
@@ -54,8 +52,7 @@ static bool clash(const sd_model *m, size_t k, size_t j) {
 bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
   const bool *active = m->phases[phase].active;
   for (size_t k = 0; active && k < m->n_motions; k++) {
-    if (!active[k] || (m->motions[k].kind != SD_MOTION_LOAD && m->motions[k].kind != SD_MOTION_SERVO))
-      continue;
+    if (!active[k] || !motion_is_feedback(&m->motions[k])) continue;
     for (size_t j = 0; j < m->n_motions; j++) {
       if (j == k || !active[j] || !clash(m, k, j)) continue;
       motion[0] = k;
@@ -74,7 +71,7 @@ static bool is_wall(const sd_model *m, uint32_t body) {
 
 /* Walls that the disks move (physics.md 6). */
 static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
-  const char *name = q->name ? q->name : "?", *kind = q->kind == SD_MOTION_LOAD ? "load" : "servo";
+  const char *name = q->name ? q->name : "?", *kind = motion_kinds[q->kind].name;
   size_t before = sd_messages_errors(msg);
   char wall[96];
   if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate == SD_THETA)
@@ -114,7 +111,7 @@ static void check_clashes(const sd_model *m, sd_messages *msg) {
 
 void loads_check(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_motions; k++)
-    if (driven_by_disks(&m->motions[k])) check_one(m, &m->motions[k], msg);
+    if (motion_is_feedback(&m->motions[k])) check_one(m, &m->motions[k], msg);
   check_clashes(m, msg);
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "model/loads.h"
+#include "model/motion_kinds.h"
 
 sd_model *sd_model_new(void) {
   sd_model *m = calloc(1, sizeof *m);
@@ -178,21 +179,7 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
       if (q->bodies[b] >= sd_model_bodies(m))
         sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
     if (q->ramp < 0.0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": ramp = %g: expected >= 0", name, q->ramp);
-    if (q->kind == SD_MOTION_RANDOM) {
-      if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected omega > 0, damping > 0, interval >= 1", name);
-    }
-    if (q->kind == SD_MOTION_TABLE) {
-      if (q->n_table < 3) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected 3 rows or more", name);
-      for (size_t r = 1; r < q->n_table; r++)
-        if (!(q->table_time[r] > q->table_time[r - 1])) {
-          sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: time must increase (row %zu)", name, r);
-          break;
-        }
-      if (q->periodic && q->n_table && q->table_value[0] != q->table_value[q->n_table - 1])
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: periodic, so the last value must equal the first",
-                name);
-    }
+    if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, name, msg);
   }
 }
 
@@ -302,7 +289,7 @@ static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg)
     const sd_motion *motion = &m->motions[q];
     bool moved = false;
     for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
-    if (moved && (motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO))
+    if (moved && motion_is_feedback(motion))
       sd_fail(
           msg, SD_ERROR_USER,
           "phases[%zu].compress: the wall of motion \"%s\" may be anywhere by then; expected walls that only "

@@ -17,7 +17,6 @@
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
 #include "physics/step/engine.h"
-#include "physics/motion/feedback.h"
 #include "physics/system/kernels.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
@@ -107,7 +106,7 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
   status = begin_phase(e, messages);
   if (status == SD_OK && rain_next(e, -1) == 0) status = rain_release(e, messages);
   if (status == SD_OK) status = engine_start(e, messages);
-  if (status == SD_OK) feedback_start(e);
+  if (status == SD_OK) motion_begin_run(e);
   if (status == SD_OK && measures(e)) measure_begin(e);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
 }

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "io/deck/deck_read.h"
+#include "model/motion_kinds.h"
 
 enum { FAR = 10, MOST_ALIKE = 8 };
 /* A random motion rarely goes beyond so many times its rms value. */
@@ -40,13 +41,11 @@ static double travel(const sd_model *m, uint32_t body, int coordinate) {
   double sum = 0;
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
-    bool bounded =
-        q->kind == SD_MOTION_HARMONIC || q->kind == SD_MOTION_PARABOLIC || q->kind == SD_MOTION_RANDOM;
     bool turns =
         q->coordinate == SD_THETA && body >= m->n_disks && m->walls[body - m->n_disks].kind != SD_WALL_CIRCLE;
     if (!turns && q->coordinate != coordinate) continue;
     for (size_t b = 0; b < q->n_bodies; b++)
-      if (q->bodies[b] == body) sum += bounded && !turns ? SWING * fabs(q->amplitude) : HUGE_VAL;
+      if (q->bodies[b] == body) sum += turns ? HUGE_VAL : SWING * motion_reach(q);
   }
   return sum;
 }

@@ -5,6 +5,7 @@
 
 #include "base/limits.h"
 #include "io/deck/deck_keys.h"
+#include "model/motion_kinds.h"
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define BOOL DECK_KEY_BOOL, DECK_ANY, "-"
@@ -297,6 +298,8 @@ static const deck_key bounds_keys[] = {
 TABLE(deck_bounds, "bounds", true,
       "Where the disks belong. Disks that leave are counted, and named with place and step.", bounds_keys);
 
+#define WORD(kind, word, ...) " " #word
+#define KEY(member, kind, range, unit, initial, meaning) {#member, kind, range, unit, initial, NULL, meaning},
 static const deck_key motion_keys[] = {
     {"name", TEXT, "-", NULL, "name by which phases refer to it"},
     {"disk", BODIES, "-", NULL, "disks, by name or number"},
@@ -304,15 +307,13 @@ static const deck_key motion_keys[] = {
     {"wall", BODIES, "-", NULL, "walls, by name or number"},
     {"coordinate", COORDINATES, "required", NULL,
      "what moves; theta of a group turns each disk about its own centre"},
-    {"type", CHOICE, "required", "fixed velocity harmonic parabolic random table load servo",
-     "kind of motion, see below"},
+    {"type", CHOICE, "required", "fixed" MOTION_KINDS(WORD), "kind of motion, see below"},
     {"amplitude", ANGLE("length or rad"), "-", NULL, "amplitude; random: rms displacement"},
     {"acceleration", NUMBER(DECK_POSITIVE, "g"), "-", NULL,
      "in place of amplitude: peak acceleration in units of g; random: omega^2 times the rms displacement"},
     {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL, "cycles per time; either this or omega"},
     {"omega", ANGLE("rad/time"), "-", NULL, "angular frequency, > 0"},
-    {"phase", ANGLE("rad"), "0.0", NULL, "phase phi in sin(w t + phi)"},
-    {"velocity", ANGLE("length/time or rad/time"), "-", NULL, "constant velocity"},
+    WAVE_KEYS(KEY){"velocity", ANGLE("length/time or rad/time"), "-", NULL, "constant velocity"},
     {"damping", NUMBER(DECK_POSITIVE, "-"), "0.5", NULL, "random: damping ratio c"},
     {"interval", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "random: steps between draws of the noise"},
     {"independent", BOOL, "(false with `group`, else true)", NULL,
@@ -339,22 +340,9 @@ TABLE(deck_motions, "motions", false,
       "the same coordinate add up. t counts from the moment the motion is switched on.",
       motion_keys);
 
-const deck_shape deck_motion_kinds[] = {
-    {"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
-    {"velocity", SD_MOTION_VELOCITY, "velocity* ramp", "u = v t"},
-    {"harmonic", SD_MOTION_HARMONIC, "amplitude/acceleration* frequency/omega* phase ramp",
-     "u = A sin(w t + phi) (eq. 20)"},
-    {"parabolic", SD_MOTION_PARABOLIC, "amplitude/acceleration* frequency/omega* phase ramp",
-     "the same, each half wave replaced by a parabola (eq. 21)"},
-    {"random", SD_MOTION_RANDOM, "amplitude/acceleration* frequency/omega* damping interval independent ramp",
-     "u'' + 2 c w u' + w^2 u = white noise, of rms displacement A (eq. 52)"},
-    {"table", SD_MOTION_TABLE, "file/times* columns values factor periodic ramp",
-     "natural cubic spline through a table"},
-    {"load", SD_MOTION_LOAD, "mass* force",
-     "wall, x or y: moves freely along the coordinate, under its weight, a force and the disks"},
-    {"servo", SD_MOTION_SERVO, "force/pressure* speed* length",
-     "wall, x or y: moves so that it exerts a given force on the disks"},
-};
+#define SHAPE(kind, word, source, amplitude, check, keys, meaning) {#word, kind, keys, meaning},
+const deck_shape deck_motion_kinds[] = {{"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
+                                        MOTION_KINDS(SHAPE)};
 const size_t deck_motion_kind_count = COUNT(deck_motion_kinds);
 
 #define CADENCE(series, frames, contacts)                                                                    \

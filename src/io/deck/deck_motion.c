@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "io/deck/deck_rows.h"
+#include "model/motion_kinds.h"
 
 /* Tables of motions up to so many rows are echoed in place of their file. */
 enum { MOST_ECHOED = 1000, ORDINALS = 16, INDICES = 1 << 24 };
@@ -33,11 +34,11 @@ static double read_omega(deck_group *g) {
   return 2 * pi * deck_number(g, "frequency");
 }
 
-/* From `amplitude`, or from the largest acceleration a: a harmonic signal has A w^2 = a. The second derivative of
- * u = 4A(z - z|z|), z = (wt + phi)/pi, is 8A (w/pi)^2 in size at all times (eq. 21). Of a random one the rms
- * displacement follows as of a harmonic one. */
+/* From `amplitude`, or from the largest acceleration (motion_kind.amplitude). */
 static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
   if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
+  const motion_kind *kind = &motion_kinds[motion->kind];
+  if (!kind->amplitude) return NAN; /* deck_check_shape has refused the key */
   const double *gravity = g->d->model->gravity;
   double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
@@ -45,8 +46,7 @@ static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned ma
   if (!(strength > 0))
     deck_fail_key(g->d, g->node, "acceleration",
                   "in units of g, but there is no gravity; expected amplitude");
-  double a = deck_number(g, "acceleration") * strength / (w * w);
-  return motion->kind == SD_MOTION_PARABOLIC ? a * pi * pi / 8 : a;
+  return kind->amplitude(motion, deck_number(g, "acceleration") * strength / (w * w));
 }
 
 /* --- tables ------------------------------------------------------------------------------------------------ */
@@ -281,7 +281,7 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
                           unsigned mask) {
   deck *d = g->d;
   size_t before = d->reported;
-  const char *what = motion->kind == SD_MOTION_LOAD ? "load" : "servo";
+  const char *what = motion_kinds[motion->kind].name;
   for (int k = 0; k < 2; k++) {
     const char *key = k ? "group" : "disk";
     if (deck_given(g, key)) deck_fail_key(d, g->node, key, "a %s moves walls only; expected wall", what);
@@ -294,6 +294,37 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   for (size_t b = 0; d->reported == before && b < bodies->n; b++) {
     if (motion->kind == SD_MOTION_SERVO) read_servo(g, motion, bodies->body[b], coordinate);
     push(d, motion, entry, coordinate, 1, &bodies->body[b]);
+  }
+}
+
+/* --- signals ------------------------------------------------------------------------------------------------ */
+
+static void read_wave_keys(deck_group *g, const deck_shape *shape, sd_motion *motion) {
+#define READ(member, ...)                                                                                    \
+  if (deck_shape_reads(shape, #member)) motion->member = deck_number(g, #member);
+  WAVE_KEYS(READ)
+#undef READ
+}
+
+static void read_signal(deck_group *g, const deck_shape *shape, unsigned mask, sd_motion *motion) {
+  motion->ramp = deck_number(g, "ramp");
+  switch (motion_source(motion)) {
+    case SIGNAL_STEADY: motion->velocity = deck_number(g, "velocity"); break;
+    case SIGNAL_TABLE: read_table(g, motion); break;
+    case SIGNAL_WAVE:
+      motion->omega = read_omega(g);
+      read_wave_keys(g, shape, motion);
+      motion->amplitude = read_amplitude(g, motion, mask);
+      break;
+    case SIGNAL_RANDOM:
+      motion->omega = read_omega(g);
+      motion->amplitude = read_amplitude(g, motion, mask);
+      motion->damping = deck_number(g, "damping");
+      motion->interval = deck_integer(g, "interval");
+      if (motion->amplitude < 0)
+        deck_fail_key(g->d, g->node, "amplitude", "expected an rms displacement >= 0");
+      break;
+    case SIGNAL_FEEDBACK: break;
   }
 }
 
@@ -311,30 +342,14 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   const deck_shape *shape = &deck_motion_kinds[choice];
   deck_check_shape(&g, shape, deck_motion_kinds, deck_motion_kind_count);
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
-  sd_motion motion = {.name = own_name, .kind = (sd_motion_kind)shape->kind, .interval = 1};
-  if (motion.kind == SD_MOTION_LOAD || motion.kind == SD_MOTION_SERVO) {
+  bool fixed = shape->kind == DECK_MOTION_FIXED; /* velocity 0 */
+  sd_motion motion = {
+      .name = own_name, .kind = fixed ? SD_MOTION_VELOCITY : (sd_motion_kind)shape->kind, .interval = 1};
+  if (motion_is_feedback(&motion)) {
     read_feedback(&g, &motion, entry, &bodies, mask);
     return;
   }
-  if (shape->kind == DECK_MOTION_FIXED) {
-    motion.kind = SD_MOTION_VELOCITY; /* of velocity 0 */
-  } else {
-    motion.ramp = deck_number(&g, "ramp");
-    if (motion.kind == SD_MOTION_VELOCITY) motion.velocity = deck_number(&g, "velocity");
-    if (motion.kind == SD_MOTION_TABLE) {
-      read_table(&g, &motion);
-    } else if (motion.kind != SD_MOTION_VELOCITY) {
-      motion.omega = read_omega(&g);
-      motion.amplitude = read_amplitude(&g, &motion, mask);
-    }
-    if (motion.kind == SD_MOTION_HARMONIC || motion.kind == SD_MOTION_PARABOLIC)
-      motion.phase = deck_number(&g, "phase");
-    if (motion.kind == SD_MOTION_RANDOM) {
-      motion.damping = deck_number(&g, "damping");
-      motion.interval = deck_integer(&g, "interval");
-      if (motion.amplitude < 0) deck_fail_key(d, node, "amplitude", "expected an rms displacement >= 0");
-    }
-  }
+  if (!fixed) read_signal(&g, shape, mask, &motion);
   check_held(d, &g, &bodies, mask);
   if (bodies.n == 0) return;
   if (motion.kind == SD_MOTION_RANDOM) {

@@ -340,6 +340,8 @@ static bool listed(const char *keys, const char *name) {
   return false;
 }
 
+bool deck_shape_reads(const deck_shape *shape, const char *key) { return listed(shape->keys, key); }
+
 /* The key that chooses the shape. */
 static const char *chooser(const deck_shape *all) { return all == deck_size_kinds ? "sizes" : "type"; }
 

@@ -54,5 +54,6 @@ deck_node *deck_each(deck_node *node, size_t k);
 
 /* Checks a group against the keys that its shape reads (deck_motion_kinds, deck_wall_kinds, ...). */
 void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *all, size_t n_all);
+bool deck_shape_reads(const deck_shape *shape, const char *key);
 
 #endif

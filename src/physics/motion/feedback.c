@@ -6,20 +6,21 @@
  * exponentially over the shortest contact period P. Short of the clamp this is a wall of mass P target/speed with a
  * drag target/speed: it takes energy out of whatever it pushes and cannot make it swing.
  */
-#include "physics/system/bodies.h"
 #include "physics/motion/feedback.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #include "physics/contact/pairs.h"
+#include "model/motion_kinds.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/system/bodies.h"
 
 sd_status feedback_new(const engine *e, feedbacks *all) {
   size_t n = 0;
   bool servo = false;
   for (size_t k = 0; k < e->model->n_motions; k++) {
-    n += feedback_drives(&e->model->motions[k]);
+    n += motion_is_feedback(&e->model->motions[k]);
     servo |= e->model->motions[k].kind == SD_MOTION_SERVO;
   }
   all->item = calloc(n + 1, sizeof *all->item);
@@ -37,7 +38,7 @@ void feedback_list(engine *e, feedbacks *all) {
   sd_state *s = e->state;
   all->count = 0;
   for (size_t k = 0; k < m->n_motions; k++) {
-    if (s->motion_start[k] < 0 || !feedback_drives(&m->motions[k])) continue;
+    if (s->motion_start[k] < 0 || !motion_is_feedback(&m->motions[k])) continue;
     uint32_t slot = e->work.slot[m->motions[k].bodies[0]];
     bool x = m->motions[k].coordinate == SD_X;
     all->item[all->count++] = (feedback){.motion = k,
@@ -58,11 +59,6 @@ void feedback_begin(engine *e, size_t k) {
   double force = m->coordinate == SD_X ? s->force_x[slot] : s->force_y[slot];
   s->motion_u0[k] = s->motion_v0[k] = 0.0;
   s->motion_u1[k] = m->kind == SD_MOTION_SERVO ? -force : 0.0;
-}
-
-void feedback_start(engine *e) {
-  for (size_t k = 0; k < e->model->n_motions; k++)
-    if (feedback_drives(&e->model->motions[k]) && e->state->motion_start[k] >= 0) feedback_begin(e, k);
 }
 
 void feedback_end(engine *e, size_t k) {
@@ -110,7 +106,7 @@ static double acceleration(const engine *e, const feedback *f, double contacts) 
   return (contacts + m->force) / m->mass;
 }
 
-void feedback_place(engine *e, feedbacks *all, thread_work *mine) {
+void feedback_pose(engine *e, feedbacks *all, thread_work *mine) {
   const work *w = &e->work;
   sd_state *s = e->state;
   for (feedback *f = all->item; f < all->item + all->count; f++) {

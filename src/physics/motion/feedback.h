@@ -1,7 +1,7 @@
 /* feedback.h: walls that move as the disks push them: loads and servos (physics.md 6).
  *
  * Their way depends on the dynamics, so nothing is computed ahead: before the forces of a step are evaluated each
- * wall goes to its place at t + dt with what it knows of the forces at t, which the state holds. The work that it
+ * wall goes to its pose at t + dt with what it knows of the forces at t, which the state holds. The work that it
  * does on the disks is booked as that of prescribed bodies is; its own energy is no part of the budget.
  */
 #ifndef PHYSICS_FEEDBACK_H
@@ -26,11 +26,7 @@ typedef struct feedbacks {
   double smoothing; /* share of a step in the force that a servo has measured: 1 - exp(-dt/period) */
 } feedbacks;
 
-static inline bool feedback_drives(const sd_motion *motion) {
-  return motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO;
-}
-
-/* Room for all of the model's; SD_ERROR_IO: no memory. */
+/* SD_ERROR_IO: no memory. */
 sd_status feedback_new(const engine *e, feedbacks *all);
 void feedback_free(feedbacks *all);
 /* The list of those that run, from the state. */
@@ -38,13 +34,11 @@ void feedback_list(engine *e, feedbacks *all);
 
 /* Motion k was switched on: its wall begins at rest where it is. */
 void feedback_begin(engine *e, size_t k);
-/* The forces of step 0 are known now: what runs begins with them. */
-void feedback_start(engine *e);
 /* Motion k was switched off: its wall stays where it is. */
 void feedback_end(engine *e, size_t k);
 
 /* Moves the walls to step state->step + 1; velocities are predicted. */
-void feedback_place(engine *e, feedbacks *all, thread_work *mine);
+void feedback_pose(engine *e, feedbacks *all, thread_work *mine);
 /* The forces of that step are known: corrects the velocities of loads; returns the sum of (force before + force)
  * times way over all walls. */
 double feedback_correct(engine *e, feedbacks *all);

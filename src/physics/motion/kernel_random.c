@@ -3,8 +3,8 @@
  * Philox is written over lanes because the six streams of the 3-disk deck would else cost more than the mechanics;
  * tests compare it with Random123's.
  */
+#include "physics/motion/motion_kernels.h"
 #include "physics/system/kernel_path.h"
-#include "physics/system/kernels.h"
 
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"

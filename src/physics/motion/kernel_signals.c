@@ -1,27 +1,27 @@
-/* kernel_signals.c: signals of one system, steps along the lanes; compiled once per instruction set.
+/* kernel_signals.c: signals and prescribed coordinates of one system, steps along the lanes; and the table of this
+ * room's kernels. Compiled once per instruction set.
  *
- * Pieces end where the anchor of a signal changes; vectors run over their ends, and the next piece writes there again.
+ * Pieces end where the anchor of a wave changes; vectors run over their ends, and the next piece writes there again.
  */
+#include <assert.h>
+
+#include "physics/motion/motion_kernels.h"
 #include "physics/system/kernel_path.h"
-#include "physics/system/kernels.h"
 
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "base/vmath.h"
+#include "model/waveforms.h"
 #include "physics/motion/signal_pass.h"
-
-void KERNEL(kernel_anchors)(wave *w, int64_t from);
-void KERNEL(kernel_harmonic)(const wave *w, int64_t local, size_t n, double *u, double *v);
-void KERNEL(kernel_parabolic)(const wave *w, int64_t local, size_t n, double *u, double *v);
-void KERNEL(kernel_cubics)(const draw_series *d, int64_t local, size_t n, double *u, double *v);
-void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n, double *u, double *v, double *low);
 
 LANE_INLINE LANE(real) steps_from(int64_t at) {
   static const double count[8] = {0, 1, 2, 3, 4, 5, 6, 7};
   return LANE(splat)((double)at) + LANE(load)(count);
 }
 
-void KERNEL(kernel_anchors)(wave *w, int64_t from) {
+/* --- waves ------------------------------------------------------------------------------------------- */
+
+static void set_anchors(wave *w, int64_t from) {
   if (w->from == from) return;
   double turns[LANE_WIDTH], sine[LANE_WIDTH], cosine[LANE_WIDTH];
   LANE(real) at = LANE(splat)((double)from) + steps_from(0) * (double)WAVE_STEPS, s, c;
@@ -34,41 +34,59 @@ void KERNEL(kernel_anchors)(wave *w, int64_t from) {
   w->from = from;
 }
 
-/* The anchor is exact every 64 steps, and turned on from there: first by eights, then by ones. */
-void KERNEL(kernel_harmonic)(const wave *w, int64_t local, size_t n, double *u, double *v) {
+/* From the anchor by eights, then by ones. */
+static void rotated(const wave *w, int64_t local, size_t n, double *u, double *v) {
   int64_t from = local & ~(int64_t)(WAVE_FINE - 1), end = local + (int64_t)n;
   for (; from < end; from += WAVE_FINE) {
     const wave_anchor *a = &w->anchor[(from & ~(int64_t)(WAVE_STEPS - 1)) != w->from];
     size_t coarse = (size_t)(from % WAVE_STEPS) / WAVE_FINE;
     LANE(real) s = LANE(splat)(a->sine), c = LANE(splat)(a->cosine);
-    LANE(turn_on)
+    LANE(rotate)
     (&s, &c, LANE(splat)(w->sine[WAVE_FINE + coarse]), LANE(splat)(w->cosine[WAVE_FINE + coarse]));
-    LANE(arm) arm = LANE(arm_of)(s, c, LANE(splat)(w->scale_u), LANE(splat)(w->scale_v));
+    LANE(phasor) p = LANE(phasor_of)(s, c, LANE(splat)(w->shape[0]), LANE(splat)(w->shape[1]));
     for (int64_t k = 0; k < WAVE_FINE; k += LANE_WIDTH) {
       LANE(real) x, y;
-      LANE(arm_at)(&arm, LANE(load)(w->sine + k), LANE(load)(w->cosine + k), &x, &y);
+      LANE(phasor_at)(&p, LANE(load)(w->sine + k), LANE(load)(w->cosine + k), &x, &y);
       LANE(store)(u + (from + k - local), x);
       LANE(store)(v + (from + k - local), y);
     }
   }
 }
 
-void KERNEL(kernel_parabolic)(const wave *w, int64_t local, size_t n, double *u, double *v) {
-  LANE(real) a = LANE(splat)(w->scale_u), b = LANE(splat)(w->scale_v);
+LANE_INLINE void phased(const wave *w, sd_motion_kind form, int64_t local, size_t n, double *u, double *v) {
+  LANE(real) shape[WAVE_SHAPE];
+  for (int k = 0; k < WAVE_SHAPE; k++) shape[k] = LANE(splat)(w->shape[k]);
   for (int64_t at = local, end = local + (int64_t)n, next; at < end; at = next) {
     int64_t from = at & ~(int64_t)(WAVE_STEPS - 1);
     next = from + WAVE_STEPS;
     LANE(real) anchor = LANE(splat)(w->anchor[from != w->from].turns);
     for (int64_t k = at; k < next && k < end; k += LANE_WIDTH) {
       LANE(real) x, y;
-      LANE(parabola)(anchor + steps_from(k - from) * w->rate, a, b, &x, &y);
+      LANE(wave_at)(form, anchor + steps_from(k - from) * w->rate, shape, &x, &y);
       LANE(store)(u + (k - local), x);
       LANE(store)(v + (k - local), y);
     }
   }
 }
 
-void KERNEL(kernel_cubics)(const draw_series *d, int64_t local, size_t n, double *u, double *v) {
+static void any_wave(wave *w, int64_t local, size_t n, double *u, double *v) {
+  set_anchors(w, local & ~(int64_t)(WAVE_STEPS - 1));
+#define ROTATED(kind, ...)                                                                                   \
+  case kind:                                                                                                 \
+    rotated(w, local, n, u, v);                                                                              \
+    return;
+#define PHASED(kind, ...)                                                                                    \
+  case kind: phased(w, kind, local, n, u, v); return;
+  switch (w->form) {
+    ROTATED_WAVES(ROTATED)
+    PHASED_WAVES(PHASED)
+    default: assert(!"a wave");
+  }
+}
+
+/* --- other signals ----------------------------------------------------------------------------------- */
+
+static void cubics(const draw_series *d, int64_t local, size_t n, double *u, double *v) {
   LANE(real) h = LANE(splat)(d->h), per_h = LANE(splat)(d->per_h);
   int64_t m = d->interval, row = local / m - d->base;
   for (int64_t at = local, end = local + (int64_t)n, next; at < end; at = next, row++) {
@@ -86,7 +104,7 @@ void KERNEL(kernel_cubics)(const draw_series *d, int64_t local, size_t n, double
   }
 }
 
-void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n, double *u, double *v, double *low) {
+static void fade(double dt, double ramp, int64_t local, size_t n, double *u, double *v, double *low) {
   for (size_t k = 0; k < n; k += LANE_WIDTH) {
     LANE(real) x = LANE(load)(u + k), y = LANE(load)(v + k);
     LANE(real) r = LANE(fade)(steps_from(local + (int64_t)k) * dt, LANE(splat)(ramp), &x, &y);
@@ -95,3 +113,60 @@ void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n, double
     if (low) LANE(store)(low + k, LANE(load)(low + k) * r);
   }
 }
+
+/* --- prescribed coordinates -------------------------------------------------------------------------- */
+
+/* Turn and images are taken off before the small parts are added. */
+static void sum(pose_sum *p, size_t n) {
+  LANE(real) low = LANE(splat)(HUGE_VAL), high = LANE(splat)(-HUGE_VAL);
+  for (size_t k = 0; k < n; k += LANE_WIDTH) {
+    LANE(real) u = LANE(load)(p->signals[0]->u + k), v = LANE(load)(p->signals[0]->v + k);
+    for (size_t t = 1; t < p->n_signals; t++) {
+      u = u + LANE(load)(p->signals[t]->u + k);
+      v = v + LANE(load)(p->signals[t]->v + k);
+    }
+    u = (u - p->off) + p->base;
+    for (size_t t = 0; t < p->n_signals; t++)
+      if (p->signals[t]->low) u = u + LANE(load)(p->signals[t]->low + k);
+    LANE(store)(p->value + k, u);
+    LANE(store)(p->velocity + k, v);
+    low = LANE(least)(u, low);
+    high = LANE(most)(u, high);
+  }
+  double lows[LANE_WIDTH], highs[LANE_WIDTH];
+  LANE(store)(lows, low);
+  LANE(store)(highs, high);
+  p->low = lows[0];
+  p->high = highs[0];
+  for (int l = 1; l < LANE_WIDTH; l++) {
+    p->low = lows[l] < p->low ? lows[l] : p->low;
+    p->high = highs[l] > p->high ? highs[l] : p->high;
+  }
+}
+
+/* --- the table --------------------------------------------------------------------------------------- */
+
+extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
+                                   double *a, double *b);
+extern void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
+extern void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
+                                  double (*v)[OSCILLATOR_ROWS]);
+extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
+extern void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
+extern void KERNEL(kernel_lanes_sum)(const lanes_pose *p, size_t n);
+extern bool KERNEL(kernel_lanes_beyond)(const lanes_pose *p, size_t n, double limit);
+extern const motion_kernels KERNEL(motion_kernels);
+
+const motion_kernels KERNEL(motion_kernels) = {
+    .normals = KERNEL(kernel_normals),
+    .oscillate = KERNEL(kernel_oscillate),
+    .spread = KERNEL(kernel_spread),
+    .wave = any_wave,
+    .cubics = cubics,
+    .fade = fade,
+    .sum = sum,
+    .lanes_signal = KERNEL(kernel_lanes_signal),
+    .lanes_sum = KERNEL(kernel_lanes_sum),
+    .lanes_beyond = KERNEL(kernel_lanes_beyond),
+    .sine_cosine = KERNEL(kernel_sine_cosine),
+};

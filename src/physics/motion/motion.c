@@ -1,5 +1,4 @@
-/* motion.c: phases and placing of prescribed bodies; see motion.h. */
-#include "physics/system/bodies.h"
+/* motion.c: phases, and poses of prescribed bodies; see motion.h. */
 #include "physics/motion/motion.h"
 
 #include <math.h>
@@ -7,15 +6,17 @@
 #include <string.h>
 
 #include "physics/motion/feedback.h"
-#include "physics/system/kernels.h"
 #include "physics/contact/pairs.h"
+#include "physics/motion/prescribed.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/system/bodies.h"
+#include "physics/system/kernels.h"
 
 struct motions {
   signals signals;
   int64_t first; /* step of the batch's first value */
-  size_t n_placed;
-  placed *places;
+  size_t n_prescribed;
+  prescribed *prescribed;
   const signal_values **terms;
   size_t *term_motions; /* of each term */
   feedbacks feedbacks;
@@ -37,17 +38,17 @@ void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, 
 }
 
 /* Sums a coordinate's signals. */
-static void fill_place(engine *e, placed *p) {
-  place_batch b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
+static void fill_one(engine *e, prescribed *p) {
+  pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
   motion_offset(e, p->slot, p->coordinate, &b.off, &b.base);
-  e->work.kernels->place(&b, MOTION_BATCH);
+  e->work.kernels->motion->sum(&b, MOTION_BATCH);
   p->low = b.low;
   p->high = b.high;
 }
 
 /* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
  * again for walls, which also swing. */
-static bool place_is_quiet(const engine *e, const placed *p) {
+static bool is_quiet(const engine *e, const prescribed *p) {
   const work *w = &e->work;
   const sd_state *s = e->state;
   bool wall = p->slot >= s->n_disks;
@@ -66,9 +67,9 @@ static void fill(engine *e, int64_t first) {
   signals_fill(e, &q->signals, first);
   q->first = first;
   q->quiet = q->feedbacks.count == 0;
-  for (size_t k = 0; k < q->n_placed; k++) {
-    fill_place(e, &q->places[k]);
-    q->quiet = q->quiet && place_is_quiet(e, &q->places[k]);
+  for (size_t k = 0; k < q->n_prescribed; k++) {
+    fill_one(e, &q->prescribed[k]);
+    q->quiet = q->quiet && is_quiet(e, &q->prescribed[k]);
   }
 }
 
@@ -81,12 +82,12 @@ sd_status motion_new(engine *e, sd_messages *messages) {
   size_t terms = 0;
   for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
   if (q) {
-    q->places =
-        calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1, sizeof *q->places);
+    q->prescribed = calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1,
+                           sizeof *q->prescribed);
     q->terms = calloc(terms + 1, sizeof *q->terms);
     q->term_motions = calloc(terms + 1, sizeof *q->term_motions);
   }
-  if (!q || !q->places || !q->terms || !q->term_motions || feedback_new(e, &q->feedbacks) != SD_OK)
+  if (!q || !q->prescribed || !q->terms || !q->term_motions || feedback_new(e, &q->feedbacks) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   return signals_new(e, &q->signals, messages);
 }
@@ -95,7 +96,7 @@ void motion_free(engine *e) {
   motions *q = e->work.motions;
   if (!q) return;
   signals_free(e, &q->signals);
-  free(q->places);
+  free(q->prescribed);
   free(q->terms);
   free(q->term_motions);
   feedback_free(&q->feedbacks);
@@ -103,7 +104,7 @@ void motion_free(engine *e) {
   e->work.motions = NULL;
 }
 
-static void place_new(engine *e, placed *p, size_t c, size_t first, size_t count) {
+static void prescribe(engine *e, prescribed *p, size_t c, size_t first, size_t count) {
   sd_state *s = e->state;
   double *at[] = {s->x, s->y, s->theta}, *speed[] = {s->vx, s->vy, s->omega};
   double *force[] = {s->force_x, s->force_y, s->torque};
@@ -119,12 +120,12 @@ static void place_new(engine *e, placed *p, size_t c, size_t first, size_t count
 }
 
 /* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
-static sd_status list_places(engine *e) {
+static sd_status list_prescribed(engine *e) {
   const sd_model *m = e->model;
   motions *q = e->work.motions;
   size_t n = 3 * e->state->n_bodies, terms = 0;
   size_t *count = calloc(n + 1, sizeof *count), *at = calloc(n + 1, sizeof *at);
-  q->n_placed = 0;
+  q->n_prescribed = 0;
   q->moves_walls = q->drives_free = false;
   for (int pass = 0; count && at && pass < 2; pass++) {
     for (size_t k = 0; k < m->n_motions; k++) {
@@ -134,7 +135,7 @@ static sd_status list_places(engine *e) {
         size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
         if (slot >= e->state->n_disks) q->moves_walls = true;
         if (slot < e->state->n_free) q->drives_free = true;
-        if (feedback_drives(&m->motions[k])) continue;
+        if (motion_is_feedback(&m->motions[k])) continue;
         if (pass == 0) {
           count[c]++;
         } else {
@@ -145,7 +146,7 @@ static sd_status list_places(engine *e) {
     }
     for (size_t c = 0; pass == 0 && c < n; c++) {
       if (!count[c]) continue;
-      place_new(e, &q->places[q->n_placed++], c, terms, count[c]);
+      prescribe(e, &q->prescribed[q->n_prescribed++], c, terms, count[c]);
       at[c] = terms;
       terms += count[c];
     }
@@ -191,7 +192,7 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
   const motions *q = e->work.motions;
   sd_state *s = e->state;
   double *base = base_of(s, m->coordinate);
-  if (feedback_drives(m))
+  if (motion_is_feedback(m))
     feedback_end(e, k);
   else if (s->step > s->motion_start[k])
     for (size_t b = 0; b < m->n_bodies; b++)
@@ -207,8 +208,9 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
 static void switch_on(engine *e, int32_t *movers, size_t k) {
   e->state->motion_start[k] = e->state->step;
   count_mover(e, movers, k, 1);
-  if (e->model->motions[k].kind == SD_MOTION_RANDOM) signals_start_random(e, &e->work.motions->signals, k);
-  if (feedback_drives(&e->model->motions[k])) feedback_begin(e, k);
+  if (motion_source(&e->model->motions[k]) == SIGNAL_RANDOM)
+    signals_start_random(e, &e->work.motions->signals, k);
+  if (motion_is_feedback(&e->model->motions[k])) feedback_begin(e, k);
 }
 
 sd_status motion_begin_phase(engine *e) {
@@ -234,17 +236,22 @@ void motion_reload(engine *e) {
   motions *q = e->work.motions;
   signals_load(e, &q->signals);
   q->first = INT64_MIN / 2; /* nothing computed yet */
-  for (size_t k = 0; k < q->n_placed; k++) q->places[k].last = *q->places[k].at;
+  for (size_t k = 0; k < q->n_prescribed; k++) q->prescribed[k].last = *q->prescribed[k].at;
 }
 
 sd_status motion_resume(engine *e) {
   motion_reload(e);
-  return list_places(e);
+  return list_prescribed(e);
 }
 
 void motion_store(engine *e) {
   const motions *q = e->work.motions;
   if (q && q->first >= 0) signals_store(e, &q->signals);
+}
+
+void motion_begin_run(engine *e) {
+  for (size_t k = 0; k < e->model->n_motions; k++)
+    if (motion_is_feedback(&e->model->motions[k]) && e->state->motion_start[k] >= 0) feedback_begin(e, k);
 }
 
 bool motion_moves_walls(const engine *e) { return e->work.motions->moves_walls; }
@@ -255,12 +262,12 @@ bool motion_corrects(const engine *e) { return e->work.motions->feedbacks.count 
 
 int64_t motion_index(const engine *e) { return e->state->step + 1 - e->work.motions->first; }
 
-placed *motion_places(engine *e, size_t *n) {
-  *n = e->work.motions->n_placed;
-  return e->work.motions->places;
+prescribed *motion_prescribed(engine *e, size_t *n) {
+  *n = e->work.motions->n_prescribed;
+  return e->work.motions->prescribed;
 }
 
-size_t motion_term(const engine *e, const placed *p, size_t t) {
+size_t motion_term(const engine *e, const prescribed *p, size_t t) {
   return e->work.motions->term_motions[p->first + t];
 }
 
@@ -272,12 +279,12 @@ bool motion_ahead(engine *e) {
   return e->work.motions->quiet;
 }
 
-void motion_place(engine *e, thread_work *mine) {
+void motion_pose(engine *e, thread_work *mine) {
   motions *q = e->work.motions;
   const sd_state *s = e->state;
   motion_ahead(e);
   int64_t k = motion_index(e);
-  for (placed *p = q->places; p < q->places + q->n_placed; p++) {
+  for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     double after = p->value[k];
     p->moved = 0.0;
     if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue; /* it waits, or was taken out */
@@ -288,8 +295,8 @@ void motion_place(engine *e, thread_work *mine) {
     body_seat(e, p->slot);
   }
   if (q->quiet) return;
-  feedback_place(e, &q->feedbacks, mine);
-  for (const placed *p = q->places; p < q->places + q->n_placed; p++) {
+  feedback_pose(e, &q->feedbacks, mine);
+  for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     if (neighbours_moved(e, p->slot)) mine->stale = true;
     /* free disks with a prescribed coordinate are looked at by the corrector */
     if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
@@ -297,20 +304,20 @@ void motion_place(engine *e, thread_work *mine) {
   }
 }
 
-void motion_came_back(engine *e, uint32_t slot) {
+void motion_wrapped(engine *e, uint32_t slot) {
   motions *q = e->work.motions;
   bool known = q->first >= 0 && e->state->step + 1 - q->first < MOTION_BATCH;
-  for (size_t k = 0; k < q->n_placed; k++) {
-    if (q->places[k].slot != slot) continue;
-    q->places[k].last = *q->places[k].at;
-    if (known) fill_place(e, &q->places[k]);
+  for (size_t k = 0; k < q->n_prescribed; k++) {
+    if (q->prescribed[k].slot != slot) continue;
+    q->prescribed[k].last = *q->prescribed[k].at;
+    if (known) fill_one(e, &q->prescribed[k]);
   }
 }
 
 void motion_work(engine *e) {
   motions *q = e->work.motions;
   double done = feedback_correct(e, &q->feedbacks);
-  for (const placed *p = q->places; p < q->places + q->n_placed; p++)
+  for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++)
     done += (p->force_before + *p->force) * p->moved;
   e->state->work_driven -= 0.5 * done;
 }

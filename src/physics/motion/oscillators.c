@@ -66,7 +66,7 @@ static void move_up(oscillators *g, const int64_t *base, size_t rows) {
   }
 }
 
-size_t oscillators_ahead(const kernels *k, oscillators *g, const int64_t *first, int64_t n,
+size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t *first, int64_t n,
                          int64_t interval) {
   int64_t base[OSCILLATORS] = {0}, kept = INT64_MAX, needed = 0;
   int64_t local = -1, low = 0, high = 0;

@@ -10,8 +10,9 @@
 #ifndef PHYSICS_OSCILLATORS_H
 #define PHYSICS_OSCILLATORS_H
 
-#include "physics/system/kernels.h"
+#include "physics/motion/motion_kernels.h"
 #include "physics/motion/random.h"
+#include "slipdisk/state.h"
 
 /* n zeroed groups whose rows begin where vectors do; NULL without memory; goes with free. */
 oscillators *oscillators_new(size_t n);
@@ -25,6 +26,7 @@ void oscillators_rest(oscillators *g, size_t lane);
 
 /* Brings the rows of every lane that runs to a batch of n values, the first of them at step first[lane]: from the last
  * draw before it to the first one after it. Returns how many rows there are. */
-size_t oscillators_ahead(const kernels *k, oscillators *g, const int64_t *first, int64_t n, int64_t interval);
+size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t *first, int64_t n,
+                         int64_t interval);
 
 #endif

@@ -1,4 +1,4 @@
-/* signal_pass.h: values of signals, over lanes; included once per LANE_WIDTH after base/lane.h.
+/* signal_pass.h: parts of signals that all waveforms or draws share, over lanes; included once per LANE_WIDTH after base/lane.h.
  *
  * Lanes are consecutive steps of one system, or one step of several systems: the same text, the same bits. A value is
  * a function of the motion's constants and of the number of steps since it began, so batches may begin anywhere.
@@ -11,38 +11,28 @@ LANE_INLINE LANE(real) LANE(turns)(LANE(real) high, LANE(real) low, LANE(real) o
   return ((t - LANE(nearest)(t)) + low * at) + offset;
 }
 
-/* (sine, cosine) turned on. */
-LANE_INLINE void LANE(turn_on)(LANE(real) * sine, LANE(real) * cosine, LANE(real) s, LANE(real) c) {
+LANE_INLINE void LANE(rotate)(LANE(real) * sine, LANE(real) * cosine, LANE(real) s, LANE(real) c) {
   LANE(real) turned = *sine * c + *cosine * s;
   *cosine = *cosine * c - *sine * s;
   *sine = turned;
 }
 
 /* Sine and cosine times the scales of u and u'. */
-typedef struct LANE(arm) {
+typedef struct LANE(phasor) {
   LANE(real) sine_u, cosine_u, sine_v, cosine_v;
-} LANE(arm);
+} LANE(phasor);
 
-LANE_INLINE LANE(arm)
-    LANE(arm_of)(LANE(real) sine, LANE(real) cosine, LANE(real) scale_u, LANE(real) scale_v) {
-  LANE(arm) a = {sine * scale_u, cosine * scale_u, sine * scale_v, cosine * scale_v};
+LANE_INLINE LANE(phasor)
+    LANE(phasor_of)(LANE(real) sine, LANE(real) cosine, LANE(real) scale_u, LANE(real) scale_v) {
+  LANE(phasor) a = {sine * scale_u, cosine * scale_u, sine * scale_v, cosine * scale_v};
   return a;
 }
 
-/* Harmonic signal, and its derivative, when the arm has turned on by an angle of sine s and cosine c. */
-LANE_INLINE void LANE(arm_at)(const LANE(arm) * a, LANE(real) s, LANE(real) c, LANE(real) * u,
-                              LANE(real) * v) {
+/* Harmonic signal, and its derivative, when the phasor is rotated by an angle of sine s and cosine c. */
+LANE_INLINE void LANE(phasor_at)(const LANE(phasor) * a, LANE(real) s, LANE(real) c, LANE(real) * u,
+                                 LANE(real) * v) {
   *u = a->sine_u * c + a->cosine_u * s;
   *v = a->cosine_v * c - a->sine_v * s;
-}
-
-/* eq. 21 and its derivative (22) after t turns: with w in [-1/2, 1/2], u = 8 A w (1 - 2 |w|), u' = 4 A (omega/pi)
- * (1 - 4 |w|); a, b: 8 A and 4 A omega/pi. */
-LANE_INLINE void LANE(parabola)(LANE(real) t, LANE(real) a, LANE(real) b, LANE(real) * u, LANE(real) * v) {
-  LANE(real) w = t - LANE(nearest)(t);
-  LANE(real) size = LANE(as_real)(LANE(as_bits)(w) & 0x7fffffffffffffffu);
-  *u = w * (a - (2.0 * a) * size);
-  *v = b - (4.0 * b) * size;
 }
 
 /* Cubic between two draws a time h apart, which matches displacement and velocity at both, and its derivative. */

@@ -1,19 +1,20 @@
 /* signals.c: see signals.h. */
 #include "physics/motion/signals.h"
 
+#include <assert.h>
 #include <gsl/gsl_errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "physics/motion/feedback.h"
 #include "physics/motion/oscillators.h"
+#include "physics/system/kernels.h"
 
-/* --- kinds ------------------------------------------------------------------------------------------- */
+/* --- values by source ---------------------------------------------------------------------------------- */
 
 typedef struct batch {
   const engine *e;
-  const kernels *k;
+  const motion_kernels *k;
   const sd_motion *motion;
   signal *signal;
   int64_t local;       /* steps since the motion was switched on, of the batch's first value */
@@ -21,7 +22,7 @@ typedef struct batch {
 } batch;
 
 /* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 2, trap 4). */
-static void fill_velocity(batch *b) {
+static void fill_steady(batch *b) {
   double c = b->motion->velocity * b->e->work.dt;
   for (int k = 0; k < MOTION_BATCH; k++) {
     double l = (double)(b->local + k);
@@ -30,19 +31,6 @@ static void fill_velocity(batch *b) {
     b->v[k] = b->motion->velocity;
   }
   b->signal->now.low = b->low;
-}
-
-/* The anchors that the batch needs: exact turns every WAVE_STEPS steps. */
-static void set_anchors(batch *b) { b->k->anchors(&b->signal->wave, b->local & ~(int64_t)(WAVE_STEPS - 1)); }
-
-static void fill_harmonic(batch *b) {
-  set_anchors(b);
-  b->k->harmonic(&b->signal->wave, b->local, MOTION_BATCH, b->u, b->v);
-}
-
-static void fill_parabolic(batch *b) {
-  set_anchors(b);
-  b->k->parabolic(&b->signal->wave, b->local, MOTION_BATCH, b->u, b->v);
 }
 
 static void fill_table(batch *b) {
@@ -59,21 +47,6 @@ static void fill_table(batch *b) {
     b->v[k] = m->amplitude * v;
   }
 }
-
-typedef struct signal_kind {
-  const char *name;
-  void (*fill)(batch *b);
-} signal_kind;
-
-static const signal_kind signal_kinds[SD_MOTION_KINDS] = {
-    [SD_MOTION_VELOCITY] = {"velocity", fill_velocity},
-    [SD_MOTION_HARMONIC] = {"harmonic", fill_harmonic},
-    [SD_MOTION_PARABOLIC] = {"parabolic", fill_parabolic},
-    [SD_MOTION_RANDOM] = {"random", NULL}, /* fill_random */
-    [SD_MOTION_TABLE] = {"table", fill_table},
-    [SD_MOTION_LOAD] = {"load", NULL}, /* feedback.h */
-    [SD_MOTION_SERVO] = {"servo", NULL},
-};
 
 /* A value per step from the draws: the draws themselves, or the cubics between them. */
 static void fill_random(batch *b, const signals *all) {
@@ -104,23 +77,36 @@ static void fade_in(batch *b) {
   b->k->fade(b->e->work.dt, b->motion->ramp, b->local, MOTION_BATCH, b->u, b->v, now->low ? b->low : NULL);
 }
 
-static batch batch_of(const engine *e, signal *s, size_t motion, int64_t local) {
-  batch b = {e, e->work.kernels, &e->model->motions[motion], s, local, .u = s->room[0] + WAVE_FINE};
-  b.v = s->room[1] + WAVE_FINE;
-  b.low = s->room[2] + WAVE_FINE;
+/* all: NULL where the signal has no draws. */
+static void fill(const engine *e, const signals *all, signal *s, size_t motion, int64_t local) {
+  const sd_motion *m = &e->model->motions[motion];
+  batch b = {e,
+             e->work.kernels->motion,
+             m,
+             s,
+             local,
+             .u = s->values[0] + WAVE_FINE,
+             .v = s->values[1] + WAVE_FINE,
+             .low = s->values[2] + WAVE_FINE};
   s->now = (signal_values){b.u, b.v, NULL};
-  return b;
+  switch (motion_source(m)) {
+    case SIGNAL_STEADY: fill_steady(&b); break;
+    case SIGNAL_WAVE: b.k->wave(&s->wave, local, MOTION_BATCH, b.u, b.v); break;
+    case SIGNAL_TABLE: fill_table(&b); break;
+    case SIGNAL_RANDOM: fill_random(&b, all); break;
+    case SIGNAL_FEEDBACK: assert(!"known ahead");
+  }
+  if (m->ramp > 0.0) fade_in(&b);
 }
 
-void signals_fill_one(const engine *e, signal *s, size_t motion, int64_t local) {
-  batch b = batch_of(e, s, motion, local);
-  signal_kinds[b.motion->kind].fill(&b);
-  if (b.motion->ramp > 0.0) fade_in(&b);
+void signals_fill_table(const engine *e, signal *s, size_t motion, int64_t local) {
+  assert(motion_source(&e->model->motions[motion]) == SIGNAL_TABLE);
+  fill(e, NULL, s, motion, local);
 }
 
 /* New draws of every running random motion, up to the one after the batch's last step. */
 static void draw_ahead(const engine *e, signals *all, int64_t first) {
-  const kernels *k = e->work.kernels;
+  const motion_kernels *k = e->work.kernels->motion;
   int64_t firsts[OSCILLATORS];
   for (size_t l = 0; l < OSCILLATORS; l++) firsts[l] = first;
   for (size_t n = 0; n < all->n_groups; n++) {
@@ -132,18 +118,9 @@ static void draw_ahead(const engine *e, signals *all, int64_t first) {
 
 void signals_fill(const engine *e, signals *all, int64_t first) {
   draw_ahead(e, all, first);
-  for (size_t k = 0; k < e->model->n_motions; k++) {
-    const sd_motion *m = &e->model->motions[k];
-    if (e->state->motion_start[k] < 0 || feedback_drives(m)) continue;
-    int64_t local = first - e->state->motion_start[k];
-    if (m->kind != SD_MOTION_RANDOM) {
-      signals_fill_one(e, &all->item[k], k, local);
-      continue;
-    }
-    batch b = batch_of(e, &all->item[k], k, local);
-    fill_random(&b, all);
-    if (m->ramp > 0.0) fade_in(&b);
-  }
+  for (size_t k = 0; k < e->model->n_motions; k++)
+    if (e->state->motion_start[k] >= 0 && !motion_is_feedback(&e->model->motions[k]))
+      fill(e, all, &all->item[k], k, first - e->state->motion_start[k]);
 }
 
 /* --- tables ------------------------------------------------------------------------------------------ */
@@ -164,18 +141,17 @@ static sd_status spline_new(signal *s, const sd_motion *m, sd_messages *messages
 static void wave_new(const engine *e, wave *w, const sd_motion *m) {
   const double per_turn = 0.5 / M_PI;
   double t[2 * WAVE_FINE];
+  w->form = m->kind;
   w->rate = m->omega * e->model->dt * per_turn;
   w->rate_high = (double)(float)w->rate; /* 24 digits */
   w->rate_low = w->rate - w->rate_high;
   w->offset = m->phase * per_turn;
-  bool parabolic = m->kind == SD_MOTION_PARABOLIC;
-  w->scale_u = parabolic ? 8.0 * m->amplitude : m->amplitude;
-  w->scale_v = parabolic ? 4.0 * m->amplitude * (m->omega / M_PI) : m->amplitude * m->omega;
+  motion_shape(m, w->shape);
   for (int k = 0; k < WAVE_FINE; k++) {
     t[k] = w->rate * k;
     t[WAVE_FINE + k] = w->rate * (WAVE_FINE * k);
   }
-  e->work.kernels->sine_cosine(t, 2 * WAVE_FINE, w->sine, w->cosine);
+  e->work.kernels->motion->sine_cosine(t, 2 * WAVE_FINE, w->sine, w->cosine);
   w->from = -1;
 }
 
@@ -206,12 +182,18 @@ sd_status signals_new(const engine *e, signals *all, sd_messages *messages) {
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
-    if (motion->kind == SD_MOTION_RANDOM && join_group(e, all, k) != SD_OK)
-      return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
-    if (motion->kind == SD_MOTION_HARMONIC || motion->kind == SD_MOTION_PARABOLIC)
-      wave_new(e, &all->item[k].wave, motion);
-    if (motion->kind == SD_MOTION_TABLE && spline_new(&all->item[k], motion, messages) != SD_OK)
-      return SD_ERROR_USER;
+    switch (motion_source(motion)) {
+      case SIGNAL_WAVE: wave_new(e, &all->item[k].wave, motion); break;
+      case SIGNAL_RANDOM:
+        if (join_group(e, all, k) != SD_OK)
+          return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+        break;
+      case SIGNAL_TABLE:
+        if (spline_new(&all->item[k], motion, messages) != SD_OK) return SD_ERROR_USER;
+        break;
+      case SIGNAL_STEADY:
+      case SIGNAL_FEEDBACK: break;
+    }
   }
   return SD_OK;
 }
@@ -253,11 +235,11 @@ void signals_start_random(const engine *e, const signals *all, size_t k) {
   const random_step *r = &all->item[k].step;
   sd_state *s = e->state;
   double a, b;
-  e->work.kernels->normals(e->model->seed, m->stream, RANDOM_START, s->step, 1, &a, &b);
+  e->work.kernels->motion->normals(e->model->seed, m->stream, RANDOM_START, s->step, 1, &a, &b);
   double u = m->amplitude * a, v = m->omega * m->amplitude * b;
   s->motion_u0[k] = u;
   s->motion_v0[k] = v;
-  e->work.kernels->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a, &b);
+  e->work.kernels->motion->normals(e->model->seed, m->stream, RANDOM_STEP, 2 * s->step + 1, 1, &a, &b);
   /* as the kernel sums it */
   s->motion_u1[k] = r->propagator[0][0] * u + (r->propagator[0][1] * v + r->cholesky[0] * a);
   s->motion_v1[k] =

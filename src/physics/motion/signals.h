@@ -1,27 +1,23 @@
-/* signals.h: signals u(t) of the motions of one system, computed a batch of steps ahead.
- *
- * A row of signal_kinds per kind; adding a kind is a row, a function and a name in the deck.
- */
+/* signals.h: signals u(t) of the motions of one system, computed a batch of steps ahead (kinds: model/motion_kinds.h). */
 #ifndef PHYSICS_SIGNALS_H
 #define PHYSICS_SIGNALS_H
 
 #include <gsl/gsl_spline.h>
 
-#include "physics/system/kernels.h"
+#include "physics/motion/motion.h"
+#include "physics/motion/motion_kernels.h"
 #include "physics/motion/random.h"
-
-enum { MOTION_BATCH = 64 };
 
 /* Constants of one signal, and its values over the batch. */
 typedef struct signal {
   signal_values now; /* of the batch's first step; low is NULL where nothing is lost */
-  wave wave;         /* harmonic, parabolic */
-  random_step step;  /* random */
+  wave wave;
+  random_step step; /* random */
   size_t group, lane;
   gsl_spline *spline; /* table */
   gsl_interp_accel *accel;
-  double room[3]
-             [WAVE_FINE + MOTION_BATCH + WAVE_FINE]; /* u, v, low; kernels write a little beyond the batch */
+  double values[3][WAVE_FINE + MOTION_BATCH +
+                   WAVE_FINE]; /* u, v, low; kernels write a little beyond the batch */
 } signal;
 
 typedef struct signals {
@@ -38,8 +34,8 @@ void signals_load(const engine *e, signals *all);
 void signals_store(const engine *e, const signals *all);
 /* Values of every running signal at step first and the MOTION_BATCH - 1 after it. */
 void signals_fill(const engine *e, signals *all, int64_t first);
-/* Of one signal that has no draws, after `local` steps and on. */
-void signals_fill_one(const engine *e, signal *s, size_t motion, int64_t local);
+/* Of one table, after `local` steps and on. */
+void signals_fill_table(const engine *e, signal *s, size_t motion, int64_t local);
 /* A random signal begins in its stationary law: displacement and velocity at the start and at the first draw. */
 void signals_start_random(const engine *e, const signals *all, size_t motion);
 

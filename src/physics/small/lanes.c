@@ -9,7 +9,7 @@
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/system/kernels.h"
-#include "physics/small/lanes_motion.h"
+#include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/rows.h"
@@ -22,7 +22,7 @@ static size_t count_pairs(const sd_model *m) {
 }
 
 static bool suits_motion(const sd_model *m, const sd_motion *motion) {
-  if (motion->kind == SD_MOTION_LOAD || motion->kind == SD_MOTION_SERVO) return false;
+  if (motion_is_feedback(motion)) return false;
   for (size_t b = 0; b < motion->n_bodies; b++)
     if (motion->bodies[b] < m->n_disks && !m->disks[motion->bodies[b]].driven) return false;
   return true;
@@ -151,7 +151,7 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
       l->watched[2 * k + side] =
           (uint8_t)find_pair(l, slot[m->slides[k].disk], slot[m->slides[k].partner[side]]);
   lay_rows(l);
-  if (!alone && lanes_motion_new(width, count, system, &l->motion) != SD_OK) {
+  if (!alone && pose_batch_new(width, count, system, &l->motion) != SD_OK) {
     lanes_free(l);
     *out = NULL;
     return SD_ERROR_IO;
@@ -161,22 +161,22 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
 
 void lanes_free(lanes *l) {
   if (!l) return;
-  lanes_motion_free(l->motion);
+  pose_batch_free(l->motion);
   free(l->memory);
   free(l);
 }
 
 /* --- poses --------------------------------------------------------------------------------------------- */
 
-/* Where prescribed poses stand: in the scene; alone: as in the state, or in the batch where a motion runs. */
+/* Where prescribed poses stand: in the batch; alone: as in the state, or in the batch where a motion runs. */
 static void find_poses(lanes *l) {
   engine *e = l->system[0];
   const sd_state *s = e->state;
   memset(l->placed, 0, sizeof l->placed);
   size_t n;
-  const placed *p = motion_places(e, &n);
+  const prescribed *p = motion_prescribed(e, &n);
   for (size_t k = 0; k < n; k++) l->placed[p[k].slot][p[k].coordinate] = true;
-  l->scene = l->motion ? lanes_motion_scene(l->motion) : NULL;
+  l->poses = l->motion ? pose_batch_poses(l->motion) : NULL;
   for (size_t i = l->n_free; i < l->n_bodies && !l->motion; i++) {
     const double now[POSES] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
     for (int c = 0; c < POSES; c++) {
@@ -193,7 +193,7 @@ static void find_poses(lanes *l) {
 static double pose_now(const lanes *l, size_t slot, int which, size_t lane) {
   if (!l->motion) return l->pose[slot][which][l->at];
   return l
-      ->scene[(((slot - l->n_free) * POSES + (size_t)which) * SCENE_STEPS + (size_t)l->at) * l->width + lane];
+      ->poses[(((slot - l->n_free) * POSES + (size_t)which) * POSE_STEPS + (size_t)l->at) * l->width + lane];
 }
 
 static double *cell(const lanes *l, double *rows, size_t row, size_t lane) {
@@ -217,13 +217,13 @@ static void keep_poses(lanes *l) {
 int64_t lanes_ready(lanes *l) {
   engine *e = l->system[0];
   if (l->motion) {
-    int64_t ready = lanes_motion_ahead(l->motion);
-    l->at = e->state->step - lanes_motion_first(l->motion);
+    int64_t ready = pose_batch_ahead(l->motion);
+    l->at = e->state->step - pose_batch_first(l->motion);
     return ready;
   }
   motion_ahead(e);
   size_t n;
-  const placed *p = motion_places(e, &n);
+  const prescribed *p = motion_prescribed(e, &n);
   for (size_t k = 0; k < n; k++)
     if (p[k].coordinate == SD_THETA && (p[k].low < -4.0 || p[k].high > 4.0)) return 0;
   l->at = motion_index(e) - 1;
@@ -313,7 +313,7 @@ static void load_lane(lanes *l, size_t lane) {
 }
 
 void lanes_load(lanes *l) {
-  if (l->motion) lanes_motion_load(l->motion);
+  if (l->motion) pose_batch_load(l->motion);
   find_poses(l);
   l->dead = 0;
   l->stepped = false;
@@ -389,7 +389,7 @@ static sd_status store_lane(lanes *l, size_t lane) {
   store_counts(l, lane);
   e->work.kernels->gather(e, 0, l->n_bodies);
   size_t n;
-  for (placed *p = motion_places(e, &n), *end = p + n; p < end; p++) p->last = *p->at;
+  for (prescribed *p = motion_prescribed(e, &n), *end = p + n; p < end; p++) p->last = *p->at;
   return SD_OK;
 }
 
@@ -408,7 +408,7 @@ void lanes_store(lanes *l) {
     sd_status status = store_lane(l, lane);
     if (status != SD_OK) die(l, lane, status);
   }
-  if (l->motion) lanes_motion_store(l->motion);
+  if (l->motion) pose_batch_store(l->motion);
 }
 
 void lanes_show_angles(const lanes *l) {

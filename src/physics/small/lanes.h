@@ -13,7 +13,6 @@
 #ifndef PHYSICS_LANES_H
 #define PHYSICS_LANES_H
 
-#include "physics/small/lanes_motion.h"
 #include "physics/motion/motion.h"
 #include "physics/system/work.h"
 
@@ -70,8 +69,8 @@ enum {
 typedef struct lanes {
   size_t width, count; /* lanes, systems; lanes beyond repeat the first system */
   engine *system[LANES_MOST];
-  unsigned dead;        /* bits: lanes that went wrong, whose states are stored */
-  lanes_motion *motion; /* NULL: those of the one system, poses standing one by one */
+  unsigned dead;      /* bits: lanes that went wrong, whose states are stored */
+  pose_batch *motion; /* NULL: those of the one system, poses standing one by one */
 
   /* what the systems share */
   bool gear, conservative;
@@ -87,7 +86,7 @@ typedef struct lanes {
   double *disk[LANES_FREE], *pair[LANES_PAIRS], *place; /* place: of each that is placed, in order */
   double *radius;                                       /* of each slot */
   double *dt, *per_dt, *work, *least;                   /* least: force of each watched contact */
-  const double *scene;                                  /* lanes_motion.h */
+  const double *poses;                                  /* pose_batch_poses */
   /* alone: values of the batch, or of a coordinate that does not move as often */
   const double *pose[LANES_BODIES][POSES];
   double still[LANES_BODIES][POSES][MOTION_BATCH];

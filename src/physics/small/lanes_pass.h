@@ -140,7 +140,7 @@ LANE_INLINE LANE(real)
     PASS(prescribed)(const lanes *l, const PASS(shape) * s, size_t slot, int which, int64_t at) {
   if (s->single) return LANE(splat)(l->pose[slot][which][at]);
   size_t stretch = (slot - s->n_free) * POSES + (size_t)which;
-  return PASS(row)(l->scene + stretch * SCENE_STEPS * LANE_WIDTH, (size_t)at);
+  return PASS(row)(l->poses + stretch * POSE_STEPS * LANE_WIDTH, (size_t)at);
 }
 
 /* Predicted poses of free disks, and those of prescribed ones at step `at`. */

@@ -155,7 +155,7 @@ static void wrap(engine *e, uint32_t i) {
   w->y0[i] += shift[1];
   s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
   s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
-  motion_came_back(e, i);
+  motion_wrapped(e, i);
   body_seat(e, i);
   if (i >= s->n_disks) walls_place(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {

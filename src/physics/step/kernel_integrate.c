@@ -79,22 +79,7 @@ static void gather(engine *e, size_t begin, size_t end) {
 
 extern void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end);
 extern void KERNEL(kernel_lanes)(lanes *l, int64_t n);
-extern void KERNEL(kernel_normals)(uint64_t seed, uint32_t stream, uint32_t purpose, int64_t first, size_t n,
-                                   double *a, double *b);
-extern void KERNEL(kernel_oscillate)(oscillators *g, size_t row, size_t blocks);
-extern void KERNEL(kernel_spread)(const oscillators *g, size_t n, double (*u)[OSCILLATOR_ROWS],
-                                  double (*v)[OSCILLATOR_ROWS]);
-extern void KERNEL(kernel_anchors)(wave *w, int64_t from);
-extern void KERNEL(kernel_harmonic)(const wave *w, int64_t local, size_t n, double *u, double *v);
-extern void KERNEL(kernel_parabolic)(const wave *w, int64_t local, size_t n, double *u, double *v);
-extern void KERNEL(kernel_cubics)(const draw_series *d, int64_t local, size_t n, double *u, double *v);
-extern void KERNEL(kernel_fade)(double dt, double ramp, int64_t local, size_t n, double *u, double *v,
-                                double *low);
-extern void KERNEL(kernel_place)(place_batch *b, size_t n);
-extern void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
-extern void KERNEL(kernel_lanes_place)(const lanes_place *p, size_t n);
-extern bool KERNEL(kernel_lanes_beyond)(const lanes_place *p, size_t n, double limit);
-extern void KERNEL(kernel_sine_cosine)(const double *t, size_t n, double *sine, double *cosine);
+extern const motion_kernels KERNEL(motion_kernels);
 extern const kernels KERNEL(kernels);
 
 const kernels KERNEL(kernels) = {
@@ -107,17 +92,5 @@ const kernels KERNEL(kernels) = {
     .stale = stale,
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
-    .normals = KERNEL(kernel_normals),
-    .oscillate = KERNEL(kernel_oscillate),
-    .spread = KERNEL(kernel_spread),
-    .anchors = KERNEL(kernel_anchors),
-    .harmonic = KERNEL(kernel_harmonic),
-    .parabolic = KERNEL(kernel_parabolic),
-    .cubics = KERNEL(kernel_cubics),
-    .fade = KERNEL(kernel_fade),
-    .place = KERNEL(kernel_place),
-    .lanes_signal = KERNEL(kernel_lanes_signal),
-    .lanes_place = KERNEL(kernel_lanes_place),
-    .lanes_beyond = KERNEL(kernel_lanes_beyond),
-    .sine_cosine = KERNEL(kernel_sine_cosine),
+    .motion = &KERNEL(motion_kernels),
 };

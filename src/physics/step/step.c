@@ -89,7 +89,7 @@ void step_once(engine *e, const team *t) {
     team_wait(t);
   }
   if (first) {
-    motion_place(e, &w->threads[0]);
+    motion_pose(e, &w->threads[0]);
     if (motion_moves_walls(e)) walls_place(e);
     w->stale = any_stale(w);
     pairs_clear_single(e);

@@ -101,7 +101,7 @@ typedef struct chunks {
   int64_t *packed;    /* and whose its packed bodies show; step */
 } chunks;
 
-/* What a pass over pairs reads of a body, one cache line each. Predictor and motion_place write it with the pose. Free
+/* What a pass over pairs reads of a body, one cache line each. Predictor and motion_pose write it with the pose. Free
  * disks have a row here and in sums only while pairs want them (chunks_plan_rows). arc: R theta. */
 enum { PACKED_X, PACKED_ARC, PACKED_Y, PACKED_RADIUS, PACKED_VX, PACKED_VY, PACKED_ROW = 8 };
 /* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */

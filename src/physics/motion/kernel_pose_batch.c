@@ -1,22 +1,24 @@
-/* kernel_lanes_motion.c: signals and poses of several systems side by side (lanes_motion.h), one system per lane;
- * compiled once per instruction set.
+/* kernel_pose_batch.c: signals and poses of several systems side by side, one system per lane; compiled once per
+ * instruction set.
  */
+#include <assert.h>
+
+#include "physics/motion/pose_batch.h"
 #include "physics/system/kernel_path.h"
-#include "physics/system/kernels.h"
-#include "physics/small/lanes_signal.h"
 
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "base/vmath.h"
+#include "model/waveforms.h"
 #include "physics/motion/signal_pass.h"
 
 void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n);
-void KERNEL(kernel_lanes_place)(const lanes_place *p, size_t n);
-bool KERNEL(kernel_lanes_beyond)(const lanes_place *p, size_t n, double limit);
+void KERNEL(kernel_lanes_sum)(const lanes_pose *p, size_t n);
+bool KERNEL(kernel_lanes_beyond)(const lanes_pose *p, size_t n, double limit);
 
-/* Where the values of a signal go: to rows of its own, to the one or two places that it moves, or wherever
+/* Where the values of a signal go: to rows of its own, to the one or two poses that it moves alone, or wherever
  * needed. */
-typedef enum sink { OWN_ROWS, ONE_PLACE, TWO_PLACES, MANY } sink;
+typedef enum sink { OWN_ROWS, ONE_POSE, TWO_POSES, MANY } sink;
 
 /* Rows of values and velocities; base: what is added. */
 typedef struct target {
@@ -26,10 +28,10 @@ typedef struct target {
 } target;
 
 LANE_INLINE target rows_of(const lanes_signal *s) {
-  return (target){s->room[0], s->room[1], LANE_WIDTH, LANE(splat)(0.0)};
+  return (target){s->rows[0], s->rows[1], LANE_WIDTH, LANE(splat)(0.0)};
 }
 
-LANE_INLINE target place_of(const lanes_place *p) {
+LANE_INLINE target pose_of(const lanes_pose *p) {
   return (target){p->value, p->velocity, p->stride, LANE(load)(p->base)};
 }
 
@@ -38,7 +40,7 @@ LANE_INLINE void put_rows(const target *t, size_t k, LANE(real) u, LANE(real) v)
   LANE(store)(t->velocity + k * t->stride, v);
 }
 
-LANE_INLINE void put_place(const target *t, size_t k, LANE(real) u, LANE(real) v) {
+LANE_INLINE void put_pose(const target *t, size_t k, LANE(real) u, LANE(real) v) {
   put_rows(t, k, u + t->base, v);
 }
 
@@ -48,18 +50,18 @@ typedef struct targets {
 
 LANE_INLINE targets targets_of(const lanes_signal *s, sink to) {
   targets t;
-  t.first = to == OWN_ROWS || to == MANY ? rows_of(s) : place_of(s->places[0]);
-  t.second = to == TWO_PLACES ? place_of(s->places[1]) : t.first;
+  t.first = to == OWN_ROWS || to == MANY ? rows_of(s) : pose_of(s->alone[0]);
+  t.second = to == TWO_POSES ? pose_of(s->alone[1]) : t.first;
   return t;
 }
 
 LANE_INLINE void put(const lanes_signal *s, sink to, const targets *t, size_t k, LANE(real) u, LANE(real) v) {
-  if (to == ONE_PLACE || to == TWO_PLACES) put_place(&t->first, k, u, v);
-  if (to == TWO_PLACES) put_place(&t->second, k, u, v);
-  if (to == OWN_ROWS || (to == MANY && s->elsewhere)) put_rows(&t->first, k, u, v);
-  for (size_t n = 0; to == MANY && n < s->n_places; n++) {
-    target place = place_of(s->places[n]);
-    put_place(&place, k, u, v);
+  if (to == ONE_POSE || to == TWO_POSES) put_pose(&t->first, k, u, v);
+  if (to == TWO_POSES) put_pose(&t->second, k, u, v);
+  if (to == OWN_ROWS || (to == MANY && s->shared)) put_rows(&t->first, k, u, v);
+  for (size_t n = 0; to == MANY && n < s->n_alone; n++) {
+    target pose = pose_of(s->alone[n]);
+    put_pose(&pose, k, u, v);
   }
 }
 
@@ -78,34 +80,35 @@ LANE_INLINE void set_anchor(lanes_signal *s, int64_t from, bool angles) {
   LANE(store)(s->anchor_cosine, cosine);
 }
 
-LANE_INLINE void harmonic(lanes_signal *s, sink to, int64_t local, int64_t n) {
+LANE_INLINE void rotated(lanes_signal *s, sink to, int64_t local, int64_t n) {
   const targets where = targets_of(s, to);
-  LANE(real) scale_u = LANE(load)(s->scale_u), scale_v = LANE(load)(s->scale_v);
+  LANE(real) scale_u = LANE(load)(s->shape[0]), scale_v = LANE(load)(s->shape[1]);
   for (int64_t at = local, end = local + n; at < end;) {
     set_anchor(s, at & ~(int64_t)(WAVE_STEPS - 1), true);
     size_t coarse = WAVE_FINE + (size_t)(at % WAVE_STEPS) / WAVE_FINE;
     LANE(real) sine = LANE(load)(s->anchor_sine), cosine = LANE(load)(s->anchor_cosine);
-    LANE(turn_on)(&sine, &cosine, LANE(load)(s->sine[coarse]), LANE(load)(s->cosine[coarse]));
-    LANE(arm) arm = LANE(arm_of)(sine, cosine, scale_u, scale_v);
+    LANE(rotate)(&sine, &cosine, LANE(load)(s->sine[coarse]), LANE(load)(s->cosine[coarse]));
+    LANE(phasor) p = LANE(phasor_of)(sine, cosine, scale_u, scale_v);
     for (int64_t next = (at | (WAVE_FINE - 1)) + 1; at < next && at < end; at++) {
       LANE(real) u, v;
       size_t fine = (size_t)(at % WAVE_FINE);
-      LANE(arm_at)(&arm, LANE(load)(s->sine[fine]), LANE(load)(s->cosine[fine]), &u, &v);
+      LANE(phasor_at)(&p, LANE(load)(s->sine[fine]), LANE(load)(s->cosine[fine]), &u, &v);
       put(s, to, &where, (size_t)(at - local), u, v);
     }
   }
 }
 
-LANE_INLINE void parabolic(lanes_signal *s, sink to, int64_t local, int64_t n) {
+LANE_INLINE void phased(lanes_signal *s, sd_motion_kind form, sink to, int64_t local, int64_t n) {
   const targets where = targets_of(s, to);
-  LANE(real) a = LANE(load)(s->scale_u), b = LANE(load)(s->scale_v), rate = LANE(load)(s->rate);
+  LANE(real) rate = LANE(load)(s->rate), shape[WAVE_SHAPE];
+  for (int k = 0; k < WAVE_SHAPE; k++) shape[k] = LANE(load)(s->shape[k]);
   for (int64_t at = local, end = local + n; at < end;) {
     int64_t from = at & ~(int64_t)(WAVE_STEPS - 1);
     set_anchor(s, from, false);
     LANE(real) turns = LANE(load)(s->turns);
     for (; at < from + WAVE_STEPS && at < end; at++) {
       LANE(real) u, v;
-      LANE(parabola)(turns + LANE(splat)((double)(at - from)) * rate, a, b, &u, &v);
+      LANE(wave_at)(form, turns + LANE(splat)((double)(at - from)) * rate, shape, &u, &v);
       put(s, to, &where, (size_t)(at - local), u, v);
     }
   }
@@ -136,7 +139,7 @@ static void steady(const lanes_signal *s, int64_t local, int64_t n) {
   for (int64_t k = 0; k < n; k++) {
     LANE(real) at = LANE(splat)((double)(local + k)), u = c * at;
     put_rows(&rows, (size_t)k, u, v);
-    LANE(store)(s->room[2] + k * LANE_WIDTH, LANE(product_rest)(c, at, u));
+    LANE(store)(s->rows[2] + k * LANE_WIDTH, LANE(product_rest)(c, at, u));
   }
 }
 
@@ -151,8 +154,8 @@ static void draws(const lanes_signal *s, int64_t local, int64_t n) {
 static void fade_in(lanes_signal *s, int64_t local, int64_t n) {
   LANE(real) dt = LANE(load)(s->dt), ramp = LANE(load)(s->ramp);
   for (int64_t k = 0; k < n; k++) {
-    double *at_u = s->room[0] + k * LANE_WIDTH, *at_v = s->room[1] + k * LANE_WIDTH,
-           *at_low = s->room[2] + k * LANE_WIDTH;
+    double *at_u = s->rows[0] + k * LANE_WIDTH, *at_v = s->rows[1] + k * LANE_WIDTH,
+           *at_low = s->rows[2] + k * LANE_WIDTH;
     LANE(real) u = LANE(load)(at_u), v = LANE(load)(at_v);
     LANE(real) r = LANE(fade)(LANE(splat)((double)(local + k)) * dt, ramp, &u, &v);
     LANE(store)(at_u, u);
@@ -166,51 +169,77 @@ LANE_INLINE int fades(const lanes_signal *s, int64_t local) {
   return s->ramped && LANE(any)(LANE(greater)(LANE(load)(s->ramp), t));
 }
 
+LANE_INLINE void any_wave(lanes_signal *s, sink to, int64_t local, int64_t n) {
+#define ROTATED(kind, ...)                                                                                   \
+  case kind:                                                                                                 \
+    rotated(s, to, local, n);                                                                                \
+    return;
+#define PHASED(kind, ...)                                                                                    \
+  case kind: phased(s, kind, to, local, n); return;
+  switch (s->form) {
+    ROTATED_WAVES(ROTATED)
+    PHASED_WAVES(PHASED)
+    default: assert(!"a wave");
+  }
+}
+
 LANE_INLINE void wave_or_cubics(lanes_signal *s, sink to, int64_t local, int64_t n) {
-  if (s->kind == SD_MOTION_HARMONIC)
-    harmonic(s, to, local, n);
-  else if (s->kind == SD_MOTION_PARABOLIC)
-    parabolic(s, to, local, n);
+  if (s->source == SIGNAL_WAVE)
+    any_wave(s, to, local, n);
   else
     cubics(s, to, local, n);
 }
 
-static void compute(lanes_signal *s, int64_t local, int64_t n) {
-  if (!s->placed)
+static void wave_or_cubics_to(lanes_signal *s, int64_t local, int64_t n) {
+  if (!s->posed)
     wave_or_cubics(s, OWN_ROWS, local, n);
-  else if (s->n_places == 1 && !s->elsewhere)
-    wave_or_cubics(s, ONE_PLACE, local, n);
-  else if (s->n_places == 2 && !s->elsewhere)
-    wave_or_cubics(s, TWO_PLACES, local, n);
+  else if (s->n_alone == 1 && !s->shared)
+    wave_or_cubics(s, ONE_POSE, local, n);
+  else if (s->n_alone == 2 && !s->shared)
+    wave_or_cubics(s, TWO_POSES, local, n);
   else
     wave_or_cubics(s, MANY, local, n);
 }
 
-void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n) {
-  int fading = fades(s, local);
-  bool draws_as_they_are = s->kind == SD_MOTION_RANDOM && s->interval == 1;
-  s->u = s->room[0];
-  s->v = s->room[1];
-  s->low = NULL;
-  s->stride = LANE_WIDTH;
-  s->placed = !fading && !draws_as_they_are && s->kind != SD_MOTION_VELOCITY && s->n_places > 0;
-  if (s->kind == SD_MOTION_VELOCITY) {
-    steady(s, local, (int64_t)n);
-    s->low = s->room[2];
-  } else if (!draws_as_they_are) {
-    compute(s, local, (int64_t)n);
+/* Draws at every step stay where they are, unless they are faded. */
+static void draws_or_cubics(lanes_signal *s, bool fading, int64_t local, int64_t n) {
+  if (s->interval > 1) {
+    s->posed = !fading && s->n_alone > 0;
+    wave_or_cubics_to(s, local, n);
   } else if (fading) {
-    draws(s, local, (int64_t)n);
-  } else { /* where they are */
+    draws(s, local, n);
+  } else {
     s->u = s->draws->u[local - s->draws->base[0]];
     s->v = s->draws->v[local - s->draws->base[0]];
     s->stride = OSCILLATORS;
   }
+}
+
+void KERNEL(kernel_lanes_signal)(lanes_signal *s, int64_t local, size_t n) {
+  bool fading = fades(s, local);
+  s->u = s->rows[0];
+  s->v = s->rows[1];
+  s->low = NULL;
+  s->stride = LANE_WIDTH;
+  s->posed = false;
+  switch (s->source) {
+    case SIGNAL_STEADY:
+      steady(s, local, (int64_t)n);
+      s->low = s->rows[2];
+      break;
+    case SIGNAL_WAVE:
+      s->posed = !fading && s->n_alone > 0;
+      wave_or_cubics_to(s, local, (int64_t)n);
+      break;
+    case SIGNAL_RANDOM: draws_or_cubics(s, fading, local, (int64_t)n); break;
+    case SIGNAL_TABLE:
+    case SIGNAL_FEEDBACK: assert(!"filled system by system, or not in lanes");
+  }
   if (fading) fade_in(s, local, (int64_t)n);
 }
 
-/* As kernel place sums them. */
-LANE_INLINE void place_sum(const lanes_place *p, size_t n) {
+/* As kernel `sum` does for one system. */
+LANE_INLINE void sum_signals(const lanes_pose *p, size_t n) {
   LANE(real) off = LANE(load)(p->off), base = LANE(load)(p->base);
   const lanes_signal *s = p->signals[0];
   for (size_t k = 0; k < n; k++) {
@@ -227,19 +256,19 @@ LANE_INLINE void place_sum(const lanes_place *p, size_t n) {
   }
 }
 
-void KERNEL(kernel_lanes_place)(const lanes_place *p, size_t n) {
+void KERNEL(kernel_lanes_sum)(const lanes_pose *p, size_t n) {
   const lanes_signal *s = p->signals[0];
   if (p->n_signals > 1 || p->turned || s->low) {
-    place_sum(p, n);
+    sum_signals(p, n);
     return;
   }
-  const target to = place_of(p);
+  const target to = pose_of(p);
   const double *u = s->u, *v = s->v;
   const size_t stride = s->stride;
-  for (size_t k = 0; k < n; k++) put_place(&to, k, LANE(load)(u + k * stride), LANE(load)(v + k * stride));
+  for (size_t k = 0; k < n; k++) put_pose(&to, k, LANE(load)(u + k * stride), LANE(load)(v + k * stride));
 }
 
-bool KERNEL(kernel_lanes_beyond)(const lanes_place *p, size_t n, double limit) {
+bool KERNEL(kernel_lanes_beyond)(const lanes_pose *p, size_t n, double limit) {
   LANE(mask) beyond = LANE(all_lanes)(0);
   for (size_t k = 0; k < n; k++) {
     LANE(bits) size = LANE(as_bits)(LANE(load)(p->value + k * p->stride)) & 0x7fffffffffffffffu;

@@ -1,0 +1,56 @@
+/* motion_kinds.h: the kinds of motion: one row each, from which deck, checks, signals and documentation follow.
+ *
+ * ROW(number, name in the deck, source, amplitude, check, keys in the deck, meaning): the source says how values come
+ * about; keys as in deck_keys.h. Rows of periodic waves stand in waveforms.h.
+ */
+#ifndef MODEL_MOTION_KINDS_H
+#define MODEL_MOTION_KINDS_H
+
+#include <stdbool.h>
+
+#include "model/waveforms.h"
+#include "slipdisk/status.h"
+
+#define MOTION_KINDS(ROW)                                                                                    \
+  ROW(SD_MOTION_VELOCITY, velocity, SIGNAL_STEADY, NULL, NULL, "velocity* ramp", "u = v t")                  \
+  WAVEFORMS(ROW)                                                                                             \
+  ROW(SD_MOTION_RANDOM, random, SIGNAL_RANDOM, harmonic_amplitude, check_random,                             \
+      "amplitude/acceleration* frequency/omega* damping interval independent ramp",                          \
+      "u'' + 2 c w u' + w^2 u = white noise, of rms displacement A (eq. 52)")                                \
+  ROW(SD_MOTION_TABLE, table, SIGNAL_TABLE, NULL, check_table,                                               \
+      "file/times* columns values factor periodic ramp", "natural cubic spline through a table")             \
+  ROW(SD_MOTION_LOAD, load, SIGNAL_FEEDBACK, NULL, NULL, "mass* force",                                      \
+      "wall, x or y: moves freely along the coordinate, under its weight, a force and the disks")            \
+  ROW(SD_MOTION_SERVO, servo, SIGNAL_FEEDBACK, NULL, NULL, "force/pressure* speed* length",                  \
+      "wall, x or y: moves so that it exerts a given force on the disks")
+
+typedef enum signal_source {
+  SIGNAL_STEADY,
+  SIGNAL_WAVE,
+  SIGNAL_RANDOM,
+  SIGNAL_TABLE,
+  SIGNAL_FEEDBACK /* from the forces of the disks, step by step: never ahead, and not in lanes */
+} signal_source;
+
+typedef struct motion_kind {
+  const char *name;
+  signal_source source;
+  /* A for the largest acceleration a omega^2; NULL: it has none */
+  double (*amplitude)(const sd_motion *motion, double a);
+  /* what sd_model_finish refuses; NULL: nothing of its own. Feedback: loads.h */
+  void (*check)(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
+} motion_kind;
+
+extern const motion_kind motion_kinds[SD_MOTION_KINDS];
+
+static inline signal_source motion_source(const sd_motion *q) { return motion_kinds[q->kind].source; }
+static inline bool motion_is_wave(const sd_motion *q) { return motion_source(q) == SIGNAL_WAVE; }
+static inline bool motion_is_feedback(const sd_motion *q) { return motion_source(q) == SIGNAL_FEEDBACK; }
+
+/* Time after which it repeats, 0: never. */
+double motion_period(const sd_motion *motion);
+/* Amplitude of a wave, rms displacement of a random motion; infinite where neither is known. */
+double motion_reach(const sd_motion *motion);
+void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
+
+#endif
