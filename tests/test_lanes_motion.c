@@ -14,7 +14,7 @@
 
 enum { MOST = 8, FIRST = 1, BODIES = 3 /* a free disk in slot 0, two driven ones and a wall */ };
 
-/* A motion's text; @A, @W, @P, @R and @V are an amplitude, frequency, phase, ramp and velocity of this lane. */
+/* A motion's text; @A, @W, @P, @R, @S and @V are an amplitude, frequency, phase, ramp, rise and velocity of this lane. */
 static void add_motion(text *t, const char *motion, double x) {
   for (const char *c = motion; *c; c++) {
     if (*c != '@') {
@@ -26,6 +26,7 @@ static void add_motion(text *t, const char *motion, double x) {
              *c == 'A'   ? 0.01 * x
              : *c == 'W' ? 300 + 17.3 * x
              : *c == 'P' ? 0.4 * x
+             : *c == 'S' ? 0.1 + 0.1 * x
              : *c == 'R' ? (x == 3 ? 0 : 0.002 + 0.0007 * x)
                          : 0.1 + 0.13 * x);
   }
@@ -239,6 +240,10 @@ static void waves(void **unused) {
   "amplitude = @A; omega = @W; phase = @P;"
   RUN(WAVE("theta", "harmonic"));
   RUN(WAVE("theta", "parabolic"));
+  RUN(WAVE("theta", "triangle"));
+  RUN(WAVE("theta", "square") " rise = @S;");
+  RUN(WAVE("y", "triangle") " ramp = @R;", WAVE("x", "square") " rise = @S; ramp = @R;",
+      WAVE("x", "triangle"));
   RUN(WAVE("y", "harmonic") " ramp = @R;", WAVE("x", "parabolic") " ramp = @R;");
 }
 

@@ -72,6 +72,8 @@ typedef enum sd_motion_kind {
   SD_MOTION_TABLE,     /* natural cubic spline through a table */
   SD_MOTION_LOAD,      /* a wall, x or y: free along the coordinate, of mass `mass`, under `force` */
   SD_MOTION_SERVO,     /* a wall, x or y: moves at most at `velocity` until the disks feel `force` from it */
+  SD_MOTION_SQUARE,    /* rests at -A and A in turn; changes sides in `rise` pi/w */
+  SD_MOTION_TRIANGLE,  /* to and fro between -A and A at constant speed */
   SD_MOTION_KINDS
 } sd_motion_kind;
 
@@ -83,9 +85,10 @@ typedef struct sd_motion {
   int coordinate; /* SD_X, SD_Y, SD_THETA */
   size_t n_bodies;
   uint32_t *bodies;   /* body numbers */
-  double amplitude;   /* harmonic, parabolic: A; random: rms displacement; table: factor */
+  double amplitude;   /* waves: A; random: rms displacement; table: factor */
   double omega;       /* rad/time: w */
   double phase;       /* rad: phi */
+  double rise;        /* square: 0 < rise <= 1 */
   double velocity;    /* constant velocity: v; servo: largest speed */
   double mass;        /* load: of the wall, > 0 */
   double force;       /* load: on the wall, its weight included; servo: on the disks; along the coordinate */

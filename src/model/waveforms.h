@@ -20,11 +20,19 @@
 #define PHASED_WAVES(ROW)                                                                                    \
   ROW(SD_MOTION_PARABOLIC, parabolic, SIGNAL_WAVE, parabolic_amplitude, NULL,                                \
       "amplitude/acceleration* frequency/omega* phase ramp",                                                 \
-      "the same, each half wave replaced by a parabola (eq. 21)")
+      "the same, each half wave replaced by a parabola (eq. 21)")                                            \
+  ROW(SD_MOTION_TRIANGLE, triangle, SIGNAL_WAVE, NULL, NULL, "amplitude* frequency/omega* phase ramp",       \
+      "the same, each quarter a straight line: constant speed between -A and A")                             \
+  ROW(SD_MOTION_SQUARE, square, SIGNAL_WAVE, square_amplitude, check_square,                                 \
+      "amplitude/acceleration* frequency/omega* rise* phase ramp",                                           \
+      "rests at -A and A in turn, with smooth changes of sides")
 #define WAVEFORMS(ROW) ROTATED_WAVES(ROW) PHASED_WAVES(ROW)
 
 /* Keys of the deck that set a member of sd_motion: member and key, kind, range, unit, default, meaning. */
-#define WAVE_KEYS(KEY) KEY(phase, DECK_KEY_ANGLE, DECK_ANY, "rad", "0.0", "phase phi in sin(w t + phi)")
+#define WAVE_KEYS(KEY)                                                                                       \
+  KEY(phase, DECK_KEY_ANGLE, DECK_ANY, "rad", "0.0", "phase phi in sin(w t + phi)")                          \
+  KEY(rise, DECK_KEY_NUMBER, DECK_UP_TO_1, "-", "-",                                                         \
+      "square: share of half a period that a change of sides takes")
 
 /* A for the largest acceleration a w^2; the numbers that the text below wants. */
 enum { WAVE_SHAPE = 3 };
@@ -44,6 +52,34 @@ static inline void parabolic_shape(const sd_motion *q, double shape[WAVE_SHAPE])
   shape[1] = 4.0 * q->amplitude * (q->omega / M_PI);
 }
 
+/* Constant speed 4 A per period; the acceleration is infinite where it turns. */
+static inline void triangle_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
+  shape[0] = 4.0 * q->amplitude;
+  shape[1] = 2.0 * q->amplitude * (q->omega / M_PI);
+}
+
+/* A change of sides: u = A (15 q - 10 q^3 + 3 q^5)/8, q from -1 to 1 in the time rise pi/w, so that velocity and
+ * acceleration are continuous. u' is 15/8 A q' at most, u'' 5/sqrt(3) A q'^2, q' = 2 w/(pi rise). */
+static inline double square_amplitude(const sd_motion *q, double a) {
+  double per_rate = 0.5 * M_PI * q->rise;
+  return a * per_rate * per_rate * sqrt(3.0) / 5.0;
+}
+static inline void square_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
+  shape[0] = q->amplitude;
+  shape[1] = 1.875 * q->amplitude * (2.0 * q->omega / (M_PI * q->rise));
+  shape[2] = 4.0 / q->rise; /* dq over turns */
+}
+static inline void check_square(const sd_motion *q, double dt, const char *name, sd_messages *messages) {
+  const double least = 8.0; /* steps in which a change of sides is resolved */
+  double steps = q->rise * M_PI / (fabs(q->omega) * dt);
+  if (!(q->rise > 0.0 && q->rise <= 1.0))
+    sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: expected a number > 0, at most 1", name,
+            q->rise);
+  else if (steps < least)
+    sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: it takes %.3g steps, expected %g or more",
+            name, q->rise, steps, least);
+}
+
 #endif
 
 /* --- value and velocity after t turns, over lanes -------------------------------------------------------- */
@@ -57,6 +93,42 @@ LANE_INLINE void LANE(parabolic)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE
   LANE(real) size = LANE(as_real)(LANE(as_bits)(w) & 0x7fffffffffffffffu);
   *u = w * (a - (2.0 * a) * size);
   *v = b - (4.0 * b) * size;
+}
+
+/* Rising or falling part of a period after t turns: distance x in [0, 1/4] from its middle, the side on which it is
+ * (sign bit), and whether it rises. */
+typedef struct LANE(flank) {
+  LANE(real) x;
+  LANE(bits) side;
+  LANE(mask) rises;
+} LANE(flank);
+
+LANE_INLINE LANE(flank) LANE(flank_at)(LANE(real) t) {
+  LANE(real) w = t - LANE(nearest)(t);
+  LANE(real) size = LANE(as_real)(LANE(as_bits)(w) & 0x7fffffffffffffffu), rest = 0.5 - size;
+  LANE(flank)
+  f = {LANE(least)(size, rest), LANE(as_bits)(w) & 0x8000000000000000u, LANE(greater)(rest, size)};
+  return f;
+}
+
+LANE_INLINE LANE(real) LANE(signed_as)(LANE(bits) side, LANE(real) a) {
+  return LANE(as_real)(LANE(as_bits)(a) ^ side);
+}
+
+LANE_INLINE void LANE(triangle)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], LANE(real) * u,
+                                LANE(real) * v) {
+  LANE(flank) f = LANE(flank_at)(t);
+  *u = LANE(signed_as)(f.side, f.x * shape[0]);
+  *v = LANE(select)(f.rises, shape[1], -shape[1]);
+}
+
+LANE_INLINE void LANE(square)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], LANE(real) * u,
+                              LANE(real) * v) {
+  LANE(flank) f = LANE(flank_at)(t);
+  LANE(real) q = LANE(least)(f.x * shape[2], LANE(splat)(1.0)), q2 = q * q, rest = 1.0 - q2;
+  LANE(real) speed = shape[1] * (rest * rest);
+  *u = LANE(signed_as)(f.side, shape[0] * (q * (15.0 + q2 * (3.0 * q2 - 10.0)) * 0.125));
+  *v = LANE(select)(f.rises, speed, -speed);
 }
 
 /* Of any phased form. */
