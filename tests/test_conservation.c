@@ -36,7 +36,7 @@ static void closed_ratchet_loop(void **unused) {
       for (int sense = -1; sense <= 1; sense += 2) {
         const double dt = 1e-4, omega = 2 * M_PI / (LOOP_STEPS * dt);
         sd_model *m = system_new((sd_integrator)integrator, (sd_variant)variant, dt,
-                                 (sd_contact_law){1e4, loop_k_t, 0, 1e9});
+                                 (sd_contact_law){.k_n = 1e4, .k_t = loop_k_t, .gamma_n = 0, .mu = 1e9});
         system_disk(m, 0, 0, 1, 1);
         system_disk(m, 1.99, 0, 1, 1);
         m->disks[0].inertia = 1e250;
@@ -102,7 +102,8 @@ typedef struct drift {
  * before they part. */
 static drift free_pair(sd_integrator integrator, sd_variant variant, double dt) {
   const double k_t = 2e3;
-  sd_model *m = system_new(integrator, variant, dt, (sd_contact_law){1e3, k_t, 0, 1e9});
+  sd_model *m =
+      system_new(integrator, variant, dt, (sd_contact_law){.k_n = 1e3, .k_t = k_t, .gamma_n = 0, .mu = 1e9});
   system_disk(m, 0.3, 0.1, 1, 1);
   system_disk(m, 0.3 + 2.2 * cos(3.0), 0.1 + 2.2 * sin(3.0), 1.2, 1.7);
   system_velocity(m, 0, -0.5, 0.4, 0.8);

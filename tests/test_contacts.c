@@ -64,8 +64,8 @@ static void pair_revolves_in_a_drum(void **unused) {
   for (int integrator = 0; integrator < 2; integrator++)
     for (int sense = -1; sense <= 1; sense += 2) {
       const double k_n = 1e4, radius = 0.3, hollow = 1, speed = 2;
-      sd_model *m =
-          system_new((sd_integrator)integrator, SD_CONSERVATIVE, 1e-4, (sd_contact_law){k_n, 3e3, 10, 1e9});
+      sd_model *m = system_new((sd_integrator)integrator, SD_CONSERVATIVE, 1e-4,
+                               (sd_contact_law){.k_n = k_n, .k_t = 3e3, .gamma_n = 10, .mu = 1e9});
       double way = hollow - radius, press = speed * speed / way / k_n;
       system_disk(m, way + press, 0, radius, 1);
       /* not quite rolling: the skin rings */
@@ -86,7 +86,7 @@ static void pair_revolves_ten_turns_stuck(void **unused) {
     for (int variant = 0; variant < 2; variant++) {
       const double r = 0.4, q = 0.7, overlap = 1e-3, turn = 2 * M_PI, way = r + q - overlap, phase = 2.9;
       sd_model *m = system_new((sd_integrator)integrator, (sd_variant)variant, 1e-4,
-                               (sd_contact_law){1e4, 2e3, 0, 1e9});
+                               (sd_contact_law){.k_n = 1e4, .k_t = 2e3, .gamma_n = 0, .mu = 1e9});
       system_disk(m, 0.2, -0.1, r, 1);
       system_disk(m, 0.2, -0.1, q, 1);
       m->disks[1].driven = true;
@@ -125,7 +125,8 @@ static void ten_thousand_radians_against_a_support(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     const double rate = 2000, dt = 1e-5;
-    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt, (sd_contact_law){1e3, 1e6, 10, 1e9});
+    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt,
+                             (sd_contact_law){.k_n = 1e3, .k_t = 1e6, .gamma_n = 10, .mu = 1e9});
     system_disk(m, 0, 1.999, 1, 0.1);
     system_disk(m, 0, 0, 1, 0.1);
     m->disks[0].locked[SD_X] = m->disks[0].locked[SD_Y] = m->disks[1].driven = true;
@@ -149,7 +150,8 @@ static void new_contact_starts_without_stretch(void **unused) {
   for (int integrator = 0; integrator < 2; integrator++)
     for (int round = 0; round < 2; round++) {
       const double radius = 0.5, dt = 1e-4, spin = 3;
-      sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt, (sd_contact_law){1e4, 1e3, 0, 1e9});
+      sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt,
+                               (sd_contact_law){.k_n = 1e4, .k_t = 1e3, .gamma_n = 0, .mu = 1e9});
       system_disk(m, 0, radius + 0.001, radius, 1);
       m->disks[0].inertia = 1e250;
       system_velocity(m, 0, 0, 0, spin);
@@ -187,7 +189,8 @@ static void skin_is_free_where_nothing_presses(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     const double radius = 0.5, dt = 1e-4, spin = 0.3, k_n = 1e4, gamma = 2000;
-    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt, (sd_contact_law){k_n, 1e3, gamma, 1e9});
+    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt,
+                             (sd_contact_law){.k_n = k_n, .k_t = 1e3, .gamma_n = gamma, .mu = 1e9});
     system_disk(m, 0, radius - 0.01, radius, 1);
     m->disks[0].inertia = 1e250;
     system_velocity(m, 0, 0, 0, spin);
@@ -229,8 +232,10 @@ static void pairs_of_materials_have_their_own_constants(void **unused) {
   for (int a = 0; a < M; a++)
     for (int b = 0; b < M; b++) {
       int low = a < b ? a : b, high = a < b ? b : a, k = 3 * low + high;
-      laws[M * a + b] =
-          (sd_contact_law){1e4 * (1 + k), 1e6 * (1 + 0.37 * k), 15 * (1 + 0.2 * k), 0.02 * (1 + k)};
+      laws[M * a + b] = (sd_contact_law){.k_n = 1e4 * (1 + k),
+                                         .k_t = 1e6 * (1 + 0.37 * k),
+                                         .gamma_n = 15 * (1 + 0.2 * k),
+                                         .mu = 0.02 * (1 + k)};
     }
   for (int kind = 0; kind < 3; kind++) { /* fixed disks, lines, circles */
     const double speed = 0.1, slide = -0.15, dt = 2e-7;

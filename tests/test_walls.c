@@ -151,7 +151,8 @@ static void follow(follower *f, const round_trip *trip, const system_body *disk,
 /* Leads a disk that does not turn around the wall; mu so large that it never slides. */
 static void go_round(const round_trip *trip, sd_integrator integrator, const char *what) {
   const double radius = 0.5, overlap = 0.004, dt = 1e-4;
-  sd_model *m = system_new(integrator, SD_PAPER, dt, (sd_contact_law){1e4, trip->k_t, 0, 1e12});
+  sd_model *m = system_new(integrator, SD_PAPER, dt,
+                           (sd_contact_law){.k_n = 1e4, .k_t = trip->k_t, .gamma_n = 0, .mu = 1e12});
   system_disk(m, 0, 0, radius, 1);
   m->disks[0].inertia = 1e250;
   lead(m, trip, radius - overlap);
@@ -260,7 +261,8 @@ static void groove_has_two_contacts(void **unused) {
   for (int way = 0; way < 2; way++)
     for (double a = 0.3; a < 1.5; a += 0.35) {
       double b = 0.9 - 0.3 * a, weight = 9.81, k_n = 1e4;
-      sd_model *m = system_new(way ? SD_VERLET : SD_GEAR5, SD_PAPER, 1e-4, (sd_contact_law){k_n, 0, 60, 0});
+      sd_model *m = system_new(way ? SD_VERLET : SD_GEAR5, SD_PAPER, 1e-4,
+                               (sd_contact_law){.k_n = k_n, .k_t = 0, .gamma_n = 60, .mu = 0});
       m->gravity[1] = -weight;
       /* touches both sides when its centre is on the bisector */
       double half = 0.5 * (M_PI - a - b), up = 0.5 / sin(half), lean = b + half - M_PI / 2;
@@ -286,7 +288,8 @@ static void groove_has_two_contacts(void **unused) {
 
 /* --- joints that do not bend -------------------------------------------------------------------------- */
 
-static const sd_contact_law joint_laws[] = {{1e4, 0, 0, 0}, {1e4, 7e3, 0, 0.3}, {1e4, 7e3, 30, 0.3}};
+static const sd_contact_law joint_laws[] = {
+    {.k_n = 1e4}, {.k_n = 1e4, .k_t = 7e3, .mu = 0.3}, {.k_n = 1e4, .k_t = 7e3, .gamma_n = 30, .mu = 0.3}};
 
 /* A disk on a straight wall with joints at -1, 0 and 1, or without; on its upper or on its lower side. */
 static sd_simulation *on_jointed_wall(sd_integrator integrator, sd_contact_law law, bool jointed, double side,
@@ -359,7 +362,8 @@ typedef struct slide_case {
  * for x0/u0 with x0 = mu m g/k_t, half of the impulse is missing: the time grows by half of that. */
 static void slide_then_roll(const slide_case *c) {
   const double g = 9.81, mu = 0.3, k_n = 1e5, k_t = 1e6, mass = 2, radius = 0.5;
-  sd_model *m = system_new(c->integrator, SD_PAPER, c->dt, (sd_contact_law){k_n, k_t, 200, mu});
+  sd_model *m = system_new(c->integrator, SD_PAPER, c->dt,
+                           (sd_contact_law){.k_n = k_n, .k_t = k_t, .gamma_n = 200, .mu = mu});
   double tx = cos(c->angle), ty = sin(c->angle), up = c->back ? -1 : 1;
   double nx = -ty * up, ny = tx * up; /* from the wall to the disk */
   m->gravity[0] = -g * nx;
@@ -430,8 +434,8 @@ static void disk_goes_down_a_slope(void **unused) {
   const double g = 9.81, mu = 0.2, k_n = 1e5, k_t = 1e6, mass = 1, radius = 0.5, dt = 2e-5, time = 0.5;
   for (int integrator = 0; integrator < 2; integrator++)
     for (double a = 0.1; a < 0.9; a += 0.2) {
-      sd_model *m =
-          system_new((sd_integrator)integrator, SD_CONSERVATIVE, dt, (sd_contact_law){k_n, k_t, 100, mu});
+      sd_model *m = system_new((sd_integrator)integrator, SD_CONSERVATIVE, dt,
+                               (sd_contact_law){.k_n = k_n, .k_t = k_t, .gamma_n = 100, .mu = mu});
       m->gravity[0] = -g * sin(a);
       m->gravity[1] = -g * cos(a);
       system_disk(m, 0, radius - mass * g * cos(a) / k_n, radius, mass);
@@ -459,7 +463,8 @@ static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
   for (int variant = 0; variant < 2; variant++)
     for (int sense = -1; sense <= 1; sense += 2) {
       const double g = 9.81, mu = 0.4, k_n = 1e5, dt = 4e-5, hollow = 2, radius = 0.25;
-      sd_model *m = system_new(SD_GEAR5, (sd_variant)variant, dt, (sd_contact_law){k_n, 0.5 * k_n, 300, mu});
+      sd_model *m = system_new(SD_GEAR5, (sd_variant)variant, dt,
+                               (sd_contact_law){.k_n = k_n, .k_t = 0.5 * k_n, .gamma_n = 300, .mu = mu});
       m->gravity[1] = -g;
       system_disk(m, 0, -(hollow - radius) - g / k_n, radius, 1);
       m->disks[0].locked[SD_THETA] = true;
@@ -484,7 +489,8 @@ static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
 static void disk_rolls_in_a_turning_drum(void **unused) {
   (void)unused;
   const double g = 9.81, k_n = 1e5, dt = 2e-5, hollow = 2, radius = 0.25, turn = 0.8;
-  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, dt, (sd_contact_law){k_n, 0.5 * k_n, 300, 0.5});
+  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, dt,
+                           (sd_contact_law){.k_n = k_n, .k_t = 0.5 * k_n, .gamma_n = 300, .mu = 0.5});
   m->gravity[1] = -g;
   system_disk(m, 0, -(hollow - radius) - g / k_n, radius, 1);
   system_velocity(m, 0, 0, 0, turn * hollow / radius);

@@ -23,11 +23,16 @@ typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
 typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
 
 /* Constants of the contact law for one pair of materials (eq. 2, tau, 36). */
+/* F_el of the overlap; model/normal_laws.h. */
+typedef enum sd_normal_law { SD_NORMAL_LINEAR, SD_NORMAL_HERTZ, SD_NORMAL_LAWS } sd_normal_law;
+
 typedef struct sd_contact_law {
-  double k_n;     /* normal stiffness, force/length, > 0 */
-  double k_t;     /* skin stiffness, force/length, >= 0 */
+  double k_n;     /* normal stiffness > 0, force/length; Hertz: force/length^(3/2) */
+  double k_t;     /* tangential stiffness, force/length, >= 0 */
   double gamma_n; /* normal viscosity, force time/length, >= 0 */
   double mu;      /* Amonton's coefficient, >= 0 */
+  sd_normal_law normal;
+  double restitution; /* Hertz: damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
 } sd_contact_law;
 
 typedef struct sd_material {

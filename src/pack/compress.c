@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/normal_laws.h"
 #include "pack/rain.h"
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
@@ -48,7 +49,7 @@ static virial virial_of(const engine *e) {
     bool disk = (size_t)p->b[k] < s->n_disks;
     double r = s->radius[p->a[k]] + (disk ? s->radius[p->b[k]] : 0.0) - PAIR(p, k, overlap);
     force += PAIR(p, k, force) * r;
-    stiffness += e->work.laws[PAIR(p, k, law)].k_n * r * r;
+    stiffness += law_stiffness(&e->model->laws[PAIR(p, k, law)], PAIR(p, k, overlap)) * r * r;
   }
   return (virial){force / twice, (stiffness + 2.0 * force) / twice};
 }

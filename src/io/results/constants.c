@@ -36,6 +36,23 @@ static void put_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
+/* Where not all laws are linear. */
+static void put_normal_laws(h5_file *file, const sd_model *m) {
+  size_t n = m->n_materials, dims[3] = {n, n, 2};
+  bool linear = true;
+  for (size_t k = 0; k < n * n; k++) linear = linear && m->laws[k].normal == SD_NORMAL_LINEAR;
+  if (linear) return;
+  double(*laws)[2] = calloc(n * n + 1, sizeof *laws);
+  for (size_t k = 0; laws && k < n * n; k++) {
+    laws[k][0] = m->laws[k].normal;
+    laws[k][1] = m->laws[k].restitution;
+  }
+  if (h5_have(file, laws, MODEL "/normal_laws"))
+    put(file, MODEL "/normal_laws", SD_F64, 3, dims, laws, "1",
+        "normal law (0 linear, 1 Hertz) and coefficient of restitution of each pair of materials");
+  free(laws);
+}
+
 static void put_walls(h5_file *file, const sd_model *m) {
   size_t n = m->n_walls, dims[2] = {n, 2};
   double(*pivot)[2] = calloc(n + 1, sizeof *pivot);
@@ -87,6 +104,7 @@ void constants_write(h5_file *file, const sd_model *m) {
   put(file, MODEL "/region", SD_F64, 2, square, area, "length",
       "lower, upper corner at the start of what is called full; equal: there is none");
   put_laws(file, m);
+  put_normal_laws(file, m);
   if (m->n_walls > 0) put_walls(file, m);
   if (m->n_disks > 0) put_forces(file, m);
 }
@@ -138,6 +156,20 @@ static void read_space(reader *r, sd_model *m) {
   free(periodic);
 }
 
+static void read_normal_laws(reader *r, sd_model *m) {
+  if (!h5_exists(r->file, MODEL "/normal_laws")) return;
+  size_t n = m->n_materials;
+  double *laws = column(r, MODEL "/normal_laws", SD_F64, n * n * 2);
+  for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
+    if (!(laws[2 * k] >= 0.0 && laws[2 * k] < SD_NORMAL_LAWS))
+      r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
+    else
+      m->laws[k].normal = (sd_normal_law)laws[2 * k];
+    m->laws[k].restitution = laws[2 * k + 1];
+  }
+  free(laws);
+}
+
 static void read_laws(reader *r, sd_model *m) {
   size_t n = count(r, MODEL "/laws");
   if (n > LIMIT_MATERIALS)
@@ -149,7 +181,11 @@ static void read_laws(reader *r, sd_model *m) {
   if (laws && m->materials && m->laws) {
     m->n_materials = n;
     for (size_t k = 0; k < n * n; k++)
-      m->laws[k] = (sd_contact_law){laws[LAW * k], laws[LAW * k + 1], laws[LAW * k + 2], laws[LAW * k + 3]};
+      m->laws[k] = (sd_contact_law){.k_n = laws[LAW * k],
+                                    .k_t = laws[LAW * k + 1],
+                                    .gamma_n = laws[LAW * k + 2],
+                                    .mu = laws[LAW * k + 3]};
+    read_normal_laws(r, m);
   } else if (r->status == SD_OK) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the laws");
   }

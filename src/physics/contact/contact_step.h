@@ -14,6 +14,8 @@
  * History is committed in the one evaluation whose forces act: with velocity Verlet at the new positions, with Gear at the
  * predicted ones (PEC). The losses of a step are the trapezoid between the evaluation before and this one (physics.md 9).
  */
+#include "model/normal_laws.h"
+
 #ifndef CONTACT_STEP_COMMON
 #define CONTACT_STEP_COMMON
 #define CONTACT_REBASE 0.015625
@@ -93,7 +95,33 @@ LANE_INLINE LANE(pair_geometry) LANE(pair_geometry_of)(const LANE(pair_input) * 
 
 typedef struct LANE(contact_constants) {
   LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: frictionless */
+  LANE(real) normal, tsuji;                    /* law's number, alpha sqrt(m_eff k_n); where laws are mixed */
 } LANE(contact_constants);
+
+/* Elastic force, and the coefficient of damping, at overlap delta. Unless mixed, all contacts have the linear law. */
+LANE_INLINE LANE(real)
+    LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta, const int mixed) {
+  LANE(real) force = LANE(linear_elastic)(k->k_n, delta);
+#define LAW_CASE(number, word, keys, meaning)                                                                \
+  if (mixed && number != SD_NORMAL_LINEAR)                                                                   \
+    force = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                                \
+                         LANE(word##_elastic)(k->k_n, delta), force);
+  NORMAL_LAWS(LAW_CASE)
+#undef LAW_CASE
+  return force;
+}
+
+LANE_INLINE LANE(real)
+    LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta, const int mixed) {
+  LANE(real) gamma = k->gamma_n;
+#define LAW_CASE(number, word, keys, meaning)                                                                \
+  if (mixed && number != SD_NORMAL_LINEAR)                                                                   \
+    gamma = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                                \
+                         LANE(word##_damping)(k->gamma_n, k->tsuji, delta), gamma);
+  NORMAL_LAWS(LAW_CASE)
+#undef LAW_CASE
+  return gamma;
+}
 
 /* What a contact remembers; sd_contact_record without its sums. */
 typedef struct LANE(contact_memory) {
@@ -128,16 +156,17 @@ LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
 }
 
 /* closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the paper's tangential
- * force, tau instead of tau (R_a + R_b)/r. */
+ * force, tau instead of tau (R_a + R_b)/r. mixed: not all contacts have the linear normal law. */
 LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                     LANE(mask) touching, LANE(mask) closed, LANE(real) lever, const int paper,
-                                    LANE(contact_memory) * m, LANE(contact_output) * out) {
+                                    const int mixed, LANE(contact_memory) * m, LANE(contact_output) * out) {
   const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
-  const LANE(real) before_damping = m->force - k->k_n * m->overlap;
+  const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, mixed);
 
   /* normal force: never pulls */
-  LANE(real) delta = LANE(keep)(touching, g->reach), elastic = k->k_n * delta;
-  LANE(real) force = LANE(keep)(touching, LANE(most)(elastic - k->gamma_n * g->approach, zero));
+  LANE(real) delta = LANE(keep)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, mixed);
+  LANE(real)
+  force = LANE(keep)(touching, LANE(most)(elastic - LANE(law_damping)(k, delta, mixed) * g->approach, zero));
 
   /* tangential displacement, and Amonton's cap */
   LANE(real) zeta = LANE(keep)(closed, g->lambda - m->lambda_ref), cap = k->cap * force;

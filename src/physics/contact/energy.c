@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "model/normal_laws.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 
@@ -44,8 +45,8 @@ sd_energy energy_of(const engine *e) {
       delta = fmax(g.overlap, 0.0);
       zeta = g.lambda - PAIR(p, k, lambda_ref);
     }
-    const law_row *law = &e->work.laws[PAIR(p, k, law)];
-    sum.elastic_normal += 0.5 * law->k_n * delta * delta;
+    const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
+    sum.elastic_normal += law_energy(law, delta);
     sum.elastic_skin += 0.5 * law->k_t * zeta * zeta;
     sum.viscous += PAIR(p, k, viscous);
     sum.friction += PAIR(p, k, friction);

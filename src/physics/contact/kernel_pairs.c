@@ -74,10 +74,12 @@ void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end
     return;
   }
   assert(begin % PAIR_BLOCK == 0 && end % PAIR_BLOCK == 0 && end <= w->pairs.first_piece);
-  switch ((w->conservative ? 0 : PASS_PAPER) | (w->one_law ? 0 : PASS_LAWS)) {
+  switch ((w->conservative ? 0 : PASS_PAPER) | (w->mixed_laws ? PASS_MIXED : w->one_law ? 0 : PASS_LAWS)) {
     COPY(0);
     COPY(PASS_PAPER);
     COPY(PASS_LAWS);
     COPY(PASS_PAPER | PASS_LAWS);
+    COPY(PASS_MIXED);
+    COPY(PASS_PAPER | PASS_MIXED);
   }
 }

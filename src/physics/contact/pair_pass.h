@@ -7,8 +7,18 @@
 /* Copies of the pass: */
 #ifndef PAIR_PASS_COMMON
 #define PAIR_PASS_COMMON
-enum { PASS_PAPER = 1 /* the paper's tangential force */, PASS_LAWS = 2 /* laws differ from pair to pair */ };
+enum {
+  PASS_PAPER = 1 /* the paper's tangential force */,
+  PASS_LAWS = 2 /* laws differ from pair to pair */,
+  PASS_MIXED = 4 /* likewise, and not all are linear */
+};
 #endif
+
+/* A vector of pairs: lanes l ... of a block, and the flags of that block. */
+typedef struct LANE(location) {
+  pair_block *b;
+  size_t l;
+} LANE(location);
 
 LANE_INLINE LANE(contact_constants) LANE(constants)(const work *w) {
   return (LANE(contact_constants)){.k_n = LANE(splat)(w->laws->k_n),
@@ -18,14 +28,17 @@ LANE_INLINE LANE(contact_constants) LANE(constants)(const work *w) {
                                    .cap = LANE(splat)(w->laws->cap)};
 }
 
-LANE_INLINE LANE(contact_constants) LANE(constants_of)(const work *w, const int32_t *law) {
-  double row[4][LANE_WIDTH];
+LANE_INLINE LANE(contact_constants) LANE(constants_of)(const work *w, const int32_t *law, const int mixed) {
+  double row[6][LANE_WIDTH];
   for (int l = 0; l < LANE_WIDTH; l++) {
     const law_row *r = &w->laws[law[l]];
     row[0][l] = r->k_n;
     row[1][l] = r->k_t;
     row[2][l] = r->gamma_n;
     row[3][l] = r->cap;
+    if (!mixed) continue;
+    row[4][l] = r->normal;
+    row[5][l] = r->tsuji;
   }
   LANE(contact_constants) k;
   k.k_n = LANE(load)(row[0]);
@@ -33,14 +46,23 @@ LANE_INLINE LANE(contact_constants) LANE(constants_of)(const work *w, const int3
   k.half_k_t = 0.5 * k.k_t;
   k.gamma_n = LANE(load)(row[2]);
   k.cap = LANE(load)(row[3]);
+  k.normal = k.tsuji = LANE(splat)(0.0);
+  if (!mixed) return k;
+  k.normal = LANE(load)(row[4]);
+  k.tsuji = LANE(load)(row[5]);
   return k;
 }
 
-/* A vector of pairs: lanes l ... of a block, and the flags of that block. */
-typedef struct LANE(location) {
-  pair_block *b;
-  size_t l;
-} LANE(location);
+/* The masses of a vector of round pairs enter by sqrt(m_eff k_n); that of prescribed bodies is infinite. */
+LANE_INLINE LANE(contact_constants) LANE(constants_mixed)(const work *w, LANE(location) at) {
+  LANE(contact_constants) k = LANE(constants_of)(w, at.b->law + at.l, 1);
+  const double *inverse_mass = w->packed + PACKED_INVERSE_MASS;
+  LANE(real)
+  inverse =
+      LANE(gather)(inverse_mass, at.b->packed_a + at.l) + LANE(gather)(inverse_mass, at.b->packed_b + at.l);
+  k.tsuji = k.tsuji * LANE(root)(k.k_n / LANE(most)(inverse, LANE(splat)(1e-300)));
+  return k;
+}
 
 LANE_INLINE void LANE(load_memory)(LANE(location) at, const int paper, LANE(contact_memory) * m) {
   const pair_block *b = at.b;
@@ -124,7 +146,9 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   pair_block *b = at.b;
   pair_flags *flags = &w->pairs.flags[b - w->pairs.block];
   const int paper = kind & PASS_PAPER;
-  const LANE(contact_constants) k = LANE(constants_of)(w, b->law + at.l);
+  const int mixed = kind & PASS_MIXED;
+  const LANE(contact_constants) k =
+      mixed ? LANE(constants_mixed)(w, at) : LANE(constants_of)(w, b->law + at.l, 0);
   const LANE(mask) touching = LANE(greater)(g->reach, LANE(splat)(0.0)) & LANE(has_direction)(g);
   const LANE(mask) was_closed = LANE(mask_of)((unsigned)flags->closed >> at.l);
   const LANE(mask) closed = touching & was_closed;
@@ -134,7 +158,7 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   m.ex = LANE(load)(b->ex + at.l);
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
-  LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, &m, &out);
+  LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, mixed, &m, &out);
   LANE(contact_begin_end)(g, &k, touching, closed, was_closed, LANE(splat)(w->dt), &before, &m, &out);
 
   LANE(real) of_a[4], of_b[4];
@@ -179,12 +203,14 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
     LANE(distance)(w, next, d);
     return;
   }
-  const LANE(contact_constants) k =
-      kind & PASS_LAWS ? LANE(constants_of)(w, at.b->law + at.l) : constants->law;
+  const int mixed = kind & PASS_MIXED;
+  const LANE(contact_constants) k = mixed              ? LANE(constants_mixed)(w, at)
+                                    : kind & PASS_LAWS ? LANE(constants_of)(w, at.b->law + at.l, 0)
+                                                       : constants->law;
   LANE(contact_memory) m;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
-  LANE(contact_step)(&g, &k, touching, touching, paper ? LANE(splat)(1.0) : g.lever, paper, &m, &out);
+  LANE(contact_step)(&g, &k, touching, touching, paper ? LANE(splat)(1.0) : g.lever, paper, mixed, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
   LANE(set_slides)(flags, at.l, out.slip);
   LANE(distance)(w, next, d);

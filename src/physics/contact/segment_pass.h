@@ -90,7 +90,13 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(pair_input) in;
   LANE(nearest_points) found;
   const LANE(mask) active = LANE(nearest_of)(e, at, &in, &found);
-  const LANE(contact_constants) k = LANE(constants_of)(w, here.b->law + here.l);
+  const int mixed = w->mixed_laws;
+  LANE(contact_constants) k = LANE(constants_of)(w, here.b->law + here.l, 1);
+  if (mixed) { /* the wall's mass is infinite */
+    double mass[LANE_WIDTH];
+    for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = e->state->mass[w->pairs.a[at + l]];
+    k.tsuji = k.tsuji * LANE(root)(LANE(load)(mass) * k.k_n);
+  }
   const LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
   double closed_row[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) closed_row[l] = pairs_closed(&w->pairs, at + l) ? 1.0 : 0.0;
@@ -105,7 +111,8 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   m.ex = in.ex;
   m.ey = in.ey;
   before = m;
-  LANE(contact_step)(&g, &k, touching, closed, LANE(select)(flat, LANE(splat)(1.0), g.lever), 0, &m, &out);
+  LANE(contact_step)
+  (&g, &k, touching, closed, LANE(select)(flat, LANE(splat)(1.0), g.lever), 0, mixed, &m, &out);
   const LANE(mask) deep = LANE(contact_is_deep)(&g, e->model->max_overlap * in.sum) & touching;
   const LANE(mask) rare = (touching ^ was_closed) | deep;
   if (LANE(any)(rare)) {

@@ -48,16 +48,17 @@ void KERNEL(kernel_lanes)(lanes *l, int64_t n);
 
 #define SHAPES(name, width, single)                                                                          \
   static void name##_three_gear(lanes *l, int64_t n) {                                                       \
-    steps_three_w##width(l, n, (shape_three_w##width){1, 2, true, false, single});                           \
+    steps_three_w##width(l, n, (shape_three_w##width){1, 2, true, false, false, single});                    \
   }                                                                                                          \
   static void name##_three_verlet(lanes *l, int64_t n) {                                                     \
-    steps_three_w##width(l, n, (shape_three_w##width){1, 2, false, false, single});                          \
+    steps_three_w##width(l, n, (shape_three_w##width){1, 2, false, false, false, single});                   \
   }                                                                                                          \
   static void name##_any(lanes *l, int64_t n) {                                                              \
-    steps_any_w##width(l, n, (shape_any_w##width){l->n_free, l->n_pairs, l->gear, l->conservative, single}); \
+    steps_any_w##width(                                                                                      \
+        l, n, (shape_any_w##width){l->n_free, l->n_pairs, l->gear, l->conservative, l->mixed, single});      \
   }                                                                                                          \
   static void name(lanes *l, int64_t n) {                                                                    \
-    if (!KNOWN_SHAPES || l->n_free != 1 || l->n_pairs != 2 || l->conservative)                               \
+    if (!KNOWN_SHAPES || l->n_free != 1 || l->n_pairs != 2 || l->conservative || l->mixed)                   \
       name##_any(l, n);                                                                                      \
     else if (l->gear)                                                                                        \
       name##_three_gear(l, n);                                                                               \

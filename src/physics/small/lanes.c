@@ -141,6 +141,7 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
   const sd_state *s = system[0]->state;
   l->gear = m->integrator == SD_GEAR5;
   l->conservative = m->variant == SD_CONSERVATIVE;
+  for (size_t k = 0; k < count; k++) l->mixed |= system[k]->work.mixed_laws;
   l->n_free = s->n_free;
   l->n_bodies = s->n_bodies;
   l->n_slides = s->n_slides;
@@ -279,6 +280,10 @@ static void load_constants(lanes *l, size_t lane) {
     *cell(l, p, PAIR_KT, lane) = law->k_t;
     *cell(l, p, PAIR_GAMMA, lane) = law->gamma_n;
     *cell(l, p, PAIR_CAP, lane) = law->cap;
+    *cell(l, p, PAIR_NORMAL, lane) = law->normal;
+    /* rounded as in the pass over pairs */
+    double inverse = 1.0 / s->mass[l->a[k]] + (l->b[k] < l->n_free ? 1.0 / s->mass[l->b[k]] : 0.0);
+    *cell(l, p, PAIR_TSUJI, lane) = law->tsuji * sqrt(law->k_n / inverse);
     *cell(l, p, PAIR_LIMIT, lane) = e->model->max_overlap * least;
     *cell(l, p, PAIR_RA, lane) = ra;
     *cell(l, p, PAIR_RB, lane) = rb;

@@ -36,8 +36,10 @@ enum {
   PAIR_KT,
   PAIR_GAMMA,
   PAIR_CAP,
-  PAIR_LIMIT, /* largest overlap */
-  PAIR_SUM,   /* R_a + R_b */
+  PAIR_NORMAL, /* number of the law */
+  PAIR_TSUJI,  /* alpha sqrt(m_eff k_n) of model/law_hertz.h */
+  PAIR_LIMIT,  /* largest overlap */
+  PAIR_SUM,    /* R_a + R_b */
   PAIR_RA,
   PAIR_RB,
   PAIR_FX, /* force of the last step */
@@ -73,7 +75,7 @@ typedef struct lanes {
   pose_batch *motion; /* NULL: those of the one system, poses standing one by one */
 
   /* what the systems share */
-  bool gear, conservative;
+  bool gear, conservative, mixed; /* mixed: not all normal laws are linear */
   size_t n_free, n_bodies, n_pairs, n_slides;
   uint32_t a[LANES_PAIRS], b[LANES_PAIRS];  /* slots */
   size_t touching[LANES_BODIES];            /* pairs of each body, in order of the partners' keys: ... */

@@ -57,7 +57,7 @@
 
 typedef struct PASS(shape) {
   size_t n_free, n_pairs;
-  bool gear, conservative;
+  bool gear, conservative, mixed;
   bool single; /* one system in all lanes: poses stand one by one */
 } PASS(shape);
 
@@ -131,7 +131,9 @@ LANE_INLINE LANE(contact_constants) PASS(constants)(const double *p) {
                                    .k_t = PASS(row)(p, PAIR_KT),
                                    .half_k_t = 0.5 * PASS(row)(p, PAIR_KT),
                                    .gamma_n = PASS(row)(p, PAIR_GAMMA),
-                                   .cap = PASS(row)(p, PAIR_CAP)};
+                                   .cap = PASS(row)(p, PAIR_CAP),
+                                   .normal = PASS(row)(p, PAIR_NORMAL),
+                                   .tsuji = PASS(row)(p, PAIR_TSUJI)};
 }
 
 /* --- geometry ---------------------------------------------------------------------------------------- */
@@ -187,7 +189,8 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   LANE(contact_output) *out = &f->out[k];
   *m = *before;
   LANE(contact_step)
-  (g, &c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative, m, out);
+  (g, &c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative, s->mixed, m,
+   out);
   LANE(contact_begin_end)(g, &c, touching, closed, was_closed, dt, before, m, out);
   f->closed[k] = touching;
   f->rare[k] = (touching ^ was_closed) | (LANE(contact_is_deep)(g, PASS(row)(p, PAIR_LIMIT)) & touching);
@@ -204,7 +207,7 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   LANE(contact_output) *out = &f->out[k];
   LANE(contact_step)
   (g, &c, touching, touching & was_closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative,
-   &f->m[k], out);
+   s->mixed, &f->m[k], out);
   f->closed[k] = touching;
   f->rare[k] = (touching ^ was_closed) | (LANE(contact_is_deep)(g, PASS(row)(p, PAIR_LIMIT)) & touching);
   if (__builtin_expect(LANE(any)(f->rare[k]), 0)) PASS(evaluate_slow)(l, s, f, k, was_closed, &before);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/room.h"
+#include "model/normal_laws.h"
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
 #include "physics/system/kernels.h"
@@ -85,9 +86,15 @@ static void fill_laws(const sd_model *m, work *w) {
   w->one_law = true;
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
     const sd_contact_law *l = &m->laws[k];
-    w->laws[k] = (law_row){l->k_n, l->k_t, l->gamma_n, l->k_t > 0.0 ? l->mu / l->k_t : 0.0};
+    w->laws[k] = (law_row){.k_n = l->k_n,
+                           .k_t = l->k_t,
+                           .gamma_n = l->gamma_n,
+                           .cap = l->k_t > 0.0 ? l->mu / l->k_t : 0.0,
+                           .normal = l->normal,
+                           .tsuji = law_tsuji(l)};
+    if (l->k_n > 0.0 && l->normal != SD_NORMAL_LINEAR) w->mixed_laws = true;
     if (l->k_n != m->laws->k_n || l->k_t != m->laws->k_t || l->gamma_n != m->laws->gamma_n ||
-        l->mu != m->laws->mu)
+        l->mu != m->laws->mu || l->normal != m->laws->normal || l->restitution != m->laws->restitution)
       w->one_law = false;
   }
 }

@@ -67,7 +67,7 @@ LANE_INLINE LANE(real)
  * whose rows follow one another. */
 typedef struct view {
   columns k[SD_COORDINATES];
-  const double *radius, *x0, *y0;
+  const double *radius, *mass, *x0, *y0; /* mass: NULL unless contacts want it */
   double *packed, *sums;
   size_t shift; /* from slots to rows of these */
   double dt, per_dt, half_dt2, moved_limit2, speed_limit2, lower[2], upper[2];
@@ -78,6 +78,7 @@ typedef struct view {
 static inline view view_of(const engine *e, size_t begin) {
   const work *w = &e->work;
   view v = {.radius = e->state->radius,
+            .mass = w->mixed_laws ? e->state->mass : NULL,
             .x0 = w->x0,
             .y0 = w->y0,
             .packed = w->packed,
@@ -119,7 +120,8 @@ LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(
   LANE(real) radius = LANE(load)(v->radius + i), zero = LANE(splat)(0.0);
   const LANE(real)
       pose[] = {[PACKED_X] = x, [PACKED_Y] = y, [PACKED_ARC] = radius * theta, [PACKED_RADIUS] = radius};
-  const LANE(real) speed[] = {vx, vy, zero, zero};
+  const LANE(real) inverse_mass = v->mass ? 1.0 / LANE(load)(v->mass + i) : zero;
+  const LANE(real) speed[] = {vx, vy, inverse_mass, zero};
   double *row = v->packed + PACKED_ROW * (i + v->shift);
   LANE(lay4)(row, PACKED_ROW, pose);
   LANE(lay4)(row + PACKED_VX, PACKED_ROW, speed);

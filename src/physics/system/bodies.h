@@ -25,6 +25,7 @@ static inline void body_seat(const engine *e, size_t slot) {
   row[PACKED_RADIUS] = s->radius[slot];
   row[PACKED_VX] = s->vx[slot];
   row[PACKED_VY] = s->vy[slot];
+  row[PACKED_INVERSE_MASS] = 0.0;
 }
 
 /* About which the lengths of the region change: its lower corner. */

@@ -17,7 +17,8 @@
 
 /* Contact constants of one pair of materials, ready for the law. */
 typedef struct law_row {
-  double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 without a skin */
+  double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 where frictionless */
+  double normal, tsuji;          /* number of the normal law; alpha of model/law_hertz.h */
 } law_row;
 
 /* Eight pairs, each column one cache line, so that a pass reads one stream. The record (slipdisk/contact.h) goes through
@@ -103,7 +104,16 @@ typedef struct chunks {
 
 /* What a pass over pairs reads of a body, one cache line each. Predictor and motion_pose write it with the pose. Free
  * disks have a row here and in sums only while pairs want them (chunks_plan_rows). arc: R theta. */
-enum { PACKED_X, PACKED_ARC, PACKED_Y, PACKED_RADIUS, PACKED_VX, PACKED_VY, PACKED_ROW = 8 };
+enum {
+  PACKED_X,
+  PACKED_ARC,
+  PACKED_Y,
+  PACKED_RADIUS,
+  PACKED_VX,
+  PACKED_VY,
+  PACKED_INVERSE_MASS, /* 0 of prescribed bodies; where laws are mixed */
+  PACKED_ROW = 8
+};
 /* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */
 _Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 && PACKED_RADIUS % 2 == 1,
                "across4");
@@ -163,8 +173,8 @@ typedef struct work {
   bool conservative, periodic[2];
   double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
   law_row *laws;
-  bool one_law;
-  bool stale;        /* the lists, for the coming step; step_once */
+  bool one_law, mixed_laws; /* mixed: not all are linear */
+  bool stale;               /* the lists, for the coming step; step_once */
   int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
   bool whole;        /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */

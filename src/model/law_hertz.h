@@ -1,0 +1,25 @@
+/* law_hertz.h: F_el = k_n delta^(3/2). Included by normal_laws.h.
+ *
+ * Damping: gamma_n, or from a coefficient of restitution e that does not depend on the speed, gamma = alpha
+ * sqrt(m_eff k_n) delta^(1/4) (Tsuji, Tanaka, Ishida, Powder Technology 71, 239). With y = (2/sqrt 5) delta^(5/4) the
+ * collision is that of the linear law with w_0 = 1 and b = alpha/sqrt 5, also where the force is cut off at 0: so e(b) is
+ * the linear one, and alpha = sqrt 5 b.
+ */
+#ifndef MODEL_LAW_HERTZ_H
+#define MODEL_LAW_HERTZ_H
+
+static inline double hertz_energy(double k, double delta) { return 0.4 * k * delta * delta * sqrt(delta); }
+static inline double hertz_stiffness(double k, double delta) { return 1.5 * k * sqrt(delta); }
+
+#endif
+
+#ifdef LANE_WIDTH
+
+LANE_INLINE LANE(real) LANE(hertz_elastic)(LANE(real) k, LANE(real) delta) {
+  return k * delta * LANE(root)(delta);
+}
+LANE_INLINE LANE(real) LANE(hertz_damping)(LANE(real) gamma_n, LANE(real) tsuji, LANE(real) delta) {
+  return gamma_n + tsuji * LANE(root)(LANE(root)(delta));
+}
+
+#endif

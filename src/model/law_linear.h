@@ -1,0 +1,17 @@
+/* law_linear.h: F_el = k_n delta (eq. 2). Included by normal_laws.h. */
+#ifndef MODEL_LAW_LINEAR_H
+#define MODEL_LAW_LINEAR_H
+
+static inline double linear_energy(double k, double delta) { return 0.5 * k * delta * delta; }
+static inline double linear_stiffness(double k, double delta) { return (void)delta, k; }
+
+#endif
+
+#ifdef LANE_WIDTH
+
+LANE_INLINE LANE(real) LANE(linear_elastic)(LANE(real) k, LANE(real) delta) { return k * delta; }
+LANE_INLINE LANE(real) LANE(linear_damping)(LANE(real) gamma_n, LANE(real) tsuji, LANE(real) delta) {
+  return (void)tsuji, (void)delta, gamma_n;
+}
+
+#endif

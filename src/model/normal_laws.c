@@ -1,0 +1,30 @@
+/* normal_laws.c: see normal_laws.h. */
+#include "model/normal_laws.h"
+
+#define ROW_OF(number, word, keys, meaning) [number] = {#word, word##_energy, word##_stiffness},
+const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
+#undef ROW_OF
+
+/* e(b) of a damped oscillator with w_0 = 1 whose force never pulls (physics.md 9). It falls from 1 towards 0. */
+static double restitution_of(double b) {
+  double t;
+  if (b < 1.0) {
+    double w = sqrt((1.0 - b) * (1.0 + b));
+    t = 2.0 * atan2(w, b) / w;
+  } else {
+    double v = sqrt((b - 1.0) * (b + 1.0));
+    t = v > 0.0 ? 2.0 * log(b + v) / v : 2.0;
+  }
+  return exp(-b * t);
+}
+
+double law_tsuji(const sd_contact_law *law) {
+  if (!(law->restitution > 0.0 && law->restitution < 1.0)) return 0.0;
+  double low = 0.0, high = 1.0;
+  while (restitution_of(high) > law->restitution && high < 1e6) high *= 2.0;
+  for (int k = 0; k < 200 && high - low > 1e-16 * high; k++) {
+    double middle = 0.5 * (low + high);
+    *(restitution_of(middle) > law->restitution ? &low : &high) = middle;
+  }
+  return sqrt(5.0) * low;
+}

@@ -1,0 +1,48 @@
+/* normal_laws.h: what depends on the normal law of a contact: elastic force, damping, stored energy, tangent stiffness.
+ *
+ * A law is one row and one header law_NAME.h; its number stands in sd_normal_law (slipdisk/model.h), its keys and their
+ * documentation follow from the row. The functions of a law, of stiffness k and overlap delta > 0:
+ *   NAME_energy(k, delta)     stored, energy
+ *   NAME_stiffness(k, delta)  dF/ddelta: time steps, loads, compression
+ * and over lanes
+ *   NAME_elastic(k, delta)    force without damping
+ *   NAME_damping(gamma_n, tsuji, delta)  coefficient of the damping force -gamma u_n
+ * All laws are central; tau turns both bodies in the same sense (times their radii), a moment in opposite ones.
+ *
+ * The rows are read once; the text over lanes once per LANE_WIDTH, after base/lane.h.
+ */
+#ifndef MODEL_NORMAL_LAWS_H
+#define MODEL_NORMAL_LAWS_H
+
+#include <math.h>
+
+#include "slipdisk/model.h"
+
+/* ROW(number, name in the deck, keys as in deck_keys.h, meaning) */
+#define NORMAL_LAWS(ROW)                                                                                     \
+  ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta, damped by gamma_n (eq. 2)")                              \
+  ROW(SD_NORMAL_HERTZ, hertz, "restitution",                                                                 \
+      "F = k_n delta^(3/2), damped by gamma_n or by a coefficient of restitution")
+
+typedef struct normal_law {
+  const char *name;
+  double (*energy)(double k, double delta);
+  double (*stiffness)(double k, double delta);
+} normal_law;
+
+extern const normal_law normal_laws[SD_NORMAL_LAWS];
+
+/* Energy stored in a contact's normal force. */
+static inline double law_energy(const sd_contact_law *law, double delta) {
+  return normal_laws[law->normal].energy(law->k_n, delta);
+}
+static inline double law_stiffness(const sd_contact_law *law, double delta) {
+  return normal_laws[law->normal].stiffness(law->k_n, delta);
+}
+/* alpha of law_hertz.h; 0 without a coefficient of restitution. */
+double law_tsuji(const sd_contact_law *law);
+
+#endif
+
+#include "model/law_hertz.h"
+#include "model/law_linear.h"
