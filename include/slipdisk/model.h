@@ -250,7 +250,7 @@ typedef struct sd_model {
 
   size_t n_materials;
   sd_material *materials;
-  sd_contact_law *laws; /* [n_materials * n_materials], symmetric; k_n <= 0: pair not given */
+  sd_contact_law *laws; /* [n_materials * n_materials], symmetric; k_n = 0: pair not given */
   size_t n_groups;
   char **groups;
   size_t n_disks;

@@ -13,7 +13,7 @@
 #include "base/shortage.h"
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/deck/deck_keys.h"
+#include "base/guess.h"
 #include "io/store/file.h"
 #include "version.h"
 
@@ -117,9 +117,9 @@ int app_misuse(const char *command, const char *format, ...) {
 int app_unknown_option(const char *command, const struct option *options, const char *given) {
   char word[64];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
-  deck_guess guess = deck_guess_start(word + strspn(word, "-"));
-  for (; options->name; options++) deck_guess_add(&guess, options->name);
-  if (guess.best) return app_misuse(command, "unknown option %s (did you mean --%s?)", given, guess.best);
+  guess near = guess_start(word + strspn(word, "-"));
+  for (; options->name; options++) guess_add(&near, options->name);
+  if (near.best) return app_misuse(command, "unknown option %s (did you mean --%s?)", given, near.best);
   return app_misuse(command, "unknown option %s", given);
 }
 
@@ -173,12 +173,12 @@ static int run_command(int argc, char **argv) {
       }
       return status;
     }
-  deck_guess guess = deck_guess_start(argv[1]);
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) deck_guess_add(&guess, commands[k].name);
+  guess near = guess_start(argv[1]);
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) guess_add(&near, commands[k].name);
   char *shown = text_escaped(argv[1], LIMIT_QUOTE);
   fprintf(stderr, "slipdisk: there is no command \"%s\"; ", shown ? shown : "");
   free(shown);
-  if (guess.best) fprintf(stderr, "did you mean \"%s\"? ", guess.best);
+  if (near.best) fprintf(stderr, "did you mean \"%s\"? ", near.best);
   fprintf(stderr, "See slipdisk help\n");
   return SD_ERROR_USER;
 }

@@ -5,19 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/bodies.h"
+#include "model/keys.h"
+#include "model/laws.h"
 #include "model/loads.h"
 #include "model/motion_kinds.h"
 
 sd_model *sd_model_new(void) {
   sd_model *m = calloc(1, sizeof *m);
   if (!m) return NULL;
-  m->seed = 1;
-  m->integrator = SD_GEAR5;
-  m->variant = SD_PAPER;
-  m->max_overlap = 0.5;
-  m->limits = (sd_limits){.residual = 0.01, .open = 0.99, .displacement = 0.1};
-  m->measure_every = 1;
-  m->checkpoint_seconds = 60.0;
+  deck_key_defaults(&deck_top, m);
+  deck_key_defaults(&deck_measure, m);
+  deck_key_defaults(&deck_limits, &m->limits);
   return m;
 }
 
@@ -91,7 +90,7 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
     if (d->driven) continue;
     for (size_t b = 0; b < m->n_materials; b++) {
       const sd_contact_law *law = sd_model_law(m, d->material, (int)b);
-      if (law->k_n <= 0.0) continue;
+      if (!law_is_given(law)) continue;
       /* Two supports at most add their stiffnesses in one direction; skin and rotation: physics.md 4. */
       bool still = d->locked[SD_X] && d->locked[SD_Y];
       double inverse_mass = still ? 0.0 : 1.0 / d->mass;
@@ -111,16 +110,11 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
 /* --- checks ------------------------------------------------------------------------------------------ */
 
 static void check_run(const sd_model *m, sd_messages *msg) {
-  if (!(m->dt > 0.0)) sd_fail(msg, SD_ERROR_USER, "dt = %g: expected a number > 0", m->dt);
+  deck_key_check(&deck_top, m, "", msg);
+  deck_key_check(&deck_limits, &m->limits, "limits", msg);
   if (m->n_disks == 0) sd_fail(msg, SD_ERROR_USER, "disks: expected at least one disk");
   if (m->n_phases == 0) sd_fail(msg, SD_ERROR_USER, "phases: expected a duration, `steps` or `time`");
   if (m->n_materials == 0) sd_fail(msg, SD_ERROR_USER, "materials: expected at least one material");
-  if (!(m->max_overlap > 0.0))
-    sd_fail(msg, SD_ERROR_USER, "max_overlap = %g: expected a number > 0", m->max_overlap);
-  const sd_limits *l = &m->limits;
-  if (!(l->residual >= 0.0 && l->open >= 0.0 && l->displacement >= 0.0))
-    sd_fail(msg, SD_ERROR_USER, "limits: expected numbers >= 0");
-  if (m->skin < 0.0) sd_fail(msg, SD_ERROR_USER, "skin = %g: expected a number >= 0", m->skin);
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
 }
@@ -183,34 +177,24 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* Who is made of a material. */
-typedef struct material_use {
-  size_t count; /* disks and walls */
-  bool free_disk;
-} material_use;
-
-static void check_pair_of_materials(const sd_model *m, const material_use *use, size_t a, size_t b,
-                                    sd_messages *msg) {
-  if (!use[a].count || !use[b].count || !(use[a].free_disk || use[b].free_disk)) return;
-  if (a == b && use[a].count < 2) return;
-  if (sd_model_law(m, (int)a, (int)b)->k_n > 0.0) return;
-  sd_fail(
-      msg, SD_ERROR_USER, "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
-      m->materials[a].name ? m->materials[a].name : "?", m->materials[b].name ? m->materials[b].name : "?");
+static const char *material_name(const sd_model *m, size_t k) {
+  return m->materials[k].name ? m->materials[k].name : "?";
 }
 
-/* Laws must exist for every pair of materials that can meet: at least one side has a free disk. */
+/* Laws must exist for every pair of materials that can meet. */
 static sd_status check_laws(const sd_model *m, sd_messages *msg) {
-  material_use *use = calloc(m->n_materials + 1, sizeof *use);
+  law_use *use = calloc(m->n_materials + 1, sizeof *use);
   if (!use) return sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
-  for (size_t i = 0; i < m->n_disks; i++) {
-    use[m->disks[i].material].count++;
-    if (!m->disks[i].driven) use[m->disks[i].material].free_disk = true;
-  }
-  for (size_t w = 0; w < m->n_walls; w++) use[m->walls[w].material].count++;
   size_t before = sd_messages_errors(msg);
+  laws_count_uses(m, use);
+  for (size_t a = 0, b = 0; laws_find_missing(m, use, &a, &b); b++)
+    sd_fail(msg, SD_ERROR_USER,
+            "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+            material_name(m, a), material_name(m, b));
   for (size_t a = 0; a < m->n_materials; a++)
-    for (size_t b = a; b < m->n_materials; b++) check_pair_of_materials(m, use, a, b, msg);
+    for (size_t b = a; b < m->n_materials; b++)
+      if (law_is_given(sd_model_law(m, (int)a, (int)b)))
+        deck_key_check(&law_table, sd_model_law(m, (int)a, (int)b), material_name(m, a), msg);
   free(use);
   return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
@@ -398,8 +382,7 @@ static void check_round_walls(const sd_model *m, sd_messages *msg) {
 
 /* --- derived tables ---------------------------------------------------------------------------------- */
 
-/* A disk whose three coordinates are all prescribed or locked needs no integration: it is driven. */
-static sd_status derive_driven(sd_model *m) {
+sd_status model_find_driven(sd_model *m) {
   unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
   if (!held) return SD_ERROR_IO;
   for (size_t i = 0; i < m->n_disks; i++)
@@ -408,27 +391,28 @@ static sd_status derive_driven(sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
-      if (m->motions[k].interval < 1) m->motions[k].interval = 1;
       if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
     }
   m->n_free = 0;
   for (size_t i = 0; i < m->n_disks; i++) {
-    sd_disk *d = &m->disks[i];
-    if (held[i] == 7) d->driven = true;
-    if (!d->driven) m->n_free++;
-    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+    if (held[i] == 7) m->disks[i].driven = true;
+    m->n_free += !m->disks[i].driven;
   }
   free(held);
   return SD_OK;
 }
 
-static size_t wall_pieces(const sd_wall *w) {
-  if (w->kind == SD_WALL_CIRCLE || w->n_points < 2) return 0;
-  return w->kind == SD_WALL_POLYLINE ? w->n_points - 1 + (w->closed ? 1 : 0) : 1;
+static void derive_numbers(sd_model *m) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (m->motions[k].interval < 1) m->motions[k].interval = 1;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    sd_disk *d = &m->disks[i];
+    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+  }
 }
 
 static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size_t number) {
-  size_t n = wall_pieces(w);
+  size_t n = wall_segments(w);
   double arc = 0.0;
   for (size_t k = 0; k < n; k++) {
     sd_segment *s = &first[k];
@@ -456,13 +440,13 @@ static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size
 static sd_status derive_segments(sd_model *m) {
   free(m->segments);
   m->n_segments = 0;
-  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_pieces(&m->walls[w]);
+  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_segments(&m->walls[w]);
   m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
   if (!m->segments) return SD_ERROR_IO;
   size_t at = 0;
   for (size_t w = 0; w < m->n_walls; w++) {
     derive_wall(&m->walls[w], (uint32_t)(m->n_disks + w), m->segments + at, at);
-    at += wall_pieces(&m->walls[w]);
+    at += wall_segments(&m->walls[w]);
   }
   return SD_OK;
 }
@@ -485,8 +469,9 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_watches(m, own);
   check_until(m, own);
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
-  if (status == SD_OK && (derive_driven(m) != SD_OK || derive_segments(m) != SD_OK))
+  if (status == SD_OK && (model_find_driven(m) != SD_OK || derive_segments(m) != SD_OK))
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
+  if (status == SD_OK) derive_numbers(m);
   if (status == SD_OK) status = check_laws(m, own);
   if (status == SD_OK) check_round_walls(m, own);
   if (status == SD_OK) loads_check_steps(m, own);

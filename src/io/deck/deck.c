@@ -9,23 +9,10 @@
 #include "io/deck/deck_result.h"
 #include "io/deck/deck_sweep.h"
 #include "io/store/file.h"
+#include "model/bodies.h"
 #include "slipdisk/deck.h"
 
 /* --- the keys of the deck itself --------------------------------------------------------------------------- */
-
-static void read_run(deck *d) {
-  sd_model *m = d->model;
-  deck_group top;
-  if (!deck_enter(d, d->root, &deck_top, &top)) return;
-  m->title = deck_keep_text(d, deck_text_of(&top, "title"));
-  m->seed = (uint64_t)deck_integer(&top, "seed");
-  m->integrator = deck_choice(&top, "integrator") == 1 ? SD_VERLET : SD_GEAR5;
-  m->dt = deck_number(&top, "dt");
-  m->variant = deck_choice(&top, "contact_variant") == 1 ? SD_CONSERVATIVE : SD_PAPER;
-  m->skin = deck_number(&top, "skin");
-  m->max_overlap = deck_number(&top, "max_overlap");
-  m->checkpoint_seconds = deck_number(&top, "checkpoint");
-}
 
 void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages) {
   if (!(fabs(tilt) > M_PI / 2)) return;
@@ -48,15 +35,10 @@ static void read_gravity(deck *d) {
   if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0; /* and not -0 */
 }
 
-/* Without the group the limits are those of sd_model_new. */
 static void read_limits(deck *d) {
-  sd_limits *l = &d->model->limits;
   deck_group g;
-  if (!deck_child(d->root, "limits")) return;
-  if (!deck_enter_one(d, d->root, "limits", &deck_limits, &g)) return;
-  l->residual = deck_number(&g, "residual");
-  l->open = deck_number(&g, "open");
-  l->displacement = deck_number(&g, "displacement");
+  if (!deck_child(d->root, "limits")) return; /* those of sd_model_new */
+  if (deck_enter_one(d, d->root, "limits", &deck_limits, &g)) deck_fill(&g, &d->model->limits);
 }
 
 /* Edges from the file that the key `file` names, which is read when they are first asked for. */
@@ -92,8 +74,7 @@ static void read_box(deck *d) {
   deck_group g;
   if (!deck_enter_one(d, d->root, "box", &deck_box, &g)) return;
   int periodic = deck_choice(&g, "periodic");
-  m->periodic[0] = periodic == 1 || periodic == 3;
-  m->periodic[1] = periodic == 2 || periodic == 3;
+  for (int c = 0; c < 2; c++) m->periodic[c] = periodic > 0 && periodic >> c & 1;
   file_edges from = {0};
   for (int c = 0; c < 2; c++) {
     const char *key = c ? "y" : "x";
@@ -115,7 +96,8 @@ static void read_sweep(deck *d, bool point) {
 
 /* The order matters: motions speak of bodies, phases of motions. */
 static void read_all(deck *d, bool point) {
-  read_run(d);
+  deck_group top;
+  if (deck_enter(d, d->root, &deck_top, &top)) deck_fill(&top, d->model);
   read_gravity(d);
   read_box(d);
   deck_read_materials(d);
@@ -128,6 +110,7 @@ static void read_all(deck *d, bool point) {
   deck_read_forces(d);
   deck_read_locks(d);
   deck_read_motions(d);
+  if (model_find_driven(d->model) != SD_OK) longjmp(d->out_of_memory, 1);
   deck_read_bounds(d);
   deck_read_phases(d);
   deck_check_motions(d);

@@ -44,7 +44,8 @@ typedef enum deck_type {
 } deck_type;
 
 struct deck_table;
-struct place_interior;
+struct deck_container_values;
+struct guess;
 
 typedef struct deck_node {
   const char *name; /* NULL in a list and at the root */
@@ -66,14 +67,21 @@ typedef struct deck_node {
 
 typedef struct deck_name {
   const char *name;
-  uint32_t index;
+  uint32_t number;
 } deck_name;
 
-/* Numbers by name: a hash table in the arena. */
+/* Numbers by name: the names in order, and a hash table of them, in the arena. */
 typedef struct deck_index {
-  size_t n, capacity; /* a power of two */
-  deck_name *slot;    /* name NULL: empty */
+  size_t n, capacity, n_slots; /* n_slots: a power of two */
+  deck_name *name;
+  size_t *slot; /* 1 + place of the name; 0: empty */
 } deck_index;
+
+/* A text that grows in the arena. */
+typedef struct deck_buffer {
+  char *bytes;
+  size_t n, capacity;
+} deck_buffer;
 
 typedef struct deck_chunk deck_chunk;
 
@@ -91,16 +99,13 @@ typedef struct deck {
   /* one entry per disk of the model */
   deck_place *disk_place;
   size_t disk_capacity;
-  deck_name *disk_names; /* sorted by name */
-  size_t n_disk_names;
-  deck_index materials, groups, walls, motions;
+  deck_index disks, materials, groups, walls, motions;
   uint32_t *grouped; /* disks by group; those of group k are [group_start[k], group_start[k + 1]) */
   size_t *group_start, n_grouped;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
   size_t n_file_tables;
-  bool disks_missing;              /* some could not be read */
-  unsigned char *held;             /* bit k: coordinate k is prescribed by a motion */
-  struct place_interior *interior; /* of the container */
+  bool disks_missing; /* some could not be read */
+  struct deck_container_values *container;
 
   /* which entry of `motions` a motion of the model came from */
   size_t *motion_entry;
@@ -124,7 +129,12 @@ char *deck_file_text(const char *path, sd_messages *messages, sd_status *status)
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 
-void *deck_alloc(deck *d, size_t n, size_t size);     /* zeroed, from the arena */
+void *deck_alloc(deck *d, size_t n, size_t size); /* zeroed, from the arena */
+/* An array in the arena that holds n, with space for one more. */
+void *deck_extend(deck *d, void *old, size_t n, size_t *capacity, size_t size);
+/* The same for so many. */
+void *deck_more(deck *d, const void *old, size_t n, size_t capacity, size_t size);
+void deck_put(deck *d, deck_buffer *b, const char *text, size_t n);
 char *deck_copy(deck *d, const char *text, size_t n); /* n bytes and a final zero, from the arena */
 char *deck_format(deck *d, const char *format, ...) SD_PRINTF(2, 3);
 void deck_own(deck *d, void *p); /* from malloc: freed with the arena */
@@ -133,6 +143,7 @@ const char *deck_quote(deck *d, const char *text, size_t n);
 void *deck_keep(deck *d, size_t n, size_t size);            /* zeroed, from malloc: for the model */
 void *deck_grow(deck *d, void *old, size_t n, size_t size); /* realloc for the model */
 char *deck_keep_text(deck *d, const char *text);            /* for the model; NULL stays NULL */
+void deck_set_text(deck *d, char **to, const char *text);   /* the same in place of another */
 void deck_memory_free(deck *d);
 
 deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place);
@@ -161,6 +172,12 @@ void deck_report_rest(deck *d);
 bool deck_index_find(const deck_index *x, const char *name, uint32_t *number);
 /* Gives it a number; false: it has one, which stays. The name is not copied. */
 bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number);
+/* The number of the name that the node holds; false: reported as "no `what` is called that", with the nearest name or
+ * else the remark. */
+bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const deck_node *node,
+                        const char *remark, uint32_t *number);
+/* The nearest of its names. */
+void deck_index_guess(const deck *d, const deck_index *x, struct guess *near);
 
 /* --- deck_scan.c -------------------------------------------------------------------------------------- */
 
@@ -224,11 +241,9 @@ void deck_read_measure(deck *d);
 void deck_read_until(deck *d); /* call when phases and measure are read */
 void deck_check_overlaps(deck *d);
 
-/* Number of the material of that name, -1 (reported at node) when there is none. */
-int deck_material(deck *d, const deck_node *node, const char *name);
-
-/* Nothing that pushes moves this disk: fixed, or every coordinate locked or prescribed. */
-bool deck_is_driven(const deck *d, size_t disk);
+struct deck_group;
+/* Number of the material that the group names, or of the only one; -1: none, or reported. */
+int deck_material(struct deck_group *g);
 
 /* Body numbers named by the keys disk, group and wall of a group of the deck; reports what it does not find.
  * shared: a group was named. The list stands in the arena. */
@@ -240,13 +255,9 @@ typedef struct deck_bodies {
   bool given; /* any of the keys is there */
 } deck_bodies;
 
-struct deck_group;
 deck_bodies deck_select(deck *d, struct deck_group *g, bool walls);
 /* The body that a name or number stands for: a disk, or a wall where walls are allowed. False: reported. */
 bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body);
-bool deck_disk_called(const deck *d, const char *name, uint32_t *disk);
-/* Sorts the names of the disks and reports those given twice; before the first look-up. */
-void deck_index_names(deck *d);
 /* Bit k: coordinate k is named by the key `coordinate` or the like. */
 unsigned deck_coordinates(deck *d, struct deck_group *g, const char *key);
 

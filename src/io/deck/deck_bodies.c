@@ -4,67 +4,11 @@
 
 #include "io/deck/deck_read.h"
 
-/* Beyond so many names no nearest one is looked for. */
-enum { MOST_GUESSES = 10000 };
-
-bool deck_is_driven(const deck *d, size_t disk) {
-  const sd_disk *q = &d->model->disks[disk];
-  unsigned held = d->held ? d->held[disk] : 0;
-  for (int c = 0; c < 3; c++)
-    if (q->locked[c]) held |= 1u << c;
-  return q->driven || held == 7;
-}
-
-static int by_name(const void *a, const void *b) {
-  const deck_name *p = a, *q = b;
-  int order = strcmp(p->name, q->name);
-  return order ? order : p->index < q->index ? -1 : 1;
-}
-
-void deck_index_names(deck *d) {
-  const sd_model *m = d->model;
-  d->disk_names = deck_alloc(d, m->n_disks, sizeof *d->disk_names);
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (m->disks[i].name) d->disk_names[d->n_disk_names++] = (deck_name){m->disks[i].name, (uint32_t)i};
-  if (d->n_disk_names) qsort(d->disk_names, d->n_disk_names, sizeof *d->disk_names, by_name);
-  for (size_t k = 1; k < d->n_disk_names; k++)
-    if (strcmp(d->disk_names[k].name, d->disk_names[k - 1].name) == 0)
-      deck_fail_place(d, d->disk_place[d->disk_names[k].index], "name = \"%s\": two disks have this name",
-                      d->disk_names[k].name);
-}
-
 /* --- one body --------------------------------------------------------------------------------------------- */
-
-static const char *maybe(deck *d, deck_guess guess) {
-  return guess.best ? deck_format(d, "; did you mean \"%s\"?", guess.best) : "";
-}
 
 /* A name or a number that is not found may be that of a disk which a mistake further up has kept out. */
 static const char *remark(const deck *d) {
   return d->disks_missing ? " (not all disks could be read, see above)" : "";
-}
-
-bool deck_disk_called(const deck *d, const char *name, uint32_t *body) {
-  size_t low = 0, high = d->n_disk_names;
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    int order = strcmp(d->disk_names[middle].name, name);
-    if (order == 0) {
-      *body = d->disk_names[middle].index;
-      return true;
-    }
-    if (order < 0)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return false;
-}
-
-static bool wall_by_name(const deck *d, const char *name, uint32_t *body) {
-  if (!deck_index_find(&d->walls, name, body)) return false;
-  *body += (uint32_t)d->model->n_disks;
-  return true;
 }
 
 /* disks, walls: which of the two the name may stand for. */
@@ -86,16 +30,15 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
     return false;
   }
   const char *name = node->value.text;
-  if (disks && deck_disk_called(d, name, body)) return true;
-  if (walls && wall_by_name(d, name, body)) return true;
-  deck_guess guess = deck_guess_start(name);
-  bool told = deck_told(d);
-  for (size_t k = 0; disks && !told && k < d->n_disk_names && k < MOST_GUESSES; k++)
-    deck_guess_add(&guess, d->disk_names[k].name);
-  for (size_t w = 0; walls && !told && w < m->n_walls && w < MOST_GUESSES; w++)
-    deck_guess_add(&guess, m->walls[w].name);
-  deck_fail(d, node, "no %s is called that%s%s", what, maybe(d, guess),
-            disks && !guess.best ? remark(d) : "");
+  if (disks && deck_index_find(&d->disks, name, body)) return true;
+  bool wall = walls && (disks ? deck_index_find(&d->walls, name, body)
+                              : deck_index_look_up(d, &d->walls, what, node, "", body));
+  if (wall) *body += (uint32_t)m->n_disks;
+  if (wall || !disks) return wall;
+  guess near = guess_start(name);
+  deck_index_guess(d, &d->disks, &near);
+  if (walls) deck_index_guess(d, &d->walls, &near);
+  deck_fail(d, node, "no %s is called that%s%s", what, deck_hint(d, &near), near.best ? "" : remark(d));
   return false;
 }
 
@@ -106,13 +49,7 @@ bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body) 
 /* --- many bodies ------------------------------------------------------------------------------------------ */
 
 static void add(deck *d, deck_bodies *list, uint32_t body) {
-  if (list->n == list->capacity) {
-    size_t capacity = 2 * list->capacity + 16;
-    uint32_t *bodies = deck_alloc(d, capacity, sizeof *bodies);
-    if (list->n) memcpy(bodies, list->body, list->n * sizeof *bodies);
-    list->body = bodies;
-    list->capacity = capacity;
-  }
+  list->body = deck_extend(d, list->body, list->n, &list->capacity, sizeof *list->body);
   list->body[list->n++] = body;
 }
 
@@ -132,18 +69,11 @@ static void sort_by_group(deck *d) {
 }
 
 static void add_group(deck *d, const deck_node *node, deck_bodies *list) {
-  const sd_model *m = d->model;
-  const char *name = node->type == DECK_STRING ? node->value.text : "";
   uint32_t k;
-  if (deck_index_find(&d->groups, name, &k)) {
-    list->group = (int)k;
-    sort_by_group(d);
-    for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);
-    return;
-  }
-  deck_guess guess = deck_guess_start(name);
-  for (k = 0; k < m->n_groups && k < MOST_GUESSES && !deck_told(d); k++) deck_guess_add(&guess, m->groups[k]);
-  deck_fail(d, node, "no group of disks is called that%s%s", maybe(d, guess), guess.best ? "" : remark(d));
+  if (!deck_index_look_up(d, &d->groups, "group of disks", node, remark(d), &k)) return;
+  list->group = (int)k;
+  sort_by_group(d);
+  for (size_t i = d->group_start[k]; i < d->group_start[k + 1]; i++) add(d, list, d->grouped[i]);
 }
 
 static int by_number(const void *a, const void *b) {

@@ -113,7 +113,7 @@ static bool may_leak(const sd_model *m) {
 static bool starts_inside(const deck *d, size_t i) {
   const sd_bounds *b = &d->model->bounds;
   const sd_disk *disk = &d->model->disks[i];
-  bool inside = disk->waiting || deck_is_driven(d, i);
+  bool inside = disk->waiting || disk->driven;
   for (int c = 0; c < 2 && !inside; c++)
     if (disk->position[c] < b->lower[c] || disk->position[c] > b->upper[c]) return false;
   return true;
@@ -174,7 +174,7 @@ void deck_read_bounds(deck *d) {
     b->upper[c] = limit[1];
     b->given = set = true;
   }
-  b->outside = (sd_outside)deck_choice(&g, "outside");
+  deck_fill(&g, b);
   if (written && !b->given) deck_fail(d, g.node, "there is nothing to leave; expected x, y or both");
   if (set && d->reported == 0) check_start(d);
   if (!set && d->reported == 0 && m->container != SD_CONTAINER_NONE) warn_start(d);

@@ -67,26 +67,19 @@ static int group_number(deck *d, const char *name) {
   return (int)m->n_groups++;
 }
 
-static void make_room(deck *d) {
-  sd_model *m = d->model;
-  if (m->n_disks < d->disk_capacity) return;
-  size_t capacity = 2 * d->disk_capacity + 64;
-  m->disks = deck_grow(d, m->disks, capacity, sizeof *m->disks);
-  deck_place *place = deck_alloc(d, capacity, sizeof *place);
-  if (m->n_disks) memcpy(place, d->disk_place, m->n_disks * sizeof *place);
-  d->disk_place = place;
-  d->disk_capacity = capacity;
-}
-
 void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *group, deck_place place) {
   sd_model *m = d->model;
-  make_room(d);
+  size_t capacity = d->disk_capacity;
+  d->disk_place = deck_extend(d, d->disk_place, m->n_disks, &d->disk_capacity, sizeof place);
+  if (d->disk_capacity > capacity) m->disks = deck_grow(d, m->disks, d->disk_capacity, sizeof *m->disks);
   d->disk_place[m->n_disks] = place;
   sd_disk *own = &m->disks[m->n_disks++];
   *own = *disk;
   own->name = NULL; /* the model is whole if there is no memory for the name */
   own->group = group_number(d, group);
   own->name = deck_keep_text(d, name);
+  if (name && !deck_index_add(d, &d->disks, own->name, (uint32_t)(m->n_disks - 1)))
+    deck_fail_place(d, place, "name = \"%s\": two disks have this name", name);
 }
 
 static void add_disk(deck *d, const values *v) {
@@ -135,13 +128,7 @@ static values read_common(deck_group *g, const deck_columns *t) {
     if (common(g, t, k)) v.number[k] = deck_number(g, deck_column_names[k]);
   if (common(g, t, COLUMN_FIXED)) v.number[COLUMN_FIXED] = deck_bool(g, "fixed");
   if (g->table == &deck_disks) v.name = deck_text_of(g, "name");
-  if (common(g, t, COLUMN_MATERIAL)) {
-    if (d->model->n_materials == 1) deck_default_text(g, "material", d->model->materials[0].name);
-    const char *material = deck_text_of(g, "material");
-    if (material) v.material = deck_material(d, deck_get(g, "material"), material);
-    if (!deck_get(g, "material") && d->model->n_materials > 1)
-      deck_fail_key(d, g->node, "material", "missing: expected the name of a material");
-  }
+  if (common(g, t, COLUMN_MATERIAL)) v.material = deck_material(g);
   if (common(g, t, COLUMN_GROUP)) v.group = deck_text_of(g, "group");
   v.locked = deck_coordinates(d, g, "locked");
   deck_pair(g, "force", v.force);
@@ -177,7 +164,8 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     } else if (column == COLUMN_GROUP) {
       v.group = text;
     } else {
-      v.material = text ? deck_material(d, NULL, text) : -1;
+      uint32_t material;
+      v.material = text && deck_index_find(&d->materials, text, &material) ? (int)material : -1;
       if (v.material < 0)
         fail_value(
             d, &v, "material",
@@ -225,7 +213,6 @@ void deck_read_disks(deck *d) {
   if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files") && !deck_child(d->root, "packings"))
     deck_fail_key(d, d->root, "disks",
                   "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
-  deck_index_names(d);
 }
 
 /* --- the echo of short files ------------------------------------------------------------------------------ */

@@ -14,24 +14,15 @@ enum { WIDTH = 110 };
 
 typedef struct printer {
   deck *d;
-  char *text;
-  size_t n, capacity, line; /* line: where the current line begins */
+  deck_buffer out;
+  size_t line; /* where the current line begins */
   bool one_line;
 } printer;
 
 static void put(printer *p, const char *text) {
-  size_t n = strlen(text);
-  if (p->n + n + 1 > p->capacity) {
-    size_t capacity = 2 * (p->n + n + 1) + 4096;
-    char *grown = deck_alloc(p->d, capacity, 1);
-    if (p->n) memcpy(grown, p->text, p->n);
-    p->text = grown;
-    p->capacity = capacity;
-  }
-  memcpy(p->text + p->n, text, n + 1);
-  for (size_t k = 0; k < n; k++)
-    if (text[k] == '\n') p->line = p->n + k + 1;
-  p->n += n;
+  deck_put(p->d, &p->out, text, strlen(text));
+  const char *end = strrchr(text, '\n');
+  if (end) p->line = p->out.n - strlen(end) + 1;
 }
 
 static void newline(printer *p, int indent) {
@@ -92,7 +83,7 @@ static void put_value(printer *p, const deck_node *node, int indent) {
   put(p, "(");
   for (size_t k = 0; k < node->n; k++) {
     if (k) put(p, ",");
-    if (rows || p->n - p->line > WIDTH)
+    if (rows || p->out.n - p->line > WIDTH)
       newline(p, indent + 1);
     else if (k)
       put(p, " ");
@@ -113,7 +104,7 @@ static void put_group(printer *p, const deck_node *node, int indent) {
   for (size_t k = 0; k < count(node); k++) {
     const deck_node *child = nth(node, k);
     if (!child) continue;
-    if (p->n - p->line > WIDTH - 20 || (!scalar(child) && child->n && !scalar(child->child[0])))
+    if (p->out.n - p->line > WIDTH - 20 || (!scalar(child) && child->n && !scalar(child->child[0])))
       newline(p, indent + 1);
     else
       put(p, " ");
@@ -136,7 +127,7 @@ static void put_top(printer *p, const deck_node *child) {
 const char *deck_value_text(deck *d, const deck_node *node) {
   printer p = {.d = d, .one_line = true};
   put_value(&p, node, 0);
-  return p.text;
+  return p.out.bytes;
 }
 
 char *deck_echo(deck *d) {
@@ -146,5 +137,5 @@ char *deck_echo(deck *d) {
     const deck_node *child = deck_child(d->root, deck_top.key[k].name);
     if (child) put_top(&p, child);
   }
-  return deck_keep_text(d, p.text);
+  return deck_keep_text(d, p.out.bytes);
 }

@@ -175,14 +175,7 @@ static void read_axis(deck *d, deck_node *node, grid_axis *a) {
   if (a->name && !good_name(a->name))
     deck_fail_key(d, node, "name", "expected letters, digits, and _ . - only, a letter or digit first");
 
-  static const char *const kinds[] = {"values", "linspace", "logspace"};
-  const char *seen = NULL;
-  for (size_t k = 0; k < 3; k++) {
-    if (!deck_given(&g, kinds[k])) continue;
-    if (seen) deck_fail_key(d, node, kinds[k], "given together with %s; expected one of them", seen);
-    seen = kinds[k];
-  }
-  if (!seen) deck_fail_key(d, node, "values", "missing: expected values, linspace or logspace");
+  deck_one_of(&g, "values, linspace or logspace");
   read_values(&g, a);
   read_range(&g, "linspace", false, a);
   read_range(&g, "logspace", true, a);
@@ -252,9 +245,7 @@ static void check_paths(deck *d, grid *g) {
 
 static void read_collect(deck *d, deck_node *collect, deck_grids *all) {
   size_t names = deck_each_count(collect);
-  const char **grown = deck_alloc(d, all->n_collect + names + 1, sizeof *grown);
-  if (all->n_collect) memcpy(grown, all->collect, all->n_collect * sizeof *grown);
-  all->collect = grown;
+  all->collect = deck_more(d, all->collect, all->n_collect, all->n_collect + names + 1, sizeof *all->collect);
   for (size_t k = 0; k < names; k++) {
     const deck_node *name = deck_each(collect, k);
     if (name->type != DECK_STRING)

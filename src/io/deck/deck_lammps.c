@@ -188,12 +188,7 @@ static void add_atom(lammps *in) {
     in->crowded = true;
     return;
   }
-  if (in->n_atoms == in->capacity) {
-    atom *old = in->atoms;
-    in->capacity = 2 * in->capacity + 64;
-    in->atoms = deck_alloc(in->d, in->capacity, sizeof *in->atoms);
-    if (in->n_atoms) memcpy(in->atoms, old, in->n_atoms * sizeof *old);
-  }
+  in->atoms = deck_extend(in->d, in->atoms, in->n_atoms, &in->capacity, sizeof *in->atoms);
   atom *a = &in->atoms[in->n_atoms];
   *a = (atom){.type = in->word[s->type], .place = in->here};
   bool good = whole(in, 0, "id", &a->id); /* every value that is wrong is told */

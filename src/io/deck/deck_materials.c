@@ -1,53 +1,63 @@
 /* deck_materials.c: materials, the laws between them, and walls. See deck.h. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/limits.h"
 #include "io/deck/deck_read.h"
+#include "model/bodies.h"
+#include "model/laws.h"
 
-static sd_contact_law read_law(deck_group *g) {
-  sd_contact_law law = {.k_n = deck_number(g, "k_n"), .k_t = deck_number(g, "k_t")};
-  law.gamma_n = deck_number(g, "gamma_n");
-  law.mu = deck_number(g, "mu");
-  return law;
-}
+/* --- materials -------------------------------------------------------------------------------------------- */
 
-int deck_material(deck *d, const deck_node *node, const char *name) {
-  const sd_model *m = d->model;
-  uint32_t found;
-  if (deck_index_find(&d->materials, name, &found)) return (int)found;
-  if (!node) return -1;
-  deck_guess guess = deck_guess_start(name);
-  for (size_t k = 0; k < m->n_materials && !deck_told(d); k++) deck_guess_add(&guess, m->materials[k].name);
-  deck_fail(d, node, "no material is called that%s%s%s", guess.best ? "; did you mean \"" : "",
-            guess.best ? guess.best : "", guess.best ? "\"?" : "");
-  return -1;
+int deck_material(deck_group *g) {
+  deck *d = g->d;
+  uint32_t number;
+  if (d->model->n_materials == 1) deck_default_text(g, "material", d->model->materials[0].name);
+  const deck_node *node = deck_get(g, "material");
+  if (!node && d->model->n_materials > 1)
+    deck_fail_key(d, g->node, "material", "missing: expected the name of a material");
+  if (!node || !deck_text_of(g, "material")) return -1;
+  return deck_index_look_up(d, &d->materials, "material", node, "", &number) ? (int)number : -1;
 }
 
 static void read_pair(deck *d, deck_node *node) {
   sd_model *m = d->model;
   deck_group g;
   if (!deck_enter(d, node, &deck_pairs, &g)) return;
-  sd_contact_law law = read_law(&g);
+  sd_contact_law law = {0};
+  deck_fill(&g, &law);
   deck_node *names = deck_get(&g, "materials");
   if (!names || names->type != DECK_LIST || names->n != 2) {
     deck_fail_key(d, node, "materials", "expected the names of two materials (\"a\", \"b\")");
     return;
   }
-  int pair[2];
+  uint32_t pair[2];
+  bool found = true;
   for (int k = 0; k < 2; k++) {
     const deck_node *name = names->child[k];
-    bool text = name->type == DECK_STRING;
-    pair[k] = text ? deck_material(d, name, name->value.text) : -1;
-    if (!text) deck_fail(d, name, "expected the name of a material");
+    if (name->type != DECK_STRING) deck_fail(d, name, "expected the name of a material");
+    found = name->type == DECK_STRING &&
+            deck_index_look_up(d, &d->materials, "material", name, "", &pair[k]) && found;
   }
-  if (pair[0] < 0 || pair[1] < 0) return;
-  sd_contact_law *one = &m->laws[(size_t)pair[0] * m->n_materials + (size_t)pair[1]];
+  if (!found) return;
+  sd_contact_law *one = &m->laws[pair[0] * m->n_materials + pair[1]];
   if (pair[0] == pair[1])
     deck_fail(d, names, "the law of a material with itself stands in materials");
-  else if (one->k_n != 0)
+  else if (law_is_given(one))
     deck_fail(d, names, "this pair is given twice");
-  *one = m->laws[(size_t)pair[1] * m->n_materials + (size_t)pair[0]] = law;
+  *one = m->laws[pair[1] * m->n_materials + pair[0]] = law;
+}
+
+static void read_material(deck *d, deck_node *node, size_t k) {
+  sd_model *m = d->model;
+  deck_group g;
+  m->materials[k].name = deck_keep_text(d, "");
+  if (!deck_enter(d, node, &deck_materials, &g)) return;
+  const char *name = deck_text_of(&g, "name");
+  if (name && !deck_index_add(d, &d->materials, name, (uint32_t)k))
+    deck_fail_key(d, node, "name", "two materials have this name");
+  if (name && !*name) deck_fail_key(d, node, "name", "expected a name that is not empty");
+  deck_fill(&g, &m->laws[k * m->n_materials + k]);
+  if (name) deck_set_text(d, &m->materials[k].name, name);
 }
 
 void deck_read_materials(deck *d) {
@@ -61,21 +71,7 @@ void deck_read_materials(deck *d) {
   m->materials = deck_keep(d, n, sizeof *m->materials);
   m->laws = deck_keep(d, n * n, sizeof *m->laws);
   m->n_materials = n;
-  for (size_t k = 0; k < n; k++) m->materials[k].name = deck_keep_text(d, "");
-  for (size_t k = 0; k < n; k++) {
-    deck_group g;
-    if (!deck_enter(d, list->child[k], &deck_materials, &g)) continue;
-    const char *name = deck_text_of(&g, "name");
-    if (name && deck_material(d, NULL, name) >= 0)
-      deck_fail_key(d, g.node, "name", "two materials have this name");
-    if (name && !*name) deck_fail_key(d, g.node, "name", "expected a name that is not empty");
-    m->laws[k * n + k] = read_law(&g);
-    if (!name) continue;
-    char *old = m->materials[k].name;
-    m->materials[k].name = deck_keep_text(d, name);
-    deck_index_add(d, &d->materials, m->materials[k].name, (uint32_t)k);
-    free(old);
-  }
+  for (size_t k = 0; k < n; k++) read_material(d, list->child[k], k);
   if (!list && !deck_child(d->root, "materials"))
     deck_fail_key(d, d->root, "materials", "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
   else if (list && n == 0)
@@ -84,30 +80,21 @@ void deck_read_materials(deck *d) {
   for (size_t k = 0; pairs && k < pairs->n; k++) read_pair(d, pairs->child[k]);
 }
 
-/* Two different materials that can touch need a law: at least one has a disk that is free to move. */
 void deck_check_laws(deck *d) {
   const sd_model *m = d->model;
-  size_t n = m->n_materials;
-  bool *is_free = deck_alloc(d, n + 1, sizeof(bool)), *used = deck_alloc(d, n + 1, sizeof(bool));
-  for (size_t i = 0; i < m->n_disks; i++) {
-    if (m->disks[i].material < 0) continue;
-    used[m->disks[i].material] = true;
-    if (!deck_is_driven(d, i)) is_free[m->disks[i].material] = true;
+  law_use *use = deck_alloc(d, m->n_materials, sizeof *use);
+  laws_count_uses(m, use);
+  for (size_t a = 0, b = 1; laws_find_missing(m, use, &a, &b); b++) {
+    const char *one = m->materials[a].name, *two = m->materials[b].name;
+    if (a != b)
+      deck_fail_key(
+          d, d->root, "material_pairs",
+          "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", \"%s\"); k_n = ...; }", one,
+          two, one, two);
   }
-  for (size_t w = 0; w < m->n_walls; w++)
-    if (m->walls[w].material >= 0) used[m->walls[w].material] = true;
-  for (size_t a = 0; a < n; a++)
-    for (size_t b = a + 1; b < n; b++) {
-      bool touch = (is_free[a] && used[b]) || (is_free[b] && used[a]);
-      if (touch && m->laws[a * n + b].k_n == 0)
-        deck_fail_key(
-            d, d->root, "material_pairs",
-            "materials \"%s\" and \"%s\" can touch; expected { materials = (\"%s\", \"%s\"); k_n = ...; }",
-            m->materials[a].name, m->materials[b].name, m->materials[a].name, m->materials[b].name);
-    }
 }
 
-/* --- walls ---------------------------------------------------------------------------------------------- */
+/* --- walls ------------------------------------------------------------------------------------------------ */
 
 static void read_points(deck_group *g, sd_wall *wall) {
   deck *d = g->d;
@@ -138,38 +125,16 @@ static void read_points(deck_group *g, sd_wall *wall) {
     deck_fail(d, list->child[list->n - 1], "the same as the first point, to which `closed` joins it already");
 }
 
-static void read_straight(deck_group *g, sd_wall *wall) {
-  if (wall->kind == SD_WALL_POLYLINE) wall->closed = deck_bool(g, "closed");
-  read_points(g, wall);
-  double mean[2] = {0, 0};
-  for (size_t k = 0; k < wall->n_points; k++)
-    for (int c = 0; c < 2; c++) mean[c] += wall->points[k][c] / (double)wall->n_points;
-  if (wall->n_points) deck_default_pair(g, "pivot", mean);
-  deck_pair(g, "pivot", wall->pivot);
-}
-
 static void read_wall(deck *d, deck_node *node, sd_wall *wall) {
   deck_group g;
-  *wall = (sd_wall){.material = -1};
   if (!deck_enter(d, node, &deck_walls, &g)) return;
-  const char *name = deck_text_of(&g, "name");
-  wall->name = deck_keep_text(d, name);
-  if (d->model->n_materials == 1) deck_default_text(&g, "material", d->model->materials[0].name);
-  const char *material = deck_text_of(&g, "material");
-  if (material) wall->material = deck_material(d, deck_get(&g, "material"), material);
-  if (!deck_get(&g, "material"))
-    deck_fail_key(d, node, "material", "missing: expected the name of a material");
-  int kind = deck_choice(&g, "type");
-  if (kind < 0) return;
-  deck_check_shape(&g, &deck_wall_kinds[kind], deck_wall_kinds, deck_wall_kind_count);
-  wall->kind = (sd_wall_kind)deck_wall_kinds[kind].kind;
-  if (wall->kind != SD_WALL_CIRCLE) {
-    read_straight(&g, wall);
-    return;
+  wall->material = deck_material(&g);
+  if (!deck_fill(&g, wall) || wall->kind == SD_WALL_CIRCLE) return;
+  read_points(&g, wall);
+  if (wall->n_points && !deck_given(&g, "pivot")) {
+    wall_set_pivot(wall);
+    deck_default_pair(&g, "pivot", wall->pivot);
   }
-  deck_pair(&g, "center", wall->pivot);
-  wall->radius = deck_number(&g, "radius");
-  wall->inside = deck_choice(&g, "side") == 0;
 }
 
 void deck_read_walls(deck *d) {
@@ -179,11 +144,12 @@ void deck_read_walls(deck *d) {
   for (size_t k = 0; list && k < list->n; k++) {
     sd_wall *wall = &m->walls[k];
     m->n_walls = k + 1;
+    wall->material = -1;
     read_wall(d, list->child[k], wall);
     uint32_t disk;
     if (wall->name && !deck_index_add(d, &d->walls, wall->name, (uint32_t)k))
       deck_fail_key(d, list->child[k], "name", "two walls have this name");
-    if (wall->name && deck_disk_called(d, wall->name, &disk))
+    if (wall->name && deck_index_find(&d->disks, wall->name, &disk))
       deck_fail_key(d, list->child[k], "name", "a disk has this name too");
   }
 }

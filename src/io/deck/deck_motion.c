@@ -38,7 +38,7 @@ static double read_omega(deck_group *g) {
 static double read_amplitude(deck_group *g, const sd_motion *motion, unsigned mask) {
   if (!deck_given(g, "acceleration")) return deck_number(g, "amplitude");
   const motion_kind *kind = &motion_kinds[motion->kind];
-  if (!kind->amplitude) return NAN; /* deck_check_shape has refused the key */
+  if (!kind->amplitude) return NAN; /* deck_shape_of has refused the key */
   const double *gravity = g->d->model->gravity;
   double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
@@ -159,8 +159,6 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
     memcpy(motion->table_time, like->table_time, like->n_table * sizeof(double));
     memcpy(motion->table_value, like->table_value, like->n_table * sizeof(double));
   }
-  for (size_t b = 0; b < n; b++)
-    if (bodies[b] < m->n_disks) d->held[bodies[b]] |= (unsigned char)(1u << coordinate);
 }
 
 static uint32_t stream_number(deck *d, const deck_node *node, streams *s, int thing, size_t index,
@@ -301,7 +299,7 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
 
 static void read_wave_keys(deck_group *g, const deck_shape *shape, sd_motion *motion) {
 #define READ(member, ...)                                                                                    \
-  if (deck_shape_reads(shape, #member)) motion->member = deck_number(g, #member);
+  if (deck_listed(shape->keys, #member)) motion->member = deck_number(g, #member);
   WAVE_KEYS(READ)
 #undef READ
 }
@@ -337,10 +335,8 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   const char *name = deck_text_of(&g, "name");
   deck_bodies bodies = deck_select(d, &g, true);
   unsigned mask = deck_coordinates(d, &g, "coordinate");
-  int choice = deck_choice(&g, "type");
-  if (choice < 0) return;
-  const deck_shape *shape = &deck_motion_kinds[choice];
-  deck_check_shape(&g, shape, deck_motion_kinds, deck_motion_kind_count);
+  const deck_shape *shape = deck_shape_of(&g, "type");
+  if (!shape) return;
   char *own_name = name ? deck_copy(d, name, strlen(name)) : NULL;
   bool fixed = shape->kind == DECK_MOTION_FIXED; /* velocity 0 */
   sd_motion motion = {
@@ -379,7 +375,6 @@ void deck_check_motions(deck *d) {
 void deck_read_motions(deck *d) {
   sd_model *m = d->model;
   deck_node *list = deck_groups(d, d->root, "motions");
-  d->held = deck_alloc(d, m->n_disks + 1, 1);
   size_t things[THINGS] = {m->n_disks, m->n_walls, m->n_groups, m->n_disks + m->n_walls};
   streams s;
   for (int k = 0; k < THINGS; k++) s.used[k] = deck_alloc(d, 3 * things[k] + 1, 1);

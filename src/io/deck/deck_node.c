@@ -33,6 +33,28 @@ void *deck_alloc(deck *d, size_t n, size_t size) {
   return memset(start, 0, need);
 }
 
+void *deck_more(deck *d, const void *old, size_t n, size_t capacity, size_t size) {
+  void *grown = deck_alloc(d, capacity, size);
+  if (n) memcpy(grown, old, n * size);
+  return grown;
+}
+
+void *deck_extend(deck *d, void *old, size_t n, size_t *capacity, size_t size) {
+  if (n < *capacity) return old;
+  *capacity = 2 * n + 16;
+  return deck_more(d, old, n, *capacity, size);
+}
+
+void deck_put(deck *d, deck_buffer *b, const char *text, size_t n) {
+  if (b->n + n + 1 > b->capacity) {
+    b->capacity = 2 * (b->n + n + 1) + 1024;
+    b->bytes = deck_more(d, b->bytes, b->n, b->capacity, 1);
+  }
+  memcpy(b->bytes + b->n, text, n);
+  b->n += n;
+  b->bytes[b->n] = 0;
+}
+
 char *deck_copy(deck *d, const char *text, size_t n) {
   char *copy = deck_alloc(d, n + 1, 1);
   memcpy(copy, text, n);
@@ -97,6 +119,12 @@ char *deck_keep_text(deck *d, const char *text) {
   return copy;
 }
 
+void deck_set_text(deck *d, char **to, const char *text) {
+  char *copy = deck_keep_text(d, text);
+  free(*to);
+  *to = copy;
+}
+
 void deck_memory_free(deck *d) {
   while (d->memory) {
     deck_chunk *next = d->memory->next;
@@ -112,13 +140,7 @@ deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type
   deck_node *node = deck_alloc(d, 1, sizeof *node);
   *node = (deck_node){.name = name, .type = type, .place = place, .parent = parent};
   if (!parent) return node;
-  if (parent->n == parent->capacity) {
-    size_t capacity = parent->capacity ? 2 * parent->capacity : 4;
-    deck_node **child = deck_alloc(d, capacity, sizeof(deck_node *));
-    if (parent->n) memcpy(child, parent->child, parent->n * sizeof(deck_node *));
-    parent->child = child;
-    parent->capacity = capacity;
-  }
+  parent->child = deck_extend(d, parent->child, parent->n, &parent->capacity, sizeof(deck_node *));
   parent->child[parent->n++] = node;
   return node;
 }
@@ -181,9 +203,16 @@ const char *deck_node_value(deck *d, const deck_node *node) {
 
 bool deck_told(const deck *d) { return d->reported >= LIMIT_DECK_ERRORS; }
 
-static void report(deck *d, deck_place place, const char *head, const char *text) {
+/* So many errors were told that this one is only counted. */
+static bool counted(deck *d) {
+  if (!deck_told(d)) return false;
   d->reported++;
-  const char *colon = *head ? ": " : "";
+  return true;
+}
+
+static void report(deck *d, deck_place place, const char *head, const char *format, va_list args) {
+  d->reported++;
+  const char *text = words(d, format, args), *colon = *head ? ": " : "";
   if (place.line > 0)
     sd_fail(d->messages, SD_ERROR_USER, "%s:%d: %s%s%s", place.file, place.line, head, colon, text);
   else if (place.line < 0)
@@ -194,45 +223,35 @@ static void report(deck *d, deck_place place, const char *head, const char *text
 }
 
 void deck_fail(deck *d, const deck_node *node, const char *format, ...) {
-  if (deck_told(d)) {
-    d->reported++;
-    return;
-  }
+  if (counted(d)) return;
+  const char *path = deck_node_path(d, node);
+  bool leaf = node->type != DECK_GROUP;
   va_list args;
   va_start(args, format);
-  const char *text = words(d, format, args), *path = deck_node_path(d, node);
+  report(d, node->place, leaf ? deck_format(d, "%s = %s", path, deck_node_value(d, node)) : path, format,
+         args);
   va_end(args);
-  bool leaf = node->type != DECK_GROUP;
-  const char *head = leaf ? deck_format(d, "%s = %s", path, deck_node_value(d, node)) : path;
-  report(d, node->place, head, text);
 }
 
 void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) {
-  if (deck_told(d)) {
-    d->reported++;
-    return;
-  }
-  va_list args;
-  va_start(args, format);
-  const char *text = words(d, format, args), *path = deck_node_path(d, group);
-  va_end(args);
+  if (counted(d)) return;
+  const char *path = deck_node_path(d, group);
   const deck_node *node = deck_child(group, key);
   if (node && node->defaulted) node = NULL;
   const char *head = *path ? deck_format(d, "%s.%s", path, key) : key;
   if (node && node->type != DECK_GROUP) head = deck_format(d, "%s = %s", head, deck_node_value(d, node));
-  report(d, node ? node->place : group->place, head, text);
+  va_list args;
+  va_start(args, format);
+  report(d, node ? node->place : group->place, head, format, args);
+  va_end(args);
 }
 
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) {
-  if (deck_told(d)) {
-    d->reported++;
-    return;
-  }
+  if (counted(d)) return;
   va_list args;
   va_start(args, format);
-  const char *text = words(d, format, args);
+  report(d, place, "", format, args);
   va_end(args);
-  report(d, place, "", text);
 }
 
 void deck_check_text(deck *d, const deck_node *node) {

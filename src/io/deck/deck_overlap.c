@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "io/deck/deck.h"
+#include "model/bodies.h"
 
 /* Of one kind of mistake so many are told, the others are counted: one wrong number can move all disks. */
 enum { NONE = -1, MOST_ALIKE = 8 };
@@ -66,7 +67,7 @@ static bool check_pair(grid *g, size_t i, size_t j, double x, double y) {
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
   double dx = wrapped(g, b->position[0], 0) - x, dy = wrapped(g, b->position[1], 1) - y, r = hypot(dx, dy);
   double overlap = a->radius + b->radius - r, smaller = a->radius;
-  bool still = deck_is_driven(g->d, i) && deck_is_driven(g->d, j);
+  bool still = a->driven && b->driven;
   if (r > 0 && (still || overlap <= g->m->max_overlap * smaller)) return false;
   if (g->found++ >= MOST_ALIKE) return true;
   char one[96], two[96];
@@ -160,9 +161,7 @@ static void make_grid(grid *g) {
   for (size_t first = 0, end; first < n; first = end) {
     int size = level_of(all[first].radius);
     for (end = first; end < n && level_of(all[end].radius) == size;) end++;
-    level *grown = deck_alloc(g->d, g->n_levels + 1, sizeof *grown);
-    if (g->n_levels) memcpy(grown, g->levels, g->n_levels * sizeof *grown);
-    g->levels = grown;
+    g->levels = deck_more(g->d, g->levels, g->n_levels, g->n_levels + 1, sizeof *g->levels);
     level *l = &g->levels[g->n_levels++];
     *l = (level){.cell = ldexp(2, size), .n_cells = 16};
     while (l->n_cells < 2 * (end - first)) l->n_cells *= 2;
@@ -228,9 +227,9 @@ typedef struct pieces {
 
 static pieces make_pieces(deck *d, const sd_wall *wall) {
   pieces t = {.wall = wall, .leaves = 1};
-  if (wall->kind == SD_WALL_CIRCLE || wall->n_points < 2) return t;
   bool endless = wall->kind == SD_WALL_LINE;
-  t.n = wall->n_points - 1 + (wall->closed ? 1 : 0);
+  t.n = wall_segments(wall);
+  if (t.n == 0) return t;
   while (t.leaves < t.n) t.leaves *= 2;
   t.low = deck_alloc(d, 2 * t.leaves, sizeof *t.low);
   t.high = deck_alloc(d, 2 * t.leaves, sizeof *t.high);
@@ -278,7 +277,7 @@ static void check_walls(deck *d) {
     pieces tree = make_pieces(d, &m->walls[w]);
     for (size_t i = 0; i < m->n_disks; i++) {
       const sd_disk *disk = &m->disks[i];
-      if (!sound(disk) || disk->waiting || deck_is_driven(d, i)) continue;
+      if (!sound(disk) || disk->waiting || disk->driven) continue;
       double depth = depth_in_wall(&tree, disk);
       if (!(depth > m->max_overlap * disk->radius)) continue;
       if (found++ >= MOST_ALIKE) continue;

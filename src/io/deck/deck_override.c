@@ -14,35 +14,10 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/deck/deck.h"
-#include "io/deck/deck_keys.h"
-
-/* Of these only one may be given: setting one takes the others away. */
-enum { MOST_ALTERNATIVES = 3 };
-static const char *const alternatives[][MOST_ALTERNATIVES] = {{"steps", "time"},
-                                                              {"frequency", "omega"},
-                                                              {"mass", "density"},
-                                                              {"error", "relative"},
-                                                              {"values", "linspace", "logspace"},
-                                                              {"count", "fraction"},
-                                                              {"amplitude", "acceleration"},
-                                                              {"pressure", "fraction"},
-                                                              {"force", "pressure"}};
+#include "io/deck/deck_read.h"
 
 static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && !memcmp(word, text, n);
-}
-
-static bool are_alternatives(const char *a, size_t n, const char *b, size_t m) {
-  for (size_t k = 0; k < sizeof alternatives / sizeof *alternatives; k++) {
-    bool first = false, second = false;
-    for (size_t j = 0; j < MOST_ALTERNATIVES && alternatives[k][j]; j++) {
-      first = first || same_word(a, n, alternatives[k][j]);
-      second = second || same_word(b, m, alternatives[k][j]);
-    }
-    if (first && second) return true;
-  }
-  return false;
 }
 
 /* What -D has set stands in the command line. */
@@ -144,17 +119,17 @@ static const char *names_of(deck *d, const deck_node *list) {
 static deck_node *element(deck *d, const deck_setting *s, deck_node *list, const char *word, size_t n) {
   deck_node *found = find_entry(list, word, n);
   if (found) return found;
-  deck_guess guess = deck_guess_start(deck_copy(d, word, n));
+  guess near = guess_start(deck_copy(d, word, n));
   for (size_t k = 0; k < list->n; k++) {
     const char *name = entry_name(list->child[k]);
-    if (name) deck_guess_add(&guess, name);
+    if (name) guess_add(&near, name);
   }
   const char *hint = names_of(d, list), *above = deck_node_path(d, list);
-  if (strspn(guess.word, "0123456789") == n)
-    hint = deck_format(d, "; did you mean %s[%s]?", above, guess.word);
-  else if (guess.best)
-    hint = deck_format(d, "; did you mean \"%s\"?", guess.best);
-  fail(d, s, "%s has no entry named \"%s\"%s", above, guess.word, hint);
+  if (strspn(near.word, "0123456789") == n)
+    hint = deck_format(d, "; did you mean %s[%s]?", above, near.word);
+  else if (near.best)
+    hint = deck_hint(d, &near);
+  fail(d, s, "%s has no entry named \"%s\"%s", above, near.word, hint);
   return NULL;
 }
 
@@ -228,13 +203,10 @@ static void set(deck *d, const deck_setting *s, deck_node *at, const char *p, co
       return;
     }
   }
-  for (size_t k = 0; at->name && k < sizeof alternatives / sizeof *alternatives; k++)
-    for (size_t mine = 0; mine < MOST_ALTERNATIVES; mine++) {
-      if (!alternatives[k][mine] || strcmp(at->name, alternatives[k][mine]) != 0) continue;
-      for (size_t other = 0; other < MOST_ALTERNATIVES; other++)
-        if (other != mine && alternatives[k][other])
-          deck_remove(at->parent, deck_child(at->parent, alternatives[k][other]));
-    }
+  /* of keys of which one may be given, setting one takes the others away */
+  for (size_t k = 0; at->name && k < at->parent->n; k++)
+    if (at->parent->child[k] != at && deck_keys_exclude(at->name, at->parent->child[k]->name))
+      deck_remove(at->parent, at->parent->child[k--]);
   adopt(d, at, value, place_of(d, s));
 }
 
@@ -273,6 +245,14 @@ static piece next_piece(const char **p, const char *end) {
   return one;
 }
 
+/* Two keys of which one may be given. */
+static bool exclude(piece a, piece b) {
+  char one[LIMIT_QUOTE + 1], two[LIMIT_QUOTE + 1];
+  snprintf(one, sizeof one, "%.*s", (int)a.n, a.start);
+  snprintf(two, sizeof two, "%.*s", (int)b.n, b.start);
+  return a.n < sizeof one && b.n < sizeof two && deck_keys_exclude(one, two);
+}
+
 /* The entries of a list to which a piece of a path leads: from *first on, how many. */
 static size_t entries_of(piece one, const deck_node *list, size_t *first) {
   *first = 0;
@@ -306,7 +286,7 @@ static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, 
     return meet(child, p, p_end, q, q_end);
   }
   bool last = p == p_end && q == q_end;
-  return last && are_alternatives(a.start, a.n, b.start, b.n) ? DECK_ALTERNATIVES : DECK_APART;
+  return last && exclude(a, b) ? DECK_ALTERNATIVES : DECK_APART;
 }
 
 /* Where a path ends: at its =, or without it; blanks before that do not count. */

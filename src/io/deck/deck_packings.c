@@ -15,7 +15,6 @@
 #include "pack/rain.h"
 #include "pack/sizes.h"
 
-/* More disks than this in one packing are taken for a mistake. */
 /* Densest packing of equal disks, pi/sqrt(12). */
 static const double DENSEST = 0.90689968211710892;
 /* A distribution that is cut down to less than this is taken for a mistake. */
@@ -24,14 +23,11 @@ static const double LEAST_KEPT = 1e-6;
 typedef struct packing {
   deck_group g;
   size_t number;
-  sd_packing_kind kind;
-  sizes sizes;
+  deck_packing_values v;
+  sizes *sizes; /* of v */
   double mean_area;
   double lower[2], upper[2]; /* region */
   double area;               /* of its part inside the container; NAN: that has mistakes */
-  int64_t count;             /* 0: not given */
-  double fraction;           /* NAN: not given */
-  double mass, density;      /* one is NAN */
   int material;
   const char *group;
 } packing;
@@ -77,12 +73,9 @@ static void read_list(deck_group *g, sizes *s) {
 }
 
 /* Gaussian and lognormal are cut at 3 deviations unless the deck says otherwise. */
-static void read_normal(deck_group *g, sizes *s) {
+static void cut_normal(deck_group *g, const sizes *s) {
   deck *d = g->d;
   bool logarithm = s->kind == SD_SIZES_LOGNORMAL;
-  s->radius = deck_number(g, "radius");
-  s->deviation = deck_number(g, "deviation");
-  if (isnan(s->radius) || isnan(s->deviation)) return;
   double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;
   double upper = logarithm ? s->radius * exp(3 * s->deviation) : s->radius + 3 * s->deviation;
   if (!deck_get(g, "lower") && !(lower > 0)) {
@@ -94,24 +87,18 @@ static void read_normal(deck_group *g, sizes *s) {
   deck_default_number(g, "upper", upper);
 }
 
-static void read_sizes(deck_group *g, sizes *s) {
+static void finish_sizes(deck_group *g, sizes *s) {
   deck *d = g->d;
   size_t before = d->reported;
-  int choice = deck_choice(g, "sizes");
-  if (choice < 0) return;
-  deck_check_shape(g, &deck_size_kinds[choice], deck_size_kinds, deck_size_kind_count);
-  if (d->reported > before) return;
-  s->kind = (sd_size_kind)deck_size_kinds[choice].kind;
   if (s->kind == SD_SIZES_MONO) {
-    s->radius = s->lower = s->upper = deck_number(g, "radius");
+    s->lower = s->upper = s->radius;
     return;
   }
   if (s->kind == SD_SIZES_LIST) {
     read_list(g, s);
     return;
   }
-  if (s->kind == SD_SIZES_GAUSSIAN || s->kind == SD_SIZES_LOGNORMAL) read_normal(g, s);
-  if (s->kind == SD_SIZES_POWERLAW) s->exponent = deck_number(g, "exponent");
+  if (s->kind == SD_SIZES_GAUSSIAN || s->kind == SD_SIZES_LOGNORMAL) cut_normal(g, s);
   if (d->reported > before) return;
   s->lower = deck_number(g, "lower");
   s->upper = deck_number(g, "upper");
@@ -127,10 +114,7 @@ static void read_sizes(deck_group *g, sizes *s) {
 /* --- region --------------------------------------------------------------------------------------------- */
 
 /* The region's upper edge is one of the container. */
-static bool has_lid(const deck *d) {
-  const deck_node *open = deck_child(deck_child(d->root, "container"), "open");
-  return d->model->container == SD_CONTAINER_BOX && open && !open->value.flag;
-}
+static bool has_lid(const deck *d) { return d->model->container == SD_CONTAINER_BOX && !d->container->open; }
 
 static void check_edges(packing *p, int c) {
   deck *d = p->g.d;
@@ -177,7 +161,7 @@ static void read_region(packing *p) {
     check_edges(p, c);
   }
   if (broken || d->reported > before) return;
-  p->area = place_area(d->interior, p->lower, p->upper);
+  p->area = place_area(&d->container->interior, p->lower, p->upper);
   if (isnan(p->area)) longjmp(d->out_of_memory, 1);
   if (!(p->area > 0)) deck_fail(d, p->g.node, "its region lies outside the container");
 }
@@ -188,7 +172,7 @@ static void read_region(packing *p) {
 static void check_room(packing *p, double width, double height) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
-  double largest = p->sizes.upper, room[2] = {width, height};
+  double largest = p->sizes->upper, room[2] = {width, height};
   for (int c = 0; c < 2; c++) {
     bool wraps = m->periodic[c] && room[c] >= m->upper[c] - m->lower[c];
     if (2 * largest > room[c] * (1 + 1e-12) && !wraps)
@@ -199,7 +183,7 @@ static void check_room(packing *p, double width, double height) {
 
 static void check_area(packing *p, double count, double area) {
   deck *d = p->g.d;
-  if (!isnan(p->fraction) && p->fraction > DENSEST)
+  if (p->v.fraction > 0 && p->v.fraction > DENSEST)
     deck_fail_key(d, p->g.node, "fraction",
                   "more than the densest packing of equal disks has; expected at most 0.9069");
   else if (count > LIMIT_DISKS)
@@ -215,7 +199,7 @@ static void check_area(packing *p, double count, double area) {
 
 static void push(packing *p, size_t n, const double *radius, double (*position)[2], bool waiting) {
   for (size_t k = 0; k < n; k++) {
-    double mass = isnan(p->mass) ? p->density * 3.14159265358979323846 * radius[k] * radius[k] : p->mass;
+    double mass = p->v.mass == 0 ? p->v.density * 3.14159265358979323846 * radius[k] * radius[k] : p->v.mass;
     if (mass >= 0 && !deck_in_range(DECK_POSITIVE, mass)) {
       deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
                     deck_expected(DECK_POSITIVE, mass));
@@ -236,11 +220,11 @@ static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capa
                         sd_status *status) {
   double sum = 0;
   size_t n = (size_t)fmax(1, fmin(rint(area / p->mean_area), (double)capacity));
-  *status = sizes_draw(&p->sizes, rng, n, radius);
-  if (p->sizes.kind == SD_SIZES_MONO || p->sizes.kind == SD_SIZES_LIST || *status != SD_OK) return n;
+  *status = sizes_draw(p->sizes, rng, n, radius);
+  if (p->sizes->kind == SD_SIZES_MONO || p->sizes->kind == SD_SIZES_LIST || *status != SD_OK) return n;
   for (size_t k = 0; k < n; k++) sum += M_PI * radius[k] * radius[k];
   for (; n < capacity; n++) {
-    sizes_draw(&p->sizes, rng, 1, &radius[n]);
+    sizes_draw(p->sizes, rng, 1, &radius[n]);
     double more = M_PI * radius[n] * radius[n];
     if (sum + more / 2 > area) break;
     sum += more;
@@ -276,7 +260,7 @@ static bench open_bench(const packing *p, double capacity) {
   bench b = {.capacity = (size_t)capacity};
   b.radius = deck_alloc(d, b.capacity, sizeof *b.radius);
   b.position = deck_alloc(d, b.capacity, sizeof *b.position);
-  b.status = place_begin(&b.space, d->model, d->interior, p->lower, p->upper, b.capacity);
+  b.status = place_begin(&b.space, d->model, &d->container->interior, p->lower, p->upper, b.capacity);
   b.rng = sizes_random(d->model->seed, p->number);
   if (!b.rng) b.status = SD_ERROR_IO;
   return b;
@@ -292,10 +276,10 @@ static void make_lattice(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
   size_t before = d->reported;
-  deck_default_number(g, "spacing", 2 * p->sizes.upper);
-  double spacing = deck_number(g, "spacing"), jitter = deck_number(g, "jitter");
-  if (spacing < 2 * p->sizes.upper)
-    deck_fail_key(d, g->node, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes.upper);
+  deck_default_number(g, "spacing", 2 * p->sizes->upper);
+  double spacing = deck_number(g, "spacing"), jitter = p->v.jitter;
+  if (spacing < 2 * p->sizes->upper)
+    deck_fail_key(d, g->node, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes->upper);
   if (jitter > 1) deck_fail_key(d, g->node, "jitter", "expected at most 1; beyond it disks could overlap");
   if (d->reported > before) return;
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
@@ -305,16 +289,16 @@ static void make_lattice(packing *p) {
                   LIMIT_DISKS);
     return;
   }
-  bench b = open_bench(p, p->count > 0 ? fmin((double)p->count, sites) : sites);
+  bench b = open_bench(p, p->v.count > 0 ? fmin((double)p->v.count, sites) : sites);
   if (b.status == SD_OK) {
-    b.n = lattice_sites(&b.space, p->kind, spacing, b.capacity, b.position);
-    b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+    b.n = lattice_sites(&b.space, p->v.kind, spacing, b.capacity, b.position);
+    b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
     lattice_jitter(&b.space, b.rng, spacing, jitter, b.n, b.radius, b.position);
   }
   close_bench(p, &b);
   if (b.n == 0)
     deck_fail(d, g->node, "the lattice has no free site in the region");
-  else if ((int64_t)b.n < p->count)
+  else if ((int64_t)b.n < p->v.count)
     deck_fail_key(d, g->node, "count", "the lattice has %zu free sites only", b.n);
   else
     push(p, b.n, b.radius, b.position, false);
@@ -322,12 +306,12 @@ static void make_lattice(packing *p) {
 
 static void make_random(packing *p) {
   deck *d = p->g.d;
-  bool by_count = isnan(p->fraction);
-  double target = by_count ? (double)p->count * p->mean_area : p->fraction * p->area;
-  bench b = open_bench(p, by_count ? (double)p->count : 2 * target / p->mean_area + 100);
+  bool by_count = p->v.fraction == 0;
+  double target = by_count ? (double)p->v.count * p->mean_area : p->v.fraction * p->area;
+  bench b = open_bench(p, by_count ? (double)p->v.count : 2 * target / p->mean_area + 100);
   size_t placed = 0;
   b.n = b.capacity;
-  if (b.status == SD_OK && by_count) b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+  if (b.status == SD_OK && by_count) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
   if (b.status == SD_OK && !by_count) b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
   if (b.status == SD_OK) b.status = place_random(&b.space, b.rng, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
@@ -349,16 +333,17 @@ static void make_random(packing *p) {
 static void make_front(packing *p) {
   deck *d = p->g.d;
   double target = 1.05 * p->area + p->mean_area;
-  bench b = open_bench(p, p->count > 0 ? (double)p->count : 2 * target / p->mean_area + 100);
+  bench b = open_bench(p, p->v.count > 0 ? (double)p->v.count : 2 * target / p->mean_area + 100);
   size_t placed = 0;
   b.n = b.capacity;
-  if (b.status == SD_OK && p->count > 0) b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
-  if (b.status == SD_OK && p->count == 0) b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
+  if (b.status == SD_OK && p->v.count > 0) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  if (b.status == SD_OK && p->v.count == 0)
+    b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
   if (b.status == SD_OK) b.status = front_fill(&b.space, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
   if (placed == 0)
     deck_fail(d, p->g.node, "the front found no place for a disk in the region");
-  else if ((int64_t)placed < p->count)
+  else if ((int64_t)placed < p->v.count)
     deck_fail_key(d, p->g.node, "count", "the front has filled the region with %zu disks, a fraction of %.3f",
                   placed, fraction_of(p, placed, b.radius));
   else
@@ -376,7 +361,7 @@ static double fall_time(const sd_model *m, double height, double speed) {
 /* The lowest height at which the container is as wide as the rain. */
 static double rain_floor(packing *p) {
   deck *d = p->g.d;
-  const place_interior *in = d->interior;
+  const place_interior *in = &d->container->interior;
   double half = fmax(in->x - p->lower[0], p->upper[0] - in->x);
   if (in->kind == SD_CONTAINER_DRUM) {
     double low = place_half_width(in, p->lower[1]), high = place_half_width(in, p->upper[1]);
@@ -396,7 +381,7 @@ static void check_rain(packing *p, double height) {
     deck_fail_key(d, p->g.node, "rows", "a batch is %g high, the region only %g", height,
                   p->upper[1] - p->lower[1]);
   if (m->container != SD_CONTAINER_NONE)
-    check_area(p, (double)p->count, place_area(d->interior, m->region_lower, m->region_upper));
+    check_area(p, (double)p->v.count, place_area(&d->container->interior, m->region_lower, m->region_upper));
 }
 
 /* Above the region and everything that is there, or waits there already. */
@@ -412,14 +397,14 @@ static void make_rain(packing *p) {
   deck_group *g = &p->g;
   sd_model *m = d->model;
   size_t before = d->reported;
-  double largest = p->sizes.upper, rows = (double)deck_integer(g, "rows"), height = 2 * largest * rows;
+  double largest = p->sizes->upper, rows = (double)p->v.rows, height = 2 * largest * rows;
   deck_default_number(g, "gap", largest);
   sd_rain rain = {.first = m->n_disks,
-                  .count = (size_t)p->count,
+                  .count = (size_t)p->v.count,
                   .lower = p->lower[0],
                   .upper = p->upper[0],
                   .gap = deck_number(g, "gap"),
-                  .speed = deck_number(g, "speed")};
+                  .speed = p->v.speed};
   rain.floor = rain_floor(p);
   double interval = fall_time(m, height, rain.speed);
   if (isnan(interval))
@@ -429,9 +414,9 @@ static void make_rain(packing *p) {
   check_rain(p, height);
   if (d->reported > before) return;
   rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
-  bench b = open_bench(p, (double)p->count);
+  bench b = open_bench(p, (double)p->v.count);
   b.n = b.capacity;
-  if (b.status == SD_OK) b.status = sizes_draw(&p->sizes, b.rng, b.n, b.radius);
+  if (b.status == SD_OK) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
   close_bench(p, &b);
   double spacing = 2.1 * largest;
   place_waiting(p->lower[0], p->upper[0], waiting_height(p, spacing), spacing, b.n, b.position);
@@ -444,22 +429,6 @@ static void make_rain(packing *p) {
 
 /* --- a packing ------------------------------------------------------------------------------------------------ */
 
-static void read_common(packing *p) {
-  deck *d = p->g.d;
-  deck_group *g = &p->g;
-  if (d->model->n_materials == 1) deck_default_text(g, "material", d->model->materials[0].name);
-  const char *material = deck_text_of(g, "material");
-  if (material) p->material = deck_material(d, deck_get(g, "material"), material);
-  if (!deck_get(g, "material"))
-    deck_fail_key(d, g->node, "material", "missing: expected the name of a material");
-  p->group = deck_text_of(g, "group");
-  p->mass = deck_number(g, "mass");
-  p->density = deck_number(g, "density");
-  bool mass = deck_given(g, "mass"), density = deck_given(g, "density");
-  if (mass && density) deck_fail_key(d, g->node, "density", "given together with mass; expected one of them");
-  if (!mass && !density) deck_fail_key(d, g->node, "mass", "missing: expected mass or density > 0");
-}
-
 static void make_packing(packing *p) {
   static void (*const make[])(packing *) = {[SD_PACKING_TRIANGULAR] = make_lattice,
                                             [SD_PACKING_SQUARE] = make_lattice,
@@ -468,31 +437,28 @@ static void make_packing(packing *p) {
                                             [SD_PACKING_RAIN] = make_rain};
   deck *d = p->g.d;
   size_t before = d->reported;
-  bool rain = p->kind == SD_PACKING_RAIN;
-  p->mean_area = sizes_mean_area(&p->sizes);
+  bool rain = p->v.kind == SD_PACKING_RAIN;
+  p->mean_area = sizes_mean_area(p->sizes);
   if (isnan(p->mean_area)) longjmp(d->out_of_memory, 1);
   check_room(p, p->upper[0] - p->lower[0], rain ? HUGE_VAL : p->upper[1] - p->lower[1]);
-  double count = p->count > 0         ? (double)p->count
-                 : isnan(p->fraction) ? 0
-                                      : rint(p->fraction * p->area / p->mean_area);
+  double count = p->v.count > 0       ? (double)p->v.count
+                 : p->v.fraction == 0 ? 0
+                                      : rint(p->v.fraction * p->area / p->mean_area);
   if (d->reported == before) check_area(p, count, rain ? HUGE_VAL : p->area);
-  if (!isnan(p->fraction) && count < 1)
+  if (p->v.fraction > 0 && count < 1)
     deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
-  if (d->reported == before) make[p->kind](p);
+  if (d->reported == before) make[p->v.kind](p);
 }
 
 static void read_packing(deck *d, deck_node *node, size_t number) {
-  packing p = {.number = number, .material = -1, .fraction = NAN};
+  packing p = {.number = number, .sizes = &p.v.sizes};
   if (!deck_enter(d, node, &deck_packings, &p.g)) return;
   size_t before = d->reported;
-  int choice = deck_choice(&p.g, "type");
-  if (choice < 0) return;
-  deck_check_shape(&p.g, &deck_packing_kinds[choice], deck_packing_kinds, deck_packing_kind_count);
-  p.kind = (sd_packing_kind)deck_packing_kinds[choice].kind;
-  if (deck_given(&p.g, "count")) p.count = deck_integer(&p.g, "count");
-  p.fraction = deck_number(&p.g, "fraction");
-  read_common(&p);
-  read_sizes(&p.g, &p.sizes);
+  bool known = deck_fill(&p.g, &p.v);
+  p.material = deck_material(&p.g);
+  p.group = deck_text_of(&p.g, "group");
+  deck_one_of(&p.g, "mass or density > 0");
+  if (known && d->reported == before) finish_sizes(&p.g, p.sizes);
   read_region(&p);
   if (d->reported == before && !isnan(p.area)) make_packing(&p);
   d->disks_missing |= d->reported > before || isnan(p.area);

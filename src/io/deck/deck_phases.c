@@ -13,11 +13,9 @@ enum { MOST_WATCHED = 16 };
 /* The keys steps and time of a phase, or of the deck itself. */
 static int64_t read_steps(deck_group *g) {
   deck *d = g->d;
-  bool steps = deck_given(g, "steps"), time = deck_given(g, "time");
-  if (steps && time) deck_fail_key(d, g->node, "time", "given together with steps; expected one of them");
-  if (!steps && !time) deck_fail_key(d, g->node, "steps", "missing: expected the length in steps or time");
-  if (steps) return deck_integer(g, "steps");
-  if (!time) return 1;
+  const char *key = deck_one_of(g, "the length in steps or time");
+  if (!key) return 1;
+  if (deck_given(g, "steps")) return deck_integer(g, "steps");
   double n = round(deck_number(g, "time") / d->model->dt);
   if (isnan(n)) return 1; /* reported */
   if (n >= 1 && n < 9e18) return (int64_t)n;
@@ -42,18 +40,9 @@ static bool find_motion(deck *d, const deck_node *node, size_t *entry) {
     return false;
   }
   uint32_t found;
-  if (deck_index_find(&d->motions, node->value.text, &found)) {
-    *entry = found;
-    return true;
-  }
-  deck_guess guess = deck_guess_start(node->value.text);
-  for (size_t k = 0; k < n && !deck_told(d); k++) {
-    const deck_node *name = deck_child(list->child[k], "name");
-    if (name && name->type == DECK_STRING) deck_guess_add(&guess, name->value.text);
-  }
-  deck_fail(d, node, "no motion is called that%s%s%s", guess.best ? "; did you mean \"" : "",
-            guess.best ? guess.best : "", guess.best ? "\"?" : "");
-  return false;
+  if (!deck_index_look_up(d, &d->motions, "motion", node, "", &found)) return false;
+  *entry = found;
+  return true;
 }
 
 /* Every motion of the deck, by name where it has one. */
@@ -90,61 +79,44 @@ static void read_active(deck_group *g, sd_phase *phase) {
   for (size_t k = 0; k < m->n_motions; k++) phase->active[k] = on[d->motion_entry[k]];
 }
 
-/* --- cadences ------------------------------------------------------------------------------------------------ */
-
-static void read_cadence(deck_group *g, deck_group *output, const char *key, int64_t otherwise,
-                         int64_t *every) {
-  int64_t usual = deck_get(output, key) ? deck_integer(output, key) : otherwise;
-  deck_default_integer(g, key, usual);
-  *every = deck_integer(g, key);
-}
-
-/* --- settling, relaxing, compressing -------------------------------------------------------------------------- */
+/* --- phases ---------------------------------------------------------------------------------------------------- */
 
 static void read_settle(deck_group *g, sd_settle *settle) {
-  deck *d = g->d;
   deck_node *node = deck_get(g, "settle");
   deck_group s;
-  if (!node || !deck_enter(d, node, &deck_settle, &s)) return;
+  if (!node || !deck_enter(g->d, node, &deck_settle, &s)) return;
   settle->asked = true;
-  bool kinetic = deck_given(&s, "kinetic"), unbalanced = deck_given(&s, "unbalanced");
-  if (kinetic) settle->kinetic = deck_number(&s, "kinetic");
-  if (unbalanced) settle->unbalanced = deck_number(&s, "unbalanced");
-  if (!kinetic && !unbalanced)
-    deck_fail(d, node, "it has no criterion; expected kinetic, unbalanced or both");
-  settle->every = deck_integer(&s, "every");
+  deck_fill(&s, settle);
+  if (!deck_given(&s, "kinetic") && !deck_given(&s, "unbalanced"))
+    deck_fail(g->d, node, "it has no criterion; expected kinetic, unbalanced or both");
 }
 
 static void read_compress(deck_group *g, sd_compress *compress) {
   deck *d = g->d;
+  const sd_model *m = d->model;
   deck_node *node = deck_get(g, "compress");
   deck_group c;
   if (!node || !deck_enter(d, node, &deck_compress, &c)) return;
   compress->asked = true;
-  bool pressure = deck_given(&c, "pressure"), fraction = deck_given(&c, "fraction");
-  if (pressure == fraction) deck_fail(d, node, "expected one target, either pressure or fraction");
-  if (pressure) compress->pressure = deck_number(&c, "pressure");
-  if (fraction) compress->fraction = deck_number(&c, "fraction");
-  compress->rate = deck_number(&c, "rate");
-  compress->tolerance = deck_number(&c, "tolerance");
-  if (d->model->region_upper[0] <= d->model->region_lower[0] ||
-      d->model->region_upper[1] <= d->model->region_lower[1])
+  deck_fill(&c, compress);
+  if (deck_given(&c, "pressure") == deck_given(&c, "fraction"))
+    deck_fail(d, node, "expected one target, either pressure or fraction");
+  if (m->region_upper[0] <= m->region_lower[0] || m->region_upper[1] <= m->region_lower[1])
     deck_fail(d, node, "there is nothing to compress; expected a container, or a box with edges x and y");
 }
 
 static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool last) {
-  deck *d = g->d;
-  phase->name = deck_keep_text(d, deck_text_of(g, "name"));
+  static const char *const cadences[] = {"series", "frames", "contacts"};
   phase->steps = read_steps(g);
   read_active(g, phase);
   deck_default_bool(g, "measure", last);
-  phase->measure = deck_bool(g, "measure");
-  int64_t thousandth = phase->steps < 1000 ? 1 : phase->steps / 1000;
-  read_cadence(g, output, "series", thousandth, &phase->series_every);
-  read_cadence(g, output, "frames", 0, &phase->frames_every);
-  read_cadence(g, output, "contacts", 0, &phase->contacts_every);
+  for (int k = 0; k < 3; k++) {
+    int64_t usual = k > 0 ? 0 : phase->steps < 1000 ? 1 : phase->steps / 1000;
+    deck_default_integer(g, cadences[k],
+                         deck_get(output, cadences[k]) ? deck_integer(output, cadences[k]) : usual);
+  }
+  deck_fill(g, phase);
   read_settle(g, &phase->settle);
-  phase->relax = deck_bool(g, "relax");
   read_compress(g, &phase->compress);
 }
 
@@ -205,11 +177,11 @@ static void read_rotation(deck_group *g) {
   const sd_model *m = d->model;
   deck_node *list = deck_get(g, "rotation");
   size_t n_free = 0;
-  for (size_t i = 0; i < m->n_disks; i++) n_free += !deck_is_driven(d, i);
+  for (size_t i = 0; i < m->n_disks; i++) n_free += !m->disks[i].driven;
   if (!list) {
     list = deck_default_list(g, "rotation");
     for (size_t i = 0; n_free <= MOST_WATCHED && i < m->n_disks; i++) {
-      if (deck_is_driven(d, i)) continue;
+      if (m->disks[i].driven) continue;
       bool named = m->disks[i].name != NULL;
       deck_node *node = deck_node_new(d, list, NULL, named ? DECK_STRING : DECK_INT, list->place);
       if (named)
@@ -234,7 +206,7 @@ static void read_sliding(deck *d, deck_node *node) {
   if (!partners || partners->type != DECK_LIST || partners->n != 2)
     deck_fail_key(d, node, "partners", "expected two disks or walls (\"a\", \"b\")");
   if (!disk || !deck_find_body(d, disk, false, &watch.disk)) return;
-  if (deck_is_driven(d, watch.disk))
+  if (m->disks[watch.disk].driven)
     deck_fail(d, disk, "this disk is fixed or moved by motions; expected a free one");
   if (!partners || partners->type != DECK_LIST || partners->n != 2) return;
   bool found = deck_find_body(d, partners->child[0], true, &watch.partner[0]);
@@ -250,8 +222,7 @@ void deck_read_measure(deck *d) {
   deck_group g;
   if (!deck_enter_one(d, d->root, "measure", &deck_measure, &g)) return;
   read_rotation(&g);
-  d->model->measure_disks = deck_bool(&g, "disks");
-  d->model->measure_every = deck_integer(&g, "every");
+  deck_fill(&g, d->model);
   deck_node *list = deck_groups(d, g.node, "sliding");
   for (size_t k = 0; list && k < list->n; k++) read_sliding(d, list->child[k]);
 }

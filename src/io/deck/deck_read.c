@@ -10,8 +10,8 @@ static const double pi = 3.14159265358979323846;
 
 /* --- groups --------------------------------------------------------------------------------------------- */
 
-static const char *hint(deck *d, const char *best) {
-  return best ? deck_format(d, "; did you mean \"%s\"?", best) : "";
+const char *deck_hint(deck *d, const guess *g) {
+  return g->best ? deck_format(d, "; did you mean \"%s\"?", g->best) : "";
 }
 
 /* "; expected g or tilt" for a table of few keys, "" for a longer one. */
@@ -27,13 +27,12 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
   for (size_t k = 0; k < node->n; k++) {
     deck_node *child = node->child[k];
     if (deck_key_find(table, child->name)) continue;
-    deck_guess guess = deck_guess_start(child->name);
-    for (size_t j = 0; j < table->n && !deck_told(d); j++) deck_guess_add(&guess, table->key[j].name);
-    deck_fail(d, child, "unknown key%s%s%s", table == &deck_top ? "" : " of ",
-              table == &deck_top ? "" : table->name,
-              deck_told(d) ? ""
-              : guess.best ? hint(d, guess.best)
-                           : keys_of(d, table));
+    bool told = deck_told(d);
+    guess near = guess_start(child->name);
+    for (size_t j = 0; j < table->n && !told; j++) guess_add(&near, table->key[j].name);
+    const char *hint = told ? "" : near.best ? deck_hint(d, &near) : keys_of(d, table);
+    bool top = table == &deck_top;
+    deck_fail(d, child, "unknown key%s%s%s", top ? "" : " of ", top ? "" : table->name, hint);
   }
 }
 
@@ -278,21 +277,25 @@ const char *deck_text_of(deck_group *g, const char *name) {
   return NULL;
 }
 
-int deck_choice(deck_group *g, const char *name) {
+/* The word that a choice names; NULL: left out, or reported. */
+static const deck_shape *choose(deck_group *g, const char *name) {
   const deck_key *key;
   deck_node *node = find(g, name, &key);
-  if (!node) return -1;
-  char *choices = deck_copy(g->d, key->choices, strlen(key->choices)), *rest = choices;
-  deck_guess guess = deck_guess_start(node->type == DECK_STRING ? node->value.text : "");
+  if (!node) return NULL;
+  guess near = guess_start(node->type == DECK_STRING ? node->value.text : "");
   const char *list = "";
-  int number = 0;
-  for (char *word = strtok_r(choices, " ", &rest); word; word = strtok_r(NULL, " ", &rest), number++) {
-    if (strcmp(guess.word, word) == 0) return number;
-    deck_guess_add(&guess, word);
-    list = deck_format(g->d, "%s%s\"%s\"", list, number ? ", " : "", word);
+  for (const deck_shape *word = key->words; word->name; word++) {
+    if (strcmp(near.word, word->name) == 0) return word;
+    guess_add(&near, word->name);
+    list = deck_format(g->d, "%s%s\"%s\"", list, word == key->words ? "" : ", ", word->name);
   }
-  deck_fail(g->d, node, "expected one of %s%s", list, hint(g->d, guess.best));
-  return -1;
+  deck_fail(g->d, node, "expected one of %s%s", list, deck_hint(g->d, &near));
+  return NULL;
+}
+
+int deck_choice(deck_group *g, const char *name) {
+  const deck_shape *word = choose(g, name);
+  return word ? word->kind : -1;
 }
 
 bool deck_pair(deck_group *g, const char *name, double pair[2]) {
@@ -330,50 +333,105 @@ unsigned deck_coordinates(deck *d, deck_group *g, const char *name) {
   return mask;
 }
 
-/* --- shapes --------------------------------------------------------------------------------------------- */
+/* --- alternatives and kinds ----------------------------------------------------------------------------------- */
 
-/* Is name one of the words of a shape's list? star: of its alternatives, the word ended in one. */
-static bool listed(const char *keys, const char *name) {
-  size_t n = strlen(name);
-  for (const char *p = keys; (p = strstr(p, name)); p += n)
-    if ((p == keys || strchr(" /", p[-1])) && (!p[n] || strchr(" /*", p[n]))) return true;
-  return false;
-}
-
-bool deck_shape_reads(const deck_shape *shape, const char *key) { return listed(shape->keys, key); }
-
-/* The key that chooses the shape. */
-static const char *chooser(const deck_shape *all) { return all == deck_size_kinds ? "sizes" : "type"; }
-
-/* "frequency/omega*": exactly one must be given. */
-static void check_alternatives(deck_group *g, const deck_shape *shape, const deck_shape *all, char *word) {
-  size_t n = strlen(word);
-  bool required = n && word[n - 1] == '*';
-  if (required) word[n - 1] = 0;
-  const char *text = deck_copy(g->d, word, strlen(word)), *seen = NULL, *first = NULL;
-  char *rest = word;
-  for (char *key = strtok_r(word, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
-    if (!first) first = key;
+/* Of keys joined by / at most one may be given; which one, or NULL. */
+static const char *given_of(deck_group *g, const char *keys) {
+  const char *seen = NULL;
+  char *copy = deck_copy(g->d, keys, strcspn(keys, " *")), *rest = NULL;
+  for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
     if (!deck_given(g, key)) continue;
     if (seen) deck_fail_key(g->d, g->node, key, "given together with %s; expected one of them", seen);
     seen = key;
   }
-  const deck_key *key = deck_key_find(g->table, first);
-  if (required && !seen)
-    deck_fail_key(g->d, g->node, text, "missing: %s \"%s\" needs it (%s)", chooser(all), shape->name,
-                  key ? key->meaning : "");
+  return seen;
 }
 
-void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *all, size_t n_all) {
-  /* keys of other shapes only */
+const char *deck_one_of(deck_group *g, const char *expected) {
+  const char *seen = given_of(g, g->table->either);
+  const char *first = deck_copy(g->d, g->table->either, strcspn(g->table->either, "/"));
+  if (!seen) deck_fail_key(g->d, g->node, first, "missing: expected %s", expected);
+  return seen;
+}
+
+/* Keys that belong to another kind only, and those of its own that are missing. */
+static void check_kind(deck_group *g, const deck_key *chooser, const deck_shape *kind) {
   for (size_t k = 0; k < g->node->n; k++) {
-    const char *name = g->node->child[k]->name;
-    bool elsewhere = false;
-    for (size_t j = 0; j < n_all; j++) elsewhere |= listed(all[j].keys, name);
-    if (elsewhere && !listed(shape->keys, name) && !g->node->child[k]->defaulted)
-      deck_fail(g->d, g->node->child[k], "does not belong to %s \"%s\"", chooser(all), shape->name);
+    const deck_node *child = g->node->child[k];
+    if (!child->defaulted && !deck_reads(chooser, kind, child->name))
+      deck_fail(g->d, child, "does not belong to %s \"%s\"", chooser->name, kind->name);
   }
-  char *keys = deck_copy(g->d, shape->keys, strlen(shape->keys)), *rest = keys;
-  for (char *word = strtok_r(keys, " ", &rest); word; word = strtok_r(NULL, " ", &rest))
-    check_alternatives(g, shape, all, word);
+  for (const char *p = kind->keys; *p; p += strspn(p, " ")) {
+    size_t n = strcspn(p, " "), first = strcspn(p, "/* ");
+    bool seen = given_of(g, p) != NULL;
+    const deck_key *key = deck_key_find(g->table, deck_copy(g->d, p, first));
+    if (p[n - 1] == '*' && !seen)
+      deck_fail_key(g->d, g->node, deck_copy(g->d, p, n - 1), "missing: %s \"%s\" needs it (%s)",
+                    chooser->name, kind->name, key ? key->meaning : "");
+    p += n;
+  }
+}
+
+bool deck_reads(const deck_key *chooser, const deck_shape *kind, const char *key) {
+  if (kind && deck_listed(kind->keys, key)) return true;
+  for (const deck_shape *other = chooser->words; other->name; other++)
+    if (deck_listed(other->keys, key)) return false;
+  return true;
+}
+
+const deck_shape *deck_shape_of(deck_group *g, const char *key) {
+  const deck_shape *kind = choose(g, key);
+  if (kind) check_kind(g, deck_key_find(g->table, key), kind);
+  return kind;
+}
+
+/* --- members -------------------------------------------------------------------------------------------------- */
+
+static void read_member(deck_group *g, const deck_key *key, void *member) {
+  const deck_shape *word;
+  const char *name = key->name;
+  if (!deck_get(g, name) && strcmp(key->initial, "-") == 0) return;
+  switch (key->target) {
+    case DECK_SETS_NOTHING: break;
+    case DECK_SETS_NUMBER: *(double *)member = deck_number(g, name); break;
+    case DECK_SETS_INTEGER:
+    case DECK_SETS_UNSIGNED: *(int64_t *)member = deck_integer(g, name); break;
+    case DECK_SETS_PAIR: deck_pair(g, name, member); break;
+    case DECK_SETS_TEXT: *(char **)member = deck_keep_text(g->d, deck_text_of(g, name)); break;
+    case DECK_SETS_BOOL:
+      if (key->words)
+        *(bool *)member = deck_choice(g, name) == true;
+      else
+        *(bool *)member = deck_bool(g, name);
+      break;
+    case DECK_SETS_ENUM:
+      word = choose(g, name);
+      if (word) *(int *)member = word->kind;
+      break;
+  }
+}
+
+bool deck_fill(deck_group *g, void *members) {
+  enum { CHOOSERS = 2 };
+  const deck_key *chooser[CHOOSERS];
+  const deck_shape *kind[CHOOSERS];
+  size_t n = 0;
+  bool known = true;
+  for (size_t k = 0; k < g->table->n; k++) {
+    const deck_key *key = &g->table->key[k];
+    if (!key->words || !key->words[0].keys || n == CHOOSERS) continue;
+    chooser[n] = key;
+    kind[n] = deck_shape_of(g, key->name);
+    known = kind[n++] && known;
+  }
+  for (size_t k = 0; k < g->table->n; k++) {
+    const deck_key *key = &g->table->key[k];
+    bool reads = key->target != DECK_SETS_NOTHING;
+    for (size_t j = 0; j < n; j++)
+      reads = reads && key != chooser[j] && deck_reads(chooser[j], kind[j], key->name);
+    if (reads) read_member(g, key, (char *)members + key->offset);
+  }
+  for (size_t j = 0; j < n; j++)
+    if (kind[j]) *(int *)((char *)members + chooser[j]->offset) = kind[j]->kind;
+  return known;
 }

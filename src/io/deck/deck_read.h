@@ -7,8 +7,10 @@
 #ifndef SLIPDISK_IO_DECK_READ_H
 #define SLIPDISK_IO_DECK_READ_H
 
+#include "base/guess.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_keys.h"
+#include "io/deck/deck_values.h"
 
 /* A group that is being read, with the table of its keys. */
 typedef struct deck_group {
@@ -31,7 +33,7 @@ bool deck_bool(deck_group *g, const char *key);
 int64_t deck_integer(deck_group *g, const char *key);
 double deck_number(deck_group *g, const char *key); /* also angles; NAN when left out and without default */
 const char *deck_text_of(deck_group *g, const char *key); /* NULL when left out and without default */
-int deck_choice(deck_group *g, const char *key);          /* number of the word; -1: left out, or reported */
+int deck_choice(deck_group *g, const char *key);          /* value of the word; -1: left out, or reported */
 bool deck_pair(deck_group *g, const char *key,
                double pair[2]); /* two numbers; false: left out, or reported */
 
@@ -52,8 +54,17 @@ bool deck_angle(const char *text, double *x);
 size_t deck_each_count(const deck_node *node);
 deck_node *deck_each(deck_node *node, size_t k);
 
-/* Checks a group against the keys that its shape reads (deck_motion_kinds, deck_wall_kinds, ...). */
-void deck_check_shape(deck_group *g, const deck_shape *shape, const deck_shape *all, size_t n_all);
-bool deck_shape_reads(const deck_shape *shape, const char *key);
+/* The kind that the key chooses, the keys of the group checked against it; NULL: left out, or reported. */
+const deck_shape *deck_shape_of(deck_group *g, const char *key);
+/* Does this kind read the key? Keys that no kind names are read by all. */
+bool deck_reads(const deck_key *chooser, const deck_shape *kind, const char *key);
+/* Which of the table's alternatives is given; NULL: none, reported as "missing: expected ...". */
+const char *deck_one_of(deck_group *g, const char *expected);
+/* Reads all keys that set a member of the struct. Kinds are chosen first, and their own keys read only where the kind
+ * has them. Defaults that depend on other keys are put in before. False: a kind is missing (reported). */
+bool deck_fill(deck_group *g, void *members);
+
+/* "; did you mean "..."?", or "". */
+const char *deck_hint(deck *d, const guess *g);
 
 #endif

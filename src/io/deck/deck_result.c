@@ -15,77 +15,56 @@
 
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
+#include "model/bodies.h"
 
 /* Those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
 
 /* --- the text ------------------------------------------------------------------------------------------- */
 
-typedef struct lines {
-  deck *d;
-  char *text;
-  size_t n, capacity;
-} lines;
-
-static void put(lines *out, const char *text) {
-  size_t n = strlen(text);
-  if (out->n + n + 1 > out->capacity) {
-    size_t capacity = 2 * (out->n + n + 1) + 1024;
-    char *grown = deck_alloc(out->d, capacity, 1);
-    if (out->n) memcpy(grown, out->text, out->n);
-    out->text = grown;
-    out->capacity = capacity;
-  }
-  memcpy(out->text + out->n, text, n + 1);
-  out->n += n;
-}
+static void put(deck *d, deck_buffer *out, const char *text) { deck_put(d, out, text, strlen(text)); }
 
 /* A name that would break the lines is left out. */
 static const char *clean(const char *name) { return name && !strpbrk(name, "\t\n") ? name : ""; }
-
-/* As sd_model_finish counts them. */
-static size_t pieces_of(const sd_wall *w) {
-  if (w->kind == SD_WALL_CIRCLE || w->n_points < 2) return 0;
-  return w->kind == SD_WALL_POLYLINE ? w->n_points - 1 + (w->closed ? 1 : 0) : 1;
-}
 
 result_wall *deck_result_walls(deck *d) {
   const sd_model *m = d->model;
   result_wall *walls = deck_alloc(d, m->n_walls, sizeof *walls);
   for (size_t k = 0; k < m->n_walls; k++) {
     const sd_wall *w = &m->walls[k];
-    lines out = {.d = d};
-    put(&out, deck_format(d, "%d %d %d %.17g %.17g %.17g", (int)w->kind, w->closed, w->inside, w->radius,
-                          w->pivot[0], w->pivot[1]));
+    deck_buffer out = {0};
+    put(d, &out,
+        deck_format(d, "%d %d %d %.17g %.17g %.17g", (int)w->kind, w->closed, w->inside, w->radius,
+                    w->pivot[0], w->pivot[1]));
     for (size_t n = 0; n < w->n_points; n++)
-      put(&out, deck_format(d, " %.17g %.17g", w->points[n][0], w->points[n][1]));
-    walls[k] = (result_wall){clean(w->name), out.text, pieces_of(w), 0, 1};
+      put(d, &out, deck_format(d, " %.17g %.17g", w->points[n][0], w->points[n][1]));
+    walls[k] = (result_wall){clean(w->name), out.bytes, wall_segments(w), 0, 1};
   }
   return walls;
 }
 
 char *deck_result_text(deck *d, const result_wall *walls) {
   const sd_model *m = d->model;
-  lines out = {.d = d};
-  put(&out, deck_format(d, "box\t%d %d %.17g %.17g %.17g %.17g\n", m->periodic[0], m->periodic[1],
-                        m->lower[0], m->upper[0], m->lower[1], m->upper[1]));
+  deck_buffer out = {0};
+  put(d, &out,
+      deck_format(d, "box\t%d %d %.17g %.17g %.17g %.17g\n", m->periodic[0], m->periodic[1], m->lower[0],
+                  m->upper[0], m->lower[1], m->upper[1]));
   for (size_t k = 0; k < m->n_materials; k++)
-    put(&out, deck_format(d, "material\t%s\n", clean(m->materials[k].name)));
-  for (size_t k = 0; k < m->n_groups; k++) put(&out, deck_format(d, "group\t%s\n", clean(m->groups[k])));
+    put(d, &out, deck_format(d, "material\t%s\n", clean(m->materials[k].name)));
+  for (size_t k = 0; k < m->n_groups; k++) put(d, &out, deck_format(d, "group\t%s\n", clean(m->groups[k])));
   for (size_t k = 0; k < m->n_disks; k++)
-    if (*clean(m->disks[k].name)) put(&out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
+    if (*clean(m->disks[k].name)) put(d, &out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
   for (size_t k = 0; k < m->n_walls; k++)
-    put(&out, deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].pieces,
-                          walls[k].angle, walls[k].scale, walls[k].text));
-  return deck_keep_text(d, out.text);
+    put(d, &out,
+        deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].pieces, walls[k].angle,
+                    walls[k].scale, walls[k].text));
+  return deck_keep_text(d, out.bytes);
 }
 
 static void add_name(deck *d, result_names *list, size_t at, const char *name) {
   if (at >= list->n) {
     size_t n = at + 1 + list->n;
-    const char **grown = deck_alloc(d, n, sizeof *grown);
-    if (list->n) memcpy(grown, list->name, list->n * sizeof *grown);
-    list->name = grown;
+    list->name = deck_more(d, list->name, list->n, n, sizeof *list->name);
     list->n = n;
   }
   list->name[at] = name;
@@ -98,11 +77,7 @@ static void add_wall(deck *d, deck_result *r, char *line) {
   result_wall wall = {.name = line, .text = text};
   if (sscanf(count, "%zu %lf %lf", &wall.pieces, &wall.angle, &wall.scale) != 3) return;
   if (r->n_walls == MOST_WALLS) return;
-  if ((r->n_walls & (r->n_walls - 1)) == 0) {
-    result_wall *grown = deck_alloc(d, 2 * r->n_walls + 1, sizeof *grown);
-    if (r->n_walls) memcpy(grown, r->walls, r->n_walls * sizeof *grown);
-    r->walls = grown;
-  }
+  r->walls = deck_extend(d, r->walls, r->n_walls, &r->wall_capacity, sizeof *r->walls);
   r->walls[r->n_walls++] = wall;
 }
 

@@ -36,7 +36,7 @@ typedef struct deck_result {
 
   /* what the text of deck_bodies says; nothing in files without it */
   result_names materials, groups, disk_names;
-  size_t n_walls;
+  size_t n_walls, wall_capacity;
   result_wall *walls;
   bool boxed, periodic[2];
   double lower[2], upper[2];

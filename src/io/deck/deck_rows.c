@@ -39,11 +39,11 @@ bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck
   int column = deck_column(name);
   const char *wrong = NULL;
   if (column < 0) {
-    deck_guess guess = deck_guess_start(name);
-    for (int k = 0; k < COLUMN_KINDS; k++) deck_guess_add(&guess, deck_column_names[k]);
+    guess near = guess_start(name);
+    for (int k = 0; k < COLUMN_KINDS; k++) guess_add(&near, deck_column_names[k]);
     wrong =
-        guess.best
-            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown, guess.best)
+        near.best
+            ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown, near.best)
             : deck_format(d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...", shown);
   }
   for (size_t k = 0; k < table->n_columns && !wrong; k++)
@@ -72,20 +72,12 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
 /* --- cells ---------------------------------------------------------------------------------------------- */
 
 static void grow(deck *d, deck_columns *t, size_t capacity) {
-  size_t cells = capacity * t->n_columns;
+  size_t cells = capacity * t->n_columns, before = t->n_rows * t->n_columns;
   bool texts = false;
   for (size_t c = 0; c < t->n_columns; c++) texts |= t->column[c] >= COLUMN_NUMBERS;
-  double *number = deck_alloc(d, cells, sizeof *number);
-  const char **text = texts ? deck_alloc(d, cells, sizeof *text) : NULL;
-  deck_place *where = deck_alloc(d, capacity, sizeof *where);
-  if (t->n_rows) {
-    memcpy(number, t->number, t->n_rows * t->n_columns * sizeof *number);
-    if (texts) memcpy(text, t->text, t->n_rows * t->n_columns * sizeof *text);
-    memcpy(where, t->place, t->n_rows * sizeof *where);
-  }
-  t->number = number;
-  t->text = text;
-  t->place = where;
+  t->number = deck_more(d, t->number, before, cells, sizeof *t->number);
+  if (texts) t->text = deck_more(d, t->text, before, cells, sizeof *t->text);
+  t->place = deck_more(d, t->place, t->n_rows, capacity, sizeof *t->place);
   t->capacity = capacity;
 }
 
@@ -146,13 +138,7 @@ static void add_field(csv *in, char *text) {
     in->n_fields++;
     return;
   }
-  if (in->n_fields == in->capacity) {
-    size_t capacity = 2 * in->capacity + 16;
-    char **field = deck_alloc(in->d, capacity, sizeof *field);
-    if (in->n_fields) memcpy(field, in->field, in->n_fields * sizeof *field);
-    in->field = field;
-    in->capacity = capacity;
-  }
+  in->field = deck_extend(in->d, in->field, in->n_fields, &in->capacity, sizeof *in->field);
   while (isspace((unsigned char)*text)) text++;
   char *end = text + strlen(text);
   while (end > text && isspace((unsigned char)end[-1])) *--end = 0;
@@ -210,11 +196,11 @@ static bool csv_number(const csv *in, const char *column, const char *text, doub
 static size_t csv_find_reported(const csv *in, const char *name) {
   size_t k = csv_find(in, name);
   if (k != SIZE_MAX) return k;
-  deck_guess guess = deck_guess_start(name);
-  for (size_t j = 0; j < in->n_fields; j++) deck_guess_add(&guess, in->field[j]);
-  if (guess.best) {
+  guess near = guess_start(name);
+  for (size_t j = 0; j < in->n_fields; j++) guess_add(&near, in->field[j]);
+  if (near.best) {
     deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?", name,
-                    guess.best);
+                    near.best);
     return SIZE_MAX;
   }
   const char *found = "";
@@ -259,7 +245,7 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
 size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b) {
   csv in;
   if (!csv_open(&in, d, file)) return 0;
-  size_t n = in.n_fields, rows = 0, capacity = 0, from[2];
+  size_t n = in.n_fields, rows = 0, capacity[2] = {0, 0}, from[2];
   for (int k = 0; k < 2; k++) from[k] = csv_find_reported(&in, names[k]);
   if (from[0] == SIZE_MAX || from[1] == SIZE_MAX) return 0;
   double *out[2] = {NULL, NULL};
@@ -269,13 +255,10 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
       deck_fail_place(d, in.here, "more than %d rows", LIMIT_TABLE_ROWS);
       return 0;
     }
-    for (int k = 0; k < 2 && rows == capacity; k++) {
-      double *old = out[k];
-      out[k] = deck_alloc(d, 2 * capacity + 64, sizeof(double));
-      if (rows) memcpy(out[k], old, rows * sizeof(double));
+    for (int k = 0; k < 2; k++) {
+      out[k] = deck_extend(d, out[k], rows, &capacity[k], sizeof(double));
+      csv_number(&in, names[k], in.field[from[k]], &out[k][rows]);
     }
-    if (rows == capacity) capacity = 2 * capacity + 64;
-    for (int k = 0; k < 2; k++) csv_number(&in, names[k], in.field[from[k]], &out[k][rows]);
     rows++;
   }
   *a = out[0];
@@ -358,11 +341,10 @@ int deck_file_format(const char *name) {
 
 void deck_columns_from_file(deck_group *g, deck_columns *t) {
   deck *d = g->d;
-  static const char *const words[] = {[DECK_CSV] = "csv", [DECK_HDF5] = "hdf5", [DECK_LAMMPS] = "lammps"};
   const char *name = deck_text_of(g, "file");
   deck_node *file = deck_get(g, "file");
   if (!name || !file) return;
-  deck_default_text(g, "format", words[deck_file_format(name)]);
+  deck_default_text(g, "format", deck_key_find(g->table, "format")->words[deck_file_format(name)].name);
   int format = deck_choice(g, "format");
   bool contacts = deck_bool(g, "contacts");
   if (format >= 0 && format != DECK_HDF5) {

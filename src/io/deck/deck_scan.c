@@ -23,11 +23,6 @@
 #include "io/deck/deck.h"
 #include "io/store/file.h"
 
-typedef struct buffer {
-  char *bytes;
-  size_t n, capacity;
-} buffer;
-
 typedef struct key {
   const char *name;
   size_t length;
@@ -49,7 +44,7 @@ typedef struct level {
 
 typedef struct scanner {
   deck *d;
-  buffer clean, raw;
+  deck_buffer clean, raw;
   deck_place *line;
   size_t n_lines, line_capacity;
   level levels[LIMIT_DEPTH];
@@ -67,30 +62,11 @@ typedef struct scanner {
 
 /* --- output --------------------------------------------------------------------------------------------- */
 
-static void put(deck *d, buffer *b, const char *text, size_t n) {
-  if (b->n + n + 1 > b->capacity) {
-    size_t capacity = 2 * (b->n + n + 1) + 1024;
-    char *bytes = deck_alloc(d, capacity, 1);
-    if (b->n) memcpy(bytes, b->bytes, b->n);
-    b->bytes = bytes;
-    b->capacity = capacity;
-  }
-  memcpy(b->bytes + b->n, text, n);
-  b->n += n;
-  b->bytes[b->n] = 0;
-}
-
-static void emit(scanner *s, const char *text, size_t n) { put(s->d, &s->clean, text, n); }
+static void emit(scanner *s, const char *text, size_t n) { deck_put(s->d, &s->clean, text, n); }
 static void emit_text(scanner *s, const char *text) { emit(s, text, strlen(text)); }
 
 static void begin_line(scanner *s) {
-  if (s->n_lines == s->line_capacity) {
-    size_t capacity = 2 * s->line_capacity + 64;
-    deck_place *line = deck_alloc(s->d, capacity, sizeof *line);
-    if (s->n_lines) memcpy(line, s->line, s->n_lines * sizeof *line);
-    s->line = line;
-    s->line_capacity = capacity;
-  }
+  s->line = deck_extend(s->d, s->line, s->n_lines, &s->line_capacity, sizeof *s->line);
   s->line[s->n_lines++] = s->here;
 }
 
@@ -258,13 +234,7 @@ static void scan_key(scanner *s, const char *name, size_t n) {
     emit_text(s, deck_format(s->d, "*repeated-%d", s->repeated++));
     return;
   }
-  if (l->n_keys == l->key_capacity) {
-    size_t capacity = 2 * l->key_capacity + 16;
-    key *keys = deck_alloc(s->d, capacity, sizeof *keys);
-    if (l->n_keys) memcpy(keys, l->keys, l->n_keys * sizeof *keys);
-    l->keys = keys;
-    l->key_capacity = capacity;
-  }
+  l->keys = deck_extend(s->d, l->keys, l->n_keys, &l->key_capacity, sizeof *l->keys);
   l->keys[l->n_keys++] = (key){name, n, s->here};
   emit(s, name, n);
 }
@@ -366,7 +336,7 @@ static void include_file(scanner *s) {
   if (text) {
     /* drop "@include ..." from the raw text, whose copy runs up to here, and put the file in its place */
     s->included = true;
-    put(s->d, &s->raw, start, (size_t)(line - start));
+    deck_put(s->d, &s->raw, start, (size_t)(line - start));
     s->includes++;
     deck_place inside = {file, 1};
     s->line[s->n_lines - 1] = inside;
@@ -376,7 +346,7 @@ static void include_file(scanner *s) {
     newline(s);
     s->here = here;
     s->line[s->n_lines - 1] = here;
-    put(s->d, &s->raw, "\n", 1);
+    deck_put(s->d, &s->raw, "\n", 1);
     start = after;
   }
   s->start = start;
@@ -428,7 +398,7 @@ static void scan_all(scanner *s, const char *text, deck_place place) {
   s->p = s->start = text;
   s->here = place;
   while (*s->p) scan_token(s);
-  put(s->d, &s->raw, s->start, strlen(s->start));
+  deck_put(s->d, &s->raw, s->start, strlen(s->start));
 }
 
 deck_text deck_scan(deck *d, const char *text, deck_place place, bool override) {

@@ -31,19 +31,18 @@ static void read_disk(deck *d, const deck_node *node, const char *name) {
   sd_model *m = d->model;
   m->until.rotation = find_watched(d, name);
   if (m->until.rotation < m->n_rotations) return;
-  deck_guess guess = deck_guess_start(name);
-  for (size_t k = 0; k < m->n_rotations; k++) deck_guess_add(&guess, watched_name(d, k));
-  const char *hint = guess.best ? deck_format(d, "; did you mean \"%s\"?", guess.best) : "";
-  deck_fail(d, node, "measure.rotation watches no disk that is called \"%s\"%s", name, hint);
+  guess near = guess_start(name);
+  for (size_t k = 0; k < m->n_rotations; k++) guess_add(&near, watched_name(d, k));
+  deck_fail(d, node, "measure.rotation watches no disk that is called \"%s\"%s", name, deck_hint(d, &near));
 }
 
 static void read_quantity(deck *d, const deck_node *node, const char *word) {
-  deck_guess guess = deck_guess_start(word);
+  guess near = guess_start(word);
   int kind = 0;
-  while (kind < QUANTITIES && strcmp(quantities[kind], word) != 0) deck_guess_add(&guess, quantities[kind++]);
-  const char *hint = guess.best ? deck_format(d, "; did you mean \"%s\"?", guess.best) : "";
+  while (kind < QUANTITIES && strcmp(quantities[kind], word) != 0) guess_add(&near, quantities[kind++]);
   if (kind == QUANTITIES)
-    deck_fail(d, node, "expected \"NAME.omega\" or \"NAME.scaled\", NAME that of a watched disk%s", hint);
+    deck_fail(d, node, "expected \"NAME.omega\" or \"NAME.scaled\", NAME that of a watched disk%s",
+              deck_hint(d, &near));
   d->model->until.scaled = kind == SCALED;
   if (kind == SCALED && d->model->gravity[0] == 0 && d->model->gravity[1] == 0)
     deck_fail(d, node, "t_g Omega does not exist without gravity; expected \"NAME.omega\"");
@@ -63,19 +62,6 @@ static void read_observable(deck_group *g) {
   const char *dot = strrchr(text, '.');
   read_quantity(d, node, dot ? dot + 1 : "");
   if (dot) read_disk(d, node, deck_copy(d, text, (size_t)(dot - text)));
-}
-
-/* The goal, one way or the other. */
-static void read_error(deck_group *g) {
-  deck *d = g->d;
-  bool error = deck_given(g, "error"), relative = deck_given(g, "relative");
-  if (error && relative)
-    deck_fail_key(d, g->node, "relative", "given together with error; expected one of them");
-  if (!error && !relative)
-    deck_fail_key(d, g->node, "error",
-                  "missing: expected the standard error to be reached, error or relative");
-  if (error) d->model->until.error = deck_number(g, "error");
-  if (relative) d->model->until.relative = deck_number(g, "relative");
 }
 
 /* The length of the last phase in steps turns into what it has at least. */
@@ -100,7 +86,8 @@ void deck_read_until(deck *d) {
   if (!deck_enter_one(d, d->root, "until", &deck_until, &g)) return;
   m->until.asked = true;
   read_observable(&g);
-  read_error(&g);
+  deck_one_of(&g, "the standard error to be reached, error or relative");
+  deck_fill(&g, &m->until);
   if (m->n_phases == 0) return; /* reported */
   sd_phase *last = &m->phases[m->n_phases - 1];
   if (!last->measure) deck_fail(d, g.node, "the last phase does not measure; expected measure = true in it");

@@ -1,0 +1,27 @@
+/* deck_values.h: what the keys of a container and of a packing say, before bodies are made of them. */
+#ifndef SLIPDISK_IO_DECK_VALUES_H
+#define SLIPDISK_IO_DECK_VALUES_H
+
+#include "pack/place.h"
+#include "pack/sizes.h"
+
+typedef struct deck_container_values {
+  sd_container_kind kind;
+  double width, height, radius, outlet, angle, origin[2];
+  bool open;
+  int material;
+  place_interior interior;
+} deck_container_values;
+
+typedef struct deck_packing_values {
+  sd_packing_kind kind;
+  int64_t count;   /* 0: not given */
+  double fraction; /* 0: not given */
+  double jitter;
+  int64_t rows;
+  double speed;
+  double mass, density; /* one is 0 */
+  sizes sizes;
+} deck_packing_values;
+
+#endif

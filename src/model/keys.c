@@ -1,0 +1,192 @@
+/* keys.c: keys of a deck that set members of the model, the laws' apart (laws.h). See key.h. */
+#include "model/keys.h"
+
+#include "slipdisk/model.h"
+
+static const deck_shape integrators[] = {WORD("gear5", SD_GEAR5), WORD("verlet", SD_VERLET), LAST_WORD};
+static const deck_shape variants[] = {WORD("paper", SD_PAPER), WORD("conservative", SD_CONSERVATIVE),
+                                      LAST_WORD};
+static const deck_shape outside_words[] = {WORD("report", SD_OUTSIDE_REPORT), WORD("stop", SD_OUTSIDE_STOP),
+                                           WORD("remove", SD_OUTSIDE_REMOVE), LAST_WORD};
+/* Bit c: the box repeats along coordinate c. */
+static const deck_shape periodic_directions[] = {WORD("none", 0), WORD("x", 1), WORD("y", 2), WORD("xy", 3),
+                                                 LAST_WORD};
+
+static const deck_key top_keys[] = {
+    {"title", TEXT, "\"\"", NULL, "one line about this run", SETS(sd_model, title)},
+    {"seed", INTEGER(DECK_NOT_NEGATIVE, "-"), "1", NULL, "seed of all random streams", SETS(sd_model, seed)},
+    {"integrator", CHOICE, "\"gear5\"", integrators,
+     "Gear predictor-corrector of fifth order, or velocity Verlet", SETS(sd_model, integrator)},
+    {"dt", NUMBER(DECK_POSITIVE, "time"), "required", NULL, "time step", SETS(sd_model, dt)},
+    {"contact_variant", CHOICE, "\"paper\"", variants,
+     "tangential force on the centres: tau (paper), or tau (R_a+R_b)/r, which conserves energy",
+     SETS(sd_model, variant)},
+    {"skin", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
+     "margin of the neighbour list; 0: chosen as the run goes", SETS(sd_model, skin)},
+    {"max_overlap", NUMBER(DECK_UP_TO_1, "-"), "0.5", NULL,
+     "a run stops when an overlap exceeds this fraction of the smaller radius", SETS(sd_model, max_overlap)},
+    {"checkpoint", NUMBER(DECK_POSITIVE, "s"), "60.0", NULL, "wall time between checkpoints",
+     SETS(sd_model, checkpoint_seconds)},
+    {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length of the run when there are no phases"},
+    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "the same as a time, rounded to whole steps"},
+    {"gravity", GROUP, "-", NULL, "strength and direction of gravity"},
+    {"box", GROUP, "-", NULL, "periodic directions"},
+    {"materials", GROUPS, "required", NULL, "contact law of each material with itself"},
+    {"material_pairs", GROUPS, "-", NULL, "contact law between two different materials"},
+    {"container", GROUP, "-", NULL, "a box, a bed, a hopper or a drum, made of walls"},
+    {"disks", GROUPS, "-", NULL, "disks, one by one"},
+    {"disk_rows", GROUPS, "-", NULL, "disks, a row each"},
+    {"disk_files", GROUPS, "-", NULL, "disks, from files"},
+    {"packings", GROUPS, "-", NULL, "disks, placed by a generator"},
+    {"bounds", GROUP, "-", NULL, "where the disks belong; what leaves is reported"},
+    {"forces", GROUPS, "-", NULL, "constant forces and torques"},
+    {"locks", GROUPS, "-", NULL, "coordinates that never change"},
+    {"walls", GROUPS, "-", NULL, "walls"},
+    {"motions", GROUPS, "-", NULL, "prescribed motions of disks and walls"},
+    {"phases", GROUPS, "-", NULL, "parts of the run, one after the other"},
+    {"output", GROUP, "-", NULL, "how often results are stored"},
+    {"measure", GROUP, "-", NULL, "what is measured"},
+    {"until", GROUP, "-", NULL, "error bar at which the last phase ends"},
+    {"limits", GROUP, "-", NULL, "beyond which a finished run is in doubt"},
+    {"sweep", GROUPS, "-", NULL, "points that `slipdisk sweep` runs: this deck with some keys set"},
+};
+TABLE_EITHER(deck_top, "deck", true, "Keys of the deck itself, outside any group.", top_keys, "steps/time");
+
+static const deck_key gravity_keys[] = {
+    {"g", NUMBER(DECK_NOT_NEGATIVE, "length/time^2"), "0.0", NULL, "strength"},
+    {"tilt", ANGLE("rad"), "0.0", NULL, "the acceleration is -g (sin tilt, cos tilt)"},
+};
+TABLE(deck_gravity, "gravity", true, "Gravity; without this group there is none.", gravity_keys);
+
+static const deck_key box_keys[] = {
+    {"x", NUMBERS(DECK_ANY, "length"), "-", NULL, "[lower, upper] edge; required when periodic in x"},
+    {"y", NUMBERS(DECK_ANY, "length"), "-", NULL, "[lower, upper] edge; required when periodic in y"},
+    {"periodic", CHOICE, "\"none\"", periodic_directions,
+     "directions in which the box repeats; its edges are no walls"},
+    {"file", TEXT, "-", NULL,
+     "result of a run, or LAMMPS data file, that gives the periodic edges not given here; of the last frame"},
+};
+TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
+
+static const deck_key bounds_keys[] = {
+    {"x", NUMBERS(DECK_ANY, "length"), "(of the container, else far out)", NULL,
+     "[lower, upper] limit of the centres"},
+    {"y", NUMBERS(DECK_ANY, "length"), "(of the container, else far out)", NULL,
+     "[lower, upper] limit of the centres"},
+    {"outside", CHOICE, "\"report\"", outside_words,
+     "a disk that leaves: tell and go on, end the run, or tell and take it out", SETS(sd_bounds, outside)},
+};
+TABLE(deck_bounds, "bounds", true,
+      "Where the disks belong. Disks that leave are counted, and named with place and step.", bounds_keys);
+
+static const deck_key limits_keys[] = {
+    {"residual", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.01", NULL,
+     "of the residual of the energy budget, over its scale; 0: none", SETS(sd_limits, residual)},
+    {"open", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.99", NULL,
+     "of the fraction of the measured time in which a watched contact is open; 0: none",
+     SETS(sd_limits, open)},
+    {"displacement", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.1", NULL,
+     "of the displacement of a free disk in one step, over its radius; 0: none",
+     SETS(sd_limits, displacement)},
+};
+TABLE(deck_limits, "limits", true,
+      "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.", limits_keys);
+
+#define CADENCE(series, frames, contacts)                                                                    \
+  {"series",                                                                                                 \
+   INTEGER(DECK_NOT_NEGATIVE, "steps"),                                                                      \
+   series,                                                                                                   \
+   NULL,                                                                                                     \
+   "steps between rows of the time series; 0: none",                                                         \
+   SETS(sd_phase, series_every)},                                                                            \
+      {"frames",                                                                                             \
+       INTEGER(DECK_NOT_NEGATIVE, "steps"),                                                                  \
+       frames,                                                                                               \
+       NULL,                                                                                                 \
+       "steps between stored frames of all bodies; 0: none",                                                 \
+       SETS(sd_phase, frames_every)},                                                                        \
+      {"contacts",                                                                                           \
+       INTEGER(DECK_NOT_NEGATIVE, "steps"),                                                                  \
+       contacts,                                                                                             \
+       NULL,                                                                                                 \
+       "steps between stored contact tables; 0: none",                                                       \
+       SETS(sd_phase, contacts_every)},
+
+static const deck_key phase_keys[] = {
+    {"name", TEXT, "-", NULL, "name in messages and results", SETS(sd_phase, name)},
+    {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length; either this or time"},
+    {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "length as a time, rounded to whole steps"},
+    {"motions", BODIES, "(all)", NULL, "motions that are on, by name or number; () for none"},
+    {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered", SETS(sd_phase, measure)},
+    {"settle", GROUP, "-", NULL, "criterion at which the phase ends before its length"},
+    {"relax", BOOL, "false", NULL, "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)",
+     SETS(sd_phase, relax)},
+    {"compress", GROUP, "-", NULL, "shrink the periodic box, or the container, with all that is in it"},
+    CADENCE("(as in output)", "(as in output)", "(as in output)")};
+TABLE_EITHER(deck_phases, "phases", false, "A part of the run.", phase_keys, "steps/time");
+
+static const deck_key settle_keys[] = {
+    {"kinetic", NUMBER(DECK_POSITIVE, "energy"), "-", NULL, "kinetic energy per free disk at most this",
+     SETS(sd_settle, kinetic)},
+    {"unbalanced", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "mean resultant force on a disk over mean contact force at most this", SETS(sd_settle, unbalanced)},
+    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1000", NULL, "steps from one look to the next",
+     SETS(sd_settle, every)},
+};
+TABLE(deck_settle, "phases.settle", true,
+      "The phase ends at the first look at which all that is given here holds; its length is the most it may "
+      "take.",
+      settle_keys);
+
+static const deck_key compress_keys[] = {
+    {"pressure", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL, "to be reached; either this or fraction",
+     SETS(sd_compress, pressure)},
+    {"fraction", NUMBER(DECK_UP_TO_1, "-"), "-", NULL, "packing fraction to be reached",
+     SETS(sd_compress, fraction)},
+    {"rate", NUMBER(DECK_POSITIVE, "1/time"), "required", NULL,
+     "largest relative change of the lengths per time", SETS(sd_compress, rate)},
+    {"tolerance", NUMBER(DECK_POSITIVE, "-"), "1e-3", NULL,
+     "relative distance from the target that is near enough", SETS(sd_compress, tolerance)},
+};
+TABLE_EITHER(deck_compress, "phases.compress", true,
+             "Lengths of the box or container and all positions change by the same factor. With `settle` the "
+             "phase ends when the target is reached, too.",
+             compress_keys, "pressure/fraction");
+
+static const deck_key output_keys[] = {CADENCE("(a thousandth of each phase)", "0", "0")};
+TABLE(deck_output, "output", true, "How often results are stored, where a phase does not say otherwise.",
+      output_keys);
+
+static const deck_key measure_keys[] = {
+    {"rotation", BODIES, "(all free disks when at most 16, else none)", NULL,
+     "disks whose mean angular velocity is measured; () for none"},
+    {"sliding", GROUPS, "-", NULL, "pairs of contacts whose sliding configurations are counted"},
+    {"disks", BOOL, "false", NULL,
+     "means of every free disk, and of all: rotation, position, contacts, powers",
+     SETS(sd_model, measure_disks)},
+    {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "disks: steps between looks at the contacts",
+     SETS(sd_model, measure_every)},
+};
+TABLE(deck_measure, "measure", true, "What is measured, in the phases that measure.", measure_keys);
+
+static const deck_key sliding_keys[] = {
+    {"disk", BODIES, "required", NULL, "the disk, by name or number"},
+    {"partners", BODIES, "required", NULL,
+     "the two disks or walls that it touches, first and second sign of S++"},
+};
+TABLE(deck_sliding, "measure.sliding", false, "A disk and the two partners whose contacts are watched.",
+      sliding_keys);
+
+static const deck_key until_keys[] = {
+    {"observable", TEXT, "(omega of the first watched disk)", NULL,
+     "\"NAME.omega\" or \"NAME.scaled\": Omega or t_g Omega of a watched disk, by name or number"},
+    {"error", NUMBER(DECK_POSITIVE, "rad/time or rad"), "-", NULL,
+     "standard error to be reached; either this or relative", SETS(sd_until, error)},
+    {"relative", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "standard error as a fraction of the size of the mean", SETS(sd_until, relative)},
+    {"max_time", NUMBER(DECK_POSITIVE, "time"), "required", NULL,
+     "the last phase ends after this time at the latest, goal reached or not"},
+};
+TABLE_EITHER(deck_until, "until", true,
+             "The last phase goes on beyond its own length until an error bar is small enough.", until_keys,
+             "error/relative");

@@ -1,0 +1,28 @@
+/* laws.c: see laws.h. */
+#include "model/laws.h"
+
+static const deck_key law_keys[] = {LAW_KEYS};
+TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
+
+/* Materials that are none are left out; they are reported elsewhere. */
+void laws_count_uses(const sd_model *m, law_use *use) {
+  for (size_t i = 0; i < m->n_disks; i++) {
+    if (m->disks[i].material < 0) continue;
+    use[m->disks[i].material].count++;
+    if (!m->disks[i].driven) use[m->disks[i].material].free_disk = true;
+  }
+  for (size_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].material >= 0) use[m->walls[w].material].count++;
+}
+
+static bool can_touch(const law_use *use, size_t a, size_t b) {
+  if (!use[a].count || !use[b].count || !(use[a].free_disk || use[b].free_disk)) return false;
+  return a != b || use[a].count > 1;
+}
+
+bool laws_find_missing(const sd_model *m, const law_use *use, size_t *a, size_t *b) {
+  for (; *a < m->n_materials; *b = ++*a)
+    for (; *b < m->n_materials; ++*b)
+      if (can_touch(use, *a, *b) && !law_is_given(sd_model_law(m, (int)*a, (int)*b))) return true;
+  return false;
+}

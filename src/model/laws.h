@@ -1,0 +1,48 @@
+/* laws.h: what describes the contact of two materials: the keys of a law, which laws there are, and which are
+ * missing. A parameter of a law is one row here and one member of sd_contact_law. */
+#ifndef SLIPDISK_MODEL_LAWS_H
+#define SLIPDISK_MODEL_LAWS_H
+
+#include "model/key.h"
+#include "slipdisk/model.h"
+
+#define LAW_KEYS                                                                                             \
+  {"k_n",                                                                                                    \
+   NUMBER(DECK_POSITIVE, "force/length"),                                                                    \
+   "required",                                                                                               \
+   NULL,                                                                                                     \
+   "normal stiffness",                                                                                       \
+   SETS(sd_contact_law, k_n)},                                                                               \
+      {"k_t",                                                                                                \
+       NUMBER(DECK_NOT_NEGATIVE, "force/length"),                                                            \
+       "0.0",                                                                                                \
+       NULL,                                                                                                 \
+       "stiffness of the skin",                                                                              \
+       SETS(sd_contact_law, k_t)},                                                                           \
+      {"gamma_n",                                                                                            \
+       NUMBER(DECK_NOT_NEGATIVE, "force time/length"),                                                       \
+       "0.0",                                                                                                \
+       NULL,                                                                                                 \
+       "normal viscosity",                                                                                   \
+       SETS(sd_contact_law, gamma_n)},                                                                       \
+      {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"),      "0.0",                                                     \
+       NULL, "coefficient of friction (Amonton)", SETS(sd_contact_law, mu)},
+
+extern const deck_table law_table;
+
+/* The pair of materials has a law, be it one with mistakes. */
+static inline bool law_is_given(const sd_contact_law *law) { return law->k_n != 0.0; }
+
+/* What is made of a material. */
+typedef struct law_use {
+  size_t count; /* disks and walls */
+  bool free_disk;
+} law_use;
+
+/* use: [n_materials], zeroed. */
+void laws_count_uses(const sd_model *model, law_use *use);
+/* From the pair a <= b on, the next two materials that can touch and have no law: at least one has a disk that is free
+ * to move. False: no more. */
+bool laws_find_missing(const sd_model *model, const law_use *use, size_t *a, size_t *b);
+
+#endif
