@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "io/deck/deck_sweep.h"
+#include "io/deck/deck.h"
 
 #define HELPER static inline __attribute__((unused))
 

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "io/deck/deck.h"
 #include "io/deck/deck_keys.h"
 #include "slipdisk/deck.h"
 

@@ -2,6 +2,7 @@
 
 - A file under src/ includes only headers of its own floor or of a floor below; public headers are for all.
 - A floor with rooms: a file includes only headers of its own room or of rooms below, so that no circle runs through two.
+- A room with a door: files outside it include only that header.
 - A public header includes public headers and the C library only.
 - libconfig, HDF5, MPI and Qhull are each seen by the files of one name only.
 - Nothing below app/ ends the process.
@@ -19,6 +20,7 @@ ROOMS = {"physics": ["system", "contact", "neighbours", "motion", "step", "small
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
 ONLY = {"libconfig.h": "io/deck/", "hdf5.h": "io/store/h5", "hdf5_hl.h": "io/store/h5", "mpi.h": "base/comm",
         "libqhull_r/libqhull_r.h": "measure/cells"}
+DOORS = {"io/deck/": "io/deck/deck.h"}
 LINES = 600
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
 ENDS = re.compile(r"\b(?:exit|_exit|_Exit|quick_exit|abort)\s*\(")
@@ -103,6 +105,19 @@ class Floors(unittest.TestCase):
                 if target and target.parts[0] == parts[0] and rooms.index(target.parts[1]) > rooms.index(parts[1]):
                     problems.append(f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {parts[1]}/ must not "
                                     f"know {target}")
+        self.check(problems)
+
+    def test_rooms_are_entered_through_their_door(self):
+        problems = []
+        for path in self.files:
+            place = path.relative_to(SRC).as_posix()
+            text = uncommented(path.read_text())
+            for found in INCLUDE.finditer(text):
+                target = resolve(path, found.group(2))
+                for room, door in DOORS.items():
+                    name = target.as_posix() if target else ""
+                    if name.startswith(room) and name != door and not place.startswith(room):
+                        problems.append(f"src/{place}:{line_of(text, found.start())}: expected src/{door}, not {name}")
         self.check(problems)
 
     def test_public_headers_stand_alone(self):

@@ -11,7 +11,7 @@
 #include "app/app.h"
 #include "base/shortage.h"
 #include "app/sweep.h"
-#include "io/deck/deck_keys.h"
+#include "io/deck/deck.h"
 #include "run/ensemble.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"

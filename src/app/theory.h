@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-#include "io/deck/deck_sweep.h"
+#include "io/deck/deck.h"
 #include "slipdisk/model.h"
 #include "slipdisk/theory.h"
 

@@ -11,7 +11,7 @@
 #ifndef SLIPDISK_RUN_SWEEP_H
 #define SLIPDISK_RUN_SWEEP_H
 
-#include "io/deck/deck_sweep.h"
+#include "io/deck/deck.h"
 #include "run/session.h"
 
 typedef struct sweep {

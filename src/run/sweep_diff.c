@@ -1,8 +1,4 @@
-/* sweep_diff.c: which keys another deck says otherwise, of a point, and of many; see sweep.h.
- *
- * Full decks are compared key by key, and not line by line: a line holds many keys, and what the user wants to know is
- * which -D is missing. What another sweep says of the same point is no difference, since full decks have no sweep.
- */
+/* sweep_diff.c: which keys another deck says otherwise, of a point, and of many; see sweep.h. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,16 +7,8 @@
 #include "run/deck_diff.h"
 #include "run/sweep_private.h"
 
-/* Differences that are kept of a point, and of many together; letters of a value that are told. */
-enum { MOST_KEPT = 20, MOST_TOLD = 20, LONGEST_VALUE = 60 };
-
-typedef struct comparison {
-  sweep_result *r;
-  const char *other; /* the other deck, and its tree */
-  const deck_node *there;
-  deck *d;        /* of this deck, for memory */
-  bool any_title; /* a run that was begun goes on with its title only */
-} comparison;
+/* Differences that are kept of a point, and of many together. */
+enum { MOST_KEPT = 20, MOST_TOLD = 20 };
 
 /* False: no memory. A missing value is NULL. */
 static bool add(sweep_result *r, const char *path, const char *there, const char *here) {
@@ -33,119 +21,16 @@ static bool add(sweep_result *r, const char *path, const char *there, const char
   return one.path && (one.there || !there) && (one.here || !here);
 }
 
-/* --- trees -------------------------------------------------------------------------------------------------- */
-
-static bool is_number(const deck_node *n) { return n->type == DECK_INT || n->type == DECK_FLOAT; }
-
-static double number_of(const deck_node *n) {
-  return n->type == DECK_INT ? (double)n->value.integer : n->value.number;
-}
-
-static bool same_scalar(const deck_node *a, const deck_node *b) {
-  if (is_number(a) && is_number(b) && a->type != b->type) return number_of(a) == number_of(b);
-  if (a->type != b->type) return false;
-  if (a->type == DECK_BOOL) return a->value.flag == b->value.flag;
-  if (a->type == DECK_INT) return a->value.integer == b->value.integer;
-  if (a->type == DECK_FLOAT) return a->value.number == b->value.number;
-  return strcmp(a->value.text, b->value.text) == 0;
-}
-
-static bool is_scalar(const deck_node *n) { return n->type != DECK_GROUP && n->type != DECK_LIST; }
-
-/* "3.5", "(1.0, 2.0)", "4 entries" */
-static const char *value_text(deck *d, const deck_node *n) {
-  if (!n) return NULL;
-  if (n->type == DECK_LIST && n->n > 0 && !is_scalar(n->child[0]))
-    return deck_format(d, "%zu %s", n->n, n->n == 1 ? "entry" : "entries");
-  const char *text = deck_value_text(d, n);
-  return strlen(text) <= LONGEST_VALUE ? text : deck_format(d, "%.*s ...", LONGEST_VALUE, text);
-}
-
-static void tell(const comparison *c, const char *path, const deck_node *there, const deck_node *here) {
-  if (c->r->n_differences < MOST_KEPT) add(c->r, path, value_text(c->d, there), value_text(c->d, here));
-}
-
-static bool is_ignored(const comparison *c, const deck_node *child) {
-  if (!child->name || child->parent->parent) return false;
-  return strcmp(child->name, "checkpoint") == 0 || (c->any_title && strcmp(child->name, "title") == 0);
-}
-
-static void compare(const comparison *c, const char *path, const deck_node *there, const deck_node *here);
-
-static const char *path_of(deck *d, const char *path, const char *name) {
-  return *path ? deck_format(d, "%s.%s", path, name) : name;
-}
-
-static void compare_groups(const comparison *c, const char *path, const deck_node *there,
-                           const deck_node *here) {
-  for (size_t k = 0; k < there->n; k++) {
-    const deck_node *child = there->child[k], *match = deck_child(here, child->name);
-    if (is_ignored(c, child)) continue;
-    const char *name = path_of(c->d, path, child->name);
-    if (match)
-      compare(c, name, child, match);
-    else
-      tell(c, name, child, NULL);
-  }
-  for (size_t k = 0; k < here->n; k++) {
-    const deck_node *child = here->child[k];
-    if (!deck_child(there, child->name) && !is_ignored(c, child))
-      tell(c, path_of(c->d, path, child->name), NULL, child);
-  }
-}
-
-/* As -D would name an entry of a list: by its name when it has one. */
-static const char *entry_path(deck *d, const char *path, size_t k, const deck_node *there,
-                              const deck_node *here) {
-  const deck_node *a = there->type == DECK_GROUP ? deck_child(there, "name") : NULL,
-                  *b = here->type == DECK_GROUP ? deck_child(here, "name") : NULL;
-  if (a && b && a->type == DECK_STRING && same_scalar(a, b))
-    return deck_format(d, "%s.%s", path, a->value.text);
-  return deck_format(d, "%s[%zu]", path, k);
-}
-
-static void compare(const comparison *c, const char *path, const deck_node *there, const deck_node *here) {
-  bool groups = there->type == DECK_GROUP && here->type == DECK_GROUP,
-       lists = there->type == DECK_LIST && here->type == DECK_LIST && there->n == here->n;
-  if (groups) {
-    compare_groups(c, path, there, here);
-  } else if (lists && there->n > 0 && !is_scalar(there->child[0])) {
-    for (size_t k = 0; k < there->n; k++)
-      compare(c, entry_path(c->d, path, k, there->child[k], here->child[k]), there->child[k], here->child[k]);
-  } else {
-    bool same = is_scalar(there) && is_scalar(here) && same_scalar(there, here);
-    for (size_t k = 0; lists && (k == 0 || same) && k < there->n; k++)
-      same = is_scalar(there->child[k]) && is_scalar(here->child[k]) &&
-             same_scalar(there->child[k], here->child[k]);
-    if (!same && !(lists && there->n == 0)) tell(c, path, there, here);
-  }
-}
-
 /* --- two decks ---------------------------------------------------------------------------------------------- */
 
-static sd_status with_both(deck *d, void *user) {
-  comparison *c = user;
-  c->d = d;
-  if (d->root && c->there) compare(c, "", c->there, d->root);
-  return d->root ? SD_OK : SD_ERROR_USER;
-}
-
-typedef struct both {
-  comparison c;
-  const char *here;
-} both;
-
-static sd_status with_other(deck *d, void *user) {
-  both *b = user;
-  b->c.there = d->root;
-  return d->root ? deck_open(b->here, "this deck", 0, NULL, with_both, &b->c, NULL) : SD_ERROR_USER;
+static void keep(void *user, const char *path, const char *there, const char *here) {
+  sweep_result *r = user;
+  if (r->n_differences < MOST_KEPT) add(r, path, there, here);
 }
 
 bool sweep_compare(sweep_result *r, const char *there, const char *here, bool any_title) {
   if (deck_same(there, here)) return true;
-  both b = {{.r = r, .any_title = any_title}, here};
-  if (*there && deck_open(there, "that deck", 0, NULL, with_other, &b, NULL) == SD_OK)
-    return r->n_differences == 0;
+  if (*there && deck_compare(there, here, any_title, keep, r)) return r->n_differences == 0;
   add(r, "its deck cannot be compared with this one", NULL, NULL);
   return false;
 }

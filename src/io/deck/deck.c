@@ -1,4 +1,4 @@
-/* deck.c: from a deck to a finished model; see slipdisk/deck.h and io/deck.h. */
+/* deck.c: from a deck to a finished model; see slipdisk/deck.h and deck_tree.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +7,7 @@
 #include "base/limits.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_result.h"
-#include "io/deck/deck_sweep.h"
+#include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "model/bodies.h"
 #include "slipdisk/deck.h"

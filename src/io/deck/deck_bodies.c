@@ -1,4 +1,4 @@
-/* deck_bodies.c: names of disks, groups and walls, and which bodies a group of the deck speaks of. See deck.h. */
+/* deck_bodies.c: names of disks, groups and walls, and which bodies a group of the deck speaks of. See deck_tree.h. */
 #include <stdlib.h>
 #include <string.h>
 

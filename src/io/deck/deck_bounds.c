@@ -1,4 +1,4 @@
-/* deck_bounds.c: where the disks belong. See deck.h and sd_bounds in slipdisk/model.h.
+/* deck_bounds.c: where the disks belong. See deck_tree.h and sd_bounds in slipdisk/model.h.
  *
  * Without limits of its own the group follows the container, a largest radius beyond its walls and as far again as
  * these move; below the outlet of a hopper is outside. Where there is no container, limits are far out: FAR times

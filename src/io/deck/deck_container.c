@@ -1,4 +1,4 @@
-/* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See deck.h.
+/* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See deck_tree.h.
  *
  * What it says about space (region, periodic box, interior) is needed before disks are read; its walls and the
  * disks of its floor come after those of the deck, so that these keep their numbers.

@@ -1,4 +1,4 @@
-/* deck_disks.c: disks from disks, disk_rows and disk_files, in this order; forces and locks. See deck.h.
+/* deck_disks.c: disks from disks, disk_rows and disk_files, in this order; forces and locks. See deck_tree.h.
  *
  * Every source ends in add_disk: single disks are rows without columns, whose values all come from their
  * group.

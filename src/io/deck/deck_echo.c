@@ -1,4 +1,4 @@
-/* deck_echo.c: the completed tree, printed as a deck. See deck.h.
+/* deck_echo.c: the completed tree, printed as a deck. See deck_tree.h.
  *
  * Keys come in the order of their tables; values that were left out are marked "# default". Reading the
  * echo again gives the same model: numbers have the shortest digits that read back as the same double, and

@@ -3,7 +3,7 @@
 #ifndef SLIPDISK_IO_DECK_GRID_H
 #define SLIPDISK_IO_DECK_GRID_H
 
-#include "io/deck/deck.h"
+#include "io/deck/deck_tree.h"
 
 typedef struct grid_value {
   const char *text;    /* as in the deck, without quotes; equal numbers have equal texts */

@@ -1,4 +1,4 @@
-/* deck_index.c: numbers by name, so that many names cost no more than their sum. See deck.h. */
+/* deck_index.c: numbers by name, so that many names cost no more than their sum. See deck_tree.h. */
 #include <string.h>
 
 #include "io/deck/deck_read.h"

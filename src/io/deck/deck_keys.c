@@ -1,6 +1,7 @@
 /* deck_keys.c: the tables of all keys, and the search for the nearest valid name. See deck_keys.h. */
 #include <string.h>
 
+#include "io/deck/deck.h"
 #include "io/deck/deck_keys.h"
 #include "io/deck/deck_rows.h"
 #include "io/deck/deck_values.h"

@@ -7,8 +7,6 @@
 #ifndef SLIPDISK_IO_DECK_KEYS_H
 #define SLIPDISK_IO_DECK_KEYS_H
 
-#include <stdio.h>
-
 #include "model/keys.h"
 #include "slipdisk/model.h"
 
@@ -26,8 +24,5 @@ const char *deck_kind_text(deck_kind kind);
 bool deck_listed(const char *list, const char *word);
 /* In some group only one of these two keys may be given. */
 bool deck_keys_exclude(const char *a, const char *b);
-
-/* All tables as Markdown, the way docs/deck.md shows them. */
-void deck_keys_print(FILE *out);
 
 #endif

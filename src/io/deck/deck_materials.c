@@ -1,4 +1,4 @@
-/* deck_materials.c: materials, the laws between them, and walls. See deck.h. */
+/* deck_materials.c: materials, the laws between them, and walls. See deck_tree.h. */
 #include <string.h>
 
 #include "base/limits.h"

@@ -1,4 +1,4 @@
-/* deck_motion.c: motions. See deck.h.
+/* deck_motion.c: motions. See deck_tree.h.
  *
  * One entry of the deck becomes one motion of the model for each coordinate, and for random motions with
  * independent signals for each body too. The number of a random stream is made of what it drives,

@@ -1,4 +1,4 @@
-/* deck_node.c: the arena, the tree, and how a place in the deck is put into words. See deck.h. */
+/* deck_node.c: the arena, the tree, and how a place in the deck is put into words. See deck_tree.h. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/deck/deck.h"
+#include "io/deck/deck_tree.h"
 
 enum { CHUNK = 64 * 1024 };
 

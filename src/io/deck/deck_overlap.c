@@ -1,4 +1,4 @@
-/* deck_overlap.c: disks that overlap too much at the start, lie outside the box or sit in a wall. See deck.h.
+/* deck_overlap.c: disks that overlap too much at the start, lie outside the box or sit in a wall. See deck_tree.h.
  *
  * Each pair is found from its smaller disk. Disks are sorted into levels by size, a factor of two in radius each; a
  * level has cells of its largest diameter, as a hash table of lists. So a disk looks at nine cells of every level above
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/deck/deck.h"
+#include "io/deck/deck_tree.h"
 #include "model/bodies.h"
 
 /* Of one kind of mistake so many are told, the others are counted: one wrong number can move all disks. */

@@ -1,4 +1,4 @@
-/* deck_override.c: path=value, from -D or from a point of a sweep. See deck.h.
+/* deck_override.c: path=value, from -D or from a point of a sweep. See deck_tree.h.
  *
  * The path is that of the messages: gravity.tilt, motions[0].amplitude; also motions.[0].amplitude as
  * libconfig writes it, and motions.left_x.amplitude for the entry whose name is left_x;

@@ -1,4 +1,4 @@
-/* deck_packings.c: disks from generators. See deck.h.
+/* deck_packings.c: disks from generators. See deck_tree.h.
  *
  * Each entry of `packings` is read and checked, then its disks are made and appended, so that the next one finds
  * them there. What the generators allocate is freed before the arena is used again: deck_alloc may not return.

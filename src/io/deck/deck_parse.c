@@ -1,4 +1,4 @@
-/* deck_parse.c: libconfig's tree, turned into nodes. The only file that sees libconfig. See deck.h.
+/* deck_parse.c: libconfig's tree, turned into nodes. The only file that sees libconfig. See deck_tree.h.
  *
  * The text has been through deck_scan, so that every number fits its type and every line can be traced
  * back to its file.
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "io/deck/deck.h"
+#include "io/deck/deck_tree.h"
 
 static deck_place place_of(const deck_text *text, unsigned line) {
   if (text->n_lines == 0) return (deck_place){NULL, 0};

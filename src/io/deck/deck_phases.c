@@ -1,4 +1,4 @@
-/* deck_phases.c: phases, output cadences and measurements. See deck.h. */
+/* deck_phases.c: phases, output cadences and measurements. See deck_tree.h. */
 #include <math.h>
 #include <string.h>
 

@@ -8,7 +8,7 @@
 #define SLIPDISK_IO_DECK_READ_H
 
 #include "base/guess.h"
-#include "io/deck/deck.h"
+#include "io/deck/deck_tree.h"
 #include "io/deck/deck_keys.h"
 #include "io/deck/deck_values.h"
 

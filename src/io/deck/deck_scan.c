@@ -1,4 +1,4 @@
-/* deck_scan.c: a deck's text, made safe for libconfig. See deck.h.
+/* deck_scan.c: a deck's text, made safe for libconfig. See deck_tree.h.
  *
  * libconfig 1.5 takes these without a word, or with a poor one:
  *   5000000000   cut to 32 bits            -> given the suffix L
@@ -20,7 +20,7 @@
 #include <string.h>
 
 #include "base/limits.h"
-#include "io/deck/deck.h"
+#include "io/deck/deck_tree.h"
 #include "io/store/file.h"
 
 typedef struct key {

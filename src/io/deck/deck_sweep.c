@@ -1,5 +1,5 @@
-/* deck_sweep.c: the points of a sweep; see deck_sweep.h. How the deck's group is read: deck_grid.c. */
-#include "io/deck/deck_sweep.h"
+/* deck_sweep.c: the points of a sweep; see deck.h. How the deck's group is read: deck_grid.c. */
+#include "io/deck/deck.h"
 
 #include <ctype.h>
 #include <errno.h>

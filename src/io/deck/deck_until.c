@@ -1,4 +1,4 @@
-/* deck_until.c: the error bar at which the last phase ends. See deck.h and sd_until in slipdisk/model.h.
+/* deck_until.c: the error bar at which the last phase ends. See deck_tree.h and sd_until in slipdisk/model.h.
  *
  * The last phase of the model has as many steps as there can be (max_time); until.least holds its own length.
  */
