@@ -432,6 +432,7 @@ bool deck_fill(deck_group *g, void *members) {
     if (reads) read_member(g, key, (char *)members + key->offset);
   }
   for (size_t j = 0; j < n; j++)
-    if (kind[j]) *(int *)((char *)members + chooser[j]->offset) = kind[j]->kind;
+    if (kind[j] && chooser[j]->target == DECK_SETS_ENUM)
+      *(int *)((char *)members + chooser[j]->offset) = kind[j]->kind;
   return known;
 }
