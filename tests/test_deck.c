@@ -204,8 +204,8 @@ static void test_overrides(void **state) {
   assert_true(m->motions[0].ramp == 0.5 && m->motions[5].ramp == 0.5 && m->motions[0].amplitude == 7);
   assert_true(m->phases[0].steps == 5000000000 && m->disks[1].mass == 4);
   assert_int_equal(m->integrator, SD_VERLET);
-  assert_string_equal(m->deck_text, three);
-  assert_non_null(strstr(m->deck_overrides, "motions[*].ramp=0.5\n"));
+  assert_string_equal(sd_model_deck(m)->text, three);
+  assert_non_null(strstr(sd_model_deck(m)->overrides, "motions[*].ramp=0.5\n"));
   sd_model_free(m);
   const char *const wrong[] = {"gravty.tilt=1", "motions[9].ramp=1", "dt=1e400", "nonsense"};
   assert_null(load(three, 4, wrong));
@@ -258,7 +258,8 @@ static void test_files(void **state) {
   assert_true(m->motions[0].n_table == 3 && m->motions[0].table_value[1] == 1 &&
               m->motions[0].amplitude == 2);
   /* the echo needs no files */
-  assert_int_equal(sd_deck_load_text(m->deck_full, "elsewhere/deck.cfg", 0, NULL, &again, messages), SD_OK);
+  assert_int_equal(sd_deck_load_text(sd_model_deck(m)->full, "elsewhere/deck.cfg", 0, NULL, &again, messages),
+                   SD_OK);
   assert_true(again->n_disks == 4 && again->disks[3].mass == m->disks[3].mass &&
               again->motions[0].n_table == 3);
   sd_model_free(again);
@@ -278,9 +279,10 @@ static void test_files(void **state) {
   write_file("part.cfg", "skin = 0.5;");
   deck = write_file("with.cfg", HEAD "  @include \"part.cfg\" # why\n" DISK);
   assert_int_equal(sd_deck_load(deck, 0, NULL, &m, messages), SD_OK);
-  assert_int_equal(sd_deck_load_text(m->deck_text, "elsewhere/with.cfg", 0, NULL, &again, messages), SD_OK);
+  assert_int_equal(sd_deck_load_text(sd_model_deck(m)->text, "elsewhere/with.cfg", 0, NULL, &again, messages),
+                   SD_OK);
   assert_true(m->skin == 0.5 && again->skin == 0.5);
-  assert_string_equal(m->deck_text, again->deck_text);
+  assert_string_equal(sd_model_deck(m)->text, sd_model_deck(again)->text);
   sd_model_free(again);
   sd_model_free(m);
 }
@@ -341,13 +343,13 @@ static void round_trip(const char *path) {
   sd_messages_print(messages, stderr);
   assert_int_equal(status, SD_OK);
   assert_int_equal(sd_messages_count(messages), 0);
-  status = sd_deck_load_text(a->deck_full, path, 0, NULL, &b, messages);
+  status = sd_deck_load_text(sd_model_deck(a)->full, path, 0, NULL, &b, messages);
   sd_messages_print(messages, stderr);
   assert_int_equal(status, SD_OK);
   same_model(a, b);
-  without_marks(a->deck_full);
-  without_marks(b->deck_full);
-  assert_string_equal(a->deck_full, b->deck_full);
+  without_marks(sd_model_deck(a)->full);
+  without_marks(sd_model_deck(b)->full);
+  assert_string_equal(sd_model_deck(a)->full, sd_model_deck(b)->full);
   /* short enough against the fastest contact */
   assert_true(a->dt < sd_model_shortest_period(a, NULL) / 20);
   sd_model_free(a);

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "slipdisk/deck.h"
 #include "deck_runs.h"
 
 static const char *const integrators[] = {"gear5", "verlet"};
@@ -448,10 +449,10 @@ static void accelerations_are_amplitudes(void **unused) {
     sd_simulation_free(sim);
   }
 
-  assert_non_null(strstr(m->deck_full, "acceleration"));
-  assert_null(strstr(m->deck_full, "amplitude"));
+  assert_non_null(strstr(sd_model_deck(m)->full, "acceleration"));
+  assert_null(strstr(sd_model_deck(m)->full, "amplitude"));
   const char *const set[] = {"motions.h.acceleration=3"};
-  assert_int_equal(sd_deck_load_text(m->deck_full, "echo", 1, set, &again, NULL), SD_OK);
+  assert_int_equal(sd_deck_load_text(sd_model_deck(m)->full, "echo", 1, set, &again, NULL), SD_OK);
   between(again->motions[0].amplitude / (3 * g / 9e4) - 1, -1e-15, 1e-15, "amplitude, set again");
   assert_true(again->motions[1].amplitude == m->motions[1].amplitude);
   sd_model_free(again);
@@ -546,7 +547,7 @@ static void a_deck_reads_back(void **unused) {
   const uint32_t *beside = m->motions[2].beside;
   assert_string_equal(m->walls[beside[0] - m->n_disks].name, "floor");
   assert_string_equal(m->walls[beside[1] - m->n_disks].name, "lid");
-  sd_model *again = model_of(m->deck_full);
+  sd_model *again = model_of(sd_model_deck(m)->full);
   assert_true(again->motions[2].length == 3 && again->motions[0].force == -20);
   assert_memory_equal(again->motions[2].beside, beside, sizeof m->motions[2].beside);
   sd_model_free(again);

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "slipdisk/deck.h"
 #include "packings_decks.h"
 
 static void near_to(double value, double expected, const char *what) {
@@ -335,18 +336,18 @@ static const char *const mixed =
 
 static void test_echo(void **state) {
   (void)state;
-  sd_model *m = good(mixed), *again = good(m->deck_full);
+  sd_model *m = good(mixed), *again = good(sd_model_deck(m)->full);
   assert_true(same_disks(m, again));
   assert_int_equal(again->n_rains, 1);
   assert_memory_equal(m->rains, again->rains, sizeof *m->rains);
   /* the groups are still there, with their defaults, and the second echo is the first */
-  assert_non_null(strstr(m->deck_full, "container = { type = \"bed\";"));
-  assert_non_null(strstr(m->deck_full, "spacing = 0.6;"));
-  assert_non_null(strstr(m->deck_full, "gap = 0.3;"));
-  assert_null(strstr(m->deck_full, "disk_rows"));
-  sd_model *third = good(again->deck_full);
+  assert_non_null(strstr(sd_model_deck(m)->full, "container = { type = \"bed\";"));
+  assert_non_null(strstr(sd_model_deck(m)->full, "spacing = 0.6;"));
+  assert_non_null(strstr(sd_model_deck(m)->full, "gap = 0.3;"));
+  assert_null(strstr(sd_model_deck(m)->full, "disk_rows"));
+  sd_model *third = good(sd_model_deck(again)->full);
   assert_true(same_disks(m, third));
-  assert_string_equal(again->deck_full, third->deck_full);
+  assert_string_equal(sd_model_deck(again)->full, sd_model_deck(third)->full);
   sd_model_free(third);
   sd_model_free(again);
   sd_model_free(m);

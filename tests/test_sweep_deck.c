@@ -59,7 +59,7 @@ static sd_model *model_of(const char *name) {
   sd_status status = deck_sweep_model(&sweep_now, (size_t)(point(name) - sweep_now.points), &m, messages);
   sd_messages_print(messages, stderr);
   assert_int_equal(status, SD_OK);
-  assert_int_equal(m->sweep_points, 0);
+  assert_int_equal(sd_model_deck(m)->sweep_points, 0);
   return m;
 }
 
@@ -353,7 +353,8 @@ static void test_overrides(void **state) {
   names_are("g=4 g=4,r=1 g=5 g=5,r=1");
   sd_model *m = model_of("g=5,r=1");
   assert_true(fabs(m->gravity[0] + 5 * sin(0.5)) < 1e-15);
-  assert_non_null(strstr(m->deck_overrides, "sweep.replicas=2\ngravity.tilt=0.5\ngravity.g=5\nseed="));
+  assert_non_null(
+      strstr(sd_model_deck(m)->overrides, "sweep.replicas=2\ngravity.tilt=0.5\ngravity.g=5\nseed="));
   sd_model_free(m);
   /* what is set twice is told */
   const char *const lost[] = {"gravity.g = 3"};
@@ -404,13 +405,13 @@ static void test_count(void **state) {
                              "parameters = ( { path = \"gravity.g\"; values = (2, 3); } ); } );\n" TAIL,
                         "test.cfg", 0, NULL, &m, messages),
       SD_OK);
-  assert_int_equal(m->sweep_points, 3);
+  assert_int_equal(sd_model_deck(m)->sweep_points, 3);
   assert_true(m->gravity[1] == -10);
   /* the full deck is one run */
-  assert_null(strstr(m->deck_full, "sweep"));
+  assert_null(strstr(sd_model_deck(m)->full, "sweep"));
   sd_model_free(m);
   assert_int_equal(sd_deck_load_text(HEAD TAIL, "test.cfg", 0, NULL, &m, messages), SD_OK);
-  assert_int_equal(m->sweep_points, 0);
+  assert_int_equal(sd_model_deck(m)->sweep_points, 0);
   sd_model_free(m);
 }
 

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "slipdisk/deck.h"
 #include "deck_runs.h"
 #include "sequential.h"
 
@@ -257,9 +258,9 @@ static void decks_say_it(void **unused) {
               u->relative == 0);
   assert_true(model->phases[1].steps == 10000 && model->phases[0].steps == 700);
   assert_int_equal(model->phases[1].series_every, 3); /* a thousandth of its own length */
-  assert_non_null(
-      strstr(model->deck_full, "until = { observable = \"top.omega\"; error = 0.001; max_time = 0.2; }"));
-  sd_model *again = model_of(model->deck_full);
+  assert_non_null(strstr(sd_model_deck(model)->full,
+                         "until = { observable = \"top.omega\"; error = 0.001; max_time = 0.2; }"));
+  sd_model *again = model_of(sd_model_deck(model)->full);
   assert_true(again->until.least == 3000 && again->phases[1].steps == 10000 &&
               again->phases[1].series_every == 3 && again->until.error == 1e-3);
   sd_model_free(again);
@@ -275,7 +276,8 @@ static void decks_say_it(void **unused) {
   sd_model_free(model);
 
   model = model_of(SHAKEN("3000", ""));
-  assert_true(!model->until.asked && model->phases[1].steps == 3000 && !strstr(model->deck_full, "until"));
+  assert_true(!model->until.asked && model->phases[1].steps == 3000 &&
+              !strstr(sd_model_deck(model)->full, "until"));
   sd_model_free(model);
 }
 

@@ -4,6 +4,20 @@
 
 #include "slipdisk/model.h"
 
+/* What a deck says besides physics. */
+typedef struct sd_deck {
+  char *path;                /* as given */
+  char *text;                /* as read */
+  char *overrides;           /* one "path=value" per line */
+  char *full;                /* the deck with all defaults, canonical form */
+  char *bodies;              /* names and walls as the deck has them, for decks that begin with the result */
+  double checkpoint_seconds; /* wall time between checkpoints, > 0 */
+  size_t sweep_points;       /* that its group `sweep` asks for; the model is the deck itself */
+} sd_deck;
+
+/* The deck of a model; of one that was built by hand an empty one with defaults: texts are "". */
+SD_API const sd_deck *sd_model_deck(const sd_model *model);
+
 /* Reads, checks and finishes the deck at path; overrides are "path=value" strings as after -D.
  * Every mistake is one message "file:line: key = value: what was expected (did you mean ...)".
  * Returns SD_ERROR_USER when there is any (and *out NULL), SD_ERROR_IO when the file is there and cannot be read. */

@@ -272,17 +272,11 @@ typedef struct sd_model {
   size_t n_slides;
   sd_slide_watch *slides;
   sd_until until;
-  bool measure_disks;        /* means of every free disk */
-  int64_t measure_every;     /* steps between looks at its contacts, >= 1 */
-  double checkpoint_seconds; /* wall time between checkpoints, > 0 */
-  size_t sweep_points; /* points that the deck's group `sweep` asks for; this model is the deck itself */
+  bool measure_disks;    /* means of every free disk */
+  int64_t measure_every; /* steps between looks at its contacts, >= 1 */
 
-  /* text that goes into every result file */
-  char *deck_path;      /* as given; "" when built by hand */
-  char *deck_text;      /* as read */
-  char *deck_overrides; /* one "path=value" per line */
-  char *deck_full;      /* the deck with all defaults, canonical form */
-  char *deck_bodies;    /* names and walls as the deck has them, for decks that begin with the result */
+  struct sd_deck
+      *deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
 
   /* derived */
   size_t n_segments;

@@ -332,7 +332,7 @@ static sd_status check(const options *o, sd_messages *messages) {
   sd_model *m = NULL;
   sd_status status = sd_deck_load(o->deck, o->n_overrides, o->overrides, &m, messages);
   if (status != SD_OK) return status;
-  if (!o->brief) printf("%s\n", m->deck_full);
+  if (!o->brief) printf("%s\n", sd_model_deck(m)->full);
   app_line(stdout, "# deck        %s%s%s", o->deck, m->title && *m->title ? ": " : "",
            m->title ? m->title : "");
   print_counts(m);
@@ -344,7 +344,7 @@ static sd_status check(const options *o, sd_messages *messages) {
   double speed = 0;
   status = size_print(m, messages);
   if (status == SD_OK && o->probe) status = probe(m, &speed, messages);
-  if (status == SD_OK && m->sweep_points > 0) status = check_sweep(o, m, speed, messages);
+  if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = check_sweep(o, m, speed, messages);
   sd_model_free(m);
   return status;
 }

@@ -67,10 +67,10 @@ int app_run(int argc, char **argv) {
     again = output ? file_path("resume %s", output) : NULL;
     status = sd_deck_load(a.deck, a.n_overrides, a.overrides, &model, messages);
     if (status != SD_OK) sd_messages_print(messages, stderr);
-    if (status == SD_OK && model->sweep_points > 0)
+    if (status == SD_OK && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,
               "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",
-              a.deck, model->sweep_points, model->sweep_points == 1 ? "" : "s");
+              a.deck, sd_model_deck(model)->sweep_points, sd_model_deck(model)->sweep_points == 1 ? "" : "s");
   }
   if (status == 0 && !again) status = app_no_memory();
   if (status == 0) {

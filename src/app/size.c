@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "slipdisk/deck.h"
 #include "app/app.h"
 #include "io/results/record.h"
 #include "io/results/summary_disks.h"
@@ -80,7 +81,7 @@ static double state_bytes(const sd_model *m, size_t contacts) {
 
 static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   size_t contacts = most_contacts(m);
-  const char *const texts[] = {m->deck_text, m->deck_full, m->deck_bodies};
+  const char *const texts[] = {sd_model_deck(m)->text, sd_model_deck(m)->full, sd_model_deck(m)->bodies};
   double bytes = FILE_BYTES + (m->n_walls ? WALLS_BYTES : 0) + BODY_BYTES * (double)sd_model_bodies(m);
   for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) bytes += texts[k] ? (double)strlen(texts[k]) : 0;
   bytes += state_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);

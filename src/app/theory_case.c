@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "slipdisk/deck.h"
 #include "app/theory.h"
 
 /* Disks nearer than this part of the upper disk's radius count as touching it. */
@@ -14,7 +15,7 @@ static const double AWAY = 0.25;
 
 static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t body, const char *what) {
   char name[96];
-  return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s %s", m->deck_path,
+  return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s %s", sd_model_deck(m)->path,
                  sd_model_body_name(m, body, name, sizeof name), what);
 }
 
@@ -37,8 +38,8 @@ static double gap(const sd_model *m, uint32_t a, uint32_t b) {
 
 static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *messages) {
   if (m->n_slides > 1)
-    sd_warn(messages, "%s: theory: measure.sliding has %zu entries; this is about the first", m->deck_path,
-            m->n_slides);
+    sd_warn(messages, "%s: theory: measure.sliding has %zu entries; this is about the first",
+            sd_model_deck(m)->path, m->n_slides);
   if (m->n_slides > 0) {
     *upper = m->slides[0].disk;
     return SD_OK;
@@ -49,7 +50,7 @@ static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *mes
   return sd_fail(messages, SD_ERROR_USER,
                  "%s: theory: there are %zu free disks; expected one on two supports, or an entry of "
                  "measure.sliding that names it",
-                 m->deck_path, m->n_free);
+                 sd_model_deck(m)->path, m->n_free);
 }
 
 /* Without measure.sliding: the two driven disks there are, or the two that touch. */
@@ -64,8 +65,8 @@ static sd_status find_supports(const sd_model *m, uint32_t upper, uint32_t suppo
   if (n == 2) return SD_OK;
   char name[96];
   return sd_fail(messages, SD_ERROR_USER,
-                 "%s: theory: %s rests on %zu fixed or moved disks; expected two supports", m->deck_path,
-                 sd_model_body_name(m, upper, name, sizeof name), n);
+                 "%s: theory: %s rests on %zu fixed or moved disks; expected two supports",
+                 sd_model_deck(m)->path, sd_model_body_name(m, upper, name, sizeof name), n);
 }
 
 static sd_status find_disks(const sd_model *m, uint32_t *upper, uint32_t support[2], sd_messages *messages) {
@@ -220,11 +221,11 @@ static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
     return sd_fail(
         messages, SD_ERROR_USER,
         "%s: theory: the contacts of %s have no skin (k_t = 0), hence no friction; expected k_t > 0",
-        m->deck_path, c->upper);
+        sd_model_deck(m)->path, c->upper);
   if (mu[0] != mu[1])
     return sd_fail(messages, SD_ERROR_USER,
                    "%s: theory: the contacts of %s with %s and %s have mu = %g and %g; expected the same",
-                   m->deck_path, c->upper, c->support[0], c->support[1], mu[0], mu[1]);
+                   sd_model_deck(m)->path, c->upper, c->support[0], c->support[1], mu[0], mu[1]);
   return SD_OK;
 }
 

@@ -5,6 +5,7 @@
  */
 #include <math.h>
 
+#include "slipdisk/deck.h"
 #include "app/theory.h"
 #include "model/motion_kinds.h"
 
@@ -46,9 +47,10 @@ static const char *motion_name(const sd_motion *motion, char *text, size_t size)
 static sd_status fail_motion(const sd_model *m, sd_messages *messages, const sd_motion *motion, uint32_t body,
                              const char *expected) {
   char what[160], whom[96];
-  return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s moves %s of %s; expected %s", m->deck_path,
-                 motion_name(motion, what, sizeof what), coordinate_names[motion->coordinate],
-                 sd_model_body_name(m, body, whom, sizeof whom), expected);
+  return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s moves %s of %s; expected %s",
+                 sd_model_deck(m)->path, motion_name(motion, what, sizeof what),
+                 coordinate_names[motion->coordinate], sd_model_body_name(m, body, whom, sizeof whom),
+                 expected);
 }
 
 /* The first phase that measures, else the last; all that measure must have the same motions on. */
@@ -62,7 +64,7 @@ static sd_status find_phase(const sd_model *m, size_t *phase, sd_messages *messa
         return sd_fail(
             messages, SD_ERROR_USER,
             "%s: theory: phases %zu and %zu both measure, with different motions; expected the same",
-            m->deck_path, first, p);
+            sd_model_deck(m)->path, first, p);
   }
   *phase = first < m->n_phases ? first : m->n_phases - 1;
   return SD_OK;
@@ -178,7 +180,7 @@ sd_status theory_drive_read(const sd_model *m, uint32_t upper, const uint32_t su
       return sd_fail(messages, SD_ERROR_USER,
                      "%s: theory: %s cannot turn (theta is locked) while its supports turn to and fro; "
                      "expected it free to turn",
-                     m->deck_path, c->upper);
+                     sd_model_deck(m)->path, c->upper);
   }
   return SD_OK;
 }

@@ -2,6 +2,7 @@
 #include <jansson.h>
 #include <math.h>
 
+#include "slipdisk/deck.h"
 #include "app/theory.h"
 #include "base/text.h"
 #include "io/store/file.h"
@@ -102,7 +103,7 @@ static json_t *solution_json(const theory_case *c, const theory_result *r) {
 }
 
 bool theory_json(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
-  char *deck = text_clean(file_path("%s", m->deck_path));
+  char *deck = text_clean(file_path("%s", sd_model_deck(m)->path));
   json_t *root = json_pack("{s:s, s:s, s:o, s:o, s:o, s:o, s:o}", "deck", deck ? deck : "", "title",
                            m->title ? m->title : "", "geometry", geometry_json(c), "tep", tep_json(r),
                            "drive", drive_json(c, r), "formulas", formulas_json(c, r), "solution",

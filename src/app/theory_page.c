@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "slipdisk/deck.h"
 #include "app/theory.h"
 
 /* A labelled line: "  theta_T              0.125664   (0.04 pi)". */
@@ -196,9 +197,10 @@ static void print_solution(FILE *out, const sd_sliding *s) {
 }
 
 void theory_page(FILE *out, const sd_model *m, const theory_case *c, const theory_result *r) {
-  fprintf(out, "%s: %s\n", m->deck_path, m->title && *m->title ? m->title : "(no title)");
-  if (m->sweep_points > 0)
-    fprintf(out, "the deck as it stands; its sweep of %zu points: --csv FILE\n", m->sweep_points);
+  fprintf(out, "%s: %s\n", sd_model_deck(m)->path, m->title && *m->title ? m->title : "(no title)");
+  if (sd_model_deck(m)->sweep_points > 0)
+    fprintf(out, "the deck as it stands; its sweep of %zu points: --csv FILE\n",
+            sd_model_deck(m)->sweep_points);
   print_geometry(out, c);
   print_torques(out, c, r);
   switch (c->kind) {

@@ -10,6 +10,7 @@
 #include "model/laws.h"
 #include "model/loads.h"
 #include "model/motion_kinds.h"
+#include "slipdisk/deck.h"
 
 sd_model *sd_model_new(void) {
   sd_model *m = calloc(1, sizeof *m);
@@ -52,12 +53,18 @@ void sd_model_free(sd_model *m) {
   free(m->rotations);
   free(m->slides);
   free(m->segments);
-  free(m->deck_path);
-  free(m->deck_text);
-  free(m->deck_overrides);
-  free(m->deck_full);
-  free(m->deck_bodies);
+  if (m->deck) {
+    char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full, m->deck->bodies};
+    for (size_t k = 0; k < COUNT(texts); k++) free(texts[k]);
+  }
+  free(m->deck);
   free(m);
+}
+
+const sd_deck *sd_model_deck(const sd_model *m) {
+  static char none[] = "";
+  static const sd_deck by_hand = {none, none, none, none, none, 60.0, 0};
+  return m->deck ? m->deck : &by_hand;
 }
 
 size_t sd_model_bodies(const sd_model *m) { return m->n_disks + m->n_walls; }

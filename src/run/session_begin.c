@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "slipdisk/deck.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
@@ -57,7 +58,7 @@ static sd_status refuse_existing(const session *s, const char *there, sd_message
 /* The deck of the checkpoint must be this one, and so must the files that it names. */
 static sd_status check_deck(const session *s, const provenance *origin, const sd_state *state,
                             sd_messages *messages) {
-  const char *full = s->model->deck_full ? s->model->deck_full : "";
+  const char *full = sd_model_deck(s->model)->full;
   if (!deck_same(origin->deck_full, full)) {
     sd_fail(messages, SD_ERROR_USER,
             "%s is an unfinished run of another deck (started %s); --force starts over, -o writes elsewhere",

@@ -1,4 +1,5 @@
 /* session_group.c: the loop of runs, one or several side by side; see session_group.h. */
+#include "slipdisk/deck.h"
 #include "run/session_group.h"
 
 #include <inttypes.h>
@@ -141,7 +142,8 @@ static void save(group *g) {
   bool due = false;
   for (size_t k = 0; k < g->n; k++) {
     const session *s = session_of(g, k);
-    due = due || (can_be_saved(g, k) && session_clock() - s->saved_at >= s->model->checkpoint_seconds);
+    due = due || (can_be_saved(g, k) &&
+                  session_clock() - s->saved_at >= sd_model_deck(s->model)->checkpoint_seconds);
   }
   if (!due) return;
   for (size_t k = 0; k < g->n; k++)

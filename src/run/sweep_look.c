@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "slipdisk/deck.h"
 #include "base/limits.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
@@ -63,8 +64,8 @@ static void compare_decks(const sweep *s, size_t point, const provenance *origin
   sd_messages *mine = sd_messages_new();
   if (deck_sweep_model(&s->deck, point, &model, mine) != SD_OK) {
     for (size_t k = 0; k < sd_messages_count(mine); k++) sweep_differ(r, sd_messages_text(mine, k));
-  } else if (sweep_compare(r, origin->deck_full, model->deck_full, finished) && origin->inputs != 0 &&
-             origin->inputs != provenance_inputs(model)) {
+  } else if (sweep_compare(r, origin->deck_full, sd_model_deck(model)->full, finished) &&
+             origin->inputs != 0 && origin->inputs != provenance_inputs(model)) {
     sweep_differ(r, "a file that the deck names, of disks or of a motion's table, has changed");
   }
   sd_model_free(model);

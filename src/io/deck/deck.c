@@ -90,14 +90,17 @@ static void read_box(deck *d) {
 
 /* Checked and counted; the model is that of the deck as it stands. */
 static void read_sweep(deck *d, bool point) {
-  if (!point) d->model->sweep_points = deck_sweep_count(d);
+  if (!point) d->model->deck->sweep_points = deck_sweep_count(d);
   deck_remove(d->root, deck_child(d->root, "sweep"));
 }
 
 /* The order matters: motions speak of bodies, phases of motions. */
 static void read_all(deck *d, bool point) {
   deck_group top;
-  if (deck_enter(d, d->root, &deck_top, &top)) deck_fill(&top, d->model);
+  if (deck_enter(d, d->root, &deck_top, &top)) {
+    deck_fill(&top, d->model);
+    d->model->deck->checkpoint_seconds = deck_number(&top, "checkpoint");
+  }
   read_gravity(d);
   read_box(d);
   deck_read_materials(d);
@@ -142,7 +145,7 @@ static sd_status finish(deck *d) {
   sd_status status = sd_model_finish(d->model, d->messages);
   if (status != SD_OK) return status;
   deck_echo_files(d);
-  d->model->deck_full = deck_echo(d);
+  d->model->deck->full = deck_echo(d);
   return SD_OK;
 }
 
@@ -195,9 +198,10 @@ static sd_status make_model(deck *d, void *user) {
   model_task *t = user;
   d->model = sd_model_new();
   if (!d->model) longjmp(d->out_of_memory, 1);
-  d->model->deck_path = deck_keep_text(d, d->path);
-  d->model->deck_text = deck_keep_text(d, d->text);
-  d->model->deck_overrides = join_settings(d, t->n_settings, t->settings);
+  sd_deck *own = d->model->deck = deck_keep(d, 1, sizeof *own);
+  own->path = deck_keep_text(d, d->path);
+  own->text = deck_keep_text(d, d->text);
+  own->overrides = join_settings(d, t->n_settings, t->settings);
   read_all(d, t->point);
   sd_status status = finish(d);
   t->model = status == SD_OK ? d->model : NULL;

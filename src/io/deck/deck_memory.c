@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "io/deck/deck_result.h"
+#include "slipdisk/deck.h"
 
 #define NOWHERE UINT32_MAX /* of a body number */
 
@@ -164,5 +165,5 @@ void deck_read_memories(deck *d) {
     mapping map = map_bodies(&ours, t);
     take_contacts(&map);
   }
-  d->model->deck_bodies = deck_result_text(d, ours.walls);
+  d->model->deck->bodies = deck_result_text(d, ours.walls);
 }

@@ -2,6 +2,7 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
+#include "slipdisk/deck.h"
 #include "io/results/provenance.h"
 
 #include <errno.h>
@@ -132,11 +133,11 @@ sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *mess
                {&p->author, author},
                {&p->directory, directory},
                {&p->title, model->title},
-               {&p->deck_path, model->deck_path},
-               {&p->deck_text, model->deck_text},
-               {&p->deck_overrides, model->deck_overrides},
-               {&p->deck_full, model->deck_full},
-               {&p->deck_bodies, model->deck_bodies}};
+               {&p->deck_path, sd_model_deck(model)->path},
+               {&p->deck_text, sd_model_deck(model)->text},
+               {&p->deck_overrides, sd_model_deck(model)->overrides},
+               {&p->deck_full, sd_model_deck(model)->full},
+               {&p->deck_bodies, sd_model_deck(model)->bodies}};
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < sizeof texts / sizeof *texts; k++)
     status = set(texts[k].at, texts[k].text, messages);
