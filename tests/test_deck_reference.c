@@ -71,8 +71,8 @@ static void test_tables(void **state) {
 static void test_defaults_in_range(void **state) {
   (void)state;
   for (size_t t = 0; t < deck_table_count; t++)
-    for (size_t k = 0; k < deck_tables[t]->n; k++) {
-      const deck_key *key = &deck_tables[t]->key[k];
+    for (size_t k = 0; deck_key_at(deck_tables[t], k); k++) {
+      const deck_key *key = deck_key_at(deck_tables[t], k);
       assert_ptr_equal(deck_key_find(deck_tables[t], key->name), key);
       char *end;
       double x = strtod(key->initial, &end);

@@ -7,9 +7,15 @@
 
 #include "base/limits.h"
 
+const deck_key *deck_key_at(const deck_table *table, size_t k) {
+  if (k < table->n) return &table->key[k];
+  return table->more ? deck_key_at(table->more, k - table->n) : NULL;
+}
+
 const deck_key *deck_key_find(const deck_table *table, const char *name) {
-  for (size_t k = 0; k < table->n; k++)
-    if (strcmp(table->key[k].name, name) == 0) return &table->key[k];
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(table, k)); k++)
+    if (strcmp(key->name, name) == 0) return key;
   return NULL;
 }
 
@@ -51,8 +57,8 @@ static int word_value(const deck_shape *word, const char *quoted) {
 }
 
 void deck_key_defaults(const deck_table *table, void *members) {
-  for (size_t k = 0; k < table->n; k++) {
-    const deck_key *key = &table->key[k];
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
     void *member = (char *)members + key->offset;
     const char *text = key->initial;
     if (text[0] == '(' || strcmp(text, "-") == 0 || strcmp(text, "required") == 0) continue;
@@ -77,8 +83,8 @@ static bool has_sign(deck_range range, double x) {
 }
 
 void deck_key_check(const deck_table *table, const void *members, const char *place, sd_messages *messages) {
-  for (size_t k = 0; k < table->n; k++) {
-    const deck_key *key = &table->key[k];
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
     const void *member = (const char *)members + key->offset;
     bool number = key->target == DECK_SETS_NUMBER;
     if (!number && key->target != DECK_SETS_INTEGER) continue;

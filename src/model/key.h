@@ -82,7 +82,8 @@ typedef struct deck_table {
   bool one; /* { } and not a list of them */
   size_t n;
   const deck_key *key;
-  const char *either; /* keys of which one may be given: "mass/density"; NULL: none */
+  const char *either;            /* keys of which one may be given: "mass/density"; NULL: none */
+  const struct deck_table *more; /* whose keys follow; NULL: none */
 } deck_table;
 
 /* --- how rows are written: {name, type, default, words, meaning, member} ------------------------------------- */
@@ -104,10 +105,11 @@ typedef struct deck_table {
 #define POINTS KEY_TYPE(DECK_KEY_POINTS, DECK_ANY, "length")
 #define ROWS KEY_TYPE(DECK_KEY_ROWS, DECK_ANY, "-")
 #define VALUES KEY_TYPE(DECK_KEY_VALUES, DECK_ANY, "-")
-#define TABLE(id, name, one, meaning, keys)                                                                  \
-  const deck_table id = {name, meaning, one, COUNT(keys), keys, NULL}
+#define TABLE(id, name, one, meaning, keys) TABLE_EITHER(id, name, one, meaning, keys, NULL)
 #define TABLE_EITHER(id, name, one, meaning, keys, either)                                                   \
-  const deck_table id = {name, meaning, one, COUNT(keys), keys, either}
+  const deck_table id = {name, meaning, one, COUNT(keys), keys, either, NULL}
+#define TABLE_WITH(id, name, one, meaning, keys, more)                                                       \
+  const deck_table id = {name, meaning, one, COUNT(keys), keys, NULL, &(more)}
 #define WORD(name, value)                                                                                    \
   { name, value, NULL, NULL }
 #define LAST_WORD                                                                                            \
@@ -126,6 +128,8 @@ typedef struct deck_table {
 
 /* --- what follows from a row ---------------------------------------------------------------------------------- */
 
+/* Key number k; NULL behind the last. */
+const deck_key *deck_key_at(const deck_table *table, size_t k);
 const deck_key *deck_key_find(const deck_table *table, const char *name); /* NULL: none */
 const char *deck_range_text(deck_range range);
 bool deck_in_range(deck_range range, double x);

@@ -91,26 +91,6 @@ static const deck_key limits_keys[] = {
 TABLE(deck_limits, "limits", true,
       "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.", limits_keys);
 
-#define CADENCE(series, frames, contacts)                                                                    \
-  {"series",                                                                                                 \
-   INTEGER(DECK_NOT_NEGATIVE, "steps"),                                                                      \
-   series,                                                                                                   \
-   NULL,                                                                                                     \
-   "steps between rows of the time series; 0: none",                                                         \
-   SETS(sd_phase, series_every)},                                                                            \
-      {"frames",                                                                                             \
-       INTEGER(DECK_NOT_NEGATIVE, "steps"),                                                                  \
-       frames,                                                                                               \
-       NULL,                                                                                                 \
-       "steps between stored frames of all bodies; 0: none",                                                 \
-       SETS(sd_phase, frames_every)},                                                                        \
-      {"contacts",                                                                                           \
-       INTEGER(DECK_NOT_NEGATIVE, "steps"),                                                                  \
-       contacts,                                                                                             \
-       NULL,                                                                                                 \
-       "steps between stored contact tables; 0: none",                                                       \
-       SETS(sd_phase, contacts_every)},
-
 static const deck_key phase_keys[] = {
     {"name", TEXT, "-", NULL, "name in messages and results", SETS(sd_phase, name)},
     {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length; either this or time"},
@@ -121,7 +101,13 @@ static const deck_key phase_keys[] = {
     {"relax", BOOL, "false", NULL, "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)",
      SETS(sd_phase, relax)},
     {"compress", GROUP, "-", NULL, "shrink the periodic box, or the container, with all that is in it"},
-    CADENCE("(as in output)", "(as in output)", "(as in output)")};
+    {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
+     "steps between rows of the time series; 0: none", SETS(sd_phase, series_every)},
+    {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
+     "steps between stored frames of all bodies; 0: none", SETS(sd_phase, frames_every)},
+    {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
+     "steps between stored contact tables; 0: none", SETS(sd_phase, contacts_every)},
+};
 TABLE_EITHER(deck_phases, "phases", false, "A part of the run.", phase_keys, "steps/time");
 
 static const deck_key settle_keys[] = {
@@ -152,7 +138,14 @@ TABLE_EITHER(deck_compress, "phases.compress", true,
              "phase ends when the target is reached, too.",
              compress_keys, "pressure/fraction");
 
-static const deck_key output_keys[] = {CADENCE("(a thousandth of each phase)", "0", "0")};
+static const deck_key output_keys[] = {
+    {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(a thousandth of each phase)", NULL,
+     "steps between rows of the time series; 0: none"},
+    {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "0", NULL,
+     "steps between stored frames of all bodies; 0: none"},
+    {"contacts", INTEGER(DECK_NOT_NEGATIVE, "steps"), "0", NULL,
+     "steps between stored contact tables; 0: none"},
+};
 TABLE(deck_output, "output", true, "How often results are stored, where a phase does not say otherwise.",
       output_keys);
 

@@ -1,7 +1,17 @@
 /* laws.c: see laws.h. */
 #include "model/laws.h"
 
-static const deck_key law_keys[] = {LAW_KEYS};
+/* Where there are several laws, the choice among them is a row with words that say which keys each law reads. */
+static const deck_key law_keys[] = {
+    {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL, "normal stiffness",
+     SETS(sd_contact_law, k_n)},
+    {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the skin",
+     SETS(sd_contact_law, k_t)},
+    {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity",
+     SETS(sd_contact_law, gamma_n)},
+    {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)",
+     SETS(sd_contact_law, mu)},
+};
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
 /* Materials that are none are left out; they are reported elsewhere. */

@@ -1,32 +1,10 @@
 /* laws.h: what describes the contact of two materials: the keys of a law, which laws there are, and which are
- * missing. A parameter of a law is one row here and one member of sd_contact_law. */
+ * missing. A parameter of a law is one row in laws.c and one member of sd_contact_law. */
 #ifndef SLIPDISK_MODEL_LAWS_H
 #define SLIPDISK_MODEL_LAWS_H
 
 #include "model/key.h"
 #include "slipdisk/model.h"
-
-#define LAW_KEYS                                                                                             \
-  {"k_n",                                                                                                    \
-   NUMBER(DECK_POSITIVE, "force/length"),                                                                    \
-   "required",                                                                                               \
-   NULL,                                                                                                     \
-   "normal stiffness",                                                                                       \
-   SETS(sd_contact_law, k_n)},                                                                               \
-      {"k_t",                                                                                                \
-       NUMBER(DECK_NOT_NEGATIVE, "force/length"),                                                            \
-       "0.0",                                                                                                \
-       NULL,                                                                                                 \
-       "stiffness of the skin",                                                                              \
-       SETS(sd_contact_law, k_t)},                                                                           \
-      {"gamma_n",                                                                                            \
-       NUMBER(DECK_NOT_NEGATIVE, "force time/length"),                                                       \
-       "0.0",                                                                                                \
-       NULL,                                                                                                 \
-       "normal viscosity",                                                                                   \
-       SETS(sd_contact_law, gamma_n)},                                                                       \
-      {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"),      "0.0",                                                     \
-       NULL, "coefficient of friction (Amonton)", SETS(sd_contact_law, mu)},
 
 extern const deck_table law_table;
 

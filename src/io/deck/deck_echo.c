@@ -93,16 +93,17 @@ static void put_value(printer *p, const deck_node *node, int indent) {
   put(p, ")");
 }
 
-static const deck_node *nth(const deck_node *group, size_t k) {
-  return group->table ? deck_child(group, group->table->key[k].name) : group->child[k];
+/* Child number k in the order of the table, if it is there; false: behind the last. */
+static bool nth(const deck_node *group, size_t k, const deck_node **child) {
+  const deck_key *key = group->table ? deck_key_at(group->table, k) : NULL;
+  *child = group->table ? (key ? deck_child(group, key->name) : NULL) : k < group->n ? group->child[k] : NULL;
+  return key || *child;
 }
-
-static size_t count(const deck_node *group) { return group->table ? group->table->n : group->n; }
 
 /* key = value; key = value; as many as fit on a line. */
 static void put_group(printer *p, const deck_node *node, int indent) {
-  for (size_t k = 0; k < count(node); k++) {
-    const deck_node *child = nth(node, k);
+  const deck_node *child;
+  for (size_t k = 0; nth(node, k, &child); k++) {
     if (!child) continue;
     if (p->out.n - p->line > WIDTH - 20 || (!scalar(child) && child->n && !scalar(child->child[0])))
       newline(p, indent + 1);
@@ -133,9 +134,8 @@ const char *deck_value_text(deck *d, const deck_node *node) {
 char *deck_echo(deck *d) {
   printer p = {.d = d};
   put(&p, "# full deck, with all defaults; written by slipdisk\n");
-  for (size_t k = 0; k < deck_top.n; k++) {
-    const deck_node *child = deck_child(d->root, deck_top.key[k].name);
+  const deck_node *child;
+  for (size_t k = 0; nth(d->root, k, &child); k++)
     if (child) put_top(&p, child);
-  }
   return deck_keep_text(d, p.out.bytes);
 }

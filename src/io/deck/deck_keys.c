@@ -9,13 +9,16 @@
 #include "model/motion_kinds.h"
 
 static const deck_key material_keys[] = {
-    {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"}, LAW_KEYS};
-TABLE(deck_materials, "materials", false, "A material, with the law of its contacts with itself.",
-      material_keys);
+    {"name", TEXT, "required", NULL, "name by which disks and walls refer to it"},
+};
+TABLE_WITH(deck_materials, "materials", false, "A material, with the law of its contacts with itself.",
+           material_keys, law_table);
 
-static const deck_key pair_keys[] = {{"materials", NAMES, "required", NULL, "the names of the two materials"},
-                                     LAW_KEYS};
-TABLE(deck_pairs, "material_pairs", false, "The law of contacts between two different materials.", pair_keys);
+static const deck_key pair_keys[] = {
+    {"materials", NAMES, "required", NULL, "the names of the two materials"},
+};
+TABLE_WITH(deck_pairs, "material_pairs", false, "The law of contacts between two different materials.",
+           pair_keys, law_table);
 
 /* place, radius: "required" for a single disk, "-" where columns give them */
 #define DISK(place)                                                                                          \
@@ -333,8 +336,9 @@ bool deck_keys_exclude(const char *a, const char *b) {
   for (size_t t = 0; t < deck_table_count; t++) {
     const deck_table *table = deck_tables[t];
     if (joined(table->either, a, b)) return true;
-    for (size_t k = 0; k < table->n; k++)
-      for (const deck_shape *word = table->key[k].words; word && word->name; word++)
+    const deck_key *key;
+    for (size_t k = 0; (key = deck_key_at(table, k)); k++)
+      for (const deck_shape *word = key->words; word && word->name; word++)
         if (joined(word->keys, a, b)) return true;
   }
   return false;
@@ -364,10 +368,10 @@ void deck_keys_print(FILE *out) {
     fprintf(out,
             "### %s\n\n%s\n\n| key | type | range | unit | default | meaning |\n|---|---|---|---|---|---|\n",
             table->name, table->meaning);
-    for (size_t k = 0; k < table->n; k++) print_key(out, &table->key[k]);
+    const deck_key *key;
+    for (size_t k = 0; (key = deck_key_at(table, k)); k++) print_key(out, key);
     fprintf(out, "\n");
-    for (size_t k = 0; k < table->n; k++) {
-      const deck_key *key = &table->key[k];
+    for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
       if (!key->words || !key->words[0].keys) continue;
       char heading[96];
       size_t n = strlen(table->name) - !table->one; /* "walls": "wall type" */

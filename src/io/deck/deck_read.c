@@ -18,9 +18,11 @@ const char *deck_hint(deck *d, const guess *g) {
 static const char *keys_of(deck *d, const deck_table *table) {
   enum { FEW = 8 };
   const char *text = "; expected ";
-  for (size_t k = 0; k < table->n; k++)
-    text = deck_format(d, "%s%s%s", text, k == 0 ? "" : k + 1 < table->n ? ", " : " or ", table->key[k].name);
-  return table->n <= FEW ? text : "";
+  const deck_key *key;
+  size_t k = 0;
+  for (; (key = deck_key_at(table, k)); k++)
+    text = deck_format(d, "%s%s%s", text, k == 0 ? "" : deck_key_at(table, k + 1) ? ", " : " or ", key->name);
+  return k <= FEW ? text : "";
 }
 
 static void check_keys(deck *d, deck_node *node, const deck_table *table) {
@@ -29,7 +31,8 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     if (deck_key_find(table, child->name)) continue;
     bool told = deck_told(d);
     guess near = guess_start(child->name);
-    for (size_t j = 0; j < table->n && !told; j++) guess_add(&near, table->key[j].name);
+    const deck_key *key;
+    for (size_t j = 0; !told && (key = deck_key_at(table, j)); j++) guess_add(&near, key->name);
     const char *hint = told ? "" : near.best ? deck_hint(d, &near) : keys_of(d, table);
     bool top = table == &deck_top;
     deck_fail(d, child, "unknown key%s%s%s", top ? "" : " of ", top ? "" : table->name, hint);
@@ -417,15 +420,14 @@ bool deck_fill(deck_group *g, void *members) {
   const deck_shape *kind[CHOOSERS];
   size_t n = 0;
   bool known = true;
-  for (size_t k = 0; k < g->table->n; k++) {
-    const deck_key *key = &g->table->key[k];
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(g->table, k)); k++) {
     if (!key->words || !key->words[0].keys || n == CHOOSERS) continue;
     chooser[n] = key;
     kind[n] = deck_shape_of(g, key->name);
     known = kind[n++] && known;
   }
-  for (size_t k = 0; k < g->table->n; k++) {
-    const deck_key *key = &g->table->key[k];
+  for (size_t k = 0; (key = deck_key_at(g->table, k)); k++) {
     bool reads = key->target != DECK_SETS_NOTHING;
     for (size_t j = 0; j < n; j++)
       reads = reads && key != chooser[j] && deck_reads(chooser[j], kind[j], key->name);
