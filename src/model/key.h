@@ -3,7 +3,7 @@
  *
  * Defaults of a new model, checks of a finished one, the reader of decks, its echo and docs/deck.md follow these
  * rows. Rows that set members of the model stand in this floor (keys.c, laws.h), those of the deck only in
- * io/deck/deck_keys.c.
+ * io/deck/deck_keys.c. tools/deck_docs.py brings docs/deck.md up to date.
  */
 #ifndef SLIPDISK_MODEL_KEY_H
 #define SLIPDISK_MODEL_KEY_H

@@ -5,7 +5,7 @@
 static const deck_key law_keys[] = {
     {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL, "normal stiffness",
      SETS(sd_contact_law, k_n)},
-    {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the skin",
+    {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the tangential spring",
      SETS(sd_contact_law, k_t)},
     {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity",
      SETS(sd_contact_law, gamma_n)},

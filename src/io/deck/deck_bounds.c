@@ -55,11 +55,11 @@ static void limit_side(const deck *d, const char *wall, int c, bool upper, doubl
   sd_model *m = d->model;
   uint32_t body;
   if (m->periodic[c] || !find_side(m, wall, &body)) return;
-  double room = margin + travel(m, body, c);
+  double distance = margin + travel(m, body, c);
   if (upper)
-    m->bounds.upper[c] = m->region_upper[c] + room;
+    m->bounds.upper[c] = m->region_upper[c] + distance;
   else
-    m->bounds.lower[c] = m->region_lower[c] - room;
+    m->bounds.lower[c] = m->region_lower[c] - distance;
 }
 
 static void follow_container(const deck *d) {
@@ -93,11 +93,11 @@ static void far_out(sd_model *m) {
     if (wall->kind == SD_WALL_CIRCLE) extend(&e, wall->pivot, wall->radius);
     for (size_t k = 0; k < wall->n_points; k++) extend(&e, wall->points[k], 0);
   }
-  double room = FAR * fmax(e.high[0] - e.low[0], e.high[1] - e.low[1]);
+  double distance = FAR * fmax(e.high[0] - e.low[0], e.high[1] - e.low[1]);
   for (int c = 0; c < 2; c++) {
-    if (m->periodic[c] || !isfinite(room)) continue;
-    m->bounds.lower[c] = e.low[c] - room;
-    m->bounds.upper[c] = e.high[c] + room;
+    if (m->periodic[c] || !isfinite(distance)) continue;
+    m->bounds.lower[c] = e.low[c] - distance;
+    m->bounds.upper[c] = e.high[c] + distance;
   }
 }
 
@@ -119,7 +119,7 @@ static bool starts_inside(const deck *d, size_t i) {
   return true;
 }
 
-/* Limits that nobody has written are no reason to refuse the deck. */
+/* Limits that are not written in the deck are no reason to refuse the deck. */
 static void warn_start(const deck *d) {
   const sd_model *m = d->model;
   size_t found = 0, first = 0;

@@ -34,15 +34,15 @@ static void newline(printer *p, int indent) {
 static void put_text(printer *p, const char *text) {
   put(p, "\"");
   for (; *text; text++) {
-    char piece[8] = {*text, 0};
+    char escaped[8] = {*text, 0};
     unsigned char c = (unsigned char)*text;
     if (c == '"' || c == '\\')
-      snprintf(piece, sizeof piece, "\\%c", c);
+      snprintf(escaped, sizeof escaped, "\\%c", c);
     else if (c == '\n')
-      strcpy(piece, "\\n");
+      strcpy(escaped, "\\n");
     else if (c < 0x20 || c == 0x7f)
-      snprintf(piece, sizeof piece, "\\x%02X", (unsigned)c);
-    put(p, piece);
+      snprintf(escaped, sizeof escaped, "\\x%02X", (unsigned)c);
+    put(p, escaped);
   }
   put(p, "\"");
 }

@@ -16,7 +16,7 @@ typedef struct our_walls {
   deck *d;
   size_t n;
   result_wall *walls;
-  size_t *piece; /* number of the first one */
+  size_t *first_segment; /* of each wall */
   bool *placed;
 } our_walls;
 
@@ -71,32 +71,33 @@ static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_
 
 static our_walls list_walls(deck *d) {
   our_walls ours = {.d = d, .n = d->model->n_walls, .walls = deck_result_walls(d)};
-  ours.piece = deck_alloc(d, ours.n + 1, sizeof *ours.piece);
+  ours.first_segment = deck_alloc(d, ours.n + 1, sizeof *ours.first_segment);
   ours.placed = deck_alloc(d, ours.n + 1, sizeof *ours.placed);
-  for (size_t w = 0; w < ours.n; w++) ours.piece[w + 1] = ours.piece[w] + ours.walls[w].pieces;
+  for (size_t w = 0; w < ours.n; w++)
+    ours.first_segment[w + 1] = ours.first_segment[w] + ours.walls[w].segments;
   return ours;
 }
 
 /* --- contacts ------------------------------------------------------------------------------------------- */
 
-/* Where bodies and pieces of a file are in the model. */
+/* Where bodies and segments of a file are in the model. */
 typedef struct mapping {
   const our_walls *ours;
   const deck_columns *t;
   uint32_t *body;
-  size_t *piece; /* of the file: number of each wall's first one */
+  size_t *first_segment; /* of each wall of the file */
 } mapping;
 
 static mapping map_bodies(our_walls *ours, const deck_columns *t) {
   deck *d = ours->d;
   const deck_result *r = t->result;
   mapping map = {ours, t, deck_alloc(d, r->n_bodies + 1, sizeof *map.body),
-                 deck_alloc(d, r->n_walls + 1, sizeof *map.piece)};
+                 deck_alloc(d, r->n_walls + 1, sizeof *map.first_segment)};
   for (size_t k = 0; k < r->n_bodies; k++) map.body[k] = NOWHERE;
   for (size_t row = 0; row < t->n_rows; row++) map.body[t->body[row]] = (uint32_t)(t->first + row);
   for (size_t k = 0; k < r->n_walls && r->n_disks + k < r->n_bodies; k++) {
     uint32_t w = same_wall(ours, r, k);
-    map.piece[k + 1] = map.piece[k] + r->walls[k].pieces;
+    map.first_segment[k + 1] = map.first_segment[k] + r->walls[k].segments;
     if (w == NOWHERE) continue;
     map.body[r->n_disks + k] = (uint32_t)d->model->n_disks + w;
     place_wall(ours, t, k, w);
@@ -120,10 +121,12 @@ static bool take_contact(const mapping *map, size_t k, sd_contact_memory *c) {
     shift += r->radius[b] * angle_shift(r, b);
   } else {
     size_t theirs = b - r->n_disks, own = map->body[b] - map->ours->d->model->n_disks;
-    if (r->walls[theirs].pieces && part - map->piece[theirs] >= r->walls[theirs].pieces) return false;
-    if (r->walls[theirs].pieces) part = (uint32_t)(part - map->piece[theirs] + map->ours->piece[own]);
+    if (r->walls[theirs].segments && part - map->first_segment[theirs] >= r->walls[theirs].segments)
+      return false;
+    if (r->walls[theirs].segments)
+      part = (uint32_t)(part - map->first_segment[theirs] + map->ours->first_segment[own]);
     /* a round wall begins at angle 0 */
-    if (!r->walls[theirs].pieces) shift -= r->radius[b] * r->theta[b];
+    if (!r->walls[theirs].segments) shift -= r->radius[b] * r->theta[b];
   }
   *c = (sd_contact_memory){
       .a = map->body[a], .b = map->body[b], .part = part, .slide = r->slide[k], .side = r->side[k]};

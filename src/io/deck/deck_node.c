@@ -22,10 +22,10 @@ void *deck_alloc(deck *d, size_t n, size_t size) {
   if (size && n > SIZE_MAX / 4 / size) longjmp(d->out_of_memory, 1);
   size_t need = (n * size + 15) & ~(size_t)15;
   if (!d->memory || d->memory->size - d->memory->used < need) {
-    size_t room = need > CHUNK ? need : CHUNK;
-    deck_chunk *chunk = malloc(sizeof *chunk + room);
+    size_t capacity = need > CHUNK ? need : CHUNK;
+    deck_chunk *chunk = malloc(sizeof *chunk + capacity);
     if (!chunk) longjmp(d->out_of_memory, 1);
-    *chunk = (deck_chunk){.next = d->memory, .size = room};
+    *chunk = (deck_chunk){.next = d->memory, .size = capacity};
     d->memory = chunk;
   }
   void *start = d->memory->bytes + d->memory->used;

@@ -211,22 +211,22 @@ static void check_inside(deck *d) {
   tell_rest(d, found, "coordinates lie outside the periodic box");
 }
 
-static double distance_to_piece(const double *p, const double *a, const double *b, bool endless) {
+static double distance_to_segment(const double *p, const double *a, const double *b, bool endless) {
   double tx = b[0] - a[0], ty = b[1] - a[1], l2 = tx * tx + ty * ty;
   double s = ((p[0] - a[0]) * tx + (p[1] - a[1]) * ty) / l2;
   if (!endless) s = fmax(0, fmin(1, s));
   return hypot(p[0] - a[0] - s * tx, p[1] - a[1] - s * ty);
 }
 
-/* The pieces of a wall, in a binary tree of boxes around runs of them: of a long wall a disk looks at few. */
-typedef struct pieces {
+/* The segments of a wall, in a binary tree of boxes around runs of them: of a long wall a disk looks at few. */
+typedef struct wall_tree {
   const sd_wall *wall;
   size_t n, leaves; /* a power of two; node k has the children 2k and 2k + 1, leaf i is node leaves + i */
   double (*low)[2], (*high)[2];
-} pieces;
+} wall_tree;
 
-static pieces make_pieces(deck *d, const sd_wall *wall) {
-  pieces t = {.wall = wall, .leaves = 1};
+static wall_tree make_tree(deck *d, const sd_wall *wall) {
+  wall_tree t = {.wall = wall, .leaves = 1};
   bool endless = wall->kind == SD_WALL_LINE;
   t.n = wall_segments(wall);
   if (t.n == 0) return t;
@@ -234,7 +234,7 @@ static pieces make_pieces(deck *d, const sd_wall *wall) {
   t.low = deck_alloc(d, 2 * t.leaves, sizeof *t.low);
   t.high = deck_alloc(d, 2 * t.leaves, sizeof *t.high);
   for (int c = 0; c < 2; c++) {
-    for (size_t i = 0; i < t.leaves; i++) { /* leaves without a piece are empty boxes */
+    for (size_t i = 0; i < t.leaves; i++) { /* leaves without a segment are empty boxes */
       double one = i < t.n ? wall->points[i][c] : HUGE_VAL;
       double two = i < t.n ? wall->points[(i + 1) % wall->n_points][c] : -HUGE_VAL;
       t.low[t.leaves + i][c] = endless ? -HUGE_VAL : i < t.n ? fmin(one, two) : one;
@@ -248,33 +248,33 @@ static pieces make_pieces(deck *d, const sd_wall *wall) {
   return t;
 }
 
-/* The distance to the nearest piece below the node, if it is less than `nearest`. */
-static double nearest_piece(const pieces *t, size_t node, const double *p, double nearest) {
+/* The distance to the nearest segment below the node, if it is less than `nearest`. */
+static double nearest_segment(const wall_tree *t, size_t node, const double *p, double nearest) {
   double dx = fmax(t->low[node][0] - p[0], p[0] - t->high[node][0]);
   double dy = fmax(t->low[node][1] - p[1], p[1] - t->high[node][1]);
   if (fmax(dx, dy) >= nearest) return nearest;
-  if (node < t->leaves) return nearest_piece(t, 2 * node + 1, p, nearest_piece(t, 2 * node, p, nearest));
+  if (node < t->leaves) return nearest_segment(t, 2 * node + 1, p, nearest_segment(t, 2 * node, p, nearest));
   size_t k = node - t->leaves;
   const sd_wall *w = t->wall;
-  return fmin(nearest,
-              distance_to_piece(p, w->points[k], w->points[(k + 1) % w->n_points], w->kind == SD_WALL_LINE));
+  return fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
+                                           w->kind == SD_WALL_LINE));
 }
 
 /* How deep a disk sits in a wall, not looking at periodic images; 0 or less: it does not. */
-static double depth_in_wall(const pieces *t, const sd_disk *disk) {
+static double depth_in_wall(const wall_tree *t, const sd_disk *disk) {
   const sd_wall *wall = t->wall;
   if (wall->kind == SD_WALL_CIRCLE) {
     double r = hypot(disk->position[0] - wall->pivot[0], disk->position[1] - wall->pivot[1]);
     return wall->inside ? disk->radius + r - wall->radius : disk->radius + wall->radius - r;
   }
-  return t->n ? disk->radius - nearest_piece(t, 1, disk->position, disk->radius) : 0;
+  return t->n ? disk->radius - nearest_segment(t, 1, disk->position, disk->radius) : 0;
 }
 
 static void check_walls(deck *d) {
   const sd_model *m = d->model;
   size_t found = 0;
   for (size_t w = 0; w < m->n_walls; w++) {
-    pieces tree = make_pieces(d, &m->walls[w]);
+    wall_tree tree = make_tree(d, &m->walls[w]);
     for (size_t i = 0; i < m->n_disks; i++) {
       const sd_disk *disk = &m->disks[i];
       if (!sound(disk) || disk->waiting || disk->driven) continue;

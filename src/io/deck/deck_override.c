@@ -229,15 +229,15 @@ void deck_override(deck *d, const deck_setting *setting) {
 
 /* --- two paths --------------------------------------------------------------------------------------------- */
 
-/* The next piece of a path, "word" or "[3]", which ends at `end`. */
-typedef struct piece {
+/* The next step of a path, "word" or "[3]", which ends at `end`. */
+typedef struct step_text {
   const char *start;
   size_t n;
-} piece;
+} step_text;
 
-static piece next_piece(const char **p, const char *end) {
+static step_text next_step(const char **p, const char *end) {
   if (*p < end && **p == '.') ++*p;
-  piece one = {*p, 0};
+  step_text one = {*p, 0};
   const char *stop = one.start + (one.start < end && *one.start == '[');
   while (stop < end && *stop != '.' && *stop != '[') stop++;
   one.n = (size_t)(stop - one.start);
@@ -246,15 +246,15 @@ static piece next_piece(const char **p, const char *end) {
 }
 
 /* Two keys of which one may be given. */
-static bool exclude(piece a, piece b) {
+static bool exclude(step_text a, step_text b) {
   char one[LIMIT_QUOTE + 1], two[LIMIT_QUOTE + 1];
   snprintf(one, sizeof one, "%.*s", (int)a.n, a.start);
   snprintf(two, sizeof two, "%.*s", (int)b.n, b.start);
   return a.n < sizeof one && b.n < sizeof two && deck_keys_exclude(one, two);
 }
 
-/* The entries of a list to which a piece of a path leads: from *first on, how many. */
-static size_t entries_of(piece one, const deck_node *list, size_t *first) {
+/* The entries of a list to which a step of a path leads: from *first on, how many. */
+static size_t entries_of(step_text one, const deck_node *list, size_t *first) {
   *first = 0;
   if (same_word(one.start, one.n, "[*]")) return list->n;
   if (*one.start == '[') {
@@ -270,7 +270,7 @@ static size_t entries_of(piece one, const deck_node *list, size_t *first) {
 static deck_meeting meet(const deck_node *at, const char *p, const char *p_end, const char *q,
                          const char *q_end) {
   if (p == p_end || q == q_end) return DECK_SAME_KEY; /* or a part of it */
-  piece a = next_piece(&p, p_end), b = next_piece(&q, q_end);
+  step_text a = next_step(&p, p_end), b = next_step(&q, q_end);
   if (a.n == 0 || b.n == 0) return DECK_APART; /* no paths */
   if (at && at->type == DECK_LIST) {
     deck_meeting met = DECK_APART;

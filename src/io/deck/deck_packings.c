@@ -172,12 +172,12 @@ static void read_region(packing *p) {
 static void check_room(packing *p, double width, double height) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
-  double largest = p->sizes->upper, room[2] = {width, height};
+  double largest = p->sizes->upper, extent[2] = {width, height};
   for (int c = 0; c < 2; c++) {
-    bool wraps = m->periodic[c] && room[c] >= m->upper[c] - m->lower[c];
-    if (2 * largest > room[c] * (1 + 1e-12) && !wraps)
+    bool wraps = m->periodic[c] && extent[c] >= m->upper[c] - m->lower[c];
+    if (2 * largest > extent[c] * (1 + 1e-12) && !wraps)
       deck_fail(d, p->g.node, "a disk of radius %g does not fit into a region that is %g %s", largest,
-                room[c], c ? "high" : "wide");
+                extent[c], c ? "high" : "wide");
   }
 }
 

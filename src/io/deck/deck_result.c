@@ -56,7 +56,7 @@ char *deck_result_text(deck *d, const result_wall *walls) {
     if (*clean(m->disks[k].name)) put(d, &out, deck_format(d, "disk\t%zu\t%s\n", k, m->disks[k].name));
   for (size_t k = 0; k < m->n_walls; k++)
     put(d, &out,
-        deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].pieces, walls[k].angle,
+        deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].segments, walls[k].angle,
                     walls[k].scale, walls[k].text));
   return deck_keep_text(d, out.bytes);
 }
@@ -75,7 +75,7 @@ static void add_wall(deck *d, deck_result *r, char *line) {
   if (!text) return;
   *count++ = *text++ = 0;
   result_wall wall = {.name = line, .text = text};
-  if (sscanf(count, "%zu %lf %lf", &wall.pieces, &wall.angle, &wall.scale) != 3) return;
+  if (sscanf(count, "%zu %lf %lf", &wall.segments, &wall.angle, &wall.scale) != 3) return;
   if (r->n_walls == MOST_WALLS) return;
   r->walls = deck_extend(d, r->walls, r->n_walls, &r->wall_capacity, sizeof *r->walls);
   r->walls[r->n_walls++] = wall;
@@ -295,7 +295,7 @@ static bool takes(const deck_group *g, const deck_result *r, const deck_columns 
 void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *t) {
   deck *d = g->d;
   deck_result *r = read_state(d, file, path);
-  if (!r) { /* and nobody shall miss what would have come from it */
+  if (!r) { /* the materials that it would have named are not missing */
     if (!deck_given(g, "material")) deck_columns_add(d, t, "material", file, file->place);
     return;
   }

@@ -12,7 +12,7 @@
 typedef struct result_wall {
   const char *name; /* "": none */
   const char *text; /* kind, size and place */
-  size_t pieces;    /* straight ones */
+  size_t segments;
   double angle, scale;
 } result_wall;
 

@@ -1,6 +1,6 @@
 /* deck_tree.h: the inside of the deck reader: memory, nodes and messages of a deck that is being read.
  *
- * A deck goes through five hands:
+ * A deck goes through five stages:
  *   deck_scan   text -> text that libconfig cannot misread (numbers, comments, repeated keys, includes)
  *   deck_parse  libconfig's tree -> our own tree of nodes, each knowing its file and line
  *   deck_override  path=value of -D, or of a point of a sweep, applied to the tree
