@@ -230,7 +230,7 @@ TABLE_EITHER(deck_packings, "packings", false,
 const deck_shape deck_motion_kinds[] = {{"fixed", DECK_MOTION_FIXED, "", "u = 0: the coordinate is held"},
                                         MOTION_KINDS(SHAPE) LAST_WORD};
 
-#define KEY(member, type, range, unit, initial, meaning) \
+#define KEY(member, type, range, unit, initial, meaning)                                                     \
   {#member, KEY_TYPE(type, range, unit), initial, NULL, meaning, SETS(sd_motion, member)},
 static const deck_key motion_keys[] = {
     {"name", TEXT, "-", NULL, "name by which phases refer to it"},
@@ -245,8 +245,7 @@ static const deck_key motion_keys[] = {
      "in place of amplitude: peak acceleration in units of g; random: omega^2 times the rms displacement"},
     {"frequency", NUMBER(DECK_POSITIVE, "1/time"), "-", NULL, "cycles per time; either this or omega"},
     {"omega", ANGLE("rad/time"), "-", NULL, "angular frequency, > 0"},
-    WAVE_KEYS(KEY)
-    {"velocity", ANGLE("length/time or rad/time"), "-", NULL, "constant velocity"},
+    WAVE_KEYS(KEY){"velocity", ANGLE("length/time or rad/time"), "-", NULL, "constant velocity"},
     {"damping", NUMBER(DECK_POSITIVE, "-"), "0.5", NULL, "random: damping ratio c"},
     {"interval", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "random: steps between draws of the noise"},
     {"independent", BOOL, "(false with `group`, else true)", NULL,
