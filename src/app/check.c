@@ -171,6 +171,12 @@ static size_t count_free(const sd_model *m, int material) {
 
 static void print_one_restitution(const sd_model *m, int a, int b, double mass, const char *what) {
   const sd_contact_law *law = sd_model_law(m, a, b);
+  if (law->normal != SD_NORMAL_LINEAR) {
+    if (law->gamma_n == 0.0)
+      printf("# restitution \"%s\" on \"%s\": e = %g at any speed\n", m->materials[a].name,
+             m->materials[b].name, law->restitution > 0.0 ? law->restitution : 1.0);
+    return;
+  }
   printf("# restitution \"%s\" on \"%s\": e = %.4f (%s, effective mass %.4g)\n", m->materials[a].name,
          m->materials[b].name, sd_restitution(law->k_n, law->gamma_n, mass).restitution, what, mass);
 }

@@ -1,16 +1,25 @@
 /* laws.c: see laws.h. */
 #include "model/laws.h"
 
-/* Where there are several laws, the choice among them is a row with words that say which keys each law reads. */
+#include "model/normal_laws.h"
+
+#define LAW_WORD(number, word, keys, meaning) {#word, number, keys, meaning},
+static const deck_shape normal_words[] = {NORMAL_LAWS(LAW_WORD) LAST_WORD};
+#undef LAW_WORD
+
 static const deck_key law_keys[] = {
-    {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL, "normal stiffness",
-     SETS(sd_contact_law, k_n)},
+    {"law", CHOICE, "\"linear\"", normal_words, "normal law, see below", SETS(sd_contact_law, normal)},
+    {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL,
+     "normal stiffness; hertz: k_n of F = k_n delta^(3/2), force/length^(3/2)", SETS(sd_contact_law, k_n)},
     {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the tangential spring",
      SETS(sd_contact_law, k_t)},
     {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity",
      SETS(sd_contact_law, gamma_n)},
     {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)",
      SETS(sd_contact_law, mu)},
+    {"restitution", NUMBER(DECK_UP_TO_1, "-"), "-", NULL,
+     "hertz: coefficient of restitution e < 1, at any speed; its damping is added to gamma_n",
+     SETS(sd_contact_law, restitution)},
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "model/motion_kinds.h"
+#include "model/normal_laws.h"
 
 /* Mean of the free disks in play; of the region when there are none. */
 static void middle(const sd_model *m, double at[2]) {
@@ -141,9 +142,11 @@ void loads_check_steps(const sd_model *m, sd_messages *msg) {
     const sd_motion *q = &m->motions[k];
     if (q->kind != SD_MOTION_LOAD || m->n_free == 0) continue;
     const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
+    double largest = 0.0; /* radius */
+    for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
     double stiffness = 0.0, n = disks_along(m, wall, q->coordinate == SD_X ? SD_Y : SD_X);
     for (int b = 0; b < (int)m->n_materials; b++)
-      stiffness = fmax(stiffness, sd_model_law(m, wall->material, b)->k_n);
+      stiffness = fmax(stiffness, law_typical_stiffness(sd_model_law(m, wall->material, b), largest));
     double period = 2.0 * M_PI * sqrt(q->mass / (n * stiffness));
     if (m->dt * STEPS_PER_PERIOD > period)
       sd_warn(msg,

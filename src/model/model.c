@@ -8,6 +8,7 @@
 #include "model/bodies.h"
 #include "model/keys.h"
 #include "model/laws.h"
+#include "model/normal_laws.h"
 #include "model/loads.h"
 #include "model/motion_kinds.h"
 #include "slipdisk/deck.h"
@@ -102,7 +103,7 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
       bool still = d->locked[SD_X] && d->locked[SD_Y];
       double inverse_mass = still ? 0.0 : 1.0 / d->mass;
       double inverse_inertia = d->locked[SD_THETA] ? 0.0 : d->radius * d->radius / d->inertia;
-      double normal = 2.0 * law->k_n * inverse_mass;
+      double normal = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass;
       double skin = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0;
       double w2 = fmax(normal, skin);
       if (w2 > fastest) {

@@ -39,6 +39,10 @@ static inline double law_energy(const sd_contact_law *law, double delta) {
 static inline double law_stiffness(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].stiffness(law->k_n, delta);
 }
+/* At an overlap of 0.01 R, for estimates of periods; a linear law has one stiffness only. */
+static inline double law_typical_stiffness(const sd_contact_law *law, double radius) {
+  return law_stiffness(law, 0.01 * radius);
+}
 /* alpha of law_hertz.h; 0 without a coefficient of restitution. */
 double law_tsuji(const sd_contact_law *law);
 
