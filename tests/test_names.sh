@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # What the library exports (default visibility) begins with sd_ and is declared in a public header; all that
-# the public headers declare exists. Hidden symbols are named as their room likes.
+# the public headers declare exists. Hidden symbols are named as their room likes, and are
+# local in the static library.
 set -euo pipefail
 build=${SLIPDISK_BUILD_DIR:-build/release}
 source=${SLIPDISK_SOURCE_DIR:-.}
-library=$(find "$build" -maxdepth 1 \( -name 'libslipdisk.a' -o -name 'libslipdisk_inside.a' \) | head -n 1)
+library=$(find "$build" -maxdepth 1 \( -name 'libslipdisk.a' -o -name 'libslipdisk_inside.a' \) | sort | head -n 1)
 [ -n "$library" ] || { echo "no libslipdisk.a in $build" >&2; exit 1; }
 
 exported=$(readelf --wide --symbols "$library" |
@@ -21,6 +22,11 @@ report() {
     failed=1
   fi
 }
+# A static library whose hidden symbols are local (those of sanitizers and coverage are not).
+if [ -f "$build/libslipdisk.a" ] && [ -f "$build/libslipdisk_inside.a" ]; then
+  report "Global in libslipdisk.a, but the name does not begin with sd_:" \
+    "$(nm --extern-only --defined-only --format=just-symbols "$build/libslipdisk.a" | grep -v -e '^sd_' -e ':$' -e '^$' || true)"
+fi
 report "Exported, but the name does not begin with sd_:" "$(grep -v '^sd_' <<<"$exported" || true)"
 report "Exported, but not declared with SD_API in a public header:" "$(comm -23 <(echo "$exported") <(echo "$declared"))"
 report "Declared in a public header, but not in the library:" "$(comm -13 <(echo "$exported") <(echo "$declared"))"

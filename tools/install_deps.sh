@@ -7,14 +7,13 @@
 set -euo pipefail
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
-          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev
-          librandom123-dev)
+          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev)
 tests=no
 for option in "$@"; do
   case "$option" in
     --tests)
       tests=yes
-      packages+=(git binutils libcmocka-dev clang clang-format-14 clang-tidy-14 libomp-dev
+      packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14 libomp-dev
                  python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
                  ccache gcovr) ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
