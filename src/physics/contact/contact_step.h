@@ -155,11 +155,12 @@ LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
   return LANE(not )(LANE(equal)(g->nx, zero) & LANE(equal)(g->ny, zero));
 }
 
-/* closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the paper's tangential
- * force, tau instead of tau (R_a + R_b)/r. mixed: not all contacts have the linear normal law. */
-LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                    LANE(mask) touching, LANE(mask) closed, LANE(real) lever, const int paper,
-                                    const int mixed, LANE(contact_memory) * m, LANE(contact_output) * out) {
+/* History of a step. closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the
+ * paper's tangential force, tau instead of tau (R_a + R_b)/r. mixed: not all contacts have the linear normal law. */
+LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                       LANE(mask) touching, LANE(mask) closed, const int paper,
+                                       const int mixed, LANE(contact_memory) * m,
+                                       LANE(contact_output) * out) {
   const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
   const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, mixed);
 
@@ -184,12 +185,24 @@ LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(co
   m->overlap = delta;
   m->zeta = capped;
   m->turned = paper ? g->turned : zero;
+}
 
-  /* F_n n - lever tau t with t = (-n_y, n_x) */
-  LANE(real) tau = -(k->k_t * capped), push = tau * lever;
-  out->fx = force * g->nx + push * g->ny;
-  out->fy = force * g->ny - push * g->nx;
+/* F_n n - lever tau t with t = (-n_y, n_x); lever: (R_a + R_b)/r, or 1 with the paper's force. */
+LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                     LANE(real) lever, const LANE(contact_memory) * m,
+                                     LANE(contact_output) * out) {
+  LANE(real) tau = -(k->k_t * m->zeta), push = tau * lever;
+  out->fx = m->force * g->nx + push * g->ny;
+  out->fy = m->force * g->ny - push * g->nx;
   out->tau = tau;
+}
+
+/* The whole step of a contact; the pass over round pairs puts other work between the two. */
+LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                    LANE(mask) touching, LANE(mask) closed, LANE(real) lever, const int paper,
+                                    const int mixed, LANE(contact_memory) * m, LANE(contact_output) * out) {
+  LANE(contact_history)(g, k, touching, closed, paper, mixed, m, out);
+  LANE(contact_force)(g, k, lever, m, out);
 }
 
 /* The rest of a step in which contacts begin or end; before: what they remembered.

@@ -210,9 +210,10 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
   LANE(contact_memory) m;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
-  LANE(contact_step)(&g, &k, touching, touching, paper ? LANE(splat)(1.0) : g.lever, paper, mixed, &m, &out);
+  LANE(contact_history)(&g, &k, touching, touching, paper, mixed, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
   LANE(set_slides)(flags, at.l, out.slip);
   LANE(distance)(w, next, d);
+  LANE(contact_force)(&g, &k, paper ? LANE(splat)(1.0) : g.lever, &m, &out);
   LANE(scatter)(sum, at, &out);
 }
