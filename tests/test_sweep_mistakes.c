@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "run/sweep.h"
 #include "slipdisk/deck.h"
@@ -247,7 +248,7 @@ static void test_places(void **state) {
   assert_int_equal(sweep_check(&s, NULL, NULL, &usable, messages), SD_ERROR_USER);
   expect_message("-D sweep.parameters[0].values=(7): max_overlap = 7: expected");
   sweep_close(&s);
-  char *part = file_path("%s/part.cfg", folder);
+  char *part = format_text("%s/part.cfg", folder);
   FILE *out = fopen(part, "w");
   assert_non_null(out);
   fputs("# points\nsweep = { parameters = ( { path = \"max_overlap\";\nvalues = (1, 7); } ); };\n", out);

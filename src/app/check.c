@@ -8,6 +8,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/clock.h"
 #include "app/app.h"
 #include "base/shortage.h"
 #include "app/sweep.h"
@@ -39,12 +40,6 @@ typedef struct options {
 } options;
 
 /* --- findings ------------------------------------------------------------------------------------------------ */
-
-static double seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void print_duration(double s) {
   if (s < 120)
@@ -204,11 +199,11 @@ static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) 
   if (first) printf("# contacts    %zu at the start\n", first->n_contacts);
   if (!first) status = sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
   int64_t done = 0, chunk = 16;
-  double start = seconds(), spent = 0;
+  double start = clock_seconds(), spent = 0;
   while (status == SD_OK && !sd_simulation_finished(s) && spent < probe_seconds) {
     status = sd_simulation_advance(s, chunk, messages);
     done = sd_simulation_stage(s).step;
-    spent = seconds() - start;
+    spent = clock_seconds() - start;
     if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
   }
   if (status == SD_OK && done > 0 && spent > 0) {
@@ -246,10 +241,10 @@ static double probe_lanes(const sd_model *m, size_t width) {
     good = sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
   }
   good = good && ensemble_new(width, all, &e, NULL) == SD_OK;
-  double start = seconds(), spent = 0;
+  double start = clock_seconds(), spent = 0;
   for (int64_t chunk = 16; good && !sd_simulation_finished(all[0]) && spent < probe_seconds;) {
     ensemble_advance(e, chunk, status, messages);
-    spent = seconds() - start;
+    spent = clock_seconds() - start;
     good = status[0] == SD_OK && ensemble_in_lanes(e) == width;
     if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
   }

@@ -13,6 +13,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "app/app.h"
 #include "io/store/file.h"
 #include "run/session.h"
@@ -29,12 +30,6 @@ typedef struct teller {
 
 /* Plain lines come often at first, then each after a quarter of the time so far. */
 static const double PLAIN_FIRST = 3, PLAIN_LAST = 60;
-
-static double clock_now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* "  unbalanced 0.02 of 0.001": how far it is from what is asked for. */
 static void add_goal(char *text, size_t size, const char *what, double value, double goal) {
@@ -87,7 +82,7 @@ static void show(void *user, const session_progress *p) {
   char text[400];
   describe(p, text, sizeof text);
   if (t->screen && t->terminal) show_line(t, text);
-  double now = clock_now();
+  double now = clock_seconds();
   double wait = fmin(fmax((now - t->began) / 4, PLAIN_FIRST), PLAIN_LAST);
   if (!p->new_phase && p->step < p->expected && now - t->told_at < wait) return;
   t->told_at = now;
@@ -223,7 +218,7 @@ static int open_log(teller *t, const char *path) {
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
   int status = SD_OK;
   app_begin_saving();
-  double now = clock_now();
+  double now = clock_seconds();
   teller t = {.screen = options->quiet ? NULL : stderr,
               .terminal = isatty(STDERR_FILENO),
               .began = now,

@@ -52,7 +52,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, bool eve
   f->datasets = json_array();
   sd_status status;
   if (f->finished) {
-    f->path = file_path("%s", p->result);
+    f->path = format_text("%s", p->result);
     status = h5_open(p->result, &file, messages);
   } else {
     status = place_open_checkpoint(p, &file, &f->path, messages);
@@ -75,14 +75,13 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, bool eve
 
 /* Why a point of a sweep failed, which is kept beside its result; NULL: it did not. To be freed. */
 static char *failure_of(const place *p) {
-  size_t length = strlen(p->result), tail = strlen(".h5");
   char *path = NULL, *text = NULL;
   unsigned char *bytes = NULL;
   size_t size;
-  if (length > tail && strcmp(p->result + length - tail, ".h5") == 0)
-    path = file_path("%.*s.failed", (int)(length - tail), p->result);
+  if (text_ends(p->result, ".h5"))
+    path = format_text("%.*s.failed", (int)(strlen(p->result) - strlen(".h5")), p->result);
   if (path && file_exists(path) && file_read(path, LIMIT_MIB, &bytes, &size, NULL) == SD_OK)
-    text = text_clean(file_path("%.*s", (int)size, (const char *)bytes));
+    text = text_clean(format_text("%.*s", (int)size, (const char *)bytes));
   free(bytes);
   free(path);
   return text;
@@ -114,7 +113,7 @@ static bool tell_failure(const char *name) {
 
 /* The folder of a sweep is no result, but something can be said of it. */
 static sd_status refuse_sweep(const char *name, sd_messages *messages) {
-  char *points = file_path("%s/points", name);
+  char *points = format_text("%s/points", name);
   bool found = points && file_is_folder(points);
   free(points);
   return !found

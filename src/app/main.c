@@ -80,7 +80,7 @@ bool app_number(const char *text, long least, long most, long *out) {
 char *app_default_name(const char *deck, const char *ending) {
   const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
   size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-  return file_path("%.*s.%s", (int)length, name, ending);
+  return format_text("%.*s.%s", (int)length, name, ending);
 }
 
 int app_path(const char *command, const char *option, const char *value, const char **path) {

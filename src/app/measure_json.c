@@ -8,7 +8,7 @@
 
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
                             sd_messages *messages) {
-  char *shown = text_clean(file_path("%s", name));
+  char *shown = text_clean(format_text("%s", name));
   json_t *text = shown ? json_string(shown) : NULL;
   free(shown);
   *l = (measure_list){.stored = stored, .name = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL};

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "app/measure.h"
 #include "io/store/file.h"
 
@@ -29,7 +30,7 @@ sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages
   *t = (measure_tables){0};
   sd_status status = file_make_folder(folder, messages);
   for (int k = 0; status == SD_OK && k < MEASURE_TABLES; k++) {
-    char *path = file_path("%s/%s", folder, tables[k].name);
+    char *path = format_text("%s/%s", folder, tables[k].name);
     status = path ? file_stream_open(path, &t->file[k], messages)
                   : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", folder);
     t->out[k] = t->file[k].out;

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "app/app.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
@@ -19,14 +20,14 @@ sd_status place_find(place *p, const char *name, sd_messages *messages) {
   for (size_t k = 0; k < length; k++)
     if (name[k] == '/') slash = name + k;
   if (ends_with(name, length, ".parts")) {
-    p->result = file_path("%.*s", (int)(length - tail), name);
+    p->result = format_text("%.*s", (int)(length - tail), name);
   } else if (slash && ends_with(name, (size_t)(slash - name), ".parts")) {
-    p->result = file_path("%.*s", (int)((size_t)(slash - name) - tail), name);
-    p->checkpoint = file_path("%s", name);
+    p->result = format_text("%.*s", (int)((size_t)(slash - name) - tail), name);
+    p->checkpoint = format_text("%s", name);
   } else {
-    p->result = file_path("%.*s", (int)length, name);
+    p->result = format_text("%.*s", (int)length, name);
   }
-  p->folder = p->result ? file_path("%s.parts", p->result) : NULL;
+  p->folder = p->result ? format_text("%s.parts", p->result) : NULL;
   if (!p->folder) return sd_fail(messages, SD_ERROR_IO, "no memory");
   if (file_is_folder(p->result) && !file_is_folder(p->folder))
     return sd_fail(messages, SD_ERROR_USER,
@@ -47,7 +48,7 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
   *out = NULL;
   *path = NULL;
   if (p->checkpoint) {
-    *path = file_path("%s", p->checkpoint);
+    *path = format_text("%s", p->checkpoint);
     return *path ? h5_open_sealed(-1, *path, out, NULL, messages)
                  : sd_fail(messages, SD_ERROR_IO, "no memory");
   }

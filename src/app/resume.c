@@ -3,6 +3,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/text.h"
 #include "app/app.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
@@ -41,12 +42,12 @@ static int parse(int argc, char **argv, const char **name, drive_options *drive)
 
 /* The deck's path as it was given, or from the folder in which the run was started when that is another. */
 static char *deck_path(const provenance *origin) {
-  char *there = file_path("%s/%s", origin->directory, origin->deck_path);
+  char *there = format_text("%s/%s", origin->directory, origin->deck_path);
   if (there && origin->deck_path[0] && origin->deck_path[0] != '/' && origin->directory[0] &&
       !file_exists(origin->deck_path) && file_exists(there))
     return there;
   free(there);
-  return file_path("%s", origin->deck_path);
+  return format_text("%s", origin->deck_path);
 }
 
 /* The lines of the overrides; they point into text, which is cut up. To be freed. */
@@ -60,7 +61,7 @@ static const char **split(char *text, size_t *n) {
 }
 
 static sd_status load(const provenance *origin, sd_model **model, sd_messages *messages) {
-  char *path = deck_path(origin), *lines = file_path("%s", origin->deck_overrides);
+  char *path = deck_path(origin), *lines = format_text("%s", origin->deck_overrides);
   size_t n = 0;
   const char **overrides = lines ? split(lines, &n) : NULL;
   sd_status status = path && overrides
@@ -89,7 +90,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   if (status == SD_OK) status = provenance_read(&origin, file, messages);
   h5_close(file, NULL);
   if (status == SD_OK) status = load(&origin, &model, messages);
-  if (status == SD_OK && !(again = file_path("resume %s", p.result)))
+  if (status == SD_OK && !(again = format_text("resume %s", p.result)))
     status = sd_fail(messages, SD_ERROR_IO, "no memory");
   if (status == SD_OK) {
     drive->result = p.result;

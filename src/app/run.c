@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "app/app.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
@@ -63,8 +64,8 @@ int app_run(int argc, char **argv) {
   int status = a.overrides ? parse(argc, argv, &a) : app_no_memory();
   if (status == 0) {
     assert(a.deck);
-    output = a.output ? file_path("%s", a.output) : app_default_name(a.deck, "h5");
-    again = output ? file_path("resume %s", output) : NULL;
+    output = a.output ? format_text("%s", a.output) : app_default_name(a.deck, "h5");
+    again = output ? format_text("resume %s", output) : NULL;
     status = sd_deck_load(a.deck, a.n_overrides, a.overrides, &model, messages);
     if (status != SD_OK) sd_messages_print(messages, stderr);
     if (status == SD_OK && sd_model_deck(model)->sweep_points > 0)

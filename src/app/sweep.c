@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "app/app.h"
 #include "app/sweep.h"
 #include "io/store/file.h"
@@ -249,7 +250,7 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
     status = sweep_load(s, point, &model, &result, messages);
     if (status != SD_OK) sweep_note_messages(s, point, messages);
   }
-  if (status == SD_OK && !done && !(again = file_path("resume %s", result)))
+  if (status == SD_OK && !done && !(again = format_text("resume %s", result)))
     status = sd_fail(messages, SD_ERROR_IO, "no memory");
   if (status == SD_OK && !done) {
     drive_options drive = {.result = result,
@@ -329,7 +330,7 @@ int app_sweep(int argc, char **argv) {
   char *where = NULL;
   if (status == 0) {
     assert(c.deck);
-    where = c.output ? file_path("%s", c.output) : app_default_name(c.deck, "sweep");
+    where = c.output ? format_text("%s", c.output) : app_default_name(c.deck, "sweep");
     status = where ? command(&c, where, messages) : app_no_memory();
   }
   free(where);

@@ -70,7 +70,6 @@ typedef struct crew {
 } crew;
 
 /* --- sweep_run.c ------------------------------------------------------------------------------------- */
-double sweep_seconds(void); /* monotonic */
 void sweep_worsen(crew *w, int status);
 /* A point has been left: what does the folder say? status, text: of the process or call that ran it. */
 void sweep_account(crew *w, size_t point, sd_status status, const char *text, const cell *ran,

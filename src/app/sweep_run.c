@@ -18,6 +18,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
+#include "base/text.h"
 #include "app/app.h"
 #include "app/sweep_crew.h"
 #include "io/store/file.h"
@@ -28,12 +30,6 @@ static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
 /* How long the last tables wait for another process that is writing them. */
 static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
 
-double sweep_seconds(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 void sweep_worsen(crew *w, int status) {
   if (w->worst < status) w->worst = status;
 }
@@ -42,7 +38,7 @@ void sweep_worsen(crew *w, int status) {
 
 /* Those in between are left to another process that is writing them. */
 static void make_tables(crew *w, bool last) {
-  double start = sweep_seconds();
+  double start = clock_seconds();
   if (sweep_is_part(w->c)) return; /* others make the rest */
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
   sd_messages *messages = app_messages();
@@ -58,7 +54,7 @@ static void make_tables(crew *w, bool last) {
   }
   w->no_table = status != SD_OK;
   sd_messages_free(messages);
-  w->tabled = sweep_seconds();
+  w->tabled = clock_seconds();
   w->table_cost = w->tabled - start;
 }
 
@@ -82,7 +78,7 @@ void sweep_account(crew *w, size_t point, sd_status status, const char *text, co
     free(r.message);
     static const char prefix[] = "error: ";
     if (strncmp(text, prefix, sizeof prefix - 1) == 0) text += sizeof prefix - 1;
-    r.message = file_path("%.*s", (int)strcspn(text, "\n"), text);
+    r.message = format_text("%.*s", (int)strcspn(text, "\n"), text);
   }
   double spared = fmax(ran->began, 0);
   w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
@@ -160,7 +156,7 @@ void sweep_tell_left(cell *mine, const sweep_end *end) {
 
 void sweep_assign(worker *one, size_t n) {
   one->n = n;
-  one->started = sweep_seconds();
+  one->started = clock_seconds();
   for (size_t i = 0; i < n; i++) {
     one->told[i] = false;
     one->cells[i].fraction = 0;
@@ -186,7 +182,7 @@ static void leave(void *user, size_t k, const sweep_end *end) {
   sweep_tell_left(mine, end);
   me->told[k] = true;
   if (comm_size() > 1) comm_serve(&w->queue);
-  sweep_account(w, end->point, end->ran, mine->text, mine, sweep_seconds() - me->started);
+  sweep_account(w, end->point, end->ran, mine->text, mine, clock_seconds() - me->started);
 }
 
 static void run_here(crew *w, size_t n) {
@@ -435,7 +431,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
     w.first = (size_t)c->point;
     if ((size_t)c->last < w.end) w.end = (size_t)c->last + 1;
   }
-  w.began = w.tabled = sweep_seconds();
+  w.began = w.tabled = clock_seconds();
   size_t *todo = calloc(s->deck.n_points + 1, sizeof *todo);
   if (make_crew(&w) && todo) {
     status = prepare_and_run(&w, todo);

@@ -5,6 +5,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "app/app.h"
 #include "app/sweep_crew.h"
 
@@ -92,7 +93,7 @@ static int show_worker(const crew *w, const worker *one, char *text, size_t size
 }
 
 void sweep_draw(crew *w) {
-  double now = sweep_seconds(), done = w->steps_done, spared = 0, left = NAN;
+  double now = clock_seconds(), done = w->steps_done, spared = 0, left = NAN;
   if (!w->terminal || w->c->quiet || now - w->drawn < 0.5) return;
   w->drawn = now;
   char text[400], duration[40];

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "app/app.h"
 #include "app/sweep.h"
 #include "io/store/file.h"
@@ -54,7 +55,7 @@ static const char *const of_contacts[] = {"sliding", "force_min", "openings"};
 static bool has_word(const char *pattern, const char *owner, const char *const *words, size_t n) {
   bool found = false;
   for (size_t k = 0; k < n && !found; k++) {
-    char *name = *owner ? file_path("%s.%s", owner, words[k]) : file_path("%s", words[k]);
+    char *name = *owner ? format_text("%s.%s", owner, words[k]) : format_text("%s", words[k]);
     found = !name || fnmatch(pattern, name, 0) == 0; /* no memory: nothing is told */
     free(name);
   }
@@ -72,7 +73,7 @@ static bool has_slide(const char *pattern, const sd_model *m, const sd_slide_wat
   const char *disk = name_of(m, watch->disk, text, sizeof text);
   bool found = has_word(pattern, disk, of_slides, COUNT(of_slides));
   for (int c = 0; c < 2 && !found; c++) {
-    char *owner = file_path("%s.%s", disk, name_of(m, watch->partner[c], other, sizeof other));
+    char *owner = format_text("%s.%s", disk, name_of(m, watch->partner[c], other, sizeof other));
     found = !owner || has_word(pattern, owner, of_contacts, COUNT(of_contacts));
     free(owner);
   }
@@ -124,7 +125,7 @@ static void look_at_time_step(survey *v, size_t point, const sd_model *model) {
     v->worst = ratio;
     v->warned = point;
     free(v->warning);
-    v->warning = file_path("%s", sd_messages_text(mine, 0));
+    v->warning = format_text("%s", sd_messages_text(mine, 0));
   }
   sd_messages_free(mine);
 }

@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/clock.h"
 #include "app/app.h"
 #include "app/sweep_crew.h"
 
@@ -56,7 +57,7 @@ static size_t hear(crew *w, worker *one) {
     if (left == 0) continue;
     one->told[i] = true;
     sweep_account(w, one->points[i], (sd_status)(left - 1), one->cells[i].text, &one->cells[i],
-                  sweep_seconds() - one->started);
+                  clock_seconds() - one->started);
     n++;
   }
   return n;
@@ -116,7 +117,7 @@ static void finish(crew *w, worker *one, int ended) {
     bool done = sweep_peek(w->s, point) == SWEEP_DONE;
     if (*text && !done) sweep_note(w->s, point, text);
     sweep_account(w, point, done ? SD_OK : status, done ? "" : text, &one->cells[i],
-                  sweep_seconds() - one->started);
+                  clock_seconds() - one->started);
   }
 }
 

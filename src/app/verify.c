@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "app/app.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
@@ -67,11 +68,6 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
   sd_messages_free(why);
 }
 
-static bool ends_in(const char *name, const char *ending) {
-  size_t n = strlen(name), m = strlen(ending);
-  return n > m && strcmp(name + n - m, ending) == 0;
-}
-
 /* All that slipdisk seals in a folder of parts, or of points; folders of parts in it, too. */
 static sd_status verify_folder(verifier *v, const char *inside, sd_messages *messages) {
   DIR *directory = opendir(inside);
@@ -79,12 +75,12 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
   sd_status status = SD_OK;
   errno = 0;
   for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
-    char *path = file_path("%s/%s", inside, entry->d_name);
+    char *path = format_text("%s/%s", inside, entry->d_name);
     if (!path) {
       status = sd_fail(messages, SD_ERROR_IO, "no memory");
-    } else if (ends_in(path, ".h5.parts")) {
+    } else if (text_ends(path, ".h5.parts")) {
       status = verify_folder(v, path, messages);
-    } else if (ends_in(path, ".h5") && strncmp(entry->d_name, "damaged-", 8) != 0) {
+    } else if (text_ends(path, ".h5") && strncmp(entry->d_name, "damaged-", 8) != 0) {
       bool good = verify_file(v, path);
       if (good && strncmp(entry->d_name, "checkpoint-", 11) == 0) verify_chain(v, inside, path);
     }
@@ -98,7 +94,7 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
 
 /* A file, a folder of parts, an unfinished run by the name of its result, or a sweep. */
 static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
-  char *points = file_path("%s/points", name), *parts = file_path("%s.parts", name);
+  char *points = format_text("%s/points", name), *parts = format_text("%s.parts", name);
   sd_status status = SD_OK;
   if (!points || !parts)
     status = sd_fail(messages, SD_ERROR_IO, "no memory");

@@ -1,11 +1,13 @@
 /* text.c: see text.h. */
 #include "base/text.h"
 
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/shortage.h"
 
 size_t text_step(const char *p) {
   const unsigned char *b = (const unsigned char *)p;
@@ -63,4 +65,42 @@ char *text_escaped(const char *text, size_t most) {
   }
   *to = 0;
   return out;
+}
+
+/* Puts text behind the first `length` bytes of `before`, which may move. */
+static char *put_behind(char *before, size_t length, const char *format, va_list args) {
+  va_list again;
+  va_copy(again, args);
+  int n = vsnprintf(NULL, 0, format, again);
+  va_end(again);
+  char *text = n < 0 ? NULL : realloc(before, length + (size_t)n + 1);
+  if (!text) {
+    shortage_note();
+    free(before);
+    return NULL;
+  }
+  vsnprintf(text + length, (size_t)n + 1, format, args);
+  return text;
+}
+
+char *format_text(const char *format, ...) {
+  va_list args;
+  va_start(args, format);
+  char *text = put_behind(NULL, 0, format, args);
+  va_end(args);
+  return text;
+}
+
+char *append_text(char *text, const char *format, ...) {
+  if (!text) return NULL;
+  va_list args;
+  va_start(args, format);
+  text = put_behind(text, strlen(text), format, args);
+  va_end(args);
+  return text;
+}
+
+bool text_ends(const char *text, const char *ending) {
+  size_t n = strlen(text), m = strlen(ending);
+  return n > m && strcmp(text + n - m, ending) == 0;
 }

@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "slipdisk/status.h"
+
 /* Bytes of the character at p; 0: a control character, or no UTF-8. */
 size_t text_step(const char *p);
 /* UTF-8 without control characters; line ends and tabs are none here. */
@@ -15,5 +17,12 @@ char *text_clean(char *text);
 size_t text_quoted(const char *text, size_t n);
 /* A copy with \xHH for such bytes, to be freed; NULL: no memory. A longer text than `most` bytes ends in "...". */
 char *text_escaped(const char *text, size_t most);
+
+/* Text made with printf, to be freed; NULL: no memory. */
+char *format_text(const char *format, ...) SD_PRINTF(1, 2);
+/* The same behind `text`, which is freed; NULL where that is NULL, or without memory. */
+char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);
+/* Does the text end so, and begin before? */
+bool text_ends(const char *text, const char *ending);
 
 #endif

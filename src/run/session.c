@@ -11,6 +11,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/clock.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
 #include "pack/rain.h"
@@ -20,12 +21,6 @@
 
 /* Between reports: so long, or so many times what the last one took, since it looks at all disks; but no longer than this. */
 static const double PROGRESS_SECONDS = 0.2, PROGRESS_COST = 50, PROGRESS_LATEST = 2;
-
-double session_clock(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* --- cadence -------------------------------------------------------------------------------------- */
 
@@ -100,7 +95,7 @@ static sd_status seal(session *s, sd_messages *messages) {
 
 /* Summary and provenance as of now. */
 static sd_status describe(session *s, const sd_state *state, const sd_energy *energy, sd_messages *messages) {
-  double now = session_clock();
+  double now = clock_seconds();
   s->origin.wall_seconds += now - s->wall_mark;
   s->wall_mark = now;
   double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
@@ -135,7 +130,7 @@ sd_status session_checkpoint(session *s, sd_messages *messages) {
   if (status == SD_OK) status = write_state(s, state, path, messages);
   if (status == SD_OK) {
     s->saved_step = state->step;
-    s->saved_at = session_clock();
+    s->saved_at = clock_seconds();
     status = folder_prune(&s->parts_folder, 2, messages);
   }
   free(path);
@@ -191,7 +186,7 @@ static session_rest rest_of(const session *s, const sd_settle *asked) {
 
 void session_report(session *s, bool always) {
   if (!s->options.progress) return;
-  double now = session_clock(), passed = now - s->told_at;
+  double now = clock_seconds(), passed = now - s->told_at;
   sd_stage stage = sd_simulation_stage(s->simulation);
   bool finished = is_over(s->model, stage);
   bool new_phase = !finished && stage.phase != s->told_phase;
@@ -225,7 +220,7 @@ void session_report(session *s, bool always) {
       .rest = settle && settle->asked ? &rest : NULL};
   s->options.progress(s->options.user, &progress);
   s->told_at = now;
-  s->tell_every = fmin(PROGRESS_COST * (session_clock() - now), PROGRESS_LATEST);
+  s->tell_every = fmin(PROGRESS_COST * (clock_seconds() - now), PROGRESS_LATEST);
   s->told_step = s->step;
   if (!finished) s->told_phase = stage.phase;
 }

@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 
 #include "slipdisk/deck.h"
+#include "base/clock.h"
+#include "base/text.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
@@ -34,10 +36,10 @@ sd_status session_identity(const session *s, char **id, sd_messages *messages) {
   else if (errno != ENOENT)
     return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
   else
-    *id = file_path("%s", "");
+    *id = format_text("%s", "");
   if (!*id)
-    *id = file_path("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
-                    facts.st_mtim.tv_nsec);
+    *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size, (long long)facts.st_mtim.tv_sec,
+                      facts.st_mtim.tv_nsec);
   return *id ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to look at %s", s->result);
 }
 
@@ -167,7 +169,7 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
 /* there: identity of the file that may be replaced in the end; "": none. */
 static sd_status begin_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
-  s->replaces = file_path("%s", there);
+  s->replaces = format_text("%s", there);
   if (!s->replaces) return sd_fail(messages, SD_ERROR_IO, "no memory to start");
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
@@ -201,7 +203,7 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   sd_status status = session_identity(s, there, messages);
   if (status != SD_OK) return status;
   assert(*there);
-  char *parts = file_path("%s.parts", s->result);
+  char *parts = format_text("%s.parts", s->result);
   if (!parts)
     status = sd_fail(messages, SD_ERROR_IO, "no memory to start");
   else if (file_is_folder(s->result))
@@ -247,7 +249,7 @@ sd_status session_open(const sd_model *model, const session_options *options, se
                        sd_messages *messages) {
   *out = NULL;
   session *s = calloc(1, sizeof *s);
-  if (!s || !(s->result = file_path("%s", options->result))) {
+  if (!s || !(s->result = format_text("%s", options->result))) {
     free(s);
     return sd_fail(messages, SD_ERROR_IO, "no memory to start");
   }
@@ -257,7 +259,7 @@ sd_status session_open(const sd_model *model, const session_options *options, se
   s->parts_folder = (folder){.at = -1, .lock = -1};
   s->steps = sd_model_steps(model);
   s->saved_step = s->told_phase = -1;
-  s->saved_at = s->wall_mark = session_clock();
+  s->saved_at = s->wall_mark = clock_seconds();
   sd_status status = begin(s, messages);
   /* a run that never began leaves no folder */
   if (status != SD_OK && s->fresh && s->saved_step < 0 && s->parts_folder.lock >= 0)

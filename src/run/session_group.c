@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "base/clock.h"
 #include "run/ensemble.h"
 #include "run/session_private.h"
 
@@ -109,13 +110,13 @@ static void advance(group *g) {
   size_t going = find_going(g, &n);
   for (size_t k = 0; k < g->n; k++)
     if (g->waits[k]) g->status[k] = SD_INTERRUPTED; /* so ensemble_advance leaves it */
-  double start = session_clock();
+  double start = clock_seconds();
   if (g->lanes)
     ensemble_advance(g->lanes, n, g->status, g->messages);
   else
     for (size_t k = 0; k < g->n; k++)
       if (!g->waits[k]) g->status[k] = sd_simulation_advance(g->simulations[k], n, g->messages[k]);
-  double took = session_clock() - start;
+  double took = clock_seconds() - start;
   for (size_t k = 0; k < g->n; k++) {
     session *s = session_of(g, k);
     if (g->waits[k]) {
@@ -143,13 +144,13 @@ static void save(group *g) {
   for (size_t k = 0; k < g->n; k++) {
     const session *s = session_of(g, k);
     due = due || (can_be_saved(g, k) &&
-                  session_clock() - s->saved_at >= sd_model_deck(s->model)->checkpoint_seconds);
+                  clock_seconds() - s->saved_at >= sd_model_deck(s->model)->checkpoint_seconds);
   }
   if (!due) return;
   for (size_t k = 0; k < g->n; k++)
     if (can_be_saved(g, k)) g->status[k] = session_checkpoint(session_of(g, k), g->messages[k]);
   /* the time that all of them took is not counted */
-  for (size_t k = 0; k < g->n; k++) session_of(g, k)->saved_at = session_clock();
+  for (size_t k = 0; k < g->n; k++) session_of(g, k)->saved_at = clock_seconds();
 }
 
 static void enter(group *g, size_t member) {
@@ -159,7 +160,7 @@ static void enter(group *g, size_t member) {
     leave(g, member, SD_OK);
     return;
   }
-  s->told_at = session_clock();
+  s->told_at = clock_seconds();
   session_report(s, true);
   g->which[g->n] = member;
   g->simulations[g->n] = s->simulation;

@@ -29,7 +29,6 @@ struct session {
   int64_t told_step, told_phase;
 };
 
-double session_clock(void); /* seconds, monotonic */
 /* What is to be recorded now, and the next step at which something may be, the run not being over. */
 unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);

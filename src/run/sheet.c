@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 
 sheet_column *sheet_find(const sheet *s, const char *name) {
@@ -35,7 +36,7 @@ static sheet_column *column(sheet *s, sheet_kind kind, const char *name, const c
   if (c) return c->kind == kind ? c : NULL;
   sheet_column *grown = realloc(s->columns, (s->n_columns + 1) * sizeof *grown);
   if (grown) s->columns = grown;
-  sheet_column made = {.name = file_path("%s", name), .kind = kind, .unit = unit, .meaning = meaning};
+  sheet_column made = {.name = format_text("%s", name), .kind = kind, .unit = unit, .meaning = meaning};
   if (!grown || !made.name || !allocate(&made, s->n_rows)) {
     free(made.name);
     s->failed = true;
@@ -59,7 +60,7 @@ void sheet_text(sheet *s, size_t row, const char *name, const char *meaning, con
   sheet_column *c = column(s, SHEET_TEXT, name, "", meaning);
   if (!c) return;
   free(c->text[row]);
-  c->text[row] = file_path("%s", text);
+  c->text[row] = format_text("%s", text);
   if (!c->text[row]) s->failed = true;
 }
 
@@ -160,7 +161,7 @@ bool sheet_write_h5(const sheet *s, h5_file *file, const char *group) {
   h5_group(file, group);
   for (size_t k = 0; k < s->n_columns && good; k++) {
     const sheet_column *c = &s->columns[k];
-    char *path = file_path("%s/%s", group, c->name);
+    char *path = format_text("%s/%s", group, c->name);
     int64_t *integer = calloc(s->n_rows + 1, sizeof *integer);
     for (size_t row = 0; integer && c->integer && row < s->n_rows; row++)
       integer[row] = c->integer[row] == SHEET_EMPTY ? -1 : c->integer[row];

@@ -3,12 +3,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "run/sweep_private.h"
 
 sd_status sweep_open(sweep *s, const char *deck, size_t n_overrides, const char *const *overrides,
                      const char *place, sd_messages *messages) {
-  *s = (sweep){.folder = file_path("%s", place)};
+  *s = (sweep){.folder = format_text("%s", place)};
   if (!s->folder) return sweep_no_memory(messages);
   return deck_sweep_load(deck, n_overrides, overrides, &s->deck, messages);
 }
@@ -58,7 +59,7 @@ static void note_mistake(mistakes *all, size_t point, const char *text) {
       all->list[k].sets++;
       return;
     }
-  char *copy = all->n < MOST_MISTAKES ? file_path("%s", text) : NULL;
+  char *copy = all->n < MOST_MISTAKES ? format_text("%s", text) : NULL;
   if (copy)
     all->list[all->n++] = (mistake){copy, point, 1};
   else
@@ -109,7 +110,7 @@ sd_status sweep_check(const sweep *s, sweep_visitor *visit, void *user, size_t *
 }
 
 sd_status sweep_prepare(const sweep *s, sd_messages *messages) {
-  char *points = file_path("%s/points", s->folder);
+  char *points = format_text("%s/points", s->folder);
   sd_status status = points ? file_make_folder(s->folder, messages) : sweep_no_memory(messages);
   if (status == SD_OK) status = file_make_folder(points, messages);
   free(points);
@@ -129,12 +130,9 @@ void sweep_note(const sweep *s, size_t point, const char *text) {
 }
 
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages) {
-  char *text = file_path("%s", "");
-  for (size_t k = 0; text && k < sd_messages_count(messages); k++) {
-    char *longer = file_path("%s%s\n", text, sd_messages_text(messages, k));
-    free(text);
-    text = longer;
-  }
+  char *text = format_text("%s", "");
+  for (size_t k = 0; k < sd_messages_count(messages); k++)
+    text = append_text(text, "%s\n", sd_messages_text(messages, k));
   if (text) sweep_note(s, point, text);
   free(text);
 }

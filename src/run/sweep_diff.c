@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "run/deck_diff.h"
@@ -15,8 +16,8 @@ static bool add(sweep_result *r, const char *path, const char *there, const char
   sweep_difference *grown = realloc(r->differences, (r->n_differences + 1) * sizeof *grown);
   if (!grown) return false;
   r->differences = grown;
-  sweep_difference one = {file_path("%s", path), there ? file_path("%s", there) : NULL,
-                          here ? file_path("%s", here) : NULL};
+  sweep_difference one = {format_text("%s", path), there ? format_text("%s", there) : NULL,
+                          here ? format_text("%s", here) : NULL};
   grown[r->n_differences++] = one;
   return one.path && (one.there || !there) && (one.here || !here);
 }
@@ -39,26 +40,21 @@ void sweep_differ(sweep_result *r, const char *why) { add(r, why, NULL, NULL); }
 
 /* "gravity.tilt: 0.1 there, 0.2 here" */
 static char *words(const sweep_difference *d) {
-  if (!d->there && !d->here) return file_path("%s", d->path);
-  if (!d->there) return file_path("%s: not there, %s here", d->path, d->here);
-  if (!d->here) return file_path("%s: %s there, not here", d->path, d->there);
-  return file_path("%s: %s there, %s here", d->path, d->there, d->here);
+  if (!d->there && !d->here) return format_text("%s", d->path);
+  if (!d->there) return format_text("%s: not there, %s here", d->path, d->here);
+  if (!d->here) return format_text("%s: %s there, not here", d->path, d->there);
+  return format_text("%s: %s there, %s here", d->path, d->there, d->here);
 }
 
 char *sweep_differences_text(const sweep_result *r) {
   enum { TOLD = 4 };
-  char *text = file_path("%s", "");
+  char *text = format_text("%s", "");
   for (size_t k = 0; text && k < r->n_differences && k < TOLD; k++) {
     char *one = words(&r->differences[k]);
-    char *longer = one ? file_path("%s%s%s", text, k ? "; " : "", one) : NULL;
+    text = append_text(text, "%s%s", k ? "; " : "", one ? one : "");
     free(one);
-    free(text);
-    text = longer;
   }
-  if (!text || r->n_differences <= TOLD) return text;
-  char *longer = file_path("%s; and %zu more", text, r->n_differences - TOLD);
-  free(text);
-  return longer;
+  return r->n_differences <= TOLD ? text : append_text(text, "; and %zu more", r->n_differences - TOLD);
 }
 
 void sweep_differences_free(sweep_result *r) {
@@ -104,12 +100,8 @@ void sweep_tally_add(sweep_tally *t, sweep_result *r) {
 
 char *sweep_tally_text(const sweep_tally *t, size_t k) {
   const sweep_tally_line *line = &t->list[k];
-  char *one = words(&line->first),
-       *text = one ? file_path("%s%s (%zu point%s)", one, line->varies ? ", and other values" : "",
-                               line->points, line->points == 1 ? "" : "s")
-                   : NULL;
-  free(one);
-  return text;
+  return append_text(words(&line->first), "%s (%zu point%s)", line->varies ? ", and other values" : "",
+                     line->points, line->points == 1 ? "" : "s");
 }
 
 void sweep_tally_free(sweep_tally *t) {

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "run/sweep_private.h"
 
@@ -39,12 +40,12 @@ static bool sort_in(sweep_contents *c, char *name, const named *names, size_t n)
   c->results += result;
   c->parts += parts;
   c->failures += failure;
-  return c->example || (c->example = file_path("%s", name));
+  return c->example || (c->example = format_text("%s", name));
 }
 
 sd_status sweep_list(const sweep *s, sweep_contents *out, sd_messages *messages) {
   size_t n = s->deck.n_points;
-  char *path = file_path("%s/points", s->folder);
+  char *path = format_text("%s/points", s->folder);
   named *names = calloc(n + 1, sizeof *names);
   *out = (sweep_contents){.has = calloc(n + 1, 1)};
   bool memory = path && names && out->has;
@@ -68,13 +69,11 @@ void sweep_contents_free(sweep_contents *c) {
 /* "9 results, 1 unfinished run" */
 static char *add_count(char *text, size_t n, const char *what, const char *many) {
   if (!text || n == 0) return text;
-  char *longer = file_path("%s%s%zu %s%s", text, *text ? ", " : "", n, what, n == 1 ? "" : many);
-  free(text);
-  return longer;
+  return append_text(text, "%s%zu %s%s", *text ? ", " : "", n, what, n == 1 ? "" : many);
 }
 
 static char *count_strangers(const sweep_contents *c) {
-  char *text = file_path("%s", "");
+  char *text = format_text("%s", "");
   text = add_count(text, c->results, "result", "s");
   text = add_count(text, c->parts, "unfinished run", "s");
   return add_count(text, c->failures, "note of a failure", "s");
@@ -82,8 +81,8 @@ static char *count_strangers(const sweep_contents *c) {
 
 char *sweep_strangers_text(const sweep *s, const sweep_contents *c) {
   char *counts = c->example ? count_strangers(c) : NULL;
-  char *text = counts ? file_path("%s has %s of points that this sweep does not have, such as %s", s->folder,
-                                  counts, c->example)
+  char *text = counts ? format_text("%s has %s of points that this sweep does not have, such as %s",
+                                    s->folder, counts, c->example)
                       : NULL;
   free(counts);
   return text;

@@ -15,7 +15,7 @@ const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "s
                                                         "failed",  "damaged", "other deck"};
 
 char *sweep_point_path(const sweep *s, size_t point, const char *ending) {
-  return file_path("%s/points/%s%s", s->folder, s->deck.points[point].name, ending);
+  return format_text("%s/points/%s%s", s->folder, s->deck.points[point].name, ending);
 }
 
 sweep_status sweep_peek(const sweep *s, size_t point) {
@@ -97,7 +97,7 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   if (status == SD_OK) status = summary_read(&r->found, file, mine);
   if (status != SD_OK) {
     r->status = SWEEP_DAMAGED;
-    r->message = file_path("%s", sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : "");
+    r->message = format_text("%s", sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : "");
   } else {
     r->has_found = true;
     compare_decks(s, point, &origin, true, r);
@@ -133,7 +133,7 @@ static void look_at_checkpoint(const sweep *s, size_t point, sweep_result *r) {
 
 /* Its lines, joined by "; ". */
 static char *read_failure(const sweep *s, size_t point) {
-  char *path = sweep_point_path(s, point, ".failed"), *text = file_path("%s", "");
+  char *path = sweep_point_path(s, point, ".failed"), *text = format_text("%s", "");
   unsigned char *bytes = NULL;
   size_t size = 0;
   if (path && file_exists(path)) file_read(path, LIMIT_MIB, &bytes, &size, NULL);
@@ -141,9 +141,7 @@ static char *read_failure(const sweep *s, size_t point) {
     const char *line = (const char *)bytes + k;
     const char *end = memchr(line, '\n', size - k);
     n = end ? (size_t)(end - line) : size - k;
-    char *longer = file_path("%s%s%.*s", text, *text && n ? "; " : "", (int)n, line);
-    free(text);
-    text = longer;
+    text = append_text(text, "%s%.*s", *text && n ? "; " : "", (int)n, line);
   }
   free(bytes);
   free(path);
@@ -157,7 +155,7 @@ sd_status sweep_look(const sweep *s, size_t point, sweep_result *r, sd_messages 
   if (r->status == SWEEP_RUNNING || r->status == SWEEP_STOPPED || r->status == SWEEP_FAILED)
     look_at_checkpoint(s, point, r);
   if (r->status == SWEEP_FAILED) r->message = read_failure(s, point);
-  if (!r->message) r->message = file_path("%s", "");
+  if (!r->message) r->message = format_text("%s", "");
   if (r->has_found && r->found.energy.scale > 0)
     r->residual = r->found.energy.residual / r->found.energy.scale;
   return status == SD_OK && !r->message ? sweep_no_memory(messages) : status;

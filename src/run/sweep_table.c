@@ -5,6 +5,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "run/sheet.h"
@@ -38,8 +39,8 @@ typedef struct owner {
 } owner;
 
 static void cell(const owner *o, const char *quantity, const char *unit, const char *meaning, double x) {
-  char *name = o->partner ? file_path("%s.%s.%s", o->disk, o->partner, quantity)
-                          : file_path("%s.%s", o->disk, quantity);
+  char *name = o->partner ? format_text("%s.%s.%s", o->disk, o->partner, quantity)
+                          : format_text("%s.%s", o->disk, quantity);
   if (name)
     sheet_number(o->t, o->row, name, unit, meaning, x);
   else
@@ -99,11 +100,6 @@ static void put_result(sheet *t, size_t row, const sweep_result *r) {
 
 /* --- a row per set ----------------------------------------------------------------------------------------- */
 
-static bool ends_in(const char *name, const char *ending) {
-  size_t n = strlen(name), m = strlen(ending);
-  return n > m && strcmp(name + n - m, ending) == 0;
-}
-
 /* Over the finished replicas of a set. */
 typedef struct pool {
   double n, sum;
@@ -128,7 +124,7 @@ static void fill_pools(pool *p, const sweep *s, const sheet_column *c, const she
 
 /* Mean, the error that the error bars give, and the one that the scatter gives. */
 static void put_means(sheet *m, const sweep *s, const sheet *t, const sheet_column *c) {
-  char *error_name = file_path("%s_error", c->name), *scatter_name = file_path("%s_scatter", c->name);
+  char *error_name = format_text("%s_error", c->name), *scatter_name = format_text("%s_scatter", c->name);
   pool *pools = calloc(m->n_rows + 1, sizeof *pools);
   const sheet_column *error = error_name ? sheet_find(t, error_name) : NULL;
   if (error_name && scatter_name && pools)
@@ -169,7 +165,7 @@ static void fill_means(sheet *m, const sweep *s, const sheet *t) {
       replicas->integer[s->deck.points[k].set]++;
   for (size_t c = 0; c < t->n_columns; c++) {
     const sheet_column *from = &t->columns[c];
-    bool wanted = !from->always && from->kind == SHEET_NUMBER && !ends_in(from->name, "_error") &&
+    bool wanted = !from->always && from->kind == SHEET_NUMBER && !text_ends(from->name, "_error") &&
                   strcmp(from->name, "ns_per_step") != 0;
     if (wanted) put_means(m, s, t, from);
   }
@@ -187,12 +183,8 @@ static sd_status write_h5(const sweep *s, const sheet *t, const sheet *m, const 
     return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
   }
   h5_put_text(file, "/parameters/deck_text", s->deck.deck_text);
-  char *lines = file_path("%s", "");
-  for (size_t k = 0; lines && k < s->deck.n_overrides; k++) {
-    char *longer = file_path("%s%s\n", lines, s->deck.overrides[k]);
-    free(lines);
-    lines = longer;
-  }
+  char *lines = format_text("%s", "");
+  for (size_t k = 0; k < s->deck.n_overrides; k++) lines = append_text(lines, "%s\n", s->deck.overrides[k]);
   h5_put_text(file, "/parameters/deck_overrides", lines);
   h5_attr_text(file, "/parameters", "deck_path", s->deck.deck_path);
   for (size_t j = 0; j < s->deck.n_parameters; j++)
@@ -202,8 +194,8 @@ static sd_status write_h5(const sweep *s, const sheet *t, const sheet *m, const 
 }
 
 static sd_status write_all(const sweep *s, const sheet *t, const sheet *m, sd_messages *messages) {
-  char *csv = file_path("%s/table.csv", s->folder), *h5 = file_path("%s/table.h5", s->folder),
-       *means = file_path("%s/means.csv", s->folder);
+  char *csv = format_text("%s/table.csv", s->folder), *h5 = format_text("%s/table.h5", s->folder),
+       *means = format_text("%s/means.csv", s->folder);
   sd_status status = csv && h5 && means && !t->failed && !m->failed
                          ? SD_OK
                          : sd_fail(messages, SD_ERROR_IO, "no memory for the table");

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/deck/deck_grid.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
@@ -351,14 +352,14 @@ static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
 
 sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
                           sd_messages *messages) {
-  *out = (deck_sweep){.deck_path = file_path("%s", path)};
+  *out = (deck_sweep){.deck_path = format_text("%s", path)};
   out->overrides = calloc(n_overrides + 1, sizeof *out->overrides);
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   if (!text) return status;
   bool good = out->deck_path && out->overrides;
   for (size_t k = 0; good && k < n_overrides; k++) {
-    out->overrides[k] = file_path("%s", overrides[k]);
+    out->overrides[k] = format_text("%s", overrides[k]);
     good = out->overrides[k] != NULL;
     out->n_overrides++;
   }

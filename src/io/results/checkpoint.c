@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
 
@@ -50,7 +51,7 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     size_t n = sd_extent_size(state, f->extent);
-    char *path = file_path("/state/%s", f->name);
+    char *path = format_text("/state/%s", f->name);
     if (!h5_have(file, path, "/state")) return;
     /* no filter: a checkpoint is written often and read once */
     h5_put(file, path, f->type, f->extent == SD_PER_RUN ? 0 : 1, &n, sd_field_data(state, f), false);
@@ -97,7 +98,7 @@ static sd_status read_columns(const h5_file *file, sd_state *state, sd_messages 
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
-    char *path = file_path("/state/%s", f->name);
+    char *path = format_text("/state/%s", f->name);
     if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
     status = h5_get(file, path, f->type, sd_extent_size(state, f->extent), sd_field_data(state, f), messages);
     free(path);

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/text.h"
 #include "base/limits.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
@@ -286,7 +287,7 @@ static sd_status read_deck(const h5_file *file, const char *path, sd_model **out
                    "%s is not a result of slipdisk: there is no /parameters/deck_full", path);
   char *deck = h5_get_attr_text(file, "/parameters", "deck_path");
   char *directory = h5_get_attr_text(file, "/parameters", "directory");
-  char *there = deck && directory ? file_path("%s/%s", directory, deck) : NULL;
+  char *there = deck && directory ? format_text("%s/%s", directory, deck) : NULL;
   const char *name = deck && *deck ? deck : "deck";
   if (there && *name != '/' && !file_exists(name) && file_exists(there)) name = there;
   sd_status status = sd_deck_load_text(full, name, 0, NULL, out, messages);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "base/limits.h"
 #include "io/results/checkpoint.h"
 #include "io/results/constants.h"
@@ -47,7 +48,7 @@ static sd_status add_source(frames *f, const char *path, sd_messages *messages) 
   size_t k = f->n_sources;
   frame_source *more = realloc(f->sources, (k + 1) * sizeof *more);
   if (more) f->sources = more;
-  char *copy = file_path("%s", path);
+  char *copy = format_text("%s", path);
   if (!more || !copy) {
     free(copy);
     return sd_fail(messages, SD_ERROR_IO, "no memory");
@@ -64,7 +65,7 @@ static sd_status add_source(frames *f, const char *path, sd_messages *messages) 
 
 sd_status frames_open(frames *f, const char *base, size_t n_sources, const char *const *sources,
                       sd_messages *messages) {
-  *f = (frames){.path = file_path("%s", base)};
+  *f = (frames){.path = format_text("%s", base)};
   if (!f->path) return sd_fail(messages, SD_ERROR_IO, "no memory");
   sd_status status = h5_open(base, &f->base, messages);
   if (status != SD_OK) return status;

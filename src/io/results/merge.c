@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "io/results/trajectory.h"
@@ -161,7 +162,7 @@ static sd_status write_result(const merge_job *job, const size_t total[RECORD_TA
                               sd_messages *messages) {
   h5_file *out = NULL;
   file_draft draft;
-  char *name = file_path("%s/result.h5", job->folder->path);
+  char *name = format_text("%s/result.h5", job->folder->path);
   if (!name) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = file_draft_new(job->folder->at, name, &draft, messages);
   free(name);

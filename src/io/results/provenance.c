@@ -15,6 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "version.h"
 
@@ -43,7 +44,7 @@ const char *provenance_get(const provenance *p, size_t k) {
 }
 
 static sd_status set(char **at, const char *text, sd_messages *messages) {
-  char *copy = file_path("%s", text ? text : "");
+  char *copy = format_text("%s", text ? text : "");
   if (!copy) return sd_fail(messages, SD_ERROR_IO, "no memory for the description of the run");
   free(*at);
   *at = copy;
@@ -186,7 +187,7 @@ void provenance_write(const provenance *p, h5_file *file) {
   for (size_t k = 0; k < provenance_text_count; k++)
     h5_attr_text(file, "/parameters", provenance_texts[k].name, provenance_get(p, k));
   for (size_t k = 0; k < DECKS; k++) {
-    char *path = file_path("/parameters/%s", decks[k].name);
+    char *path = format_text("/parameters/%s", decks[k].name);
     if (h5_have(file, path, "/parameters")) h5_put_text(file, path, *place(p, decks[k].offset));
     free(path);
   }
@@ -207,7 +208,7 @@ sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messa
     free(text);
   }
   for (size_t k = 0; status == SD_OK && k < DECKS; k++) {
-    char *path = file_path("/parameters/%s", decks[k].name);
+    char *path = format_text("/parameters/%s", decks[k].name);
     char *text = path ? h5_get_text(file, path) : NULL;
     status = set(place(p, decks[k].offset), text, messages);
     free(text);

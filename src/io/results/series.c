@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "pack/compress.h"
 #include "physics/step/outside.h"
@@ -44,8 +45,8 @@ static bool compresses(const sd_model *m) {
 }
 
 sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
-  char *clock = file_path("/observables/%s", series_energies[0].name);
-  char *step = file_path("%s/step", clock), *time = file_path("%s/time", clock);
+  char *clock = format_text("/observables/%s", series_energies[0].name);
+  char *step = format_text("%s/step", clock), *time = format_text("%s/time", clock);
   sd_status status =
       clock && step && time ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   if (status == SD_OK) status = table_add(t, step, SD_I64, 0, NULL, "1", "steps since the start", messages);
@@ -54,7 +55,7 @@ sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
   free(step);
   free(time);
   for (size_t k = 0; status == SD_OK && k < series_energy_count; k++) {
-    char *path = file_path("/observables/%s/value", series_energies[k].name);
+    char *path = format_text("/observables/%s/value", series_energies[k].name);
     status = path ? table_add(t, path, SD_F64, 0, NULL, "energy", series_energies[k].meaning, messages)
                   : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
     free(path);

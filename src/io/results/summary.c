@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/members.h"
 #include "io/results/series.h"
@@ -32,8 +33,8 @@ static char *name_of(const sd_model *model, uint32_t body) {
   char text[80];
   const char *own =
       body < model->n_disks ? model->disks[body].name : model->walls[body - model->n_disks].name;
-  if (own && *own) return file_path("%s", own);
-  return file_path("%s", sd_model_body_name(model, body, text, sizeof text));
+  if (own && *own) return format_text("%s", own);
+  return format_text("%s", sd_model_body_name(model, body, text, sizeof text));
 }
 
 static sd_status collect_stages(summary *s, const sd_model *model, const sd_state *state,
@@ -52,7 +53,7 @@ static sd_status collect_stages(summary *s, const sd_model *model, const sd_stat
         .unbalanced_goal = p->settle.unbalanced,
         .target = state->phase_target[k],
         .target_goal = p->compress.pressure > 0.0 ? p->compress.pressure : p->compress.fraction};
-    s->stage_names[k] = p->name ? file_path("%s", p->name) : file_path("%zu", k);
+    s->stage_names[k] = p->name ? format_text("%s", p->name) : format_text("%zu", k);
     named = named && s->stage_names[k];
   }
   return named ? SD_OK : no_memory(messages);
@@ -65,13 +66,13 @@ static sd_status collect_lost(summary *s, const sd_model *model, const sd_state 
   s->outside = outside_count(state);
   s->left = state->outside;
   s->waiting = rain_waiting(model, state);
-  s->lost = file_path("%s", "");
+  s->lost = format_text("%s", "");
   for (size_t i = 0; s->lost && i < state->n_free && told < OUTSIDE_TOLD; i++) {
     if (state->activity[i] != SD_OUTSIDE && state->activity[i] != SD_REMOVED) continue;
-    char name[96], *before = s->lost;
-    s->lost = file_path("%s%s%s at (%.6g, %.6g)", before, told++ ? ", " : "",
-                        sd_model_body_name(model, state->id[i], name, sizeof name), state->x[i], state->y[i]);
-    free(before);
+    char name[96];
+    s->lost =
+        append_text(s->lost, "%s%s at (%.6g, %.6g)", told++ ? ", " : "",
+                    sd_model_body_name(model, state->id[i], name, sizeof name), state->x[i], state->y[i]);
   }
   return s->lost ? SD_OK : no_memory(messages);
 }
@@ -84,7 +85,7 @@ static sd_status collect_until(summary *s, const sd_model *model, const sd_state
   if (!u->asked) return SD_OK;
   uint32_t disk = model->rotations[u->rotation];
   const char *name = model->disks[disk].name, *what = u->scaled ? "scaled" : "omega";
-  s->observable = name ? file_path("%s.%s", name, what) : file_path("%u.%s", disk, what);
+  s->observable = name ? format_text("%s.%s", name, what) : format_text("%u.%s", disk, what);
   s->relative = u->relative > 0 ? u->relative : NAN;
   s->goal = sd_goal_of(model, state);
   if (s->goal.reached && s->phase == s->phases) s->until_step = s->step;
@@ -109,7 +110,7 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
                  .n_stages = model->n_phases};
   bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
   const char *phase = running ? model->phases[state->phase].name : NULL;
-  s->phase_name = file_path("%s", phase ? phase : "");
+  s->phase_name = format_text("%s", phase ? phase : "");
   sd_status status = allocate(s, messages);
   if (status != SD_OK || !s->phase_name) return no_memory(messages);
 
@@ -230,7 +231,7 @@ static sd_status read_names(const h5_file *file, const char *path, size_t n, cha
   sd_status status = SD_OK;
   for (size_t k = 0; k < n; k++) {
     size_t length = strcspn(at, "\n");
-    names[k] = file_path("%.*s", (int)length, at);
+    names[k] = format_text("%.*s", (int)length, at);
     if (!names[k]) status = no_memory(messages);
     at += length;
     if (*at) at++;
@@ -361,13 +362,13 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   s->dt = h5_get_attr_f64(file, "/summary", "dt", NAN);
   s->step_nanoseconds = h5_get_attr_f64(file, "/summary", "step_nanoseconds", NAN);
   s->phase_name = h5_get_attr_text(file, "/summary", "phase_name");
-  if (!s->phase_name) s->phase_name = file_path("%s", "");
+  if (!s->phase_name) s->phase_name = format_text("%s", "");
   for (size_t k = 0; k < series_energy_count; k++) {
     double value = h5_get_attr_f64(file, "/summary/energy", series_energies[k].name, NAN);
     memcpy((char *)&s->energy + series_energies[k].offset, &value, sizeof value);
   }
   s->lost = h5_get_attr_text(file, "/summary", "lost");
-  if (!s->lost) s->lost = file_path("%s", "");
+  if (!s->lost) s->lost = format_text("%s", "");
   sd_status status = s->lost ? read_counts(s, file, messages) : no_memory(messages);
   if (status == SD_OK)
     status = members_read(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,

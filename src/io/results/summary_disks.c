@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
 #include "io/store/members.h"
@@ -138,7 +139,7 @@ static void write_rows(h5_file *file, const char *path, sd_disk_mean *disks, siz
   size_t n = list_members(list);
   members_write(file, path, list, n, disks, sizeof *disks, n_disks);
   int32_t *converged = calloc(n_disks + 1, sizeof *converged);
-  char *name = file_path("%s/converged", path);
+  char *name = format_text("%s/converged", path);
   for (size_t k = 0; converged && k < n_disks; k++) converged[k] = disks[k].converged;
   if (h5_have(file, converged && name, path)) {
     h5_put(file, name, SD_I32, 1, &n_disks, converged, true);
@@ -155,7 +156,7 @@ static sd_status read_rows(const h5_file *file, const char *path, sd_disk_mean *
   size_t n = list_members(list);
   sd_status status = members_read(file, path, list, n, disks, sizeof *disks, n_disks, messages);
   int32_t *converged = calloc(n_disks + 1, sizeof *converged);
-  char *name = file_path("%s/converged", path);
+  char *name = format_text("%s/converged", path);
   if (status == SD_OK && !(converged && name))
     status = sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
   if (status == SD_OK) status = h5_get(file, name, SD_I32, n_disks, converged, messages);

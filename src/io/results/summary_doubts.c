@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "io/results/series.h"
 #include "io/results/summary.h"
@@ -36,9 +37,9 @@ static bool judge_residual(summary *s, double limit, double floor) {
   double part = fabs(e->residual) / e->scale;
   return doubt(
       s, DOUBT_RESIDUAL, part, limit,
-      file_path("the energy budget does not close: a smaller dt is needed (residual %.2g of its scale, "
-                "limits.residual is %g)",
-                part, limit));
+      format_text("the energy budget does not close: a smaller dt is needed (residual %.2g of its scale, "
+                  "limits.residual is %g)",
+                  part, limit));
 }
 
 /* One watched contact of the two, or both, or now one and now the other. */
@@ -52,11 +53,11 @@ static bool judge_open(summary *s, double limit) {
   if (first == second)
     return doubt(
         s, DOUBT_OPEN, w->open, limit,
-        file_path("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open));
+        format_text("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open));
   size_t one = first ? 0 : 1;
   return doubt(s, DOUBT_OPEN, w->contact_open[one], limit,
-               file_path("the watched contact of %s with %s was open %.3g %% of the time", names[0],
-                         names[1 + one], 100 * w->contact_open[one]));
+               format_text("the watched contact of %s with %s was open %.3g %% of the time", names[0],
+                           names[1 + one], 100 * w->contact_open[one]));
 }
 
 static bool judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
@@ -64,10 +65,10 @@ static bool judge_displacement(summary *s, double limit, const sd_model *model, 
   char name[96];
   sd_model_body_name(model, (uint32_t)state->fast_disk, name, sizeof name);
   return doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement, limit,
-               file_path("%s moves by %.3g of its radius in a step, after step %" PRId64
-                         ", and disks may have passed through others: a smaller dt is needed "
-                         "(limits.displacement is %g)",
-                         name, state->fast_displacement, state->fast_step, limit));
+               format_text("%s moves by %.3g of its radius in a step, after step %" PRId64
+                           ", and disks may have passed through others: a smaller dt is needed "
+                           "(limits.displacement is %g)",
+                           name, state->fast_displacement, state->fast_step, limit));
 }
 
 /* The name of a number that is none, NULL when all are there. A mean is there from the first full bin on. */
@@ -90,7 +91,7 @@ static const char *not_finite(const summary *s, const sd_state *state) {
 static bool judge_finite(summary *s, const sd_state *state) {
   const char *name = not_finite(s, state);
   return !name || doubt(s, DOUBT_FINITE, NAN, NAN,
-                        file_path("a number is not finite (%s): a smaller dt is needed", name));
+                        format_text("a number is not finite (%s): a smaller dt is needed", name));
 }
 
 sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
@@ -109,13 +110,9 @@ size_t summary_doubts(const summary *s) {
 }
 
 char *summary_doubts_text(const summary *s) {
-  char *all = file_path("%s", "");
-  for (size_t k = 0; all && k < DOUBT_KINDS; k++) {
-    if (!s->doubts[k].text) continue;
-    char *longer = file_path("%s%s%s", all, *all ? "; " : "", s->doubts[k].text);
-    free(all);
-    all = longer;
-  }
+  char *all = format_text("%s", "");
+  for (size_t k = 0; all && k < DOUBT_KINDS; k++)
+    if (s->doubts[k].text) all = append_text(all, "%s%s", *all ? "; " : "", s->doubts[k].text);
   return all;
 }
 
@@ -132,7 +129,7 @@ static const char *const meanings[DOUBT_KINDS] = {
     "a number of the result is not finite",
 };
 
-static char *group_of(size_t kind) { return file_path("/summary/doubts/%s", doubt_names[kind]); }
+static char *group_of(size_t kind) { return format_text("/summary/doubts/%s", doubt_names[kind]); }
 
 void summary_doubts_write(const summary *s, h5_file *file) {
   h5_group(file, "/summary/doubts");

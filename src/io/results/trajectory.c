@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/results/constants.h"
 #include "io/store/file.h"
 
@@ -61,7 +62,7 @@ sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_
     size_t dims[2] = {n, 2};
     if (!has_column(model, walls, k)) continue;
     if (k == EDGES) dims[0] = 2;
-    char *path = file_path("%s/%s", group_of(walls), e->name);
+    char *path = format_text("%s/%s", group_of(walls), e->name);
     status = path ? table_add(t, path, e->type, e->components, dims, e->unit, e->meaning, messages)
                   : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
     free(path);
@@ -176,7 +177,7 @@ sd_status trajectory_sample_contacts(table *index, table *rows, const sd_model *
 /* --- constants ------------------------------------------------------------------------------------ */
 
 static void write_box(h5_file *file, const sd_model *model, const char *group) {
-  char *box = file_path("%s/box", group), *edges = file_path("%s/box/edges", group);
+  char *box = format_text("%s/box", group), *edges = format_text("%s/box/edges", group);
   if (!h5_have(file, box && edges, group)) goto out;
   double lengths[2], lower[2];
   box_edges(model, 1.0, lengths);

@@ -17,21 +17,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/text.h"
 #include "base/shortage.h"
-
-char *file_path(const char *format, ...) {
-  va_list args;
-  va_start(args, format);
-  int n = vsnprintf(NULL, 0, format, args);
-  va_end(args);
-  char *path = n < 0 ? NULL : malloc((size_t)n + 1);
-  if (!path) shortage_note();
-  if (!path) return NULL;
-  va_start(args, format);
-  vsnprintf(path, (size_t)n + 1, format, args);
-  va_end(args);
-  return path;
-}
 
 static sd_status fail(sd_messages *messages, const char *what, const char *path) {
   return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
@@ -96,9 +83,9 @@ static int base_of(int folder, const char *path, const char **name) {
 /* To be freed; NULL: no memory. */
 static char *folder_of(const char *path) {
   const char *slash = strrchr(path, '/');
-  return !slash          ? file_path(".")
-         : slash == path ? file_path("/")
-                         : file_path("%.*s", (int)(slash - path), path);
+  return !slash          ? format_text(".")
+         : slash == path ? format_text("/")
+                         : format_text("%.*s", (int)(slash - path), path);
 }
 
 bool file_exists(const char *path) {
@@ -135,7 +122,7 @@ sd_status file_make_folder(const char *path, sd_messages *messages) {
   sd_status status;
   const char *slash = strrchr(path, '/');
   char *above =
-      error == ENOENT && slash && slash > path ? file_path("%.*s", (int)(slash - path), path) : NULL;
+      error == ENOENT && slash && slash > path ? format_text("%.*s", (int)(slash - path), path) : NULL;
   if (above && !file_exists(above)) {
     status = sd_fail(messages, SD_ERROR_USER, "there is no folder %s: make it, or name another place", above);
   } else {
@@ -185,7 +172,7 @@ static char *draft_name(const char *name) {
     clock_gettime(CLOCK_REALTIME, &t);
     bits = ((uint64_t)t.tv_nsec << 32) ^ (uint64_t)t.tv_sec ^ ((uint64_t)getpid() << 16);
   }
-  return file_path("%s.%0*" PRIx64 "%s", name, DRAFT_DIGITS, bits, draft_ending);
+  return format_text("%s.%0*" PRIx64 "%s", name, DRAFT_DIGITS, bits, draft_ending);
 }
 
 sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages) {
@@ -200,7 +187,7 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
     free(out->name);
     free(out->path);
     out->name = draft_name(last_component(path));
-    out->path = out->name ? file_path("%s/%s", above, out->name) : NULL;
+    out->path = out->name ? format_text("%s/%s", above, out->name) : NULL;
     if (!out->path)
       status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
     else if ((out->fd = file_open_at(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW)) < 0 &&
@@ -295,7 +282,7 @@ sd_status file_write_atomic(int folder, const char *path, size_t n_pieces, const
 }
 
 sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages) {
-  *s = (file_stream){.path = file_path("%s", path)};
+  *s = (file_stream){.path = format_text("%s", path)};
   if (!s->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   sd_status status = file_draft_new(-1, path, &s->draft, messages);
   int fd = status == SD_OK ? fcntl(s->draft.fd, F_DUPFD_CLOEXEC, 0) : -1;
@@ -420,13 +407,13 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
 }
 
 char *file_again(int fd, const char *path) {
-  char *again = file_path("/proc/self/fd/%d", fd);
+  char *again = format_text("/proc/self/fd/%d", fd);
   struct stat held, named;
   if (again && fstat(fd, &held) == 0 && stat(again, &named) == 0 && held.st_ino == named.st_ino &&
       held.st_dev == named.st_dev)
     return again;
   free(again);
-  return file_path("%s", path); /* without /proc */
+  return format_text("%s", path); /* without /proc */
 }
 
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {

@@ -97,9 +97,6 @@ sd_status file_sync_folder(int folder, const char *path, sd_messages *messages);
 /* No message when it is not there. */
 sd_status file_remove(int folder, const char *path, sd_messages *messages);
 
-/* A path made with printf, to be freed; NULL: no memory. */
-char *file_path(const char *format, ...) SD_PRINTF(1, 2);
-
 /* Order-dependent sum of 64-bit words (FNV-1a), to tell damaged files. Start from FILE_SUM. */
 #define FILE_SUM UINT64_C(14695981039346656037)
 uint64_t file_sum(uint64_t sum, const void *bytes, size_t n);

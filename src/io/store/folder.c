@@ -16,18 +16,19 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 
 char *folder_part(const char *path, int64_t number) {
-  return file_path("%s/part-%06" PRId64 ".h5", path, number);
+  return format_text("%s/part-%06" PRId64 ".h5", path, number);
 }
 
 char *folder_checkpoint(const char *path, int64_t step) {
-  return file_path("%s/checkpoint-%" PRId64 ".h5", path, step);
+  return format_text("%s/checkpoint-%" PRId64 ".h5", path, step);
 }
 
 char *folder_emergency(const char *path, int64_t step) {
-  return file_path("%s/emergency-%" PRId64 ".h5", path, step);
+  return format_text("%s/emergency-%" PRId64 ".h5", path, step);
 }
 
 /* --- lock ----------------------------------------------------------------------------------------- */
@@ -95,7 +96,7 @@ static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
 }
 
 sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messages *messages) {
-  *out = (folder){.path = file_path("%s", path), .at = -1, .lock = -1};
+  *out = (folder){.path = format_text("%s", path), .at = -1, .lock = -1};
   sd_status status = out->path ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
   int busy = 0;
   for (int attempt = 0; status == SD_OK && out->lock < 0; attempt++) {
@@ -111,7 +112,7 @@ sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messag
 }
 
 bool folder_is_locked(const char *path) {
-  char *lock = file_path("%s/lock", path);
+  char *lock = format_text("%s/lock", path);
   int fd = lock ? file_open_at(AT_FDCWD, lock, O_RDONLY | O_NOFOLLOW | O_NONBLOCK) : -1;
   bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (fd >= 0) close(fd);

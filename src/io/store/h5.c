@@ -6,6 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/text.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
@@ -74,7 +75,7 @@ hid_t h5_native(sd_type type) {
 static sd_status allocate(const char *path, h5_file **out, sd_messages *messages) {
   h5_quiet();
   *out = calloc(1, sizeof **out);
-  if (*out && ((*out)->path = file_path("%s", path))) return SD_OK;
+  if (*out && ((*out)->path = format_text("%s", path))) return SD_OK;
   free(*out);
   *out = NULL;
   shortage_note();
@@ -240,7 +241,7 @@ static void close_sets(h5_file *file) {
   for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
     if (h5_rows_flush(&file->sets[k].rows) && H5Dclose(file->sets[k].rows.set) >= 0) continue;
     file->failed = true;
-    file->trouble = file_path("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
+    file->trouble = format_text("%s: %s", file->sets[k].path, h5_reason(reason, sizeof reason));
   }
 }
 
@@ -285,7 +286,7 @@ static sd_status close_file(h5_file *file, sd_messages *messages) {
   if (!file->failed &&
       ((file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) || H5Fclose(file->id) < 0)) {
     file->failed = true;
-    file->trouble = file_path("%s", h5_reason(reason, sizeof reason));
+    file->trouble = format_text("%s", h5_reason(reason, sizeof reason));
   }
   if (!file->failed) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path,
@@ -321,7 +322,7 @@ bool h5_failed(const h5_file *file) { return file->failed; }
 void h5_no_memory(h5_file *file, const char *path) {
   if (file->failed) return;
   file->failed = true;
-  file->trouble = file_path("no memory for %s", path);
+  file->trouble = format_text("no memory for %s", path);
 }
 
 /* Remembers the first failure. */
@@ -329,7 +330,7 @@ static void check(h5_file *file, bool good, const char *path) {
   if (good || file->failed) return;
   char reason[200];
   file->failed = true;
-  file->trouble = file_path("%s: %s", path, h5_reason(reason, sizeof reason));
+  file->trouble = format_text("%s: %s", path, h5_reason(reason, sizeof reason));
 }
 
 /* Link creation with the groups on the way; text is UTF-8. */
@@ -549,7 +550,7 @@ static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
   h5_open_set *sets = realloc(file->sets, (file->n_sets + 1) * sizeof *sets);
   if (!sets) return NULL;
   file->sets = sets;
-  h5_open_set set = {.path = file_path("%s", path)};
+  h5_open_set set = {.path = format_text("%s", path)};
   hid_t id = set.path ? H5Dopen2(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
   if (id >= 0 && h5_rows_open(&set.rows, id, type)) {
     sets[file->n_sets++] = set;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
@@ -54,7 +55,7 @@ bool h5_expect(h5_file *file, const char *path, const char *attr, uint64_t eleme
     file->most_entries = most;
   }
   h5_entry e = {
-      .path = file_path("%s", path), .attr = attr ? file_path("%s", attr) : NULL, .expected = elements};
+      .path = format_text("%s", path), .attr = attr ? format_text("%s", attr) : NULL, .expected = elements};
   if (!e.path || (attr && !e.attr)) {
     free(e.path);
     free(e.attr);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 
 /* Copies a member between the structures and a dense array. */
@@ -21,7 +22,8 @@ void members_write(h5_file *file, const char *group, const member *members, size
   for (size_t k = 0; k < n_members; k++) {
     const member *m = &members[k];
     size_t dims[2] = {n, m->width};
-    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
+    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)),
+         *path = format_text("%s/%s", group, m->name);
     if (h5_have(file, dense && path, group)) {
       pack(m, first, stride, n, dense, true);
       h5_put(file, path, m->type, m->width > 1 ? 2 : 1, dims, dense, true);
@@ -38,7 +40,8 @@ sd_status members_read(const h5_file *file, const char *group, const member *mem
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < n_members; k++) {
     const member *m = &members[k];
-    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)), *path = file_path("%s/%s", group, m->name);
+    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)),
+         *path = format_text("%s/%s", group, m->name);
     if (!dense || !path) status = sd_fail(messages, SD_ERROR_IO, "no memory for %s", group);
     if (status == SD_OK) status = h5_get(file, path, m->type, n * m->width, dense, messages);
     if (status == SD_OK) pack(m, first, stride, n, dense, false);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "io/store/file.h"
 
 void table_free(table *t) {
@@ -28,9 +29,9 @@ sd_status table_add(table *t, const char *path, sd_type type, int rank, const si
     c->dims[k] = dims[k];
     c->width *= dims[k];
   }
-  c->path = file_path("%s", path);
-  c->unit = file_path("%s", unit);
-  c->meaning = file_path("%s", meaning);
+  c->path = format_text("%s", path);
+  c->unit = format_text("%s", unit);
+  c->meaning = format_text("%s", meaning);
   if (c->path && c->unit && c->meaning) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
 }
@@ -85,7 +86,7 @@ static void annotate(const table *t, h5_file *file) {
     h5_attr_text(file, c->path, "description", c->meaning);
     int length = element_of(c->path);
     if (length == 0) continue;
-    char *step = file_path("%.*s/step", length, c->path), *time = file_path("%.*s/time", length, c->path);
+    char *step = format_text("%.*s/step", length, c->path), *time = format_text("%.*s/time", length, c->path);
     if (h5_have(file, step && time, c->path) && strcmp(step, t->columns[0].path) != 0) {
       h5_link(file, t->columns[0].path, step);
       h5_link(file, t->columns[1].path, time);
