@@ -3,11 +3,11 @@
 #ifndef SLIPDISK_APP_APP_H
 #define SLIPDISK_APP_APP_H
 
-#include <getopt.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "app/options.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
 #include "slipdisk/model.h"
@@ -36,11 +36,25 @@ typedef struct drive_options {
   const char *result;
   const char *again; /* command line that continues the run, without the program's name */
   const char *log;   /* file for progress lines, or NULL */
-  int threads;
+  long threads;      /* 0: chosen from the size of the system */
   bool force, quiet;
   void (*failed)(void *user, const sd_messages *messages); /* may be NULL; told why a run failed */
   void *user;
 } drive_options;
+
+/* The options that run and resume share, as rows of a table. */
+#define DRIVE_OPTIONS(arguments, drive)                                                                      \
+  {"quiet", 0, OPTION_FLAG, offsetof(arguments, drive.quiet), 0, 0, NULL},                                   \
+      {"threads",                                                                                            \
+       0,                                                                                                    \
+       OPTION_NUMBER,                                                                                        \
+       offsetof(arguments, drive.threads),                                                                   \
+       1,                                                                                                    \
+       4096,                                                                                                 \
+       " is not a number of threads"},                                                                       \
+  {                                                                                                          \
+    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), 0, 0, NULL                                        \
+  }
 
 /* messages: of the loader, printed first. Takes neither over. */
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages);
@@ -81,17 +95,9 @@ void place_free(place *p);
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
 
 /* --- arguments -------------------------------------------------------------------------------------- */
-/* A whole number from text; false when it is none or out of range. */
-bool app_number(const char *text, long least, long most, long *out);
 /* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed, NULL: no memory. */
 char *app_default_name(const char *deck, const char *ending);
 /* One line, with control characters of names and titles shown as \xHH. */
 void app_line(FILE *out, const char *format, ...) SD_PRINTF(2, 3);
-/* The value of an option that names a file or a folder, into *path; an empty one is a mistake. 0, or the exit status. */
-int app_path(const char *command, const char *option, const char *value, const char **path);
-/* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
-int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
-/* The same for an option that is none of these, with the nearest of them. */
-int app_unknown_option(const char *command, const struct option *options, const char *given);
 
 #endif

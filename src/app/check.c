@@ -3,6 +3,7 @@
  * What it prints is a deck again: the full one, followed by the findings as comments.
  */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,10 +35,19 @@ static const char usage[] =
 
 typedef struct options {
   const char *deck;
-  const char **overrides;
-  size_t n_overrides;
-  bool brief, probe, keys, help;
+  option_list overrides;
+  bool brief, no_probe, keys, help;
 } options;
+
+static const option_row rows[] = {
+    {"define", 'D', OPTION_LIST, offsetof(options, overrides), 0, 0, NULL},
+    {"brief", 0, OPTION_FLAG, offsetof(options, brief), 0, 0, NULL},
+    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), 0, 0, NULL},
+    {"keys", 0, OPTION_FLAG, offsetof(options, keys), 0, 0, NULL},
+    {"help", 'h', OPTION_FLAG, offsetof(options, help), 0, 0, NULL},
+};
+static const command_line accepts = {"check",      sizeof rows / sizeof *rows, rows,
+                                     OPERAND_DECK, offsetof(options, deck),    true};
 
 /* --- findings ------------------------------------------------------------------------------------------------ */
 
@@ -309,7 +319,7 @@ static void print_sweep(const sweep *s, entry *entries, const sd_model *m, const
 static sd_status check_sweep(const options *o, const sd_model *m, double speed, sd_messages *messages) {
   sweep s;
   size_t usable;
-  sd_status status = sweep_open(&s, o->deck, o->n_overrides, o->overrides, "", messages);
+  sd_status status = sweep_open(&s, o->deck, o->overrides.n, o->overrides.item, "", messages);
   size_t n = s.deck.n_points;
   int64_t *steps = calloc(n + 1, sizeof *steps);
   int *kinds = calloc(n + 1, sizeof *kinds);
@@ -331,7 +341,7 @@ static sd_status check_sweep(const options *o, const sd_model *m, double speed, 
 
 static sd_status check(const options *o, sd_messages *messages) {
   sd_model *m = NULL;
-  sd_status status = sd_deck_load(o->deck, o->n_overrides, o->overrides, &m, messages);
+  sd_status status = sd_deck_load(o->deck, o->overrides.n, o->overrides.item, &m, messages);
   if (status != SD_OK) return status;
   if (!o->brief) printf("%s\n", sd_model_deck(m)->full);
   app_line(stdout, "# deck        %s%s%s", o->deck, m->title && *m->title ? ": " : "",
@@ -344,7 +354,7 @@ static sd_status check(const options *o, sd_messages *messages) {
   print_restitution(m);
   double speed = 0;
   status = size_print(m, messages);
-  if (status == SD_OK && o->probe) status = probe(m, &speed, messages);
+  if (status == SD_OK && !o->no_probe) status = probe(m, &speed, messages);
   if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = check_sweep(o, m, speed, messages);
   sd_model_free(m);
   return status;
@@ -352,48 +362,21 @@ static sd_status check(const options *o, sd_messages *messages) {
 
 /* --- command line ---------------------------------------------------------------------------------------------- */
 
-static sd_status read_options(int argc, char **argv, options *o, sd_messages *messages) {
-  o->probe = true;
-  for (int k = 1; k < argc; k++) {
-    const char *a = argv[k];
-    if (strncmp(a, "-D", 2) == 0) {
-      const char *value = a[2] ? a + 2 : k + 1 < argc ? argv[++k] : NULL;
-      if (!value) return sd_fail(messages, SD_ERROR_USER, "-D: expected path=value after it");
-      o->overrides[o->n_overrides++] = value;
-    } else if (strcmp(a, "--brief") == 0) {
-      o->brief = true;
-    } else if (strcmp(a, "--no-probe") == 0) {
-      o->probe = false;
-    } else if (strcmp(a, "--keys") == 0) {
-      o->keys = true;
-    } else if (strcmp(a, "--help") == 0 || strcmp(a, "-h") == 0) {
-      o->help = true;
-    } else if (a[0] == '-') {
-      return sd_fail(messages, SD_ERROR_USER, "%s: unknown option; see slipdisk check --help", a);
-    } else if (o->deck) {
-      return sd_fail(messages, SD_ERROR_USER, "%s: expected one deck only", a);
-    } else {
-      o->deck = a;
-    }
-  }
-  if (!o->deck && !o->keys && !o->help)
-    return sd_fail(messages, SD_ERROR_USER, "expected a deck; see slipdisk check --help");
-  return SD_OK;
-}
-
 int app_check(int argc, char **argv) {
+  options o = {0};
   sd_messages *messages = app_messages();
-  options o = {.overrides = calloc((size_t)argc + 1, sizeof *o.overrides)};
-  sd_status status = o.overrides ? read_options(argc, argv, &o, messages) : (sd_status)app_no_memory();
+  int status = options_parse(&accepts, argc, argv, &o);
   if (status == SD_OK && o.help)
     fputs(usage, stdout);
   else if (status == SD_OK && o.keys)
     deck_keys_print(stdout);
+  else if (status == SD_OK && !o.deck)
+    status = app_misuse("check", "no deck is given");
   else if (status == SD_OK)
     status = check(&o, messages);
   fflush(stdout);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
-  free(o.overrides);
-  return (int)status;
+  free(o.overrides.item);
+  return status;
 }

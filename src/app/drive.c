@@ -173,14 +173,14 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_messages *messages) {
   session_options how = {.result = options->result,
-                         .threads = options->threads,
+                         .threads = (int)options->threads,
                          .force = options->force,
                          .stop = &app_stop,
                          .progress = show,
                          .user = t};
   session *s;
   report_time_step(model, messages);
-  warn_of_threads(model, options->threads, messages);
+  warn_of_threads(model, (int)options->threads, messages);
   sd_status status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);
   if (status == SD_INTERRUPTED && t->screen) app_tell_no_start();

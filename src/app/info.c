@@ -3,6 +3,7 @@
 #include <inttypes.h>
 #include <jansson.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -294,22 +295,26 @@ static int print_json(const facts *f) {
 
 /* --- command -------------------------------------------------------------------------------------- */
 
-enum { JSON = 256, DECK, AS_READ };
+typedef struct arguments {
+  const char *name;
+  bool json, deck, as_read;
+} arguments;
+
+static const option_row rows[] = {
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
+    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), 0, 0, NULL},
+    {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), 0, 0, NULL},
+};
+static const command_line accepts = {"info",         sizeof rows / sizeof *rows, rows,
+                                     OPERAND_RESULT, offsetof(arguments, name),  false};
 
 int app_info(int argc, char **argv) {
-  static const struct option options[] = {{"json", no_argument, NULL, JSON},
-                                          {"deck", no_argument, NULL, DECK},
-                                          {"deck-as-read", no_argument, NULL, AS_READ},
-                                          {NULL, 0, NULL, 0}};
-  bool json = false, deck = false, as_read = false;
-  opterr = 0;
-  for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-    if (c != JSON && c != DECK && c != AS_READ) return app_unknown_option("info", options, argv[optind - 1]);
-    *(c == JSON ? &json : c == DECK ? &deck : &as_read) = true;
-  }
-  if (optind + 1 != argc) return app_misuse("info", "one result is expected");
-  const char *name = argv[optind];
-  if (!json && !deck && !as_read && tell_failure(name)) return SD_OK;
+  arguments a = {0};
+  int mistake = options_parse(&accepts, argc, argv, &a);
+  if (mistake) return mistake;
+  bool json = a.json, deck = a.deck;
+  const char *name = a.name;
+  if (!json && !deck && !a.as_read && tell_failure(name)) return SD_OK;
   place p = {0};
   facts f = {0};
   sd_messages *messages = app_messages();
@@ -318,7 +323,7 @@ int app_info(int argc, char **argv) {
   bool named_parts = status == SD_OK && file_is_folder(name);
   if (status == SD_OK) status = read_facts(&f, &p, named_parts, json, messages);
   sd_messages_print(messages, stderr);
-  if (status == SD_OK && (deck || as_read))
+  if (status == SD_OK && (deck || a.as_read))
     fputs(deck ? f.origin.deck_full : f.origin.deck_text, stdout);
   else if (status == SD_OK && json)
     status = print_json(&f);

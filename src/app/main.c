@@ -68,25 +68,10 @@ static const char help[] =
     "the\n"
     "command again to continue.\n";
 
-bool app_number(const char *text, long least, long most, long *out) {
-  char *end;
-  errno = 0;
-  long value = strtol(text, &end, 10);
-  if (errno != 0 || end == text || *end || value < least || value > most) return false;
-  *out = value;
-  return true;
-}
-
 char *app_default_name(const char *deck, const char *ending) {
   const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
   size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
   return format_text("%.*s.%s", (int)length, name, ending);
-}
-
-int app_path(const char *command, const char *option, const char *value, const char **path) {
-  *path = value;
-  return *value ? 0
-                : app_misuse(command, "%s needs the name of a file or a folder, not an empty one", option);
 }
 
 static char *shown_text(const char *format, va_list args) {
@@ -112,15 +97,6 @@ int app_misuse(const char *command, const char *format, ...) {
   fprintf(stderr, "slipdisk %s: %s; see slipdisk help\n", command, shown ? shown : "no memory");
   free(shown);
   return SD_ERROR_USER;
-}
-
-int app_unknown_option(const char *command, const struct option *options, const char *given) {
-  char word[64];
-  snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
-  guess near = guess_start(word + strspn(word, "-"));
-  for (; options->name; options++) guess_add(&near, options->name);
-  if (near.best) return app_misuse(command, "unknown option %s (did you mean --%s?)", given, near.best);
-  return app_misuse(command, "unknown option %s", given);
 }
 
 static int app_version(int argc, char **argv) {

@@ -1,8 +1,8 @@
 /* measure.c: slipdisk measure FILE: configurational observables of stored frames. See docs/measure.md. */
 #include "app/measure.h"
 
-#include <errno.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,73 +13,37 @@
 #include "io/results/frames.h"
 
 typedef struct arguments {
-  const char *name, *csv, *output; /* NULL: not asked for */
-  bool json, all, has_time, has_region;
+  const char *name, *csv, *output, *wanted; /* NULL: not asked for */
+  bool json, all;
   long frame; /* -1: not asked for */
-  double time, region[4];
+  option_real time;
+  double region[4]; /* wanted */
   long bins;
 } arguments;
 
-enum { FRAME = 256, TIME, ALL, JSON, CSV, BINS, REGION };
-
-/* n numbers with commas between. */
-static bool read_numbers(const char *text, int n, double *value) {
-  for (int k = 0; k < n; k++) {
-    char *end;
-    value[k] = strtod(text, &end);
-    if (end == text || !isfinite(value[k]) || *end != (k + 1 < n ? ',' : 0)) return false;
-    text = end + 1;
-  }
-  return true;
-}
-
-/* Takes one option; returns 0, or the exit status of a mistake. */
-static int take(int option, arguments *a) {
-  switch (option) {
-    case FRAME:
-      if (app_number(optarg, 0, INT32_MAX, &a->frame)) return 0;
-      return app_misuse("measure", "--frame %s: expected the number of a stored frame, from 0 on", optarg);
-    case TIME:
-      a->has_time = read_numbers(optarg, 1, &a->time);
-      return a->has_time ? 0 : app_misuse("measure", "--time %s: expected a number", optarg);
-    case BINS:
-      if (app_number(optarg, 1, 100000, &a->bins)) return 0;
-      return app_misuse("measure", "--bins %s: expected a whole number from 1 to 100000", optarg);
-    case REGION:
-      a->has_region =
-          read_numbers(optarg, 4, a->region) && a->region[0] < a->region[1] && a->region[2] < a->region[3];
-      if (a->has_region) return 0;
-      return app_misuse("measure", "--region %s: expected x0,x1,y0,y1 with x0 < x1 and y0 < y1", optarg);
-    case ALL: a->all = true; return 0;
-    case JSON: a->json = true; return 0;
-    case CSV: return app_path("measure", "--csv", optarg, &a->csv);
-    default: return app_path("measure", "-o", optarg, &a->output);
-  }
-}
+static const option_row rows[] = {
+    {"frame", 0, OPTION_NUMBER, offsetof(arguments, frame), 0, INT32_MAX,
+     ": expected the number of a stored frame, from 0 on"},
+    {"time", 0, OPTION_REAL, offsetof(arguments, time), 0, 0, ": expected a number"},
+    {"all", 0, OPTION_FLAG, offsetof(arguments, all), 0, 0, NULL},
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
+    {"csv", 0, OPTION_PATH, offsetof(arguments, csv), 0, 0, NULL},
+    {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL},
+    {"bins", 0, OPTION_NUMBER, offsetof(arguments, bins), 1, 100000,
+     ": expected a whole number from 1 to 100000"},
+    {"region", 0, OPTION_TEXT, offsetof(arguments, wanted), 0, 0, NULL},
+};
+static const command_line accepts = {"measure",      sizeof rows / sizeof *rows, rows,
+                                     OPERAND_RESULT, offsetof(arguments, name),  false};
 
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {
-      {"frame", required_argument, NULL, FRAME},
-      {"time", required_argument, NULL, TIME},
-      {"all", no_argument, NULL, ALL},
-      {"json", no_argument, NULL, JSON},
-      {"csv", required_argument, NULL, CSV},
-      {"output", required_argument, NULL, 'o'},
-      {"bins", required_argument, NULL, BINS},
-      {"region", required_argument, NULL, REGION},
-      {NULL, 0, NULL, 0},
-  };
-  opterr = 0;
-  for (int c; (c = getopt_long(argc, argv, ":o:", options, NULL)) != -1;) {
-    if (c == ':') return app_misuse("measure", "%s needs a value", argv[optind - 1]);
-    if (c == '?') return app_unknown_option("measure", options, argv[optind - 1]);
-    int mistake = take(c, a);
-    if (mistake) return mistake;
-  }
-  if (optind + 1 != argc) return app_misuse("measure", "one result is expected");
-  if ((a->frame >= 0) + a->has_time + a->all > 1)
+  int mistake = options_parse(&accepts, argc, argv, a);
+  if (mistake) return mistake;
+  double *g = a->region;
+  if (a->wanted && !(options_reals(a->wanted, 4, g) && g[0] < g[1] && g[2] < g[3]))
+    return app_misuse("measure", "--region %s: expected x0,x1,y0,y1 with x0 < x1 and y0 < y1", a->wanted);
+  if ((a->frame >= 0) + a->time.given + a->all > 1)
     return app_misuse("measure", "one of --frame, --time and --all is expected");
-  a->name = argv[optind];
   return 0;
 }
 
@@ -148,7 +112,7 @@ static sd_status open_frames(frames *f, const char *name, bool *alone, sd_messag
 /* Numbers first ... last - 1; frames.n is the state. */
 static sd_status choose(const arguments *a, const frames *f, bool alone, size_t *first, size_t *last,
                         sd_messages *messages) {
-  bool wanted = a->frame >= 0 || a->has_time || a->all;
+  bool wanted = a->frame >= 0 || a->time.given || a->all;
   if (f->n == 0 && (alone || (wanted && !a->all)))
     return sd_fail(messages, SD_ERROR_USER, "%s: no frames are stored in it%s", a->name,
                    alone ? "" : "; without --frame and --time its last state is measured");
@@ -163,7 +127,7 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
     return status;
   }
   *first = a->frame >= 0 ? (size_t)a->frame : f->n - alone;
-  sd_status status = a->has_time ? frames_nearest(f, a->time, first, messages) : SD_OK;
+  sd_status status = a->time.given ? frames_nearest(f, a->time.value, first, messages) : SD_OK;
   if (alone && *first == f->n) *first = f->n - 1;
   *last = *first + 1;
   return status;
@@ -227,8 +191,8 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
     measurement m = {.file = a->name, .frame = k < f->n ? (int64_t)k : -1};
     status = frames_read(f, k, &frame, messages);
     if (status == SD_OK)
-      status = measurement_new(&m, f->constants, &frame, a->has_region ? a->region : NULL, (size_t)a->bins,
-                               messages);
+      status =
+          measurement_new(&m, f->constants, &frame, a->wanted ? a->region : NULL, (size_t)a->bins, messages);
     if (status == SD_OK) status = tell(s, &m, messages);
     measurement_free(&m);
     frame_data_free(&frame);

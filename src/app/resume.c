@@ -1,4 +1,5 @@
 /* resume.c: slipdisk resume FILE: the deck comes from the checkpoint. */
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,36 +10,14 @@
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
 
-enum { QUIET = 256, THREADS, LOG };
+typedef struct arguments {
+  const char *name;
+  drive_options drive;
+} arguments;
 
-static int parse(int argc, char **argv, const char **name, drive_options *drive) {
-  static const struct option options[] = {
-      {"quiet", no_argument, NULL, QUIET},
-      {"threads", required_argument, NULL, THREADS},
-      {"log", required_argument, NULL, LOG},
-      {NULL, 0, NULL, 0},
-  };
-  opterr = 0;
-  int mistake = 0;
-  for (int c; mistake == 0 && (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-    long n;
-    switch (c) {
-      case QUIET: drive->quiet = true; break;
-      case LOG: mistake = app_path("resume", "--log", optarg, &drive->log); break;
-      case THREADS:
-        if (!app_number(optarg, 1, 4096, &n))
-          return app_misuse("resume", "--threads %s is not a number of threads", optarg);
-        drive->threads = (int)n;
-        break;
-      case ':': return app_misuse("resume", "%s needs a value", argv[optind - 1]);
-      default: return app_unknown_option("resume", options, argv[optind - 1]);
-    }
-  }
-  if (mistake) return mistake;
-  if (optind + 1 != argc) return app_misuse("resume", "one result is expected");
-  *name = argv[optind];
-  return 0;
-}
+static const option_row rows[] = {DRIVE_OPTIONS(arguments, drive)};
+static const command_line accepts = {"resume",       sizeof rows / sizeof *rows, rows,
+                                     OPERAND_RESULT, offsetof(arguments, name),  false};
 
 /* The deck's path as it was given, or from the folder in which the run was started when that is another. */
 static char *deck_path(const provenance *origin) {
@@ -109,12 +88,11 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
 
 int app_resume(int argc, char **argv) {
   app_catch_signals();
-  const char *name = NULL;
-  drive_options drive = {0};
-  int status = parse(argc, argv, &name, &drive);
+  arguments a = {0};
+  int status = options_parse(&accepts, argc, argv, &a);
   if (status != 0) return status;
   sd_messages *messages = app_messages();
-  status = resume(name, &drive, messages);
+  status = resume(a.name, &a.drive, messages);
   sd_messages_free(messages);
   return status;
 }

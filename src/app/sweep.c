@@ -2,6 +2,7 @@
 #include <assert.h>
 #include <limits.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,69 +16,31 @@ static const double TABLE_PATIENCE = 600;
 /* Points that --point K looks at besides its own. */
 enum { SAMPLE = 8 };
 
-enum { FORCE = 256, QUIET, THREADS, STATUS, LIST, TABLE, COUNT, POINT, NO_LANES, MIX, SKIP };
+#define WHOLE " is no whole number from 1 to 4096"
+static const option_row rows[] = {
+    {"output", 'o', OPTION_PATH, offsetof(sweep_command, output), 0, 0, NULL},
+    {"define", 'D', OPTION_LIST, offsetof(sweep_command, overrides), 0, 0, NULL},
+    {"jobs", 'j', OPTION_NUMBER, offsetof(sweep_command, workers), 1, 4096, WHOLE},
+    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), 0, 0, NULL},
+    {"quiet", 0, OPTION_FLAG, offsetof(sweep_command, quiet), 0, 0, NULL},
+    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), 1, 4096, WHOLE},
+    {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), 0, 0, NULL},
+    {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), 0, 0, NULL},
+    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), 0, 0, NULL},
+    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), 0, 0, NULL},
+    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), 0, 0, NULL},
+    {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), 0, 0, NULL},
+    {"mix", 0, OPTION_FLAG, offsetof(sweep_command, mix), 0, 0, NULL},
+    {"skip", 0, OPTION_FLAG, offsetof(sweep_command, skip), 0, 0, NULL},
+};
+static const command_line accepts = {"sweep",      sizeof rows / sizeof *rows,    rows,
+                                     OPERAND_DECK, offsetof(sweep_command, deck), false};
 
-static int parse_number(const char *option, const char *text, long least, long most, long *out) {
-  if (app_number(text, least, most, out)) return 0;
-  return app_misuse("sweep", "%s %s is no whole number from %ld to %ld", option, text, least, most);
-}
-
-/* Returns 0, or the exit status of a mistake. */
 static int parse(int argc, char **argv, sweep_command *c) {
-  static const struct option options[] = {
-      {"output", required_argument, NULL, 'o'},
-      {"define", required_argument, NULL, 'D'},
-      {"jobs", required_argument, NULL, 'j'},
-      {"force", no_argument, NULL, FORCE},
-      {"quiet", no_argument, NULL, QUIET},
-      {"threads", required_argument, NULL, THREADS},
-      {"status", no_argument, NULL, STATUS},
-      {"list", no_argument, NULL, LIST},
-      {"table", no_argument, NULL, TABLE},
-      {"count", no_argument, NULL, COUNT},
-      {"point", required_argument, NULL, POINT},
-      {"no-lanes", no_argument, NULL, NO_LANES},
-      {"mix", no_argument, NULL, MIX},
-      {"skip", no_argument, NULL, SKIP},
-      {NULL, 0, NULL, 0},
-  };
-  opterr = 0;
-  int status = 0;
-  for (int k; status == 0 && (k = getopt_long(argc, argv, ":o:D:j:", options, NULL)) != -1;) {
-    long n = 0;
-    switch (k) {
-      case 'o': status = app_path("sweep", "-o", optarg, &c->output); break;
-      case 'D': c->overrides[c->n_overrides++] = optarg; break;
-      case 'j': status = parse_number("-j", optarg, 1, 4096, &c->workers); break;
-      case FORCE: c->force = true; break;
-      case QUIET: c->quiet = true; break;
-      case STATUS: c->status = true; break;
-      case LIST: c->list = true; break;
-      case TABLE: c->table = true; break;
-      case COUNT: c->count = true; break;
-      case NO_LANES: c->no_lanes = true; break;
-      case MIX: c->mix = true; break;
-      case SKIP: c->skip = true; break;
-      case POINT:
-        if (c->range) return app_misuse("sweep", "--point is given twice, %s and %s", c->range, optarg);
-        c->range = optarg;
-        break;
-      case THREADS:
-        status = parse_number("--threads", optarg, 1, 4096, &n);
-        c->threads = (int)n;
-        break;
-      case ':': return app_misuse("sweep", "%s needs a value", argv[optind - 1]);
-      default: return app_unknown_option("sweep", options, argv[optind - 1]);
-    }
-  }
-  if (status != 0) return status;
-  if (optind >= argc) return app_misuse("sweep", "no deck is given");
-  if (optind + 1 < argc)
-    return app_misuse("sweep", "one deck is expected, \"%s\" is a second", argv[optind + 1]);
-  if (c->status + c->list + c->table + c->count + (c->range != NULL) > 1)
+  int mistake = options_parse(&accepts, argc, argv, c);
+  if (!mistake && c->status + c->list + c->table + c->count + (c->range != NULL) > 1)
     return app_misuse("sweep", "--status, --list, --table, --count and --point exclude each other");
-  c->deck = argv[optind];
-  return 0;
+  return mistake;
 }
 
 /* "17", or "16-23", of which points beyond the last one are left out: lists of tasks are made in blocks. */
@@ -87,9 +50,9 @@ static int parse_range(const sweep *s, sweep_command *c) {
   char from[24];
   if (!text) return 0;
   bool good = dash ? (size_t)snprintf(from, sizeof from, "%.*s", (int)(dash - text), text) < sizeof from &&
-                         app_number(from, 0, last, &c->point) &&
-                         app_number(dash + 1, c->point, LONG_MAX, &c->last)
-                   : app_number(text, 0, last, &c->point);
+                         options_number(from, 0, last, &c->point) &&
+                         options_number(dash + 1, c->point, LONG_MAX, &c->last)
+                   : options_number(text, 0, last, &c->point);
   if (!good)
     return app_misuse("sweep", "--point %s: expected K or K-L, points of this sweep are 0 to %ld", text,
                       last);
@@ -312,7 +275,7 @@ static int command(sweep_command *c, const char *where, sd_messages *messages) {
   sweep s;
   bool only_tell = c->count || c->status || c->list || c->table;
   if (!only_tell) app_catch_signals();
-  int status = sweep_open(&s, c->deck, c->n_overrides, c->overrides, where, messages);
+  int status = sweep_open(&s, c->deck, c->overrides.n, c->overrides.item, where, messages);
   if (status == SD_OK) status = parse_range(&s, c);
   if (status == SD_OK && only_tell) status = tell(&s, c, messages);
   sd_messages_print(messages, stderr);
@@ -324,9 +287,9 @@ static int command(sweep_command *c, const char *where, sd_messages *messages) {
 }
 
 int app_sweep(int argc, char **argv) {
-  sweep_command c = {.point = -1, .overrides = calloc((size_t)argc + 1, sizeof *c.overrides)};
+  sweep_command c = {.point = -1};
   sd_messages *messages = app_messages();
-  int status = c.overrides ? parse(argc, argv, &c) : app_no_memory();
+  int status = parse(argc, argv, &c);
   char *where = NULL;
   if (status == 0) {
     assert(c.deck);
@@ -334,7 +297,7 @@ int app_sweep(int argc, char **argv) {
     status = where ? command(&c, where, messages) : app_no_memory();
   }
   free(where);
-  free(c.overrides);
+  free(c.overrides.item);
   sd_messages_free(messages);
   return status;
 }

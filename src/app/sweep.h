@@ -4,16 +4,16 @@
 
 #include <stdio.h>
 
+#include "app/options.h"
 #include "run/sweep.h"
 
 typedef struct sweep_command {
   const char *deck, *output;
-  size_t n_overrides;
-  const char **overrides;
+  option_list overrides;
   long workers;      /* 0: not given: this process, or the ranks of an MPI job */
   const char *range; /* after --point; NULL: all */
   long point, last;  /* from, to; -1: all */
-  int threads;
+  long threads;
   bool force, quiet, status, list, table, count, no_lanes;
   bool mix;  /* in a folder with results of other decks, other sweeps */
   bool skip; /* points with mistakes do not keep the others from being run */

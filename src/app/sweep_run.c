@@ -187,7 +187,7 @@ static void leave(void *user, size_t k, const sweep_end *end) {
 
 static void run_here(crew *w, size_t n) {
   worker *me = &w->workers[0];
-  sweep_options options = {.threads = w->c->threads,
+  sweep_options options = {.threads = (int)w->c->threads,
                            .force = w->c->force,
                            .stop = &app_stop,
                            .progress = serve,

@@ -29,7 +29,7 @@ static void tell_left(void *user, size_t k, const sweep_end *end) {
 static void work(const crew *w, worker *me, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(SD_INTERRUPTED);
-  sweep_options options = {.threads = w->c->threads,
+  sweep_options options = {.threads = (int)w->c->threads,
                            .force = w->c->force,
                            .stop = &app_stop,
                            .progress = tell_parent,

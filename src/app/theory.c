@@ -1,6 +1,7 @@
 /* theory.c: slipdisk theory DECK: what the theory says of the three disks of a deck. See docs/theory.md. */
 #include <assert.h>
 #include <errno.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -13,41 +14,24 @@
 typedef struct arguments {
   const char *deck, *csv, *wave; /* NULL: not asked for */
   bool json;
-  size_t n_overrides;
-  const char **overrides;
+  option_list overrides;
 } arguments;
 
-enum { CSV = 256, WAVE, JSON };
+static const option_row rows[] = {
+    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL},
+    {"csv", 0, OPTION_PATH, offsetof(arguments, csv), 0, 0, NULL},
+    {"wave", 0, OPTION_PATH, offsetof(arguments, wave), 0, 0, NULL},
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
+};
+static const command_line accepts = {"theory",     sizeof rows / sizeof *rows, rows,
+                                     OPERAND_DECK, offsetof(arguments, deck),  false};
 
-/* Returns 0, or the exit status of a mistake. */
 static int parse(int argc, char **argv, arguments *a) {
-  static const struct option options[] = {
-      {"define", required_argument, NULL, 'D'},
-      {"csv", required_argument, NULL, CSV},
-      {"wave", required_argument, NULL, WAVE},
-      {"json", no_argument, NULL, JSON},
-      {NULL, 0, NULL, 0},
-  };
-  opterr = 0;
-  int mistake = 0;
-  for (int c; mistake == 0 && (c = getopt_long(argc, argv, ":D:", options, NULL)) != -1;) {
-    switch (c) {
-      case 'D': a->overrides[a->n_overrides++] = optarg; break;
-      case CSV: mistake = app_path("theory", "--csv", optarg, &a->csv); break;
-      case WAVE: mistake = app_path("theory", "--wave", optarg, &a->wave); break;
-      case JSON: a->json = true; break;
-      case ':': return app_misuse("theory", "%s needs a value", argv[optind - 1]);
-      default: return app_unknown_option("theory", options, argv[optind - 1]);
-    }
-  }
+  int mistake = options_parse(&accepts, argc, argv, a);
   if (mistake) return mistake;
-  if (optind >= argc) return app_misuse("theory", "no deck is given");
-  if (optind + 1 < argc)
-    return app_misuse("theory", "one deck is expected, \"%s\" is a second", argv[optind + 1]);
   int taken = a->json + (a->csv && strcmp(a->csv, "-") == 0) + (a->wave && strcmp(a->wave, "-") == 0);
   if (taken > 1)
     return app_misuse("theory", "the standard output can take one of --json, --csv - and --wave -");
-  a->deck = argv[optind];
   return 0;
 }
 
@@ -118,7 +102,7 @@ static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messag
 static sd_status write_csv(const arguments *a, sd_messages *messages) {
   deck_sweep s = {0};
   table t = {0};
-  sd_status status = deck_sweep_load(a->deck, a->n_overrides, a->overrides, &s, messages);
+  sd_status status = deck_sweep_load(a->deck, a->overrides.n, a->overrides.item, &s, messages);
   if (status == SD_OK) status = table_open(&t, messages);
   if (status == SD_OK) theory_table_head(t.out, &s);
   size_t sets = 0;
@@ -152,7 +136,7 @@ static sd_status tell(const arguments *a, sd_messages *messages) {
   theory_case c;
   theory_result r;
   sd_model *model = NULL;
-  sd_status status = sd_deck_load(a->deck, a->n_overrides, a->overrides, &model, messages);
+  sd_status status = sd_deck_load(a->deck, a->overrides.n, a->overrides.item, &model, messages);
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
     status = theory_case_solve(&c, &r, messages);
@@ -167,9 +151,9 @@ static sd_status tell(const arguments *a, sd_messages *messages) {
 }
 
 int app_theory(int argc, char **argv) {
-  arguments a = {.overrides = calloc((size_t)argc + 1, sizeof *a.overrides)};
+  arguments a = {0};
   sd_messages *messages = app_messages();
-  int status = a.overrides ? parse(argc, argv, &a) : app_no_memory();
+  int status = parse(argc, argv, &a);
   if (status == 0) {
     assert(a.deck);
     if (a.csv) status = (int)write_csv(&a, messages);
@@ -178,6 +162,6 @@ int app_theory(int argc, char **argv) {
     sd_messages_print(messages, stderr);
   }
   sd_messages_free(messages);
-  free(a.overrides);
+  free(a.overrides.item);
   return status;
 }

@@ -2,6 +2,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +15,16 @@
 
 typedef struct verifier {
   bool quiet, seal;
+  size_t first; /* operand */
   size_t files, damaged;
 } verifier;
+
+static const option_row rows[] = {
+    {"quiet", 0, OPTION_FLAG, offsetof(verifier, quiet), 0, 0, NULL},
+    {"seal", 0, OPTION_FLAG, offsetof(verifier, seal), 0, 0, NULL},
+};
+static const command_line accepts = {"verify",        sizeof rows / sizeof *rows, rows,
+                                     OPERAND_RESULTS, offsetof(verifier, first),  false};
 
 /* Prints why, and counts. */
 static void tell_damaged(verifier *v, const char *path, const sd_messages *why) {
@@ -114,21 +123,13 @@ static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
   return status;
 }
 
-enum { QUIET = 256, SEAL };
-
 int app_verify(int argc, char **argv) {
-  static const struct option options[] = {
-      {"quiet", no_argument, NULL, QUIET}, {"seal", no_argument, NULL, SEAL}, {NULL, 0, NULL, 0}};
   verifier v = {0};
-  opterr = 0;
-  for (int c; (c = getopt_long(argc, argv, ":", options, NULL)) != -1;) {
-    if (c != QUIET && c != SEAL) return app_unknown_option("verify", options, argv[optind - 1]);
-    *(c == QUIET ? &v.quiet : &v.seal) = true;
-  }
-  if (optind == argc) return app_misuse("verify", "no result is given");
+  int mistake = options_parse(&accepts, argc, argv, &v);
+  if (mistake) return mistake;
   sd_messages *messages = sd_messages_new();
   int status = SD_OK;
-  for (int k = optind; k < argc; k++) {
+  for (int k = (int)v.first; k < argc; k++) {
     sd_status one = verify(&v, argv[k], messages);
     if (status == SD_OK) status = one;
   }

@@ -1,0 +1,121 @@
+/* options.c: see options.h. */
+#include "app/options.h"
+
+#include <assert.h>
+#include <errno.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "base/guess.h"
+
+bool options_number(const char *text, long least, long most, long *out) {
+  char *end;
+  errno = 0;
+  long value = strtol(text, &end, 10);
+  if (errno != 0 || end == text || *end || value < least || value > most) return false;
+  *out = value;
+  return true;
+}
+
+bool options_reals(const char *text, size_t n, double *value) {
+  for (size_t k = 0; k < n; k++) {
+    char *end;
+    value[k] = strtod(text, &end);
+    if (end == text || !isfinite(value[k]) || *end != (k + 1 < n ? ',' : 0)) return false;
+    text = end + 1;
+  }
+  return true;
+}
+
+static int refuse_unknown(const command_line *line, const char *given) {
+  char word[64];
+  snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
+  guess near = guess_start(word + strspn(word, "-"));
+  for (size_t k = 0; k < line->n; k++) guess_add(&near, line->rows[k].name);
+  if (near.best) return app_misuse(line->name, "unknown option %s (did you mean --%s?)", given, near.best);
+  return app_misuse(line->name, "unknown option %s", given);
+}
+
+/* Takes one option with its value; 0, or the exit status of a mistake. */
+static int take(const command_line *line, const option_row *row, const char *value, void *arguments) {
+  void *field = (char *)arguments + row->offset;
+  char shown[40];
+  if (row->letter)
+    snprintf(shown, sizeof shown, "-%c", row->letter);
+  else
+    snprintf(shown, sizeof shown, "--%s", row->name);
+  bool good = true;
+  switch (row->kind) {
+    case OPTION_FLAG: *(bool *)field = true; break;
+    case OPTION_NUMBER: good = options_number(value, row->least, row->most, field); break;
+    case OPTION_REAL: {
+      option_real *real = field;
+      good = real->given = options_reals(value, 1, &real->value);
+      break;
+    }
+    case OPTION_TEXT: {
+      const char **text = field;
+      if (*text) return app_misuse(line->name, "%s is given twice, %s and %s", shown, *text, value);
+      *text = value;
+      break;
+    }
+    case OPTION_PATH:
+      *(const char **)field = value;
+      if (!*value)
+        return app_misuse(line->name, "%s needs the name of a file or a folder, not an empty one", shown);
+      break;
+    case OPTION_LIST: {
+      option_list *list = field;
+      list->item[list->n++] = value;
+      break;
+    }
+  }
+  return good ? 0 : app_misuse(line->name, "%s %s%s", shown, value, row->wrong);
+}
+
+static int take_operand(const command_line *line, int argc, char **argv, void *arguments) {
+  static const char *const missing[] = {"no deck is given", "one result is expected", "no result is given"};
+  void *field = (char *)arguments + line->offset;
+  int n = argc - optind;
+  if (n == 0 && line->optional) return 0;
+  if (n == 0 || (n > 1 && line->operand == OPERAND_RESULT))
+    return app_misuse(line->name, "%s", missing[line->operand]);
+  if (n > 1 && line->operand == OPERAND_DECK)
+    return app_misuse(line->name, "one deck is expected, \"%s\" is a second", argv[optind + 1]);
+  if (line->operand == OPERAND_RESULTS)
+    *(size_t *)field = (size_t)optind;
+  else
+    *(const char **)field = argv[optind];
+  return 0;
+}
+
+int options_parse(const command_line *line, int argc, char **argv, void *arguments) {
+  enum { MOST = 32, FIRST = 256 };
+  struct option options[MOST] = {{0}};
+  char letters[2 * MOST + 2] = ":";
+  assert(line->n < MOST);
+  for (size_t k = 0; k < line->n; k++) {
+    const option_row *row = &line->rows[k];
+    bool value = row->kind != OPTION_FLAG;
+    options[k] = (struct option){row->name, value ? required_argument : no_argument, NULL, FIRST + (int)k};
+    if (row->letter) snprintf(letters + strlen(letters), 3, "%c%s", row->letter, value ? ":" : "");
+    if (row->kind != OPTION_LIST) continue;
+    option_list *list = (void *)((char *)arguments + row->offset);
+    list->item = calloc((size_t)argc + 1, sizeof *list->item);
+    if (!list->item) return app_no_memory();
+  }
+  opterr = 0;
+  for (int c; (c = getopt_long(argc, argv, letters, options, NULL)) != -1;) {
+    if (c == ':') return app_misuse(line->name, "%s needs a value", argv[optind - 1]);
+    if (c == '?') return refuse_unknown(line, argv[optind - 1]);
+    size_t k = c >= FIRST ? (size_t)(c - FIRST) : 0;
+    while (c < FIRST && line->rows[k].letter != (char)c) k++;
+    int mistake = take(line, &line->rows[k], optarg, arguments);
+    if (mistake) return mistake;
+  }
+  return take_operand(line, argc, argv, arguments);
+}

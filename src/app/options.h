@@ -1,0 +1,60 @@
+/* options.h: the command line of a subcommand: one table of options each, one parser for all. */
+#ifndef SLIPDISK_APP_OPTIONS_H
+#define SLIPDISK_APP_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "slipdisk/status.h"
+
+/* What follows an option, and the type of the field that takes it. */
+typedef enum option_kind {
+  OPTION_FLAG,   /* nothing; bool */
+  OPTION_NUMBER, /* a whole number from least to most; long */
+  OPTION_REAL,   /* a finite number; option_real */
+  OPTION_TEXT,   /* any text, once; const char * */
+  OPTION_PATH,   /* a file or a folder; const char * */
+  OPTION_LIST    /* any text, again and again; option_list */
+} option_kind;
+
+typedef struct option_real {
+  bool given;
+  double value;
+} option_real;
+
+typedef struct option_list {
+  size_t n;
+  const char **item; /* to be freed */
+} option_list;
+
+typedef struct option_row {
+  const char *name; /* as in --name */
+  char letter;      /* as in -l, which messages then use; 0: none */
+  option_kind kind;
+  size_t offset; /* in the arguments of the command */
+  long least, most;
+  const char *wrong; /* "--name VALUE" and this: what was expected */
+} option_row;
+
+/* Operands of a command. The field behind offset is a const char *; of RESULTS a size_t, place in argv of the first. */
+typedef enum operand_kind { OPERAND_DECK, OPERAND_RESULT, OPERAND_RESULTS } operand_kind;
+
+typedef struct command_line {
+  const char *name; /* of the command */
+  size_t n;
+  const option_row *rows;
+  operand_kind operand;
+  size_t offset;
+  bool optional; /* the command tells itself when none is given */
+} command_line;
+
+/* Fills `arguments`; 0, or the exit status of a mistake, which has been told. */
+int options_parse(const command_line *line, int argc, char **argv, void *arguments);
+/* A whole number from text; false when it is none or out of range. */
+bool options_number(const char *text, long least, long most, long *out);
+/* n finite numbers with commas between. */
+bool options_reals(const char *text, size_t n, double *value);
+/* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
+int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
+
+#endif
