@@ -1,19 +1,17 @@
 /* info.c: slipdisk info FILE: what a run has found. Only attributes and small datasets are read, so the size
  * of the file does not matter. */
 #include <inttypes.h>
-#include <jansson.h>
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/app.h"
+#include "app/json.h"
 #include "base/limits.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
-#include "io/results/series.h"
 
 /* All that is told. */
 typedef struct facts {
@@ -175,19 +173,12 @@ static void print_text(const facts *f, const place *p) {
 
 /* --- for programs --------------------------------------------------------------------------------- */
 
-/* JSON has no NaN: what is not known is null. */
-static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
-
 static json_t *rotation_json(const summary *s) {
   json_t *list = json_array();
   for (size_t k = 0; k < s->n_rotations; k++) {
-    const sd_rotation *r = &s->rotations[k];
-    json_array_append_new(list, json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:b}", "disk",
-                                          (int)r->disk, "name", s->rotation_names[k], "omega", real(r->omega),
-                                          "error", real(r->error), "scaled", real(r->scaled), "scaled_error",
-                                          real(r->scaled_error), "transient", real(r->transient), "measured",
-                                          real(r->measured), "turned", real(r->turned), "converged",
-                                          (int)r->converged));
+    json_t *object = json_row(&rotation_observables, &s->rotations[k]);
+    json_object_set_new(object, "name", json_string(s->rotation_names[k]));
+    json_array_append_new(list, object);
   }
   return list;
 }
@@ -195,55 +186,40 @@ static json_t *rotation_json(const summary *s) {
 static json_t *slide_json(const summary *s) {
   json_t *list = json_array();
   for (size_t k = 0; k < s->n_slides; k++) {
-    const sd_slide *w = &s->slides[k];
-    json_t *contacts = json_array();
-    for (size_t c = 0; c < 2; c++)
-      json_array_append_new(
-          contacts, json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:I}", "partner", (int)w->partner[c],
-                              "name", s->slide_names[3 * k + 1 + c], "positive", real(w->contact_positive[c]),
-                              "negative", real(w->contact_negative[c]), "stuck", real(w->contact_stuck[c]),
-                              "open", real(w->contact_open[c]), "force_min", real(w->force_min[c]),
-                              "openings", (json_int_t)w->openings[c]));
-    json_array_append_new(list, json_pack("{s:i, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "disk",
-                                          (int)w->disk, "name", s->slide_names[3 * k], "S++", real(w->pp),
-                                          "S+-", real(w->pm), "S-+", real(w->mp), "S--", real(w->mm), "stick",
-                                          real(w->stick), "open", real(w->open), "contacts", contacts));
+    json_t *object = json_row(&slide_observables, &s->slides[k]), *contacts = json_array();
+    for (size_t c = 0; c < 2; c++) {
+      json_t *contact = json_pack("{s:s}", "name", s->slide_names[3 * k + 1 + c]);
+      json_add(contact, &slide_observables, &s->slides[k], 2, c);
+      json_array_append_new(contacts, contact);
+    }
+    json_object_set_new(object, "name", json_string(s->slide_names[3 * k]));
+    json_object_set_new(object, "contacts", contacts);
+    json_array_append_new(list, object);
   }
   return list;
 }
 
 static json_t *until_json(const summary *s) {
   if (!s->has_until) return json_null();
-  const sd_goal *g = &s->goal;
-  return json_pack("{s:s, s:o, s:o, s:o, s:o, s:b, s:b, s:o}", "observable", s->observable, "value",
-                   real(g->value), "error", real(g->error), "goal", real(g->goal), "relative",
-                   real(s->relative), "converged", (int)g->converged, "reached", (int)(s->until_step >= 0),
-                   "step", s->until_step >= 0 ? json_integer(s->until_step) : json_null());
+  json_t *object = json_row(&until_observables, s);
+  json_object_set_new(object, "observable", json_string(s->observable));
+  json_object_set_new(object, "step", s->until_step >= 0 ? json_integer(s->until_step) : json_null());
+  return object;
 }
 
 /* The totals, and an array over disks for each of the means. */
 static json_t *disks_json(const summary *s) {
   const summary_disks *p = &s->packing;
   if (p->n == 0) return json_null();
-  json_t *totals = json_object(), *id = json_array(), *converged = json_array(), *object = json_object();
-  for (size_t k = 0; k < summary_total_count; k++)
-    json_object_set_new(totals, summary_totals[k].name, real(summary_total_value(&p->totals, k)));
-  json_object_set_new(object, "measured", real(p->measured));
-  json_object_set_new(object, "looks", json_integer(p->looks));
-  json_object_set_new(object, "bins", json_integer(p->bins));
-  json_object_set_new(object, "totals", totals);
-  for (size_t i = 0; i < p->n; i++) {
-    json_array_append_new(id, json_integer(p->disks[i].disk));
-    json_array_append_new(converged, json_boolean(p->disks[i].converged));
-  }
-  json_object_set_new(object, "id", id);
-  for (size_t k = 0; k < summary_mean_count; k++) {
+  json_t *object =
+      json_pack("{s:o, s:I, s:I, s:o}", "measured", json_number(p->measured), "looks", (json_int_t)p->looks,
+                "bins", (json_int_t)p->bins, "totals", json_row(&total_observables, &p->totals));
+  for (size_t k = 0; k < disk_observables.n; k++) {
+    const observable *o = &disk_observables.rows[k];
     json_t *values = json_array();
-    for (size_t i = 0; i < p->n; i++)
-      json_array_append_new(values, real(summary_mean_value(&p->disks[i], k)));
-    json_object_set_new(object, summary_means[k].name, values);
+    for (size_t i = 0; i < p->n; i++) json_array_append_new(values, json_observable(o, &p->disks[i], 0));
+    json_object_set_new(object, o->name, values);
   }
-  json_object_set_new(object, "converged", converged);
   return object;
 }
 
@@ -252,8 +228,9 @@ static json_t *doubts_json(const summary *s) {
   for (size_t k = 0; k < DOUBT_KINDS; k++) {
     const summary_doubt *d = &s->doubts[k];
     if (d->text)
-      json_array_append_new(list, json_pack("{s:s, s:s, s:o, s:o}", "name", doubt_names[k], "message",
-                                            d->text, "value", real(d->value), "limit", real(d->limit)));
+      json_array_append_new(list,
+                            json_pack("{s:s, s:s, s:o, s:o}", "name", doubt_kinds[k].name, "message", d->text,
+                                      "value", json_number(d->value), "limit", json_number(d->limit)));
   }
   return list;
 }
@@ -264,30 +241,31 @@ static json_t *provenance_json(const provenance *p) {
     json_object_set_new(object, provenance_texts[k].name, json_string_nocheck(provenance_get(p, k)));
   json_object_set_new(object, "overrides", json_string_nocheck(p->deck_overrides ? p->deck_overrides : ""));
   json_object_set_new(object, "seed", json_integer(p->seed));
-  json_object_set_new(object, "threads", json_integer(p->threads));
-  json_object_set_new(object, "sessions", json_integer(p->sessions));
-  json_object_set_new(object, "wall_seconds", real(p->wall_seconds));
-  json_object_set_new(object, "step_seconds", real(p->step_seconds));
+  json_add(object, &provenance_observables, p, 1, 0);
   return object;
 }
 
 static int print_json(const facts *f) {
   const summary *s = &f->found;
-  json_t *energy = json_object();
-  for (size_t k = 0; k < series_energy_count; k++)
-    json_object_set_new(energy, series_energies[k].name, real(series_energy_value(&s->energy, k)));
-  json_t *root = json_pack(
-      "{s:s, s:b, s:I, s:I, s:o, s:o, s:I, s:I, s:s, s:I, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o, "
-      "s:o, s:o, s:O}",
-      "file", f->path, "finished", (int)f->finished, "step", (json_int_t)s->step, "steps",
-      (json_int_t)s->steps, "time", real((double)s->step * s->dt), "dt", real(s->dt), "phase",
-      (json_int_t)s->phase, "phases", (json_int_t)s->phases, "phase_name", s->phase_name, "measured_steps",
-      (json_int_t)s->measured, "measured", real((double)s->measured * s->dt), "disks", (json_int_t)s->disks,
-      "walls", (json_int_t)s->walls, "contacts", (json_int_t)s->contacts, "step_nanoseconds",
-      real(s->step_nanoseconds), "rotation", rotation_json(s), "until", until_json(s), "sliding",
-      slide_json(s), "means", disks_json(s), "energy", energy, "doubts", doubts_json(s), "provenance",
-      provenance_json(&f->origin), "datasets", f->datasets);
-  int status = root && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : app_no_memory();
+  json_t *root = json_pack("{s:s, s:b}", "file", f->path, "finished", (int)f->finished);
+  json_add(root, &fact_observables, s, 1, 0);
+  json_add(root, &outcome_observables, s, 1, 0);
+  const struct {
+    const char *name;
+    json_t *value;
+  } rest[] = {{"phase_name", json_string(s->phase_name)},
+              {"rotation", rotation_json(s)},
+              {"until", until_json(s)},
+              {"sliding", slide_json(s)},
+              {"means", disks_json(s)},
+              {"energy", json_row(&energy_observables, &s->energy)},
+              {"doubts", doubts_json(s)},
+              {"provenance", provenance_json(&f->origin)},
+              {"datasets", json_incref(f->datasets)}};
+  bool good = root;
+  for (size_t k = 0; k < sizeof rest / sizeof *rest; k++)
+    good = json_object_set_new(root, rest[k].name, rest[k].value) == 0 && good;
+  int status = good && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : app_no_memory();
   putchar('\n');
   json_decref(root);
   return status;

@@ -1,10 +1,10 @@
 /* report.c: what a run has found, for people; see app.h. */
 #include <inttypes.h>
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "app/app.h"
-#include "io/results/series.h"
 #include "physics/step/outside.h"
 
 const char *report_duration(double seconds, char *text, size_t size) {
@@ -147,19 +147,17 @@ static void report_disks(FILE *out, const summary *found) {
   fprintf(out, "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
           isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
   if (!(p->totals.disks > 0)) return;
-  for (size_t k = 0; k < summary_total_count; k++) {
-    const summary_total *t = &summary_totals[k];
-    size_t next = k + 1 < summary_total_count ? k + 1 : k, length = strlen(t->name);
-    const char *follows = summary_totals[next].name;
-    bool paired = strncmp(follows, t->name, length) == 0 && strcmp(follows + length, "_error") == 0;
-    double x = summary_total_value(&p->totals, k);
+  for (size_t k = 1; k < total_observables.n; k++) { /* the first, how many, is said above */
+    const observable *o = &total_observables.rows[k], *next = k + 1 < total_observables.n ? o + 1 : o;
+    size_t length = strlen(o->name);
+    bool paired = strncmp(next->name, o->name, length) == 0 && strcmp(next->name + length, "_error") == 0;
+    double x = observable_value(o, &p->totals, 0);
     char value[64];
-    if (k == 0) continue; /* how many: said above */
     if (paired || !isfinite(x))
-      with_error(x, summary_total_value(&p->totals, next), value, sizeof value);
+      with_error(x, observable_value(next, &p->totals, 0), value, sizeof value);
     else
       snprintf(value, sizeof value, "%.6g", x);
-    fprintf(out, "  %-20s %-26s %-9s %s\n", t->name, value, t->unit, t->meaning);
+    fprintf(out, "  %-20s %-26s %-9s %s\n", o->name, value, o->unit, o->meaning);
     k += paired;
   }
   report_fastest(out, p);
@@ -175,10 +173,11 @@ enum { FEWEST_STEPS = 20 };
 
 static void report_energy(FILE *out, const sd_energy *e) {
   fprintf(out, "\nenergy budget\n");
-  for (size_t k = 0; k < series_energy_count; k++) {
-    if (strcmp(series_energies[k].name, "scale") == 0) continue;
-    fprintf(out, "  %-20s %16.9g", series_energies[k].name, series_energy_value(e, k));
-    if (strcmp(series_energies[k].name, "residual") == 0 && e->scale > 0)
+  for (const observable *o = energy_observables.rows; o < energy_observables.rows + energy_observables.n;
+       o++) {
+    if (o->offset == offsetof(sd_energy, scale)) continue;
+    fprintf(out, "  %-20s %16.9g", o->name, observable_value(o, e, 0));
+    if (o->offset == offsetof(sd_energy, residual) && e->scale > 0)
       fprintf(out, "   (relative: %.2g)", e->residual / e->scale);
     fputc('\n', out);
   }

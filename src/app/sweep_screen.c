@@ -22,14 +22,9 @@ void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]) {
 }
 
 void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]) {
-  static const char *const words[DOUBT_KINDS] = {
-      [DOUBT_RESIDUAL] = "whose energy budget does not close: a smaller dt is needed",
-      [DOUBT_OPEN] = "whose watched contacts were open nearly all the time",
-      [DOUBT_DISPLACEMENT] = "in which a disk moves too far in a step: a smaller dt is needed",
-      [DOUBT_FINITE] = "with numbers that are not finite",
-  };
   for (size_t k = 0; k < DOUBT_KINDS; k++)
-    if (count[k] > 0) fprintf(out, "%zu point%s %s\n", count[k], count[k] == 1 ? "" : "s", words[k]);
+    if (count[k] > 0)
+      fprintf(out, "%zu point%s %s\n", count[k], count[k] == 1 ? "" : "s", doubt_kinds[k].whose);
 }
 
 void sweep_clear_line(crew *w) {

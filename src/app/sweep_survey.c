@@ -1,14 +1,11 @@
 /* sweep_survey.c: what can be said of a sweep's points before any of them runs: mistakes, lengths, time steps, columns
  * of the table that there will not be. */
-#include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
 #include "app/app.h"
 #include "app/sweep.h"
-#include "io/store/file.h"
-#include "io/results/summary_disks.h"
 #include "run/ensemble.h"
 
 /* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */
@@ -25,74 +22,6 @@ typedef struct survey {
   char *warning;
   bool *collected; /* [n_collect]: the pattern is a column of some point */
 } survey;
-
-/* --- columns of the table ----------------------------------------------------------------------------------- */
-
-/* The table is made in run/sweep_table.c, of what runs have found; tests/test_check_sweep.py compares the two. */
-static const char *const of_all[] = {"point",
-                                     "name",
-                                     "status",
-                                     "set",
-                                     "replica",
-                                     "seed",
-                                     "message",
-                                     "steps",
-                                     "time",
-                                     "work",
-                                     "residual",
-                                     "kinetic_translation",
-                                     "kinetic_rotation",
-                                     "viscous",
-                                     "friction",
-                                     "ns_per_step"};
-static const char *const of_rotations[] = {"omega",     "omega_error", "scaled",   "scaled_error",
-                                           "transient", "measured",    "converged"};
-static const char *const of_slides[] = {"pp", "pm", "mp", "mm", "stick", "open"};
-static const char *const of_contacts[] = {"sliding", "force_min", "openings"};
-#define COUNT(list) (sizeof(list) / sizeof *(list))
-
-/* Is owner.word a column that is asked for? */
-static bool has_word(const char *pattern, const char *owner, const char *const *words, size_t n) {
-  bool found = false;
-  for (size_t k = 0; k < n && !found; k++) {
-    char *name = *owner ? format_text("%s.%s", owner, words[k]) : format_text("%s", words[k]);
-    found = !name || fnmatch(pattern, name, 0) == 0; /* no memory: nothing is told */
-    free(name);
-  }
-  return found;
-}
-
-/* As summaries name bodies. */
-static const char *name_of(const sd_model *m, uint32_t body, char *text, size_t size) {
-  const char *own = body < m->n_disks ? m->disks[body].name : m->walls[body - m->n_disks].name;
-  return own && *own ? own : sd_model_body_name(m, body, text, size);
-}
-
-static bool has_slide(const char *pattern, const sd_model *m, const sd_slide_watch *watch) {
-  char text[96], other[96];
-  const char *disk = name_of(m, watch->disk, text, sizeof text);
-  bool found = has_word(pattern, disk, of_slides, COUNT(of_slides));
-  for (int c = 0; c < 2 && !found; c++) {
-    char *owner = format_text("%s.%s", disk, name_of(m, watch->partner[c], other, sizeof other));
-    found = !owner || has_word(pattern, owner, of_contacts, COUNT(of_contacts));
-    free(owner);
-  }
-  return found;
-}
-
-static bool has_column(const sweep *s, const sd_model *m, const char *pattern) {
-  char text[96];
-  bool found = has_word(pattern, "", of_all, COUNT(of_all));
-  for (size_t k = 0; k < s->deck.n_parameters && !found; k++)
-    found = fnmatch(pattern, s->deck.parameters[k].name, 0) == 0;
-  for (size_t k = 0; k < m->n_rotations && !found; k++)
-    found =
-        has_word(pattern, name_of(m, m->rotations[k], text, sizeof text), of_rotations, COUNT(of_rotations));
-  for (size_t k = 0; k < m->n_slides && !found; k++) found = has_slide(pattern, m, &m->slides[k]);
-  for (size_t k = 0; m->measure_disks && k < summary_total_count && !found; k++)
-    found = fnmatch(pattern, summary_totals[k].name, 0) == 0;
-  return found || (m->until.asked && fnmatch(pattern, "goal", 0) == 0);
-}
 
 /* --- points -------------------------------------------------------------------------------------------------- */
 
@@ -134,8 +63,7 @@ static bool visit(void *user, size_t point, sd_model *model) {
   survey *v = user;
   v->steps[point] = sd_model_steps(model);
   look_at_time_step(v, point, model);
-  for (size_t k = 0; k < v->s->deck.n_collect; k++)
-    v->collected[k] = v->collected[k] || has_column(v->s, model, v->s->deck.collect[k]);
+  sweep_columns(v->s, point, model, v->collected, NULL);
   return find_kind(v, model, &v->kinds[point]);
 }
 

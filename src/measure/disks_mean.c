@@ -2,10 +2,12 @@
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #include "base/shortage.h"
 #include "measure/mean.h"
+#include "measure/observable.h"
 
 /* --- one disk ---------------------------------------------------------------------------------------------- */
 
@@ -245,3 +247,71 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
   free(q.y);
   return t;
 }
+
+/* --- rows -------------------------------------------------------------------------------------------------- */
+
+#define MEAN(name, field, unit, meaning)                                                                     \
+  { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_mean, field), NULL, NULL, NULL, NULL }
+
+static const observable means[] = {
+    {"id", "1", "number of the disk", OBSERVABLE_U32, 1, offsetof(sd_disk_mean, disk), NULL, NULL, NULL,
+     NULL},
+    MEAN("omega", omega, "rad/time", "mean angular velocity Omega"),
+    MEAN("error", error, "rad/time", "one standard error of omega (blocking)"),
+    MEAN("significance", significance, "1", "omega over error"),
+    MEAN("omega_first", first, "rad/time", "mean angular velocity in the first half of the record"),
+    MEAN("omega_second", second, "rad/time", "mean angular velocity in the second half of the record"),
+    MEAN("turned", turned, "rad", "angle turned over the measured time"),
+    MEAN("x", x, "length", "mean x, images of a periodic box included"),
+    MEAN("y", y, "length", "mean y, images of a periodic box included"),
+    MEAN("rms", rms, "length", "root mean square distance from the mean position"),
+    MEAN("displacement", displacement, "length", "distance from where it was when measuring began"),
+    MEAN("coordination", coordination, "1", "mean number of closed contacts"),
+    MEAN("sliding", sliding, "1", "fraction of the closed contacts that slide"),
+    MEAN("force", force, "force", "mean normal force per closed contact"),
+    MEAN("openings", openings, "1/time", "contacts that opened per time"),
+    MEAN("injected", injected, "power", "mean power of prescribed bodies on the disk"),
+    MEAN("viscous", viscous, "power", "lost to viscosity in the disk's contacts, its share"),
+    MEAN("friction", friction, "power", "lost to sliding, its share"),
+    MEAN("opening", opening, "power", "left in contacts that opened, its share"),
+    MEAN("translation", translation, "energy", "mean kinetic energy of translation"),
+    MEAN("rotation", rotation, "energy", "mean kinetic energy of rotation"),
+    {"converged", "1", "1: the error is reliable", OBSERVABLE_FLAG, 1, offsetof(sd_disk_mean, converged),
+     NULL, NULL, NULL, NULL},
+};
+const observable_list disk_observables =
+    OBSERVABLES("disks", "of each free disk with `measure = { disks = true; }`, in /summary/disks", means);
+
+#define TOTAL(field, unit, meaning)                                                                          \
+  { #field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_totals, field), NULL, #field, NULL, NULL }
+
+static const observable totals[] = {
+    TOTAL(disks, "1", "disks that were in play all the time"),
+    TOTAL(omega_mean, "rad/time", "mean of Omega over disks"),
+    TOTAL(omega_mean_error, "rad/time", "one standard error, from the scatter of the disks"),
+    TOTAL(omega_rms, "rad/time", "root mean square of Omega over disks"),
+    TOTAL(omega_rms_error, "rad/time", "one standard error, from the scatter of the disks"),
+    TOTAL(omega_median, "rad/time", "median of |Omega| over disks"),
+    TOTAL(omega_median_error, "rad/time", "one standard error, from the scatter of the disks"),
+    TOTAL(omega_noise, "rad/time", "root mean square of the disks' errors of Omega"),
+    TOTAL(significant, "1", "fraction of the disks with |Omega| > 3 errors"),
+    TOTAL(reliable, "1", "fraction of the disks whose error is reliable"),
+    TOTAL(persistence, "1", "Pearson's correlation of Omega in the first and the second half"),
+    TOTAL(persistence_rank, "1", "Spearman's correlation of Omega in the first and the second half"),
+    TOTAL(skewness, "1", "skewness of the distribution of Omega"),
+    TOTAL(neighbours, "1", "mean Omega_i Omega_j of disks in contact at the end, over the mean Omega^2"),
+    TOTAL(coordination, "1", "mean closed contacts per disk"),
+    TOTAL(sliding, "1", "fraction of the closed contacts that slide"),
+    TOTAL(force, "force", "mean normal force per closed contact"),
+    TOTAL(openings, "1/time", "openings per closed contact and time"),
+    TOTAL(position_rms, "1", "rms distance from the mean positions, over the mean diameter"),
+    TOTAL(displacement_rms, "1", "rms displacement since measuring began, over the mean diameter"),
+    TOTAL(power_injected, "power", "mean power of prescribed bodies on all disks"),
+    TOTAL(power_viscous, "power", "lost to viscosity by all disks"),
+    TOTAL(power_friction, "power", "lost to sliding by all disks"),
+    TOTAL(power_opening, "power", "left in contacts that opened, of all disks"),
+    TOTAL(mean_translation, "energy", "mean kinetic energy of translation per disk"),
+    TOTAL(mean_rotation, "energy", "mean kinetic energy of rotation per disk"),
+};
+const observable_list total_observables =
+    OBSERVABLES("totals", "over all these disks: attributes of /summary/disks", totals);

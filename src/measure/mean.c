@@ -1,12 +1,14 @@
 /* mean.c: means with error bars, of records and of what a state has gathered. */
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 #include "base/shortage.h"
 #include "measure/blocking.h"
 #include "measure/mean.h"
 #include "model/motion_kinds.h"
+#include "measure/observable.h"
 
 /* What a drift adds to the error. Without noise: exp(-t/T) has a mean of half the difference of its halves times
  * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
@@ -131,6 +133,24 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
   };
 }
 
+#define ROTATION(field, unit, meaning, column)                                                               \
+  { #field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_rotation, field), NULL, column, NULL, NULL }
+
+static const observable rotations[] = {
+    {"disk", "1", "body number", OBSERVABLE_U32, 1, offsetof(sd_rotation, disk), NULL, NULL, NULL, NULL},
+    ROTATION(omega, "rad/time", "mean angular velocity Omega", "omega"),
+    ROTATION(error, "rad/time", "one standard error of omega (blocking)", "omega_error"),
+    ROTATION(scaled, "rad", "t_g Omega, t_g = sqrt(2 R/g)", "scaled"),
+    ROTATION(scaled_error, "rad", "one standard error of scaled", "scaled_error"),
+    ROTATION(transient, "time", "measured time discarded as transient", "transient"),
+    ROTATION(measured, "time", "measured time, with the transient", "measured"),
+    ROTATION(turned, "rad", "angle turned over the measured time", NULL),
+    {"converged", "1", "1: the error bar is reliable", OBSERVABLE_FLAG, 1, offsetof(sd_rotation, converged),
+     NULL, "converged", NULL, NULL},
+};
+const observable_list rotation_observables =
+    OBSERVABLES("rotation", "of each watched disk, in /summary/rotation", rotations);
+
 sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k) {
   const sd_slide_watch *watch = &model->slides[k];
   const int64_t *count = state->slide_count + 16 * k;
@@ -165,3 +185,33 @@ sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k) {
   }
   return slide;
 }
+
+static double sliding(const void *row, size_t k) {
+  const sd_slide *s = row;
+  return s->contact_positive[k] + s->contact_negative[k];
+}
+
+#define SLIDE(field, meaning, json)                                                                          \
+  { #field, "1", meaning, OBSERVABLE_F64, 1, offsetof(sd_slide, field), NULL, #field, json, NULL }
+#define CONTACT(field, type, unit, meaning, column, json)                                                    \
+  { #field, unit, meaning, type, 2, offsetof(sd_slide, field), NULL, column, json, NULL }
+
+static const observable slides[] = {
+    {"disk", "1", "body number", OBSERVABLE_U32, 1, offsetof(sd_slide, disk), NULL, NULL, NULL, NULL},
+    CONTACT(partner, OBSERVABLE_U32, "1", "body numbers", NULL, NULL),
+    SLIDE(pp, "fraction of measured steps in S++", "S++"),
+    SLIDE(pm, "fraction of measured steps in S+-", "S+-"),
+    SLIDE(mp, "fraction of measured steps in S-+", "S-+"),
+    SLIDE(mm, "fraction of measured steps in S--", "S--"),
+    SLIDE(stick, "fraction: at least one contact stuck, none open", NULL),
+    SLIDE(open, "fraction: at least one contact open", NULL),
+    CONTACT(contact_positive, OBSERVABLE_F64, "1", "fraction: slides, tau > 0", NULL, "positive"),
+    CONTACT(contact_negative, OBSERVABLE_F64, "1", "fraction: slides, tau < 0", NULL, "negative"),
+    CONTACT(contact_stuck, OBSERVABLE_F64, "1", "fraction: stuck", NULL, "stuck"),
+    CONTACT(contact_open, OBSERVABLE_F64, "1", "fraction: open", NULL, "open"),
+    {"sliding", "1", "fraction: slides", OBSERVABLE_F64, 2, 0, sliding, "sliding", "", NULL},
+    CONTACT(force_min, OBSERVABLE_F64, "force", "smallest normal force", "force_min", NULL),
+    CONTACT(openings, OBSERVABLE_I64, "1", "times the contact opened", "openings", NULL),
+};
+const observable_list slide_observables =
+    OBSERVABLES("slide", "of each watched pair of contacts, in /summary/slide", slides);

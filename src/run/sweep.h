@@ -54,9 +54,8 @@ typedef struct sweep_result {
   sweep_status status;
   unsigned doubts; /* of a finished one; bits 1 << doubt_kind */
   bool has_found;
-  summary found;   /* finished: at the end; else as of the last checkpoint */
-  double residual; /* of the energy budget, over its scale */
-  char *message;   /* failed, damaged, other deck: why, lines joined by "; "; done: its doubts. "" else */
+  summary found; /* finished: at the end; else as of the last checkpoint */
+  char *message; /* failed, damaged, other deck: why, lines joined by "; "; done: its doubts. "" else */
   size_t n_differences; /* of another deck */
   sweep_difference *differences;
 } sweep_result;
@@ -132,6 +131,9 @@ sd_status sweep_load(const sweep *s, size_t point, sd_model **model, char **resu
 void sweep_note(const sweep *s, size_t point, const char *text);
 void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messages);
 
+/* Which patterns of `collect` are columns of the table, when a point with this model is done; true ones stay. */
+sd_status sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected,
+                        sd_messages *messages);
 /* Writes table.csv, table.h5 and means.csv from what the folder knows: sweep_table.c. One process does so at a time:
  * waits for another for so many seconds at most, after which it is SD_ERROR_USER. mix: also when there are points of
  * another deck, which else is SD_ERROR_USER, too. */

@@ -1,5 +1,4 @@
 /* sweep_look.c: what the folder knows of a point; see sweep.h. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -149,15 +148,13 @@ static char *read_failure(const sweep *s, size_t point) {
 }
 
 sd_status sweep_look(const sweep *s, size_t point, sweep_result *r, sd_messages *messages) {
-  *r = (sweep_result){.status = sweep_peek(s, point), .residual = NAN};
+  *r = (sweep_result){.status = sweep_peek(s, point)};
   sd_status status = SD_OK;
   if (r->status == SWEEP_DONE) status = look_at_result(s, point, r, messages);
   if (r->status == SWEEP_RUNNING || r->status == SWEEP_STOPPED || r->status == SWEEP_FAILED)
     look_at_checkpoint(s, point, r);
   if (r->status == SWEEP_FAILED) r->message = read_failure(s, point);
   if (!r->message) r->message = format_text("%s", "");
-  if (r->has_found && r->found.energy.scale > 0)
-    r->residual = r->found.energy.residual / r->found.energy.scale;
   return status == SD_OK && !r->message ? sweep_no_memory(messages) : status;
 }
 

@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "io/deck/deck_read.h"
-#include "io/results/summary_disks.h"
+#include "io/results/summary.h"
 
 /* --- values ------------------------------------------------------------------------------------------------ */
 
@@ -322,35 +322,11 @@ static bool ends_in(const char *name, const char *ending) {
 
 /* Columns that the tables of results have anyway (run/sweep_table.c), and r, which is the replica in names. */
 static bool reserved(const char *name) {
-  static const char *const columns[] = {"point",
-                                        "name",
-                                        "status",
-                                        "set",
-                                        "replica",
-                                        "replicas",
-                                        "seed",
-                                        "steps",
-                                        "time",
-                                        "work",
-                                        "kinetic_translation",
-                                        "kinetic_rotation",
-                                        "viscous",
-                                        "friction",
-                                        "goal",
-                                        "ns_per_step",
-                                        "residual",
-                                        "message",
-                                        "r",
-                                        "deck_path"};
-  static const char *const of_disks[] = {"omega", "scaled",  "transient", "measured", "converged",
-                                         "pp",    "pm",      "mp",        "mm",       "stick",
-                                         "open",  "sliding", "force_min", "openings"};
+  static const char *const columns[] = {"point",    "name", "status",  "set", "replica",
+                                        "replicas", "seed", "message", "r",   "deck_path"};
   const char *last = strrchr(name, '.');
-  for (size_t k = 0; k < summary_total_count; k++)
-    if (strcmp(name, summary_totals[k].name) == 0) return true;
-  return among(name, columns, sizeof columns / sizeof *columns) ||
-         (last && among(last + 1, of_disks, sizeof of_disks / sizeof *of_disks)) || ends_in(name, "_error") ||
-         ends_in(name, "_scatter");
+  return among(name, columns, sizeof columns / sizeof *columns) || summary_is_column(name, false) ||
+         (last && summary_is_column(last + 1, true)) || ends_in(name, "_error") || ends_in(name, "_scatter");
 }
 
 static void name_axis(deck *d, const deck_grids *all, const grid *g, grid_axis *a) {

@@ -1,11 +1,15 @@
 /* constants.c: see constants.h. */
 #include "io/results/constants.h"
 
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
-#include "base/text.h"
 #include "base/limits.h"
+#include "base/text.h"
+#include "io/results/trajectory.h"
 #include "io/store/file.h"
+#include "io/store/members.h"
 #include "slipdisk/deck.h"
 
 #define MODEL "/parameters/model"
@@ -16,11 +20,42 @@ enum { LAW = 4 }; /* numbers in one */
 
 /* --- write -------------------------------------------------------------------------------------------- */
 
-static void put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
+#define CONSTANT(name, structure, field, type, width, unit, meaning)                                         \
+  { name, unit, meaning, type, width, offsetof(structure, field), NULL, NULL, NULL, NULL }
+#define DISK(name, field, type, unit, meaning) CONSTANT(name, sd_disk, field, type, 1, unit, meaning)
+#define WALL(name, field, type, width, unit, meaning)                                                        \
+  CONSTANT(name, sd_wall, field, type, width, unit, meaning)
+
+static const observable disk_rows[] = {
+    DISK("radius", radius, OBSERVABLE_F64, "length", "radius"),
+    DISK("mass", mass, OBSERVABLE_F64, "mass", "mass"),
+    DISK("inertia", inertia, OBSERVABLE_F64, "mass length^2", "moment of inertia"),
+    DISK("species", material, OBSERVABLE_I32, "1", "index of the material"),
+    DISK("group", group, OBSERVABLE_I32, "1", "index of the group, -1: none"),
+    DISK("driven", driven, OBSERVABLE_FLAG, "1", "1: prescribed, 0: free"),
+};
+static const observable_list disk_constants = OBSERVABLES("disks", "of disks", disk_rows);
+
+static const observable force_rows[] = {
+    CONSTANT("constant_force", sd_disk, force, OBSERVABLE_F64, 2, "force", "constant force on the centre")};
+static const observable_list disk_forces = OBSERVABLES("disks", "of disks, where there are any", force_rows);
+
+static const observable wall_rows[] = {
+    WALL("species", material, OBSERVABLE_I32, 1, "1", "index of the material"),
+    WALL("shape/kind", kind, OBSERVABLE_I32, 1, "1", "0 line, 1 segment, 2 polyline, 3 circle"),
+    WALL("shape/radius", radius, OBSERVABLE_F64, 1, "length", "radius of a circle, else 0"),
+    WALL("shape/count", n_points, OBSERVABLE_SIZE, 1, "1", "points of each wall, one wall after the other"),
+    WALL("shape/pivot", pivot, OBSERVABLE_F64, 2, "length", "where the pivot stood in the deck"),
+    WALL("shape/closed", closed, OBSERVABLE_FLAG, 1, "1", "1: a polyline whose ends are joined"),
+    WALL("shape/inside", inside, OBSERVABLE_FLAG, 1, "1", "1: a circle with the disks inside"),
+};
+static const observable_list wall_constants = OBSERVABLES("walls", "of walls", wall_rows);
+_Static_assert(sizeof(sd_wall_kind) == sizeof(int32_t) && sizeof(int) == sizeof(int32_t),
+               "stored as 32 bits");
+
+static void put(h5_file *file, const char *name, sd_type type, int rank, const size_t *dims, const void *data,
                 const char *unit, const char *meaning) {
-  h5_put(file, path, type, rank, dims, data, false);
-  h5_attr_text(file, path, "unit", unit);
-  h5_attr_text(file, path, "description", meaning);
+  members_put(file, MODEL, name, type, rank, dims, data, false, unit, meaning);
 }
 
 static void put_laws(h5_file *file, const sd_model *m) {
@@ -31,9 +66,8 @@ static void put_laws(h5_file *file, const sd_model *m) {
     const double value[LAW] = {law->k_n, law->k_t, law->gamma_n, law->mu};
     for (int c = 0; c < LAW; c++) laws[k][c] = value[c];
   }
-  if (h5_have(file, laws, MODEL "/laws"))
-    put(file, MODEL "/laws", SD_F64, 3, dims, laws, "force/length, force/length, force time/length, 1",
-        "k_n, k_t, gamma_n, mu of each pair of materials; k_n = 0: not given");
+  put(file, "laws", SD_F64, 3, dims, laws, "force/length, force/length, force time/length, 1",
+      "k_n, k_t, gamma_n, mu of each pair of materials; k_n = 0: not given");
   free(laws);
 }
 
@@ -48,44 +82,79 @@ static void put_normal_laws(h5_file *file, const sd_model *m) {
     laws[k][0] = m->laws[k].normal;
     laws[k][1] = m->laws[k].restitution;
   }
-  if (h5_have(file, laws, MODEL "/normal_laws"))
-    put(file, MODEL "/normal_laws", SD_F64, 3, dims, laws, "1",
-        "normal law (0 linear, 1 Hertz) and coefficient of restitution of each pair of materials");
+  put(file, "normal_laws", SD_F64, 3, dims, laws, "1",
+      "normal law (0 linear, 1 Hertz) and coefficient of restitution of each pair of materials");
   free(laws);
 }
 
-static void put_walls(h5_file *file, const sd_model *m) {
-  size_t n = m->n_walls, dims[2] = {n, 2};
-  double(*pivot)[2] = calloc(n + 1, sizeof *pivot);
-  int32_t *closed = calloc(n + 1, sizeof *closed), *inside = calloc(n + 1, sizeof *inside);
-  for (size_t k = 0; pivot && closed && inside && k < n; k++) {
-    pivot[k][0] = m->walls[k].pivot[0];
-    pivot[k][1] = m->walls[k].pivot[1];
-    closed[k] = m->walls[k].closed;
-    inside[k] = m->walls[k].inside;
+/* Body numbers, and names where the deck gives any. */
+static void put_bodies(h5_file *file, const char *group, const sd_model *m, size_t first, size_t n,
+                       const char *meaning) {
+  char *path = format_text("%s/name", group), **names = calloc(n + 1, sizeof *names);
+  uint32_t *id = calloc(n + 1, sizeof *id);
+  bool named = false;
+  for (size_t k = 0; names && id && k < n; k++) {
+    size_t body = first + k;
+    id[k] = (uint32_t)body;
+    names[k] = body < m->n_disks ? m->disks[body].name : m->walls[body - m->n_disks].name;
+    named = named || names[k];
   }
-  if (h5_have(file, pivot && closed && inside, WALLS "/shape")) {
-    put(file, WALLS "/shape/pivot", SD_F64, 2, dims, pivot, "length", "where the pivot stood in the deck");
-    put(file, WALLS "/shape/closed", SD_I32, 1, &n, closed, "1", "1: a polyline whose ends are joined");
-    put(file, WALLS "/shape/inside", SD_I32, 1, &n, inside, "1", "1: a circle with the disks inside");
+  members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);
+  if (h5_have(file, path && names, group) && named) {
+    members_write_lines(file, path, n, names);
+    h5_attr_text(file, path, "description", "names, one per line, in the order of id");
   }
-  free(pivot);
-  free(closed);
-  free(inside);
+  free(id);
+  free(names);
+  free(path);
 }
 
-static void put_forces(h5_file *file, const sd_model *m) {
-  size_t dims[2] = {m->n_disks, 2};
-  double(*force)[2] = calloc(m->n_disks + 1, sizeof *force);
-  bool any = false;
-  for (size_t k = 0; force && k < m->n_disks; k++)
-    for (int c = 0; c < 2; c++) {
-      force[k][c] = m->disks[k].force[c];
-      any = any || force[k][c] != 0.0;
-    }
-  if (h5_have(file, force, DISKS "/constant_force") && any)
-    put(file, DISKS "/constant_force", SD_F64, 2, dims, force, "force", "constant force on the centre");
-  free(force);
+static void put_box(h5_file *file, const char *group, const sd_model *m) {
+  char *box = format_text("%s/box", group);
+  if (!h5_have(file, box, group)) return;
+  double lengths[2], lower[2];
+  const char *boundary[2];
+  const size_t two = 2;
+  trajectory_edges(m, 1.0, lengths);
+  for (int k = 0; k < 2; k++) {
+    boundary[k] = m->periodic[k] ? "periodic" : "none";
+    lower[k] = m->periodic[k] ? m->lower[k] : 0;
+  }
+  h5_group(file, box);
+  h5_attr_i64(file, box, "dimension", 2);
+  h5_attr_texts(file, box, "boundary", 2, boundary);
+  if (!series_compresses(m))
+    members_put(file, box, "edges", SD_F64, 1, &two, lengths, false, "length",
+                "lengths of the periodic box, 0 where it is open");
+  h5_attr(file, box, "lower", SD_F64, 2, lower);
+  free(box);
+}
+
+static void put_disks(h5_file *file, const sd_model *m) {
+  bool pushed = false;
+  put_box(file, DISKS, m);
+  put_bodies(file, DISKS, m, 0, m->n_disks, "permanent number, as in the deck");
+  members_write(file, DISKS, &disk_constants, m->disks, sizeof *m->disks, m->n_disks);
+  for (size_t k = 0; k < m->n_disks; k++)
+    pushed = pushed || m->disks[k].force[0] != 0.0 || m->disks[k].force[1] != 0.0;
+  if (pushed) members_write(file, DISKS, &disk_forces, m->disks, sizeof *m->disks, m->n_disks);
+}
+
+static void put_walls(h5_file *file, const sd_model *m) {
+  size_t dims[2] = {0, 2};
+  put_box(file, WALLS, m);
+  put_bodies(file, WALLS, m, m->n_disks, m->n_walls, "body number");
+  members_write(file, WALLS, &wall_constants, m->walls, sizeof *m->walls, m->n_walls);
+  for (size_t k = 0; k < m->n_walls; k++) dims[0] += m->walls[k].n_points;
+  double(*points)[2] = calloc(dims[0] + 1, sizeof *points), (*at)[2] = points;
+  for (size_t k = 0; points && k < m->n_walls; k++) {
+    size_t n = m->walls[k].n_points;
+    if (n > 0) memcpy(at, m->walls[k].points, n * sizeof *at);
+    at += n;
+  }
+  members_put(file, WALLS "/shape", "points", SD_F64, 2, dims, points, true, "length",
+              "where the points stood in the deck");
+  free(points);
 }
 
 void constants_write(h5_file *file, const sd_model *m) {
@@ -99,15 +168,15 @@ void constants_write(h5_file *file, const sd_model *m) {
                "of the deck as it was run: what measuring needs beside the frames");
   h5_attr_i64(file, MODEL, "container", (int64_t)m->container);
   h5_attr_i64(file, MODEL, "variant", (int64_t)m->variant);
-  put(file, MODEL "/gravity", SD_F64, 1, &two, m->gravity, "length/time^2", "acceleration");
-  put(file, MODEL "/periodic", SD_I32, 1, &two, periodic, "1", "1: the box repeats along x, y");
-  put(file, MODEL "/box", SD_F64, 2, square, box, "length", "lower, upper corner at the start");
-  put(file, MODEL "/region", SD_F64, 2, square, area, "length",
+  put(file, "gravity", SD_F64, 1, &two, m->gravity, "length/time^2", "acceleration");
+  put(file, "periodic", SD_I32, 1, &two, periodic, "1", "1: the box repeats along x, y");
+  put(file, "box", SD_F64, 2, square, box, "length", "lower, upper corner at the start");
+  put(file, "region", SD_F64, 2, square, area, "length",
       "lower, upper corner at the start of what is called full; equal: there is none");
   put_laws(file, m);
   put_normal_laws(file, m);
+  if (m->n_disks > 0) put_disks(file, m);
   if (m->n_walls > 0) put_walls(file, m);
-  if (m->n_disks > 0) put_forces(file, m);
 }
 
 /* --- read --------------------------------------------------------------------------------------------- */
@@ -193,50 +262,38 @@ static void read_laws(reader *r, sd_model *m) {
   free(laws);
 }
 
-static void check_species(reader *r, const sd_model *m, size_t n, const int32_t *species) {
-  for (size_t k = 0; r->status == SD_OK && k < n; k++)
-    if (species[k] < 0 || (size_t)species[k] >= m->n_materials)
-      r->status = sd_fail(r->messages, SD_ERROR_IO, "the materials of the bodies are damaged");
+static void check_species(reader *r, const sd_model *m, int species) {
+  if (species < 0 || (size_t)species >= m->n_materials)
+    r->status = sd_fail(r->messages, SD_ERROR_IO, "the materials of the bodies are damaged");
 }
 
 static void read_disks(reader *r, sd_model *m) {
   size_t n = count(r, DISKS "/radius");
   if (n > LIMIT_DISKS) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu disks: the file is damaged", n);
+  if (r->status == SD_OK) r->status = h5_check(r->file, DISKS "/radius", n, r->messages);
   if (r->status != SD_OK) return;
-  double *radius = column(r, DISKS "/radius", SD_F64, n), *mass = column(r, DISKS "/mass", SD_F64, n);
-  double *inertia = column(r, DISKS "/inertia", SD_F64, n), *force = NULL;
-  int32_t *species = column(r, DISKS "/species", SD_I32, n), *group = column(r, DISKS "/group", SD_I32, n);
-  int32_t *driven = column(r, DISKS "/driven", SD_I32, n);
-  if (h5_exists(r->file, DISKS "/constant_force")) force = column(r, DISKS "/constant_force", SD_F64, 2 * n);
-  m->disks = r->status == SD_OK ? calloc(n + 1, sizeof *m->disks) : NULL;
-  if (r->status == SD_OK && !m->disks)
-    r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu disks", n);
-  check_species(r, m, n, species);
+  m->disks = calloc(n + 1, sizeof *m->disks);
+  if (!m->disks) r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu disks", n);
+  if (r->status == SD_OK)
+    r->status = members_read(r->file, DISKS, &disk_constants, m->disks, sizeof *m->disks, n, r->messages);
+  if (r->status == SD_OK && h5_exists(r->file, DISKS "/constant_force"))
+    r->status = members_read(r->file, DISKS, &disk_forces, m->disks, sizeof *m->disks, n, r->messages);
+  for (size_t k = 0; r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
   if (r->status == SD_OK) m->n_disks = n;
-  for (size_t k = 0; k < m->n_disks; k++)
-    m->disks[k] = (sd_disk){.radius = radius[k],
-                            .mass = mass[k],
-                            .inertia = inertia[k],
-                            .material = species[k],
-                            .group = group[k],
-                            .driven = driven[k] != 0,
-                            .force = {force ? force[2 * k] : 0.0, force ? force[2 * k + 1] : 0.0, 0.0}};
-  void *all[] = {radius, mass, inertia, species, group, driven, force};
-  for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
 }
 
-/* Points of all walls stand in one list, counts say whose. */
-static sd_status share_points(sd_model *m, const int64_t *counts, size_t total, const double *points) {
-  size_t at = 0;
-  for (size_t k = 0; k < m->n_walls; k++) {
+/* Points of all walls stand in one list; each wall has its number of them, but no memory. */
+static sd_status share_points(sd_model *m, size_t total, const double *points) {
+  for (size_t k = 0, at = 0; k < m->n_walls; k++) {
     sd_wall *w = &m->walls[k];
-    size_t n = counts[k] > 0 ? (size_t)counts[k] : 0;
+    size_t n = w->n_points;
+    w->n_points = 0;
     if (n > total - at) return SD_ERROR_USER;
     w->points = calloc(n + 1, sizeof *w->points);
     if (!w->points) return SD_ERROR_IO;
     w->n_points = n;
-    for (size_t p = 0; p < n; p++, at++)
-      w->points[p][0] = points[2 * at], w->points[p][1] = points[2 * at + 1];
+    memcpy(w->points, points + 2 * at, n * sizeof *w->points);
+    at += n;
   }
   return SD_OK;
 }
@@ -244,30 +301,20 @@ static sd_status share_points(sd_model *m, const int64_t *counts, size_t total, 
 static void read_walls(reader *r, sd_model *m) {
   if (!h5_exists(r->file, WALLS "/shape/kind")) return;
   size_t n = count(r, WALLS "/shape/kind"), total = count(r, WALLS "/shape/points");
-  int32_t *kind = column(r, WALLS "/shape/kind", SD_I32, n),
-          *species = column(r, WALLS "/species", SD_I32, n);
-  int32_t *closed = column(r, WALLS "/shape/closed", SD_I32, n);
-  int32_t *inside = column(r, WALLS "/shape/inside", SD_I32, n);
-  double *radius = column(r, WALLS "/shape/radius", SD_F64, n);
-  double *pivot = column(r, WALLS "/shape/pivot", SD_F64, 2 * n);
   double *points = column(r, WALLS "/shape/points", SD_F64, 2 * total);
-  int64_t *counts = column(r, WALLS "/shape/count", SD_I64, n);
+  if (r->status == SD_OK) r->status = h5_check(r->file, WALLS "/shape/kind", n, r->messages);
   m->walls = r->status == SD_OK ? calloc(n + 1, sizeof *m->walls) : NULL;
   if (r->status == SD_OK && !m->walls)
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu walls", n);
-  check_species(r, m, n, species);
+  if (r->status == SD_OK)
+    r->status = members_read(r->file, WALLS, &wall_constants, m->walls, sizeof *m->walls, n, r->messages);
+  for (size_t k = 0; r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
   if (r->status == SD_OK) m->n_walls = n;
-  for (size_t k = 0; k < m->n_walls; k++)
-    m->walls[k] = (sd_wall){.kind = (sd_wall_kind)kind[k],
-                            .material = species[k],
-                            .pivot = {pivot[2 * k], pivot[2 * k + 1]},
-                            .closed = closed[k] != 0,
-                            .radius = radius[k],
-                            .inside = inside[k] != 0};
-  if (r->status == SD_OK && share_points(m, counts, total, points) != SD_OK)
+  if (r->status == SD_OK && share_points(m, total, points) != SD_OK)
     r->status = sd_fail(r->messages, SD_ERROR_IO, WALLS "/shape: the points cannot be read");
-  void *all[] = {kind, species, closed, inside, radius, pivot, points, counts};
-  for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
+  for (size_t k = 0; m->walls && k < n; k++)
+    if (!m->walls[k].points) m->walls[k].n_points = 0;
+  free(points);
 }
 
 static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messages) {

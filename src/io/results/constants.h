@@ -5,7 +5,6 @@
 
 #include "io/store/h5.h"
 
-/* Beside what trajectory_write_constants writes of disks and walls. */
 void constants_write(h5_file *file, const sd_model *model);
 /* A model, not finished, with one material per row of the laws: from a result, or, where /parameters/model is not
  * there (a checkpoint, an old result), from the deck that is stored in the file. SD_ERROR_USER: the deck cannot be

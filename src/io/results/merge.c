@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
-#include "io/results/trajectory.h"
+#include "io/results/constants.h"
 
 /* Rows are copied in pieces of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
@@ -125,7 +125,7 @@ static void write_rest(const merge_job *job, h5_file *out) {
   provenance_write(job->origin, out);
   summary_write(job->found, out);
   checkpoint_put_state(out, job->state);
-  trajectory_write_constants(out, job->model);
+  constants_write(out, job->model);
   /* whose columns the angles are */
   if (job->model->n_rotations == 0) return;
   h5_put(out, "/observables/watched_disks", SD_U32, 1, &job->model->n_rotations, job->model->rotations, true);

@@ -17,6 +17,7 @@
 
 #include "base/text.h"
 #include "io/store/file.h"
+#include "io/store/members.h"
 #include "version.h"
 
 #define TEXT(name)                                                                                           \
@@ -28,6 +29,18 @@ const provenance_text provenance_texts[] = {
     TEXT(cpu_path), TEXT(author),   TEXT(host),      TEXT(started),   TEXT(ended),
 };
 const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
+
+static const observable numbers[] = {
+    {"threads", "1", "threads", OBSERVABLE_I64, 1, offsetof(provenance, threads), NULL, NULL, NULL, NULL},
+    {"sessions", "1", "times the run was started or continued", OBSERVABLE_I64, 1,
+     offsetof(provenance, sessions), NULL, NULL, NULL, NULL},
+    {"wall_seconds", "s", "wall time of all sessions", OBSERVABLE_F64, 1, offsetof(provenance, wall_seconds),
+     NULL, NULL, NULL, NULL},
+    {"step_seconds", "s", "wall time spent on steps", OBSERVABLE_F64, 1, offsetof(provenance, step_seconds),
+     NULL, NULL, NULL, NULL},
+};
+const observable_list provenance_observables =
+    OBSERVABLES("parameters", "attributes of /parameters, beside texts, seed and inputs", numbers);
 
 /* Decks can be longer than an attribute may be (64 KiB): they are datasets. */
 static const provenance_text decks[] = {TEXT(deck_text), TEXT(deck_overrides), TEXT(deck_full),
@@ -193,10 +206,7 @@ void provenance_write(const provenance *p, h5_file *file) {
   }
   h5_attr_i64(file, "/parameters", "seed", p->seed);
   h5_attr_i64(file, "/parameters", "inputs", p->inputs);
-  h5_attr_i64(file, "/parameters", "threads", p->threads);
-  h5_attr_i64(file, "/parameters", "sessions", p->sessions);
-  h5_attr_f64(file, "/parameters", "wall_seconds", p->wall_seconds);
-  h5_attr_f64(file, "/parameters", "step_seconds", p->step_seconds);
+  members_write_attrs(file, "/parameters", &provenance_observables, p);
 }
 
 sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messages) {
@@ -216,9 +226,6 @@ sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messa
   }
   p->seed = h5_get_attr_i64(file, "/parameters", "seed", 0);
   p->inputs = h5_get_attr_i64(file, "/parameters", "inputs", 0);
-  p->threads = h5_get_attr_i64(file, "/parameters", "threads", 0);
-  p->sessions = h5_get_attr_i64(file, "/parameters", "sessions", 0);
-  p->wall_seconds = h5_get_attr_f64(file, "/parameters", "wall_seconds", 0);
-  p->step_seconds = h5_get_attr_f64(file, "/parameters", "step_seconds", 0);
+  members_read_attrs(file, "/parameters", &provenance_observables, p);
   return status;
 }

@@ -4,6 +4,7 @@
 #define SLIPDISK_IO_PROVENANCE_H
 
 #include "io/store/h5.h"
+#include "measure/observable.h"
 
 typedef struct provenance {
   char *run_id; /* tells runs apart; 32 hexadecimal digits */
@@ -39,6 +40,8 @@ typedef struct provenance_text {
 } provenance_text;
 extern const provenance_text provenance_texts[];
 extern const size_t provenance_text_count;
+extern const observable_list
+    provenance_observables; /* the numbers that are; of provenance, beside seed and inputs */
 const char *provenance_get(const provenance *p, size_t k);
 
 #endif

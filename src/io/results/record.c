@@ -31,13 +31,14 @@ sd_status record_sample(record *r, unsigned what, const sd_state *state, const s
                         sd_messages *messages) {
   sd_status status = SD_OK;
   for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
-  if (what & RECORD_SERIES) status = series_sample(&r->series, r->model, state, energy, r->slots, messages);
+  const moment now = {r->model, state, energy, r->slots};
+  if (what & RECORD_SERIES) status = series_sample(&r->series, &now, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
-    status = trajectory_sample_bodies(&r->disks, r->model, state, false, r->slots, messages);
+    status = trajectory_sample_bodies(&r->disks, &now, false, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
-    status = trajectory_sample_bodies(&r->walls, r->model, state, true, r->slots, messages);
+    status = trajectory_sample_bodies(&r->walls, &now, true, messages);
   if (what & RECORD_CONTACTS && status == SD_OK)
-    status = trajectory_sample_contacts(&r->contact_index, &r->contact_rows, r->model, state, messages);
+    status = trajectory_sample_contacts(&r->contact_index, &r->contact_rows, &now, messages);
   return status;
 }
 

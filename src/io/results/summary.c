@@ -9,7 +9,6 @@
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/members.h"
-#include "io/results/series.h"
 #include "pack/rain.h"
 #include "physics/step/outside.h"
 
@@ -17,16 +16,146 @@ static sd_status no_memory(sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
 }
 
+/* --- what is stored ------------------------------------------------------------------------------------- */
+
+#define FACT(field, type, unit, meaning, column, json)                                                       \
+  { #field, unit, meaning, type, 1, offsetof(summary, field), NULL, column, json, NULL }
+
+static double time_of(const void *row, size_t k) {
+  const summary *s = row;
+  (void)k;
+  return (double)s->step * s->dt;
+}
+
+static double measured_time(const void *row, size_t k) {
+  const summary *s = row;
+  (void)k;
+  return (double)s->measured * s->dt;
+}
+
+static const observable fact_rows[] = {
+    FACT(step, OBSERVABLE_I64, "1", "steps done, of all phases", "steps", NULL),
+    FACT(steps, OBSERVABLE_I64, "1", "the most that there can be", NULL, NULL),
+    {"time", "time", "time of the model", OBSERVABLE_F64, 1, 0, time_of, "time", NULL, NULL},
+    FACT(dt, OBSERVABLE_F64, "time", "time step", NULL, NULL),
+    FACT(phase, OBSERVABLE_I64, "1", "index of the phase", NULL, NULL),
+    FACT(phases, OBSERVABLE_I64, "1", "number of phases: the index when all are over", NULL, NULL),
+    FACT(measured, OBSERVABLE_I64, "1", "steps measured", NULL, "measured_steps"),
+    {"measured_time", "time", "time measured", OBSERVABLE_F64, 1, 0, measured_time, NULL, "measured", NULL},
+    FACT(disks, OBSERVABLE_I64, "1", "disks", NULL, NULL),
+    FACT(walls, OBSERVABLE_I64, "1", "walls", NULL, NULL),
+    FACT(contacts, OBSERVABLE_I64, "1", "closed contacts", NULL, NULL),
+    FACT(waiting, OBSERVABLE_I64, "1", "disks that rain has not let go", NULL, NULL),
+    FACT(outside, OBSERVABLE_I64, "1", "disks beyond the bounds or taken out", NULL, NULL),
+    FACT(left, OBSERVABLE_I64, "1", "times that a disk left the bounds", NULL, NULL),
+};
+const observable_list fact_observables =
+    OBSERVABLES("summary", "attributes of /summary, beside phase_name and lost", fact_rows);
+
+static double relative_residual(const void *row, size_t k) {
+  const sd_energy *e = &((const summary *)row)->energy;
+  (void)k;
+  return e->scale > 0 ? e->residual / e->scale : NAN;
+}
+
+static const observable outcome_rows[] = {
+    {"relative_residual", "1", "residual of the energy budget, over its scale", OBSERVABLE_F64, 1, 0,
+     relative_residual, "residual", "", NULL},
+    FACT(step_nanoseconds, OBSERVABLE_F64, "ns",
+         "wall time per step; of points side by side the share of each", "ns_per_step", NULL),
+};
+const observable_list outcome_observables =
+    OBSERVABLES("outcome", "further attributes of /summary", outcome_rows);
+
+static double goal_reached(const void *row, size_t k) {
+  (void)k;
+  return ((const summary *)row)->until_step >= 0;
+}
+
+static const observable until_rows[] = {
+    {"value", "rad/time or rad", "the observable", OBSERVABLE_F64, 1, offsetof(summary, goal.value), NULL,
+     NULL, NULL, NULL},
+    {"error", "as value", "one standard error", OBSERVABLE_F64, 1, offsetof(summary, goal.error), NULL, NULL,
+     NULL, NULL},
+    {"goal", "as value", "error bar asked for", OBSERVABLE_F64, 1, offsetof(summary, goal.goal), NULL, NULL,
+     NULL, NULL},
+    {"relative", "1", "the goal as a fraction of the value; NAN: given as it is", OBSERVABLE_F64, 1,
+     offsetof(summary, relative), NULL, NULL, NULL, NULL},
+    {"measured", "time", "time measured", OBSERVABLE_F64, 1, offsetof(summary, goal.measured), NULL, NULL, "",
+     NULL},
+    {"converged", "1", "1: the error is reliable", OBSERVABLE_FLAG, 1, offsetof(summary, goal.converged),
+     NULL, NULL, NULL, NULL},
+    {"reached", "1", "1: the run ended with its goal", OBSERVABLE_FLAG, 1, 0, goal_reached, "goal", NULL,
+     NULL},
+    {"step", "1", "step at which it did; -1: it did not", OBSERVABLE_I64, 1, offsetof(summary, until_step),
+     NULL, NULL, "", NULL},
+};
+const observable_list until_observables = OBSERVABLES(
+    "until", "of the goal of `until`: attributes of /summary/until, with observable, its name", until_rows);
+
+#define PHASE(field, type, unit, meaning)                                                                    \
+  { #field, unit, meaning, type, 1, offsetof(summary_phase, field), NULL, NULL, NULL, NULL }
+
+static const observable phase_rows[] = {
+    PHASE(steps, OBSERVABLE_I64, "1", "steps that the phase took, 0: not over"),
+    PHASE(most, OBSERVABLE_I64, "1", "its length, the most it may take"),
+    PHASE(asked, OBSERVABLE_I32, "1", "to settle 1, to compress 2, both 3"),
+    PHASE(reached, OBSERVABLE_I32, "1", "1: ended with what was asked for"),
+    PHASE(kinetic, OBSERVABLE_F64, "energy", "kinetic energy per disk at the end"),
+    PHASE(kinetic_goal, OBSERVABLE_F64, "energy", "asked for; 0: nothing"),
+    PHASE(unbalanced, OBSERVABLE_F64, "1",
+          "mean resultant force on a disk over mean contact force at the end"),
+    PHASE(unbalanced_goal, OBSERVABLE_F64, "1", "asked for; 0: nothing"),
+    PHASE(target, OBSERVABLE_F64, "force/length or 1",
+          "compression: pressure or packing fraction at the end"),
+    PHASE(target_goal, OBSERVABLE_F64, "force/length or 1", "asked for; 0: nothing"),
+};
+const observable_list phase_observables =
+    OBSERVABLES("phase", "of each phase, in /summary/phase", phase_rows);
+
+/* Arrays of structures in the summary, with the names of what they are about. */
+static const struct group {
+  const char *path, *names_path, *first;
+  const observable_list *list;
+  size_t count, rows, names; /* offsets in the summary */
+  size_t stride, each;       /* of a row; names of each */
+} groups[] = {
+    {"/summary/rotation", "/summary/rotation/name", "/summary/rotation/disk", &rotation_observables,
+     offsetof(summary, n_rotations), offsetof(summary, rotations), offsetof(summary, rotation_names),
+     sizeof(sd_rotation), 1},
+    {"/summary/slide", "/summary/slide/name", "/summary/slide/disk", &slide_observables,
+     offsetof(summary, n_slides), offsetof(summary, slides), offsetof(summary, slide_names), sizeof(sd_slide),
+     3},
+    {"/summary/phase", "/summary/phase/name", "/summary/phase/steps", &phase_observables,
+     offsetof(summary, n_stages), offsetof(summary, stages), offsetof(summary, stage_names),
+     sizeof(summary_phase), 1},
+};
+enum { GROUPS = sizeof groups / sizeof *groups };
+
+static size_t *count_of(const summary *s, const struct group *g) {
+  return (size_t *)(void *)((char *)(uintptr_t)s + g->count);
+}
+
+static void **rows_of(const summary *s, const struct group *g) {
+  return (void **)(void *)((char *)(uintptr_t)s + g->rows);
+}
+
+static char ***names_of(const summary *s, const struct group *g) {
+  return (char ***)(void *)((char *)(uintptr_t)s + g->names);
+}
+
 static sd_status allocate(summary *s, sd_messages *messages) {
-  s->rotations = calloc(s->n_rotations + 1, sizeof *s->rotations);
-  s->rotation_names = calloc(s->n_rotations + 1, sizeof *s->rotation_names);
-  s->slides = calloc(s->n_slides + 1, sizeof *s->slides);
-  s->slide_names = calloc(3 * s->n_slides + 1, sizeof *s->slide_names);
-  s->stages = calloc(s->n_stages + 1, sizeof *s->stages);
-  s->stage_names = calloc(s->n_stages + 1, sizeof *s->stage_names);
-  bool good = s->rotations && s->rotation_names && s->slides && s->slide_names && s->stages && s->stage_names;
+  bool good = true;
+  for (const struct group *g = groups; g < groups + GROUPS; g++) {
+    size_t n = *count_of(s, g);
+    *rows_of(s, g) = calloc(n + 1, g->stride);
+    *names_of(s, g) = calloc(g->each * n + 1, sizeof(char *));
+    good = good && *rows_of(s, g) && *names_of(s, g);
+  }
   return good ? SD_OK : no_memory(messages);
 }
+
+/* --- collected ------------------------------------------------------------------------------------------- */
 
 /* The name that the deck gives, else "disk 17". */
 static char *name_of(const sd_model *model, uint32_t body) {
@@ -37,9 +166,7 @@ static char *name_of(const sd_model *model, uint32_t body) {
   return format_text("%s", sd_model_body_name(model, body, text, sizeof text));
 }
 
-static sd_status collect_stages(summary *s, const sd_model *model, const sd_state *state,
-                                sd_messages *messages) {
-  bool named = true;
+static void collect_stages(summary *s, const sd_model *model, const sd_state *state) {
   for (size_t k = 0; k < s->n_stages; k++) {
     const sd_phase *p = &model->phases[k];
     s->stages[k] = (summary_phase){
@@ -53,10 +180,7 @@ static sd_status collect_stages(summary *s, const sd_model *model, const sd_stat
         .unbalanced_goal = p->settle.unbalanced,
         .target = state->phase_target[k],
         .target_goal = p->compress.pressure > 0.0 ? p->compress.pressure : p->compress.fraction};
-    s->stage_names[k] = p->name ? format_text("%s", p->name) : format_text("%zu", k);
-    named = named && s->stage_names[k];
   }
-  return named ? SD_OK : no_memory(messages);
 }
 
 /* Which disks are outside, and where. */
@@ -80,8 +204,6 @@ static sd_status collect_lost(summary *s, const sd_model *model, const sd_state 
 static sd_status collect_until(summary *s, const sd_model *model, const sd_state *state,
                                sd_messages *messages) {
   const sd_until *u = &model->until;
-  s->has_until = u->asked;
-  s->until_step = -1;
   if (!u->asked) return SD_OK;
   uint32_t disk = model->rotations[u->rotation];
   const char *name = model->disks[disk].name, *what = u->scaled ? "scaled" : "omega";
@@ -92,43 +214,50 @@ static sd_status collect_until(summary *s, const sd_model *model, const sd_state
   return s->observable ? SD_OK : no_memory(messages);
 }
 
-sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
-                          double step_nanoseconds, sd_messages *messages) {
-  *s = (summary){.step = state->step,
-                 .steps = sd_model_steps(model),
+/* Sizes and names, from the model alone. */
+sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) {
+  *s = (summary){.steps = sd_model_steps(model),
                  .dt = model->dt,
-                 .phase = state->phase,
                  .phases = (int64_t)model->n_phases,
-                 .measured = state->measured,
                  .disks = (int64_t)model->n_disks,
                  .walls = (int64_t)model->n_walls,
-                 .contacts = (int64_t)state->n_contacts,
-                 .step_nanoseconds = step_nanoseconds,
-                 .energy = *energy,
                  .n_rotations = model->n_rotations,
                  .n_slides = model->n_slides,
-                 .n_stages = model->n_phases};
+                 .n_stages = model->n_phases,
+                 .has_until = model->until.asked,
+                 .until_step = -1};
+  if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
+  bool named = true;
+  for (size_t k = 0; k < s->n_rotations; k++)
+    named = (s->rotation_names[k] = name_of(model, model->rotations[k])) && named;
+  for (size_t k = 0; k < 3 * s->n_slides; k++) {
+    const sd_slide_watch *watch = &model->slides[k / 3];
+    named = (s->slide_names[k] = name_of(model, k % 3 ? watch->partner[k % 3 - 1] : watch->disk)) && named;
+  }
+  for (size_t k = 0; k < s->n_stages; k++) {
+    const char *name = model->phases[k].name;
+    named = (s->stage_names[k] = name ? format_text("%s", name) : format_text("%zu", k)) && named;
+  }
+  return named ? SD_OK : no_memory(messages);
+}
+
+sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
+                          double step_nanoseconds, sd_messages *messages) {
+  sd_status status = summary_new(s, model, messages);
+  if (status != SD_OK) return status;
+  s->step = state->step;
+  s->phase = state->phase;
+  s->measured = state->measured;
+  s->contacts = (int64_t)state->n_contacts;
+  s->step_nanoseconds = step_nanoseconds;
+  s->energy = *energy;
   bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
   const char *phase = running ? model->phases[state->phase].name : NULL;
-  s->phase_name = format_text("%s", phase ? phase : "");
-  sd_status status = allocate(s, messages);
-  if (status != SD_OK || !s->phase_name) return no_memory(messages);
-
-  bool named = true;
-  for (size_t k = 0; k < s->n_rotations; k++) {
-    s->rotations[k] = sd_rotation_of(model, state, k);
-    s->rotation_names[k] = name_of(model, model->rotations[k]);
-    named = named && s->rotation_names[k];
-  }
-  for (size_t k = 0; k < s->n_slides; k++) {
-    const sd_slide_watch *watch = &model->slides[k];
-    s->slides[k] = sd_slide_of(model, state, k);
-    s->slide_names[3 * k] = name_of(model, watch->disk);
-    for (size_t p = 0; p < 2; p++) s->slide_names[3 * k + 1 + p] = name_of(model, watch->partner[p]);
-    for (size_t p = 0; p < 3; p++) named = named && s->slide_names[3 * k + p];
-  }
-  status = named ? collect_until(s, model, state, messages) : no_memory(messages);
-  if (status == SD_OK) status = collect_stages(s, model, state, messages);
+  if (!(s->phase_name = format_text("%s", phase ? phase : ""))) return no_memory(messages);
+  for (size_t k = 0; k < s->n_rotations; k++) s->rotations[k] = sd_rotation_of(model, state, k);
+  for (size_t k = 0; k < s->n_slides; k++) s->slides[k] = sd_slide_of(model, state, k);
+  collect_stages(s, model, state);
+  status = collect_until(s, model, state, messages);
   if (status == SD_OK) status = collect_lost(s, model, state, messages);
   if (status == SD_OK) status = summary_disks_collect(&s->packing, model, state, messages);
   return status == SD_OK ? summary_judge(s, &model->limits, model, state, messages) : status;
@@ -137,260 +266,95 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
 void summary_free(summary *s) {
   summary_disks_free(&s->packing);
   summary_doubts_free(s);
-  for (size_t k = 0; s->rotation_names && k < s->n_rotations; k++) free(s->rotation_names[k]);
-  for (size_t k = 0; s->slide_names && k < 3 * s->n_slides; k++) free(s->slide_names[k]);
-  for (size_t k = 0; s->stage_names && k < s->n_stages; k++) free(s->stage_names[k]);
-  free(s->stage_names);
-  free(s->stages);
+  for (const struct group *g = groups; g < groups + GROUPS; g++) {
+    char **names = *names_of(s, g);
+    for (size_t k = 0; names && k < g->each * *count_of(s, g); k++) free(names[k]);
+    free(names);
+    free(*rows_of(s, g));
+  }
   free(s->lost);
-  free(s->rotation_names);
-  free(s->slide_names);
-  free(s->rotations);
-  free(s->slides);
   free(s->phase_name);
   free(s->observable);
   *s = (summary){0};
 }
 
-/* --- tables of what is stored --------------------------------------------------------------------- */
-
-static const member rotation_members[] = {
-    {"disk", SD_U32, offsetof(sd_rotation, disk), 1, "1", "body number"},
-    {"omega", SD_F64, offsetof(sd_rotation, omega), 1, "rad/time", "mean angular velocity Omega"},
-    {"error", SD_F64, offsetof(sd_rotation, error), 1, "rad/time", "one standard error of omega (blocking)"},
-    {"scaled", SD_F64, offsetof(sd_rotation, scaled), 1, "rad", "t_g Omega, t_g = sqrt(2 R/g)"},
-    {"scaled_error", SD_F64, offsetof(sd_rotation, scaled_error), 1, "rad", "one standard error of scaled"},
-    {"transient", SD_F64, offsetof(sd_rotation, transient), 1, "time",
-     "measured time discarded as transient"},
-    {"measured", SD_F64, offsetof(sd_rotation, measured), 1, "time", "measured time, with the transient"},
-    {"turned", SD_F64, offsetof(sd_rotation, turned), 1, "rad", "angle turned over the measured time"},
-};
-
-static const member slide_members[] = {
-    {"disk", SD_U32, offsetof(sd_slide, disk), 1, "1", "body number"},
-    {"partner", SD_U32, offsetof(sd_slide, partner), 2, "1", "body numbers"},
-    {"pp", SD_F64, offsetof(sd_slide, pp), 1, "1", "fraction of measured steps in S++"},
-    {"pm", SD_F64, offsetof(sd_slide, pm), 1, "1", "fraction of measured steps in S+-"},
-    {"mp", SD_F64, offsetof(sd_slide, mp), 1, "1", "fraction of measured steps in S-+"},
-    {"mm", SD_F64, offsetof(sd_slide, mm), 1, "1", "fraction of measured steps in S--"},
-    {"stick", SD_F64, offsetof(sd_slide, stick), 1, "1", "fraction: at least one contact stuck, none open"},
-    {"open", SD_F64, offsetof(sd_slide, open), 1, "1", "fraction: at least one contact open"},
-    {"contact_positive", SD_F64, offsetof(sd_slide, contact_positive), 2, "1", "fraction: slides, tau > 0"},
-    {"contact_negative", SD_F64, offsetof(sd_slide, contact_negative), 2, "1", "fraction: slides, tau < 0"},
-    {"contact_stuck", SD_F64, offsetof(sd_slide, contact_stuck), 2, "1", "fraction: stuck"},
-    {"contact_open", SD_F64, offsetof(sd_slide, contact_open), 2, "1", "fraction: open"},
-    {"force_min", SD_F64, offsetof(sd_slide, force_min), 2, "force", "smallest normal force"},
-    {"openings", SD_I64, offsetof(sd_slide, openings), 2, "1", "times the contact opened"},
-};
-
-static const member stage_members[] = {
-    {"steps", SD_I64, offsetof(summary_phase, steps), 1, "1", "steps that the phase took, 0: not over"},
-    {"most", SD_I64, offsetof(summary_phase, most), 1, "1", "its length, the most it may take"},
-    {"asked", SD_I32, offsetof(summary_phase, asked), 1, "1", "to settle 1, to compress 2, both 3"},
-    {"reached", SD_I32, offsetof(summary_phase, reached), 1, "1", "1: ended with what was asked for"},
-    {"kinetic", SD_F64, offsetof(summary_phase, kinetic), 1, "energy", "kinetic energy per disk at the end"},
-    {"kinetic_goal", SD_F64, offsetof(summary_phase, kinetic_goal), 1, "energy", "asked for; 0: nothing"},
-    {"unbalanced", SD_F64, offsetof(summary_phase, unbalanced), 1, "1",
-     "mean resultant force on a disk over mean contact force at the end"},
-    {"unbalanced_goal", SD_F64, offsetof(summary_phase, unbalanced_goal), 1, "1", "asked for; 0: nothing"},
-    {"target", SD_F64, offsetof(summary_phase, target), 1, "force/length or 1",
-     "compression: pressure or packing fraction at the end"},
-    {"target_goal", SD_F64, offsetof(summary_phase, target_goal), 1, "force/length or 1",
-     "asked for; 0: nothing"},
-};
-
-enum {
-  ROTATION_MEMBERS = sizeof rotation_members / sizeof *rotation_members,
-  SLIDE_MEMBERS = sizeof slide_members / sizeof *slide_members,
-  STAGE_MEMBERS = sizeof stage_members / sizeof *stage_members
-};
-
-/* --- names: one text, a line each ------------------------------------------------------------------ */
-
-static void write_names(h5_file *file, const char *path, size_t n, char *const *names) {
-  size_t total = 1;
-  for (size_t k = 0; k < n; k++) total += strlen(names[k]) + 1;
-  char *text = malloc(total), *at = text;
-  if (!h5_have(file, text, path)) return;
-  for (size_t k = 0; k < n; k++) {
-    size_t length = strlen(names[k]);
-    memcpy(at, names[k], length);
-    at += length;
-    *at++ = '\n';
+bool summary_is_column(const char *name, bool of_body) {
+  static const observable_list *const of_points[] = {
+      &fact_observables, &total_observables, &until_observables, &energy_observables, &outcome_observables};
+  static const observable_list *const of_bodies[] = {&rotation_observables, &slide_observables};
+  size_t n = of_body ? sizeof of_bodies / sizeof *of_bodies : sizeof of_points / sizeof *of_points;
+  for (size_t l = 0; l < n; l++) {
+    const observable_list *list = of_body ? of_bodies[l] : of_points[l];
+    for (size_t k = 0; k < list->n; k++)
+      if (list->rows[k].column && strcmp(list->rows[k].column, name) == 0) return true;
   }
-  *at = 0;
-  h5_put_text(file, path, text);
-  free(text);
+  return false;
 }
 
-/* Missing lines become empty names. */
-static sd_status read_names(const h5_file *file, const char *path, size_t n, char **names,
-                            sd_messages *messages) {
-  char *text = h5_get_text(file, path);
-  const char *at = text ? text : "";
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < n; k++) {
-    size_t length = strcspn(at, "\n");
-    names[k] = format_text("%.*s", (int)length, at);
-    if (!names[k]) status = no_memory(messages);
-    at += length;
-    if (*at) at++;
-  }
-  free(text);
-  return status;
-}
-
-/* --- until ---------------------------------------------------------------------------------------- */
-
-static const struct real {
-  const char *name;
-  size_t offset;
-} until_reals[] = {
-    {"value", offsetof(summary, goal.value)},       {"error", offsetof(summary, goal.error)},
-    {"goal", offsetof(summary, goal.goal)},         {"relative", offsetof(summary, relative)},
-    {"measured", offsetof(summary, goal.measured)},
-};
-enum { UNTIL_REALS = sizeof until_reals / sizeof *until_reals };
-
-static void write_until(const summary *s, h5_file *file) {
-  if (!s->has_until) return;
-  h5_group(file, "/summary/until");
-  h5_attr_text(file, "/summary/until", "observable", s->observable);
-  for (size_t k = 0; k < UNTIL_REALS; k++) {
-    double value;
-    memcpy(&value, (const char *)s + until_reals[k].offset, sizeof value);
-    h5_attr_f64(file, "/summary/until", until_reals[k].name, value);
-  }
-  h5_attr_i64(file, "/summary/until", "converged", s->goal.converged);
-  h5_attr_i64(file, "/summary/until", "reached", s->until_step >= 0);
-  h5_attr_i64(file, "/summary/until", "step", s->until_step);
-}
-
-static sd_status read_until(summary *s, const h5_file *file, sd_messages *messages) {
-  s->has_until = h5_exists(file, "/summary/until");
-  s->until_step = -1;
-  if (!s->has_until) return SD_OK;
-  for (size_t k = 0; k < UNTIL_REALS; k++) {
-    double value = h5_get_attr_f64(file, "/summary/until", until_reals[k].name, NAN);
-    memcpy((char *)s + until_reals[k].offset, &value, sizeof value);
-  }
-  s->goal.converged = h5_get_attr_i64(file, "/summary/until", "converged", 0) != 0;
-  s->goal.reached = s->goal.converged && s->goal.error <= s->goal.goal;
-  s->until_step = h5_get_attr_i64(file, "/summary/until", "step", -1);
-  s->observable = h5_get_attr_text(file, "/summary/until", "observable");
-  return s->observable ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
-}
-
-/* --- whole ---------------------------------------------------------------------------------------- */
-
-static const struct fact {
-  const char *name;
-  size_t offset;
-} facts[] = {
-    {"step", offsetof(summary, step)},         {"steps", offsetof(summary, steps)},
-    {"phase", offsetof(summary, phase)},       {"phases", offsetof(summary, phases)},
-    {"measured", offsetof(summary, measured)}, {"disks", offsetof(summary, disks)},
-    {"walls", offsetof(summary, walls)},       {"contacts", offsetof(summary, contacts)},
-    {"waiting", offsetof(summary, waiting)},   {"outside", offsetof(summary, outside)},
-    {"left", offsetof(summary, left)},
-};
-enum { FACTS = sizeof facts / sizeof *facts };
+/* --- written and read ------------------------------------------------------------------------------------ */
 
 void summary_write(const summary *s, h5_file *file) {
   h5_group(file, "/summary/energy");
-  for (size_t k = 0; k < FACTS; k++) {
-    int64_t value;
-    memcpy(&value, (const char *)s + facts[k].offset, sizeof value);
-    h5_attr_i64(file, "/summary", facts[k].name, value);
-  }
-  h5_attr_f64(file, "/summary", "dt", s->dt);
-  h5_attr_f64(file, "/summary", "time", (double)s->step * s->dt);
-  h5_attr_f64(file, "/summary", "step_nanoseconds", s->step_nanoseconds);
+  members_write_attrs(file, "/summary", &fact_observables, s);
+  members_write_attrs(file, "/summary", &outcome_observables, s);
   h5_attr_text(file, "/summary", "phase_name", s->phase_name);
   h5_attr_text(file, "/summary", "lost", s->lost);
-  for (size_t k = 0; k < series_energy_count; k++)
-    h5_attr_f64(file, "/summary/energy", series_energies[k].name, series_energy_value(&s->energy, k));
-
-  members_write(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
-                sizeof *s->rotations, s->n_rotations);
-  int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
-  for (size_t k = 0; converged && k < s->n_rotations; k++) converged[k] = s->rotations[k].converged;
-  if (h5_have(file, converged, "/summary/rotation"))
-    h5_put(file, "/summary/rotation/converged", SD_I32, 1, &s->n_rotations, converged, true);
-  free(converged);
-  write_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names);
-  h5_attr_i64(file, "/summary/rotation", "count", (int64_t)s->n_rotations);
-
-  members_write(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
-                s->n_slides);
-  write_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names);
-  h5_attr_i64(file, "/summary/slide", "count", (int64_t)s->n_slides);
-  members_write(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
-                s->n_stages);
-  write_names(file, "/summary/phase/name", s->n_stages, s->stage_names);
-  h5_attr_i64(file, "/summary/phase", "count", (int64_t)s->n_stages);
-  write_until(s, file);
+  members_write_attrs(file, "/summary/energy", &energy_observables, &s->energy);
+  for (const struct group *g = groups; g < groups + GROUPS; g++) {
+    size_t n = *count_of(s, g);
+    members_write(file, g->path, g->list, *rows_of(s, g), g->stride, n);
+    members_write_lines(file, g->names_path, g->each * n, *names_of(s, g));
+    h5_attr_i64(file, g->path, "count", (int64_t)n);
+  }
+  if (s->has_until) {
+    h5_group(file, "/summary/until");
+    h5_attr_text(file, "/summary/until", "observable", s->observable);
+    members_write_attrs(file, "/summary/until", &until_observables, s);
+  }
   summary_disks_write(&s->packing, file);
   summary_doubts_write(s, file);
 }
 
 /* Sizes that the file gives, and room for what they count. */
 static sd_status read_counts(summary *s, const h5_file *file, sd_messages *messages) {
-  const struct {
-    const char *group, *first;
-    size_t *count;
-  } lists[] = {{"/summary/rotation", "/summary/rotation/disk", &s->n_rotations},
-               {"/summary/slide", "/summary/slide/disk", &s->n_slides},
-               {"/summary/phase", "/summary/phase/steps", &s->n_stages}};
-  for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
-    int64_t n = h5_exists(file, lists[k].group) ? h5_get_attr_i64(file, lists[k].group, "count", 0) : 0;
-    if (n < 0 || (n > 0 && h5_check(file, lists[k].first, (size_t)n, messages) != SD_OK))
+  for (const struct group *g = groups; g < groups + GROUPS; g++) {
+    int64_t n = h5_exists(file, g->path) ? h5_get_attr_i64(file, g->path, "count", 0) : 0;
+    if (n < 0 || (n > 0 && h5_check(file, g->first, (size_t)n, messages) != SD_OK))
       return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
-    *lists[k].count = (size_t)n;
+    *count_of(s, g) = (size_t)n;
   }
   return allocate(s, messages);
+}
+
+static sd_status read_until(summary *s, const h5_file *file, sd_messages *messages) {
+  s->has_until = h5_exists(file, "/summary/until");
+  s->until_step = -1;
+  if (!s->has_until) return SD_OK;
+  members_read_attrs(file, "/summary/until", &until_observables, s);
+  s->goal.reached = s->goal.converged && s->goal.error <= s->goal.goal;
+  s->observable = h5_get_attr_text(file, "/summary/until", "observable");
+  return s->observable ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
 }
 
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   *s = (summary){0};
   if (!h5_exists(file, "/summary"))
     return sd_fail(messages, SD_ERROR_USER, "this is not a result of slipdisk: there is no /summary in it");
-  for (size_t k = 0; k < FACTS; k++) {
-    int64_t value = h5_get_attr_i64(file, "/summary", facts[k].name, 0);
-    memcpy((char *)s + facts[k].offset, &value, sizeof value);
-  }
-  s->dt = h5_get_attr_f64(file, "/summary", "dt", NAN);
-  s->step_nanoseconds = h5_get_attr_f64(file, "/summary", "step_nanoseconds", NAN);
+  members_read_attrs(file, "/summary", &fact_observables, s);
+  members_read_attrs(file, "/summary", &outcome_observables, s);
+  members_read_attrs(file, "/summary/energy", &energy_observables, &s->energy);
   s->phase_name = h5_get_attr_text(file, "/summary", "phase_name");
-  if (!s->phase_name) s->phase_name = format_text("%s", "");
-  for (size_t k = 0; k < series_energy_count; k++) {
-    double value = h5_get_attr_f64(file, "/summary/energy", series_energies[k].name, NAN);
-    memcpy((char *)&s->energy + series_energies[k].offset, &value, sizeof value);
-  }
   s->lost = h5_get_attr_text(file, "/summary", "lost");
+  if (!s->phase_name) s->phase_name = format_text("%s", "");
   if (!s->lost) s->lost = format_text("%s", "");
-  sd_status status = s->lost ? read_counts(s, file, messages) : no_memory(messages);
-  if (status == SD_OK)
-    status = members_read(file, "/summary/rotation", rotation_members, ROTATION_MEMBERS, s->rotations,
-                          sizeof *s->rotations, s->n_rotations, messages);
-  int32_t *converged = calloc(s->n_rotations + 1, sizeof *converged);
-  if (status == SD_OK && converged)
-    status = h5_get(file, "/summary/rotation/converged", SD_I32, s->n_rotations, converged, messages);
-  for (size_t k = 0; status == SD_OK && converged && k < s->n_rotations; k++)
-    s->rotations[k].converged = converged[k] != 0;
-  free(converged);
-  if (status == SD_OK)
-    status = members_read(file, "/summary/slide", slide_members, SLIDE_MEMBERS, s->slides, sizeof *s->slides,
-                          s->n_slides, messages);
-  if (status == SD_OK)
-    status = read_names(file, "/summary/rotation/name", s->n_rotations, s->rotation_names, messages);
-  if (status == SD_OK)
-    status = read_names(file, "/summary/slide/name", 3 * s->n_slides, s->slide_names, messages);
-  if (status == SD_OK && s->n_stages > 0)
-    status = members_read(file, "/summary/phase", stage_members, STAGE_MEMBERS, s->stages, sizeof *s->stages,
-                          s->n_stages, messages);
-  if (status == SD_OK && s->n_stages > 0)
-    status = read_names(file, "/summary/phase/name", s->n_stages, s->stage_names, messages);
+  sd_status status = s->lost && s->phase_name ? read_counts(s, file, messages) : no_memory(messages);
+  for (const struct group *g = groups; g < groups + GROUPS; g++) {
+    size_t n = *count_of(s, g);
+    if (status != SD_OK || n == 0) continue;
+    status = members_read(file, g->path, g->list, *rows_of(s, g), g->stride, n, messages);
+    if (status == SD_OK)
+      status = members_read_lines(file, g->names_path, g->each * n, *names_of(s, g), messages);
+  }
   if (status == SD_OK) status = read_until(s, file, messages);
   if (status == SD_OK) status = summary_disks_read(&s->packing, file, messages);
   if (status == SD_OK) status = summary_doubts_read(s, file, messages);

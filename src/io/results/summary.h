@@ -7,6 +7,7 @@
 #include "io/store/h5.h"
 #include "io/results/summary_disks.h"
 #include "io/results/summary_doubts.h"
+#include "measure/observable.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
 
@@ -48,10 +49,18 @@ struct summary {
   summary_doubt doubts[DOUBT_KINDS];
 };
 
-/* summary_free also when it fails. */
+extern const observable_list fact_observables;    /* of summary */
+extern const observable_list outcome_observables; /* of summary */
+extern const observable_list until_observables;   /* of summary */
+extern const observable_list phase_observables;   /* of summary_phase */
+
+/* Sizes and names, from the model alone; no values. summary_free also when it fails, likewise below. */
+sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages);
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
                           double step_nanoseconds, sd_messages *messages);
 void summary_free(summary *s);
+/* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
+bool summary_is_column(const char *name, bool of_body);
 void summary_write(const summary *s, h5_file *file);
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
 

@@ -18,28 +18,6 @@ typedef struct summary_disks {
   double measured;     /* time */
 } summary_disks;
 
-/* One of the totals: an attribute of /summary/disks, a column of a sweep's table, a line of the report. */
-typedef struct summary_total {
-  const char *name;
-  size_t offset; /* in sd_disk_totals */
-  const char *unit, *meaning;
-} summary_total;
-
-extern const summary_total summary_totals[];
-extern const size_t summary_total_count;
-
-static inline double summary_total_value(const sd_disk_totals *totals, size_t k) {
-  return *(const double *)(const void *)((const char *)totals + summary_totals[k].offset);
-}
-
-/* One of the means: a dataset. The id is not among them. */
-extern const summary_total summary_means[]; /* offsets in sd_disk_mean */
-extern const size_t summary_mean_count;
-
-static inline double summary_mean_value(const sd_disk_mean *disk, size_t k) {
-  return *(const double *)(const void *)((const char *)disk + summary_means[k].offset);
-}
-
 /* A record of fewer bins has no error bars. */
 enum { SUMMARY_FEWEST_BINS = 16 };
 

@@ -7,10 +7,17 @@
 
 #include "base/text.h"
 #include "io/store/file.h"
-#include "io/results/series.h"
 #include "io/results/summary.h"
 
-const char *const doubt_names[DOUBT_KINDS] = {"residual", "open", "displacement", "finite"};
+const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
+    [DOUBT_RESIDUAL] = {"residual", "residual of the energy budget over its scale",
+                        "whose energy budget does not close: a smaller dt is needed"},
+    [DOUBT_OPEN] = {"open", "fraction of the measured time in which a watched contact was open",
+                    "whose watched contacts were open nearly all the time"},
+    [DOUBT_DISPLACEMENT] = {"displacement", "displacement of a free disk in one step over its radius",
+                            "in which a disk moves too far in a step: a smaller dt is needed"},
+    [DOUBT_FINITE] = {"finite", "a number of the result is not finite", "with numbers that are not finite"},
+};
 
 /* --- judging ---------------------------------------------------------------------------------------- */
 
@@ -79,8 +86,8 @@ static const char *not_finite(const summary *s, const sd_state *state) {
   for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
     for (size_t i = 0; i < state->n_bodies; i++)
       if (!isfinite(columns[c][i])) return names[c];
-  for (size_t k = 0; k < series_energy_count; k++)
-    if (!isfinite(series_energy_value(&s->energy, k))) return series_energies[k].name;
+  for (const observable *o = energy_observables.rows; o < energy_observables.rows + energy_observables.n; o++)
+    if (!isfinite(observable_value(o, &s->energy, 0))) return o->name;
   for (size_t k = 0; k < s->n_rotations; k++)
     if (state->bins > 0 && !isfinite(s->rotations[k].omega)) return "Omega";
   for (size_t k = 0; k < 2 * s->n_slides; k++)
@@ -122,14 +129,7 @@ void summary_doubts_free(summary *s) {
 
 /* --- stored ------------------------------------------------------------------------------------------ */
 
-static const char *const meanings[DOUBT_KINDS] = {
-    "residual of the energy budget over its scale",
-    "fraction of the measured time in which a watched contact was open",
-    "displacement of a free disk in one step over its radius",
-    "a number of the result is not finite",
-};
-
-static char *group_of(size_t kind) { return format_text("/summary/doubts/%s", doubt_names[kind]); }
+static char *group_of(size_t kind) { return format_text("/summary/doubts/%s", doubt_kinds[kind].name); }
 
 void summary_doubts_write(const summary *s, h5_file *file) {
   h5_group(file, "/summary/doubts");
@@ -142,7 +142,7 @@ void summary_doubts_write(const summary *s, h5_file *file) {
     h5_attr_f64(file, group, "value", s->doubts[k].value);
     h5_attr_f64(file, group, "limit", s->doubts[k].limit);
     h5_attr_text(file, group, "unit", "1");
-    h5_attr_text(file, group, "description", meanings[k]);
+    h5_attr_text(file, group, "description", doubt_kinds[k].meaning);
     free(group);
   }
 }

@@ -14,8 +14,8 @@ typedef enum doubt_kind {
   DOUBT_FINITE,       /* a number that should be there is none */
   DOUBT_KINDS
 } doubt_kind;
-/* "residual", "open", "displacement", "finite" */
-extern const char *const doubt_names[DOUBT_KINDS];
+/* Name, what value and limit are, and what is said of many points of a sweep: "3 points WHOSE". */
+extern const struct doubt_row { const char *name, *meaning, *whose; } doubt_kinds[DOUBT_KINDS];
 
 typedef struct summary_doubt {
   char *text; /* one line; NULL: no such doubt */

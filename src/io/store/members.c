@@ -1,52 +1,114 @@
 /* members.c: see members.h. */
 #include "io/store/members.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 
-/* Copies a member between the structures and a dense array. */
-static void pack(const member *m, char *first, size_t stride, size_t n, char *dense, bool out) {
-  size_t bytes = m->width * sd_type_size(m->type);
-  for (size_t k = 0; k < n; k++) {
-    char *at = first + k * stride + m->offset;
-    memcpy(out ? dense + k * bytes : at, out ? at : dense + k * bytes, bytes);
+void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
+                 const size_t *dims, const void *data, bool compress, const char *unit, const char *meaning) {
+  char *path = format_text("%s/%s", group, name);
+  if (h5_have(file, path && data, group)) {
+    h5_put(file, path, type, rank, dims, data, compress);
+    h5_attr_text(file, path, "unit", unit);
+    h5_attr_text(file, path, "description", meaning);
   }
+  free(path);
 }
 
-void members_write(h5_file *file, const char *group, const member *members, size_t n_members, void *first,
+void members_write(h5_file *file, const char *group, const observable_list *list, const void *first,
                    size_t stride, size_t n) {
   h5_group(file, group);
-  for (size_t k = 0; k < n_members; k++) {
-    const member *m = &members[k];
-    size_t dims[2] = {n, m->width};
-    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)),
-         *path = format_text("%s/%s", group, m->name);
-    if (h5_have(file, dense && path, group)) {
-      pack(m, first, stride, n, dense, true);
-      h5_put(file, path, m->type, m->width > 1 ? 2 : 1, dims, dense, true);
-      h5_attr_text(file, path, "unit", m->unit);
-      h5_attr_text(file, path, "description", m->meaning);
-    }
+  for (size_t k = 0; k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    sd_type type = observable_stored(o);
+    size_t dims[2] = {n, o->width};
+    void *dense = calloc(n * o->width + 1, sd_type_size(type));
+    for (size_t i = 0; dense && i < n * o->width; i++)
+      observable_store(o, dense, i,
+                       observable_value(o, (const char *)first + i / o->width * stride, i % o->width));
+    members_put(file, group, o->name, type, o->width > 1 ? 2 : 1, dims, dense, true, o->unit, o->meaning);
     free(dense);
-    free(path);
   }
 }
 
-sd_status members_read(const h5_file *file, const char *group, const member *members, size_t n_members,
-                       void *first, size_t stride, size_t n, sd_messages *messages) {
+sd_status members_read(const h5_file *file, const char *group, const observable_list *list, void *first,
+                       size_t stride, size_t n, sd_messages *messages) {
   sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && k < n_members; k++) {
-    const member *m = &members[k];
-    char *dense = calloc(n * m->width + 1, sd_type_size(m->type)),
-         *path = format_text("%s/%s", group, m->name);
-    if (!dense || !path) status = sd_fail(messages, SD_ERROR_IO, "no memory for %s", group);
-    if (status == SD_OK) status = h5_get(file, path, m->type, n * m->width, dense, messages);
-    if (status == SD_OK) pack(m, first, stride, n, dense, false);
+  for (size_t k = 0; status == SD_OK && k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    if (o->get) continue;
+    sd_type type = observable_stored(o);
+    char *path = format_text("%s/%s", group, o->name);
+    bool there = path && (k == 0 || h5_exists(file, path));
+    if (there) status = h5_check(file, path, n * o->width, messages);
+    void *dense = status == SD_OK ? calloc(n * o->width + 1, sd_type_size(type)) : NULL;
+    if (status == SD_OK && (!dense || !path))
+      status = sd_fail(messages, SD_ERROR_IO, "no memory for %s", group);
+    if (status == SD_OK && there) status = h5_get(file, path, type, n * o->width, dense, messages);
+    for (size_t i = 0; status == SD_OK && i < n * o->width; i++)
+      observable_set(o, (char *)first + i / o->width * stride, i % o->width,
+                     there            ? observable_load(o, dense, i)
+                     : type == SD_F64 ? NAN
+                                      : 0);
     free(dense);
     free(path);
   }
+  return status;
+}
+
+/* Whole numbers of 64 bits keep all of them. */
+void members_write_attrs(h5_file *file, const char *path, const observable_list *list, const void *row) {
+  for (size_t k = 0; k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    if (o->type == OBSERVABLE_I64 && !o->get)
+      h5_attr(file, path, o->name, SD_I64, 0, (const char *)row + o->offset);
+    else if (observable_stored(o) == SD_F64)
+      h5_attr_f64(file, path, o->name, observable_value(o, row, 0));
+    else
+      h5_attr_i64(file, path, o->name, (int64_t)observable_value(o, row, 0));
+  }
+}
+
+void members_read_attrs(const h5_file *file, const char *path, const observable_list *list, void *row) {
+  for (size_t k = 0; k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    if (o->get) continue;
+    int64_t whole = observable_stored(o) == SD_F64 ? 0 : h5_get_attr_i64(file, path, o->name, 0);
+    if (o->type == OBSERVABLE_I64)
+      memcpy((char *)row + o->offset, &whole, sizeof whole);
+    else
+      observable_set(o, row, 0,
+                     observable_stored(o) == SD_F64 ? h5_get_attr_f64(file, path, o->name, NAN)
+                                                    : (double)whole);
+  }
+}
+
+void members_write_lines(h5_file *file, const char *path, size_t n, char *const *lines) {
+  size_t total = 1;
+  for (size_t k = 0; k < n; k++) total += (lines[k] ? strlen(lines[k]) : 0) + 1;
+  char *text = malloc(total), *at = text;
+  if (!h5_have(file, text, path)) return;
+  for (size_t k = 0; k < n; k++) at += sprintf(at, "%s\n", lines[k] ? lines[k] : "");
+  *at = 0;
+  h5_put_text(file, path, text);
+  free(text);
+}
+
+sd_status members_read_lines(const h5_file *file, const char *path, size_t n, char **lines,
+                             sd_messages *messages) {
+  char *text = h5_get_text(file, path);
+  const char *at = text ? text : "";
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < n; k++) {
+    size_t length = strcspn(at, "\n");
+    lines[k] = format_text("%.*s", (int)length, at);
+    if (!lines[k]) status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+    at += length + (at[length] != 0);
+  }
+  free(text);
   return status;
 }

@@ -36,6 +36,28 @@ sd_status table_add(table *t, const char *path, sd_type type, int rank, const si
   return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
 }
 
+sd_status table_add_clock(table *t, const char *element, sd_messages *messages) {
+  char *step = format_text("%s/step", element), *time = format_text("%s/time", element);
+  sd_status status = step && time ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  if (status == SD_OK) status = table_add(t, step, SD_I64, 0, NULL, "1", "steps since the start", messages);
+  if (status == SD_OK) status = table_add(t, time, SD_F64, 0, NULL, "time", "step * dt", messages);
+  free(step);
+  free(time);
+  return status;
+}
+
+sd_status table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n,
+                               sd_messages *messages) {
+  const size_t dims[2] = {n, o->width};
+  int rank = n == 0 ? 0 : o->width == 1 || o->width == OBSERVABLE_WATCHED ? 1 : 2;
+  char *path = format_text("%s/%s%s", group, o->name, ending);
+  sd_status status = path
+                         ? table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning, messages)
+                         : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  free(path);
+  return status;
+}
+
 static size_t row_bytes(const table_column *c) { return c->width * sd_type_size(c->type); }
 
 sd_status table_reserve(table *t, size_t n, sd_messages *messages) {
@@ -54,6 +76,18 @@ sd_status table_reserve(table *t, size_t n, sd_messages *messages) {
 void *table_cell(table *t, size_t column) {
   table_column *c = &t->columns[column];
   return c->data + t->n_rows * row_bytes(c);
+}
+
+size_t table_put_clock(table *t, int64_t step, double dt) {
+  double time = (double)step * dt;
+  memcpy(table_cell(t, 0), &step, sizeof step);
+  memcpy(table_cell(t, 1), &time, sizeof time);
+  return 2;
+}
+
+void table_put(table *t, size_t column, size_t index, const observable *o, const void *row, size_t n) {
+  void *cell = table_cell(t, column);
+  for (size_t k = 0; k < n; k++) observable_store(o, cell, index * n + k, observable_value(o, row, k));
 }
 
 void table_commit(table *t, size_t n) { t->n_rows += n; }

@@ -9,6 +9,7 @@
 #define SLIPDISK_IO_TABLE_H
 
 #include "io/store/h5.h"
+#include "measure/observable.h"
 
 typedef struct table_column {
   char *path; /* of the dataset */
@@ -31,11 +32,20 @@ void table_free(table *t);
  * columns. SD_ERROR_IO: no memory. */
 sd_status table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
                     const char *meaning, sd_messages *messages);
+/* Columns step and time of the element at this path. */
+sd_status table_add_clock(table *t, const char *element, sd_messages *messages);
+/* The column of an observable in a group: a value for each row, or one for each of n things. ending: "/value" or "". */
+sd_status table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n,
+                               sd_messages *messages);
 /* Room for n more rows. */
 sd_status table_reserve(table *t, size_t n, sd_messages *messages);
 /* Where the column's value in the row to be added stands; fill all columns, then table_commit. */
 void *table_cell(table *t, size_t column);
 void table_commit(table *t, size_t n);
+/* Fills the clock in the row to be added; returns the number of the next column. */
+size_t table_put_clock(table *t, int64_t step, double dt);
+/* n elements of an observable, behind those of `index` others in the same cell. */
+void table_put(table *t, size_t column, size_t index, const observable *o, const void *row, size_t n);
 void table_clear(table *t); /* keeps the memory */
 size_t table_bytes(const table *t);
 /* Writes all rows (also none), units and links. */

@@ -1,8 +1,8 @@
-/* sheet.c: see sheet.h. */
+/* result_table.c: see result_table.h. */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE /* open_memstream */
 #endif
-#include "run/sheet.h"
+#include "run/result_table.h"
 
 #include <fnmatch.h>
 #include <inttypes.h>
@@ -14,29 +14,29 @@
 #include "base/text.h"
 #include "io/store/file.h"
 
-sheet_column *sheet_find(const sheet *s, const char *name) {
+result_column *result_table_find(const result_table *s, const char *name) {
   for (size_t k = 0; k < s->n_columns; k++)
     if (strcmp(s->columns[k].name, name) == 0) return &s->columns[k];
   return NULL;
 }
 
-static bool allocate(sheet_column *c, size_t n) {
-  c->number = c->kind == SHEET_NUMBER ? calloc(n + 1, sizeof *c->number) : NULL;
-  c->integer = c->kind == SHEET_INTEGER ? calloc(n + 1, sizeof *c->integer) : NULL;
-  c->text = c->kind == SHEET_TEXT ? calloc(n + 1, sizeof *c->text) : NULL;
+static bool allocate(result_column *c, size_t n) {
+  c->number = c->kind == RESULT_NUMBER ? calloc(n + 1, sizeof *c->number) : NULL;
+  c->integer = c->kind == RESULT_INTEGER ? calloc(n + 1, sizeof *c->integer) : NULL;
+  c->text = c->kind == RESULT_TEXT ? calloc(n + 1, sizeof *c->text) : NULL;
   for (size_t k = 0; c->number && k < n; k++) c->number[k] = NAN;
-  for (size_t k = 0; c->integer && k < n; k++) c->integer[k] = SHEET_EMPTY;
+  for (size_t k = 0; c->integer && k < n; k++) c->integer[k] = RESULT_EMPTY;
   return c->number || c->integer || c->text;
 }
 
 /* NULL: no memory, which is remembered; or a column of this name holds something else. */
-static sheet_column *column(sheet *s, sheet_kind kind, const char *name, const char *unit,
-                            const char *meaning) {
-  sheet_column *c = sheet_find(s, name);
+static result_column *column(result_table *s, result_kind kind, const char *name, const char *unit,
+                             const char *meaning) {
+  result_column *c = result_table_find(s, name);
   if (c) return c->kind == kind ? c : NULL;
-  sheet_column *grown = realloc(s->columns, (s->n_columns + 1) * sizeof *grown);
+  result_column *grown = realloc(s->columns, (s->n_columns + 1) * sizeof *grown);
   if (grown) s->columns = grown;
-  sheet_column made = {.name = format_text("%s", name), .kind = kind, .unit = unit, .meaning = meaning};
+  result_column made = {.name = format_text("%s", name), .kind = kind, .unit = unit, .meaning = meaning};
   if (!grown || !made.name || !allocate(&made, s->n_rows)) {
     free(made.name);
     s->failed = true;
@@ -46,29 +46,30 @@ static sheet_column *column(sheet *s, sheet_kind kind, const char *name, const c
   return &s->columns[s->n_columns++];
 }
 
-void sheet_number(sheet *s, size_t row, const char *name, const char *unit, const char *meaning, double x) {
-  sheet_column *c = column(s, SHEET_NUMBER, name, unit, meaning);
+void result_table_number(result_table *s, size_t row, const char *name, const char *unit, const char *meaning,
+                         double x) {
+  result_column *c = column(s, RESULT_NUMBER, name, unit, meaning);
   if (c) c->number[row] = x;
 }
 
-void sheet_integer(sheet *s, size_t row, const char *name, const char *meaning, int64_t x) {
-  sheet_column *c = column(s, SHEET_INTEGER, name, "1", meaning);
+void result_table_integer(result_table *s, size_t row, const char *name, const char *meaning, int64_t x) {
+  result_column *c = column(s, RESULT_INTEGER, name, "1", meaning);
   if (c) c->integer[row] = x;
 }
 
-void sheet_text(sheet *s, size_t row, const char *name, const char *meaning, const char *text) {
-  sheet_column *c = column(s, SHEET_TEXT, name, "", meaning);
+void result_table_text(result_table *s, size_t row, const char *name, const char *meaning, const char *text) {
+  result_column *c = column(s, RESULT_TEXT, name, "", meaning);
   if (!c) return;
   free(c->text[row]);
   c->text[row] = format_text("%s", text);
   if (!c->text[row]) s->failed = true;
 }
 
-void sheet_keep_all(sheet *s) {
+void result_table_keep_all(result_table *s) {
   for (size_t k = 0; k < s->n_columns; k++) s->columns[k].always = true;
 }
 
-static void column_free(sheet_column *c, size_t n) {
+static void column_free(result_column *c, size_t n) {
   for (size_t k = 0; c->text && k < n; k++) free(c->text[k]);
   free(c->text);
   free(c->number);
@@ -76,7 +77,7 @@ static void column_free(sheet_column *c, size_t n) {
   free(c->name);
 }
 
-void sheet_collect(sheet *s, size_t n, const char *const *patterns, sd_messages *messages) {
+void result_table_collect(result_table *s, size_t n, const char *const *patterns, sd_messages *messages) {
   if (n == 0) return;
   for (size_t p = 0; p < n; p++) {
     bool any = false;
@@ -95,10 +96,10 @@ void sheet_collect(sheet *s, size_t n, const char *const *patterns, sd_messages 
   s->n_columns = kept;
 }
 
-void sheet_free(sheet *s) {
+void result_table_free(result_table *s) {
   for (size_t k = 0; k < s->n_columns; k++) column_free(&s->columns[k], s->n_rows);
   free(s->columns);
-  *s = (sheet){0};
+  *s = (result_table){0};
 }
 
 /* --- CSV --------------------------------------------------------------------------------------------------- */
@@ -123,13 +124,13 @@ static void put_number(FILE *out, double x) {
   fputs(text, out);
 }
 
-static void put_cell(FILE *out, const sheet_column *c, size_t row) {
-  if (c->kind == SHEET_NUMBER) put_number(out, c->number[row]);
-  if (c->kind == SHEET_INTEGER && c->integer[row] != SHEET_EMPTY) fprintf(out, "%" PRId64, c->integer[row]);
-  if (c->kind == SHEET_TEXT && c->text[row]) put_text(out, c->text[row]);
+static void put_cell(FILE *out, const result_column *c, size_t row) {
+  if (c->kind == RESULT_NUMBER) put_number(out, c->number[row]);
+  if (c->kind == RESULT_INTEGER && c->integer[row] != RESULT_EMPTY) fprintf(out, "%" PRId64, c->integer[row]);
+  if (c->kind == RESULT_TEXT && c->text[row]) put_text(out, c->text[row]);
 }
 
-sd_status sheet_write_csv(const sheet *s, const char *path, sd_messages *messages) {
+sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages) {
   char *text = NULL;
   size_t size = 0;
   FILE *out = s->failed ? NULL : open_memstream(&text, &size);
@@ -156,20 +157,20 @@ sd_status sheet_write_csv(const sheet *s, const char *path, sd_messages *message
 
 /* --- HDF5 -------------------------------------------------------------------------------------------------- */
 
-bool sheet_write_h5(const sheet *s, h5_file *file, const char *group) {
+bool result_table_write_h5(const result_table *s, h5_file *file, const char *group) {
   bool good = true;
   h5_group(file, group);
   for (size_t k = 0; k < s->n_columns && good; k++) {
-    const sheet_column *c = &s->columns[k];
+    const result_column *c = &s->columns[k];
     char *path = format_text("%s/%s", group, c->name);
     int64_t *integer = calloc(s->n_rows + 1, sizeof *integer);
     for (size_t row = 0; integer && c->integer && row < s->n_rows; row++)
-      integer[row] = c->integer[row] == SHEET_EMPTY ? -1 : c->integer[row];
+      integer[row] = c->integer[row] == RESULT_EMPTY ? -1 : c->integer[row];
     good = path && integer;
     if (good) {
-      if (c->kind == SHEET_NUMBER) h5_put(file, path, SD_F64, 1, &s->n_rows, c->number, false);
-      if (c->kind == SHEET_INTEGER) h5_put(file, path, SD_I64, 1, &s->n_rows, integer, false);
-      if (c->kind == SHEET_TEXT) h5_put_texts(file, path, s->n_rows, (const char *const *)c->text);
+      if (c->kind == RESULT_NUMBER) h5_put(file, path, SD_F64, 1, &s->n_rows, c->number, false);
+      if (c->kind == RESULT_INTEGER) h5_put(file, path, SD_I64, 1, &s->n_rows, integer, false);
+      if (c->kind == RESULT_TEXT) h5_put_texts(file, path, s->n_rows, (const char *const *)c->text);
       if (*c->unit) h5_attr_text(file, path, "unit", c->unit);
       h5_attr_text(file, path, "description", c->meaning);
     }

@@ -1,0 +1,42 @@
+/* json.c: see json.h. */
+#include "app/json.h"
+
+#include <math.h>
+#include <string.h>
+
+json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+json_t *json_numbers(size_t n, const double *values) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < n; k++) json_array_append_new(list, json_number(values[k]));
+  return list;
+}
+
+json_t *json_observable(const observable *o, const void *row, size_t k) {
+  double value = observable_value(o, row, k);
+  if (o->type == OBSERVABLE_FLAG) return json_boolean(value != 0);
+  return o->type == OBSERVABLE_F64 || !isfinite(value) ? json_number(value) : json_integer((json_int_t)value);
+}
+
+void json_add(json_t *object, const observable_list *list, const void *row, size_t width, size_t k) {
+  for (const observable *o = list->rows; o < list->rows + list->n; o++) {
+    const char *name = o->json ? o->json : o->name, *dot = strchr(name, '.');
+    json_t *into = object;
+    if (!*name || o->width != width) continue;
+    if (dot) {
+      char group[64] = "";
+      strncat(group, name, (size_t)(dot - name) < sizeof group ? (size_t)(dot - name) : sizeof group - 1);
+      into = json_object_get(object, group);
+      if (!into && json_object_set_new(object, group, json_object()) == 0)
+        into = json_object_get(object, group);
+      name = dot + 1;
+    }
+    json_object_set_new(into, name, json_observable(o, row, k));
+  }
+}
+
+json_t *json_row(const observable_list *list, const void *row) {
+  json_t *object = json_object();
+  json_add(object, list, row, 1, 0);
+  return object;
+}

@@ -1,0 +1,79 @@
+/* observable.c: see observable.h. */
+#include "measure/observable.h"
+
+#include <string.h>
+
+sd_type observable_stored(const observable *o) {
+  switch (o->type) {
+    case OBSERVABLE_F64: return SD_F64;
+    case OBSERVABLE_I64:
+    case OBSERVABLE_SIZE: return SD_I64;
+    case OBSERVABLE_U32: return SD_U32;
+    case OBSERVABLE_I32:
+    case OBSERVABLE_FLAG: break;
+  }
+  return SD_I32;
+}
+
+double observable_value(const observable *o, const void *row, size_t k) {
+  if (o->get) return o->get(row, k);
+  const void *at = (const char *)row + o->offset;
+  switch (o->type) {
+    case OBSERVABLE_F64: return ((const double *)at)[k];
+    case OBSERVABLE_I64: return (double)((const int64_t *)at)[k];
+    case OBSERVABLE_I32: return ((const int32_t *)at)[k];
+    case OBSERVABLE_U32: return ((const uint32_t *)at)[k];
+    case OBSERVABLE_SIZE: return (double)((const size_t *)at)[k];
+    case OBSERVABLE_FLAG: break;
+  }
+  return ((const bool *)at)[k] ? 1 : 0;
+}
+
+void observable_set(const observable *o, void *row, size_t k, double value) {
+  if (o->get) return;
+  void *at = (char *)row + o->offset;
+  switch (o->type) {
+    case OBSERVABLE_F64: ((double *)at)[k] = value; break;
+    case OBSERVABLE_I64: ((int64_t *)at)[k] = (int64_t)value; break;
+    case OBSERVABLE_I32: ((int32_t *)at)[k] = (int32_t)value; break;
+    case OBSERVABLE_U32: ((uint32_t *)at)[k] = (uint32_t)value; break;
+    case OBSERVABLE_SIZE: ((size_t *)at)[k] = (size_t)value; break;
+    case OBSERVABLE_FLAG: ((bool *)at)[k] = value != 0; break;
+  }
+}
+
+double observable_load(const observable *o, const void *dense, size_t k) {
+  switch (observable_stored(o)) {
+    case SD_F64: return ((const double *)dense)[k];
+    case SD_I64: return (double)((const int64_t *)dense)[k];
+    case SD_U32: return ((const uint32_t *)dense)[k];
+    case SD_I32: break;
+  }
+  return ((const int32_t *)dense)[k];
+}
+
+void observable_store(const observable *o, void *dense, size_t k, double value) {
+  switch (observable_stored(o)) {
+    case SD_F64: ((double *)dense)[k] = value; break;
+    case SD_I64: ((int64_t *)dense)[k] = (int64_t)value; break;
+    case SD_U32: ((uint32_t *)dense)[k] = (uint32_t)value; break;
+    case SD_I32: ((int32_t *)dense)[k] = (int32_t)value; break;
+  }
+}
+
+const observable *observable_find(const observable_list *list, const char *name) {
+  for (size_t k = 0; k < list->n; k++)
+    if (strcmp(list->rows[k].name, name) == 0) return &list->rows[k];
+  return NULL;
+}
+
+void observable_print(FILE *out, const observable_list *list) {
+  fprintf(out, "**%s**: %s\n\n| name | unit | meaning |\n|---|---|---|\n", list->name, list->title);
+  for (size_t k = 0; k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    fprintf(out, "| `%s` | %s | ", o->name, o->unit);
+    for (const char *c = o->meaning; *c; c++) fprintf(out, *c == '|' ? "\\|" : "%c", *c); /* ends no cell */
+    fprintf(out, " |\n");
+  }
+  fputc('\n', out);
+}

@@ -1,0 +1,206 @@
+/* series.c: what a run records at its cadence: energies, numbers of contacts, watched disks, bodies of frames. */
+#include "measure/observable.h"
+#include "pack/compress.h"
+#include "physics/step/outside.h"
+
+/* --- energies ------------------------------------------------------------------------------------------ */
+
+#define ENERGY(field, meaning, column)                                                                       \
+  { #field, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL, NULL }
+
+static const observable energies[] = {
+    ENERGY(kinetic_translation, "kinetic energy of the free coordinates, translation", "kinetic_translation"),
+    ENERGY(kinetic_rotation, "kinetic energy of the free coordinates, rotation", "kinetic_rotation"),
+    ENERGY(elastic_normal, "elastic energy of the normal springs", NULL),
+    ENERGY(elastic_skin, "elastic energy of the tangential springs", NULL),
+    ENERGY(external, "potential energy of gravity and constant body forces", NULL),
+    ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since", NULL),
+    ENERGY(work, "work done by prescribed bodies and coordinates, and by compression, since step 0", "work"),
+    ENERGY(variant, "energy put in by the paper's tangential force since step 0", NULL),
+    ENERGY(viscous, "energy lost to viscosity since step 0", "viscous"),
+    ENERGY(friction, "energy lost to sliding since step 0", "friction"),
+    ENERGY(opening, "energy left in contacts that opened since step 0", NULL),
+    ENERGY(relaxed, "energy taken out by the relaxer since step 0", NULL),
+    ENERGY(residual, "what the energy budget does not account for", NULL),
+    ENERGY(scale, "larger of |work| + losses and kinetic energy, to compare the residual with", NULL),
+};
+const observable_list energy_observables = OBSERVABLES(
+    "energy", "the energy budget: a series in /observables, at the end attributes of /summary/energy",
+    energies);
+
+/* --- other series -------------------------------------------------------------------------------------- */
+
+static double contacts(const void *row, size_t k) {
+  (void)k;
+  return (double)((const moment *)row)->state->n_contacts;
+}
+
+static double sliding_contacts(const void *row, size_t k) {
+  const sd_state *s = ((const moment *)row)->state;
+  size_t n = 0;
+  (void)k;
+  for (size_t c = 0; c < s->n_contacts; c++) n += s->contact_slide[c] != 0;
+  return (double)n;
+}
+
+static double pressure(const void *row, size_t k) {
+  const moment *now = row;
+  (void)k;
+  return compress_stored_pressure(now->model, now->state);
+}
+
+static double packing_fraction(const void *row, size_t k) {
+  const moment *now = row;
+  (void)k;
+  return compress_fraction(now->model, now->state);
+}
+
+static double outside(const void *row, size_t k) {
+  (void)k;
+  return (double)outside_count(((const moment *)row)->state);
+}
+
+static uint32_t watched(const moment *now, size_t k) { return now->slots[now->model->rotations[k]]; }
+
+static double watched_angle(const void *row, size_t k) {
+  const moment *now = row;
+  uint32_t slot = watched(now, k);
+  return now->state->turn[slot] + now->state->theta[slot];
+}
+
+static double watched_spin(const void *row, size_t k) {
+  const moment *now = row;
+  return now->state->omega[watched(now, k)];
+}
+
+static bool has_bounds(const sd_model *m) { return m->bounds.given; }
+static bool watches(const sd_model *m) { return m->n_rotations > 0; }
+
+bool series_compresses(const sd_model *m) {
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].compress.asked) return true;
+  return false;
+}
+
+#define SERIES(name, unit, meaning, type, width, get, when)                                                  \
+  { name, unit, meaning, type, width, 0, get, NULL, NULL, when }
+
+static const observable others[] = {
+    SERIES("contacts", "1", "closed contacts", OBSERVABLE_I64, 1, contacts, NULL),
+    SERIES("sliding_contacts", "1", "closed contacts that slide", OBSERVABLE_I64, 1, sliding_contacts, NULL),
+    SERIES("pressure", "force/length", "pressure of the contacts in the region (when a phase compresses)",
+           OBSERVABLE_F64, 1, pressure, series_compresses),
+    SERIES("packing_fraction", "1",
+           "area of the free disks in play over that of the region (when a phase compresses)", OBSERVABLE_F64,
+           1, packing_fraction, series_compresses),
+    SERIES("outside", "1", "disks beyond the bounds or taken out (with bounds)", OBSERVABLE_I64, 1, outside,
+           has_bounds),
+    SERIES("angle", "rad", "angle of each watched disk, not wrapped", OBSERVABLE_F64, OBSERVABLE_WATCHED,
+           watched_angle, watches),
+    SERIES("angular_velocity", "rad/time",
+           "angular velocity of each watched disk, counter-clockwise positive", OBSERVABLE_F64,
+           OBSERVABLE_WATCHED, watched_spin, watches),
+};
+const observable_list series_observables =
+    OBSERVABLES("observables", "series in /observables, beside the energies", others);
+
+/* --- bodies of a frame ---------------------------------------------------------------------------------- */
+
+static double position(const void *row, size_t k) {
+  const moment_body *b = row;
+  return (k == 0 ? b->state->x : b->state->y)[b->slot];
+}
+
+static double image(const void *row, size_t k) {
+  const moment_body *b = row;
+  return (k == 0 ? b->state->image_x : b->state->image_y)[b->slot];
+}
+
+static double velocity(const void *row, size_t k) {
+  const moment_body *b = row;
+  return (k == 0 ? b->state->vx : b->state->vy)[b->slot];
+}
+
+static double angle(const void *row, size_t k) {
+  const moment_body *b = row;
+  (void)k;
+  return b->state->turn[b->slot] + b->state->theta[b->slot];
+}
+
+static double spin(const void *row, size_t k) {
+  const moment_body *b = row;
+  (void)k;
+  return b->state->omega[b->slot];
+}
+
+static double activity(const void *row, size_t k) {
+  const moment_body *b = row;
+  (void)k;
+  return b->slot < b->state->n_free ? b->state->activity[b->slot] : SD_IN_PLAY;
+}
+
+/* Disks can wait, or be taken out. */
+static bool activity_changes(const sd_model *m) { return m->n_rains > 0 || m->bounds.given; }
+
+static const observable bodies[] = {
+    SERIES("position", "length", "centre of a disk, pivot of a wall", OBSERVABLE_F64, 2, position, NULL),
+    SERIES("image", "1", "periodic images crossed: absolute = position + image * edges", OBSERVABLE_I32, 2,
+           image, NULL),
+    SERIES("velocity", "length/time", "velocity", OBSERVABLE_F64, 2, velocity, NULL),
+    SERIES("angle", "rad", "angle, counter-clockwise positive, not wrapped", OBSERVABLE_F64, 1, angle, NULL),
+    SERIES("angular_velocity", "rad/time", "spin, counter-clockwise positive", OBSERVABLE_F64, 1, spin, NULL),
+    SERIES("activity", "1",
+           "0 in play, 1 waiting, 2 removed, 3 outside the bounds (where disks can wait or leave)",
+           OBSERVABLE_I32, 1, activity, activity_changes),
+};
+const observable_list frame_observables =
+    OBSERVABLES("particles",
+                "frames of all disks in /particles/disks and, but for activity, of walls in "
+                "/particles/walls",
+                bodies);
+
+/* --- contacts of a moment --------------------------------------------------------------------------------- */
+
+#define CONTACT_COLUMN(name, column)                                                                         \
+  static double name(const void *row, size_t k) {                                                            \
+    const moment_contact *c = row;                                                                           \
+    (void)k;                                                                                                 \
+    return c->state->column[c->contact];                                                                     \
+  }
+CONTACT_COLUMN(contact_a, contact_a)
+CONTACT_COLUMN(contact_b, contact_b)
+CONTACT_COLUMN(contact_part, contact_part)
+CONTACT_COLUMN(contact_overlap, contact_overlap)
+CONTACT_COLUMN(contact_force, contact_force)
+CONTACT_COLUMN(contact_zeta, contact_zeta)
+CONTACT_COLUMN(contact_sliding, contact_slide)
+
+static int material_of(const sd_model *m, uint32_t body) {
+  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
+}
+
+static double contact_tau(const void *row, size_t k) {
+  const moment_contact *c = row;
+  const sd_state *s = c->state;
+  (void)k;
+  const sd_contact_law *law = sd_model_law(c->model, material_of(c->model, s->contact_a[c->contact]),
+                                           material_of(c->model, s->contact_b[c->contact]));
+  return 0.0 - law->k_t * s->contact_zeta[c->contact]; /* no -0 */
+}
+
+static const observable contact_rows[] = {
+    SERIES("a", "1", "body number of the disk", OBSERVABLE_U32, 1, contact_a, NULL),
+    SERIES("b", "1", "body number of the partner, disk or wall", OBSERVABLE_U32, 1, contact_b, NULL),
+    SERIES("part", "1", "straight piece of the wall, 0 for round bodies", OBSERVABLE_U32, 1, contact_part,
+           NULL),
+    SERIES("overlap", "length", "delta", OBSERVABLE_F64, 1, contact_overlap, NULL),
+    SERIES("force", "force", "normal force F_n, compression positive", OBSERVABLE_F64, 1, contact_force,
+           NULL),
+    SERIES("tau", "force", "tangential force tau (eq. tau): torque on a over its radius", OBSERVABLE_F64, 1,
+           contact_tau, NULL),
+    SERIES("stretch", "length", "lambda - lambda*", OBSERVABLE_F64, 1, contact_zeta, NULL),
+    SERIES("sliding", "1", "0 stuck, +1/-1 sliding with that sign of tau", OBSERVABLE_I32, 1, contact_sliding,
+           NULL),
+};
+const observable_list contact_observables =
+    OBSERVABLES("contacts", "rows of contact tables, in /contacts", contact_rows);
