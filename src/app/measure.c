@@ -133,37 +133,6 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
   return status;
 }
 
-/* --- one frame ---------------------------------------------------------------------------------------- */
-
-sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
-                          const double *wanted, size_t bins, sd_messages *messages) {
-  sd_status status = configuration_new(&m->c, constants, frame, messages);
-  if (status != SD_OK) return status;
-  region whole = configuration_region(&m->c, NULL);
-  m->region = configuration_region(&m->c, wanted);
-  m->region_given = wanted;
-  status = stress_new(&m->s, &m->c, &m->region, messages);
-  if (status == SD_OK) status = correlation_new(&m->pairs, &m->c, &m->region, bins, messages);
-  if (status != SD_OK) return status;
-  sd_messages *own = app_messages();
-  status = cells_new(&m->cells, &m->c, &whole, &m->region, own);
-  m->has_cells = status == SD_OK;
-  if (!m->has_cells) {
-    m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
-    for (size_t k = 0; own && k < sd_messages_count(own); k++)
-      sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(own, k));
-  }
-  sd_messages_free(own);
-  return status == SD_ERROR_NUMERIC ? SD_OK : status;
-}
-
-void measurement_free(measurement *m) {
-  configuration_free(&m->c);
-  stress_free(&m->s);
-  cells_free(&m->cells);
-  correlation_free(&m->pairs);
-}
-
 /* --- all frames --------------------------------------------------------------------------------------- */
 
 typedef struct sinks {

@@ -6,27 +6,7 @@
 #include <stdio.h>
 
 #include "io/store/file.h"
-#include "measure/cells.h"
-#include "measure/correlation.h"
-#include "measure/stress.h"
-
-typedef struct measurement {
-  const char *file;
-  int64_t frame; /* number of the stored frame, -1: the state */
-  configuration c;
-  region region;
-  bool region_given; /* on the command line */
-  stress s;
-  cells cells;
-  bool has_cells;
-  correlation pairs;
-} measurement;
-
-/* wanted (may be NULL): x0, x1, y0, y1. measurement_free also when it fails. A triangulation that fails is a warning:
- * cells are then not known. */
-sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
-                          const double *wanted, size_t bins, sd_messages *messages);
-void measurement_free(measurement *m);
+#include "measure/measurement.h"
 
 /* --- measure_page.c ---------------------------------------------------------------------------------- */
 void measure_page(FILE *out, const measurement *m);

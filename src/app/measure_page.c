@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/json.h"
 #include "app/measure.h"
 #include "base/limits.h"
 #include "base/text.h"
@@ -159,96 +160,53 @@ void measure_row(FILE *out, const measurement *m) {
 
 /* --- for programs ------------------------------------------------------------------------------------- */
 
-/* JSON has no NaN: what is not known is null. */
-static json_t *real(double value) { return isfinite(value) ? json_real(value) : json_null(); }
-
 static json_t *tensor(const double t[4]) {
-  return json_pack("[[o, o], [o, o]]", real(t[0]), real(t[1]), real(t[2]), real(t[3]));
-}
-
-static json_t *reals(size_t n, const double *value) {
-  json_t *list = json_array();
-  for (size_t k = 0; k < n; k++) json_array_append_new(list, real(value[k]));
-  return list;
+  return json_pack("[o, o]", json_numbers(2, t), json_numbers(2, t + 2));
 }
 
 static json_t *distribution_json(const distribution *d) {
-  json_t *object = json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean",
-                             real(d->mean), "deviation", real(d->deviation), "skewness", real(d->skewness),
-                             "kurtosis", real(d->kurtosis), "beyond", (json_int_t)d->beyond);
+  json_t *object =
+      json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean", json_number(d->mean),
+                "deviation", json_number(d->deviation), "skewness", json_number(d->skewness), "kurtosis",
+                json_number(d->kurtosis), "beyond", (json_int_t)d->beyond);
   if (!d->histogram) return object;
   json_t *density = json_array();
   for (size_t k = 0; k < d->histogram->n; k++)
-    json_array_append_new(density, real(distribution_density(d, k)));
-  json_object_set_new(object, "least", real(d->least));
-  json_object_set_new(object, "most", real(d->most));
-  json_object_set_new(object, "edges", reals(d->histogram->n + 1, d->histogram->range));
+    json_array_append_new(density, json_number(distribution_density(d, k)));
+  json_object_set_new(object, "least", json_number(d->least));
+  json_object_set_new(object, "most", json_number(d->most));
+  json_object_set_new(object, "edges", json_numbers(d->histogram->n + 1, d->histogram->range));
   json_object_set_new(object, "density", density);
   return object;
 }
 
-static json_t *region_json(const measurement *m) {
-  const region *g = &m->region;
-  json_t *object =
-      json_pack("{s:[o, o], s:[o, o], s:[b, b], s:o, s:b}", "x", real(g->lower[0]), real(g->upper[0]), "y",
-                real(g->lower[1]), real(g->upper[1]), "periodic", (int)g->whole[0], (int)g->whole[1], "area",
-                real(m->s.area), "given", (int)m->region_given);
-  if (g->round) json_object_set_new(object, "radius", real(g->radius));
-  return object;
-}
-
-static json_t *cells_json(const measurement *m) {
-  if (!m->has_cells) return json_null();
-  const cells *t = &m->cells;
-  return json_pack("{s:I, s:I, s:o, s:o, s:o, s:o, s:o, s:o}", "closed", (json_int_t)t->n_closed, "open",
-                   (json_int_t)t->n_open, "total", real(t->total), "inside", real(t->inside), "mean",
-                   real(t->mean), "deviation", real(t->deviation), "least", real(t->least), "most",
-                   real(t->most));
-}
-
-static json_t *contacts_json(const measurement *m) {
-  const stress *s = &m->s;
-  const correlation *g = &m->pairs;
-  bool any = s->n_contacts > 0, skin = g->mobilised.n > 0;
-  return json_pack(
-      "{s:I, s:I, s:I, s:o, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "closed",
-      (json_int_t)s->n_contacts, "bearing", (json_int_t)s->n_bearing, "fixed", (json_int_t)s->n_wall,
-      "sliding", real(m->c.recomputed || m->c.frictionless ? NAN : (double)s->n_sliding), "recomputed",
-      (int)m->c.recomputed, "z", real(s->z), "z_bearing", real(s->z_bearing), "z_backbone",
-      real(s->z_backbone), "mean_force", real(s->mean_force), "overlap_mean", real(s->overlap_mean),
-      "overlap_max", real(any ? s->overlap_max : NAN), "unbalanced", real(s->unbalanced), "fabric",
-      tensor(s->fabric), "anisotropy", real(s->anisotropy), "fabric_angle", real(s->fabric_angle), "at_limit",
-      real(skin && !m->c.recomputed ? (double)g->n_limit / (double)g->mobilised.n : NAN));
-}
-
-static json_t *stress_json(const measurement *m) {
-  const stress *s = &m->s;
-  return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "contact", tensor(s->contact), "kinetic",
-                   tensor(s->kinetic), "pressure", real(s->contact_principal.mean), "deviator",
-                   real(s->contact_principal.deviator), "angle", real(s->contact_principal.angle),
-                   "energy_translation", real(s->energy_translation), "energy_rotation",
-                   real(s->energy_rotation));
-}
-
-static json_t *pairs_json(const measurement *m) {
-  const correlation *g = &m->pairs;
-  if (!g->pairs) return json_null();
-  return json_pack("{s:I, s:o, s:o, s:o, s:o, s:o}", "disks", (json_int_t)g->n_disks, "density",
-                   real(g->density), "peak_r", real(g->peak_r), "peak", real(g->peak), "edges",
-                   reals(g->pairs->n + 1, g->pairs->range), "g", reals(g->pairs->n, g->pairs->bin));
-}
-
+/* The numbers of measurement_observables, and what is none: tensors, curves, ranges. */
 json_t *measure_json(const measurement *m) {
   const stress *s = &m->s;
   const correlation *g = &m->pairs;
-  json_t *frame = m->frame >= 0 ? json_integer(m->frame) : json_null();
-  return json_pack(
-      "{s:o, s:I, s:o, s:o, s:{s:I, s:I, s:I, s:I, s:I, s:I}, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}",
-      "frame", frame, "step", (json_int_t)m->c.step, "time", real(m->c.time), "region", region_json(m),
-      "disks", "free", (json_int_t)s->free, "rattlers", (json_int_t)s->rattlers, "prescribed",
-      (json_int_t)s->fixed, "elsewhere", (json_int_t)s->outside, "waiting", (json_int_t)m->c.n_waiting,
-      "removed", (json_int_t)m->c.n_removed, "fraction", real(s->fraction), "cells", cells_json(m),
-      "contacts", contacts_json(m), "stress", stress_json(m), "pairs", pairs_json(m), "normal_force",
-      distribution_json(&g->normal), "tangential_force", distribution_json(&g->tangential),
-      "mobilised_friction", distribution_json(&g->mobilised));
+  const region *r = &m->region;
+  json_t *frame = json_pack("{s:o}", "frame", m->frame >= 0 ? json_integer(m->frame) : json_null());
+  json_add(frame, &measurement_observables, m, 1, 0);
+  json_t *where = json_object_get(frame, "region"), *pairs = json_object_get(frame, "pairs");
+  for (int c = 0; c < 2; c++) {
+    const double ends[2] = {r->lower[c], r->upper[c]};
+    json_object_set_new(where, c == 0 ? "x" : "y", json_numbers(2, ends));
+  }
+  json_object_set_new(where, "periodic", json_pack("[b, b]", (int)r->whole[0], (int)r->whole[1]));
+  json_object_set_new(where, "given", json_boolean(m->region_given));
+  if (r->round) json_object_set_new(where, "radius", json_number(r->radius));
+  if (!m->has_cells) json_object_set_new(frame, "cells", json_null());
+  json_object_set_new(json_object_get(frame, "contacts"), "fabric", tensor(s->fabric));
+  json_object_set_new(json_object_get(frame, "stress"), "contact", tensor(s->contact));
+  json_object_set_new(json_object_get(frame, "stress"), "kinetic", tensor(s->kinetic));
+  if (g->pairs) {
+    json_object_set_new(pairs, "edges", json_numbers(g->pairs->n + 1, g->pairs->range));
+    json_object_set_new(pairs, "g", json_numbers(g->pairs->n, g->pairs->bin));
+  } else {
+    json_object_set_new(frame, "pairs", json_null());
+  }
+  json_object_set_new(frame, "normal_force", distribution_json(&g->normal));
+  json_object_set_new(frame, "tangential_force", distribution_json(&g->tangential));
+  json_object_set_new(frame, "mobilised_friction", distribution_json(&g->mobilised));
+  return frame;
 }

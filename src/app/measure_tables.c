@@ -10,12 +10,7 @@
 static const struct table {
   const char *name, *head;
 } tables[MEASURE_TABLES] = {
-    [MEASURE_FRAMES] =
-        {"frames.csv",
-         "step,time,disks,rattlers,contacts,bearing,sliding,z,z_bearing,z_backbone,fraction,"
-         "fraction_inside,local_mean,local_deviation,area,stress_xx,stress_xy,stress_yx,stress_yy,"
-         "kinetic_xx,kinetic_xy,kinetic_yy,pressure,deviator,angle,anisotropy,fabric_angle,mean_force,"
-         "overlap_mean,overlap_max,energy_translation,energy_rotation,unbalanced,mobilised_mean,limit"},
+    [MEASURE_FRAMES] = {"frames.csv", NULL}, /* measurement_observables */
     [MEASURE_DISKS] = {"disks.csv",
                        "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
                        "fraction,resultant_x,resultant_y"},
@@ -34,9 +29,16 @@ sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages
     status = path ? file_stream_open(path, &t->file[k], messages)
                   : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", folder);
     t->out[k] = t->file[k].out;
-    if (t->out[k]) fprintf(t->out[k], "%s\n", tables[k].head);
+    if (t->out[k] && tables[k].head) fprintf(t->out[k], "%s\n", tables[k].head);
     free(path);
   }
+  const char *comma = "";
+  for (size_t k = 0; status == SD_OK && k < measurement_observables.n; k++) {
+    const char *column = measurement_observables.rows[k].column;
+    if (column) fprintf(t->out[MEASURE_FRAMES], "%s%s", comma, column);
+    if (column) comma = ",";
+  }
+  if (status == SD_OK) fputc('\n', t->out[MEASURE_FRAMES]);
   return status;
 }
 
@@ -57,41 +59,11 @@ static void number(FILE *out, double value) {
 }
 
 static void add_frame(FILE *out, const measurement *m) {
-  const stress *s = &m->s;
-  const correlation *g = &m->pairs;
-  fprintf(out, "%" PRId64 ",%.15g,%zu,%zu,%zu,%zu", m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts,
-          s->n_bearing);
-  number(out, m->c.recomputed || m->c.frictionless ? NAN : (double)s->n_sliding);
-  size_t skin = g->mobilised.n;
-  const double values[] = {s->z,
-                           s->z_bearing,
-                           s->z_backbone,
-                           s->fraction,
-                           m->cells.inside,
-                           m->cells.mean,
-                           m->cells.deviation,
-                           s->area,
-                           s->contact[STRESS_XX],
-                           s->contact[STRESS_XY],
-                           s->contact[STRESS_YX],
-                           s->contact[STRESS_YY],
-                           s->kinetic[STRESS_XX],
-                           s->kinetic[STRESS_XY],
-                           s->kinetic[STRESS_YY],
-                           s->contact_principal.mean,
-                           s->contact_principal.deviator,
-                           s->contact_principal.angle,
-                           s->anisotropy,
-                           s->fabric_angle,
-                           s->mean_force,
-                           s->overlap_mean,
-                           s->n_contacts ? s->overlap_max : NAN,
-                           s->energy_translation,
-                           s->energy_rotation,
-                           s->unbalanced,
-                           g->mobilised.mean,
-                           skin ? (double)g->n_limit / (double)skin : NAN};
-  for (size_t k = 0; k < sizeof values / sizeof *values; k++) number(out, values[k]);
+  fprintf(out, "%" PRId64, m->c.step);
+  for (size_t k = 1; k < measurement_observables.n; k++) { /* the first is the step */
+    const observable *o = &measurement_observables.rows[k];
+    if (o->column) number(out, observable_value(o, m, 0));
+  }
   fputc('\n', out);
 }
 

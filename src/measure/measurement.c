@@ -1,0 +1,133 @@
+/* measurement.c: see measurement.h. */
+#include "measure/measurement.h"
+
+#include <math.h>
+#include <stddef.h>
+
+sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
+                          const double *wanted, size_t bins, sd_messages *messages) {
+  sd_status status = configuration_new(&m->c, constants, frame, messages);
+  if (status != SD_OK) return status;
+  region whole = configuration_region(&m->c, NULL);
+  m->region = configuration_region(&m->c, wanted);
+  m->region_given = wanted;
+  status = stress_new(&m->s, &m->c, &m->region, messages);
+  if (status == SD_OK) status = correlation_new(&m->pairs, &m->c, &m->region, bins, messages);
+  if (status != SD_OK) return status;
+  sd_messages *own = sd_messages_new();
+  status = cells_new(&m->cells, &m->c, &whole, &m->region, own);
+  m->has_cells = status == SD_OK;
+  if (!m->has_cells) {
+    m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
+    for (size_t k = 0; own && k < sd_messages_count(own); k++)
+      sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(own, k));
+  }
+  sd_messages_free(own);
+  return status == SD_ERROR_NUMERIC ? SD_OK : status;
+}
+
+void measurement_free(measurement *m) {
+  configuration_free(&m->c);
+  stress_free(&m->s);
+  cells_free(&m->cells);
+  correlation_free(&m->pairs);
+}
+
+static double sliding(const void *row, size_t k) {
+  const measurement *m = row;
+  (void)k;
+  return m->c.recomputed || m->c.frictionless ? NAN : (double)m->s.n_sliding;
+}
+
+static double overlap_max(const void *row, size_t k) {
+  const measurement *m = row;
+  (void)k;
+  return m->s.n_contacts > 0 ? m->s.overlap_max : NAN;
+}
+
+/* Contacts that were found again have no tangential force. */
+static double at_limit(const void *row, size_t k) {
+  const measurement *m = row;
+  size_t n = m->pairs.mobilised.n;
+  (void)k;
+  return n > 0 && !m->c.recomputed ? (double)m->pairs.n_limit / (double)n : NAN;
+}
+
+#define REAL(name, field, unit, meaning, column, json)                                                       \
+  { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(measurement, field), NULL, column, json, NULL }
+#define COUNT(name, field, meaning, column, json)                                                            \
+  { name, "1", meaning, OBSERVABLE_SIZE, 1, offsetof(measurement, field), NULL, column, json, NULL }
+#define GOT(name, get, unit, meaning, column, json)                                                          \
+  { name, unit, meaning, OBSERVABLE_F64, 1, 0, get, column, json, NULL }
+
+static const observable rows[] = {
+    {"step", "1", "steps since the start", OBSERVABLE_I64, 1, offsetof(measurement, c.step), NULL, "step",
+     NULL, NULL},
+    REAL("time", c.time, "time", "step * dt", "time", NULL),
+    COUNT("free", s.free, "free disks in the region", "disks", "disks.free"),
+    COUNT("rattlers", s.rattlers, "of these, with too few load-bearing contacts", "rattlers",
+          "disks.rattlers"),
+    COUNT("prescribed", s.fixed, "prescribed disks in the region", NULL, "disks.prescribed"),
+    COUNT("elsewhere", s.outside, "free disks elsewhere", NULL, "disks.elsewhere"),
+    COUNT("waiting", c.n_waiting, "disks to be released", NULL, "disks.waiting"),
+    COUNT("removed", c.n_removed, "disks beyond the bounds", NULL, "disks.removed"),
+    COUNT("closed", s.n_contacts, "closed contacts", "contacts", "contacts.closed"),
+    COUNT("bearing", s.n_bearing, "of these, load-bearing", "bearing", "contacts.bearing"),
+    COUNT("fixed", s.n_wall, "with walls or prescribed disks", NULL, "contacts.fixed"),
+    GOT("sliding", sliding, "1", "of these, sliding", "sliding", "contacts.sliding"),
+    {"recomputed", "1", "contacts were found again from positions and velocities", OBSERVABLE_FLAG, 1,
+     offsetof(measurement, c.recomputed), NULL, NULL, "contacts.recomputed", NULL},
+    REAL("z", s.z, "1", "closed contacts per free disk", "z", "contacts.z"),
+    REAL("z_bearing", s.z_bearing, "1", "load-bearing contacts per free disk", "z_bearing",
+         "contacts.z_bearing"),
+    REAL("z_backbone", s.z_backbone, "1", "the same without rattlers", "z_backbone", "contacts.z_backbone"),
+    REAL("fraction", s.fraction, "1", "packing fraction of the region", "fraction", NULL),
+    COUNT("cells_closed", cells.n_closed, "closed cells", NULL, "cells.closed"),
+    COUNT("cells_open", cells.n_open, "open cells", NULL, "cells.open"),
+    REAL("cells_total", cells.total, "length^2", "area of all cells", NULL, "cells.total"),
+    REAL("inside", cells.inside, "1", "packing fraction of the closed cells", "fraction_inside",
+         "cells.inside"),
+    REAL("local_mean", cells.mean, "1", "local packing fraction, mean over closed cells", "local_mean",
+         "cells.mean"),
+    REAL("local_deviation", cells.deviation, "1", "its standard deviation", "local_deviation",
+         "cells.deviation"),
+    REAL("local_least", cells.least, "1", "its smallest value", NULL, "cells.least"),
+    REAL("local_most", cells.most, "1", "its largest value", NULL, "cells.most"),
+    REAL("area", s.area, "length^2", "area of the region", "area", "region.area"),
+    REAL("stress_xx", s.contact[STRESS_XX], "force/length", "stress of the contacts", "stress_xx", ""),
+    REAL("stress_xy", s.contact[STRESS_XY], "force/length", "stress of the contacts", "stress_xy", ""),
+    REAL("stress_yx", s.contact[STRESS_YX], "force/length", "stress of the contacts", "stress_yx", ""),
+    REAL("stress_yy", s.contact[STRESS_YY], "force/length", "stress of the contacts", "stress_yy", ""),
+    REAL("kinetic_xx", s.kinetic[STRESS_XX], "force/length", "kinetic stress", "kinetic_xx", ""),
+    REAL("kinetic_xy", s.kinetic[STRESS_XY], "force/length", "kinetic stress", "kinetic_xy", ""),
+    REAL("kinetic_yy", s.kinetic[STRESS_YY], "force/length", "kinetic stress", "kinetic_yy", ""),
+    REAL("pressure", s.contact_principal.mean, "force/length", "half the trace of the stress", "pressure",
+         "stress.pressure"),
+    REAL("deviator", s.contact_principal.deviator, "force/length",
+         "half the difference of its principal values", "deviator", "stress.deviator"),
+    REAL("angle", s.contact_principal.angle, "rad", "direction of the largest stress", "angle",
+         "stress.angle"),
+    REAL("anisotropy", s.anisotropy, "1", "of the directions of load-bearing contacts", "anisotropy",
+         "contacts.anisotropy"),
+    REAL("fabric_angle", s.fabric_angle, "rad", "direction of most load-bearing contacts", "fabric_angle",
+         "contacts.fabric_angle"),
+    REAL("mean_force", s.mean_force, "force", "mean normal force of load-bearing contacts", "mean_force",
+         "contacts.mean_force"),
+    REAL("overlap_mean", s.overlap_mean, "length", "mean overlap", "overlap_mean", "contacts.overlap_mean"),
+    GOT("overlap_max", overlap_max, "length", "largest overlap", "overlap_max", "contacts.overlap_max"),
+    REAL("energy_translation", s.energy_translation, "energy", "kinetic energy of translation per free disk",
+         "energy_translation", "stress.energy_translation"),
+    REAL("energy_rotation", s.energy_rotation, "energy", "kinetic energy of rotation per free disk",
+         "energy_rotation", "stress.energy_rotation"),
+    REAL("unbalanced", s.unbalanced, "1", "mean resultant force on a free disk over mean_force", "unbalanced",
+         "contacts.unbalanced"),
+    REAL("mobilised_mean", pairs.mobilised.mean, "1", "mean of |tau|/(mu F_n)", "mobilised_mean", ""),
+    GOT("limit", at_limit, "1", "fraction of the contacts with friction that slide", "limit",
+        "contacts.at_limit"),
+    COUNT("pairs_disks", pairs.n_disks, "disks of g(r)", NULL, "pairs.disks"),
+    REAL("pairs_density", pairs.density, "1/length^2", "their number per area", NULL, "pairs.density"),
+    REAL("peak_r", pairs.peak_r, "length", "where g(r) is highest", NULL, "pairs.peak_r"),
+    REAL("peak", pairs.peak, "1", "its value there", NULL, "pairs.peak"),
+};
+const observable_list measurement_observables =
+    OBSERVABLES("measure", "numbers of a frame: columns of frames.csv, and in the JSON", rows);
