@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "physics/system/work.h"
+#include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
 
@@ -55,10 +56,15 @@ HELPER sd_model *model_of(const char *deck) {
   return model;
 }
 
+/* What is asked to have several threads takes the general step, also where the model is small enough for the other. */
+HELPER simulation_step step_for(int threads) {
+  return threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE;
+}
+
 HELPER sd_simulation *begin_run(const sd_model *model, int threads) {
   sd_simulation *sim = NULL;
   sd_messages *messages = sd_messages_new();
-  sd_simulation_new(model, threads, &sim, messages);
+  simulation_new(model, threads, step_for(threads), &sim, messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   assert_non_null(sim);
@@ -93,7 +99,7 @@ HELPER sd_simulation *go_on_from_copy(sd_simulation *sim, int threads) {
   sd_state *state = copy_of(model, sd_simulation_state(sim));
   sd_simulation_free(sim);
   sd_simulation *next = NULL;
-  assert_int_equal(sd_simulation_resume(model, state, threads, &next, NULL), SD_OK);
+  assert_int_equal(simulation_resume(model, state, threads, step_for(threads), &next, NULL), SD_OK);
   return next;
 }
 
@@ -106,8 +112,8 @@ HELPER void same_states(const sd_state *a, const sd_state *b, const char *what) 
   fail();
 }
 
-/* The private side of a simulation: its only member. */
-HELPER engine *engine_of(sd_simulation *sim) { return (engine *)(void *)sim; }
+/* The private side of a simulation. */
+HELPER engine *engine_of(sd_simulation *sim) { return simulation_engine(sim); }
 
 /* Bits of a splitmix64 sequence: the tests' own random numbers. */
 HELPER uint64_t next_bits(uint64_t *seed) {

@@ -1,7 +1,6 @@
 /* test_lanes.c: the step of small systems in lanes gives the bits of the general step.
  *
- * A run with two threads takes the general step, one with one thread the other; both cross the ends of
- * motion batches, phases, openings, new reference directions and angles that return into range.
+ * One run takes the step that suits it, the other the general one; both cross the ends of motion batches, phases, openings, new reference directions and angles that return into range.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,19 +10,21 @@
 #include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
-#include <string.h>
 
+#include "run/simulation_private.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
 
-static sd_simulation *start(const char *deck, const char *const *overrides, size_t n, int threads,
+static const simulation_step steps_to_take[] = {SIMULATION_SUITABLE, SIMULATION_GENERAL};
+
+static sd_simulation *start(const char *deck, const char *const *overrides, size_t n, simulation_step step,
                             sd_model **model) {
   char path[512];
   snprintf(path, sizeof path, "%s/inputs/%s", SLIPDISK_SOURCE_DIR, deck);
   sd_messages *m = sd_messages_new();
   sd_simulation *sim = NULL;
   if (sd_deck_load(path, n, overrides, model, m) != SD_OK ||
-      sd_simulation_new(*model, threads, &sim, m) != SD_OK)
+      simulation_new(*model, 1, step, &sim, m) != SD_OK)
     sd_messages_print(m, stderr);
   sd_messages_free(m);
   assert_non_null(sim);
@@ -37,8 +38,8 @@ static void compare(const char *deck, const char *integrator, const char *const 
   sd_model *model[2];
   sd_simulation *sim[2];
   for (int k = 0; k < 2; k++) {
-    sim[k] = start(deck, overrides, n_more + 1, k + 1, &model[k]);
-    assert_int_equal(sd_simulation_threads(sim[k]), k + 1);
+    sim[k] = start(deck, overrides, n_more + 1, steps_to_take[k], &model[k]);
+    assert_int_equal(simulation_is_small(sim[k]), k == 0);
     assert_int_equal(sd_simulation_advance(sim[k], steps, NULL), SD_OK);
   }
   const sd_field *f = sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
@@ -86,7 +87,7 @@ static void an_overlap_ends_both_alike(void **state) {
     sd_simulation *sim[2];
     char text[2][256];
     for (int k = 0; k < 2; k++) {
-      sim[k] = start(decks[c / 2], more, c / 2 ? 4 : 3, k + 1, &model[k]);
+      sim[k] = start(decks[c / 2], more, c / 2 ? 4 : 3, steps_to_take[k], &model[k]);
       if (c / 2) model[k]->max_overlap = 1e-12; /* the supports shake it deeper than gravity does */
       sd_messages *m = sd_messages_new();
       assert_int_equal(sd_simulation_advance(sim[k], 100000, m), SD_ERROR_NUMERIC);

@@ -74,11 +74,10 @@ static sd_status fail_new(sd_simulation *sim, sd_simulation **out, sd_status sta
   return status;
 }
 
-/* Work, and the rows of a small system. */
-static sd_status build(engine *e, int threads, sd_messages *messages) {
-  sd_status status = engine_build(e, threads, messages);
-  if (status == SD_OK && threads == 1 && lanes_suit(e->model) &&
-      lanes_new(true, 1, &e, &e->work.lanes) != SD_OK)
+/* Work, and the rows of a small system, whose step has one thread. */
+static sd_status build(engine *e, bool small, int threads, sd_messages *messages) {
+  sd_status status = engine_build(e, small ? 1 : threads, messages);
+  if (status == SD_OK && small && lanes_new(true, 1, &e, &e->work.lanes) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   return status;
 }
@@ -89,6 +88,11 @@ static void release(engine *e) {
 }
 
 sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out, sd_messages *messages) {
+  return simulation_new(model, threads, SIMULATION_SUITABLE, out, messages);
+}
+
+sd_status simulation_new(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
+                         sd_messages *messages) {
   sd_state *state = sd_state_new(model);
   if (!state) {
     *out = NULL;
@@ -99,7 +103,7 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
     *out = NULL;
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   }
-  sd_status status = sd_simulation_resume(model, state, threads, out, messages);
+  sd_status status = simulation_resume(model, state, threads, step, out, messages);
   if (status != SD_OK) return status;
   assert(*out);
   engine *e = &(*out)->engine;
@@ -113,6 +117,11 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
 
 sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads, sd_simulation **out,
                                sd_messages *messages) {
+  return simulation_resume(model, state, threads, SIMULATION_SUITABLE, out, messages);
+}
+
+sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
+                            sd_simulation **out, sd_messages *messages) {
   sd_simulation *sim = aligned_alloc(64, (sizeof *sim + 63) / 64 * 64);
   if (!sim) {
     sd_state_free(state);
@@ -120,7 +129,8 @@ sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threa
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
   }
   *sim = (sd_simulation){.engine = {.model = model, .state = state}};
-  sd_status status = build(&sim->engine, choose_threads(model, threads), messages);
+  sd_status status = build(&sim->engine, step == SIMULATION_SUITABLE && lanes_suit(model),
+                           choose_threads(model, threads), messages);
   if (status != SD_OK) return fail_new(sim, out, status);
   *out = sim;
   return SD_OK;
@@ -193,11 +203,12 @@ static void note_end(const engine *e) {
 /* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
 static sd_status order_again(engine *e, sd_messages *messages) {
   const int threads = e->work.n_threads;
+  const bool small = e->work.lanes;
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
   if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
   release(e);
-  sd_status status = build(e, threads, messages);
+  sd_status status = build(e, small, threads, messages);
   e->work.messages = messages;
   return status;
 }
@@ -263,6 +274,8 @@ static bool phase_is_over(const engine *e) {
 }
 
 engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
+
+bool simulation_is_small(const sd_simulation *sim) { return sim->engine.work.lanes; }
 
 int64_t simulation_room(const engine *e) { return next_stop(e) - e->state->phase_step; }
 
@@ -330,9 +343,10 @@ double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
 sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
   engine *e = &sim->engine;
   int threads = e->work.n_threads;
+  bool small = e->work.lanes;
   if (!sd_simulation_state(sim)) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   release(e);
-  return build(e, threads, messages);
+  return build(e, small, threads, messages);
 }
 
 int sd_simulation_threads(const sd_simulation *sim) { return sim->engine.work.n_threads; }
