@@ -68,6 +68,10 @@ sd_messages *app_messages(void);
 /* --- report.c --------------------------------------------------------------------------------------- */
 /* What has been measured, as tables. */
 void report_summary(FILE *out, const summary *found);
+/* The lines of a text, each behind `before`. */
+void report_lines(FILE *out, const char *before, const char *text);
+/* The last line of a terminal, no longer than that is wide. */
+void report_bottom(FILE *out, const char *text);
 /* One line on the cost: steps, wall time, ns per step. */
 void report_cost(FILE *out, const summary *found, const provenance *origin);
 /* "of", or "of at most" when the run can end before: at rest, or with an error bar that is small enough. */

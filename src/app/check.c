@@ -326,7 +326,7 @@ static sd_status check_sweep(const options *o, const sd_model *m, double speed, 
   entry *entries = calloc(n + 1, sizeof *entries);
   bool memory = steps && kinds && entries;
   if (status == SD_OK && !memory) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
-  if (status == SD_OK) status = sweep_survey(&s, steps, kinds, &usable, messages);
+  if (status == SD_OK) status = sweep_precheck(&s, steps, kinds, &usable, messages);
   pace p = {.alone = speed > 0 ? 1 / speed : 0, .width = ensemble_width()};
   if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(m))
     p.together = probe_lanes(m, p.width);

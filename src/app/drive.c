@@ -9,7 +9,6 @@
 #include <sched.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -63,15 +62,6 @@ static void describe(const session_progress *p, char *text, size_t size) {
            p->at_most && *left != '?' ? "< " : "", left, goal, p->energy->residual);
 }
 
-static void show_line(teller *t, const char *text) {
-  struct winsize window;
-  int width = 100;
-  if (ioctl(fileno(t->screen), TIOCGWINSZ, &window) == 0 && window.ws_col > 0) width = window.ws_col - 1;
-  fprintf(t->screen, "\r\033[K%.*s", width, text);
-  fflush(t->screen);
-  t->line_open = true;
-}
-
 static void end_line(teller *t) {
   if (t->line_open) fputc('\n', t->screen);
   t->line_open = false;
@@ -81,7 +71,10 @@ static void show(void *user, const session_progress *p) {
   teller *t = user;
   char text[400];
   describe(p, text, sizeof text);
-  if (t->screen && t->terminal) show_line(t, text);
+  if (t->screen && t->terminal) {
+    report_bottom(t->screen, text);
+    t->line_open = true;
+  }
   double now = clock_seconds();
   double wait = fmin(fmax((now - t->began) / 4, PLAIN_FIRST), PLAIN_LAST);
   if (!p->new_phase && p->step < p->expected && now - t->told_at < wait) return;

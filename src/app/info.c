@@ -12,6 +12,7 @@
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+#include "measure/measurement.h"
 
 /* All that is told. */
 typedef struct facts {
@@ -88,10 +89,7 @@ static char *failure_of(const place *p) {
 
 static void print_failure(const char *text) {
   printf("FAILED when it was run last:\n");
-  for (size_t n; *text; text += n + (text[n] == '\n')) {
-    n = strcspn(text, "\n");
-    printf("  %.*s\n", (int)n, text);
-  }
+  report_lines(stdout, "  ", text);
 }
 
 /* A point that failed before its first checkpoint has left nothing else. True: that was told. */
@@ -275,21 +273,35 @@ static int print_json(const facts *f) {
 
 typedef struct arguments {
   const char *name;
-  bool json, deck, as_read;
+  bool json, deck, as_read, names;
 } arguments;
 
 static const option_row rows[] = {
     {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
     {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), 0, 0, NULL},
     {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), 0, 0, NULL},
+    {"names", 0, OPTION_FLAG, offsetof(arguments, names), 0, 0, NULL},
 };
 static const command_line accepts = {"info",         sizeof rows / sizeof *rows, rows,
-                                     OPERAND_RESULT, offsetof(arguments, name),  false};
+                                     OPERAND_RESULT, offsetof(arguments, name),  true};
+
+/* What is measured: the section "Names" of docs/results.md. */
+static int print_names(void) {
+  const observable_list *const lists[] = {
+      &energy_observables,     &series_observables,     &frame_observables,    &contact_observables,
+      &fact_observables,       &outcome_observables,    &rotation_observables, &slide_observables,
+      &phase_observables,      &until_observables,      &disk_observables,     &total_observables,
+      &provenance_observables, &measurement_observables};
+  for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) observable_print(stdout, lists[k]);
+  return SD_OK;
+}
 
 int app_info(int argc, char **argv) {
   arguments a = {0};
   int mistake = options_parse(&accepts, argc, argv, &a);
   if (mistake) return mistake;
+  if (a.names) return print_names();
+  if (!a.name) return app_misuse("info", "one result is expected");
   bool json = a.json, deck = a.deck;
   const char *name = a.name;
   if (!json && !deck && !a.as_read && tell_failure(name)) return SD_OK;

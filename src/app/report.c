@@ -1,8 +1,12 @@
 /* report.c: what a run has found, for people; see app.h. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* fileno */
+#endif
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/ioctl.h>
 
 #include "app/app.h"
 #include "physics/step/outside.h"
@@ -19,6 +23,20 @@ const char *report_duration(double seconds, char *text, size_t size) {
     snprintf(text, size, "%" PRId64 "d %02d:%02d:%02d", s / 86400, (int)(s / 3600 % 24), (int)(s / 60 % 60),
              (int)(s % 60));
   return text;
+}
+
+void report_lines(FILE *out, const char *before, const char *text) {
+  for (size_t n; *text; text += n + (text[n] == '\n')) {
+    n = strcspn(text, "\n");
+    fprintf(out, "%s%.*s\n", before, (int)n, text);
+  }
+}
+
+void report_bottom(FILE *out, const char *text) {
+  struct winsize window;
+  int width = ioctl(fileno(out), TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;
+  fprintf(out, "\r\033[K%.*s", width, text);
+  fflush(out);
 }
 
 /* "-0.0123 +- 0.0004"; "-" for what is not known. */

@@ -13,9 +13,6 @@
 
 /* How long --table waits for another process that is writing the tables, s. */
 static const double TABLE_PATIENCE = 600;
-/* Points that --point K looks at besides its own. */
-enum { SAMPLE = 8 };
-
 #define WHOLE " is no whole number from 1 to 4096"
 static const option_row rows[] = {
     {"output", 'o', OPTION_PATH, offsetof(sweep_command, output), 0, 0, NULL},
@@ -63,16 +60,6 @@ static int parse_range(const sweep *s, sweep_command *c) {
     fprintf(stderr, "--point %s: %ld is the last point of this sweep\n", text, last);
   if (c->last > last) c->last = last;
   return 0;
-}
-
-const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
-  *text = 0;
-  if (!r->has_found || r->found.n_rotations == 0) return text;
-  const sd_rotation *first = &r->found.rotations[0];
-  if (isfinite(first->omega))
-    snprintf(text, size, "%s: Omega = %.4g +- %.2g%s", r->found.rotation_names[0], first->omega, first->error,
-             first->converged ? "" : " *");
-  return text;
 }
 
 /* --- what there is ----------------------------------------------------------------------------------------- */
@@ -138,39 +125,6 @@ static sd_status print_points(const sweep *s, bool list, sd_messages *messages) 
   sweep_tally_free(&others);
   return status;
 }
-/* --- the folder -------------------------------------------------------------------------------------------- */
-
-/* Points of another deck among some of those outside [first, end) that are there. */
-static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first, size_t end,
-                                sd_messages *messages) {
-  sweep_tally others = {0};
-  size_t n = 0, met = 0;
-  for (size_t k = 0; k < s->deck.n_points; k++) n += there->has[k] && (k < first || k >= end);
-  size_t every = n / SAMPLE + 1;
-  others.sampled = every > 1 || n < there->known;
-  for (size_t k = 0; k < s->deck.n_points; k++) {
-    if (!there->has[k] || (k >= first && k < end) || met++ % every != 0) continue;
-    sweep_result r;
-    sweep_look(s, k, &r, NULL);
-    sweep_tally_add(&others, &r);
-    sweep_result_free(&r);
-  }
-  sd_status status = sweep_refuse_others(s, &others, "nothing is run", messages);
-  sweep_tally_free(&others);
-  return status;
-}
-
-sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size_t end,
-                      sd_messages *messages) {
-  sweep_contents there = {0};
-  if (c->mix) return SD_OK;
-  sd_status status = sweep_list(s, &there, messages);
-  if (status == SD_OK) status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
-  if (status == SD_OK && !c->force) status = look_at_sample(s, &there, first, end, messages);
-  sweep_contents_free(&there);
-  return status;
-}
-
 /* --- one point --------------------------------------------------------------------------------------------- */
 
 typedef struct note {

@@ -39,7 +39,7 @@ void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
  * their lengths (with `until` the longest), 0 for those with mistakes; kinds[n_points]: points of the same kind
  * can share lanes, those that are SWEEP_ALONE cannot (ensemble.h); usable: sets of values without mistakes. */
 enum { SWEEP_ALONE = -1 };
-sd_status sweep_survey(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages);
+sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages);
 
 /* Runs what is not done yet: here or in the ranks of an MPI job, or (workers > 0) in processes of its own. */
 int sweep_run_all(const sweep *s, const sweep_command *c);

@@ -6,7 +6,7 @@
  */
 #include <stdlib.h>
 
-#include "app/sweep_crew.h"
+#include "app/sweep_scheduler.h"
 
 typedef struct entry {
   size_t kind; /* point with which its kind begins; its own: alone */
@@ -22,7 +22,7 @@ static int compare(const void *a, const void *b) {
   return p->point < q->point ? -1 : p->point > q->point;
 }
 
-static void sort(entry *entries, const crew *w, const size_t *points, size_t n, size_t *begins) {
+static void sort(entry *entries, const scheduler *w, const size_t *points, size_t n, size_t *begins) {
   for (size_t k = 0; k < n; k++) {
     size_t point = points[k];
     int kind = w->kinds[point];
@@ -49,7 +49,7 @@ static size_t largest(const sweep_groups *g) {
   return best;
 }
 
-bool sweep_groups_make(sweep_groups *g, const crew *w, const size_t *points, size_t n, size_t workers) {
+bool sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers) {
   size_t n_kinds = w->s->deck.n_sets;
   entry *entries = calloc(n + 1, sizeof *entries);
   size_t *begins = malloc((n_kinds + 1) * sizeof *begins);

@@ -21,162 +21,21 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "app/app.h"
-#include "app/sweep_crew.h"
+#include "app/sweep_scheduler.h"
 #include "io/store/file.h"
 #include "run/ensemble.h"
-
-/* Between tables while points are run: at least so long, and a multiple of what the last ones took. */
-static const double TABLE_SECONDS = 15, TABLE_SHARE = 20;
-/* How long the last tables wait for another process that is writing them. */
-static const double PATIENCE = 600, PATIENCE_STOPPED = 10;
-
-void sweep_worsen(crew *w, int status) {
-  if (w->worst < status) w->worst = status;
-}
-
-/* --- results ----------------------------------------------------------------------------------------------- */
-
-/* Those in between are left to another process that is writing them. */
-static void make_tables(crew *w, bool last) {
-  double start = clock_seconds();
-  if (sweep_is_part(w->c)) return; /* others make the rest */
-  if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
-  sd_messages *messages = app_messages();
-  sd_status status = sweep_write_tables(w->s,
-                                        !last      ? 0
-                                        : app_stop ? PATIENCE_STOPPED
-                                                   : PATIENCE,
-                                        true, messages);
-  if (last || status == SD_ERROR_IO) {
-    sweep_clear_line(w);
-    sd_messages_print(messages, stderr);
-    sweep_worsen(w, status);
-  }
-  w->no_table = status != SD_OK;
-  sd_messages_free(messages);
-  w->tabled = clock_seconds();
-  w->table_cost = w->tabled - start;
-}
-
-/* Counts what was seen of a point. */
-static void remember(crew *w, size_t point, const sweep_result *r) {
-  w->seen[point] = (unsigned char)(1 + r->status);
-  w->doubts[point] = (unsigned char)r->doubts;
-  w->done += r->status == SWEEP_DONE;
-  w->failed += r->status == SWEEP_FAILED;
-  w->other += r->status == SWEEP_OTHER;
-  w->damaged += r->status == SWEEP_DAMAGED;
-}
-
-void sweep_account(crew *w, size_t point, sd_status status, const char *text, const cell *ran,
-                   double seconds) {
-  sweep_result r;
-  sd_status looked = sweep_look(w->s, point, &r, NULL);
-  if ((r.status == SWEEP_WAITING || r.status == SWEEP_STOPPED) && status != SD_INTERRUPTED) {
-    /* not even the reason could be kept */
-    r.status = SWEEP_FAILED;
-    free(r.message);
-    static const char prefix[] = "error: ";
-    if (strncmp(text, prefix, sizeof prefix - 1) == 0) text += sizeof prefix - 1;
-    r.message = format_text("%.*s", (int)strcspn(text, "\n"), text);
-  }
-  double spared = fmax(ran->began, 0);
-  w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
-  remember(w, point, &r);
-  if (r.status == SWEEP_FAILED) sweep_worsen(w, SD_ERROR_NUMERIC);
-  if (r.status > SWEEP_FAILED) sweep_worsen(w, SD_ERROR_USER);
-  if (status == SD_ERROR_IO || looked != SD_OK) sweep_worsen(w, SD_ERROR_IO);
-  if (r.status == SWEEP_RUNNING)
-    w->steps_total -= (double)w->steps[point];
-  else
-    w->steps_done += (1 - spared) * (double)w->steps[point];
-  w->steps_total -= spared * (double)w->steps[point];
-  if (r.message) sweep_show(w, point, &r, text, seconds);
-  sweep_result_free(&r);
-  make_tables(w, false);
-}
-
-/* Another process runs this point, or has finished it since the list was made. */
-static bool is_taken(crew *w, size_t point) {
-  sweep_status status = sweep_peek(w->s, point);
-  bool finished = status == SWEEP_DONE && !w->c->force;
-  if (!finished && status != SWEEP_RUNNING) return false;
-  w->tried[point] = finished ? TRIED : SKIPPED;
-  w->done += finished;
-  w->steps_total -= (double)w->steps[point];
-  return true;
-}
-
-/* A line each, "error: " or "warning: " before it, as many as there is room for. */
-static void write_messages(const sd_messages *messages, char *text, size_t size) {
-  *text = 0;
-  FILE *out = fmemopen(text, size - 1, "w");
-  if (!out) return;
-  sd_messages_print(messages, out);
-  fclose(out);
-  text[size - 1] = 0;
-}
-
-/* --- who runs what ----------------------------------------------------------------------------------------- */
-
-/* Those of a group that are still to be run. */
-static size_t sift(crew *w, sweep_group one, size_t *points) {
-  size_t n = 0;
-  for (size_t k = 0; k < one.n; k++) {
-    size_t point = w->groups.order[one.first + k];
-    if (!is_taken(w, point)) points[n++] = point;
-  }
-  return n;
-}
-
-size_t sweep_next(crew *w, size_t *points) {
-  sweep_groups *g = &w->groups;
-  while (g->next < g->n) {
-    sweep_group one = g->list[g->next++];
-    /* another process has begun with it: it will take the rest, too, unless there is nothing else to do */
-    bool begun = false;
-    for (size_t k = 0; one.n > 1 && !one.late && k < one.n; k++)
-      begun = begun || sweep_peek(w->s, g->order[one.first + k]) == SWEEP_RUNNING;
-    if (begun && sweep_groups_put_off(g, one)) continue;
-    size_t n = sift(w, one, points);
-    if (n > 0) return n;
-  }
-  return 0;
-}
-
-void sweep_tell(cell *mine, const session_progress *p) {
-  mine->fraction = p->expected > 0 ? (double)p->step / (double)p->expected : 0;
-  if (mine->began < 0) mine->began = mine->fraction;
-}
-
-void sweep_tell_left(cell *mine, const sweep_end *end) {
-  write_messages(end->messages, mine->text, sizeof mine->text);
-  atomic_store(&mine->left, 1 + (int)end->ran);
-}
-
-void sweep_assign(worker *one, size_t n) {
-  one->n = n;
-  one->started = clock_seconds();
-  for (size_t i = 0; i < n; i++) {
-    one->told[i] = false;
-    one->cells[i].fraction = 0;
-    one->cells[i].began = -1;
-    one->cells[i].text[0] = 0;
-    atomic_store(&one->cells[i].left, 0);
-  }
-}
 
 /* --- here, or in ranks ------------------------------------------------------------------------------------- */
 
 static void serve(void *user, size_t k, const session_progress *p) {
-  crew *w = user;
+  scheduler *w = user;
   if (comm_size() > 1) comm_serve(&w->queue);
   sweep_tell(&w->workers[0].cells[k], p);
   if (comm_size() == 1) sweep_draw(w);
 }
 
 static void leave(void *user, size_t k, const sweep_end *end) {
-  crew *w = user;
+  scheduler *w = user;
   worker *me = &w->workers[0];
   cell *mine = &me->cells[k];
   sweep_tell_left(mine, end);
@@ -185,7 +44,7 @@ static void leave(void *user, size_t k, const sweep_end *end) {
   sweep_account(w, end->point, end->ran, mine->text, mine, clock_seconds() - me->started);
 }
 
-static void run_here(crew *w, size_t n) {
+static void run_here(scheduler *w, size_t n) {
   worker *me = &w->workers[0];
   sweep_options options = {.threads = (int)w->c->threads,
                            .force = w->c->force,
@@ -199,14 +58,14 @@ static void run_here(crew *w, size_t n) {
   me->pid = 0;
 }
 
-static void run_one_after_the_other(crew *w) {
+static void run_one_after_the_other(scheduler *w) {
   for (size_t n; !app_stop && (n = sweep_next(w, w->workers[0].points)) > 0;) run_here(w, n);
 }
 
-static void run_ranks(crew *w) {
+static void run_ranks(scheduler *w) {
   comm_queue_begin(&w->queue, (int64_t)w->groups.n, &app_stop);
   for (int64_t k; (k = comm_next(&w->queue)) >= 0;) {
-    size_t n = sift(w, w->groups.list[k], w->workers[0].points);
+    size_t n = sweep_sift(w, w->groups.list[k], w->workers[0].points);
     if (n > 0) run_here(w, n);
   }
   comm_queue_end(&w->queue);
@@ -224,7 +83,7 @@ static size_t refuse(const sd_messages *messages) {
 
 /* Points to be run, in order; those that are done are counted, and damaged ones told. Those of another deck stop everything,
  * unless they are let be. */
-static size_t find_todo(crew *w, size_t *todo, sd_messages *messages) {
+static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
   size_t n = 0;
   sweep_tally others = {0};
   if (sweep_guard(w->s, w->c, w->first, w->end, messages) != SD_OK) return refuse(messages);
@@ -232,9 +91,9 @@ static size_t find_todo(crew *w, size_t *todo, sd_messages *messages) {
     sweep_result r = {.status = SWEEP_WAITING};
     if (!w->c->force) sweep_look(w->s, k, &r, NULL);
     if (r.status == SWEEP_DONE) {
-      remember(w, k, &r);
+      sweep_remember(w, k, &r);
     } else if (r.status > SWEEP_FAILED) {
-      remember(w, k, &r);
+      sweep_remember(w, k, &r);
       sweep_worsen(w, SD_ERROR_USER);
       if (r.status == SWEEP_DAMAGED || w->c->mix) sweep_show(w, k, &r, "", 0);
       if (!w->c->mix) sweep_tally_add(&others, &r);
@@ -250,7 +109,7 @@ static size_t find_todo(crew *w, size_t *todo, sd_messages *messages) {
 }
 
 /* Ranks must agree on the list, and the folder may change between their looks at it: the first one looks. */
-static size_t agree_on_todo(crew *w, size_t *todo) {
+static size_t agree_on_todo(scheduler *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
   sd_messages *messages = app_messages();
   if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo, messages);
@@ -260,7 +119,7 @@ static size_t agree_on_todo(crew *w, size_t *todo) {
 }
 
 /* Points that another process was running and has left unfinished since, and those of groups that crashed. */
-static size_t find_abandoned(crew *w, size_t *todo) {
+static size_t find_abandoned(scheduler *w, size_t *todo) {
   size_t n = 0;
   for (size_t k = w->first; k < w->end; k++) {
     sweep_status status = w->tried[k] == SKIPPED ? sweep_peek(w->s, k) : SWEEP_DONE;
@@ -273,7 +132,7 @@ static size_t find_abandoned(crew *w, size_t *todo) {
 
 /* The status of a point in the end. What this process has seen it need not look at again; of a failure whose reason
  * could not be kept nobody else knows. When a signal came first, what was to be run (again) and was not is waiting. */
-static sweep_status final_status(crew *w, size_t k) {
+static sweep_status final_status(scheduler *w, size_t k) {
   int seen = (int)w->seen[k] - 1; /* negative: it was not looked at */
   sweep_status now = sweep_peek(w->s, k);
   if (now == SWEEP_RUNNING) return now;
@@ -290,7 +149,7 @@ static sweep_status final_status(crew *w, size_t k) {
 }
 
 /* What the folder says in the end, also of what others did. */
-static void count_all(crew *w) {
+static void count_all(scheduler *w) {
   size_t count[SWEEP_STATUSES] = {0};
   for (size_t k = w->first; k < w->end; k++) {
     sweep_status status = final_status(w, k);
@@ -308,11 +167,13 @@ static void count_all(crew *w) {
   if (w->failed > 0) sweep_worsen(w, SD_ERROR_NUMERIC);
 }
 
-static size_t count_hands(const crew *w) { return w->c->workers > 0 ? w->n_workers : (size_t)comm_size(); }
+static size_t count_workers(const scheduler *w) {
+  return w->c->workers > 0 ? w->n_workers : (size_t)comm_size();
+}
 
-static bool run_round(crew *w, const size_t *todo, size_t n) {
+static bool run_round(scheduler *w, const size_t *todo, size_t n) {
   sweep_groups_free(&w->groups);
-  if (!sweep_groups_make(&w->groups, w, todo, n, count_hands(w))) {
+  if (!sweep_groups_make(&w->groups, w, todo, n, count_workers(w))) {
     fprintf(stderr, "error: no memory for the sweep\n");
     sweep_worsen(w, SD_ERROR_IO);
     if (comm_size() > 1) comm_abort(SD_ERROR_IO); /* the others would wait */
@@ -328,7 +189,7 @@ static bool run_round(crew *w, const size_t *todo, size_t n) {
   return true;
 }
 
-static int run_all(crew *w, size_t *todo) {
+static int run_all(scheduler *w, size_t *todo) {
   size_t n = agree_on_todo(w, todo);
   if (n == REFUSED) return SD_ERROR_USER;
   while (run_round(w, todo, n)) {
@@ -337,17 +198,17 @@ static int run_all(crew *w, size_t *todo) {
   }
   /* one rank judges: the others may see the files of their neighbours late */
   if (comm_rank() != 0) return w->worst;
-  make_tables(w, true);
+  sweep_make_tables(w, true);
   count_all(w);
   sweep_show_end(w);
   return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
 }
 
 /* Mistakes of some points keep the others from being run, unless these are to be skipped. */
-static int check(crew *w) {
+static int check(scheduler *w) {
   sd_messages *messages = app_messages();
   size_t usable = 0;
-  int status = sweep_survey(w->s, w->steps, w->kinds, &usable, messages);
+  int status = sweep_precheck(w->s, w->steps, w->kinds, &usable, messages);
   if (comm_rank() == 0) {
     if (!w->c->quiet || status != SD_OK) sd_messages_print(messages, stderr);
     if (status != SD_OK && usable > 0)
@@ -360,7 +221,7 @@ static int check(crew *w) {
   return usable > 0 && w->c->skip ? SD_OK : status;
 }
 
-static int prepare_and_run(crew *w, size_t *todo) {
+static int prepare_and_run(scheduler *w, size_t *todo) {
   int status = check(w);
   if (status != SD_OK) return status;
   app_begin_saving();
@@ -373,7 +234,7 @@ static int prepare_and_run(crew *w, size_t *todo) {
 }
 
 /* False: no memory. */
-static bool make_crew(crew *w) {
+static bool make_scheduler(scheduler *w) {
   size_t n_points = w->s->deck.n_points;
   size_t places = w->n_workers * w->width;
   w->workers = calloc(w->n_workers, sizeof *w->workers);
@@ -395,7 +256,7 @@ static bool make_crew(crew *w) {
   return true;
 }
 
-static void free_crew(crew *w) {
+static void free_scheduler(scheduler *w) {
   if (w->cells) munmap(w->cells, w->n_workers * w->width * sizeof *w->cells);
   free(w->workers);
   free(w->steps);
@@ -421,26 +282,26 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
   sd_messages_free(messages);
   if (status != SD_OK) return status;
   if (comm_size() > 1) app_begin_saving(); /* a rank that is gone would be waited for */
-  crew w = {.s = s,
-            .c = c,
-            .end = s->deck.n_points,
-            .width = choose_width(c),
-            .n_workers = c->workers > 0 ? (size_t)c->workers : 1,
-            .terminal = isatty(STDERR_FILENO)};
+  scheduler w = {.s = s,
+                 .c = c,
+                 .end = s->deck.n_points,
+                 .width = choose_width(c),
+                 .n_workers = c->workers > 0 ? (size_t)c->workers : 1,
+                 .terminal = isatty(STDERR_FILENO)};
   if (sweep_is_part(c)) {
     w.first = (size_t)c->point;
     if ((size_t)c->last < w.end) w.end = (size_t)c->last + 1;
   }
   w.began = w.tabled = clock_seconds();
   size_t *todo = calloc(s->deck.n_points + 1, sizeof *todo);
-  if (make_crew(&w) && todo) {
+  if (make_scheduler(&w) && todo) {
     status = prepare_and_run(&w, todo);
   } else {
     fprintf(stderr, "error: no memory for the sweep\n");
     status = SD_ERROR_IO;
     if (comm_size() > 1) comm_abort(status); /* the others would wait */
   }
-  free_crew(&w);
+  free_scheduler(&w);
   free(todo);
   if (c->workers == 0) {
     status = comm_max(status);

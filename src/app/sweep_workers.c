@@ -13,7 +13,7 @@
 
 #include "base/clock.h"
 #include "app/app.h"
-#include "app/sweep_crew.h"
+#include "app/sweep_scheduler.h"
 
 static void tell_parent(void *user, size_t k, const session_progress *p) {
   const worker *me = user;
@@ -26,7 +26,7 @@ static void tell_left(void *user, size_t k, const sweep_end *end) {
 }
 
 /* In the worker; never returns. */
-static void work(const crew *w, worker *me, pid_t parent) {
+static void work(const scheduler *w, worker *me, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(SD_INTERRUPTED);
   sweep_options options = {.threads = (int)w->c->threads,
@@ -40,7 +40,7 @@ static void work(const crew *w, worker *me, pid_t parent) {
 }
 
 /* False with errno: no process could be started. */
-static bool start(crew *w, worker *one, size_t n) {
+static bool start(scheduler *w, worker *one, size_t n) {
   sweep_assign(one, n);
   fflush(NULL);
   pid_t parent = getpid(), pid = fork();
@@ -50,7 +50,7 @@ static bool start(crew *w, worker *one, size_t n) {
 }
 
 /* Points of which it has said that it left them. */
-static size_t hear(crew *w, worker *one) {
+static size_t hear(scheduler *w, worker *one) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
     int left = one->told[i] ? 0 : atomic_load(&one->cells[i].left);
@@ -79,7 +79,7 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
 }
 
 /* Which point of a group is to blame is not known: each is run again, by itself. */
-static void try_again(crew *w, const worker *one, const char *how) {
+static void try_again(scheduler *w, const worker *one, const char *how) {
   size_t n = 0;
   for (size_t i = 0; i < one->n; i++) {
     if (one->told[i]) continue;
@@ -96,7 +96,7 @@ static void try_again(crew *w, const worker *one, const char *how) {
           n, how);
 }
 
-static void finish(crew *w, worker *one, int ended) {
+static void finish(scheduler *w, worker *one, int ended) {
   char how[200], text[300] = "";
   sd_status status;
   size_t missing = 0;
@@ -122,7 +122,7 @@ static void finish(crew *w, worker *one, int ended) {
 }
 
 /* Takes up what workers have left, and those who have ended; how many points and workers. */
-static size_t reap(crew *w) {
+static size_t reap(scheduler *w) {
   size_t n = 0;
   for (size_t k = 0; k < w->n_workers; k++) {
     worker *one = &w->workers[k];
@@ -138,13 +138,13 @@ static size_t reap(crew *w) {
   return n;
 }
 
-static size_t count_running(const crew *w) {
+static size_t count_running(const scheduler *w) {
   size_t n = 0;
   for (size_t k = 0; k < w->n_workers; k++) n += w->workers[k].pid != 0;
   return n;
 }
 
-static void pass_stop_on(crew *w, bool *told) {
+static void pass_stop_on(scheduler *w, bool *told) {
   for (size_t k = 0; k < w->n_workers && !*told; k++)
     if (w->workers[k].pid > 0) kill(w->workers[k].pid, SIGTERM);
   *told = true;
@@ -152,7 +152,7 @@ static void pass_stop_on(crew *w, bool *told) {
 
 /* Gives work to whoever is idle, until there is none: *more. Returns errno when no process can be started; the points
  * then wait with their worker. */
-static int start_idle(crew *w, bool *more) {
+static int start_idle(scheduler *w, bool *more) {
   for (size_t k = 0; k < w->n_workers && !app_stop; k++) {
     worker *one = &w->workers[k];
     if (one->pid != 0) continue;
@@ -167,7 +167,7 @@ static int start_idle(crew *w, bool *more) {
   return 0;
 }
 
-void sweep_run_workers(crew *w) {
+void sweep_run_workers(scheduler *w) {
   bool more = true, told_to_stop = false;
   int error;
   long pause = 1000000; /* ns; grows to 20 ms while nothing happens */

@@ -56,7 +56,7 @@ double observable_value(const observable *o, const void *row, size_t k);
 void observable_set(const observable *o, void *row, size_t k, double value);
 /* The row of this name; NULL: there is none. */
 const observable *observable_find(const observable_list *list, const char *name);
-/* As a table of markdown: name, unit, meaning. */
+/* As a table of markdown: name, unit, column in tables where any has one, meaning. */
 void observable_print(FILE *out, const observable_list *list);
 /* As which type it is stored; element k of a dense array of that type. */
 sd_type observable_stored(const observable *o);

@@ -4,17 +4,17 @@
 #include "run/session_group.h"
 #include "run/sweep.h"
 
-typedef struct crowd crowd;
+typedef struct jobs jobs;
 
 /* A point while it is run. */
 typedef struct runner {
-  crowd *all;
+  jobs *all;
   size_t k; /* as given */
   sd_model *model;
   char *result;
 } runner;
 
-struct crowd {
+struct jobs {
   const sweep *s;
   const size_t *points;
   const sweep_options *options;
@@ -85,7 +85,7 @@ static sd_status open_point(runner *r, session **out, int threads, sweep_status 
 
 /* The session has been closed, or there was none. */
 static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages *messages) {
-  const crowd *all = r->all;
+  const jobs *all = r->all;
   size_t point = all->points[r->k];
   if (status == SWEEP_DONE || status == SWEEP_STOPPED) sweep_note(all->s, point, NULL);
   if (status == SWEEP_FAILED) sweep_note_messages(all->s, point, messages);
@@ -97,7 +97,7 @@ static void conclude(runner *r, sd_status ran, sweep_status status, sd_messages 
 }
 
 static void left(void *user, size_t member) {
-  const crowd *all = user;
+  const jobs *all = user;
   session_member *m = &all->members[member];
   session_close(m->session);
   conclude(&all->runners[member], m->status,
@@ -108,11 +108,11 @@ static void left(void *user, size_t member) {
 }
 
 void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options) {
-  crowd all = {.s = s,
-               .points = points,
-               .options = options,
-               .runners = calloc(n + 1, sizeof *all.runners),
-               .members = calloc(n + 1, sizeof *all.members)};
+  jobs all = {.s = s,
+              .points = points,
+              .options = options,
+              .runners = calloc(n + 1, sizeof *all.runners),
+              .members = calloc(n + 1, sizeof *all.members)};
   bool memory = all.runners && all.members;
   size_t running = 0;
   for (size_t k = 0; k < n; k++) {

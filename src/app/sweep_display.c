@@ -1,13 +1,21 @@
-/* sweep_screen.c: what the user sees of a sweep that is being run. */
+/* sweep_display.c: what the user sees of a sweep that is being run. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 #include "base/clock.h"
 #include "app/app.h"
-#include "app/sweep_crew.h"
+#include "app/sweep_scheduler.h"
+
+const char *sweep_finding(const sweep_result *r, char *text, size_t size) {
+  *text = 0;
+  if (!r->has_found || r->found.n_rotations == 0) return text;
+  const sd_rotation *first = &r->found.rotations[0];
+  if (isfinite(first->omega))
+    snprintf(text, size, "%s: Omega = %.4g +- %.2g%s", r->found.rotation_names[0], first->omega, first->error,
+             first->converged ? "" : " *");
+  return text;
+}
 
 void sweep_show_strangers(FILE *out, const sweep *s) {
   sweep_contents there;
@@ -27,17 +35,9 @@ void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]) {
       fprintf(out, "%zu point%s %s\n", count[k], count[k] == 1 ? "" : "s", doubt_kinds[k].whose);
 }
 
-void sweep_clear_line(crew *w) {
+void sweep_clear_line(scheduler *w) {
   if (w->line_open) fputs("\r\033[K", stderr);
   w->line_open = false;
-}
-
-/* The lines of a worker, further in. */
-static void show_lines(const char *text) {
-  for (size_t n; *text; text += n + (text[n] == '\n')) {
-    n = strcspn(text, "\n");
-    fprintf(stderr, "    %.*s\n", (int)n, text);
-  }
 }
 
 static const char *short_duration(double seconds, char *text, size_t size) {
@@ -46,7 +46,7 @@ static const char *short_duration(double seconds, char *text, size_t size) {
   return text;
 }
 
-void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, double seconds) {
+void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text, double seconds) {
   char finding[200], duration[40];
   bool bad = r->status >= SWEEP_FAILED || r->doubts;
   if (w->c->quiet && !bad) return;
@@ -58,7 +58,7 @@ void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, 
     w->stars = w->stars || strchr(finding, '*');
     fprintf(stderr, "%s%s%s  (%s)\n", *finding ? finding : "done", *r->message ? "; " : "", r->message,
             short_duration(seconds, duration, sizeof duration));
-    show_lines(text);
+    report_lines(stderr, "    ", text);
   } else if (r->status >= SWEEP_FAILED) {
     fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
             r->status > SWEEP_FAILED ? "; --force runs the point again" : "");
@@ -68,7 +68,7 @@ void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, 
 }
 
 /* "  #17 45 %", "  8 points 45 %"; steps that the worker has done and those that it did not have to do. */
-static int show_worker(const crew *w, const worker *one, char *text, size_t size, double *done,
+static int show_worker(const scheduler *w, const worker *one, char *text, size_t size, double *done,
                        double *spared) {
   size_t running = 0, last = 0;
   double parts = 0;
@@ -87,7 +87,7 @@ static int show_worker(const crew *w, const worker *one, char *text, size_t size
   return snprintf(text, size, "  %zu points %.0f %%", running, 100 * parts / (double)running);
 }
 
-void sweep_draw(crew *w) {
+void sweep_draw(scheduler *w) {
   double now = clock_seconds(), done = w->steps_done, spared = 0, left = NAN;
   if (!w->terminal || w->c->quiet || now - w->drawn < 0.5) return;
   w->drawn = now;
@@ -98,14 +98,11 @@ void sweep_draw(crew *w) {
     n += show_worker(w, &w->workers[k], text + n, sizeof text - (size_t)n, &done, &spared);
   if (done > 0) left = (w->steps_total - spared - done) / done * (now - w->began);
   snprintf(text + n, sizeof text - (size_t)n, "  ETA %s", report_duration(left, duration, sizeof duration));
-  struct winsize window;
-  int width = ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0 ? window.ws_col - 1 : 100;
-  fprintf(stderr, "\r\033[K%.*s", width, text);
-  fflush(stderr);
+  report_bottom(stderr, text);
   w->line_open = true;
 }
 
-void sweep_show_start(const crew *w) {
+void sweep_show_start(const scheduler *w) {
   size_t groups = 0, together = 0, most = 0, alone = 0;
   for (size_t k = 0; k < w->groups.n; k++) {
     size_t n = w->groups.list[k].n;
@@ -123,7 +120,7 @@ void sweep_show_start(const crew *w) {
   fputc('\n', stderr);
 }
 
-void sweep_show_end(crew *w) {
+void sweep_show_end(scheduler *w) {
   sweep_clear_line(w);
   if (w->c->quiet) {
     sweep_show_doubts(stderr, w->doubted);

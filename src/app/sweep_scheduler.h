@@ -1,6 +1,6 @@
-/* sweep_crew.h: what the files that run a sweep share: the list of points, who works on which, what the user sees. */
-#ifndef SLIPDISK_APP_SWEEP_CREW_H
-#define SLIPDISK_APP_SWEEP_CREW_H
+/* sweep_scheduler.h: what the files that run a sweep share: the list of points, who works on which, what the user sees. */
+#ifndef SLIPDISK_APP_SWEEP_SCHEDULER_H
+#define SLIPDISK_APP_SWEEP_SCHEDULER_H
 
 #include <stdatomic.h>
 #include <sys/types.h>
@@ -42,7 +42,7 @@ typedef struct sweep_groups {
  * of its group was, it is to be run by itself. */
 typedef enum attempt { UNTRIED, SKIPPED, CRASHED, TRIED } attempt;
 
-typedef struct crew {
+typedef struct scheduler {
   const sweep *s;
   const sweep_command *c;
   size_t first, end;     /* the points of this call */
@@ -67,39 +67,47 @@ typedef struct crew {
   int round; /* of groups */
   sweep_groups groups;
   comm_queue queue;
-} crew;
+} scheduler;
 
-/* --- sweep_run.c ------------------------------------------------------------------------------------- */
-void sweep_worsen(crew *w, int status);
+/* Each part calls those above it. */
+
+/* --- sweep_display.c ---------------------------------------------------------------------------------- */
+void sweep_clear_line(scheduler *w);
+/* A line that stays. text: what was said by the one that ran the point. */
+void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *text, double seconds);
+/* The line at the bottom of a terminal. */
+void sweep_draw(scheduler *w);
+void sweep_show_start(const scheduler *w);
+void sweep_show_end(scheduler *w);
+
+/* --- sweep_groups.c ---------------------------------------------------------------------------------- */
+/* Puts n points into groups for so many workers; *g holds nothing yet. False: no memory. */
+bool sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers);
+/* Puts one at the end of the list. False: no memory. */
+bool sweep_groups_put_off(sweep_groups *g, sweep_group one);
+void sweep_groups_free(sweep_groups *g);
+
+/* --- sweep_schedule.c ------------------------------------------------------------------------------------- */
+void sweep_worsen(scheduler *w, int status);
+/* Tables between points, when it is time again, or the last ones. */
+void sweep_make_tables(scheduler *w, bool last);
+/* Counts what was seen of a point. */
+void sweep_remember(scheduler *w, size_t point, const sweep_result *r);
 /* A point has been left: what does the folder say? status, text: of the process or call that ran it. */
-void sweep_account(crew *w, size_t point, sd_status status, const char *text, const cell *ran,
+void sweep_account(scheduler *w, size_t point, sd_status status, const char *text, const cell *ran,
                    double seconds);
 /* The next group, without points that others run or have finished; how many points, 0: all are under way. */
-size_t sweep_next(crew *w, size_t *points);
+size_t sweep_next(scheduler *w, size_t *points);
+/* The points of a group that are still to be run. */
+size_t sweep_sift(scheduler *w, sweep_group one, size_t *points);
 /* What one who runs points writes into their cells. */
 void sweep_tell(cell *mine, const session_progress *p);
 void sweep_tell_left(cell *mine, const sweep_end *end);
 /* Its points [0, n) are to be run now. */
 void sweep_assign(worker *one, size_t n);
 
-/* --- sweep_groups.c ---------------------------------------------------------------------------------- */
-/* Puts n points into groups for so many workers; *g holds nothing yet. False: no memory. */
-bool sweep_groups_make(sweep_groups *g, const crew *w, const size_t *points, size_t n, size_t workers);
-/* Puts one at the end of the list. False: no memory. */
-bool sweep_groups_put_off(sweep_groups *g, sweep_group one);
-void sweep_groups_free(sweep_groups *g);
-
 /* --- sweep_workers.c --------------------------------------------------------------------------------- */
 /* Runs all groups, each in a process of its own. */
-void sweep_run_workers(crew *w);
-
-/* --- sweep_screen.c ---------------------------------------------------------------------------------- */
-void sweep_clear_line(crew *w);
-/* A line that stays. text: what was said by the one that ran the point. */
-void sweep_show(crew *w, size_t point, const sweep_result *r, const char *text, double seconds);
-/* The line at the bottom of a terminal. */
-void sweep_draw(crew *w);
-void sweep_show_start(const crew *w);
-void sweep_show_end(crew *w);
+void sweep_run_workers(scheduler *w);
 
 #endif

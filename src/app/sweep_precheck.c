@@ -1,4 +1,4 @@
-/* sweep_survey.c: what can be said of a sweep's points before any of them runs: mistakes, lengths, time steps, columns
+/* sweep_precheck.c: what can be said of a sweep's points before any of them runs: mistakes, lengths, time steps, columns
  * of the table that there will not be. */
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,10 @@
 
 /* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */
 enum { MOST_KINDS = 64 };
+/* Points that --point K looks at besides its own. */
+enum { SAMPLE = 8 };
 
-typedef struct survey {
+typedef struct precheck {
   const sweep *s;
   int64_t *steps;
   int *kinds;
@@ -21,7 +23,7 @@ typedef struct survey {
   double worst;                 /* time step over shortest contact period of that point */
   char *warning;
   bool *collected; /* [n_collect]: the pattern is a column of some point */
-} survey;
+} precheck;
 
 /* --- points -------------------------------------------------------------------------------------------------- */
 
@@ -32,7 +34,7 @@ static bool is_told(const sd_messages *messages, const char *text) {
 }
 
 /* True: the model is kept, as the first of its kind. */
-static bool find_kind(survey *v, sd_model *model, int *kind) {
+static bool find_kind(precheck *v, sd_model *model, int *kind) {
   *kind = SWEEP_ALONE;
   if (!ensemble_takes(model)) return false;
   for (*kind = 0; *kind < v->n_kinds; ++*kind)
@@ -46,7 +48,7 @@ static bool find_kind(survey *v, sd_model *model, int *kind) {
 }
 
 /* One warning for all points is enough, that of the point which needs the shortest step. */
-static void look_at_time_step(survey *v, size_t point, const sd_model *model) {
+static void look_at_time_step(precheck *v, size_t point, const sd_model *model) {
   sd_messages *mine = app_messages();
   report_time_step(model, mine);
   double ratio = model->dt / sd_model_shortest_period(model, NULL);
@@ -60,7 +62,7 @@ static void look_at_time_step(survey *v, size_t point, const sd_model *model) {
 }
 
 static bool visit(void *user, size_t point, sd_model *model) {
-  survey *v = user;
+  precheck *v = user;
   v->steps[point] = sd_model_steps(model);
   look_at_time_step(v, point, model);
   sweep_columns(v->s, point, model, v->collected, NULL);
@@ -68,7 +70,7 @@ static bool visit(void *user, size_t point, sd_model *model) {
 }
 
 /* What is told when all points have been looked at. all: none of them has mistakes. */
-static void conclude(const survey *v, bool all, sd_messages *messages) {
+static void conclude(const precheck *v, bool all, sd_messages *messages) {
   const deck_sweep *d = &v->s->deck;
   if (!d->written)
     sd_warn(messages, "%s: there is no group sweep: one point, \"%s\", is the deck as it stands",
@@ -80,8 +82,8 @@ static void conclude(const survey *v, bool all, sd_messages *messages) {
     if (!v->collected[k]) sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
 }
 
-sd_status sweep_survey(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages) {
-  survey v = {.s = s, .steps = steps, .kinds = kinds};
+sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages) {
+  precheck v = {.s = s, .steps = steps, .kinds = kinds};
   size_t *first = malloc((s->deck.n_sets + 1) * sizeof *first);
   v.collected = calloc(s->deck.n_collect + 1, sizeof *v.collected);
   if (!first || !v.collected) {
@@ -107,5 +109,38 @@ sd_status sweep_survey(const sweep *s, int64_t *steps, int *kinds, size_t *usabl
   free(v.warning);
   free(v.collected);
   free(first);
+  return status;
+}
+
+/* --- the folder -------------------------------------------------------------------------------------------- */
+
+/* Points of another deck among some of those outside [first, end) that are there. */
+static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first, size_t end,
+                                sd_messages *messages) {
+  sweep_tally others = {0};
+  size_t n = 0, met = 0;
+  for (size_t k = 0; k < s->deck.n_points; k++) n += there->has[k] && (k < first || k >= end);
+  size_t every = n / SAMPLE + 1;
+  others.sampled = every > 1 || n < there->known;
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    if (!there->has[k] || (k >= first && k < end) || met++ % every != 0) continue;
+    sweep_result r;
+    sweep_look(s, k, &r, NULL);
+    sweep_tally_add(&others, &r);
+    sweep_result_free(&r);
+  }
+  sd_status status = sweep_refuse_others(s, &others, "nothing is run", messages);
+  sweep_tally_free(&others);
+  return status;
+}
+
+sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size_t end,
+                      sd_messages *messages) {
+  sweep_contents there = {0};
+  if (c->mix) return SD_OK;
+  sd_status status = sweep_list(s, &there, messages);
+  if (status == SD_OK) status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
+  if (status == SD_OK && !c->force) status = look_at_sample(s, &there, first, end, messages);
+  sweep_contents_free(&there);
   return status;
 }
