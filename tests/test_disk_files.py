@@ -51,7 +51,7 @@ def contacts(path, moment):
         c = file["contacts"]
         first, count = c["first"][moment], c["count"][moment]
         rows = {name: c[name][first:first + count]
-                for name in ("a", "b", "part", "force", "tau", "stretch", "overlap", "sliding")}
+                for name in ("a", "b", "part", "force", "tau", "zeta", "overlap", "sliding")}
     order = numpy.lexsort((rows["part"], rows["b"], rows["a"]))
     return {name: column[order] for name, column in rows.items()}
 
@@ -293,8 +293,8 @@ class Contacts(Files):
         for name in "a", "b", "part", "sliding":
             self.assertEqual(list(self.old[name]), list(new[name]), name)
         # a disk has turned by 1e5 rad, which the file keeps to 7e-12: R 7e-12 in lambda
-        rounding = {"stretch": 0.022 * 7.3e-12, "tau": 5e3 * 0.022 * 7.3e-12}
-        for name in "force", "tau", "stretch", "overlap":
+        rounding = {"zeta": 0.022 * 7.3e-12, "tau": 5e3 * 0.022 * 7.3e-12}
+        for name in "force", "tau", "zeta", "overlap":
             bound = max(tolerance * abs(self.old[name]).max(), rounding.get(name, 0))
             self.assertLess(abs(self.old[name] - new[name]).max(), bound, name)
 

@@ -109,7 +109,7 @@ class Layout(Folder):
         self.assertEqual(contacts["a"].shape[0], count.sum())
         k_n, k_t, mu = 1e3, 1e6, 0.1
         force, tau = contacts["force"][()], contacts["tau"][()]
-        numpy.testing.assert_allclose(tau, -k_t * contacts["stretch"][()], rtol=1e-12)
+        numpy.testing.assert_allclose(tau, -k_t * contacts["zeta"][()], rtol=1e-12)
         self.assertTrue((abs(tau) <= mu * force * (1 + 1e-12)).all())
         sliding = contacts["sliding"][()]
         self.assertTrue((numpy.sign(tau[sliding != 0]) == sliding[sliding != 0]).all())
@@ -118,8 +118,8 @@ class Layout(Folder):
     def test_energy_budget_closes(self):
         o = {name: item["value"][()] for name, item in self.file["observables"].items()
              if isinstance(item, h5py.Group)}
-        residual = (o["kinetic_translation"] + o["kinetic_rotation"] + o["elastic_normal"] + o["elastic_skin"] +
-                    o["external"] - o["start"] - o["work"] - o["variant"] + o["viscous"] + o["friction"] +
+        residual = (o["kinetic_translation"] + o["kinetic_rotation"] + o["elastic_normal"] + o["elastic_tangential"] +
+                    o["external"] - o["start"] - o["work"] - o["nonconservative_work"] + o["viscous"] + o["friction"] +
                     o["opening"])
         numpy.testing.assert_allclose(residual, o["residual"], atol=1e-12)
 

@@ -5,18 +5,21 @@
 
 /* --- energies ------------------------------------------------------------------------------------------ */
 
-#define ENERGY(field, meaning, column)                                                                       \
-  { #field, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL, NULL }
+#define ENERGY(field, meaning, column) ENERGY_NAMED(#field, field, meaning, column)
+#define ENERGY_NAMED(name, field, meaning, column)                                                           \
+  { name, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL, NULL }
 
 static const observable energies[] = {
     ENERGY(kinetic_translation, "kinetic energy of the free coordinates, translation", "kinetic_translation"),
     ENERGY(kinetic_rotation, "kinetic energy of the free coordinates, rotation", "kinetic_rotation"),
     ENERGY(elastic_normal, "elastic energy of the normal springs", NULL),
-    ENERGY(elastic_skin, "elastic energy of the tangential springs", NULL),
+    ENERGY_NAMED("elastic_tangential", elastic_skin, "elastic energy of the tangential springs", NULL),
     ENERGY(external, "potential energy of gravity and constant body forces", NULL),
     ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since", NULL),
     ENERGY(work, "work done by prescribed bodies and coordinates, and by compression, since step 0", "work"),
-    ENERGY(variant, "energy put in by the paper's tangential force since step 0", NULL),
+    ENERGY_NAMED("nonconservative_work", variant,
+                 "work of the paper's tangential force that does not derive from its energy, since step 0",
+                 NULL),
     ENERGY(viscous, "energy lost to viscosity since step 0", "viscous"),
     ENERGY(friction, "energy lost to sliding since step 0", "friction"),
     ENERGY(opening, "energy left in contacts that opened since step 0", NULL),
@@ -198,7 +201,8 @@ static const observable contact_rows[] = {
            NULL),
     SERIES("tau", "force", "tangential force tau (eq. tau): torque on a over its radius", OBSERVABLE_F64, 1,
            contact_tau, NULL),
-    SERIES("stretch", "length", "lambda - lambda*", OBSERVABLE_F64, 1, contact_zeta, NULL),
+    SERIES("zeta", "length", "tangential displacement, lambda - lambda*", OBSERVABLE_F64, 1, contact_zeta,
+           NULL),
     SERIES("sliding", "1", "0 stuck, +1/-1 sliding with that sign of tau", OBSERVABLE_I32, 1, contact_sliding,
            NULL),
 };

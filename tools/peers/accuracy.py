@@ -96,7 +96,7 @@ def left_in_slipdisk(result):
     """Stretch of the contact each time round."""
     with h5py.File(result) as file:
         contacts = file["contacts"]
-        steps, counts, stretch = contacts["step"][:], contacts["count"][:], contacts["stretch"][:]
+        steps, counts, stretch = contacts["step"][:], contacts["count"][:], (contacts["zeta"] if "zeta" in contacts else contacts["stretch"])[:]
     if not (counts[1:] == 1).all():
         raise programs.Failed(f"{result}: the contact opened")
     return {int(step) // LAP: float(value) for step, value in zip(steps[1:], stretch[1 - len(steps):])

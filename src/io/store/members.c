@@ -8,6 +8,30 @@
 
 #include "base/text.h"
 
+/* Names since format 5, and before. */
+static const struct renamed {
+  const char *now, *before;
+} renamed[] = {
+    {"elastic_tangential", "elastic_skin"}, {"nonconservative_work", "variant"}, {"zeta", "stretch"}};
+enum { RENAMED = sizeof renamed / sizeof *renamed };
+
+char *members_path(const h5_file *file, const char *path) {
+  char *found = format_text("%s", path);
+  for (size_t k = 0; found && k < RENAMED && !h5_exists(file, found); k++) {
+    const char *at = strstr(path, renamed[k].now), *after = at ? at + strlen(renamed[k].now) : NULL;
+    if (!at || at == path || at[-1] != '/' || (*after && *after != '/')) continue;
+    free(found);
+    found = format_text("%.*s%s%s", (int)(at - path), path, renamed[k].before, after);
+  }
+  return found;
+}
+
+static const char *attr_name(const h5_file *file, const char *path, const char *name) {
+  for (size_t k = 0; k < RENAMED; k++)
+    if (strcmp(name, renamed[k].now) == 0 && !h5_has_attr(file, path, name)) return renamed[k].before;
+  return name;
+}
+
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit, const char *meaning) {
   char *path = format_text("%s/%s", group, name);
@@ -42,7 +66,8 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
     const observable *o = &list->rows[k];
     if (o->get) continue;
     sd_type type = observable_stored(o);
-    char *path = format_text("%s/%s", group, o->name);
+    char *wanted = format_text("%s/%s", group, o->name), *path = wanted ? members_path(file, wanted) : NULL;
+    free(wanted);
     bool there = path && (k == 0 || h5_exists(file, path));
     if (there) status = h5_check(file, path, n * o->width, messages);
     void *dense = status == SD_OK ? calloc(n * o->width + 1, sd_type_size(type)) : NULL;
@@ -77,13 +102,13 @@ void members_read_attrs(const h5_file *file, const char *path, const observable_
   for (size_t k = 0; k < list->n; k++) {
     const observable *o = &list->rows[k];
     if (o->get) continue;
-    int64_t whole = observable_stored(o) == SD_F64 ? 0 : h5_get_attr_i64(file, path, o->name, 0);
+    const char *name = attr_name(file, path, o->name);
+    bool real = observable_stored(o) == SD_F64;
+    int64_t whole = real ? 0 : h5_get_attr_i64(file, path, name, 0);
     if (o->type == OBSERVABLE_I64)
       memcpy((char *)row + o->offset, &whole, sizeof whole);
     else
-      observable_set(o, row, 0,
-                     observable_stored(o) == SD_F64 ? h5_get_attr_f64(file, path, o->name, NAN)
-                                                    : (double)whole);
+      observable_set(o, row, 0, real ? h5_get_attr_f64(file, path, name, NAN) : (double)whole);
   }
 }
 
