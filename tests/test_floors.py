@@ -5,6 +5,7 @@
 - A room with a door: files outside it include only that header.
 - A public header includes public headers and the C library only.
 - libconfig, HDF5, MPI and Qhull are each seen by the files of one name only.
+- `work` is the engine's own: outside physics/ nothing reaches into it (physics/step/access.h is the door).
 - Nothing below app/ ends the process.
 - No source file and no test has 600 lines or more.
 """
@@ -142,6 +143,17 @@ class Floors(unittest.TestCase):
                 if room and not place.startswith(room):
                     problems.append(f"src/{place}:{line_of(text, found.start())}: only src/{room}* sees "
                                     f"{found.group(2)}")
+        self.check(problems)
+
+    def test_work_is_private_to_physics(self):
+        problems = []
+        for path in self.files:
+            if path.relative_to(SRC).parts[0] == "physics":
+                continue
+            text = code_of(path.read_text())
+            problems += [f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {found.group()}..."
+                         for found in re.finditer(r"(?:->|\.)work\s*(?:\.|;)|PAIR\(", text)
+                         if not re.search(r"energy(?:->|\.)work|e(?:->|\.)work;", text[found.start() - 8:found.end()])]
         self.check(problems)
 
     def test_nothing_below_app_ends_the_process(self):

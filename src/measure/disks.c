@@ -5,18 +5,17 @@
 #include <string.h>
 
 #include "physics/system/bodies.h"
-#include "physics/step/engine.h"
+#include "physics/step/access.h"
 #include "physics/contact/losses.h"
-#include "physics/contact/pairs.h"
 
 static double angle_of(const sd_state *s, size_t i) { return s->theta[i] + s->turn[i]; }
 
 static double absolute_x(const engine *e, size_t i) {
-  return e->state->x[i] + e->state->image_x[i] * e->work.length[0];
+  return e->state->x[i] + e->state->image_x[i] * engine_length(e, SD_X);
 }
 
 static double absolute_y(const engine *e, size_t i) {
-  return e->state->y[i] + e->state->image_y[i] * e->work.length[1];
+  return e->state->y[i] + e->state->image_y[i] * engine_length(e, SD_Y);
 }
 
 void disks_begin(engine *e) {
@@ -78,16 +77,13 @@ static void close_bin(sd_state *s, size_t begin, size_t end, size_t b) {
  * slide: they add nothing. */
 static void look_at_contacts(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
-  const pairs *p = &e->work.pairs;
-  const size_t *start = e->work.incidence.start;
-  const uint32_t *entry = e->work.incidence.entry;
   for (size_t i = begin; i < end; i++) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
-    for (size_t at = start[i]; at < start[i + 1]; at++) {
-      size_t k = entry[at] / 2;
-      contacts += pairs_closed(p, k) ? 1.0 : 0.0;
-      sliding += pairs_slide_sign(p, k) != 0 ? 1.0 : 0.0;
-      force += PAIR(p, k, force);
+    for (size_t at = engine_first(e, i); at < engine_first(e, i + 1); at++) {
+      size_t k = engine_candidate(e, at);
+      contacts += engine_contact_closed(e, k) ? 1.0 : 0.0;
+      sliding += engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
+      force += engine_contact_force(e, k);
     }
     s->mean_contacts[i] += contacts;
     s->mean_sliding[i] += sliding;
@@ -113,7 +109,7 @@ static void add_energies(size_t n, const double *restrict mass, const double *re
 
 static void look_at_poses(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
-  const double *length = e->work.length;
+  const double length[2] = {engine_length(e, SD_X), engine_length(e, SD_Y)};
   size_t k = begin, n = end - begin;
   add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->mean_x + k, s->mean_xx + k);
   add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->mean_y + k, s->mean_yy + k);
@@ -130,43 +126,37 @@ typedef struct drive {
 
 static drive drive_of(const engine *e, size_t slot) {
   const sd_state *s = e->state;
-  const work *w = &e->work;
   drive d = {s->vx[slot], s->vy[slot], s->omega[slot]};
   if (slot >= s->n_free) return d;
-  if (w->inverse_mass_x[slot] != 0.0) d.vx = 0.0;
-  if (w->inverse_mass_y[slot] != 0.0) d.vy = 0.0;
-  if (w->inverse_inertia[slot] != 0.0) d.omega = 0.0;
+  if (engine_columns(e, SD_X)->inverse[slot] != 0.0) d.vx = 0.0;
+  if (engine_columns(e, SD_Y)->inverse[slot] != 0.0) d.vy = 0.0;
+  if (engine_columns(e, SD_THETA)->inverse[slot] != 0.0) d.omega = 0.0;
   return d;
 }
 
 /* What the motion d of the body in this slot does through one of its contacts per time: minus the power of what the
  * contact does to it, with the forces that motion_work books. */
-static double power_of(const double *push, double radius, drive d) {
-  double torque = radius != 0.0 ? push[SUM_TURN] * radius : push[SUM_TURN];
-  return -((push[SUM_X] * d.vx + push[SUM_Y] * d.vy) + torque * d.omega);
+static double power_of(contact_push push, drive d) {
+  return -((push.x * d.vx + push.y * d.vy) + push.torque * d.omega);
 }
 
 /* It goes to the disk at the other side; what the prescribed coordinates of a free disk do against a wall or a
- * prescribed disk goes to that disk itself, since there is no other. The body is listed. */
-static void add_power(engine *e, size_t listed) {
+ * prescribed disk goes to that disk itself, since there is no other. */
+static void add_power(engine *e, size_t kept) {
   sd_state *s = e->state;
-  const incidence *n = &e->work.incidence;
-  const sums *m = &e->work.sums;
-  size_t slot = m->listed[listed];
+  size_t slot = engine_kept_slot(e, kept), first = engine_first(e, slot);
   drive d = drive_of(e, slot);
   if (d.vx == 0.0 && d.vy == 0.0 && d.omega == 0.0) return;
-  for (size_t at = n->start[slot], row = m->single[listed]; at < n->start[slot + 1]; at++, row++) {
-    size_t k = n->entry[at] / 2;
-    size_t other = (size_t)(n->entry[at] & 1 ? e->work.pairs.a[k] : e->work.pairs.b[k]);
-    if (pairs_closed(&e->work.pairs, k))
-      s->mean_injected[other < s->n_free ? other : slot] +=
-          power_of(m->row + SUM_ROW * row, s->radius[slot], d);
+  for (size_t at = first; at < engine_first(e, slot + 1); at++) {
+    if (!engine_contact_closed(e, engine_candidate(e, at))) continue;
+    size_t other = engine_partner(e, at);
+    s->mean_injected[other < s->n_free ? other : slot] += power_of(engine_push(e, kept, at - first), d);
   }
 }
 
 /* From the prescribed bodies' side, which are few: by one member, in the order of slots. */
 static void look_at_powers(engine *e) {
-  for (size_t k = 0; k < e->work.sums.n_listed; k++) add_power(e, k);
+  for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
 }
 
 /* --- step -------------------------------------------------------------------------------------------------- */

@@ -3,33 +3,20 @@
 
 #include <math.h>
 
-#include "physics/contact/pairs.h"
+#include "physics/step/access.h"
 
 static double angle_of(const engine *e, size_t k) {
-  uint32_t slot = e->work.slot[e->model->rotations[k]];
+  uint32_t slot = engine_slot(e, e->model->rotations[k]);
   return e->state->theta[slot] + e->state->turn[slot];
-}
-
-/* Of several closed pieces of one wall, the one that presses most. */
-static int64_t pressed_piece(const pairs *p, int64_t first) {
-  int64_t pressed = first;
-  for (size_t at = (size_t)first; at < p->count && p->a[at] == p->a[first] && p->b[at] == p->b[first]; at++)
-    if (PAIR(p, at, force) > PAIR(p, pressed, force) || !pairs_closed(p, (size_t)pressed))
-      pressed = (int64_t)at;
-  return pressed;
 }
 
 /* Contact k (two per watch) as it is now, and its normal force. */
 static int contact_now(const engine *e, size_t k, double *force) {
-  const pairs *p = &e->work.pairs;
-  int64_t at = e->work.watched[k];
-  *force = 0.0;
+  int64_t at = engine_watched(e, k);
+  *force = at < 0 ? 0.0 : engine_contact_force(e, (size_t)at);
   if (at < 0) return SD_OPEN;
-  if ((size_t)at >= p->n_round) at = pressed_piece(p, at);
-  if (!pairs_closed(p, (size_t)at)) return SD_OPEN;
-  *force = PAIR(p, at, force);
-  const int sign = pairs_slide_sign(p, (size_t)at);
-  return sign > 0 ? SD_SLIDE_POSITIVE : sign < 0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
+  int sliding = engine_contact_sliding(e, (size_t)at);
+  return sliding > 0 ? SD_SLIDE_POSITIVE : sliding < 0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
 void watch_begin(engine *e) {

@@ -1,9 +1,4 @@
 /* compress.c: changes of the lengths of a region; see compress.h.
- *
- * A change maps the state: positions by the factor, velocities and angles not at all. Round pairs keep their
- * direction, hence lambda; along a line the arc length of the nearest point changes and lambda* follows. So every
- * stretch stays as it was, and only overlaps change. Contacts, forces and accelerations are then those of the
- * mapped state, as they are at step 0.
  */
 #include "pack/compress.h"
 
@@ -11,18 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/normal_laws.h"
 #include "pack/rain.h"
 #include "physics/system/bodies.h"
-#include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
-#include "physics/contact/evaluate.h"
-#include "physics/step/engine.h"
-#include "physics/system/kernels.h"
-#include "physics/neighbours/neighbours.h"
-#include "physics/contact/pairs.h"
-#include "physics/step/sweep.h"
-#include "physics/contact/walls.h"
+#include "physics/step/access.h"
+#include "physics/step/rescale.h"
 
 /* Part of the missing pressure that one change would bring if all disks followed it. */
 static const double GAIN = 0.1;
@@ -41,15 +29,14 @@ typedef struct virial {
 } virial;
 
 static virial virial_of(const engine *e) {
-  const pairs *p = &e->work.pairs;
   const sd_state *s = e->state;
   double force = 0.0, stiffness = 0.0, twice = 2.0 * area_of(e->model, s);
-  for (size_t k = 0; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
-    bool disk = (size_t)p->b[k] < s->n_disks;
-    double r = s->radius[p->a[k]] + (disk ? s->radius[p->b[k]] : 0.0) - PAIR(p, k, overlap);
-    force += PAIR(p, k, force) * r;
-    stiffness += law_stiffness(&e->model->laws[PAIR(p, k, law)], PAIR(p, k, overlap)) * r * r;
+  for (size_t k = 0; k < engine_candidates(e); k++) {
+    if (!engine_contact_closed(e, k)) continue;
+    size_t a = engine_contact_a(e, k), b = engine_contact_b(e, k);
+    double r = s->radius[a] + (b < s->n_disks ? s->radius[b] : 0.0) - engine_contact_overlap(e, k);
+    force += engine_contact_force(e, k) * r;
+    stiffness += engine_contact_stiffness(e, k) * r * r;
   }
   return (virial){force / twice, (stiffness + 2.0 * force) / twice};
 }
@@ -107,65 +94,12 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   double largest = 0.0;
   for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
   for (int c = 0; c < 2; c++)
-    if (e->work.periodic[c] && !(f * e->work.length[c] > 4.0 * largest * 1.2))
+    if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2))
       return sd_fail(messages, SD_ERROR_NUMERIC,
                      "step %lld: the compressed box would be %g long in %c; expected more than 4.8 times the "
                      "largest radius (%g)",
-                     (long long)s->step, f * e->work.length[c], c == SD_X ? 'x' : 'y', largest);
+                     (long long)s->step, f * engine_length(e, c), c == SD_X ? 'x' : 'y', largest);
   return SD_OK;
-}
-
-static void scale_column(double *x, size_t n, double corner, double f) {
-  for (size_t i = 0; i < n; i++) x[i] = corner + f * (x[i] - corner);
-}
-
-/* Where the nearest point of a line stands along it is a length, too. */
-static void scale_arcs(engine *e, double f) {
-  pairs *p = &e->work.pairs;
-  for (size_t k = p->first_piece; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
-    const placed_segment *g = &e->work.segments[p->part[k]];
-    double arc = walls_nearest(g, e->state->x[p->a[k]], e->state->y[p->a[k]]).arc - g->arc;
-    PAIR(p, k, lambda_ref) += p->side[k] * ((f - 1.0) * arc);
-  }
-}
-
-/* What closed contacts remember of their overlap is that of the new lengths, so that the change itself is not
- * taken for a motion. */
-static void renew_overlaps(engine *e) {
-  pairs *p = &e->work.pairs;
-  for (size_t k = 0; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
-    PAIR(p, k, overlap) =
-        fmax(contact_geometry_of(e, k).overlap, 0.0); /* it is closed until the next evaluation */
-  }
-}
-
-/* Contacts open, close and slide as the new overlaps say; accelerations follow. Only sliding loses energy. */
-static sd_status renew_contacts(engine *e, sd_messages *messages) {
-  work *w = &e->work;
-  const sd_state *s = e->state;
-  pairs *p = &w->pairs;
-  double *before = calloc(2 * p->count + 1, sizeof *before);
-  if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
-  for (size_t k = 0; k < p->count; k++) {
-    before[k] = PAIR(p, k, viscous);
-    before[p->count + k] = PAIR(p, k, nonconservative_work);
-  }
-  renew_overlaps(e);
-  sweep_forces(e);
-  for (size_t k = 0; k < p->count; k++) {
-    PAIR(p, k, viscous) = before[k];
-    PAIR(p, k, nonconservative_work) = before[p->count + k];
-  }
-  free(before);
-  sd_status status = contacts_events(e, messages);
-  for (int k = 0; k < SD_COORDINATES; k++) {
-    const columns *c = &w->columns[k];
-    for (size_t i = 0; i < s->n_free; i++)
-      c->q2[i] = w->half_dt2 * ((c->force[i] + c->constant[i]) * c->inverse[i]);
-  }
-  return status;
 }
 
 static double potential(const sd_energy *e) { return e->elastic_normal + e->elastic_skin + e->external; }
@@ -176,17 +110,7 @@ sd_status compress_step(engine *e, sd_messages *messages) {
   if (f == 1.0 || rain_waits(e)) return SD_OK;
   if (check_width(e, f, messages) != SD_OK) return SD_ERROR_NUMERIC;
   sd_energy before = energy_of(e);
-  scale_arcs(e, f);
-  double corner[2] = {box_corner(e->model, SD_X), box_corner(e->model, SD_Y)};
-  scale_column(s->x, s->n_bodies, corner[SD_X], f);
-  scale_column(s->y, s->n_bodies, corner[SD_Y], f);
-  scale_column(s->base_x, s->n_bodies, corner[SD_X], f);
-  scale_column(s->base_y, s->n_bodies, corner[SD_Y], f);
-  s->box_scale *= f;
-  box_place(e);
-  walls_place(e);
-  sd_status status = neighbours_rescale(e, f, messages);
-  if (status == SD_OK) status = renew_contacts(e, messages);
+  sd_status status = rescale(e, f, messages);
   sd_energy after = energy_of(e);
   s->work_driven += (potential(&after) - potential(&before)) + (after.friction - before.friction) +
                     (after.opening - before.opening);

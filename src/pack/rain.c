@@ -9,6 +9,7 @@
 
 #include "physics/system/bodies.h"
 #include "physics/contact/energy.h"
+#include "physics/step/access.h"
 #include "physics/step/engine.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/walls.h"
@@ -44,12 +45,10 @@ bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; 
 /* Top of the highest disk over the strip, no lower than the rain's floor less its gap. */
 static double top_of(const engine *e, const sd_rain *r) {
   const sd_state *s = e->state;
-  const work *w = &e->work;
   double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper), half = 0.5 * (r->upper - r->lower);
   for (size_t i = 0; i < s->n_disks; i++) {
     if (i < s->n_free && !body_in_play(s, i)) continue;
-    double dx = s->x[i] - middle;
-    if (w->periodic[SD_X]) dx -= w->length[SD_X] * nearbyint(dx * w->inverse_length[SD_X]);
+    double dx = engine_nearest(e, SD_X, s->x[i] - middle);
     if (fabs(dx) < half + s->radius[i]) top = fmax(top, s->y[i] + s->radius[i]);
   }
   return top;
@@ -66,8 +65,7 @@ static bool piece_blocks(const placed_segment *g, double x, double y, double rad
 
 static bool circle_blocks(const engine *e, size_t slot, double x, double y, double radius) {
   const sd_state *s = e->state;
-  double dx = s->x[slot] - x, dy = s->y[slot] - y;
-  if (e->work.periodic[SD_X]) dx -= e->work.length[SD_X] * nearbyint(dx * e->work.inverse_length[SD_X]);
+  double dx = engine_nearest(e, SD_X, s->x[slot] - x), dy = s->y[slot] - y;
   double r = hypot(dx, dy), wall = s->radius[slot];
   return wall < 0.0 ? r + radius > -wall * (1.0 + ROUNDING) : r < (wall + radius) * (1.0 - ROUNDING);
 }
@@ -78,7 +76,7 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   for (size_t k = 0; k < m->n_segments; k++)
-    if (piece_blocks(&e->work.segments[k], x, y, radius, low))
+    if (piece_blocks(engine_segment(e, k), x, y, radius, low))
       return sd_model_body_name(m, m->segments[k].body, text, size);
   for (size_t slot = s->n_disks; slot < s->n_bodies; slot++)
     if (s->radius[slot] != 0.0 && circle_blocks(e, slot, x, y, radius))
@@ -86,7 +84,7 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
   if (m->bounds.given && !(x >= m->bounds.lower[SD_X] && x <= m->bounds.upper[SD_X] &&
                            y >= m->bounds.lower[SD_Y] && y <= m->bounds.upper[SD_Y]))
     return "the end of the bounds";
-  return y < e->work.lower[SD_Y] || y >= e->work.upper[SD_Y] ? "the edge of the periodic box" : NULL;
+  return engine_beyond(e, SD_Y, y) ? "the edge of the periodic box" : NULL;
 }
 
 /* --- rows --------------------------------------------------------------------------------------------- */
@@ -151,7 +149,7 @@ static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, 
                      "step %lld: rain: %s has no room at (%g, %g), %s is in the way; expected a higher "
                      "container, fewer disks, or more time between batches",
                      (long long)e->state->step, sd_model_body_name(m, disk, name, sizeof name), x, y, what);
-    set_out(e, e->work.slot[disk], x, y, r->speed);
+    set_out(e, engine_slot(e, disk), x, y, r->speed);
     left += 2.0 * radius;
   }
   return SD_OK;
@@ -196,11 +194,8 @@ static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_m
 static void accelerate(const engine *e, const sd_rain *r, int64_t batch) {
   size_t first = (size_t)batch * r->batch;
   for (size_t k = first; k < r->count && k < first + r->batch; k++) {
-    uint32_t i = e->work.slot[r->first + k];
-    for (int c = 0; c < SD_COORDINATES; c++) {
-      const columns *q = &e->work.columns[c];
-      q->q2[i] = e->work.half_dt2 * (q->constant[i] * q->inverse[i]);
-    }
+    uint32_t i = engine_slot(e, (uint32_t)(r->first + k));
+    for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, i, 0.0);
   }
 }
 

@@ -15,7 +15,7 @@
 
 #include <math.h>
 
-#include "physics/step/engine.h"
+#include "physics/step/access.h"
 
 enum { PATIENCE = 5 };
 static const double ALPHA = 0.1, SHRINK = 0.99, BRAKE = 2.0;
@@ -58,7 +58,7 @@ static void measure(const engine *e, size_t block, relax_sums *team_sums) {
   size_t begin, end;
   block_of(e, block, &begin, &end);
   for (int k = 0; k < SD_COORDINATES; k++) {
-    const columns *c = &e->work.columns[k];
+    const columns *c = engine_columns(e, k);
     const double *mass = inertia_of(e->state, k);
     for (size_t i = begin; i < end; i += SIDE_BY_SIDE) {
       size_t n = end - i < SIDE_BY_SIDE ? end - i : SIDE_BY_SIDE;
@@ -81,7 +81,7 @@ static void change(engine *e, size_t block, double keep, double steer) {
   size_t begin, end;
   block_of(e, block, &begin, &end);
   for (int k = 0; k < SD_COORDINATES; k++) {
-    const columns *c = &e->work.columns[k];
+    const columns *c = engine_columns(e, k);
     for (size_t i = begin; i < end; i++) {
       double v = keep * c->v[i] + steer * ((c->force[i] + c->constant[i]) * c->inverse[i]);
       c->v[i] = c->inverse[i] != 0.0 ? v : c->v[i];
@@ -95,7 +95,7 @@ static void forget_derivatives(engine *e, size_t block) {
   if (e->model->integrator != SD_GEAR5) return;
   block_of(e, block, &begin, &end);
   for (int k = 0; k < SD_COORDINATES; k++) {
-    const columns *c = &e->work.columns[k];
+    const columns *c = engine_columns(e, k);
     for (size_t i = begin; i < end; i++)
       if (c->inverse[i] != 0.0) c->q3[i] = c->q4[i] = c->q5[i] = 0.0;
   }

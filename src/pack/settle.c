@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "pack/rain.h"
-#include "physics/contact/pairs.h"
+#include "physics/step/access.h"
 
 /* 0 for a coordinate that is held. */
 static double resultant(const columns *c, size_t i) {
@@ -16,12 +16,11 @@ static double moving(const columns *c, const double *mass, size_t i) {
 }
 
 static double mean_force(const engine *e) {
-  const pairs *p = &e->work.pairs;
   double sum = 0.0;
   size_t n = 0;
-  for (size_t k = 0; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
-    sum += PAIR(p, k, force);
+  for (size_t k = 0; k < engine_candidates(e); k++) {
+    if (!engine_contact_closed(e, k)) continue;
+    sum += engine_contact_force(e, k);
     n++;
   }
   return n > 0 ? sum / (double)n : 0.0;
@@ -29,7 +28,7 @@ static double mean_force(const engine *e) {
 
 settle_measure settle_look(const engine *e) {
   const sd_state *s = e->state;
-  const columns *c = e->work.columns;
+  const columns *c = engine_columns(e, 0);
   double kinetic = 0.0, force = 0.0;
   size_t n = 0;
   bool outside = false;

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "base/subnormal.h"
-#include "physics/system/kernels.h"
+#include "physics/step/access.h"
 #include "physics/small/lanes.h"
 #include "physics/neighbours/neighbours.h"
 #include "run/lanes_loop.h"
@@ -59,12 +59,13 @@ typedef struct share {
 /* Members that can go with the first that is left, and how far. */
 static size_t find_together(const ensemble *e, const share *shares, size_t first, size_t *who,
                             int64_t *steps) {
-  size_t n = 0, most = shares[first].engine->work.kernels->lane_width;
+  size_t n = 0, most = engine_kernels(shares[first].engine)->lane_width;
   const engine *leader = shares[first].engine;
   *steps = INT64_MAX;
   for (size_t k = first; k < e->n && n < most; k++) {
     const share *s = &shares[k];
-    if (!s->engine || !s->engine->work.lanes || s->engine->work.kernels != leader->work.kernels) continue;
+    if (!s->engine || !engine_lanes(s->engine) || engine_kernels(s->engine) != engine_kernels(leader))
+      continue;
     if (k != first && (!lanes_alike(leader->model, s->engine->model) || !lanes_in_step(leader, s->engine)))
       continue;
     who[n++] = k;
@@ -103,7 +104,7 @@ static void advance_some(ensemble *e, share *shares, size_t first, sd_status *st
   size_t who[LANES_MOST];
   engine *systems[LANES_MOST];
   int64_t steps = 0, from[LANES_MOST];
-  size_t n = shares[first].engine->work.lanes ? find_together(e, shares, first, who, &steps) : 0;
+  size_t n = engine_lanes(shares[first].engine) ? find_together(e, shares, first, who, &steps) : 0;
   for (size_t k = 0; k < n; k++) {
     systems[k] = shares[who[k]].engine;
     from[k] = systems[k]->state->step;
@@ -136,8 +137,7 @@ void ensemble_advance(ensemble *e, int64_t n, sd_status *status, sd_messages *co
     }
     if (status[k] != SD_OK || sd_simulation_finished(e->members[k]) || n <= 0) continue;
     shares[k] = (share){simulation_engine(e->members[k]), n};
-    shares[k].engine->work.messages = messages[k];
-    shares[k].engine->work.status = SD_OK;
+    engine_ready(shares[k].engine, messages[k]);
   }
   for (size_t k = 0; shares && k < e->n; k++)
     while (shares[k].engine) advance_some(e, shares, k, status, messages);

@@ -3,6 +3,7 @@
 
 #include "measure/watch.h"
 #include "physics/motion/motion.h"
+#include "physics/step/access.h"
 #include "physics/step/step.h"
 
 static int64_t least_room(const lanes *l) {
@@ -20,26 +21,25 @@ static void general_step(lanes *l, bool measure) {
   lanes_store(l);
   for (size_t k = 0; k < l->count; k++) {
     engine *e = l->system[k];
-    if (e->work.status != SD_OK) continue;
-    if (l->motion && motion_resume(e) != SD_OK)
-      e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "out of memory for the motions");
+    if (engine_status(e) != SD_OK) continue;
+    if (l->motion && motion_resume(e) != SD_OK) engine_fail(e, "out of memory for the motions");
     step_begin(e, 1);
-    if (e->work.status == SD_OK) step_once(e, &alone);
-    if (e->work.status == SD_OK && measure) watch_step(e);
+    if (engine_status(e) == SD_OK) step_once(e, &alone);
+    if (engine_status(e) == SD_OK && measure) watch_step(e);
     if (l->motion) motion_store(e);
   }
 }
 
 static bool any_wrong(const lanes *l) {
   bool wrong = false;
-  for (size_t k = 0; k < l->count; k++) wrong = wrong || l->system[k]->work.status != SD_OK;
+  for (size_t k = 0; k < l->count; k++) wrong = wrong || engine_status(l->system[k]) != SD_OK;
   return wrong;
 }
 
 static void close_bins(const lanes *l) {
   lanes_show_angles(l);
   for (size_t k = 0; k < l->count; k++)
-    if (l->system[k]->work.status == SD_OK) watch_bins(l->system[k]);
+    if (engine_status(l->system[k]) == SD_OK) watch_bins(l->system[k]);
 }
 
 void lanes_loop(lanes *l, int64_t n, bool measure) {

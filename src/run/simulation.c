@@ -16,8 +16,8 @@
 #include "pack/settle.h"
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
+#include "physics/step/access.h"
 #include "physics/step/engine.h"
-#include "physics/system/kernels.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/order.h"
@@ -77,13 +77,13 @@ static sd_status fail_new(sd_simulation *sim, sd_simulation **out, sd_status sta
 /* Work, and the rows of a small system, whose step has one thread. */
 static sd_status build(engine *e, bool small, int threads, sd_messages *messages) {
   sd_status status = engine_build(e, small ? 1 : threads, messages);
-  if (status == SD_OK && small && lanes_new(true, 1, &e, &e->work.lanes) != SD_OK)
+  if (status == SD_OK && small && lanes_new(true, 1, &e, engine_lanes_place(e)) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   return status;
 }
 
 static void release(engine *e) {
-  lanes_free(e->work.lanes);
+  lanes_free(engine_lanes(e));
   engine_free(e);
 }
 
@@ -150,7 +150,7 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure, re
   for (int64_t k = 1; k <= n; k++) {
     step_once(e, t);
     team_wait(t);
-    if (e->work.status != SD_OK) return;
+    if (engine_status(e) != SD_OK) return;
     if (relax) relax_step(e, t, team_sums);
     if (!measure) continue;
     disks_step(e, t, measured + k);
@@ -160,13 +160,13 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure, re
 }
 
 static void advance_team(engine *e, int64_t n, bool measure) {
-  int threads = e->work.n_threads;
+  int threads = engine_threads(e);
   relax_sums team_sums;
   step_begin(e, n);
   if (threads == 1) {
     unsigned mode = subnormal_off();
-    if (e->work.lanes)
-      lanes_loop(e->work.lanes, n, measure);
+    if (engine_lanes(e))
+      lanes_loop(engine_lanes(e), n, measure);
     else
       advance_member(e, &(team){0, 1}, n, measure, &team_sums);
     subnormal_restore(mode);
@@ -202,14 +202,14 @@ static void note_end(const engine *e) {
 
 /* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
 static sd_status order_again(engine *e, sd_messages *messages) {
-  const int threads = e->work.n_threads;
-  const bool small = e->work.lanes;
+  const int threads = engine_threads(e);
+  const bool small = engine_lanes(e);
   if (e->state->n_free < ORDER_LEAST) return SD_OK;
   if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
   release(e);
   sd_status status = build(e, small, threads, messages);
-  e->work.messages = messages;
+  engine_tell(e, messages);
   return status;
 }
 
@@ -275,13 +275,13 @@ static bool phase_is_over(const engine *e) {
 
 engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
 
-bool simulation_is_small(const sd_simulation *sim) { return sim->engine.work.lanes; }
+bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->engine); }
 
 int64_t simulation_room(const engine *e) { return next_stop(e) - e->state->phase_step; }
 
 sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
   e->state->phase_step += e->state->step - from;
-  if (e->work.status != SD_OK) return e->work.status;
+  if (engine_status(e) != SD_OK) return engine_status(e);
   sd_status status = between_steps(e, messages);
   if (status != SD_OK || !phase_is_over(e)) return status;
   if (e->model->bounds.given) status = outside_look(e, messages);
@@ -291,8 +291,7 @@ sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
-  e->work.messages = messages;
-  e->work.status = SD_OK;
+  engine_ready(e, messages);
   while (n > 0 && !sd_simulation_finished(sim)) {
     int64_t left = simulation_room(e), from = s->step;
     advance_team(e, n < left ? n : left, measures(e));
@@ -333,7 +332,9 @@ sd_goal sd_simulation_goal(const sd_simulation *sim) {
 
 sd_energy sd_simulation_energy(const sd_simulation *sim) { return energy_of(&sim->engine); }
 
-uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) { return sim->engine.work.slot[body]; }
+uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) {
+  return engine_slot(&sim->engine, body);
+}
 
 double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
   uint32_t slot = sd_simulation_slot(sim, body);
@@ -342,12 +343,12 @@ double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
 
 sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
   engine *e = &sim->engine;
-  int threads = e->work.n_threads;
-  bool small = e->work.lanes;
+  int threads = engine_threads(e);
+  bool small = engine_lanes(e);
   if (!sd_simulation_state(sim)) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   release(e);
   return build(e, small, threads, messages);
 }
 
-int sd_simulation_threads(const sd_simulation *sim) { return sim->engine.work.n_threads; }
-const char *sd_simulation_path(const sd_simulation *sim) { return sim->engine.work.kernels->name; }
+int sd_simulation_threads(const sd_simulation *sim) { return engine_threads(&sim->engine); }
+const char *sd_simulation_path(const sd_simulation *sim) { return engine_kernels(&sim->engine)->name; }

@@ -1,0 +1,85 @@
+/* rescale.c: see rescale.h.
+ *
+ * A change maps the state: positions by the factor, velocities and angles not at all. Round pairs keep their
+ * direction, hence lambda; along a line the arc length of the nearest point changes and lambda* follows. So every
+ * tangential displacement stays as it was, and only overlaps change. Contacts, forces and accelerations are then those of the
+ * mapped state, as they are at step 0.
+ */
+#include "physics/step/rescale.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/contact/evaluate.h"
+#include "physics/contact/pairs.h"
+#include "physics/contact/walls.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/step/access.h"
+#include "physics/step/contacts.h"
+#include "physics/step/sweep.h"
+#include "physics/system/bodies.h"
+
+static void scale_column(double *x, size_t n, double corner, double f) {
+  for (size_t i = 0; i < n; i++) x[i] = corner + f * (x[i] - corner);
+}
+
+/* Where the nearest point of a line stands along it is a length, too. */
+static void scale_arcs(engine *e, double f) {
+  pairs *p = &e->work.pairs;
+  for (size_t k = p->first_piece; k < p->count; k++) {
+    if (!pairs_closed(p, k)) continue;
+    const placed_segment *g = &e->work.segments[p->part[k]];
+    double arc = walls_nearest(g, e->state->x[p->a[k]], e->state->y[p->a[k]]).arc - g->arc;
+    PAIR(p, k, lambda_ref) += p->side[k] * ((f - 1.0) * arc);
+  }
+}
+
+/* What closed contacts remember of their overlap is that of the new lengths, so that the change itself is not
+ * taken for a motion. */
+static void renew_overlaps(engine *e) {
+  pairs *p = &e->work.pairs;
+  for (size_t k = 0; k < p->count; k++) {
+    if (!pairs_closed(p, k)) continue;
+    PAIR(p, k, overlap) =
+        fmax(contact_geometry_of(e, k).overlap, 0.0); /* it is closed until the next evaluation */
+  }
+}
+
+/* Contacts open, close and slide as the new overlaps say; accelerations follow. Only sliding loses energy. */
+static sd_status renew_contacts(engine *e, sd_messages *messages) {
+  work *w = &e->work;
+  const sd_state *s = e->state;
+  pairs *p = &w->pairs;
+  double *before = calloc(2 * p->count + 1, sizeof *before);
+  if (!before) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  for (size_t k = 0; k < p->count; k++) {
+    before[k] = PAIR(p, k, viscous);
+    before[p->count + k] = PAIR(p, k, nonconservative_work);
+  }
+  renew_overlaps(e);
+  sweep_forces(e);
+  for (size_t k = 0; k < p->count; k++) {
+    PAIR(p, k, viscous) = before[k];
+    PAIR(p, k, nonconservative_work) = before[p->count + k];
+  }
+  free(before);
+  sd_status status = contacts_events(e, messages);
+  for (int k = 0; k < SD_COORDINATES; k++)
+    for (size_t i = 0; i < s->n_free; i++) engine_accelerate(e, k, i, w->columns[k].force[i]);
+  return status;
+}
+
+sd_status rescale(engine *e, double f, sd_messages *messages) {
+  sd_state *s = e->state;
+  scale_arcs(e, f);
+  double corner[2] = {box_corner(e->model, SD_X), box_corner(e->model, SD_Y)};
+  scale_column(s->x, s->n_bodies, corner[SD_X], f);
+  scale_column(s->y, s->n_bodies, corner[SD_Y], f);
+  scale_column(s->base_x, s->n_bodies, corner[SD_X], f);
+  scale_column(s->base_y, s->n_bodies, corner[SD_Y], f);
+  s->box_scale *= f;
+  box_place(e);
+  walls_place(e);
+  sd_status status = neighbours_rescale(e, f, messages);
+  return status == SD_OK ? renew_contacts(e, messages) : status;
+}
