@@ -19,16 +19,6 @@ static const option_row rows[] = {DRIVE_OPTIONS(arguments, drive)};
 static const command_line accepts = {"resume",       sizeof rows / sizeof *rows, rows,
                                      OPERAND_RESULT, offsetof(arguments, name),  false};
 
-/* The deck's path as it was given, or from the folder in which the run was started when that is another. */
-static char *deck_path(const provenance *origin) {
-  char *there = format_text("%s/%s", origin->directory, origin->deck_path);
-  if (there && origin->deck_path[0] && origin->deck_path[0] != '/' && origin->directory[0] &&
-      !file_exists(origin->deck_path) && file_exists(there))
-    return there;
-  free(there);
-  return format_text("%s", origin->deck_path);
-}
-
 /* The lines of the overrides; they point into text, which is cut up. To be freed. */
 static const char **split(char *text, size_t *n) {
   size_t lines = 1;
@@ -40,7 +30,8 @@ static const char **split(char *text, size_t *n) {
 }
 
 static sd_status load(const provenance *origin, sd_model **model, sd_messages *messages) {
-  char *path = deck_path(origin), *lines = format_text("%s", origin->deck_overrides);
+  char *path = provenance_deck(origin->deck_path, origin->directory),
+       *lines = format_text("%s", origin->deck_overrides);
   size_t n = 0;
   const char **overrides = lines ? split(lines, &n) : NULL;
   sd_status status = path && overrides

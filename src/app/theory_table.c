@@ -3,46 +3,9 @@
 #include <string.h>
 
 #include "app/theory.h"
+#include "base/text.h"
 
 /* --- a row per set ------------------------------------------------------------------------------------- */
-
-static const char *const columns[] = {"tilt",
-                                      "half_aperture",
-                                      "mu",
-                                      "torque_pp",
-                                      "torque_pm",
-                                      "torque_mp",
-                                      "torque_mm",
-                                      "slight_tilt",
-                                      "slight_tilt_sync",
-                                      "amplitude",
-                                      "omega",
-                                      "phase",
-                                      "mean",
-                                      "mean_scaled",
-                                      "mean_normalised",
-                                      "first_order",
-                                      "limit",
-                                      "pp",
-                                      "pm",
-                                      "mp",
-                                      "mm",
-                                      "stuck"};
-enum { COLUMNS = sizeof columns / sizeof *columns };
-
-/* Quoted where a comma, a quote or a line break makes it necessary. */
-static void text_cell(FILE *out, const char *text) {
-  if (!strpbrk(text, ",\"\n\r")) {
-    fputs(text, out);
-    return;
-  }
-  fputc('"', out);
-  for (; *text; text++) {
-    if (*text == '"') fputc('"', out);
-    fputc(*text, out);
-  }
-  fputc('"', out);
-}
 
 /* What does not apply is an empty cell. */
 static void number_cell(FILE *out, double value) {
@@ -60,48 +23,63 @@ static void head_cell(FILE *out, const deck_sweep *s, const char *name) {
   fputs(name, out);
 }
 
+typedef struct cell {
+  const char *name;
+  double value;
+} cell;
+enum { MOST_CELLS = 32 };
+
+/* The columns: names, and the values of a case; returns how many. */
+static size_t list_cells(const theory_case *c, const theory_result *r, cell out[MOST_CELLS]) {
+  const sd_sliding *x = &r->solution;
+  double unknown = r->solved ? 0 : NAN; /* added to what only a solution has */
+  double period = r->solved ? x->period : NAN;
+  const cell cells[] = {{"tilt", c->disk.tilt},
+                        {"half_aperture", c->disk.half_aperture},
+                        {"mu", c->disk.mu},
+                        {"torque_pp", r->torque[SD_PP]},
+                        {"torque_pm", r->torque[SD_PM]},
+                        {"torque_mp", r->torque[SD_MP]},
+                        {"torque_mm", r->torque[SD_MM]},
+                        {"slight_tilt", r->slight},
+                        {"slight_tilt_sync", r->sync},
+                        {"amplitude", r->amplitude},
+                        {"omega", c->kind == THEORY_PERIODIC ? c->drive.omega : NAN},
+                        {"phase", r->apart},
+                        {"mean", x->mean + unknown},
+                        {"mean_scaled", x->mean * c->t_g + unknown},
+                        {"mean_normalised", x->mean / (r->amplitude * c->drive.omega) + unknown},
+                        {"first_order", r->first_order},
+                        {"limit", r->limit},
+                        {"pp", x->duration[SD_PP] / period},
+                        {"pm", x->duration[SD_PM] / period},
+                        {"mp", x->duration[SD_MP] / period},
+                        {"mm", x->duration[SD_MM] / period},
+                        {"stuck", x->stuck / period},
+                        {"permanent", r->solved ? x->permanent : NAN}};
+  memcpy(out, cells, sizeof cells);
+  return sizeof cells / sizeof *cells;
+}
+
 void theory_table_head(FILE *out, const deck_sweep *s) {
+  static const theory_case none;
+  static const theory_result nothing;
+  cell cells[MOST_CELLS];
+  size_t n = list_cells(&none, &nothing, cells);
   fputs("set,name", out);
   for (size_t k = 0; k < s->n_parameters; k++) {
     fputc(',', out);
     text_cell(out, s->parameters[k].name);
   }
-  for (size_t k = 0; k < COLUMNS; k++) head_cell(out, s, columns[k]);
-  head_cell(out, s, "permanent");
+  for (size_t k = 0; k < n; k++) head_cell(out, s, cells[k].name);
   fputc('\n', out);
 }
 
 void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory_case *c,
                       const theory_result *r) {
   const sweep_point *p = &s->points[point];
-  const sd_sliding *x = &r->solution;
-  bool periodic = c->kind == THEORY_PERIODIC;
-  double unknown = r->solved ? 0 : NAN; /* added to what only a solution has */
-  double period = r->solved ? x->period : NAN;
-  const double value[COLUMNS] = {
-      c->disk.tilt,
-      c->disk.half_aperture,
-      c->disk.mu,
-      r->torque[SD_PP],
-      r->torque[SD_PM],
-      r->torque[SD_MP],
-      r->torque[SD_MM],
-      r->slight,
-      r->sync,
-      r->amplitude,
-      periodic ? c->drive.omega : NAN,
-      r->apart,
-      x->mean + unknown,
-      x->mean * c->t_g + unknown,
-      x->mean / (r->amplitude * c->drive.omega) + unknown,
-      r->first_order,
-      r->limit,
-      x->duration[SD_PP] / period,
-      x->duration[SD_PM] / period,
-      x->duration[SD_MP] / period,
-      x->duration[SD_MM] / period,
-      x->stuck / period,
-  };
+  cell cells[MOST_CELLS];
+  size_t n = list_cells(c, r, cells);
   fprintf(out, "%zu,", p->set);
   text_cell(out, p->name);
   for (size_t k = 0; k < s->n_parameters; k++) {
@@ -111,11 +89,11 @@ void theory_table_row(FILE *out, const deck_sweep *s, size_t point, const theory
     else
       text_cell(out, p->texts[k]);
   }
-  for (size_t k = 0; k < COLUMNS; k++) {
+  for (size_t k = 0; k < n; k++) {
     fputc(',', out);
-    number_cell(out, value[k]);
+    number_cell(out, cells[k].value);
   }
-  fprintf(out, ",%s\n", !r->solved ? "" : x->permanent ? "1" : "0");
+  fputc('\n', out);
 }
 
 /* --- one period ------------------------------------------------------------------------------------------ */

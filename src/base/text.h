@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "slipdisk/status.h"
 
@@ -22,6 +23,8 @@ char *text_escaped(const char *text, size_t most);
 char *format_text(const char *format, ...) SD_PRINTF(1, 2);
 /* The same behind `text`, which is freed; NULL where that is NULL, or without memory. */
 char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);
+/* A cell of CSV (RFC 4180): quoted where a comma, a quote or a line break makes it necessary. */
+void text_cell(FILE *out, const char *text);
 /* Does the text end so, and begin before? */
 bool text_ends(const char *text, const char *ending);
 

@@ -187,10 +187,6 @@ static sd_status fill_bodies(configuration *c, const sd_model *from, const frame
 
 /* --- contacts ----------------------------------------------------------------------------------------- */
 
-static int material_of(const sd_model *m, uint32_t body) {
-  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
-}
-
 static placed_segment place(const sd_model *m, uint32_t part) {
   const sd_segment *s = &m->segments[part];
   const double *pivot = m->walls[s->body - m->n_disks].pivot;
@@ -261,7 +257,7 @@ static void complete(const configuration *c, config_contact *k) {
   if ((corner || (m->variant == SD_CONSERVATIVE && !straight)) && r > 0.0) tau *= fabs(sum) / r;
   k->fx = k->force * k->nx + tau * k->ny;
   k->fy = k->force * k->ny - tau * k->nx;
-  k->mu = sd_model_law(m, material_of(m, k->a), material_of(m, k->b))->mu;
+  k->mu = sd_model_law(m, configuration_material(m, k->a), configuration_material(m, k->b))->mu;
 }
 
 static sd_status take_contacts(configuration *c, const sd_model *from, const frame_data *f,

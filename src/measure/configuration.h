@@ -70,6 +70,10 @@ void configuration_free(configuration *c);
 /* What is called full: the region of the model, with walls that have moved, the periodic box along periodic directions, and where neither
  * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. */
 region configuration_region(const configuration *c, const double *wanted);
+/* Index of a body's material. */
+static inline int configuration_material(const sd_model *m, uint32_t body) {
+  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
+}
 /* b of a contact can be a disk that moves. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {
   return body < c->model->n_disks && !c->model->disks[body].driven;

@@ -1,4 +1,5 @@
 /* series.c: what a run records at its cadence: energies, numbers of contacts, watched disks, bodies of frames. */
+#include "measure/configuration.h"
 #include "measure/observable.h"
 #include "pack/compress.h"
 #include "physics/step/outside.h"
@@ -178,16 +179,13 @@ CONTACT_COLUMN(contact_force, contact_force)
 CONTACT_COLUMN(contact_zeta, contact_zeta)
 CONTACT_COLUMN(contact_sliding, contact_slide)
 
-static int material_of(const sd_model *m, uint32_t body) {
-  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
-}
-
 static double contact_tau(const void *row, size_t k) {
   const moment_contact *c = row;
   const sd_state *s = c->state;
   (void)k;
-  const sd_contact_law *law = sd_model_law(c->model, material_of(c->model, s->contact_a[c->contact]),
-                                           material_of(c->model, s->contact_b[c->contact]));
+  const sd_contact_law *law =
+      sd_model_law(c->model, configuration_material(c->model, s->contact_a[c->contact]),
+                   configuration_material(c->model, s->contact_b[c->contact]));
   return 0.0 - law->k_t * s->contact_zeta[c->contact]; /* no -0 */
 }
 

@@ -104,16 +104,6 @@ void result_table_free(result_table *s) {
 
 /* --- CSV --------------------------------------------------------------------------------------------------- */
 
-static void put_text(FILE *out, const char *text) {
-  if (!strpbrk(text, ",\"\r\n")) {
-    fputs(text, out);
-    return;
-  }
-  fputc('"', out);
-  for (const char *c = text; *c; c++) fprintf(out, *c == '"' ? "\"\"" : "%c", *c);
-  fputc('"', out);
-}
-
 static void put_number(FILE *out, double x) {
   char text[40];
   if (isnan(x)) return;
@@ -127,7 +117,7 @@ static void put_number(FILE *out, double x) {
 static void put_cell(FILE *out, const result_column *c, size_t row) {
   if (c->kind == RESULT_NUMBER) put_number(out, c->number[row]);
   if (c->kind == RESULT_INTEGER && c->integer[row] != RESULT_EMPTY) fprintf(out, "%" PRId64, c->integer[row]);
-  if (c->kind == RESULT_TEXT && c->text[row]) put_text(out, c->text[row]);
+  if (c->kind == RESULT_TEXT && c->text[row]) text_cell(out, c->text[row]);
 }
 
 sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages) {
@@ -137,7 +127,7 @@ sd_status result_table_write_csv(const result_table *s, const char *path, sd_mes
   if (!out) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   for (size_t k = 0; k < s->n_columns; k++) {
     if (k > 0) fputc(',', out);
-    put_text(out, s->columns[k].name);
+    text_cell(out, s->columns[k].name);
   }
   fputc('\n', out);
   for (size_t row = 0; row < s->n_rows; row++) {

@@ -7,8 +7,8 @@
 
 #include "base/limits.h"
 #include "base/text.h"
+#include "io/results/provenance.h"
 #include "io/results/trajectory.h"
-#include "io/store/file.h"
 #include "io/store/members.h"
 #include "slipdisk/deck.h"
 
@@ -194,24 +194,21 @@ static size_t count(reader *r, const char *path) {
   return r->status == SD_OK && rank > 0 ? dims[0] : 0;
 }
 
-/* To be freed; NULL when something went wrong, also before. */
-static void *column(reader *r, const char *path, sd_type type, size_t n) {
-  if (r->status == SD_OK) r->status = h5_check(r->file, path, n, r->messages);
-  if (r->status != SD_OK) return NULL;
-  void *data = calloc(n + 1, sd_type_size(type));
-  r->status = data ? h5_get(r->file, path, type, n, data, r->messages)
-                   : sd_fail(r->messages, SD_ERROR_IO, "no memory to read %s", path);
-  if (r->status == SD_OK) return data;
-  free(data);
-  return NULL;
-}
-
 static void read_space(reader *r, sd_model *m) {
-  double *gravity = column(r, MODEL "/gravity", SD_F64, 2), *box = column(r, MODEL "/box", SD_F64, 4);
-  double *area = column(r, MODEL "/region", SD_F64, 4);
-  int32_t *periodic = column(r, MODEL "/periodic", SD_I32, 2);
+  double box[4], area[4];
+  int32_t periodic[2];
+  const struct {
+    const char *path;
+    sd_type type;
+    size_t n;
+    void *data;
+  } sets[] = {{MODEL "/gravity", SD_F64, 2, m->gravity},
+              {MODEL "/box", SD_F64, 4, box},
+              {MODEL "/region", SD_F64, 4, area},
+              {MODEL "/periodic", SD_I32, 2, periodic}};
+  for (size_t k = 0; r->status == SD_OK && k < sizeof sets / sizeof *sets; k++)
+    r->status = h5_get(r->file, sets[k].path, sets[k].type, sets[k].n, sets[k].data, r->messages);
   for (int c = 0; r->status == SD_OK && c < 2; c++) {
-    m->gravity[c] = gravity[c];
     m->periodic[c] = periodic[c] != 0;
     m->lower[c] = box[c];
     m->upper[c] = box[2 + c];
@@ -220,16 +217,12 @@ static void read_space(reader *r, sd_model *m) {
   }
   m->container = (sd_container_kind)h5_get_attr_i64(r->file, MODEL, "container", SD_CONTAINER_NONE);
   m->variant = (sd_variant)h5_get_attr_i64(r->file, MODEL, "variant", SD_PAPER);
-  free(gravity);
-  free(box);
-  free(area);
-  free(periodic);
 }
 
 static void read_normal_laws(reader *r, sd_model *m) {
   if (!h5_exists(r->file, MODEL "/normal_laws")) return;
   size_t n = m->n_materials;
-  double *laws = column(r, MODEL "/normal_laws", SD_F64, n * n * 2);
+  double *laws = h5_column(r->file, MODEL "/normal_laws", SD_F64, n * n * 2, &r->status, r->messages);
   for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
     if (!(laws[2 * k] >= 0.0 && laws[2 * k] < SD_NORMAL_LAWS))
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
@@ -245,7 +238,7 @@ static void read_laws(reader *r, sd_model *m) {
   if (n > LIMIT_MATERIALS)
     r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu materials: the laws are damaged", n);
   if (r->status != SD_OK) return;
-  double *laws = column(r, MODEL "/laws", SD_F64, n * n * LAW);
+  double *laws = h5_column(r->file, MODEL "/laws", SD_F64, n * n * LAW, &r->status, r->messages);
   m->materials = calloc(n + 1, sizeof *m->materials);
   m->laws = calloc(n * n + 1, sizeof *m->laws);
   if (laws && m->materials && m->laws) {
@@ -301,7 +294,7 @@ static sd_status share_points(sd_model *m, size_t total, const double *points) {
 static void read_walls(reader *r, sd_model *m) {
   if (!h5_exists(r->file, WALLS "/shape/kind")) return;
   size_t n = count(r, WALLS "/shape/kind"), total = count(r, WALLS "/shape/points");
-  double *points = column(r, WALLS "/shape/points", SD_F64, 2 * total);
+  double *points = h5_column(r->file, WALLS "/shape/points", SD_F64, 2 * total, &r->status, r->messages);
   if (r->status == SD_OK) r->status = h5_check(r->file, WALLS "/shape/kind", n, r->messages);
   m->walls = r->status == SD_OK ? calloc(n + 1, sizeof *m->walls) : NULL;
   if (r->status == SD_OK && !m->walls)
@@ -326,7 +319,6 @@ static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messag
   return r.status;
 }
 
-/* The deck's path is that of the run, or from the folder in which that was started. */
 static sd_status read_deck(const h5_file *file, const char *path, sd_model **out, sd_messages *messages) {
   char *full = h5_get_text(file, "/parameters/deck_full");
   if (!full)
@@ -334,10 +326,8 @@ static sd_status read_deck(const h5_file *file, const char *path, sd_model **out
                    "%s is not a result of slipdisk: there is no /parameters/deck_full", path);
   char *deck = h5_get_attr_text(file, "/parameters", "deck_path");
   char *directory = h5_get_attr_text(file, "/parameters", "directory");
-  char *there = deck && directory ? format_text("%s/%s", directory, deck) : NULL;
-  const char *name = deck && *deck ? deck : "deck";
-  if (there && *name != '/' && !file_exists(name) && file_exists(there)) name = there;
-  sd_status status = sd_deck_load_text(full, name, 0, NULL, out, messages);
+  char *name = provenance_deck(deck && *deck ? deck : "deck", directory);
+  sd_status status = sd_deck_load_text(full, name ? name : "deck", 0, NULL, out, messages);
   if (status != SD_OK)
     sd_fail(messages, status,
             "%s: the run's deck, as it is stored, cannot be read again, so box, walls and laws are not known",
@@ -345,7 +335,7 @@ static sd_status read_deck(const h5_file *file, const char *path, sd_model **out
   free(full);
   free(deck);
   free(directory);
-  free(there);
+  free(name);
   return status;
 }
 

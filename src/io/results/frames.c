@@ -16,12 +16,6 @@
 /* Of one moment. */
 static const int64_t MOST_CONTACTS = 8 * (int64_t)LIMIT_DISKS;
 
-static void *reserve(size_t n, size_t size, sd_status *status, sd_messages *messages) {
-  void *data = calloc(n + 1, size);
-  if (!data) *status = sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
-  return data;
-}
-
 /* Rows of a dataset, 0 when there is none. */
 static size_t rows_of(const h5_file *file, const char *path) {
   int rank;
@@ -149,13 +143,9 @@ typedef struct reader {
 
 /* A column of the state, to be freed. */
 static void *state_column(reader *r, const char *name, sd_type type, size_t n) {
-  if (r->status != SD_OK) return NULL;
   char path[64];
   snprintf(path, sizeof path, "/state/%s", name);
-  r->status = h5_check(r->file, path, n, r->messages);
-  void *data = r->status == SD_OK ? reserve(n, sd_type_size(type), &r->status, r->messages) : NULL;
-  if (data) r->status = h5_get(r->file, path, type, n, data, r->messages);
-  return data;
+  return h5_column(r->file, path, type, n, &r->status, r->messages);
 }
 
 static void state_bodies(reader *r, frame_data *f) {
@@ -196,10 +186,6 @@ static void state_activity(reader *r, frame_data *f) {
   free(activity);
 }
 
-static int material_of(const sd_model *m, uint32_t body) {
-  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
-}
-
 /* tau = - k_t zeta. */
 static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   size_t n = rows_of(r->file, "/state/contact_a");
@@ -224,7 +210,8 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
     if (f->a[k] >= m->n_disks || f->b[k] >= sd_model_bodies(m))
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the contacts of the state are damaged");
     else
-      f->tau[k] *= -sd_model_law(m, material_of(m, f->a[k]), material_of(m, f->b[k]))->k_t;
+      f->tau[k] *=
+          -sd_model_law(m, configuration_material(m, f->a[k]), configuration_material(m, f->b[k]))->k_t;
   }
 }
 
@@ -271,8 +258,8 @@ static sd_status frame_element(const h5_file *file, const char *name, size_t row
 static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, sd_messages *messages) {
   if (h5_exists(file, "/contacts/first"))
     return h5_get_values(file, "/contacts/first", SD_I64, row, 1, 1, first, messages);
-  sd_status status = SD_OK;
-  int64_t *counts = reserve(row, sizeof *counts, &status, messages);
+  int64_t *counts = calloc(row + 1, sizeof *counts);
+  sd_status status = counts ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
   if (status == SD_OK) status = h5_get_values(file, "/contacts/count", SD_I64, 0, row, 1, counts, messages);
   *first = 0;
   for (size_t k = 0; status == SD_OK && k < row; k++) *first += counts[k];

@@ -181,6 +181,13 @@ sd_status provenance_refresh(provenance *p, int threads, const char *cpu_path, s
   return status;
 }
 
+char *provenance_deck(const char *deck, const char *directory) {
+  char *there = directory && *directory ? format_text("%s/%s", directory, deck) : NULL;
+  if (there && *deck && *deck != '/' && !file_exists(deck) && file_exists(there)) return there;
+  free(there);
+  return format_text("%s", deck);
+}
+
 void provenance_free(provenance *p) {
   for (size_t k = 0; k < provenance_text_count; k++) free(*place(p, provenance_texts[k].offset));
   for (size_t k = 0; k < DECKS; k++) free(*place(p, decks[k].offset));

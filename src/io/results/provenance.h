@@ -33,6 +33,10 @@ void provenance_write(const provenance *p, h5_file *file);
 /* Absent texts are "". */
 sd_status provenance_read(provenance *p, const h5_file *file, sd_messages *messages);
 
+/* The deck's path as it was given, or from the folder in which the run was started when that is another; to be freed, NULL: no
+ * memory. */
+char *provenance_deck(const char *deck, const char *directory);
+
 /* The texts that are attributes of /parameters, for info. */
 typedef struct provenance_text {
   const char *name;

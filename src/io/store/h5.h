@@ -94,6 +94,9 @@ sd_status h5_shape(const h5_file *file, const char *path, int *rank, size_t *dim
 /* Exactly n elements, converted to type; another size in the file is an error. */
 sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, void *data,
                  sd_messages *messages);
+/* The same as an array, to be freed. NULL when it cannot be read, or when *status was no SD_OK before. */
+void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, sd_status *status,
+                sd_messages *messages);
 sd_status h5_get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n, void *data,
                       sd_messages *messages);
 /* The same of rows that have `width` elements each; another shape in the file is an error. */

@@ -149,6 +149,19 @@ sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, 
   return status;
 }
 
+void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, sd_status *status,
+                sd_messages *messages) {
+  /* a damaged number does not get to ask for memory */
+  if (*status == SD_OK) *status = h5_check(file, path, n, messages);
+  void *data = *status == SD_OK ? calloc(n + 1, sd_type_size(type)) : NULL;
+  if (*status == SD_OK)
+    *status = data ? h5_get(file, path, type, n, data, messages)
+                   : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+  if (*status == SD_OK) return data;
+  free(data);
+  return NULL;
+}
+
 /* width: elements of a row, 0: as many as the dataset has. */
 static sd_status get_rows(const h5_file *file, const char *path, sd_type type, size_t first, size_t n,
                           size_t width, void *data, sd_messages *messages) {
