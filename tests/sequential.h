@@ -47,7 +47,7 @@ static inline void grow(growing *g, int64_t n) {
   }
 }
 
-/* The state after n steps: bins as measure/watch.c makes them. */
+/* The state after n steps: bins as measure/sample.c makes them. */
 static inline void fill_bins(sd_state *state, const growing *g, int64_t n) {
   state->measured = n;
   state->bin_steps = 1;

@@ -66,7 +66,7 @@ int app_no_memory(void);
 sd_messages *app_messages(void);
 
 /* --- report.c --------------------------------------------------------------------------------------- */
-/* What has been measured, as tables. */
+/* Prints the summary as tables. */
 void report_summary(FILE *out, const summary *found);
 /* The lines of a text, each behind `before`. */
 void report_lines(FILE *out, const char *before, const char *text);

@@ -1,6 +1,6 @@
 /* check.c: slipdisk check DECK: is the deck right, what does it say in full, and how long will it run?
  *
- * What it prints is a deck again: the full one, followed by the findings as comments.
+ * The output is a deck again: the full one, followed by the findings as comments.
  */
 #include <math.h>
 #include <stddef.h>
@@ -72,7 +72,7 @@ static void print_counts(const sd_model *m) {
   }
 }
 
-/* What may end the phase before its length, and what is done in it besides the motions. */
+/* Goals that may end the phase before its length, and its relaxation or compression. */
 static void print_phase_aims(const sd_phase *p) {
   const sd_settle *s = &p->settle;
   const sd_compress *c = &p->compress;
@@ -232,7 +232,7 @@ static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) 
 
 /* --- sweep --------------------------------------------------------------------------------------------------- */
 
-/* What a sweep's points need on this machine. */
+/* Time that a sweep's points need on this machine. */
 typedef struct pace {
   double alone;    /* s per step of a system by itself; 0: not known */
   double together; /* s per step of a group in lanes, however few they are; 0: there are none, or not known */

@@ -50,7 +50,7 @@ sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages 
 
 /* --- rows --------------------------------------------------------------------------------------------- */
 
-/* What is not known is an empty cell. */
+/* Unknown values are empty cells. */
 static void number(FILE *out, double value) {
   if (isfinite(value))
     fprintf(out, ",%.15g", value);

@@ -7,7 +7,7 @@
 
 #include "slipdisk/status.h"
 
-/* What follows an option, and the type of the field that takes it. */
+/* Value of an option, and the type of the field that takes it. */
 typedef enum option_kind {
   OPTION_FLAG,   /* nothing; bool */
   OPTION_NUMBER, /* a whole number from least to most; long */

@@ -205,7 +205,7 @@ static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   return status;
 }
 
-/* Who counts points, or lists them, is about to run them: mistakes are told now. */
+/* A user who counts or lists points is about to run them: mistakes are told now. */
 static sd_status check_points(const sweep *s, sd_messages *messages) {
   size_t usable;
   return sweep_check(s, NULL, NULL, &usable, messages);

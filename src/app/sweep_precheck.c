@@ -69,7 +69,7 @@ static bool visit(void *user, size_t point, sd_model *model) {
   return find_kind(v, model, &v->kinds[point]);
 }
 
-/* What is told when all points have been looked at. all: none of them has mistakes. */
+/* Warnings after all points have been checked. all: none of them has mistakes. */
 static void conclude(const precheck *v, bool all, sd_messages *messages) {
   const deck_sweep *d = &v->s->deck;
   if (!d->written)

@@ -130,8 +130,8 @@ static size_t find_abandoned(scheduler *w, size_t *todo) {
   return n;
 }
 
-/* The status of a point in the end. What this process has seen it need not look at again; of a failure whose reason
- * could not be kept nobody else knows. When a signal came first, what was to be run (again) and was not is waiting. */
+/* The status of a point in the end. Results that this process has read are not read again; a failure whose reason could
+ * not be stored is known to this process alone. After a signal, points that were not run (again) are waiting. */
 static sweep_status final_status(scheduler *w, size_t k) {
   int seen = (int)w->seen[k] - 1; /* negative: it was not looked at */
   sweep_status now = sweep_peek(w->s, k);
@@ -148,7 +148,7 @@ static sweep_status final_status(scheduler *w, size_t k) {
   return now;
 }
 
-/* What the folder says in the end, also of what others did. */
+/* Counts all points by the folder, also those that other processes ran. */
 static void count_all(scheduler *w) {
   size_t count[SWEEP_STATUSES] = {0};
   for (size_t k = w->first; k < w->end; k++) {

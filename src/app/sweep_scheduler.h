@@ -8,7 +8,7 @@
 #include "app/sweep.h"
 #include "base/comm.h"
 
-/* What the one who runs a point tells, through shared memory when it is another process. */
+/* Progress and outcome of a point, in shared memory where another process runs it. */
 typedef struct cell {
   volatile double fraction; /* of its steps */
   volatile double began;    /* fraction at its first report; negative: none yet */
@@ -38,7 +38,7 @@ typedef struct sweep_groups {
   size_t n, next, capacity;
 } sweep_groups;
 
-/* What became of a point in this call. SKIPPED: another process was running it when its turn came. CRASHED: the process
+/* Outcome of a point in this call. SKIPPED: another process was running it when its turn came. CRASHED: the process
  * of its group was, it is to be run by itself. */
 typedef enum attempt { UNTRIED, SKIPPED, CRASHED, TRIED } attempt;
 
@@ -100,7 +100,7 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
 size_t sweep_next(scheduler *w, size_t *points);
 /* The points of a group that are still to be run. */
 size_t sweep_sift(scheduler *w, sweep_group one, size_t *points);
-/* What one who runs points writes into their cells. */
+/* Writes progress and outcome into the cell of a point. */
 void sweep_tell(cell *mine, const session_progress *p);
 void sweep_tell_left(cell *mine, const sweep_end *end);
 /* Its points [0, n) are to be run now. */

@@ -229,7 +229,7 @@ static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
   return SD_OK;
 }
 
-/* What holds or turns the upper disk besides its weight and its supports. */
+/* Nothing but its weight and its supports may hold or turn the upper disk. */
 static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper, sd_messages *messages) {
   const sd_disk *disk = &m->disks[upper];
   sd_status status = SD_OK;

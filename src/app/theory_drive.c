@@ -11,7 +11,7 @@
 
 static const char *const coordinate_names[SD_COORDINATES] = {"x", "y", "theta"};
 
-/* What is on: the motion of each support's angle, if any, and whether others shake it at random. */
+/* Active drive: the motion of each support's angle, if any, and whether others shake it at random. */
 typedef struct drivers {
   const sd_motion *turn[2];
   size_t number[2];

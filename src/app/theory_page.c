@@ -90,7 +90,7 @@ static void print_steady(FILE *out, const theory_case *c, const theory_result *r
 
 /* --- periodic drive ------------------------------------------------------------------------------------ */
 
-/* What the ratio of torques means. */
+/* Meaning of the ratio of torques. */
 static const char *sticking(const theory_case *c, const theory_result *r) {
   if (r->even && c->drive.waveform == SD_PARABOLA) return "no contact ever sticks below 8/pi^2 = 0.811";
   if (r->even && r->relation == THEORY_IN_PHASE)

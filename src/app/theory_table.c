@@ -7,7 +7,7 @@
 
 /* --- a row per set ------------------------------------------------------------------------------------- */
 
-/* What does not apply is an empty cell. */
+/* Values that do not apply are empty cells. */
 static void number_cell(FILE *out, double value) {
   if (isfinite(value)) fprintf(out, "%.15g", value + 0.0); /* no -0 */
 }

@@ -26,7 +26,7 @@ transient transient_of(const double *x, size_t n);
 /* From here on, in sigmas, a drift is cut off or put into the error bar; and it spoils convergence. */
 enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
 
-/* What goes on changing in a record. */
+/* Remaining drift of a record. */
 typedef struct drift {
   double sigmas; /* difference of the first quarter's mean and the rest's, in its errors */
   double half;   /* half the difference of the means of the halves: the bias left by a short relaxation */

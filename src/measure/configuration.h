@@ -16,7 +16,7 @@
 #include "measure/region.h"
 #include "slipdisk/model.h"
 
-/* What is stored of a frame: one row per body of the run, in the order of body numbers (disks, walls). */
+/* A stored frame: one row per body of the run, in the order of body numbers (disks, walls). */
 typedef struct frame_data {
   int64_t step;
   double time;
@@ -67,7 +67,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
                             sd_messages *messages);
 void configuration_free(configuration *c);
 
-/* What is called full: the region of the model, with walls that have moved, the periodic box along periodic directions, and where neither
+/* Region whose filling is measured: that of the model, with walls that have moved, the periodic box along periodic directions, and where neither
  * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. */
 region configuration_region(const configuration *c, const double *wanted);
 /* Index of a body's material. */

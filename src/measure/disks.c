@@ -71,11 +71,11 @@ static void close_bin(sd_state *s, size_t begin, size_t end, size_t b) {
   }
 }
 
-/* --- looks ------------------------------------------------------------------------------------------------- */
+/* --- samples ------------------------------------------------------------------------------------------------- */
 
-/* Sums of what a look finds at the contacts of the disks. Open candidates have no overlap, no force, and do not
+/* Sums over the contacts of the disks. Open candidates have no overlap, no force, and do not
  * slide: they add nothing. */
-static void look_at_contacts(engine *e, size_t begin, size_t end) {
+static void sample_contacts(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
   for (size_t i = begin; i < end; i++) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
@@ -107,7 +107,7 @@ static void add_energies(size_t n, const double *restrict mass, const double *re
   for (size_t i = 0; i < n; i++) sum[i] += 0.5 * mass[i] * (vx[i] * vx[i] + vy[i] * vy[i]);
 }
 
-static void look_at_poses(engine *e, size_t begin, size_t end) {
+static void sample_poses(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
   const double length[2] = {engine_length(e, SD_X), engine_length(e, SD_Y)};
   size_t k = begin, n = end - begin;
@@ -134,7 +134,7 @@ static drive drive_of(const engine *e, size_t slot) {
   return d;
 }
 
-/* What the motion d of the body in this slot does through one of its contacts per time: minus the power of what the
+/* Power of the motion d of a body through one of its contacts: minus the power of what the
  * contact does to it, with the forces that motion_work books. */
 static double power_of(contact_push push, drive d) {
   return -((push.x * d.vx + push.y * d.vy) + push.torque * d.omega);
@@ -155,7 +155,7 @@ static void add_power(engine *e, size_t kept) {
 }
 
 /* From the prescribed bodies' side, which are few: by one member, in the order of slots. */
-static void look_at_powers(engine *e) {
+static void sample_powers(engine *e) {
   for (size_t k = 0; k < engine_kept(e); k++) add_power(e, k);
 }
 
@@ -167,15 +167,15 @@ void disks_step(engine *e, const team *t, int64_t measured) {
   size_t begin, end;
   team_share(t, s->n_means, &begin, &end);
   int64_t length = bin_length(measured - 1);
-  bool look = measured % e->model->measure_every == 0;
+  bool sampled = measured % e->model->measure_every == 0;
   if (measured % length == 0) close_bin(s, begin, end, (size_t)(measured / length - 1));
-  if (look) {
-    look_at_contacts(e, begin, end);
-    look_at_poses(e, begin, end);
+  if (sampled) {
+    sample_contacts(e, begin, end);
+    sample_poses(e, begin, end);
   }
   if (t->rank != 0) return;
-  if (look) look_at_powers(e);
-  s->mean_looks += look;
+  if (sampled) sample_powers(e);
+  s->mean_looks += sampled;
   s->mean_bin_steps = bin_length(measured);
   s->mean_bins = measured / s->mean_bin_steps;
 }

@@ -1,6 +1,6 @@
 /* disks.h: means of every free disk, gathered in the state's columns mean_* while a run measures.
  *
- * Angles: a record of SD_MEAN_BINS bins per disk, as watch.c has it for watched ones. Contacts, positions and energies:
+ * Angles: a record of SD_MEAN_BINS bins per disk, as sample.c has it for watched ones. Contacts, positions and energies:
  * sums over looks, every model->measure_every measured steps. Losses: differences of the state's loss_*, at no cost.
  * Openings: counted by contacts.c. Everything is done by index of the disk, its contacts in the fixed order of
  * the incidence, so that the bits depend on neither threads nor lists.
@@ -11,7 +11,7 @@
 #include "base/team.h"
 #include "physics/system/work.h"
 
-/* As watch_begin and watch_end; no-ops unless the model asks for means. */
+/* As sample_begin and sample_end; no-ops unless the model asks for means. */
 void disks_begin(engine *e);
 void disks_end(engine *e);
 /* A measured step was completed, the measured-th; one member's share. The state's own count (state->measured)

@@ -10,7 +10,7 @@
 #include "model/motion_kinds.h"
 #include "measure/observable.h"
 
-/* What a drift adds to the error. Without noise: exp(-t/T) has a mean of half the difference of its halves times
+/* Systematic error of a drift. Without noise: exp(-t/T) has a mean of half the difference of its halves times
  * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
 static double systematic(drift left, bool plateau, bool quiet) {
   double u = fmin(left.ratio, 0.75);

@@ -37,7 +37,7 @@ static double sector(point p, point q, double radius) {
 
 static point along(point p, point d, double t) { return (point){p.x + t * d.x, p.y + t * d.y}; }
 
-/* What the triangle of the centre and one edge shares with the circle. */
+/* Area common to the circle and the triangle of its centre and one edge. */
 static double edge_area(point p, point q, double radius) {
   point d = {q.x - p.x, q.y - p.y};
   double a = d.x * d.x + d.y * d.y, b = p.x * d.x + p.y * d.y;

@@ -1,6 +1,6 @@
 /* ensemble.c: see ensemble.h.
  *
- * Members that stand at the same place of their phases go in lanes together, up to the next pause of any of them. Who
+ * Members that stand at the same place of their phases go in lanes together, up to the next pause of any of them. Which
  * is in which lane is found anew at each pause, and the tables are kept as long as it is the same.
  */
 #include "run/ensemble.h"

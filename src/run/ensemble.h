@@ -2,7 +2,7 @@
  *
  * Each gives the bits of the simulation on its own, whatever else is in the ensemble and on whatever machine: lanes
  * do not mix. Members are alike when they have the same bodies, motions, phases and measurements; any number in
- * them may differ. What cannot go in lanes is advanced by itself.
+ * them may differ. Members that cannot go in lanes are advanced by themselves.
  */
 #ifndef SLIPDISK_RUN_ENSEMBLE_H
 #define SLIPDISK_RUN_ENSEMBLE_H

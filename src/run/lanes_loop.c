@@ -1,7 +1,7 @@
 /* lanes_loop.c: see lanes_loop.h. */
 #include "run/lanes_loop.h"
 
-#include "measure/watch.h"
+#include "measure/sample.h"
 #include "physics/motion/motion.h"
 #include "physics/step/access.h"
 #include "physics/step/step.h"
@@ -9,7 +9,7 @@
 static int64_t least_room(const lanes *l) {
   int64_t least = INT64_MAX;
   for (size_t k = 0; k < l->count; k++) {
-    int64_t room = watch_room(l->system[k]);
+    int64_t room = sample_room(l->system[k]);
     if (room < least) least = room;
   }
   return least;
@@ -25,7 +25,7 @@ static void general_step(lanes *l, bool measure) {
     if (l->motion && motion_resume(e) != SD_OK) engine_fail(e, "out of memory for the motions");
     step_begin(e, 1);
     if (engine_status(e) == SD_OK) step_once(e, &alone);
-    if (engine_status(e) == SD_OK && measure) watch_step(e);
+    if (engine_status(e) == SD_OK && measure) sample_step(e);
     if (l->motion) motion_store(e);
   }
 }
@@ -39,7 +39,7 @@ static bool any_wrong(const lanes *l) {
 static void close_bins(const lanes *l) {
   lanes_show_angles(l);
   for (size_t k = 0; k < l->count; k++)
-    if (engine_status(l->system[k]) == SD_OK) watch_bins(l->system[k]);
+    if (engine_status(l->system[k]) == SD_OK) sample_bins(l->system[k]);
 }
 
 void lanes_loop(lanes *l, int64_t n, bool measure) {

@@ -29,7 +29,7 @@ struct session {
   int64_t told_step, told_phase;
 };
 
-/* What is to be recorded now, and the next step at which something may be, the run not being over. */
+/* Rows to be recorded now, and the next step at which some may be due; the run is not over. */
 unsigned session_due(const sd_model *model, sd_stage now);
 int64_t session_next(const sd_model *model, sd_stage now);
 sd_status session_sample(session *s, unsigned what, sd_messages *messages);

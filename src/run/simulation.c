@@ -9,7 +9,7 @@
 
 #include "base/subnormal.h"
 #include "measure/disks.h"
-#include "measure/watch.h"
+#include "measure/sample.h"
 #include "pack/compress.h"
 #include "pack/rain.h"
 #include "pack/relax.h"
@@ -51,12 +51,12 @@ static bool measures(const engine *e) {
 }
 
 static void measure_begin(engine *e) {
-  watch_begin(e);
+  sample_begin(e);
   disks_begin(e);
 }
 
 static void measure_end(engine *e) {
-  watch_end(e);
+  sample_end(e);
   disks_end(e);
 }
 
@@ -154,7 +154,7 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure, re
     if (relax) relax_step(e, t, team_sums);
     if (!measure) continue;
     disks_step(e, t, measured + k);
-    if (t->rank == 0) watch_step(e);
+    if (t->rank == 0) sample_step(e);
     team_wait(t);
   }
 }
@@ -183,7 +183,7 @@ static void advance_team(engine *e, int64_t n, bool measure) {
 #endif
 }
 
-/* What the phase asked for, and what has come of it. */
+/* Notes the goals of the phase and its values at the end. */
 static void note_end(const engine *e) {
   sd_state *s = e->state;
   const sd_phase *p = &e->model->phases[s->phase];

@@ -1,4 +1,4 @@
-/* sweep.c: see sweep.h. What is there of a point: sweep_look.c. Points are run in sweep_points.c, the tables are
+/* sweep.c: see sweep.h. State of a point: sweep_look.c. Points are run in sweep_points.c, the tables are
  * written by sweep_table.c. */
 #include <stdlib.h>
 #include <string.h>

@@ -35,7 +35,7 @@ sd_status sweep_prepare(const sweep *s, sd_messages *messages);
 typedef enum sweep_status {
   SWEEP_WAITING, /* nothing there */
   SWEEP_RUNNING, /* some process holds its lock */
-  SWEEP_STOPPED, /* begun, and nobody is running it; an older result may be there, too */
+  SWEEP_STOPPED, /* begun, and no process runs it; an older result may be there, too */
   SWEEP_DONE,
   SWEEP_FAILED,
   SWEEP_DAMAGED, /* a result is there that cannot be read */
@@ -49,7 +49,7 @@ typedef struct sweep_difference {
   char *path, *there, *here;
 } sweep_difference;
 
-/* What the folder knows of a point. */
+/* State and findings of a point, read from the folder. */
 typedef struct sweep_result {
   sweep_status status;
   unsigned doubts; /* of a finished one; bits 1 << doubt_kind */
@@ -82,7 +82,7 @@ void sweep_tally_add(sweep_tally *t, sweep_result *r);
 char *sweep_tally_text(const sweep_tally *t, size_t k);
 void sweep_tally_free(sweep_tally *t);
 
-/* What lies in the folder, by the names of files. */
+/* Contents of the folder, by the names of files. */
 enum { SWEEP_HAS_RESULT = 1, SWEEP_HAS_PARTS = 2 };
 typedef struct sweep_contents {
   unsigned char *has;              /* [n_points], bits */
@@ -103,7 +103,7 @@ sd_status sweep_refuse_strangers(const sweep *s, const sweep_contents *c, const 
 sd_status sweep_refuse_others(const sweep *s, const sweep_tally *t, const char *instead,
                               sd_messages *messages);
 
-/* What became of a point that sweep_run was given. */
+/* Outcome of a point that sweep_run was given. */
 typedef struct sweep_end {
   size_t point;
   sd_status ran;               /* SD_INTERRUPTED: stopped at a checkpoint */

@@ -120,7 +120,7 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   return status;
 }
 
-/* What stands in the file besides the rows. */
+/* Everything but the rows. */
 static void write_rest(const merge_job *job, h5_file *out) {
   provenance_write(job->origin, out);
   summary_write(job->found, out);

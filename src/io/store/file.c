@@ -253,7 +253,7 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
   int base = base_of(folder, path, &name);
   sd_status status = SD_OK;
   struct stat facts;
-  /* A rename would put a file in the place of a device or a pipe, and of /dev/null for everybody. */
+  /* A rename would put a file in the place of a device or a pipe, and /dev/null is shared by all processes. */
   if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0 && is_special(facts.st_mode))
     status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);
   /* to its own size: gives back what file_reserve took and the file does not use */

@@ -235,7 +235,7 @@ sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *
   return status;
 }
 
-/* What is still held, or in the chunk caches, is written now. */
+/* Writes rows that are still held, or in the chunk caches. */
 static void close_sets(h5_file *file) {
   char reason[200];
   for (size_t k = 0; k < file->n_sets && !file->failed; k++) {

@@ -51,7 +51,7 @@ size_t table_bytes(const table *t);
 /* Writes all rows (also none), units and links. */
 void table_write(const table *t, h5_file *file);
 
-/* What table_write does, for rows that come later: empty datasets of n rows with units and links. */
+/* As table_write, for rows that come later: empty datasets of n rows with units and links. */
 void table_make(const table *t, h5_file *file, size_t n_rows);
 /* Dimensions of a column's dataset with n rows; returns its rank. */
 int table_shape(const table_column *c, size_t n_rows, size_t dims[H5_MAX_RANK]);

@@ -1,5 +1,5 @@
-/* watch.c: running statistics in the state; see watch.h. */
-#include "measure/watch.h"
+/* sample.c: running statistics in the state; see sample.h. */
+#include "measure/sample.h"
 
 #include <math.h>
 
@@ -19,7 +19,7 @@ static int contact_now(const engine *e, size_t k, double *force) {
   return sliding > 0 ? SD_SLIDE_POSITIVE : sliding < 0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
-void watch_begin(engine *e) {
+void sample_begin(engine *e) {
   sd_state *s = e->state;
   double force;
   for (size_t k = 0; k < s->n_rotations; k++) {
@@ -34,7 +34,7 @@ void watch_begin(engine *e) {
   }
 }
 
-void watch_end(engine *e) {
+void sample_end(engine *e) {
   for (size_t k = 0; k < e->state->n_rotations; k++) e->state->rotation_stop[k] = angle_of(e, k);
 }
 
@@ -75,20 +75,20 @@ static void count_slides(engine *e, size_t k) {
   s->slide_count[16 * k + 4 * (size_t)now[0] + (size_t)now[1]]++;
 }
 
-void watch_step(engine *e) {
+void sample_step(engine *e) {
   sd_state *s = e->state;
   s->measured++;
   for (size_t k = 0; k < s->n_slides; k++) count_slides(e, k);
-  watch_bins(e);
+  sample_bins(e);
 }
 
 /* bin_steps is a power of two */
-void watch_bins(engine *e) {
+void sample_bins(engine *e) {
   const sd_state *s = e->state;
   if (s->n_rotations && (s->measured & (s->bin_steps - 1)) == 0) close_bin(e);
 }
 
-int64_t watch_room(const engine *e) {
+int64_t sample_room(const engine *e) {
   const sd_state *s = e->state;
   return s->n_rotations ? s->bin_steps - (s->measured & (s->bin_steps - 1)) : INT64_MAX;
 }
