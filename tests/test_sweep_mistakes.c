@@ -11,7 +11,6 @@
 #include <cmocka.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 #include "run/sweep.h"
 #include "slipdisk/deck.h"
 #include "sweep_decks.h"

@@ -14,7 +14,6 @@
 #include "base/limits.h"
 #include "base/text.h"
 #include "base/guess.h"
-#include "io/store/file.h"
 #include "version.h"
 
 static const char help[] =

@@ -6,7 +6,6 @@
 
 #include "base/text.h"
 #include "app/app.h"
-#include "io/store/file.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {

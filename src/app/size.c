@@ -8,7 +8,7 @@
 #include "slipdisk/deck.h"
 #include "app/app.h"
 #include "io/results/record.h"
-#include "io/results/summary_disks.h"
+#include "io/results/summary.h"
 
 /* HDF5's own: headers and attributes of each dataset, about 640 bytes. */
 static const double FILE_BYTES = 160e3, WALLS_BYTES = 40e3;

@@ -19,10 +19,8 @@
 #include <unistd.h>
 
 #include "base/clock.h"
-#include "base/text.h"
 #include "app/app.h"
 #include "app/sweep_scheduler.h"
-#include "io/store/file.h"
 #include "run/ensemble.h"
 
 /* --- here, or in ranks ------------------------------------------------------------------------------------- */

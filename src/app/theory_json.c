@@ -5,7 +5,6 @@
 #include "app/json.h"
 #include "app/theory.h"
 #include "base/text.h"
-#include "io/store/file.h"
 
 static const char *const kinds[] = {[THEORY_REST] = "rest",
                                     [THEORY_STEADY] = "steady",

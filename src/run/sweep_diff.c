@@ -4,7 +4,6 @@
 
 #include "base/text.h"
 #include "io/deck/deck.h"
-#include "io/store/file.h"
 #include "run/deck_diff.h"
 #include "run/sweep_private.h"
 

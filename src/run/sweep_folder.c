@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 #include "run/sweep_private.h"
 
 /* Points in the order of their names. */

@@ -8,7 +8,6 @@
 
 #include "base/text.h"
 #include "base/shortage.h"
-#include "io/store/file.h"
 
 static const struct extent {
   const char *name;

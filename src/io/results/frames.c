@@ -8,7 +8,6 @@
 #include "base/limits.h"
 #include "io/results/checkpoint.h"
 #include "io/results/constants.h"
-#include "io/store/file.h"
 
 #define DISKS "/particles/disks"
 #define WALLS "/particles/walls"

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 #include "io/store/members.h"
 #include "pack/rain.h"
 #include "physics/step/outside.h"

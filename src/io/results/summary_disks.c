@@ -6,9 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
 #include "base/shortage.h"
-#include "io/store/file.h"
 #include "io/store/members.h"
 
 static const char group[] = "/summary/disks", fastest_group[] = "/summary/fastest";

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 #include "io/results/summary.h"
 
 const struct doubt_row doubt_kinds[DOUBT_KINDS] = {

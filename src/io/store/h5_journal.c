@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 #include "io/store/h5_private.h"
 
 /* Datasets are read back in pieces of at most this many bytes. */

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "io/store/file.h"
 
 void table_free(table *t) {
   for (size_t k = 0; k < t->n_columns; k++) {
