@@ -186,10 +186,7 @@ sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k) {
   return slide;
 }
 
-static double sliding(const void *row, size_t k) {
-  const sd_slide *s = row;
-  return s->contact_positive[k] + s->contact_negative[k];
-}
+OBSERVABLE_GET(sliding, sd_slide, at->contact_positive[k] + at->contact_negative[k])
 
 #define SLIDE(field, meaning, json)                                                                          \
   { #field, "1", meaning, OBSERVABLE_F64, 1, offsetof(sd_slide, field), NULL, #field, json, NULL }

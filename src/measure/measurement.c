@@ -33,17 +33,8 @@ void measurement_free(measurement *m) {
   correlation_free(&m->pairs);
 }
 
-static double sliding(const void *row, size_t k) {
-  const measurement *m = row;
-  (void)k;
-  return m->c.recomputed || m->c.frictionless ? NAN : (double)m->s.n_sliding;
-}
-
-static double overlap_max(const void *row, size_t k) {
-  const measurement *m = row;
-  (void)k;
-  return m->s.n_contacts > 0 ? m->s.overlap_max : NAN;
-}
+OBSERVABLE_GET(sliding, measurement, at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
+OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
 
 /* Contacts that were found again have no tangential force. */
 static double at_limit(const void *row, size_t k) {

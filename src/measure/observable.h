@@ -47,9 +47,13 @@ typedef struct observable_list {
 #define OBSERVABLES(name, title, rows)                                                                       \
   { name, title, sizeof(rows) / sizeof *(rows), rows }
 
-/* Rows: a real field of a structure; a field of another type; a function. */
-#define OBSERVABLE_REAL(structure, field, unit, meaning)                                                     \
-  { #field, unit, meaning, OBSERVABLE_F64, 1, offsetof(structure, field), NULL, NULL, NULL, NULL }
+/* A getter: element k of a row, called `at` in the expression. */
+#define OBSERVABLE_GET(name, structure, expression)                                                          \
+  static double name(const void *row, size_t k) {                                                            \
+    const structure *at = row;                                                                               \
+    (void)k;                                                                                                 \
+    return expression;                                                                                       \
+  }
 
 double observable_value(const observable *o, const void *row, size_t k);
 /* The value goes into the field; nothing happens to a quantity that a function gives. */

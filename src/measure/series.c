@@ -34,10 +34,7 @@ const observable_list energy_observables = OBSERVABLES(
 
 /* --- other series -------------------------------------------------------------------------------------- */
 
-static double contacts(const void *row, size_t k) {
-  (void)k;
-  return (double)((const moment *)row)->state->n_contacts;
-}
+OBSERVABLE_GET(contacts, moment, (double)at->state->n_contacts)
 
 static double sliding_contacts(const void *row, size_t k) {
   const sd_state *s = ((const moment *)row)->state;
@@ -47,22 +44,9 @@ static double sliding_contacts(const void *row, size_t k) {
   return (double)n;
 }
 
-static double pressure(const void *row, size_t k) {
-  const moment *now = row;
-  (void)k;
-  return compress_stored_pressure(now->model, now->state);
-}
-
-static double packing_fraction(const void *row, size_t k) {
-  const moment *now = row;
-  (void)k;
-  return compress_fraction(now->model, now->state);
-}
-
-static double outside(const void *row, size_t k) {
-  (void)k;
-  return (double)outside_count(((const moment *)row)->state);
-}
+OBSERVABLE_GET(pressure, moment, compress_stored_pressure(at->model, at->state))
+OBSERVABLE_GET(packing_fraction, moment, compress_fraction(at->model, at->state))
+OBSERVABLE_GET(outside, moment, (double)outside_count(at->state))
 
 static uint32_t watched(const moment *now, size_t k) { return now->slots[now->model->rotations[k]]; }
 
@@ -72,10 +56,7 @@ static double watched_angle(const void *row, size_t k) {
   return now->state->turn[slot] + now->state->theta[slot];
 }
 
-static double watched_spin(const void *row, size_t k) {
-  const moment *now = row;
-  return now->state->omega[watched(now, k)];
-}
+OBSERVABLE_GET(watched_spin, moment, at->state->omega[watched(at, k)])
 
 static bool has_bounds(const sd_model *m) { return m->bounds.given; }
 static bool watches(const sd_model *m) { return m->n_rotations > 0; }
@@ -110,38 +91,13 @@ const observable_list series_observables =
 
 /* --- bodies of a frame ---------------------------------------------------------------------------------- */
 
-static double position(const void *row, size_t k) {
-  const moment_body *b = row;
-  return (k == 0 ? b->state->x : b->state->y)[b->slot];
-}
-
-static double image(const void *row, size_t k) {
-  const moment_body *b = row;
-  return (k == 0 ? b->state->image_x : b->state->image_y)[b->slot];
-}
-
-static double velocity(const void *row, size_t k) {
-  const moment_body *b = row;
-  return (k == 0 ? b->state->vx : b->state->vy)[b->slot];
-}
-
-static double angle(const void *row, size_t k) {
-  const moment_body *b = row;
-  (void)k;
-  return b->state->turn[b->slot] + b->state->theta[b->slot];
-}
-
-static double spin(const void *row, size_t k) {
-  const moment_body *b = row;
-  (void)k;
-  return b->state->omega[b->slot];
-}
-
-static double activity(const void *row, size_t k) {
-  const moment_body *b = row;
-  (void)k;
-  return b->slot < b->state->n_free ? b->state->activity[b->slot] : SD_IN_PLAY;
-}
+OBSERVABLE_GET(position, moment_body, (k == 0 ? at->state->x : at->state->y)[at->slot])
+OBSERVABLE_GET(image, moment_body, (k == 0 ? at->state->image_x : at->state->image_y)[at->slot])
+OBSERVABLE_GET(velocity, moment_body, (k == 0 ? at->state->vx : at->state->vy)[at->slot])
+OBSERVABLE_GET(angle, moment_body, at->state->turn[at->slot] + at->state->theta[at->slot])
+OBSERVABLE_GET(spin, moment_body, at->state->omega[at->slot])
+OBSERVABLE_GET(activity, moment_body,
+               at->slot < at->state->n_free ? at->state->activity[at->slot] : SD_IN_PLAY)
 
 /* Disks can wait, or be taken out. */
 static bool activity_changes(const sd_model *m) { return m->n_rains > 0 || m->bounds.given; }
@@ -165,19 +121,13 @@ const observable_list frame_observables =
 
 /* --- contacts of a moment --------------------------------------------------------------------------------- */
 
-#define CONTACT_COLUMN(name, column)                                                                         \
-  static double name(const void *row, size_t k) {                                                            \
-    const moment_contact *c = row;                                                                           \
-    (void)k;                                                                                                 \
-    return c->state->column[c->contact];                                                                     \
-  }
-CONTACT_COLUMN(contact_a, contact_a)
-CONTACT_COLUMN(contact_b, contact_b)
-CONTACT_COLUMN(contact_part, contact_part)
-CONTACT_COLUMN(contact_overlap, contact_overlap)
-CONTACT_COLUMN(contact_force, contact_force)
-CONTACT_COLUMN(contact_zeta, contact_zeta)
-CONTACT_COLUMN(contact_sliding, contact_slide)
+OBSERVABLE_GET(contact_a, moment_contact, at->state->contact_a[at->contact])
+OBSERVABLE_GET(contact_b, moment_contact, at->state->contact_b[at->contact])
+OBSERVABLE_GET(contact_part, moment_contact, at->state->contact_part[at->contact])
+OBSERVABLE_GET(contact_overlap, moment_contact, at->state->contact_overlap[at->contact])
+OBSERVABLE_GET(contact_force, moment_contact, at->state->contact_force[at->contact])
+OBSERVABLE_GET(contact_zeta, moment_contact, at->state->contact_zeta[at->contact])
+OBSERVABLE_GET(contact_sliding, moment_contact, at->state->contact_slide[at->contact])
 
 static double contact_tau(const void *row, size_t k) {
   const moment_contact *c = row;

@@ -20,17 +20,8 @@ static sd_status no_memory(sd_messages *messages) {
 #define FACT(field, type, unit, meaning, column, json)                                                       \
   { #field, unit, meaning, type, 1, offsetof(summary, field), NULL, column, json, NULL }
 
-static double time_of(const void *row, size_t k) {
-  const summary *s = row;
-  (void)k;
-  return (double)s->step * s->dt;
-}
-
-static double measured_time(const void *row, size_t k) {
-  const summary *s = row;
-  (void)k;
-  return (double)s->measured * s->dt;
-}
+OBSERVABLE_GET(time_of, summary, (double)at->step * at->dt)
+OBSERVABLE_GET(measured_time, summary, (double)at->measured * at->dt)
 
 static const observable fact_rows[] = {
     FACT(step, OBSERVABLE_I64, "1", "steps done, of all phases", "steps", NULL),
@@ -66,10 +57,7 @@ static const observable outcome_rows[] = {
 const observable_list outcome_observables =
     OBSERVABLES("outcome", "further attributes of /summary", outcome_rows);
 
-static double goal_reached(const void *row, size_t k) {
-  (void)k;
-  return ((const summary *)row)->until_step >= 0;
-}
+OBSERVABLE_GET(goal_reached, summary, at->until_step >= 0)
 
 static const observable until_rows[] = {
     {"value", "rad/time or rad", "the observable", OBSERVABLE_F64, 1, offsetof(summary, goal.value), NULL,
