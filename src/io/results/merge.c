@@ -12,30 +12,31 @@
 /* Rows are copied in pieces of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
 
-/* Place of a part in the chain: run, number, and the sum of the part before. */
-static record_link link_of(const merge_job *job, int64_t number, uint64_t after) {
-  return (record_link){.run_id = job->origin->run_id, .number = number, .after = after};
+/* Opens a part and counts the rows of each table; sum: of the seal before, becomes that of its own. */
+static sd_status open_part(const merge_job *job, int64_t number, h5_file **part, size_t rows[RECORD_TABLES],
+                           uint64_t *bytes, uint64_t *sum, sd_messages *messages) {
+  char *path = folder_part(job->folder->path, number);
+  record_link link = {.run_id = job->origin->run_id, .number = number, .after = *sum};
+  sd_status status = path ? record_open(job->folder->at, path, &link, part, sum, messages)
+                          : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  for (int t = 0; t < RECORD_TABLES; t++) {
+    const table *layout = job->layout->tables[t];
+    size_t dims[H5_MAX_RANK] = {0};
+    int rank;
+    if (status == SD_OK && layout->n_columns > 0)
+      status = h5_shape(*part, layout->columns[0].path, &rank, dims, messages);
+    rows[t] = dims[0];
+  }
+  *bytes = path ? file_size(path) : 0;
+  free(path);
+  return status;
 }
 
-/* Rows of each table in one part; `sum` becomes that of its seal. */
 static sd_status count_rows(const merge_job *job, int64_t number, size_t rows[RECORD_TABLES], uint64_t *bytes,
                             uint64_t *sum, sd_messages *messages) {
-  char *path = folder_part(job->folder->path, number);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   h5_file *part = NULL;
-  record_link link = link_of(job, number, *sum);
-  sd_status status = record_open(job->folder->at, path, &link, &part, sum, messages);
-  for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
-    const table *layout = job->layout->tables[t];
-    size_t dims[H5_MAX_RANK];
-    int rank;
-    if (layout->n_columns == 0) continue;
-    status = h5_shape(part, layout->columns[0].path, &rank, dims, messages);
-    if (status == SD_OK) rows[t] = dims[0];
-  }
-  *bytes = file_size(path);
+  sd_status status = open_part(job, number, &part, rows, bytes, sum, messages);
   h5_close(part, NULL);
-  free(path);
   return status;
 }
 
@@ -74,26 +75,20 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   return status;
 }
 
+/* The part is checked once more: the bytes that are copied are those that were checked. */
 static sd_status copy_part(const merge_job *job, int64_t number, h5_file *out, size_t done[RECORD_TABLES],
                            uint64_t *sum, sd_messages *messages) {
-  char *path = folder_part(job->folder->path, number);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   h5_file *part = NULL;
-  record_link link = link_of(job, number, *sum);
-  /* checked once more: what is copied are the bytes that were looked at */
-  sd_status status = record_open(job->folder->at, path, &link, &part, sum, messages);
+  size_t rows[RECORD_TABLES];
+  uint64_t bytes;
+  sd_status status = open_part(job, number, &part, rows, &bytes, sum, messages);
   for (int t = 0; status == SD_OK && t < RECORD_TABLES; t++) {
-    const table *rows = job->layout->tables[t];
-    if (rows->n_columns == 0) continue;
-    size_t dims[H5_MAX_RANK];
-    int rank;
-    status = h5_shape(part, rows->columns[0].path, &rank, dims, messages);
-    for (size_t c = 0; status == SD_OK && c < rows->n_columns; c++)
-      status = copy_column(&rows->columns[c], part, out, done[t], dims[0], messages);
-    if (status == SD_OK) done[t] += dims[0];
+    const table *layout = job->layout->tables[t];
+    for (size_t c = 0; status == SD_OK && c < layout->n_columns; c++)
+      status = copy_column(&layout->columns[c], part, out, done[t], rows[t], messages);
+    done[t] += rows[t];
   }
   h5_close(part, NULL);
-  free(path);
   return status;
 }
 
