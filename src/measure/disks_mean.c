@@ -254,8 +254,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
   { name, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_disk_mean, field), NULL, NULL, NULL, NULL }
 
 static const observable means[] = {
-    {"id", "1", "number of the disk", OBSERVABLE_U32, 1, offsetof(sd_disk_mean, disk), NULL, NULL, NULL,
-     NULL},
+    OBSERVABLE_FIELD("id", "1", "number of the disk", U32, sd_disk_mean, disk, NULL, NULL),
     MEAN("omega", omega, "rad/time", "mean angular velocity Omega"),
     MEAN("error", error, "rad/time", "one standard error of omega (blocking)"),
     MEAN("significance", significance, "1", "omega over error"),
@@ -276,8 +275,7 @@ static const observable means[] = {
     MEAN("opening", opening, "power", "left in contacts that opened, its share"),
     MEAN("translation", translation, "energy", "mean kinetic energy of translation"),
     MEAN("rotation", rotation, "energy", "mean kinetic energy of rotation"),
-    {"converged", "1", "1: the error is reliable", OBSERVABLE_FLAG, 1, offsetof(sd_disk_mean, converged),
-     NULL, NULL, NULL, NULL},
+    OBSERVABLE_FIELD("converged", "1", "1: the error is reliable", FLAG, sd_disk_mean, converged, NULL, NULL),
 };
 const observable_list disk_observables =
     OBSERVABLES("disks", "of each free disk with `measure = { disks = true; }`, in /summary/disks", means);

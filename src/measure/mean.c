@@ -137,7 +137,7 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
   { #field, unit, meaning, OBSERVABLE_F64, 1, offsetof(sd_rotation, field), NULL, column, NULL, NULL }
 
 static const observable rotations[] = {
-    {"disk", "1", "body number", OBSERVABLE_U32, 1, offsetof(sd_rotation, disk), NULL, NULL, NULL, NULL},
+    OBSERVABLE_FIELD("disk", "1", "body number", U32, sd_rotation, disk, NULL, NULL),
     ROTATION(omega, "rad/time", "mean angular velocity Omega", "omega"),
     ROTATION(error, "rad/time", "one standard error of omega (blocking)", "omega_error"),
     ROTATION(scaled, "rad", "t_g Omega, t_g = sqrt(2 R/g)", "scaled"),
@@ -145,8 +145,8 @@ static const observable rotations[] = {
     ROTATION(transient, "time", "measured time discarded as transient", "transient"),
     ROTATION(measured, "time", "measured time, with the transient", "measured"),
     ROTATION(turned, "rad", "angle turned over the measured time", NULL),
-    {"converged", "1", "1: the error bar is reliable", OBSERVABLE_FLAG, 1, offsetof(sd_rotation, converged),
-     NULL, "converged", NULL, NULL},
+    OBSERVABLE_FIELD("converged", "1", "1: the error bar is reliable", FLAG, sd_rotation, converged,
+                     "converged", NULL),
 };
 const observable_list rotation_observables =
     OBSERVABLES("rotation", "of each watched disk, in /summary/rotation", rotations);
@@ -194,7 +194,7 @@ OBSERVABLE_GET(sliding, sd_slide, at->contact_positive[k] + at->contact_negative
   { #field, unit, meaning, type, 2, offsetof(sd_slide, field), NULL, column, json, NULL }
 
 static const observable slides[] = {
-    {"disk", "1", "body number", OBSERVABLE_U32, 1, offsetof(sd_slide, disk), NULL, NULL, NULL, NULL},
+    OBSERVABLE_FIELD("disk", "1", "body number", U32, sd_slide, disk, NULL, NULL),
     CONTACT(partner, OBSERVABLE_U32, "1", "body numbers", NULL, NULL),
     SLIDE(pp, "fraction of measured steps in S++", "S++"),
     SLIDE(pm, "fraction of measured steps in S+-", "S+-"),

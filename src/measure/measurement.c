@@ -52,8 +52,7 @@ static double at_limit(const void *row, size_t k) {
   { name, unit, meaning, OBSERVABLE_F64, 1, 0, get, column, json, NULL }
 
 static const observable rows[] = {
-    {"step", "1", "steps since the start", OBSERVABLE_I64, 1, offsetof(measurement, c.step), NULL, "step",
-     NULL, NULL},
+    OBSERVABLE_FIELD("step", "1", "steps since the start", I64, measurement, c.step, "step", NULL),
     REAL("time", c.time, "time", "step * dt", "time", NULL),
     COUNT("free", s.free, "free disks in the region", "disks", "disks.free"),
     COUNT("rattlers", s.rattlers, "of these, with too few load-bearing contacts", "rattlers",
@@ -66,8 +65,8 @@ static const observable rows[] = {
     COUNT("bearing", s.n_bearing, "of these, load-bearing", "bearing", "contacts.bearing"),
     COUNT("fixed", s.n_wall, "with walls or prescribed disks", NULL, "contacts.fixed"),
     GOT("sliding", sliding, "1", "of these, sliding", "sliding", "contacts.sliding"),
-    {"recomputed", "1", "contacts were found again from positions and velocities", OBSERVABLE_FLAG, 1,
-     offsetof(measurement, c.recomputed), NULL, NULL, "contacts.recomputed", NULL},
+    OBSERVABLE_FIELD("recomputed", "1", "contacts were found again from positions and velocities", FLAG,
+                     measurement, c.recomputed, NULL, "contacts.recomputed"),
     REAL("z", s.z, "1", "closed contacts per free disk", "z", "contacts.z"),
     REAL("z_bearing", s.z_bearing, "1", "load-bearing contacts per free disk", "z_bearing",
          "contacts.z_bearing"),

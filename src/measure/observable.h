@@ -47,6 +47,9 @@ typedef struct observable_list {
 #define OBSERVABLES(name, title, rows)                                                                       \
   { name, title, sizeof(rows) / sizeof *(rows), rows }
 
+/* A row: a field of a structure. */
+#define OBSERVABLE_FIELD(name, unit, meaning, type, structure, field, column, json)                          \
+  { name, unit, meaning, OBSERVABLE_##type, 1, offsetof(structure, field), NULL, column, json, NULL }
 /* A getter: element k of a row, called `at` in the expression. */
 #define OBSERVABLE_GET(name, structure, expression)                                                          \
   static double name(const void *row, size_t k) {                                                            \

@@ -31,13 +31,13 @@ const provenance_text provenance_texts[] = {
 const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
 
 static const observable numbers[] = {
-    {"threads", "1", "threads", OBSERVABLE_I64, 1, offsetof(provenance, threads), NULL, NULL, NULL, NULL},
-    {"sessions", "1", "times the run was started or continued", OBSERVABLE_I64, 1,
-     offsetof(provenance, sessions), NULL, NULL, NULL, NULL},
-    {"wall_seconds", "s", "wall time of all sessions", OBSERVABLE_F64, 1, offsetof(provenance, wall_seconds),
-     NULL, NULL, NULL, NULL},
-    {"step_seconds", "s", "wall time spent on steps", OBSERVABLE_F64, 1, offsetof(provenance, step_seconds),
-     NULL, NULL, NULL, NULL},
+    OBSERVABLE_FIELD("threads", "1", "threads", I64, provenance, threads, NULL, NULL),
+    OBSERVABLE_FIELD("sessions", "1", "times the run was started or continued", I64, provenance, sessions,
+                     NULL, NULL),
+    OBSERVABLE_FIELD("wall_seconds", "s", "wall time of all sessions", F64, provenance, wall_seconds, NULL,
+                     NULL),
+    OBSERVABLE_FIELD("step_seconds", "s", "wall time spent on steps", F64, provenance, step_seconds, NULL,
+                     NULL),
 };
 const observable_list provenance_observables =
     OBSERVABLES("parameters", "attributes of /parameters, beside texts, seed and inputs", numbers);

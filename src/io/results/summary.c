@@ -60,22 +60,16 @@ const observable_list outcome_observables =
 OBSERVABLE_GET(goal_reached, summary, at->until_step >= 0)
 
 static const observable until_rows[] = {
-    {"value", "rad/time or rad", "the observable", OBSERVABLE_F64, 1, offsetof(summary, goal.value), NULL,
-     NULL, NULL, NULL},
-    {"error", "as value", "one standard error", OBSERVABLE_F64, 1, offsetof(summary, goal.error), NULL, NULL,
-     NULL, NULL},
-    {"goal", "as value", "error bar asked for", OBSERVABLE_F64, 1, offsetof(summary, goal.goal), NULL, NULL,
-     NULL, NULL},
-    {"relative", "1", "the goal as a fraction of the value; NAN: given as it is", OBSERVABLE_F64, 1,
-     offsetof(summary, relative), NULL, NULL, NULL, NULL},
-    {"measured", "time", "time measured", OBSERVABLE_F64, 1, offsetof(summary, goal.measured), NULL, NULL, "",
-     NULL},
-    {"converged", "1", "1: the error is reliable", OBSERVABLE_FLAG, 1, offsetof(summary, goal.converged),
-     NULL, NULL, NULL, NULL},
+    OBSERVABLE_FIELD("value", "rad/time or rad", "the observable", F64, summary, goal.value, NULL, NULL),
+    OBSERVABLE_FIELD("error", "as value", "one standard error", F64, summary, goal.error, NULL, NULL),
+    OBSERVABLE_FIELD("goal", "as value", "error bar asked for", F64, summary, goal.goal, NULL, NULL),
+    OBSERVABLE_FIELD("relative", "1", "the goal as a fraction of the value; NAN: given as it is", F64,
+                     summary, relative, NULL, NULL),
+    OBSERVABLE_FIELD("measured", "time", "time measured", F64, summary, goal.measured, NULL, ""),
+    OBSERVABLE_FIELD("converged", "1", "1: the error is reliable", FLAG, summary, goal.converged, NULL, NULL),
     {"reached", "1", "1: the run ended with its goal", OBSERVABLE_FLAG, 1, 0, goal_reached, "goal", NULL,
      NULL},
-    {"step", "1", "step at which it did; -1: it did not", OBSERVABLE_I64, 1, offsetof(summary, until_step),
-     NULL, NULL, "", NULL},
+    OBSERVABLE_FIELD("step", "1", "step at which it did; -1: it did not", I64, summary, until_step, NULL, ""),
 };
 const observable_list until_observables = OBSERVABLES(
     "until", "of the goal of `until`: attributes of /summary/until, with observable, its name", until_rows);
