@@ -82,7 +82,7 @@ class Large(Folder):
             # moments before are at -1; what comes behind is not looked at
             enlarge(f, "particles/disks/position/step", FRAMES, WANTED, step, -1)
             enlarge(f, "particles/disks/position/time", FRAMES, WANTED, time, -1.0)
-            rows = {k: contacts[k][first:first + count] for k in "a b part overlap force tau stretch sliding".split()}
+            rows = {k: contacts[k][first:first + count] for k in "a b part overlap force tau zeta sliding".split()}
             at, n = 20 * WANTED, WANTED + 1
             for name, values in rows.items():
                 enlarge(f, f"contacts/{name}", 20 * FRAMES, slice(at, at + count), values)
