@@ -67,26 +67,16 @@ char *text_escaped(const char *text, size_t most) {
   return out;
 }
 
-/* Puts text behind the first `length` bytes of `before`, which may move. */
-static char *put_behind(char *before, size_t length, const char *format, va_list args) {
-  va_list again;
-  va_copy(again, args);
-  int n = vsnprintf(NULL, 0, format, again);
-  va_end(again);
-  char *text = n < 0 ? NULL : realloc(before, length + (size_t)n + 1);
-  if (!text) {
-    shortage_note();
-    free(before);
-    return NULL;
-  }
-  vsnprintf(text + length, (size_t)n + 1, format, args);
-  return text;
-}
-
 char *format_text(const char *format, ...) {
   va_list args;
   va_start(args, format);
-  char *text = put_behind(NULL, 0, format, args);
+  int n = vsnprintf(NULL, 0, format, args);
+  va_end(args);
+  char *text = n < 0 ? NULL : malloc((size_t)n + 1);
+  if (!text) shortage_note();
+  if (!text) return NULL;
+  va_start(args, format);
+  vsnprintf(text, (size_t)n + 1, format, args);
   va_end(args);
   return text;
 }
@@ -95,9 +85,19 @@ char *append_text(char *text, const char *format, ...) {
   if (!text) return NULL;
   va_list args;
   va_start(args, format);
-  text = put_behind(text, strlen(text), format, args);
+  int n = vsnprintf(NULL, 0, format, args);
   va_end(args);
-  return text;
+  size_t length = strlen(text);
+  char *longer = n < 0 ? NULL : realloc(text, length + (size_t)n + 1);
+  if (!longer) {
+    shortage_note();
+    free(text);
+    return NULL;
+  }
+  va_start(args, format);
+  vsnprintf(longer + length, (size_t)n + 1, format, args);
+  va_end(args);
+  return longer;
 }
 
 bool text_ends(const char *text, const char *ending) {

@@ -271,7 +271,7 @@ static void read_disks(reader *r, sd_model *m) {
     r->status = members_read(r->file, DISKS, &disk_constants, m->disks, sizeof *m->disks, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, DISKS "/constant_force"))
     r->status = members_read(r->file, DISKS, &disk_forces, m->disks, sizeof *m->disks, n, r->messages);
-  for (size_t k = 0; r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
+  for (size_t k = 0; m->disks && r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
   if (r->status == SD_OK) m->n_disks = n;
 }
 
@@ -301,9 +301,9 @@ static void read_walls(reader *r, sd_model *m) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu walls", n);
   if (r->status == SD_OK)
     r->status = members_read(r->file, WALLS, &wall_constants, m->walls, sizeof *m->walls, n, r->messages);
-  for (size_t k = 0; r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
+  for (size_t k = 0; m->walls && r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
   if (r->status == SD_OK) m->n_walls = n;
-  if (r->status == SD_OK && share_points(m, total, points) != SD_OK)
+  if (m->walls && r->status == SD_OK && share_points(m, total, points) != SD_OK)
     r->status = sd_fail(r->messages, SD_ERROR_IO, WALLS "/shape: the points cannot be read");
   for (size_t k = 0; m->walls && k < n; k++)
     if (!m->walls[k].points) m->walls[k].n_points = 0;

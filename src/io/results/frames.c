@@ -258,8 +258,8 @@ static sd_status first_contact(const h5_file *file, size_t row, int64_t *first, 
   if (h5_exists(file, "/contacts/first"))
     return h5_get_values(file, "/contacts/first", SD_I64, row, 1, 1, first, messages);
   int64_t *counts = calloc(row + 1, sizeof *counts);
-  sd_status status = counts ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
-  if (status == SD_OK) status = h5_get_values(file, "/contacts/count", SD_I64, 0, row, 1, counts, messages);
+  if (!counts) return sd_fail(messages, SD_ERROR_IO, "no memory to read a frame");
+  sd_status status = h5_get_values(file, "/contacts/count", SD_I64, 0, row, 1, counts, messages);
   *first = 0;
   for (size_t k = 0; status == SD_OK && k < row; k++) *first += counts[k];
   free(counts);
