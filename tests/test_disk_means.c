@@ -59,7 +59,7 @@ static void free_disks(void **unused) {
   const sd_state *s = sd_simulation_state(sim);
   const double omega[] = {2, -5, 0};
   assert_int_equal(s->n_means, 3);
-  assert_int_equal(s->mean_looks, 3000);
+  assert_int_equal(s->mean_samples, 3000);
   assert_int_equal(s->mean_bin_steps, 32);
   assert_int_equal(s->mean_bins, 93);
   for (size_t i = 0; i < 3; i++) {
@@ -146,8 +146,8 @@ static void bounces(void **unused) {
   sd_disk_totals t;
   means_of(sim, d, &t);
   assert_true(opened >= 3);
-  assert_int_equal(sd_simulation_state(sim)->mean_openings[0], opened);
-  assert_int_equal(sd_simulation_state(sim)->mean_openings[1], 0);
+  assert_int_equal(sd_simulation_state(sim)->sum_openings[0], opened);
+  assert_int_equal(sd_simulation_state(sim)->sum_openings[1], 0);
   between(d[0].openings, (double)opened / 1.5 - 1e-12, (double)opened / 1.5 + 1e-12, "openings per time");
   between(d[0].coordination, (double)closed / 15000 - 1e-12, (double)closed / 15000 + 1e-12,
           "time in contact");
@@ -238,17 +238,17 @@ static void looks_equal_a_recount(void **unused) {
       s = sd_simulation_state(sim);
       if (step % 3 == 0) count_looks(r, s, start);
     }
-    assert_int_equal(s->mean_looks, 833);
+    assert_int_equal(s->mean_samples, 833);
     double sliding = 0;
     for (size_t i = 0; i < s->n_means; i++) {
-      assert_true(s->mean_contacts[i] == r[i].contacts && s->mean_sliding[i] == r[i].sliding);
-      near_to(s->mean_force[i], r[i].force, "sum of normal forces");
-      near_to(s->mean_x[i], r[i].x, "sum of x");
-      near_to(s->mean_y[i], r[i].y, "sum of y");
-      near_to(s->mean_xx[i], r[i].xx, "sum of x^2");
-      near_to(s->mean_yy[i], r[i].yy, "sum of y^2");
-      near_to(s->mean_kinetic[i], r[i].kinetic, "sum of energies of translation");
-      near_to(s->mean_spin[i], r[i].spin, "sum of energies of rotation");
+      assert_true(s->sum_contacts[i] == r[i].contacts && s->sum_sliding[i] == r[i].sliding);
+      near_to(s->sum_force[i], r[i].force, "sum of normal forces");
+      near_to(s->sum_x[i], r[i].x, "sum of x");
+      near_to(s->sum_y[i], r[i].y, "sum of y");
+      near_to(s->sum_xx[i], r[i].xx, "sum of x^2");
+      near_to(s->sum_yy[i], r[i].yy, "sum of y^2");
+      near_to(s->sum_kinetic[i], r[i].kinetic, "sum of energies of translation");
+      near_to(s->sum_spin[i], r[i].spin, "sum of energies of rotation");
       sliding += r[i].sliding;
     }
     assert_true(sliding > 100);
@@ -314,7 +314,7 @@ static void same_bits(void **unused) {
     sd_simulation_free(cut);
   }
   /* looks change nothing that moves */
-  assert_true(sd_simulation_state(whole)->mean_looks == 2600 / 7);
+  assert_true(sd_simulation_state(whole)->mean_samples == 2600 / 7);
   m->measure_every = 1;
   sd_simulation *often = begin_run(m, 1);
   advance(often, 2900);

@@ -101,7 +101,7 @@ static void move(sd_state *s, const shift *by, int sign) {
     for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] += sign * by->steps;
     add(s->slide_count, 16 * s->n_slides, sign * by->steps);
     add(s->slide_openings, 2 * s->n_slides, sign * by->steps);
-    add(s->mean_openings, s->n_means, sign * by->steps);
+    add(s->sum_openings, s->n_means, sign * by->steps);
   }
   /* of prescribed bodies both follow from the motions */
   double turn = by->what & TURNS ? sign * by->turn : 0;

@@ -98,8 +98,8 @@ static size_t check_lists(sd_simulation *sim) {
     }
   }
   const pairs *p = &w->pairs;
-  assert_int_equal(p->n_round + p->count - p->first_piece, expected);
-  for (size_t k = p->n_round; k < p->first_piece; k++) assert_true(p->a[k] == -1 && p->b[k] == -1);
+  assert_int_equal(p->n_round + p->count - p->first_segment, expected);
+  for (size_t k = p->n_round; k < p->first_segment; k++) assert_true(p->a[k] == -1 && p->b[k] == -1);
   /* each pair stands once with each of its bodies */
   size_t *seen = calloc(2 * p->count + 1, sizeof *seen);
   for (uint32_t b = 0; b < s->n_bodies; b++)

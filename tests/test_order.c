@@ -77,7 +77,7 @@ static void numbers_are_names(void **unused) {
       uint32_t i = sd_simulation_slot(one, n * 677 % DISKS), j = sd_simulation_slot(two, n);
       assert_true(a->x[i] == b->x[j] && a->y[i] == b->y[j] && a->theta[i] == b->theta[j]);
       assert_true(a->vx[i] == b->vx[j] && a->omega[i] == b->omega[j] && a->radius[i] == b->radius[j]);
-      assert_true(a->loss_friction[i] == b->loss_friction[j] && a->mean_xx[i] == b->mean_xx[j]);
+      assert_true(a->loss_friction[i] == b->loss_friction[j] && a->sum_xx[i] == b->sum_xx[j]);
       for (size_t bin = 0; bin < SD_MEAN_BINS; bin++)
         assert_true(a->mean_bin[i * SD_MEAN_BINS + bin] == b->mean_bin[j * SD_MEAN_BINS + bin]);
     }

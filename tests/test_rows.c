@@ -38,7 +38,7 @@ static void fill(double *memory, size_t n) {
       real_w##width c[4], between[4], two[2];                                                                \
       fill(memory, sizeof memory / sizeof *memory);                                                          \
       for (int l = 0; l < width; l++) at[l] = place(l, seed), other[l] = place(l + width, seed);             \
-      pick4_w##width(memory, at, c);                                                                         \
+      gather4_w##width(memory, at, c);                                                                       \
       across4_w##width(memory, at, other, between);                                                          \
       across2_w##width(memory + 1, at, other, two);                                                          \
       double column[4][MOST], way[4][MOST], half[2][MOST];                                                   \
@@ -66,12 +66,12 @@ static void fill(double *memory, size_t n) {
       assert_memory_equal(memory, expected, sizeof memory);                                                  \
       memset(memory, 0, sizeof memory);                                                                      \
       memset(expected, 0, sizeof expected);                                                                  \
-      lay4_w##width(memory + 3, 6, c);                                                                       \
+      scatter4_w##width(memory + 3, 6, c);                                                                   \
       for (int l = 0; l < width; l++)                                                                        \
         for (int k = 0; k < 4; k++) expected[3 + 6 * l + k] = column[k][l];                                  \
       assert_memory_equal(memory, expected, sizeof memory);                                                  \
       real_w##width back[4];                                                                                 \
-      lift4_w##width(memory + 3, 6, back);                                                                   \
+      load4_w##width(memory + 3, 6, back);                                                                   \
       for (int k = 0; k < 4; k++) {                                                                          \
         store_w##width(half[0], back[k]);                                                                    \
         assert_memory_equal(half[0], column[k], width * sizeof(double));                                     \

@@ -64,7 +64,7 @@ typedef struct sd_state {
   int64_t relax_steps;               /* steps downhill since they were last stopped */
   int64_t released;                  /* disks that rain has let go */
   int64_t outside;                   /* times that a disk left the bounds */
-  int64_t mean_looks;                /* looks at the contacts for the means */
+  int64_t mean_samples;              /* looks at the contacts for the means */
   int64_t mean_bin_steps, mean_bins; /* like bin_steps and bins */
   int64_t fast_step;        /* first step after which a free disk was beyond limits.displacement; -1 */
   int64_t fast_disk;        /* its body number */
@@ -132,17 +132,17 @@ typedef struct sd_state {
   int32_t *slide_was_open; /* at the last step */
 
   /* means of the free disks, by slot; sums over looks unless said otherwise */
-  double *mean_angle, *mean_last, *mean_stop;  /* angles as rotation_start, _last, _stop */
-  double *mean_bin;                            /* angle turned in each full bin */
-  double *mean_x0, *mean_y0;                   /* absolute position at the start; NAN: was not in play */
-  double *mean_x, *mean_y, *mean_xx, *mean_yy; /* displacement from there, and its squares */
-  double *mean_contacts, *mean_sliding;        /* closed contacts, and those that slide */
-  double *mean_force;                          /* normal forces */
-  double *mean_injected;                       /* power of prescribed bodies on this disk */
-  double *mean_kinetic, *mean_spin;            /* kinetic energies of translation and rotation */
-  double *mean_viscous, *mean_friction, *mean_opening; /* losses in measured phases; while one goes on, less
+  double *mean_angle, *mean_last, *mean_stop;       /* angles as rotation_start, _last, _stop */
+  double *mean_bin;                                 /* angle turned in each full bin */
+  double *mean_x0, *mean_y0;                        /* absolute position at the start; NAN: was not in play */
+  double *sum_x, *sum_y, *sum_xx, *sum_yy;          /* displacement from there, and its squares */
+  double *sum_contacts, *sum_sliding;               /* closed contacts, and those that slide */
+  double *sum_force;                                /* normal forces */
+  double *sum_injected;                             /* power of prescribed bodies on this disk */
+  double *sum_kinetic, *sum_spin;                   /* kinetic energies of translation and rotation */
+  double *sum_viscous, *sum_friction, *sum_opening; /* losses in measured phases; while one goes on, less
                                                           what had been lost (loss_*) when it began */
-  int64_t *mean_openings;                              /* contacts that opened in measured steps */
+  int64_t *sum_openings;                            /* contacts that opened in measured steps */
 } sd_state;
 
 typedef struct sd_field {

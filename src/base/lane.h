@@ -41,13 +41,13 @@ LANE_INLINE mask_w1 equal_w1(real_w1 a, real_w1 b) { return a == b; }
 LANE_INLINE mask_w1 all_lanes_w1(int yes) { return yes; }
 LANE_INLINE real_w1 select_w1(mask_w1 m, real_w1 a, real_w1 b) { return m ? a : b; }
 LANE_INLINE mask_w1 not_w1(mask_w1 m) { return !m; }
-LANE_INLINE real_w1 least_w1(real_w1 a, real_w1 b) { return a < b ? a : b; }
-LANE_INLINE real_w1 most_w1(real_w1 a, real_w1 b) { return a > b ? a : b; }
+LANE_INLINE real_w1 min_w1(real_w1 a, real_w1 b) { return a < b ? a : b; }
+LANE_INLINE real_w1 max_w1(real_w1 a, real_w1 b) { return a > b ? a : b; }
 LANE_INLINE int any_w1(mask_w1 m) { return m != 0; }
 LANE_INLINE int lane_is_w1(mask_w1 m, int k) { return (void)k, m != 0; }
 LANE_INLINE unsigned bits_of_w1(mask_w1 m) { return m != 0; }
 LANE_INLINE mask_w1 mask_of_w1(unsigned bits) { return bits & 1u; }
-LANE_INLINE real_w1 root_w1(real_w1 a) { return sqrt(a); }
+LANE_INLINE real_w1 sqrt_w1(real_w1 a) { return sqrt(a); }
 LANE_INLINE bits_w1 as_bits_w1(real_w1 a) {
   bits_w1 b;
   memcpy(&b, &a, sizeof b);
@@ -169,13 +169,13 @@ LANE_INLINE LANE(real) LANE(select)(LANE(mask) m, LANE(real) a, LANE(real) b) {
 #endif
 
 #if defined(LANE_VECTOR)
-LANE_INLINE LANE(real) LANE(least)(LANE(real) a, LANE(real) b) {
+LANE_INLINE LANE(real) LANE(min)(LANE(real) a, LANE(real) b) {
   return (LANE(real))LANE_OPERATION(min_pd)((LANE_VECTOR)a, (LANE_VECTOR)b);
 }
-LANE_INLINE LANE(real) LANE(most)(LANE(real) a, LANE(real) b) {
+LANE_INLINE LANE(real) LANE(max)(LANE(real) a, LANE(real) b) {
   return (LANE(real))LANE_OPERATION(max_pd)((LANE_VECTOR)a, (LANE_VECTOR)b);
 }
-LANE_INLINE LANE(real) LANE(root)(LANE(real) a) {
+LANE_INLINE LANE(real) LANE(sqrt)(LANE(real) a) {
   return (LANE(real))LANE_OPERATION(sqrt_pd)((LANE_VECTOR)a);
 }
 LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
@@ -185,13 +185,13 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 #undef LANE_INTEGERS
 #undef LANE_OPERATION
 #else /* any other machine: the compiler's own vectors */
-LANE_INLINE LANE(real) LANE(least)(LANE(real) a, LANE(real) b) {
+LANE_INLINE LANE(real) LANE(min)(LANE(real) a, LANE(real) b) {
   return LANE(select)(LANE(greater)(b, a), a, b);
 }
-LANE_INLINE LANE(real) LANE(most)(LANE(real) a, LANE(real) b) {
+LANE_INLINE LANE(real) LANE(max)(LANE(real) a, LANE(real) b) {
   return LANE(select)(LANE(greater)(a, b), a, b);
 }
-LANE_INLINE LANE(real) LANE(root)(LANE(real) a) {
+LANE_INLINE LANE(real) LANE(sqrt)(LANE(real) a) {
   for (int k = 0; k < LANE_WIDTH; k++) a[k] = sqrt(a[k]);
   return a;
 }
@@ -202,7 +202,9 @@ LANE_INLINE LANE(bits) LANE(multiply32)(LANE(bits) a, LANE(bits) b) {
 #endif
 
 /* a where the mask says so, else 0. */
-LANE_INLINE LANE(real) LANE(keep)(LANE(mask) m, LANE(real) a) { return LANE(select)(m, a, LANE(splat)(0.0)); }
+LANE_INLINE LANE(real) LANE(mask_zero)(LANE(mask) m, LANE(real) a) {
+  return LANE(select)(m, a, LANE(splat)(0.0));
+}
 
 /* Nearest integer, ties to even, for |a| < 2^51. */
 LANE_INLINE LANE(real) LANE(nearest)(LANE(real) a) { return (a + 0x1.8p52) - 0x1.8p52; }
@@ -259,7 +261,7 @@ LANE_INLINE LANE(block) LANE(across_block)(const double *rows, const int32_t *a,
                                        LANE(across_row)(rows, a[3], b[3])});
 }
 
-LANE_INLINE LANE(block) LANE(pick_block)(const double *rows, const int32_t *at) {
+LANE_INLINE LANE(block) LANE(gather_block)(const double *rows, const int32_t *at) {
   return LANE(transpose)((LANE(block)){LANE(load_four)(rows + at[0]), LANE(load_four)(rows + at[1]),
                                        LANE(load_four)(rows + at[2]), LANE(load_four)(rows + at[3])});
 }
@@ -293,7 +295,7 @@ LANE_INLINE void LANE(add_block)(double *rows, const int32_t *to, const int32_t 
   LANE(add_row)(rows, to[3], from[3], m.r3);
 }
 
-LANE_INLINE void LANE(lay_block)(double *rows, size_t stride, LANE(block) m) {
+LANE_INLINE void LANE(scatter_block)(double *rows, size_t stride, LANE(block) m) {
   m = LANE(transpose)(m);
   LANE(store_four)(rows, m.r0);
   LANE(store_four)(rows + stride, m.r1);
@@ -301,19 +303,19 @@ LANE_INLINE void LANE(lay_block)(double *rows, size_t stride, LANE(block) m) {
   LANE(store_four)(rows + 3 * stride, m.r3);
 }
 
-LANE_INLINE LANE(block) LANE(lift_block)(const double *rows, size_t stride) {
+LANE_INLINE LANE(block) LANE(load_block)(const double *rows, size_t stride) {
   return LANE(transpose)((LANE(block)){LANE(load_four)(rows), LANE(load_four)(rows + stride),
                                        LANE(load_four)(rows + 2 * stride),
                                        LANE(load_four)(rows + 3 * stride)});
 }
 
 #if LANE_WIDTH == 4
-LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
-  LANE(block) m = LANE(lift_block)(rows, stride);
+LANE_INLINE void LANE(load4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  LANE(block) m = LANE(load_block)(rows, stride);
   c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
 }
-LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
-  LANE(block) m = LANE(pick_block)(rows, at);
+LANE_INLINE void LANE(gather4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(block) m = LANE(gather_block)(rows, at);
   c[0] = m.r0, c[1] = m.r1, c[2] = m.r2, c[3] = m.r3;
 }
 LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
@@ -326,8 +328,8 @@ LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32
 LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
   LANE(add_block)(rows, to, from, (LANE(block)){c[0], c[1], c[2], c[3]});
 }
-LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
-  LANE(lay_block)(rows, stride, (LANE(block)){c[0], c[1], c[2], c[3]});
+LANE_INLINE void LANE(scatter4)(double *rows, size_t stride, const LANE(real) c[4]) {
+  LANE(scatter_block)(rows, stride, (LANE(block)){c[0], c[1], c[2], c[3]});
 }
 #else
 LANE_INLINE LANE(real) LANE(whole)(LANE(four) low, LANE(four) high) {
@@ -341,15 +343,15 @@ LANE_INLINE LANE(block) LANE(lows)(const LANE(real) c[4]) {
 LANE_INLINE LANE(block) LANE(highs)(const LANE(real) c[4]) {
   return (LANE(block)){LANE(high)(c[0]), LANE(high)(c[1]), LANE(high)(c[2]), LANE(high)(c[3])};
 }
-LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
-  LANE(block) m = LANE(pick_block)(rows, at), n = LANE(pick_block)(rows, at + 4);
+LANE_INLINE void LANE(gather4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(block) m = LANE(gather_block)(rows, at), n = LANE(gather_block)(rows, at + 4);
   c[0] = LANE(whole)(m.r0, n.r0);
   c[1] = LANE(whole)(m.r1, n.r1);
   c[2] = LANE(whole)(m.r2, n.r2);
   c[3] = LANE(whole)(m.r3, n.r3);
 }
-LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
-  LANE(block) m = LANE(lift_block)(rows, stride), n = LANE(lift_block)(rows + 4 * stride, stride);
+LANE_INLINE void LANE(load4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  LANE(block) m = LANE(load_block)(rows, stride), n = LANE(load_block)(rows + 4 * stride, stride);
   c[0] = LANE(whole)(m.r0, n.r0);
   c[1] = LANE(whole)(m.r1, n.r1);
   c[2] = LANE(whole)(m.r2, n.r2);
@@ -373,9 +375,9 @@ LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from
   LANE(add_block)(rows, to, from, LANE(lows)(c));
   LANE(add_block)(rows, to + 4, from + 4, LANE(highs)(c));
 }
-LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
-  LANE(lay_block)(rows, stride, LANE(lows)(c));
-  LANE(lay_block)(rows + 4 * stride, stride, LANE(highs)(c));
+LANE_INLINE void LANE(scatter4)(double *rows, size_t stride, const LANE(real) c[4]) {
+  LANE(scatter_block)(rows, stride, LANE(lows)(c));
+  LANE(scatter_block)(rows + 4 * stride, stride, LANE(highs)(c));
 }
 #endif
 #elif LANE_WIDTH == 2 && (defined(__clang__) || __GNUC__ >= 12)
@@ -388,15 +390,15 @@ LANE_INLINE LANE(real) LANE(firsts)(LANE(real) a, LANE(real) b) {
 LANE_INLINE LANE(real) LANE(seconds)(LANE(real) a, LANE(real) b) {
   return __builtin_shufflevector(a, b, 1, 3);
 }
-LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+LANE_INLINE void LANE(gather4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
   for (int k = 0; k < 4; k += 2) {
     LANE(real) one = LANE(load_two)(rows + at[0] + k), two = LANE(load_two)(rows + at[1] + k);
     c[k] = LANE(firsts)(one, two);
     c[k + 1] = LANE(seconds)(one, two);
   }
 }
-LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
-  LANE(pick4)(rows, (const int32_t[]){0, (int32_t)stride}, c);
+LANE_INLINE void LANE(load4)(const double *rows, size_t stride, LANE(real) c[4]) {
+  LANE(gather4)(rows, (const int32_t[]){0, (int32_t)stride}, c);
 }
 LANE_INLINE LANE(real) LANE(across)(LANE(real) b, LANE(real) a) {
   const LANE(real) sign = {-0.0, 0.0};
@@ -428,38 +430,38 @@ LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from
   LANE(add_row)(rows, to[0], from[0], LANE(firsts)(c[0], c[1]), LANE(firsts)(c[2], c[3]));
   LANE(add_row)(rows, to[1], from[1], LANE(seconds)(c[0], c[1]), LANE(seconds)(c[2], c[3]));
 }
-LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
+LANE_INLINE void LANE(scatter4)(double *rows, size_t stride, const LANE(real) c[4]) {
   LANE(store_two)(rows, LANE(firsts)(c[0], c[1]));
   LANE(store_two)(rows + 2, LANE(firsts)(c[2], c[3]));
   LANE(store_two)(rows + stride, LANE(seconds)(c[0], c[1]));
   LANE(store_two)(rows + stride + 2, LANE(seconds)(c[2], c[3]));
 }
 #else
-LANE_INLINE void LANE(pick)(const double *rows, const int32_t *at, int n, LANE(real) * c) {
+LANE_INLINE void LANE(gather_rows)(const double *rows, const int32_t *at, int n, LANE(real) * c) {
   double column[4][LANE_WIDTH];
   for (int l = 0; l < LANE_WIDTH; l++)
     for (int k = 0; k < n; k++) column[k][l] = rows[at[l] + k];
   for (int k = 0; k < n; k++) c[k] = LANE(load)(column[k]);
 }
-LANE_INLINE void LANE(lay4)(double *rows, size_t stride, const LANE(real) c[4]) {
+LANE_INLINE void LANE(scatter4)(double *rows, size_t stride, const LANE(real) c[4]) {
   double column[4][LANE_WIDTH];
   for (int k = 0; k < 4; k++) LANE(store)(column[k], c[k]);
   for (int l = 0; l < LANE_WIDTH; l++)
     for (int k = 0; k < 4; k++) rows[stride * (size_t)l + (size_t)k] = column[k][l];
 }
-LANE_INLINE void LANE(pick4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
-  LANE(pick)(rows, at, 4, c);
+LANE_INLINE void LANE(gather4)(const double *rows, const int32_t *at, LANE(real) c[4]) {
+  LANE(gather_rows)(rows, at, 4, c);
 }
 LANE_INLINE void LANE(across2)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[2]) {
   LANE(real) of_a[2], of_b[2];
-  LANE(pick)(rows, a, 2, of_a);
-  LANE(pick)(rows, b, 2, of_b);
+  LANE(gather_rows)(rows, a, 2, of_a);
+  LANE(gather_rows)(rows, b, 2, of_b);
   for (int k = 0; k < 2; k++) c[k] = of_b[k] - of_a[k];
 }
 LANE_INLINE void LANE(across4)(const double *rows, const int32_t *a, const int32_t *b, LANE(real) c[4]) {
   LANE(real) of_a[4], of_b[4];
-  LANE(pick4)(rows, a, of_a);
-  LANE(pick4)(rows, b, of_b);
+  LANE(gather4)(rows, a, of_a);
+  LANE(gather4)(rows, b, of_b);
   for (int k = 0; k < 4; k++) c[k] = k % 2 ? of_b[k] + of_a[k] : of_b[k] - of_a[k];
 }
 LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from, const LANE(real) c[4]) {
@@ -471,9 +473,9 @@ LANE_INLINE void LANE(add4)(double *rows, const int32_t *to, const int32_t *from
       rows[from[l] + k] += k % 2 ? column[k][l] : -column[k][l];
     }
 }
-LANE_INLINE void LANE(lift4)(const double *rows, size_t stride, LANE(real) c[4]) {
+LANE_INLINE void LANE(load4)(const double *rows, size_t stride, LANE(real) c[4]) {
   int32_t at[LANE_WIDTH];
   for (int l = 0; l < LANE_WIDTH; l++) at[l] = (int32_t)stride * l;
-  LANE(pick)(rows, at, 4, c);
+  LANE(gather_rows)(rows, at, 4, c);
 }
 #endif

@@ -33,9 +33,9 @@ void disks_begin(engine *e) {
       s->mean_angle[i] += unmeasured;
       s->mean_last[i] += unmeasured;
     }
-    s->mean_viscous[i] -= s->loss_viscous[i];
-    s->mean_friction[i] -= s->loss_friction[i];
-    s->mean_opening[i] -= s->loss_opening[i];
+    s->sum_viscous[i] -= s->loss_viscous[i];
+    s->sum_friction[i] -= s->loss_friction[i];
+    s->sum_opening[i] -= s->loss_opening[i];
   }
 }
 
@@ -44,9 +44,9 @@ void disks_end(engine *e) {
   losses_show(e);
   for (size_t i = 0; i < s->n_means; i++) {
     s->mean_stop[i] = angle_of(s, i);
-    s->mean_viscous[i] += s->loss_viscous[i];
-    s->mean_friction[i] += s->loss_friction[i];
-    s->mean_opening[i] += s->loss_opening[i];
+    s->sum_viscous[i] += s->loss_viscous[i];
+    s->sum_friction[i] += s->loss_friction[i];
+    s->sum_opening[i] += s->loss_opening[i];
   }
 }
 
@@ -85,9 +85,9 @@ static void sample_contacts(engine *e, size_t begin, size_t end) {
       sliding += engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
       force += engine_contact_force(e, k);
     }
-    s->mean_contacts[i] += contacts;
-    s->mean_sliding[i] += sliding;
-    s->mean_force[i] += force;
+    s->sum_contacts[i] += contacts;
+    s->sum_sliding[i] += sliding;
+    s->sum_force[i] += force;
   }
 }
 
@@ -111,10 +111,10 @@ static void sample_poses(engine *e, size_t begin, size_t end) {
   sd_state *s = e->state;
   const double length[2] = {engine_length(e, SD_X), engine_length(e, SD_Y)};
   size_t k = begin, n = end - begin;
-  add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->mean_x + k, s->mean_xx + k);
-  add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->mean_y + k, s->mean_yy + k);
-  add_energies(n, s->mass + k, s->vx + k, s->vy + k, s->mean_kinetic + k);
-  for (size_t i = begin; i < end; i++) s->mean_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+  add_displacements(n, s->x + k, s->image_x + k, length[0], s->mean_x0 + k, s->sum_x + k, s->sum_xx + k);
+  add_displacements(n, s->y + k, s->image_y + k, length[1], s->mean_y0 + k, s->sum_y + k, s->sum_yy + k);
+  add_energies(n, s->mass + k, s->vx + k, s->vy + k, s->sum_kinetic + k);
+  for (size_t i = begin; i < end; i++) s->sum_spin[i] += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
 }
 
 /* --- power of prescribed bodies ---------------------------------------------------------------------------- */
@@ -150,7 +150,7 @@ static void add_power(engine *e, size_t kept) {
   for (size_t at = first; at < engine_first(e, slot + 1); at++) {
     if (!engine_contact_closed(e, engine_candidate(e, at))) continue;
     size_t other = engine_partner(e, at);
-    s->mean_injected[other < s->n_free ? other : slot] += power_of(engine_push(e, kept, at - first), d);
+    s->sum_injected[other < s->n_free ? other : slot] += power_of(engine_push(e, kept, at - first), d);
   }
 }
 
@@ -175,7 +175,7 @@ void disks_step(engine *e, const team *t, int64_t measured) {
   }
   if (t->rank != 0) return;
   if (sampled) sample_powers(e);
-  s->mean_looks += sampled;
+  s->mean_samples += sampled;
   s->mean_bin_steps = bin_length(measured);
   s->mean_bins = measured / s->mean_bin_steps;
 }

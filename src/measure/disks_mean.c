@@ -37,8 +37,8 @@ static double period_along(const sd_model *model, const sd_state *state, int c) 
 }
 
 static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
-  double looks = (double)state->mean_looks, dx = state->mean_x[i] / looks, dy = state->mean_y[i] / looks;
-  double spread = (state->mean_xx[i] + state->mean_yy[i]) / looks - (dx * dx + dy * dy);
+  double looks = (double)state->mean_samples, dx = state->sum_x[i] / looks, dy = state->sum_y[i] / looks;
+  double spread = (state->sum_xx[i] + state->sum_yy[i]) / looks - (dx * dx + dy * dy);
   double x = state->x[i] + state->image_x[i] * period_along(model, state, SD_X);
   double y = state->y[i] + state->image_y[i] * period_along(model, state, SD_Y);
   d->x = state->mean_x0[i] + dx;
@@ -48,19 +48,19 @@ static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state
 }
 
 static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
-  double looks = (double)state->mean_looks, time = (double)state->measured * model->dt;
+  double looks = (double)state->mean_samples, time = (double)state->measured * model->dt;
   bool running = state->phase < (int64_t)model->n_phases && model->phases[state->phase].measure;
   double now = running ? 1 : 0; /* of a phase that goes on the sums lack what stands in the state */
-  d->coordination = state->mean_contacts[i] / looks;
-  d->sliding = state->mean_sliding[i] / state->mean_contacts[i];
-  d->force = state->mean_force[i] / state->mean_contacts[i];
-  d->openings = (double)state->mean_openings[i] / time;
-  d->injected = state->mean_injected[i] / looks;
-  d->viscous = (state->mean_viscous[i] + now * state->loss_viscous[i]) / time;
-  d->friction = (state->mean_friction[i] + now * state->loss_friction[i]) / time;
-  d->opening = (state->mean_opening[i] + now * state->loss_opening[i]) / time;
-  d->translation = state->mean_kinetic[i] / looks;
-  d->rotation = state->mean_spin[i] / looks;
+  d->coordination = state->sum_contacts[i] / looks;
+  d->sliding = state->sum_sliding[i] / state->sum_contacts[i];
+  d->force = state->sum_force[i] / state->sum_contacts[i];
+  d->openings = (double)state->sum_openings[i] / time;
+  d->injected = state->sum_injected[i] / looks;
+  d->viscous = (state->sum_viscous[i] + now * state->loss_viscous[i]) / time;
+  d->friction = (state->sum_friction[i] + now * state->loss_friction[i]) / time;
+  d->opening = (state->sum_opening[i] + now * state->loss_opening[i]) / time;
+  d->translation = state->sum_kinetic[i] / looks;
+  d->rotation = state->sum_spin[i] / looks;
 }
 
 sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_t slot) {

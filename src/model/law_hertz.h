@@ -16,10 +16,10 @@ static inline double hertz_stiffness(double k, double delta) { return 1.5 * k * 
 #ifdef LANE_WIDTH
 
 LANE_INLINE LANE(real) LANE(hertz_elastic)(LANE(real) k, LANE(real) delta) {
-  return k * delta * LANE(root)(delta);
+  return k * delta * LANE(sqrt)(delta);
 }
 LANE_INLINE LANE(real) LANE(hertz_damping)(LANE(real) gamma_n, LANE(real) tsuji, LANE(real) delta) {
-  return gamma_n + tsuji * LANE(root)(LANE(root)(delta));
+  return gamma_n + tsuji * LANE(sqrt)(LANE(sqrt)(delta));
 }
 
 #endif

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/room.h"
+#include "base/arena.h"
 
 #define COLUMN(name, type, extent, unit, meaning)                                                            \
   { #name, type, extent, offsetof(sd_state, name), unit, meaning }
@@ -24,7 +24,7 @@ const sd_field sd_fields[] = {
     COLUMN(relax_steps, SD_I64, SD_PER_RUN, "1", "steps downhill since the relaxer stopped the disks"),
     COLUMN(released, SD_I64, SD_PER_RUN, "1", "disks that rain has let go"),
     COLUMN(outside, SD_I64, SD_PER_RUN, "1", "times that a disk left the bounds"),
-    COLUMN(mean_looks, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),
+    COLUMN(mean_samples, SD_I64, SD_PER_RUN, "1", "looks at the contacts for the means of disks"),
     COLUMN(mean_bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the disks' angle records"),
     COLUMN(mean_bins, SD_I64, SD_PER_RUN, "1", "full bins of the disks' angle records"),
     COLUMN(fast_step, SD_I64, SD_PER_RUN, "1",
@@ -115,21 +115,21 @@ const sd_field sd_fields[] = {
     COLUMN(mean_bin, SD_F64, SD_PER_MEAN_BIN, "rad", "angle turned in each full bin"),
     COLUMN(mean_x0, SD_F64, SD_PER_MEAN, "length", "absolute x when measuring began; NAN: not in play"),
     COLUMN(mean_y0, SD_F64, SD_PER_MEAN, "length", "absolute y when measuring began; NAN: not in play"),
-    COLUMN(mean_x, SD_F64, SD_PER_MEAN, "length", "sum of displacements along x"),
-    COLUMN(mean_y, SD_F64, SD_PER_MEAN, "length", "sum of displacements along y"),
-    COLUMN(mean_xx, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along x"),
-    COLUMN(mean_yy, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along y"),
-    COLUMN(mean_contacts, SD_F64, SD_PER_MEAN, "1", "sum of closed contacts"),
-    COLUMN(mean_sliding, SD_F64, SD_PER_MEAN, "1", "sum of sliding contacts"),
-    COLUMN(mean_force, SD_F64, SD_PER_MEAN, "force", "sum of normal forces"),
-    COLUMN(mean_injected, SD_F64, SD_PER_MEAN, "power", "sum of the power of prescribed bodies"),
-    COLUMN(mean_kinetic, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of translation"),
-    COLUMN(mean_spin, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of rotation"),
-    COLUMN(mean_viscous, SD_F64, SD_PER_MEAN, "energy",
+    COLUMN(sum_x, SD_F64, SD_PER_MEAN, "length", "sum of displacements along x"),
+    COLUMN(sum_y, SD_F64, SD_PER_MEAN, "length", "sum of displacements along y"),
+    COLUMN(sum_xx, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along x"),
+    COLUMN(sum_yy, SD_F64, SD_PER_MEAN, "length^2", "sum of squared displacements along y"),
+    COLUMN(sum_contacts, SD_F64, SD_PER_MEAN, "1", "sum of closed contacts"),
+    COLUMN(sum_sliding, SD_F64, SD_PER_MEAN, "1", "sum of sliding contacts"),
+    COLUMN(sum_force, SD_F64, SD_PER_MEAN, "force", "sum of normal forces"),
+    COLUMN(sum_injected, SD_F64, SD_PER_MEAN, "power", "sum of the power of prescribed bodies"),
+    COLUMN(sum_kinetic, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of translation"),
+    COLUMN(sum_spin, SD_F64, SD_PER_MEAN, "energy", "sum of kinetic energies of rotation"),
+    COLUMN(sum_viscous, SD_F64, SD_PER_MEAN, "energy",
            "lost to viscosity in measured phases; in one less what had been lost before"),
-    COLUMN(mean_friction, SD_F64, SD_PER_MEAN, "energy", "lost to sliding, likewise"),
-    COLUMN(mean_opening, SD_F64, SD_PER_MEAN, "energy", "left in contacts that opened, likewise"),
-    COLUMN(mean_openings, SD_I64, SD_PER_MEAN, "1", "contacts that opened in measured steps"),
+    COLUMN(sum_friction, SD_F64, SD_PER_MEAN, "energy", "lost to sliding, likewise"),
+    COLUMN(sum_opening, SD_F64, SD_PER_MEAN, "energy", "left in contacts that opened, likewise"),
+    COLUMN(sum_openings, SD_I64, SD_PER_MEAN, "1", "contacts that opened in measured steps"),
 };
 
 const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
@@ -179,17 +179,17 @@ static void *column_new(size_t n, sd_type type) {
 static bool in_room(const sd_field *f) { return f->extent != SD_PER_RUN && f->extent != SD_PER_CONTACT; }
 
 static sd_status columns_new(sd_state *s) {
-  room_plan plan = {0};
+  arena_plan plan = {0};
   for (size_t k = 0; k < sd_field_count; k++)
     if (in_room(&sd_fields[k]))
-      room_column(&plan, sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
-  char *room = s->columns = room_new(&plan);
+      arena_column(&plan, sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+  char *room = s->columns = arena_new(&plan);
   if (!room) return SD_ERROR_IO;
-  plan = (room_plan){0};
+  plan = (arena_plan){0};
   for (size_t k = 0; k < sd_field_count; k++)
     if (in_room(&sd_fields[k]))
-      *field_pointer(s, &sd_fields[k]) =
-          room + room_column(&plan, sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+      *field_pointer(s, &sd_fields[k]) = room + arena_column(&plan, sd_extent_size(s, sd_fields[k].extent) *
+                                                                        sd_type_size(sd_fields[k].type));
   return SD_OK;
 }
 
@@ -216,7 +216,7 @@ void sd_state_free(sd_state *s) {
   if (!s) return;
   for (size_t k = 0; k < sd_field_count; k++)
     if (sd_fields[k].extent == SD_PER_CONTACT) free(*field_pointer(s, &sd_fields[k]));
-  room_free(s->columns);
+  arena_free(s->columns);
   free(s);
 }
 

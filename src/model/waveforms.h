@@ -107,7 +107,7 @@ LANE_INLINE LANE(flank) LANE(flank_at)(LANE(real) t) {
   LANE(real) w = t - LANE(nearest)(t);
   LANE(real) size = LANE(as_real)(LANE(as_bits)(w) & 0x7fffffffffffffffu), rest = 0.5 - size;
   LANE(flank)
-  f = {LANE(least)(size, rest), LANE(as_bits)(w) & 0x8000000000000000u, LANE(greater)(rest, size)};
+  f = {LANE(min)(size, rest), LANE(as_bits)(w) & 0x8000000000000000u, LANE(greater)(rest, size)};
   return f;
 }
 
@@ -125,7 +125,7 @@ LANE_INLINE void LANE(triangle)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE]
 LANE_INLINE void LANE(square)(LANE(real) t, const LANE(real) shape[WAVE_SHAPE], LANE(real) * u,
                               LANE(real) * v) {
   LANE(flank) f = LANE(flank_at)(t);
-  LANE(real) q = LANE(least)(f.x * shape[2], LANE(splat)(1.0)), q2 = q * q, rest = 1.0 - q2;
+  LANE(real) q = LANE(min)(f.x * shape[2], LANE(splat)(1.0)), q2 = q * q, rest = 1.0 - q2;
   LANE(real) speed = shape[1] * (rest * rest);
   *u = LANE(signed_as)(f.side, shape[0] * (q * (15.0 + q2 * (3.0 * q2 - 10.0)) * 0.125));
   *v = LANE(select)(f.rises, speed, -speed);

@@ -55,7 +55,7 @@ static double top_of(const engine *e, const sd_rain *r) {
 }
 
 /* Does the piece pass through the disk, or below it, above y = low? */
-static bool piece_blocks(const placed_segment *g, double x, double y, double radius, double low) {
+static bool segment_blocks(const placed_segment *g, double x, double y, double radius, double low) {
   nearest_point q = walls_nearest(g, x, y);
   if (hypot(q.dx, q.dy) < radius * (1.0 - ROUNDING)) return true;
   if (g->tx == 0.0) return false;
@@ -76,7 +76,7 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
   const sd_model *m = e->model;
   const sd_state *s = e->state;
   for (size_t k = 0; k < m->n_segments; k++)
-    if (piece_blocks(engine_segment(e, k), x, y, radius, low))
+    if (segment_blocks(engine_segment(e, k), x, y, radius, low))
       return sd_model_body_name(m, m->segments[k].body, text, size);
   for (size_t slot = s->n_disks; slot < s->n_bodies; slot++)
     if (s->radius[slot] != 0.0 && circle_blocks(e, slot, x, y, radius))

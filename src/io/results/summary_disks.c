@@ -47,7 +47,7 @@ sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const s
   if (shortage_seen()) return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
   qsort(s->disks, s->n, sizeof *s->disks, by_number);
   find_fastest(s);
-  s->looks = state->mean_looks;
+  s->looks = state->mean_samples;
   s->bins = state->mean_bins;
   s->measured = (double)state->measured * model->dt;
   return SD_OK;

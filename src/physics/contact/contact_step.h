@@ -62,7 +62,7 @@ LANE_INLINE void LANE(pair_distance_of)(const LANE(pair_input) * in, LANE(pair_d
   d->cross = in->ex * in->dy - in->ey * in->dx;
   /* The floor under r^2 keeps coincident centres finite; it also turns a pose that is not a number into a contact, so
    * that the step in which it appears is examined. */
-  LANE(real) r = LANE(root)(LANE(most)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
+  LANE(real) r = LANE(sqrt)(LANE(max)(in->dx * in->dx + in->dy * in->dy, LANE(splat)(1e-280)));
   d->r = LANE(as_real)(LANE(as_bits)(r) | (LANE(as_bits)(in->sum) & CONTACT_SIGN));
   d->inverse_r = 1.0 / d->r;
 }
@@ -165,13 +165,14 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE
   const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, mixed);
 
   /* normal force: never pulls */
-  LANE(real) delta = LANE(keep)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, mixed);
+  LANE(real) delta = LANE(mask_zero)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, mixed);
   LANE(real)
-  force = LANE(keep)(touching, LANE(most)(elastic - LANE(law_damping)(k, delta, mixed) * g->approach, zero));
+  force =
+      LANE(mask_zero)(touching, LANE(max)(elastic - LANE(law_damping)(k, delta, mixed) * g->approach, zero));
 
   /* tangential displacement, and Amonton's cap */
-  LANE(real) zeta = LANE(keep)(closed, g->lambda - m->lambda_ref), cap = k->cap * force;
-  LANE(real) capped = LANE(most)(LANE(least)(zeta, cap), -cap), slip = zeta - capped;
+  LANE(real) zeta = LANE(mask_zero)(closed, g->lambda - m->lambda_ref), cap = k->cap * force;
+  LANE(real) capped = LANE(max)(LANE(min)(zeta, cap), -cap), slip = zeta - capped;
 
   /* losses */
   LANE(real) damping = force - elastic, torn = m->zeta * m->overlap + capped * delta;
@@ -205,24 +206,25 @@ LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(co
   LANE(contact_force)(g, k, lever, m, out);
 }
 
-/* The rest of a step in which contacts begin or end; before: what they remembered.
+/* The rest of a step in which contacts begin or end; before: what they remembered; bent: dt^2/2 times the relative
+ * acceleration of the centres along n before the step, by which the way of the step is shorter than u_n dt.
  *
  * The force with which a contact begins works over the whole way of the step, not only over the part of it on which
  * the disks overlap. The energy left in a contact that opens is booked as such. */
 LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                          LANE(mask) touching, LANE(mask) closed, LANE(mask) was_closed,
-                                         LANE(real) dt, const LANE(contact_memory) * before,
+                                         LANE(real) dt, LANE(real) bent, const LANE(contact_memory) * before,
                                          LANE(contact_memory) * m, LANE(contact_output) * out) {
   const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
   LANE(real) rise = m->overlap - before->overlap, half = LANE(splat)(0.5);
-  out->dropped = LANE(keep)(opened, out->viscous + k->half_k_t * before->zeta * before->zeta);
-  LANE(real) way = LANE(keep)(begun, -(g->approach * dt) - rise);
-  out->viscous = LANE(keep)(touching, out->viscous + half * m->force * way);
-  out->friction = LANE(keep)(closed, out->friction);
-  out->work = LANE(keep)(closed, out->work);
+  out->dropped = LANE(mask_zero)(opened, out->viscous + k->half_k_t * before->zeta * before->zeta);
+  LANE(real) way = LANE(mask_zero)(begun, -(g->approach * dt - bent) - rise);
+  out->viscous = LANE(mask_zero)(touching, out->viscous + half * m->force * way);
+  out->friction = LANE(mask_zero)(closed, out->friction);
+  out->work = LANE(mask_zero)(closed, out->work);
   /* lambda* = lambda and e = n where it begins */
-  m->lambda_ref = LANE(keep)(touching, LANE(select)(closed, m->lambda_ref, g->arc));
-  m->turned = LANE(keep)(closed, m->turned);
-  m->ex = LANE(keep)(touching, LANE(select)(begun, g->nx, before->ex));
-  m->ey = LANE(keep)(touching, LANE(select)(begun, g->ny, before->ey));
+  m->lambda_ref = LANE(mask_zero)(touching, LANE(select)(closed, m->lambda_ref, g->arc));
+  m->turned = LANE(mask_zero)(closed, m->turned);
+  m->ex = LANE(mask_zero)(touching, LANE(select)(begun, g->nx, before->ex));
+  m->ey = LANE(mask_zero)(touching, LANE(select)(begun, g->ny, before->ey));
 }

@@ -73,7 +73,7 @@ void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end
     segments(e, mine, begin, end);
     return;
   }
-  assert(begin % PAIR_BLOCK == 0 && end % PAIR_BLOCK == 0 && end <= w->pairs.first_piece);
+  assert(begin % PAIR_BLOCK == 0 && end % PAIR_BLOCK == 0 && end <= w->pairs.first_segment);
   switch ((w->conservative ? 0 : PASS_PAPER) | (w->mixed_laws ? PASS_MIXED : w->one_law ? 0 : PASS_LAWS)) {
     COPY(0);
     COPY(PASS_PAPER);

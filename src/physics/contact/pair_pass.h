@@ -60,7 +60,7 @@ LANE_INLINE LANE(contact_constants) LANE(constants_mixed)(const work *w, LANE(lo
   LANE(real)
   inverse =
       LANE(gather)(inverse_mass, at.b->packed_a + at.l) + LANE(gather)(inverse_mass, at.b->packed_b + at.l);
-  k.tsuji = k.tsuji * LANE(root)(k.k_n / LANE(most)(inverse, LANE(splat)(1e-300)));
+  k.tsuji = k.tsuji * LANE(sqrt)(k.k_n / LANE(max)(inverse, LANE(splat)(1e-300)));
   return k;
 }
 
@@ -137,6 +137,21 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, LANE(pair_dist
   LANE(pair_distance_of)(&in, d);
 }
 
+/* dt^2/2 times the relative acceleration along n, of free disks. */
+LANE_INLINE LANE(real) LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  double x[LANE_WIDTH], y[LANE_WIDTH];
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l + l;
+    const int32_t a = p->a[k], b = p->b[k];
+    const bool free_a = a >= 0 && (size_t)a < s->n_free, free_b = b >= 0 && (size_t)b < s->n_free;
+    x[l] = (free_b ? s->x2[b] : 0.0) - (free_a ? s->x2[a] : 0.0);
+    y[l] = (free_b ? s->y2[b] : 0.0) - (free_a ? s->y2[a] : 0.0);
+  }
+  return nx * LANE(load)(x) + ny * LANE(load)(y);
+}
+
 /* A vector of contacts of which some begin, end, turn far or overlap deeply. */
 static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *e, thread_work *mine,
                                                                         LANE(location) at,
@@ -159,12 +174,14 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
   LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, mixed, &m, &out);
-  LANE(contact_begin_end)(g, &k, touching, closed, was_closed, LANE(splat)(w->dt), &before, &m, &out);
+  LANE(contact_begin_end)
+  (g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), &before, &m,
+   &out);
 
   LANE(real) of_a[4], of_b[4];
-  LANE(pick4)(w->packed, b->packed_a + at.l, of_a);
-  LANE(pick4)(w->packed, b->packed_b + at.l, of_b);
-  LANE(real) rb = of_b[PACKED_RADIUS], smaller = LANE(least)(of_a[PACKED_RADIUS], LANE(most)(rb, -rb));
+  LANE(gather4)(w->packed, b->packed_a + at.l, of_a);
+  LANE(gather4)(w->packed, b->packed_b + at.l, of_b);
+  LANE(real) rb = of_b[PACKED_RADIUS], smaller = LANE(min)(of_a[PACKED_RADIUS], LANE(max)(rb, -rb));
   const LANE(mask) which =
       (touching ^ was_closed) | (LANE(contact_is_deep)(g, e->model->max_overlap * smaller) & touching);
   if (LANE(any)(which)) LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped);

@@ -4,25 +4,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/room.h"
+#include "base/arena.h"
 
 /* --- room -------------------------------------------------------------------------------------------- */
 
 void pairs_free(pairs *p) {
-  room_free(p->a);
-  room_free(p->b);
-  room_free(p->part);
-  room_free(p->side);
-  room_free(p->block);
-  room_free(p->flags);
+  arena_free(p->a);
+  arena_free(p->b);
+  arena_free(p->part);
+  arena_free(p->side);
+  arena_free(p->block);
+  arena_free(p->flags);
   *p = (pairs){0};
 }
 
 static sd_status grow(void **column, size_t count, size_t capacity, size_t size) {
-  void *more = room_for(capacity, size);
+  void *more = arena_for(capacity, size);
   if (!more) return SD_ERROR_IO;
   if (*column) memcpy(more, *column, count * size);
-  room_free(*column);
+  arena_free(*column);
   *column = more;
   return SD_OK;
 }
@@ -34,12 +34,12 @@ sd_status pairs_reserve(pairs *p, size_t count) {
   int32_t **whole[] = {&p->a, &p->b, &p->part};
   for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
     if (grow((void **)whole[k], p->count, capacity, sizeof(int32_t)) != SD_OK) return SD_ERROR_IO;
-  room_free(p->side);
-  room_free(p->block);
-  room_free(p->flags);
-  p->flags = room_for(capacity, sizeof *p->flags);
-  p->side = room_for(capacity, sizeof *p->side);
-  p->block = room_for(capacity / PAIR_BLOCK, sizeof *p->block);
+  arena_free(p->side);
+  arena_free(p->block);
+  arena_free(p->flags);
+  p->flags = arena_for(capacity, sizeof *p->flags);
+  p->side = arena_for(capacity, sizeof *p->side);
+  p->block = arena_for(capacity / PAIR_BLOCK, sizeof *p->block);
   p->capacity = p->side && p->block && p->flags ? capacity : 0;
   return p->capacity ? SD_OK : SD_ERROR_IO;
 }
@@ -56,7 +56,7 @@ sd_status pairs_end_round(pairs *p) {
   p->n_round = p->count;
   sd_status status = SD_OK;
   while (p->count % PAIR_BLOCK && status == SD_OK) status = pairs_push(p, PAIR_PADDING, PAIR_PADDING, 0);
-  p->first_piece = p->count;
+  p->first_segment = p->count;
   return status;
 }
 
@@ -154,6 +154,6 @@ sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   memset(to->flags, 0, to->count * sizeof *to->flags);
   for (size_t k = 0; k < to->count; k++) PAIR(to, k, law) = law_of(e, to, k);
   carry(from, to, 0, from->n_round, 0, to->n_round);
-  carry(from, to, from->first_piece, from->count, to->first_piece, to->count);
+  carry(from, to, from->first_segment, from->count, to->first_segment, to->count);
   return SD_OK;
 }

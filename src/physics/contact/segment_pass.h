@@ -77,7 +77,7 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(contact
 /* Sides of closed contacts, and contacts that went around a free end. */
 LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(mask) touching,
                                    LANE(mask) closed, const LANE(nearest_points) * found) {
-  LANE(store)(p->side + at, LANE(keep)(touching, LANE(load)(found->side)));
+  LANE(store)(p->side + at, LANE(mask_zero)(touching, LANE(load)(found->side)));
   for (size_t l = 0; found->crossed && l < LANE_WIDTH; l++)
     if (found->q[l].crossed && LANE(lane_is)(closed, (int)l))
       event_add_pair(&mine->events, p, at + l, true, 0.0);
@@ -95,7 +95,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   if (mixed) { /* the wall's mass is infinite */
     double mass[LANE_WIDTH];
     for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = e->state->mass[w->pairs.a[at + l]];
-    k.tsuji = k.tsuji * LANE(root)(LANE(load)(mass) * k.k_n);
+    k.tsuji = k.tsuji * LANE(sqrt)(LANE(load)(mass) * k.k_n);
   }
   const LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
   double closed_row[LANE_WIDTH];
@@ -116,7 +116,9 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   const LANE(mask) deep = LANE(contact_is_deep)(&g, e->model->max_overlap * in.sum) & touching;
   const LANE(mask) rare = (touching ^ was_closed) | deep;
   if (LANE(any)(rare)) {
-    LANE(contact_begin_end)(&g, &k, touching, closed, was_closed, LANE(splat)(w->dt), &before, &m, &out);
+    LANE(contact_begin_end)
+    (&g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), &before,
+     &m, &out);
     LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped);
     LANE(store)(here.b->ex + here.l, m.ex);
     LANE(store)(here.b->ey + here.l, m.ey);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-void walls_place(engine *e) {
+void walls_pose(engine *e) {
   const sd_state *s = e->state;
   for (size_t k = 0; k < e->model->n_segments; k++) {
     const sd_segment *from = &e->model->segments[k];

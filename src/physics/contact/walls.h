@@ -38,6 +38,6 @@ static inline nearest_point walls_nearest(const placed_segment *g, double x, dou
 }
 
 /* Brings every piece to its wall's present pose. */
-void walls_place(engine *e);
+void walls_pose(engine *e);
 
 #endif

@@ -80,7 +80,7 @@ LANE_INLINE void LANE(draw_pairs)(LANE(bits) word[DRAW_BLOCKS][4], int blocks, L
   EACH_PAIR r[k] = z[k] * 0.6059718801708838 + 0.799107137885716;
   EACH_PAIR r[k] = r[k] * z[k] + 1.333342151036247;
   EACH_PAIR r[k] = r[k] * z[k] + 3.9999999749625847;
-  EACH_PAIR r[k] = LANE(root)(e[k] - s[k] * r[k]);
+  EACH_PAIR r[k] = LANE(sqrt)(e[k] - s[k] * r[k]);
   EACH_PAIR sine[k] = y2[k] * -1.5417187701525703e-68 + 1.233566788418012e-48;
   EACH_PAIR cosine[k] = y2[k] * 1.4126596383949316e-78 + -1.5039091358906426e-58;
   EACH_PAIR sine[k] = sine[k] * y2[k] + -4.612145575284185e-29;

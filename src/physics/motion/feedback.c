@@ -123,7 +123,7 @@ void feedback_pose(engine *e, feedbacks *all, thread_work *mine) {
     }
     f->moved = *u - before;
     *f->at = *f->base + *u - *f->image * w->length[f->coordinate];
-    body_seat(e, f->slot);
+    body_pack(e, f->slot);
     if (neighbours_moved(e, f->slot)) mine->stale = true;
     if (!(*f->at >= w->lower[f->coordinate] && *f->at < w->upper[f->coordinate]))
       event_add(&mine->returns, f->slot);
@@ -139,7 +139,7 @@ double feedback_correct(engine *e, feedbacks *all) {
     double *v = &s->motion_v0[f->motion];
     *v += 0.5 * e->work.dt * (acceleration(e, f, f->force_before) + acceleration(e, f, *f->force));
     *f->speed = *v;
-    body_seat(e, f->slot);
+    body_pack(e, f->slot);
   }
   return done;
 }

@@ -130,8 +130,8 @@ static void sum(pose_sum *p, size_t n) {
       if (p->signals[t]->low) u = u + LANE(load)(p->signals[t]->low + k);
     LANE(store)(p->value + k, u);
     LANE(store)(p->velocity + k, v);
-    low = LANE(least)(u, low);
-    high = LANE(most)(u, high);
+    low = LANE(min)(u, low);
+    high = LANE(max)(u, high);
   }
   double lows[LANE_WIDTH], highs[LANE_WIDTH];
   LANE(store)(lows, low);

@@ -292,7 +292,7 @@ void motion_pose(engine *e, thread_work *mine) {
     p->force_before = *p->force;
     *p->at = p->last = after;
     *p->speed = p->velocity[k];
-    body_seat(e, p->slot);
+    body_pack(e, p->slot);
   }
   if (q->quiet) return;
   feedback_pose(e, &q->feedbacks, mine);

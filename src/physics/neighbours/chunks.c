@@ -9,7 +9,7 @@
 enum { CHUNK_MOST = 2048, CHUNK_LEAST = 256, CHUNKS_PER_THREAD = 8 };
 
 /* A piece of a straight wall costs as much as this many round pairs; a disk without any, too. */
-enum { PIECE_COST = 4, DISK_COST = 1 };
+enum { SEGMENT_COST = 4, DISK_COST = 1 };
 
 static size_t rounded(size_t n) { return (n + CHUNK_STEP - 1) / CHUNK_STEP * CHUNK_STEP; }
 
@@ -25,14 +25,14 @@ void chunks_free(chunks *c) {
   free(c->begin);
   free(c->of_disks);
   free(c->pair);
-  free(c->piece);
+  free(c->segment);
   free(c->need_start);
   free(c->need);
   free(c->row);
   free(c->predicted);
   free(c->packed);
-  free(c->early);
-  free(c->late);
+  free(c->boundary_first);
+  free(c->boundary_last);
   *c = (chunks){0};
 }
 
@@ -42,29 +42,29 @@ static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   c->begin = malloc((count + 1) * sizeof *c->begin);
   c->of_disks = malloc((n_free / CHUNK_STEP + 1) * sizeof *c->of_disks);
   c->pair = malloc((count + 1) * sizeof *c->pair);
-  c->piece = malloc((count + 1) * sizeof *c->piece);
+  c->segment = malloc((count + 1) * sizeof *c->segment);
   c->need_start = malloc((count + 1) * sizeof *c->need_start);
   c->row = malloc(count * sizeof *c->row);
   c->predicted = malloc(count * sizeof *c->predicted);
   c->packed = malloc(count * sizeof *c->packed);
-  c->early = malloc(count);
-  c->late = malloc(count);
-  bool all = c->begin && c->of_disks && c->pair && c->piece && c->need_start && c->row && c->predicted &&
-             c->packed && c->early && c->late;
+  c->boundary_first = malloc(count);
+  c->boundary_last = malloc(count);
+  bool all = c->begin && c->of_disks && c->pair && c->segment && c->need_start && c->row && c->predicted &&
+             c->packed && c->boundary_first && c->boundary_last;
   c->capacity = all ? count : 0;
   return all ? SD_OK : SD_ERROR_IO;
 }
 
 /* Where the pairs of each chunk begin; round ones to whole blocks. */
 static void find_pairs(chunks *c, const pairs *p) {
-  size_t k = 0, piece = p->first_piece;
+  size_t k = 0, piece = p->first_segment;
   for (size_t n = 0; n <= c->count; n++) {
     const int32_t first = (int32_t)c->begin[n];
     while (k < p->n_round && (n == c->count || p->a[k] < first)) k++;
     while (piece < p->count && (n == c->count || p->a[piece] < first)) piece++;
     size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
-    c->pair[n] = whole < p->first_piece ? whole : p->first_piece;
-    c->piece[n] = piece;
+    c->pair[n] = whole < p->first_segment ? whole : p->first_segment;
+    c->segment[n] = piece;
   }
 }
 
@@ -109,26 +109,26 @@ static int thread_of_chunk(const chunks *c, size_t k) {
   return t;
 }
 
-static void find_early(chunks *c, int threads) {
-  memset(c->early, 0, c->count);
-  memset(c->late, 0, c->count);
-  c->any_early = false;
+static void find_boundary_first(chunks *c, int threads) {
+  memset(c->boundary_first, 0, c->count);
+  memset(c->boundary_last, 0, c->count);
+  c->any_boundary_first = false;
   for (int t = 0; t < threads; t++)
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++)
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
         if (c->need[n] < c->share[t] || c->need[n] >= c->share[t + 1])
-          c->any_early = c->early[c->need[n]] = true;
+          c->any_boundary_first = c->boundary_first[c->need[n]] = true;
 }
 
 /* Where the share of each thread begins, so that all cost the same. */
 static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *disk) {
-  const size_t all = p->n_round + PIECE_COST * (p->count - p->first_piece) + DISK_COST * n_free;
-  size_t k = 0, piece = p->first_piece, t = 1;
+  const size_t all = p->n_round + SEGMENT_COST * (p->count - p->first_segment) + DISK_COST * n_free;
+  size_t k = 0, piece = p->first_segment, t = 1;
   disk[0] = 0;
   for (size_t d = 0; d < n_free; d += CHUNK_STEP) {
     while (k < p->n_round && p->a[k] < (int32_t)d) k++;
     while (piece < p->count && p->a[piece] < (int32_t)d) piece++;
-    const size_t cost = k + PIECE_COST * (piece - p->first_piece) + DISK_COST * d;
+    const size_t cost = k + SEGMENT_COST * (piece - p->first_segment) + DISK_COST * d;
     while (t < threads && cost >= all * t / threads) disk[t++] = d;
   }
   while (t <= threads) disk[t++] = n_free;
@@ -166,7 +166,7 @@ sd_status chunks_plan(engine *e) {
   find_pairs(c, &w->pairs);
   if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < count; k++) c->predicted[k] = c->packed[k] = INT64_MIN;
-  find_early(c, w->n_threads);
+  find_boundary_first(c, w->n_threads);
   return SD_OK;
 }
 
@@ -176,7 +176,7 @@ int chunks_thread_of_disk(const engine *e, size_t slot) {
 
 int chunks_thread_of_pair(const engine *e, size_t pair) {
   const chunks *c = &e->work.chunks;
-  if (pair >= e->work.pairs.first_piece) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
+  if (pair >= e->work.pairs.first_segment) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
   int t = 0;
   while (pair >= c->pair[c->share[t + 1]]) t++;
   return t;
@@ -202,7 +202,7 @@ static size_t take_page(page_list *l, size_t first, size_t k, size_t until) {
 
 /* Last chunk of its share that reads the rows of each; SIZE_MAX where they are kept. */
 static void find_ends(chunks *c, size_t *until) {
-  for (size_t k = 0; k < c->count; k++) until[k] = c->early[k] || c->late[k] ? SIZE_MAX : k;
+  for (size_t k = 0; k < c->count; k++) until[k] = c->boundary_first[k] || c->boundary_last[k] ? SIZE_MAX : k;
   for (size_t k = 0; k < c->count; k++)
     for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
       if (until[c->need[n]] < k) until[c->need[n]] = k;

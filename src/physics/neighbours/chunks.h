@@ -21,7 +21,9 @@ static inline size_t chunks_of_disk(const chunks *c, size_t slot) { return c->of
 int chunks_thread_of_pair(const engine *e, size_t pair);
 int chunks_thread_of_disk(const engine *e, size_t slot);
 /* The disk has contacts in the share of another thread: its chunk is corrected when all are through. */
-static inline void chunks_put_off(chunks *c, size_t slot) { c->late[chunks_of_disk(c, slot)] = true; }
+static inline void chunks_put_off(chunks *c, size_t slot) {
+  c->boundary_last[chunks_of_disk(c, slot)] = true;
+}
 /* When nothing more is put off: rows of packed bodies and sums. Those of a chunk are taken over by a later one of the same thread once no pair wants
  * them, so that they need not leave the cache; what other threads read or push keeps its own. SD_ERROR_IO
  * without memory. */

@@ -216,7 +216,7 @@ static sd_status push_round(const engine *e, const grid *g, pairs *p) {
 
 static sd_status push_pieces(const engine *e, pairs *p) {
   const pairs *old = &e->work.pairs;
-  closed_before before = {.to = old->first_piece};
+  closed_before before = {.to = old->first_segment};
   sd_status status = SD_OK;
   if (e->model->n_segments == 0) return SD_OK;
   for (uint32_t i = 0; i < e->state->n_free; i++) {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/room.h"
+#include "base/arena.h"
 #include "physics/neighbours/chunks.h"
 
 /* --- contacts of each body --------------------------------------------------------------------------- */
@@ -46,9 +46,9 @@ static sd_status reserve_rows(engine *e) {
   work *w = &e->work;
   if (!w->row) w->row = malloc((e->state->n_bodies + 1) * sizeof *w->row);
   if (count_rows(e) > w->packed_capacity) {
-    room_free(w->packed);
+    arena_free(w->packed);
     w->packed_capacity = count_rows(e) + count_rows(e) / 4;
-    w->packed = room_for(w->packed_capacity, PACKED_ROW * sizeof *w->packed);
+    w->packed = arena_for(w->packed_capacity, PACKED_ROW * sizeof *w->packed);
   }
   return w->row && w->packed ? SD_OK : SD_ERROR_IO;
 }
@@ -117,9 +117,9 @@ static sd_status reserve_sums(engine *e) {
   size_t rows = count_rows(e);
   for (size_t k = 0; k < m->n_listed; k++) rows += n->start[m->listed[k] + 1] - n->start[m->listed[k]];
   if (rows > m->capacity) {
-    room_free(m->row);
+    arena_free(m->row);
     m->capacity = rows + rows / 4;
-    m->row = room_for(m->capacity, SUM_ROW * sizeof *m->row);
+    m->row = arena_for(m->capacity, SUM_ROW * sizeof *m->row);
   }
   free(m->single);
   m->single = malloc((m->n_listed + 1) * sizeof *m->single);
@@ -186,10 +186,10 @@ void pairs_list_free(engine *e) {
   chunks_free(&w->chunks);
   free(w->incidence.start);
   free(w->incidence.entry);
-  room_free(w->sums.row);
+  arena_free(w->sums.row);
   free(w->sums.listed);
   free(w->sums.single);
-  room_free(w->packed);
+  arena_free(w->packed);
   free(w->row);
   w->incidence = (incidence){0};
   w->packed = NULL;

@@ -119,7 +119,7 @@ LANE_INLINE void PASS(store_pair)(const lanes *l, const PASS(step_registers) * f
   PASS(set_row)(p, PAIR_overlap, m->overlap);
   PASS(set_row)(p, PAIR_zeta, m->zeta);
   PASS(set_row)(p, PAIR_turned, m->turned);
-  PASS(set_row)(p, PAIR_CLOSED, LANE(keep)(f->closed[k], LANE(splat)(1.0)));
+  PASS(set_row)(p, PAIR_CLOSED, LANE(mask_zero)(f->closed[k], LANE(splat)(1.0)));
   PASS(set_row)(p, PAIR_SLIP, f->out[k].slip);
   PASS(set_row)(p, PAIR_FX, f->out[k].fx);
   PASS(set_row)(p, PAIR_FY, f->out[k].fy);
@@ -191,10 +191,15 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   LANE(contact_step)
   (g, &c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative, s->mixed, m,
    out);
-  LANE(contact_begin_end)(g, &c, touching, closed, was_closed, dt, before, m, out);
+  size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
+  const LANE(real) zero = LANE(splat)(0.0);
+  LANE(real) x2 = (s->n_free > 1 && b < s->n_free ? f->c[b][SD_X].q2 : zero) - f->c[a][SD_X].q2;
+  LANE(real) y2 = (s->n_free > 1 && b < s->n_free ? f->c[b][SD_Y].q2 : zero) - f->c[a][SD_Y].q2;
+  LANE(contact_begin_end)
+  (g, &c, touching, closed, was_closed, dt, g->nx * x2 + g->ny * y2, before, m, out);
   f->closed[k] = touching;
   f->rare[k] = (touching ^ was_closed) | (LANE(contact_is_deep)(g, PASS(row)(p, PAIR_LIMIT)) & touching);
-  PASS(set_row)(p, PAIR_WAS_CLOSED, LANE(keep)(was_closed, LANE(splat)(1.0)));
+  PASS(set_row)(p, PAIR_WAS_CLOSED, LANE(mask_zero)(was_closed, LANE(splat)(1.0)));
   PASS(set_row)(p, PAIR_DROPPED, out->dropped);
 }
 
@@ -296,14 +301,14 @@ LANE_INLINE void PASS(book_work)(const lanes *l, const PASS(shape) * s, const PA
 /* A contact's state as a number: positive 0, negative 1, stuck 2, open 3, as in sd_state. */
 LANE_INLINE LANE(real) PASS(configuration)(const PASS(step_registers) * f, size_t k) {
   const LANE(real) zero = LANE(splat)(0.0), slip = f->out[k].slip;
-  return LANE(keep)(LANE(greater)(slip, zero) | LANE(not )(f->closed[k]), LANE(splat)(1.0)) +
-         LANE(keep)(LANE(equal)(slip, zero), LANE(splat)(2.0));
+  return LANE(mask_zero)(LANE(greater)(slip, zero) | LANE(not )(f->closed[k]), LANE(splat)(1.0)) +
+         LANE(mask_zero)(LANE(equal)(slip, zero), LANE(splat)(2.0));
 }
 
 LANE_INLINE void PASS(sample_contact)(const lanes *l, const PASS(step_registers) * f, size_t at, size_t k,
                                       LANE(real) * configuration) {
   double *least = PASS(rows_at)(l, ROWS_LEAST);
-  PASS(set_row)(least, at, LANE(least)(f->m[k].force, PASS(row)(least, at)));
+  PASS(set_row)(least, at, LANE(min)(f->m[k].force, PASS(row)(least, at)));
   *configuration = PASS(configuration)(f, k);
 }
 

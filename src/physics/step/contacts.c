@@ -106,8 +106,8 @@ static void book_opening(engine *e, size_t k, double energy) {
   bool shared = (size_t)b < s->n_free;
   losses_share(e, s->loss_opening, a, b, energy);
   if (s->n_means == 0 || !e->model->phases[s->phase].measure) return;
-  s->mean_openings[a]++;
-  if (shared) s->mean_openings[b]++;
+  s->sum_openings[a]++;
+  if (shared) s->sum_openings[b]++;
 }
 
 static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
@@ -156,8 +156,8 @@ static void wrap(engine *e, uint32_t i) {
   s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
   s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
   motion_wrapped(e, i);
-  body_seat(e, i);
-  if (i >= s->n_disks) walls_place(e);
+  body_pack(e, i);
+  if (i >= s->n_disks) walls_pose(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
     if (!pairs_closed(p, k)) continue;

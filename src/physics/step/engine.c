@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/room.h"
+#include "base/arena.h"
 #include "model/normal_laws.h"
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
@@ -157,13 +157,13 @@ static sd_status columns_new(engine *e) {
       {&w->x0, s->n_bodies},           {&w->y0, s->n_bodies},           {&w->theta0, s->n_bodies},
       {&w->reach, s->n_bodies}};
   enum { COLUMNS = sizeof column / sizeof *column };
-  room_plan plan = {0};
-  for (size_t k = 0; k < COLUMNS; k++) room_column(&plan, column[k].n * sizeof(double));
-  char *room = w->room = room_new(&plan);
+  arena_plan plan = {0};
+  for (size_t k = 0; k < COLUMNS; k++) arena_column(&plan, column[k].n * sizeof(double));
+  char *room = w->arena = arena_new(&plan);
   if (!room) return SD_ERROR_IO;
-  plan = (room_plan){0};
+  plan = (arena_plan){0};
   for (size_t k = 0; k < COLUMNS; k++)
-    *column[k].at = (double *)(void *)(room + room_column(&plan, column[k].n * sizeof(double)));
+    *column[k].at = (double *)(void *)(room + arena_column(&plan, column[k].n * sizeof(double)));
   return SD_OK;
 }
 
@@ -233,7 +233,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   w->kernels = kernels_choose();
   fill_laws(e->model, w);
   fill_columns(e->state, w);
-  box_place(e);
+  box_update(e);
   fill_skin(e, w);
   fill_limit(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
@@ -241,7 +241,7 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   sd_status status = motion_new(e, messages);
   if (status == SD_OK && motion_resume(e) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
-  walls_place(e);
+  walls_pose(e);
   if (status == SD_OK) status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);
   return status;
@@ -260,7 +260,7 @@ void engine_free(engine *e) {
   free(w->slot);
   free(w->segments);
   free(w->watched);
-  room_free(w->room);
+  arena_free(w->arena);
   e->work = (work){0};
 }
 

@@ -89,7 +89,7 @@ static inline view view_of(const engine *e, size_t begin) {
             .half_dt2 = w->half_dt2,
             .moved_limit2 = w->moved_limit2,
             .speed_limit2 = w->speed_limit2,
-            .show = w->whole || e->state->step + 1 >= w->show_from};
+            .show = w->predict_all || e->state->step + 1 >= w->show_from};
   for (int c = 0; c < SD_COORDINATES; c++) {
     v.k[c] = w->columns[c];
     if (w->nothing_constant[c]) v.k[c].constant = NULL;
@@ -123,8 +123,8 @@ LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(
   const LANE(real) inverse_mass = v->mass ? 1.0 / LANE(load)(v->mass + i) : zero;
   const LANE(real) speed[] = {vx, vy, inverse_mass, zero};
   double *row = v->packed + PACKED_ROW * (i + v->shift);
-  LANE(lay4)(row, PACKED_ROW, pose);
-  LANE(lay4)(row + PACKED_VX, PACKED_ROW, speed);
+  LANE(scatter4)(row, PACKED_ROW, pose);
+  LANE(scatter4)(row + PACKED_VX, PACKED_ROW, speed);
 }
 
 LANE_INLINE void LANE(pack_at)(const view *v, size_t i) {
@@ -190,7 +190,7 @@ LANE_INLINE LANE(mask) LANE(is_fast_at)(const view *v, size_t i, LANE(real) vx, 
 /* What contacts do to the bodies: to sum, and where it is wanted to the state. */
 LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORDINATES]) {
   LANE(real) row[SUM_ROW];
-  LANE(lift4)(v->sums + SUM_ROW * (i + v->shift), SUM_ROW, row);
+  LANE(load4)(v->sums + SUM_ROW * (i + v->shift), SUM_ROW, row);
   sum[SD_X] = row[SUM_X];
   sum[SD_Y] = row[SUM_Y];
   sum[SD_THETA] = row[SUM_TURN] * LANE(load)(v->radius + i);

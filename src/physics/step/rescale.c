@@ -26,7 +26,7 @@ static void scale_column(double *x, size_t n, double corner, double f) {
 /* Where the nearest point of a line stands along it is a length, too. */
 static void scale_arcs(engine *e, double f) {
   pairs *p = &e->work.pairs;
-  for (size_t k = p->first_piece; k < p->count; k++) {
+  for (size_t k = p->first_segment; k < p->count; k++) {
     if (!pairs_closed(p, k)) continue;
     const placed_segment *g = &e->work.segments[p->part[k]];
     double arc = walls_nearest(g, e->state->x[p->a[k]], e->state->y[p->a[k]]).arc - g->arc;
@@ -78,8 +78,8 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   scale_column(s->base_x, s->n_bodies, corner[SD_X], f);
   scale_column(s->base_y, s->n_bodies, corner[SD_Y], f);
   s->box_scale *= f;
-  box_place(e);
-  walls_place(e);
+  box_update(e);
+  walls_pose(e);
   sd_status status = neighbours_rescale(e, f, messages);
   return status == SD_OK ? renew_contacts(e, messages) : status;
 }

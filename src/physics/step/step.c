@@ -50,8 +50,8 @@ static sd_status renew_lists(engine *e) {
   const team alone = {0, 1};
   neighbours_tune(e);
   sd_status status = neighbours_build(e, w->messages);
-  note_predicted(e, w->whole);
-  if (status != SD_OK || w->whole || !w->kernels->stale(e, 0, e->state->n_free, true)) return status;
+  note_predicted(e, w->predict_all);
+  if (status != SD_OK || w->predict_all || !w->kernels->stale(e, 0, e->state->n_free, true)) return status;
   predict_all(e, &alone);
   status = neighbours_build(e, w->messages);
   note_predicted(e, true);
@@ -63,7 +63,7 @@ void step_begin(engine *e, int64_t n) {
   work *w = &e->work;
   w->kernels->pack(e, s->n_free, s->n_bodies);
   w->show_from = s->step + n;
-  w->whole = e->model->phases[s->phase].relax || motion_drives_free(e);
+  w->predict_all = e->model->phases[s->phase].relax || motion_drives_free(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, true);
   note_predicted(e, false);
@@ -84,13 +84,13 @@ static void predict_and_check(engine *e, const team *t) {
 void step_once(engine *e, const team *t) {
   work *w = &e->work;
   const bool first = t->rank == 0;
-  if (w->whole) {
+  if (w->predict_all) {
     predict_and_check(e, t);
     team_wait(t);
   }
   if (first) {
     motion_pose(e, &w->threads[0]);
-    if (motion_moves_walls(e)) walls_place(e);
+    if (motion_moves_walls(e)) walls_pose(e);
     w->stale = any_stale(w);
     pairs_clear_single(e);
   }
@@ -101,15 +101,15 @@ void step_once(engine *e, const team *t) {
     if (w->status != SD_OK) return;
   }
 
-  if (w->chunks.any_early) {
-    FOR_SHARES(t, share, w) FOR_CHUNKS(k, w, share) if (w->chunks.early[k]) sweep_pack(e, k);
+  if (w->chunks.any_boundary_first) {
+    FOR_SHARES(t, share, w) FOR_CHUNKS(k, w, share) if (w->chunks.boundary_first[k]) sweep_pack(e, k);
     team_wait(t);
   }
   FOR_SHARES(t, share, w) sweep_share(e, share);
   team_wait(t);
 
   FOR_SHARES(t, share, w)
-  FOR_CHUNKS(k, w, share) if (w->chunks.late[k]) sweep_correct(e, &w->threads[share], k);
+  FOR_CHUNKS(k, w, share) if (w->chunks.boundary_last[k]) sweep_correct(e, &w->threads[share], k);
   if (first) w->kernels->gather(e, e->state->n_free, e->state->n_bodies);
   team_wait(t);
   if (first) {

@@ -43,7 +43,7 @@ static void evaluate(engine *e, thread_work *mine, size_t k) {
   const work *w = &e->work;
   const chunks *c = &w->chunks;
   w->kernels->pairs(e, mine, c->pair[k], c->pair[k + 1]);
-  if (c->piece[k] < c->piece[k + 1]) w->kernels->pairs(e, mine, c->piece[k], c->piece[k + 1]);
+  if (c->segment[k] < c->segment[k + 1]) w->kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
 }
 
 void sweep_share(engine *e, int t) {
@@ -56,7 +56,7 @@ void sweep_share(engine *e, int t) {
       if (n >= c->share[t] && n < c->share[t + 1]) sweep_pack(e, n);
     }
     evaluate(e, mine, k);
-    if (!c->late[k]) sweep_correct(e, mine, k);
+    if (!c->boundary_last[k]) sweep_correct(e, mine, k);
   }
 }
 
@@ -71,9 +71,9 @@ void sweep_forces(engine *e) {
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) pack(e, c->need[n], INT64_MAX);
       evaluate(e, &w->threads[0], k);
-      if (!c->late[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
+      if (!c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
     }
   for (size_t k = 0; k < c->count; k++)
-    if (c->late[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
+    if (c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
   w->kernels->gather(e, n_free, n_bodies);
 }

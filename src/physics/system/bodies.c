@@ -47,7 +47,7 @@ void bodies_fill_constants(engine *e) {
 
 double box_corner(const sd_model *m, int c) { return m->periodic[c] ? m->lower[c] : m->region_lower[c]; }
 
-void box_place(engine *e) {
+void box_update(engine *e) {
   const sd_model *m = e->model;
   work *w = &e->work;
   for (int c = 0; c < 2; c++) {

@@ -15,7 +15,7 @@ static inline bool body_in_play(const sd_state *s, size_t slot) {
 
 /* Where the pairs see the body in this slot, from its pose, should it be a prescribed one: free disks are seated in every
  * step. */
-static inline void body_seat(const engine *e, size_t slot) {
+static inline void body_pack(const engine *e, size_t slot) {
   const sd_state *s = e->state;
   if (slot < s->n_free) return;
   double *row = e->work.packed + PACKED_ROW * (size_t)e->work.row[slot];
@@ -31,6 +31,6 @@ static inline void body_seat(const engine *e, size_t slot) {
 /* About which the lengths of the region change: its lower corner. */
 double box_corner(const sd_model *model, int coordinate);
 /* Edges of the periodic box in work, from model and state->box_scale. */
-void box_place(engine *e);
+void box_update(engine *e);
 
 #endif

@@ -51,7 +51,7 @@ typedef struct pair_flags {
 /* Candidate pairs, ordered by (slot of a, slot of b, segment): round ones first, then wall segments, each from a whole
  * block on. Padding between them and beyond the last has a = b = -1 and touches nothing. */
 typedef struct pairs {
-  size_t count, n_round, first_piece, capacity;
+  size_t count, n_round, first_segment, capacity;
   int32_t *a, *b; /* slots; neighbours_build */
   int32_t *part;  /* segment; neighbours_build */
   double *side;   /* of segments, goes with the record */
@@ -88,17 +88,18 @@ enum { WORK_MAX_THREADS = 64 };
 typedef struct chunks {
   size_t size, count, capacity; /* disks in each, at most */
   int n_threads;
-  size_t *begin;        /* [count + 1] first disk */
-  uint32_t *of_disks;   /* chunk of each CHUNK_STEP disks */
-  size_t *pair, *piece; /* [count + 1] where its round pairs and its pieces begin */
+  size_t *begin;          /* [count + 1] first disk */
+  uint32_t *of_disks;     /* chunk of each CHUNK_STEP disks */
+  size_t *pair, *segment; /* [count + 1] where its round pairs and its pieces begin */
   size_t *need_start, need_capacity;
   uint32_t *need;                     /* chunks that its pairs see */
   size_t share[WORK_MAX_THREADS + 1]; /* of each thread: the first chunk */
-  bool *early, *late;                 /* wanted by another thread's pairs; pushed by another thread's pairs */
-  bool any_early;
+  bool *boundary_first,
+      *boundary_last; /* wanted by another thread's pairs; pushed by another thread's pairs */
+  bool any_boundary_first;
   bool shares;        /* others take over rows of earlier ones */
   size_t *row, rows;  /* of its first disk, in packed bodies and sums; how many there are */
-  int64_t *predicted; /* the step whose trial coordinates its disks have; step */
+  int64_t *predicted; /* the step whose predicted coordinates its disks have; step */
   int64_t *packed;    /* and whose its packed bodies show; step */
 } chunks;
 
@@ -119,7 +120,7 @@ _Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 && 
                "across4");
 _Static_assert(PACKED_VY == PACKED_VX + 1, "across2");
 
-/* A straight piece of a wall in space; walls_place. */
+/* A straight piece of a wall in space; walls_pose. */
 typedef struct placed_segment {
   double x, y, tx, ty, length, px, py; /* start, tangent, length, tangent of the piece before */
   double end_x, end_y;                 /* start of the piece that follows; joined */
@@ -176,12 +177,12 @@ typedef struct work {
   bool one_law, mixed_laws; /* mixed: not all are linear */
   bool stale;               /* the lists, for the coming step; step_once */
   int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
-  bool whole;        /* all disks are predicted before anything else is done; step_begin */
+  bool predict_all;  /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
   bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
   columns columns[SD_COORDINATES];
-  void *room;     /* columns of these, and poses when the lists were built */
+  void *arena;    /* columns of these, and poses when the lists were built */
   uint32_t *slot; /* [n_bodies] slot of a body number */
   const kernels *kernels;
   int n_threads;
@@ -201,7 +202,7 @@ typedef struct work {
   double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
   int64_t builds, built_at;  /* how often; step of the last */
   double mean_radius;        /* of the disks; engine_build */
-  placed_segment *segments;  /* walls_place */
+  placed_segment *segments;  /* walls_pose */
   int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
   motions *motions;

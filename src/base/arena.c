@@ -1,5 +1,5 @@
 /* room.c: see room.h. */
-#include "base/room.h"
+#include "base/arena.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@ typedef struct header {
   size_t bytes; /* 0: not mapped */
 } header;
 
-size_t room_column(room_plan *plan, size_t bytes) {
+size_t arena_column(arena_plan *plan, size_t bytes) {
   size_t at = (plan->end + LINE - 1) / LINE * LINE, apart = plan->columns++ * APART % PAGE;
   /* small ones fit into the cache together */
   if (bytes >= PAGE) at += (apart + PAGE - at % PAGE) % PAGE;
@@ -32,7 +32,7 @@ static void *new_large(size_t bytes) {
   return room;
 }
 
-void *room_new(const room_plan *plan) {
+void *arena_new(const arena_plan *plan) {
   if (plan->end >= LARGE) return new_large(plan->end);
   size_t bytes = (plan->end + 2 * LINE - 1) / LINE * LINE;
   char *memory = aligned_alloc(LINE, bytes);
@@ -42,7 +42,7 @@ void *room_new(const room_plan *plan) {
   return memory + LINE;
 }
 
-void room_free(void *room) {
+void arena_free(void *room) {
   if (!room) return;
   const header h = ((header *)(void *)((char *)room - LINE))[0];
   if (h.bytes)
@@ -51,8 +51,8 @@ void room_free(void *room) {
     free(h.memory);
 }
 
-void *room_for(size_t n, size_t size) {
-  room_plan plan = {0};
-  room_column(&plan, n * size);
-  return room_new(&plan);
+void *arena_for(size_t n, size_t size) {
+  arena_plan plan = {0};
+  arena_column(&plan, n * size);
+  return arena_new(&plan);
 }
