@@ -2,6 +2,7 @@
 #include "physics/system/bodies.h"
 #include "physics/neighbours/neighbours.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 #include "physics/contact/losses.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/rows.h"
+#include "physics/neighbours/validity.h"
 #include "physics/contact/walls.h"
 
 void neighbours_free(engine *e) {
@@ -63,6 +65,8 @@ static void grid_size(const engine *e, double reach, grid *g) {
     if (cells < 1.0) cells = 1.0;
     /* with fewer than three, a periodic neighbour would be met twice: one cell holds all */
     if (e->work.periodic[c] && cells < 3.0) cells = 1.0;
+    /* a pair within reach stands in cells that are neighbours */
+    assert(cells == 1.0 || (cells > 1.0 && span / cells >= reach));
     g->lower[c] = low;
     g->cells[c] = (int64_t)cells;
     g->per_cell[c] = span > 0.0 ? cells / span : 0.0;
@@ -71,6 +75,7 @@ static void grid_size(const engine *e, double reach, grid *g) {
 
 static sd_status grid_fill(const engine *e, grid *g) {
   const sd_state *s = e->state;
+  assert(g->cells[0] >= 1 && g->cells[1] >= 1);
   size_t cells = (size_t)(g->cells[0] * g->cells[1]);
   g->start = calloc(cells + 2, sizeof *g->start);
   g->disks = malloc((s->n_disks + 1) * sizeof *g->disks);
@@ -80,6 +85,7 @@ static sd_status grid_fill(const engine *e, grid *g) {
   for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
   for (size_t i = 0; i < s->n_disks; i++)
     if (in_play(s, i)) g->disks[g->start[cell_index(g, s->x[i], s->y[i]) + 1]++] = (uint32_t)i;
+  assert(g->start[0] == 0 && g->start[cells] == g->start[cells + 1] && g->start[cells] <= s->n_disks);
   return SD_OK;
 }
 
@@ -169,6 +175,7 @@ typedef struct closed_before {
 } closed_before;
 
 static void next_disk(const pairs *old, size_t end, uint32_t i, closed_before *c) {
+  assert(c->to <= end && (c->to == end || old->a[c->to] >= (int32_t)i));
   c->from = c->to;
   while (c->to < end && old->a[c->to] == (int32_t)i) c->to++;
 }
@@ -224,6 +231,7 @@ static sd_status push_pieces(const engine *e, pairs *p) {
     if (!in_play(e->state, i)) continue;
     for (size_t k = 0; k < e->model->n_segments && status == SD_OK; k++) {
       uint32_t b = e->work.slot[e->model->segments[k].body];
+      assert(b >= e->state->n_disks);
       if (near_piece(e, i, &e->work.segments[k]) || was_closed(old, &before, b, k))
         status = pairs_push(p, (int32_t)i, (int32_t)b, (int32_t)k);
     }
@@ -293,6 +301,7 @@ static double limit_of(const engine *e) {
 
 sd_status neighbours_rescale(engine *e, double f, sd_messages *messages) {
   work *w = &e->work;
+  assert(f > 0.0);
   double corner[2] = {box_corner(e->model, SD_X), box_corner(e->model, SD_Y)};
   for (size_t i = 0; i < e->state->n_bodies; i++) {
     w->x0[i] = corner[SD_X] + f * (w->x0[i] - corner[SD_X]);
@@ -319,11 +328,13 @@ void neighbours_tune(engine *e) {
   double factor = sqrt(TUNE_BALANCE / (steps * skin));
   skin *= fmin(fmax(factor, 1.0 / TUNE_STEP), TUNE_STEP);
   w->skin = w->mean_radius * fmin(fmax(skin, TUNE_LEAST), TUNE_MOST);
+  assert(w->skin > 0.0);
 }
 
 sd_status neighbours_build(engine *e, sd_messages *messages) {
   const sd_state *s = e->state;
   work *w = &e->work;
+  assert(w->skin > 0.0 && w->n_threads >= 1 && w->n_threads <= WORK_MAX_THREADS);
   if (neighbours_check_finite(e, s->step + 1, messages) != SD_OK) return SD_ERROR_NUMERIC;
   grid g = {0};
   grid_size(e, 2.0 * largest_radius(s) + w->skin, &g);
@@ -347,10 +358,12 @@ sd_status neighbours_build(engine *e, sd_messages *messages) {
   find_watched(e);
   note_poses(e);
   w->kernels->pack(e, s->n_free, s->n_bodies);
+  assert(w->pairs.first_segment % PAIR_BLOCK == 0 && w->pairs.count <= w->pairs.capacity);
   w->list_scale = s->box_scale;
   w->built_at = s->step;
   w->moved_limit2 = limit_of(e) * limit_of(e);
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->builds++;
+  if (VALIDITY_CHECKED) validity_check_lists(e);
   return SD_OK;
 }

@@ -13,6 +13,7 @@
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/rows.h"
+#include "physics/neighbours/validity.h"
 
 /* --- which systems ------------------------------------------------------------------------------------ */
 
@@ -91,13 +92,15 @@ bool lanes_in_step(const engine *a, const engine *b) {
 static size_t find_pair(const lanes *l, uint32_t one, uint32_t two) {
   for (size_t k = 0; k < l->n_pairs; k++)
     if ((l->a[k] == one && l->b[k] == two) || (l->a[k] == two && l->b[k] == one)) return k;
-  return 0; /* suits_watch: never */
+  assert(!"a pair of these systems"); /* suits_watch */
+  return 0;
 }
 
 /* Every pair as the lists have them, by slots; each body's in the same order. */
 static void list_pairs(lanes *l) {
   for (uint32_t i = 0; i < l->n_free; i++)
     for (uint32_t j = i + 1; j < l->n_bodies; j++) {
+      assert(l->n_pairs < LANES_PAIRS);
       l->a[l->n_pairs] = i;
       l->b[l->n_pairs++] = j;
     }
@@ -105,6 +108,7 @@ static void list_pairs(lanes *l) {
     for (uint32_t j = 0; j < l->n_bodies; j++) {
       if (j == i || (i >= l->n_free && j >= l->n_free)) continue;
       size_t k = find_pair(l, i, j);
+      assert(l->touching[i] < LANES_PAIRS);
       l->entry[i][l->touching[i]++] = (uint8_t)(2 * k + (l->b[k] == i));
     }
 }
@@ -114,6 +118,7 @@ static double *rows_at(const lanes *l, size_t row) { return l->memory + row * l-
 static void lay_rows(lanes *l) {
   for (size_t i = 0; i < LANES_FREE; i++) l->disk[i] = rows_at(l, ROWS_DISK + i * DISK_ROWS);
   for (size_t k = 0; k < LANES_PAIRS; k++) l->pair[k] = rows_at(l, ROWS_PAIR + k * PAIR_ROWS);
+  _Static_assert((int)PAIR_CLOSED == (int)SD_CONTACT_COLUMNS, "the record comes first");
   l->place = rows_at(l, ROWS_PLACE);
   l->radius = rows_at(l, ROWS_RADIUS);
   l->dt = rows_at(l, ROWS_DT);
@@ -124,6 +129,10 @@ static void lay_rows(lanes *l) {
 
 sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out) {
   const size_t width = alone ? 2 : system[0]->work.kernels->lane_width;
+  assert(count >= 1 && count <= width && width <= LANES_MOST && (!alone || count == 1));
+  for (size_t k = 0; k < count; k++)
+    assert(system[k]->work.n_threads == 1 && lanes_suit(system[k]->model) &&
+           lanes_alike(system[0]->model, system[k]->model));
   lanes *l = calloc(1, sizeof *l);
   *out = l;
   size_t bytes = (size_t)ROWS_ALL * LANES_MOST * sizeof(double) / 64 * 64 + 64;
@@ -145,6 +154,8 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
   l->n_free = s->n_free;
   l->n_bodies = s->n_bodies;
   l->n_slides = s->n_slides;
+  assert(l->n_free >= 1 && l->n_free <= LANES_FREE && l->n_bodies <= LANES_BODIES &&
+         l->n_slides <= LANES_SLIDES);
   list_pairs(l);
   const uint32_t *slot = system[0]->work.slot;
   for (size_t k = 0; k < l->n_slides; k++)
@@ -176,7 +187,10 @@ static void find_poses(lanes *l) {
   memset(l->placed, 0, sizeof l->placed);
   size_t n;
   const prescribed *p = motion_prescribed(e, &n);
-  for (size_t k = 0; k < n; k++) l->placed[p[k].slot][p[k].coordinate] = true;
+  for (size_t k = 0; k < n; k++) {
+    assert(p[k].slot >= l->n_free && p[k].slot < l->n_bodies && !l->placed[p[k].slot][p[k].coordinate]);
+    l->placed[p[k].slot][p[k].coordinate] = true;
+  }
   l->poses = l->motion ? pose_batch_poses(l->motion) : NULL;
   for (size_t i = l->n_free; i < l->n_bodies && !l->motion; i++) {
     const double now[POSES] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
@@ -192,6 +206,7 @@ static void find_poses(lanes *l) {
 }
 
 static double pose_now(const lanes *l, size_t slot, int which, size_t lane) {
+  assert(l->at >= 0 && l->at < (l->motion ? POSE_STEPS : MOTION_BATCH));
   if (!l->motion) return l->pose[slot][which][l->at];
   return l
       ->poses[(((slot - l->n_free) * POSES + (size_t)which) * POSE_STEPS + (size_t)l->at) * l->width + lane];
@@ -220,6 +235,7 @@ int64_t lanes_ready(lanes *l) {
   if (l->motion) {
     int64_t ready = pose_batch_ahead(l->motion);
     l->at = e->state->step - pose_batch_first(l->motion);
+    assert(ready >= 0 && l->at >= 0 && l->at + ready < POSE_STEPS);
     return ready;
   }
   motion_ahead(e);
@@ -228,6 +244,7 @@ int64_t lanes_ready(lanes *l) {
   for (size_t k = 0; k < n; k++)
     if (p[k].coordinate == SD_THETA && (p[k].low < -4.0 || p[k].high > 4.0)) return 0;
   l->at = motion_index(e) - 1;
+  assert(l->at >= -1 && l->at < MOTION_BATCH - 1);
   return MOTION_BATCH - motion_index(e);
 }
 
@@ -360,9 +377,10 @@ static void store_memory(const lanes *l, size_t lane) {
   pairs_clear_sums(e);
   for (size_t k = 0; k < l->n_pairs; k++) {
     size_t n = index_in(e, l, k);
-    if (n == SIZE_MAX) continue; /* farther apart than any contact */
     const double slip = *cell(l, l->pair[k], PAIR_SLIP, lane);
     const bool closed = *cell(l, l->pair[k], PAIR_CLOSED, lane) > 0.0;
+    assert(n != SIZE_MAX || !closed);
+    if (n == SIZE_MAX) continue; /* farther apart than any contact */
     for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++) PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
     pairs_set_flags(p, n, closed, (slip < 0.0) - (slip > 0.0));
     const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
@@ -401,6 +419,7 @@ static sd_status store_lane(lanes *l, size_t lane) {
 static bool is_dead(const lanes *l, size_t lane) { return l->dead >> lane & 1u; }
 
 static void die(lanes *l, size_t lane, sd_status status) {
+  assert(status != SD_OK && lane < l->count && !is_dead(l, lane));
   l->system[lane]->work.status = status;
   l->dead |= 1u << lane;
   l->dead_now = true;
@@ -411,7 +430,10 @@ void lanes_store(lanes *l) {
   for (size_t lane = 0; lane < l->count; lane++) {
     if (is_dead(l, lane)) continue;
     sd_status status = store_lane(l, lane);
-    if (status != SD_OK) die(l, lane, status);
+    if (status != SD_OK)
+      die(l, lane, status);
+    else if (validity_due(l->system[lane]->state->step))
+      validity_check_step(l->system[lane]);
   }
   if (l->motion) pose_batch_store(l->motion);
 }
@@ -432,11 +454,13 @@ void lanes_show_angles(const lanes *l) {
 }
 
 int64_t lanes_take(lanes *l, int64_t n, bool measure) {
+  assert(n > 0);
   l->measure = measure;
   l->stepped = true;
   l->dead_now = false;
   for (size_t lane = 0; lane < l->count; lane++) l->from[lane] = l->system[lane]->state->step;
   l->system[0]->work.kernels->lanes(l, n);
+  assert(l->done >= 1 && l->done <= n && (l->done == n || l->dead_now));
   keep_poses(l);
   for (size_t lane = 0; lane < l->count; lane++) {
     if (is_dead(l, lane)) continue;

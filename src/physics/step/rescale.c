@@ -7,6 +7,7 @@
  */
 #include "physics/step/rescale.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,6 +15,7 @@
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/neighbours/validity.h"
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/sweep.h"
@@ -71,6 +73,7 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
 
 sd_status rescale(engine *e, double f, sd_messages *messages) {
   sd_state *s = e->state;
+  assert(f > 0.0 && isfinite(f));
   scale_arcs(e, f);
   double corner[2] = {box_corner(e->model, SD_X), box_corner(e->model, SD_Y)};
   scale_column(s->x, s->n_bodies, corner[SD_X], f);
@@ -81,5 +84,7 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   box_update(e);
   walls_pose(e);
   sd_status status = neighbours_rescale(e, f, messages);
-  return status == SD_OK ? renew_contacts(e, messages) : status;
+  if (status == SD_OK) status = renew_contacts(e, messages);
+  if (validity_due(s->step) && status == SD_OK) validity_check_step(e);
+  return status;
 }

@@ -8,6 +8,8 @@
  */
 #include "physics/step/step.h"
 
+#include <assert.h>
+
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/system/kernels.h"
@@ -15,6 +17,7 @@
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/rows.h"
+#include "physics/neighbours/validity.h"
 #include "physics/step/sweep.h"
 #include "physics/contact/walls.h"
 
@@ -61,6 +64,7 @@ static sd_status renew_lists(engine *e) {
 void step_begin(engine *e, int64_t n) {
   const sd_state *s = e->state;
   work *w = &e->work;
+  assert(n > 0 && s->phase >= 0 && (size_t)s->phase < e->model->n_phases);
   w->kernels->pack(e, s->n_free, s->n_bodies);
   w->show_from = s->step + n;
   w->predict_all = e->model->phases[s->phase].relax || motion_drives_free(e);
@@ -84,6 +88,7 @@ static void predict_and_check(engine *e, const team *t) {
 void step_once(engine *e, const team *t) {
   work *w = &e->work;
   const bool first = t->rank == 0;
+  assert(t->rank >= 0 && t->rank < t->size && t->size <= w->n_threads);
   if (w->predict_all) {
     predict_and_check(e, t);
     team_wait(t);
@@ -110,7 +115,10 @@ void step_once(engine *e, const team *t) {
 
   FOR_SHARES(t, share, w)
   FOR_CHUNKS(k, w, share) if (w->chunks.boundary_last[k]) sweep_correct(e, &w->threads[share], k);
-  if (first) w->kernels->gather(e, e->state->n_free, e->state->n_bodies);
+  if (first) {
+    assert(!w->chunks.count || w->chunks.predicted[0] == e->state->step + 1);
+    w->kernels->gather(e, e->state->n_free, e->state->n_bodies);
+  }
   team_wait(t);
   if (first) {
     motion_work(e);
@@ -118,5 +126,6 @@ void step_once(engine *e, const team *t) {
     /* no other step will show the forces; where chunks share rows they are gone */
     if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);
     e->state->step++;
+    if (validity_due(e->state->step) && w->status == SD_OK) validity_check_step(e);
   }
 }

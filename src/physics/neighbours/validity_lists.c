@@ -1,0 +1,313 @@
+/* validity_lists.c: lists that were just built; see validity.h. */
+#include "physics/neighbours/validity.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/contact/pairs.h"
+#include "physics/neighbours/chunks.h"
+#include "physics/system/bodies.h"
+
+static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+
+/* Rows of packed bodies, with that of padding. */
+static size_t count_rows(const engine *e) {
+  return e->work.chunks.rows + e->state->n_bodies - e->state->n_free + 1;
+}
+
+/* --- slots ----------------------------------------------------------------------------------------------- */
+
+/* Slots are a permutation of body numbers: free disks, driven disks, walls. */
+static void check_slots(const engine *e) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  assert(s->n_free == m->n_free && s->n_disks == m->n_disks && s->n_bodies == sd_model_bodies(m));
+  assert(s->n_free <= s->n_disks && s->n_disks <= s->n_bodies);
+  for (size_t slot = 0; slot < s->n_bodies; slot++) {
+    const uint32_t id = s->id[slot];
+    assert(id < s->n_bodies && e->work.slot[id] == slot);
+    assert((id < s->n_disks) == (slot < s->n_disks));
+    if (slot >= s->n_disks) continue;
+    assert(m->disks[id].driven == (slot >= s->n_free));
+    assert(s->radius[slot] > 0.0 && s->mass[slot] > 0.0 && s->inertia[slot] > 0.0);
+    assert(s->material[slot] >= 0 && (size_t)s->material[slot] < m->n_materials);
+  }
+}
+
+/* --- pairs ----------------------------------------------------------------------------------------------- */
+
+static bool ascends(const pairs *p, size_t k) {
+  if (p->a[k - 1] != p->a[k]) return p->a[k - 1] < p->a[k];
+  if (p->b[k - 1] != p->b[k]) return p->b[k - 1] < p->b[k];
+  return p->part[k - 1] < p->part[k];
+}
+
+static void check_bodies(const engine *e, size_t k) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const int32_t a = p->a[k], b = p->b[k];
+  assert(a >= 0 && a < b && (size_t)a < s->n_free && (size_t)b < s->n_bodies);
+  assert(in_play(s, (size_t)a) && in_play(s, (size_t)b));
+  assert(PAIR(p, k, law) == s->material[a] * (int32_t)e->model->n_materials + s->material[b]);
+  if (!pairs_is_segment(p, k)) {
+    assert(p->part[k] == 0 && s->radius[b] != 0.0);
+  } else {
+    assert(p->part[k] >= 0 && (size_t)p->part[k] < e->model->n_segments);
+    assert(s->id[b] == e->model->segments[p->part[k]].body && s->radius[b] == 0.0);
+  }
+}
+
+static void check_pairs(const engine *e) {
+  const pairs *p = &e->work.pairs;
+  assert(p->n_round <= p->first_segment && p->first_segment <= p->count && p->count <= p->capacity);
+  assert(p->first_segment % PAIR_BLOCK == 0 && p->first_segment - p->n_round < PAIR_BLOCK);
+  for (size_t k = 0; k < p->count; k++) {
+    if (k >= p->n_round && k < p->first_segment) {
+      assert(p->a[k] == PAIR_PADDING && p->b[k] == PAIR_PADDING && p->part[k] == 0);
+      continue;
+    }
+    check_bodies(e, k);
+    assert(k == 0 || k == p->first_segment || ascends(p, k));
+  }
+}
+
+static bool is_zero(const sd_contact_record *r) {
+#define ZERO(name, unit, meaning) &&r->name == 0.0
+  return true SD_CONTACT_RECORD(ZERO);
+#undef ZERO
+}
+
+/* What is carried over, and nothing else. Before the first step it may come from a file. */
+static void check_memory(const engine *e) {
+  const pairs *p = &e->work.pairs;
+  for (size_t k = 0; k < p->count; k++) {
+    const sd_contact_record r = pairs_record(p, k);
+    if (pairs_closed(p, k))
+      assert(p->a[k] >= 0 && (e->state->step == 0 || fabs(r.ex * r.ex + r.ey * r.ey - 1.0) < 1e-9));
+    else
+      assert(is_zero(&r) && p->side[k] == 0.0 && pairs_slide_sign(p, k) == 0);
+  }
+}
+
+/* --- candidates ------------------------------------------------------------------------------------------ */
+
+static bool is_listed_pair(const engine *e, size_t i, size_t j) {
+  const incidence *n = &e->work.incidence;
+  for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
+    const size_t k = n->entry[at] / 2;
+    if ((size_t)(n->entry[at] & 1 ? e->work.pairs.a[k] : e->work.pairs.b[k]) == j) return true;
+  }
+  return false;
+}
+
+/* All other disks within the skin of this one are its candidates. */
+static void check_near(const engine *e, size_t i) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  if (!in_play(s, i)) return;
+  for (size_t j = 0; j < s->n_disks; j++) {
+    if (j == i || !in_play(s, j)) continue;
+    double dx = s->x[j] - s->x[i], dy = s->y[j] - s->y[i];
+    if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
+    if (w->periodic[1]) dy -= w->length[1] * nearbyint(dy * w->inverse_length[1]);
+    const double reach = (s->radius[i] + s->radius[j] + w->skin) * (1.0 - 1e-12);
+    assert(dx * dx + dy * dy >= reach * reach || is_listed_pair(e, i, j));
+  }
+}
+
+/* Few disks: all. Of many some, and others in the next list. */
+enum { NEAR_ALL = 64, NEAR_SOME = 8 };
+static void check_candidates(const engine *e) {
+  const size_t n = e->state->n_free, some = n < NEAR_ALL ? n : NEAR_SOME;
+  for (size_t k = 0; k < some; k++)
+    check_near(e, n < NEAR_ALL ? k : ((size_t)e->work.builds * NEAR_SOME + k) * 7919 % n);
+}
+
+/* --- incidence ------------------------------------------------------------------------------------------- */
+
+/* Each body's pairs in their order, each pair once at both of its bodies. */
+static void check_incidence(const engine *e) {
+  const incidence *n = &e->work.incidence;
+  const pairs *p = &e->work.pairs;
+  const size_t padding = p->first_segment - p->n_round;
+  assert(n->start[0] == 0 && n->start[e->state->n_bodies] == 2 * (p->count - padding));
+  assert(n->start[e->state->n_bodies] <= n->capacity);
+  for (size_t slot = 0; slot < e->state->n_bodies; slot++)
+    for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
+      const size_t k = n->entry[at] / 2;
+      assert(k < p->count && (size_t)(n->entry[at] & 1 ? p->b[k] : p->a[k]) == slot);
+      assert(at == n->start[slot] || n->entry[at - 1] / 2 < k);
+    }
+}
+
+static void check_watched(const engine *e) {
+  const pairs *p = &e->work.pairs;
+  for (size_t k = 0; k < 2 * e->model->n_slides; k++) {
+    const int64_t at = e->work.watched[k];
+    const sd_slide_watch *watch = &e->model->slides[k / 2];
+    if (at < 0) continue;
+    assert((size_t)at < p->count);
+    const uint32_t a = e->state->id[p->a[at]], b = e->state->id[p->b[at]];
+    assert((a == watch->disk && b == watch->partner[k % 2]) ||
+           (b == watch->disk && a == watch->partner[k % 2]));
+  }
+}
+
+/* --- chunks ---------------------------------------------------------------------------------------------- */
+
+/* They cover the free disks, and all pairs to whole blocks. */
+static void check_cover(const engine *e) {
+  const chunks *c = &e->work.chunks;
+  const pairs *p = &e->work.pairs;
+  assert(c->count <= c->capacity && c->n_threads == e->work.n_threads && c->size % CHUNK_STEP == 0);
+  assert(c->begin[0] == 0 && c->begin[c->count] == e->state->n_free);
+  assert(c->share[0] == 0 && c->share[c->n_threads] == c->count);
+  for (int t = 0; t < c->n_threads; t++) assert(c->share[t] <= c->share[t + 1]);
+  assert(c->segment[c->count] == p->count && c->pair[c->count] == p->first_segment);
+  if (c->count > 0) assert(c->pair[0] == 0 && c->segment[0] == p->first_segment);
+  for (size_t k = 0; k < c->count; k++) {
+    assert(c->begin[k] % CHUNK_STEP == 0 && c->begin[k] < c->begin[k + 1]);
+    assert(c->begin[k + 1] - c->begin[k] <= c->size);
+    assert(c->pair[k] <= c->pair[k + 1] && c->pair[k] % PAIR_BLOCK == 0 &&
+           c->segment[k] <= c->segment[k + 1]);
+    for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot += CHUNK_STEP)
+      assert(chunks_of_disk(c, slot) == k);
+  }
+}
+
+static bool needs(const chunks *c, size_t k, size_t other) {
+  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
+    if (c->need[n] == other) return true;
+  return false;
+}
+
+/* Chunk k, of a share up to chunk `end`, evaluates this pair. Its disks are complete when their chunks are corrected: those of
+ * other shares at the end of the step, those of this one not before k. */
+static void check_reader(const engine *e, size_t k, size_t end, size_t pair) {
+  const chunks *c = &e->work.chunks;
+  const pairs *p = &e->work.pairs;
+  if (p->a[pair] == PAIR_PADDING) return;
+  assert((size_t)p->a[pair] >= c->begin[k]);
+  for (int side = 0; side < 2; side++) {
+    const size_t slot = (size_t)(side ? p->b[pair] : p->a[pair]);
+    if (slot >= e->state->n_free) continue;
+    const size_t of = chunks_of_disk(c, slot);
+    const int32_t sum = side ? PAIR(p, pair, sum_b) : PAIR(p, pair, sum_a);
+    assert(of >= k && needs(c, k, of));
+    if (of < end) continue;
+    assert(c->boundary_last[of] && c->boundary_first[of] && c->any_boundary_first);
+    assert((size_t)sum / SUM_ROW >= count_rows(e)); /* a row of its own */
+  }
+}
+
+static void check_readers(const engine *e) {
+  const chunks *c = &e->work.chunks;
+  for (int t = 0; t < c->n_threads; t++)
+    for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
+      assert(needs(c, k, k));
+      for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++) check_reader(e, k, c->share[t + 1], at);
+      for (size_t at = c->segment[k]; at < c->segment[k + 1]; at++) {
+        check_reader(e, k, c->share[t + 1], at);
+        assert((size_t)e->work.pairs.a[at] < c->begin[k + 1]);
+      }
+    }
+}
+
+/* --- rows ------------------------------------------------------------------------------------------------ */
+
+/* A chunk takes over rows only from one of its share that none of the pairs from then on reads. */
+static void check_lifetimes(const chunks *c, size_t *from, size_t *to) {
+  for (size_t k = 0; k < c->count; k++) {
+    const bool kept = c->boundary_first[k] || c->boundary_last[k];
+    from[k] = kept ? 0 : SIZE_MAX;
+    to[k] = kept ? SIZE_MAX : 0;
+  }
+  for (size_t k = 0; k < c->count; k++)
+    for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
+      if (from[c->need[n]] > k) from[c->need[n]] = k;
+      if (to[c->need[n]] < k) to[c->need[n]] = k;
+    }
+  for (size_t k = 0; k < c->count; k++)
+    for (size_t j = 0; j < k; j++) {
+      const size_t apart = c->row[j] < c->row[k] ? c->row[k] - c->row[j] : c->row[j] - c->row[k];
+      assert(apart >= c->size || to[j] < from[k] || to[k] < from[j]);
+    }
+}
+
+static void check_chunk_rows(const engine *e) {
+  const chunks *c = &e->work.chunks;
+  for (size_t k = 0; k < c->count; k++)
+    assert(c->row[k] < c->rows && c->row[k] + (c->begin[k + 1] - c->begin[k]) <= c->rows);
+  if (!c->shares) assert(c->rows == e->state->n_free);
+  size_t *life = c->shares ? malloc(2 * c->count * sizeof *life) : NULL;
+  if (life) check_lifetimes(c, life, life + c->count);
+  free(life);
+}
+
+/* Packed bodies and sums: every body's row lies in the table, and every pair knows those of its bodies. */
+static void check_rows(const engine *e) {
+  const work *w = &e->work;
+  const chunks *c = &w->chunks;
+  const pairs *p = &w->pairs;
+  const size_t n_free = e->state->n_free, n_bodies = e->state->n_bodies;
+  assert(count_rows(e) <= w->packed_capacity && count_rows(e) <= w->sums.end);
+  assert(w->sums.end <= w->sums.capacity);
+  for (size_t k = 0; k < c->count; k++)
+    for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot++)
+      assert((size_t)w->row[slot] == c->row[k] + slot - c->begin[k]);
+  for (size_t slot = n_free; slot <= n_bodies; slot++)
+    assert((size_t)w->row[slot] == c->rows + slot - n_free);
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
+  for (size_t k = 0; k < p->count; k++) {
+    const bool padding = p->a[k] == PAIR_PADDING;
+    const int32_t a = w->row[padding ? n_bodies : (size_t)p->a[k]];
+    const int32_t b = w->row[padding ? n_bodies : (size_t)p->b[k]];
+    assert(PAIR(p, k, packed_a) == PACKED_ROW * a && PAIR(p, k, packed_b) == PACKED_ROW * b);
+    if (padding) assert(PAIR(p, k, sum_a) == SUM_ROW * a && PAIR(p, k, sum_b) == SUM_ROW * b);
+  }
+  for (int r = 0; r < PACKED_ROW; r++)
+    assert(w->packed[PACKED_ROW * (size_t)w->row[n_bodies] + (size_t)r] == 0.0);
+}
+
+/* Forces on the body in this slot go to its row, or one by one from row `single` on. */
+static void check_sum_rows(const engine *e, size_t slot, bool listed, size_t single) {
+  const incidence *n = &e->work.incidence;
+  for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
+    const size_t k = n->entry[at] / 2;
+    const size_t row = listed ? single + (at - n->start[slot]) : (size_t)e->work.row[slot];
+    const int32_t sum = n->entry[at] & 1 ? PAIR(&e->work.pairs, k, sum_b) : PAIR(&e->work.pairs, k, sum_a);
+    assert((size_t)sum == SUM_ROW * row);
+  }
+}
+
+static void check_sums(const engine *e) {
+  const sums *m = &e->work.sums;
+  const chunks *c = &e->work.chunks;
+  const incidence *n = &e->work.incidence;
+  size_t k = 0;
+  for (size_t slot = 0; slot < e->state->n_bodies; slot++) {
+    const bool listed = k < m->n_listed && m->listed[k] == slot;
+    assert(listed || slot < e->state->n_free); /* contacts of prescribed bodies are wanted one by one */
+    check_sum_rows(e, slot, listed, listed ? m->single[k] : 0);
+    if (!listed) continue;
+    assert(slot >= e->state->n_free || c->boundary_last[chunks_of_disk(c, slot)]);
+    assert(m->single[k + 1] - m->single[k] == n->start[slot + 1] - n->start[slot]);
+    k++;
+  }
+  assert(k == m->n_listed && m->single[0] == count_rows(e) && m->single[k] == m->end);
+}
+
+void validity_check_lists(const engine *e) {
+  check_slots(e);
+  check_pairs(e);
+  check_memory(e);
+  check_incidence(e);
+  check_candidates(e);
+  check_watched(e);
+  check_cover(e);
+  check_readers(e);
+  check_chunk_rows(e);
+  check_rows(e);
+  check_sums(e);
+}
