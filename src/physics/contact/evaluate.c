@@ -29,6 +29,7 @@ static pair_input_w1 round_input(const engine *e, size_t k) {
 }
 
 contact_geometry contact_geometry_of(const engine *e, size_t k) {
+  assert(k < e->work.pairs.count && e->work.pairs.a[k] != PAIR_PADDING);
   pair_input_w1 in;
   nearest_points_w1 found;
   if (pairs_is_segment(&e->work.pairs, k))
@@ -40,6 +41,6 @@ contact_geometry contact_geometry_of(const engine *e, size_t k) {
 }
 
 void contact_evaluate_again(engine *e, size_t k) {
-  assert(pairs_is_segment(&e->work.pairs, k));
+  assert(pairs_is_segment(&e->work.pairs, k) && k < e->work.pairs.count);
   evaluate_segments_w1(e, &e->work.threads[0], k, 0);
 }

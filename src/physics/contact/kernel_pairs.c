@@ -70,6 +70,7 @@ void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end
   const work *w = &e->work;
   if (begin >= end) return;
   if (pairs_is_segment(&w->pairs, begin)) {
+    assert(end <= w->pairs.count);
     segments(e, mine, begin, end);
     return;
   }

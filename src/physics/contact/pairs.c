@@ -41,6 +41,7 @@ sd_status pairs_reserve(pairs *p, size_t count) {
   p->side = arena_for(capacity, sizeof *p->side);
   p->block = arena_for(capacity / PAIR_BLOCK, sizeof *p->block);
   p->capacity = p->side && p->block && p->flags ? capacity : 0;
+  assert(p->capacity == 0 || (p->capacity >= count && p->capacity % PAIR_BLOCK == 0));
   return p->capacity ? SD_OK : SD_ERROR_IO;
 }
 
@@ -53,10 +54,13 @@ sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part) {
 }
 
 sd_status pairs_end_round(pairs *p) {
+  assert(p->count == 0 || p->a[p->count - 1] >= 0);
   p->n_round = p->count;
   sd_status status = SD_OK;
   while (p->count % PAIR_BLOCK && status == SD_OK) status = pairs_push(p, PAIR_PADDING, PAIR_PADDING, 0);
   p->first_segment = p->count;
+  assert(status != SD_OK ||
+         (p->first_segment % PAIR_BLOCK == 0 && p->first_segment - p->n_round < PAIR_BLOCK));
   return status;
 }
 
@@ -65,7 +69,8 @@ sd_status pairs_end_round(pairs *p) {
 void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign) {
   pair_flags *flags = &p->flags[pairs_flags_at(p, k)];
   const unsigned bit = pairs_flag_bit(p, k);
-  assert(closed || slide_sign == 0);
+  assert(k < p->count && p->a[k] != PAIR_PADDING);
+  assert(slide_sign == 0 || (closed && (slide_sign == 1 || slide_sign == -1)));
   flags->closed = (uint8_t)((flags->closed & ~bit) | (closed ? bit : 0u));
   flags->slides_positive = (uint8_t)((flags->slides_positive & ~bit) | (slide_sign > 0 ? bit : 0u));
   flags->slides_negative = (uint8_t)((flags->slides_negative & ~bit) | (slide_sign < 0 ? bit : 0u));
@@ -81,6 +86,7 @@ sd_contact_record pairs_record(const pairs *p, size_t k) {
 
 void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record) {
   double row[SD_CONTACT_COLUMNS];
+  assert(k < p->count && p->a[k] != PAIR_PADDING);
   memcpy(row, record, sizeof row);
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(p, k, record[c]) = row[c];
 }
@@ -98,11 +104,13 @@ event *event_add(event_list *list, uint32_t index) {
     list->item = more;
     list->capacity = capacity;
   }
+  assert(list->count < list->capacity);
   list->item[list->count] = (event){.index = index};
   return &list->item[list->count++];
 }
 
 void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped) {
+  assert(k < p->count && p->a[k] != PAIR_PADDING);
   event *v = event_add(list, (uint32_t)k);
   if (!v) return;
   v->dropped = dropped;
@@ -148,6 +156,8 @@ static int32_t law_of(const engine *e, const pairs *p, size_t k) {
 }
 
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
+  assert(from != to && to->first_segment % PAIR_BLOCK == 0);
+  assert(to->n_round <= to->first_segment && to->first_segment <= to->count);
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
   memset(to->block, 0, (to->count + PAIR_BLOCK - 1) / PAIR_BLOCK * sizeof *to->block);
   memset(to->side, 0, to->count * sizeof *to->side);
@@ -155,5 +165,6 @@ sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   for (size_t k = 0; k < to->count; k++) PAIR(to, k, law) = law_of(e, to, k);
   carry(from, to, 0, from->n_round, 0, to->n_round);
   carry(from, to, from->first_segment, from->count, to->first_segment, to->count);
+  assert(to->count <= to->capacity);
   return SD_OK;
 }

@@ -1,6 +1,7 @@
 /* walls.c: poses of straight walls; see walls.h. */
 #include "physics/contact/walls.h"
 
+#include <assert.h>
 #include <math.h>
 
 void walls_pose(engine *e) {
@@ -8,6 +9,7 @@ void walls_pose(engine *e) {
   for (size_t k = 0; k < e->model->n_segments; k++) {
     const sd_segment *from = &e->model->segments[k];
     uint32_t b = e->work.slot[from->body];
+    assert(b >= s->n_disks && b < s->n_bodies && s->radius[b] == 0.0);
     double angle = s->theta[b] + s->turn[b], c = cos(angle), i = sin(angle);
     e->work.segments[k] = (placed_segment){
         .x = s->x[b] + s->box_scale * (c * from->start[0] - i * from->start[1]),
@@ -26,6 +28,7 @@ void walls_pose(engine *e) {
   for (size_t k = 0; k < e->model->n_segments; k++) {
     placed_segment *g = &e->work.segments[k];
     if (!g->joined) continue;
+    assert((size_t)e->model->segments[k].next < e->model->n_segments);
     g->end_x = e->work.segments[e->model->segments[k].next].x;
     g->end_y = e->work.segments[e->model->segments[k].next].y;
   }

@@ -8,6 +8,7 @@
  */
 #include "physics/motion/feedback.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -24,6 +25,7 @@ sd_status feedback_new(const engine *e, feedbacks *all) {
     servo |= e->model->motions[k].kind == SD_MOTION_SERVO;
   }
   all->item = calloc(n + 1, sizeof *all->item);
+  assert(!servo || n > 0);
   if (servo) all->smoothing = -expm1(-e->model->dt / sd_model_shortest_period(e->model, NULL));
   return all->item ? SD_OK : SD_ERROR_IO;
 }
@@ -40,6 +42,7 @@ void feedback_list(engine *e, feedbacks *all) {
   for (size_t k = 0; k < m->n_motions; k++) {
     if (s->motion_start[k] < 0 || !motion_is_feedback(&m->motions[k])) continue;
     uint32_t slot = e->work.slot[m->motions[k].bodies[0]];
+    assert(m->motions[k].n_bodies == 1 && slot >= s->n_disks && m->motions[k].coordinate != SD_THETA);
     bool x = m->motions[k].coordinate == SD_X;
     all->item[all->count++] = (feedback){.motion = k,
                                          .slot = slot,
@@ -54,6 +57,7 @@ void feedback_list(engine *e, feedbacks *all) {
 
 void feedback_begin(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
+  assert(motion_is_feedback(m));
   sd_state *s = e->state;
   uint32_t slot = e->work.slot[m->bodies[0]];
   double force = m->coordinate == SD_X ? s->force_x[slot] : s->force_y[slot];
@@ -63,6 +67,7 @@ void feedback_begin(engine *e, size_t k) {
 
 void feedback_end(engine *e, size_t k) {
   const sd_motion *m = &e->model->motions[k];
+  assert(motion_is_feedback(m));
   sd_state *s = e->state;
   (m->coordinate == SD_X ? s->base_x : s->base_y)[e->work.slot[m->bodies[0]]] += s->motion_u0[k];
   s->motion_u0[k] = s->motion_v0[k] = s->motion_u1[k] = 0.0;
@@ -103,6 +108,7 @@ static double servo_speed(engine *e, const feedbacks *all, const feedback *f) {
 
 static double acceleration(const engine *e, const feedback *f, double contacts) {
   const sd_motion *m = &e->model->motions[f->motion];
+  assert(m->mass > 0.0);
   return (contacts + m->force) / m->mass;
 }
 

@@ -1,6 +1,7 @@
 /* motion.c: phases, and poses of prescribed bodies; see motion.h. */
 #include "physics/motion/motion.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,11 +40,13 @@ void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, 
 
 /* Sums a coordinate's signals. */
 static void fill_one(engine *e, prescribed *p) {
+  assert(p->count > 0 && p->slot < e->state->n_bodies);
   pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
   motion_offset(e, p->slot, p->coordinate, &b.off, &b.base);
   e->work.kernels->motion->sum(&b, MOTION_BATCH);
   p->low = b.low;
   p->high = b.high;
+  assert(!(p->low > p->high));
 }
 
 /* Far from every limit even if the lists are rebuilt on the way: half the limit per coordinate, halved
@@ -64,6 +67,7 @@ static bool is_quiet(const engine *e, const prescribed *p) {
 
 static void fill(engine *e, int64_t first) {
   motions *q = e->work.motions;
+  assert(first == e->state->step || first == e->state->step + 1);
   signals_fill(e, &q->signals, first);
   q->first = first;
   q->quiet = q->feedbacks.count == 0;
@@ -109,6 +113,7 @@ static void prescribe(engine *e, prescribed *p, size_t c, size_t first, size_t c
   double *at[] = {s->x, s->y, s->theta}, *speed[] = {s->vx, s->vy, s->omega};
   double *force[] = {s->force_x, s->force_y, s->torque};
   size_t slot = c / 3, k = c % 3;
+  assert(slot < s->n_bodies && count > 0);
   p->slot = (uint32_t)slot;
   p->coordinate = (int)k;
   p->first = first;
@@ -132,6 +137,7 @@ static sd_status list_prescribed(engine *e) {
       if (e->state->motion_start[k] < 0) continue;
       for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
         uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
+        assert(slot < e->state->n_bodies);
         size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
         if (slot >= e->state->n_disks) q->moves_walls = true;
         if (slot < e->state->n_free) q->drives_free = true;
@@ -151,6 +157,10 @@ static sd_status list_prescribed(engine *e) {
       terms += count[c];
     }
   }
+  for (size_t k = 0, first = 0; count && at && k < q->n_prescribed; first += q->prescribed[k++].count)
+    assert(q->prescribed[k].first == first &&
+           at[3 * q->prescribed[k].slot + (size_t)q->prescribed[k].coordinate] ==
+               first + q->prescribed[k].count);
   feedback_list(e, &q->feedbacks);
   bool failed = !count || !at;
   free(count);
@@ -192,20 +202,25 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
   const motions *q = e->work.motions;
   sd_state *s = e->state;
   double *base = base_of(s, m->coordinate);
+  assert(s->motion_start[k] >= 0 && s->motion_start[k] <= s->step);
   if (motion_is_feedback(m))
     feedback_end(e, k);
-  else if (s->step > s->motion_start[k])
+  else if (s->step > s->motion_start[k]) {
+    assert(s->step >= q->first && s->step - q->first < MOTION_BATCH);
     for (size_t b = 0; b < m->n_bodies; b++)
       base[e->work.slot[m->bodies[b]]] += q->signals.item[k].now.u[s->step - q->first];
+  }
   s->motion_start[k] = -1;
   count_mover(e, movers, k, -1);
   for (size_t b = 0; b < m->n_bodies; b++) {
     uint32_t slot = e->work.slot[m->bodies[b]];
+    assert(movers[3 * (size_t)slot + (size_t)m->coordinate] >= 0);
     if (movers[3 * (size_t)slot + (size_t)m->coordinate] == 0) rest(e, slot, m->coordinate);
   }
 }
 
 static void switch_on(engine *e, int32_t *movers, size_t k) {
+  assert(e->state->motion_start[k] < 0);
   e->state->motion_start[k] = e->state->step;
   count_mover(e, movers, k, 1);
   if (motion_source(&e->model->motions[k]) == SIGNAL_RANDOM)
@@ -216,6 +231,7 @@ static void switch_on(engine *e, int32_t *movers, size_t k) {
 sd_status motion_begin_phase(engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
+  assert(s->phase >= 0 && (size_t)s->phase < m->n_phases);
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
   int32_t *movers = calloc(3 * s->n_bodies, sizeof *movers);
@@ -268,6 +284,7 @@ prescribed *motion_prescribed(engine *e, size_t *n) {
 }
 
 size_t motion_term(const engine *e, const prescribed *p, size_t t) {
+  assert(t < p->count);
   return e->work.motions->term_motions[p->first + t];
 }
 
@@ -276,6 +293,7 @@ signals *motion_signals(const engine *e) { return &e->work.motions->signals; }
 bool motion_ahead(engine *e) {
   int64_t k = motion_index(e);
   if (k < 0 || k >= MOTION_BATCH) fill(e, e->state->step + 1);
+  assert(motion_index(e) >= 0 && motion_index(e) < MOTION_BATCH);
   return e->work.motions->quiet;
 }
 

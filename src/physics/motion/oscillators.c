@@ -1,6 +1,7 @@
 /* oscillators.c: see oscillators.h. */
 #include "physics/motion/oscillators.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@ oscillators *oscillators_new(size_t n) {
 }
 
 void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint64_t seed, uint32_t stream) {
+  assert(lane < OSCILLATORS);
   g->uu[lane] = step->propagator[0][0];
   g->uv[lane] = step->propagator[0][1];
   g->vu[lane] = step->propagator[1][0];
@@ -24,6 +26,7 @@ void oscillators_set(oscillators *g, size_t lane, const random_step *step, uint6
 }
 
 void oscillators_load(oscillators *g, size_t lane, const sd_state *s, size_t k, int64_t interval) {
+  assert(lane < OSCILLATORS && interval >= 1 && s->motion_start[k] >= 0 && s->motion_start[k] <= s->step);
   int64_t number = (s->step - s->motion_start[k]) / interval;
   size_t odd = (size_t)(number & 1);
   g->start[lane] = s->motion_start[k];
@@ -38,6 +41,7 @@ void oscillators_load(oscillators *g, size_t lane, const sd_state *s, size_t k, 
 
 void oscillators_store(const oscillators *g, size_t lane, sd_state *s, size_t k, int64_t interval) {
   size_t row = (size_t)((s->step - s->motion_start[k]) / interval - g->base[lane]);
+  assert(row + 1 < OSCILLATOR_ROWS && (int64_t)row < g->known[lane] - g->base[lane]);
   s->motion_u0[k] = g->u[row][lane];
   s->motion_v0[k] = g->v[row][lane];
   s->motion_u1[k] = g->u[row + 1][lane];
@@ -83,13 +87,16 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
     if (high - base[l] > needed) needed = high - base[l];
   }
   if (kept == INT64_MAX) return 0;
+  assert(kept >= 0);
   size_t rows = (size_t)kept + 1, blocks = needed > kept ? (size_t)(needed - kept + 1) / 2 : 0;
   /* the kernel does four blocks in the time of three */
   size_t more = (blocks + 3) / 4 * 4;
   if (rows + 2 * more <= OSCILLATOR_ROWS) blocks = more;
+  assert(rows + 2 * blocks <= OSCILLATOR_ROWS);
   move_up(g, base, rows);
   for (size_t l = 0; l < g->count; l++) {
     if (g->start[l] < 0) continue;
+    assert(base[l] >= g->base[l] && base[l] % 2 == 0);
     g->base[l] = base[l];
     g->known[l] = base[l] + kept + 2 * (int64_t)blocks;
     g->block[l] = (uint64_t)(g->start[l] + (base[l] + (int64_t)rows) / 2);

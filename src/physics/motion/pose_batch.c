@@ -89,6 +89,7 @@ sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_ba
   m->first_slot = s->n_free;
   m->n_slots = s->n_bodies - s->n_free;
   for (size_t k = 0; k < n_motions; k++) terms += model->motions[k].n_bodies;
+  assert(n >= 1 && n <= width && width <= SIGNAL_LANES && width <= OSCILLATORS);
   m->capacity = terms < 3 * m->n_slots ? terms : 3 * m->n_slots;
   m->systems = calloc(width, sizeof *m->systems);
   m->terms = calloc(terms + 1, sizeof *m->terms);
@@ -108,6 +109,7 @@ sd_status pose_batch_new(size_t width, size_t n, engine *const *systems, pose_ba
   lanes_pose **alone = m->alone;
   for (size_t k = 0; k < n_motions; alone += model->motions[k++].n_bodies) {
     set_signal(m, k);
+    assert(alone <= m->alone + terms);
     m->signals[k].alone = alone;
   }
   return SD_OK;
@@ -129,6 +131,7 @@ void pose_batch_free(pose_batch *m) {
 /* --- load and store ---------------------------------------------------------------------------------- */
 
 static double *pose_row(const pose_batch *m, uint32_t slot, int which) {
+  assert(slot >= m->first_slot && slot < m->first_slot + m->n_slots && which >= 0 && which < POSES);
   return m->poses + ((slot - m->first_slot) * POSES + (size_t)which) * POSE_STEPS * m->width;
 }
 
@@ -265,11 +268,13 @@ static void begin_batch(pose_batch *m, int64_t k) {
 
 int64_t pose_batch_ahead(pose_batch *m) {
   int64_t k = m->systems[0]->state->step + 1 - m->first;
+  assert(k >= 1 && k <= BATCH + 1);
   if (!m->filled || k > BATCH) {
     begin_batch(m, k - 1);
     k = 1;
     fill(m);
   }
+  assert(m->known >= 0 && m->known <= BATCH);
   return m->known - k + 1;
 }
 

@@ -54,8 +54,10 @@ static void fill_random(batch *b, const signals *all) {
   const oscillators *g = &all->groups[s->group];
   const double *u = all->draws[s->group][0][s->lane], *v = all->draws[s->group][1][s->lane];
   int64_t m = b->motion->interval;
+  assert(s->lane < g->count && g->interval == m && g->base[s->lane] >= 0);
   if (m == 1) {
     size_t row = (size_t)(b->local - g->base[s->lane]);
+    assert(row + MOTION_BATCH <= OSCILLATOR_ROWS);
     s->now = (signal_values){u + row, v + row, NULL};
     return;
   }
@@ -80,6 +82,7 @@ static void fade_in(batch *b) {
 /* all: NULL where the signal has no draws. */
 static void fill(const engine *e, const signals *all, signal *s, size_t motion, int64_t local) {
   const sd_motion *m = &e->model->motions[motion];
+  assert(local >= 0);
   batch b = {e,
              e->work.kernels->motion,
              m,
@@ -112,6 +115,7 @@ static void draw_ahead(const engine *e, signals *all, int64_t first) {
   for (size_t n = 0; n < all->n_groups; n++) {
     oscillators *g = &all->groups[n];
     size_t rows = oscillators_ahead(k, g, firsts, MOTION_BATCH, g->interval);
+    assert(rows <= OSCILLATOR_ROWS);
     k->spread(g, rows, all->draws[n][0], all->draws[n][1]);
   }
 }
@@ -167,6 +171,7 @@ static sd_status join_group(const engine *e, signals *all, size_t k) {
   }
   s->group = all->n_groups - 1;
   s->lane = last->count++;
+  assert(s->lane < OSCILLATORS && last->interval >= 1);
   oscillators_set(last, s->lane, &s->step, e->model->seed, m->stream);
   return SD_OK;
 }

@@ -1,6 +1,7 @@
 /* chunks.c: see chunks.h. */
 #include "physics/neighbours/chunks.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,7 +19,9 @@ static size_t chunk_size(size_t n) {
   size_t size = (n + CHUNKS_PER_THREAD - 1) / CHUNKS_PER_THREAD;
   if (size > CHUNK_MOST) size = CHUNK_MOST;
   if (size < CHUNK_LEAST) size = CHUNK_LEAST;
-  return rounded(size);
+  size = rounded(size);
+  assert(size >= CHUNK_STEP && size % CHUNK_STEP == 0);
+  return size;
 }
 
 void chunks_free(chunks *c) {
@@ -65,10 +68,13 @@ static void find_pairs(chunks *c, const pairs *p) {
     size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
     c->pair[n] = whole < p->first_segment ? whole : p->first_segment;
     c->segment[n] = piece;
+    assert(c->pair[n] % PAIR_BLOCK == 0 && (n == 0 || c->pair[n - 1] <= c->pair[n]));
+    assert(n == 0 || c->segment[n - 1] <= piece);
   }
 }
 
 static sd_status add_need(chunks *c, size_t *n, uint32_t chunk) {
+  assert(chunk < c->count);
   if (*n == c->need_capacity) {
     size_t capacity = 2 * *n + 4 * c->count + 16;
     uint32_t *more = realloc(c->need, capacity * sizeof *more);
@@ -98,12 +104,15 @@ static sd_status find_needs(chunks *c, const pairs *p, size_t n_free) {
         found_for[seen] = (int64_t)k;
         if (add_need(c, &n, (uint32_t)seen) != SD_OK) return SD_ERROR_IO;
       }
+    assert(n > c->need_start[k] && c->need[c->need_start[k]] == k);
   }
   c->need_start[c->count] = n;
+  assert(n <= c->need_capacity);
   return SD_OK;
 }
 
 static int thread_of_chunk(const chunks *c, size_t k) {
+  assert(k < c->count);
   int t = 0;
   while (k >= c->share[t + 1]) t++;
   return t;
@@ -132,6 +141,8 @@ static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *d
     while (t < threads && cost >= all * t / threads) disk[t++] = d;
   }
   while (t <= threads) disk[t++] = n_free;
+  for (t = 0; t < threads; t++)
+    assert(disk[t] <= disk[t + 1] && (disk[t] % CHUNK_STEP == 0 || disk[t] == n_free));
 }
 
 static void cut_shares(chunks *c, const size_t *disk) {
@@ -140,18 +151,21 @@ static void cut_shares(chunks *c, const size_t *disk) {
     c->share[t] = k;
     for (size_t d = disk[t]; d < disk[t + 1]; d += c->size, k++) {
       const size_t end = d + c->size < disk[t + 1] ? d + c->size : disk[t + 1];
+      assert(k < c->count && d % CHUNK_STEP == 0 && end > d);
       c->begin[k] = d;
       for (size_t n = d / CHUNK_STEP; n * CHUNK_STEP < end; n++) c->of_disks[n] = (uint32_t)k;
     }
   }
   c->share[c->n_threads] = k;
   c->begin[k] = disk[c->n_threads];
+  assert(k == c->count && c->begin[0] == 0);
 }
 
 sd_status chunks_plan(engine *e) {
   work *w = &e->work;
   chunks *c = &w->chunks;
   const size_t n_free = e->state->n_free, threads = (size_t)w->n_threads;
+  assert(threads >= 1 && threads <= WORK_MAX_THREADS);
   size_t disk[WORK_MAX_THREADS + 1], most = 0, count = 0;
   share_disks(&w->pairs, n_free, threads, disk);
   for (size_t t = 0; t < threads; t++)
@@ -163,7 +177,9 @@ sd_status chunks_plan(engine *e) {
   c->count = count;
   c->n_threads = w->n_threads;
   cut_shares(c, disk);
+  assert(c->begin[count] == n_free && c->share[0] == 0 && c->share[threads] == count);
   find_pairs(c, &w->pairs);
+  assert(c->pair[count] == w->pairs.first_segment && c->segment[count] == w->pairs.count);
   if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < count; k++) c->predicted[k] = c->packed[k] = INT64_MIN;
   find_boundary_first(c, w->n_threads);
@@ -171,11 +187,13 @@ sd_status chunks_plan(engine *e) {
 }
 
 int chunks_thread_of_disk(const engine *e, size_t slot) {
+  assert(slot < e->state->n_free);
   return thread_of_chunk(&e->work.chunks, chunks_of_disk(&e->work.chunks, slot));
 }
 
 int chunks_thread_of_pair(const engine *e, size_t pair) {
   const chunks *c = &e->work.chunks;
+  assert(pair < e->work.pairs.count);
   if (pair >= e->work.pairs.first_segment) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
   int t = 0;
   while (pair >= c->pair[c->share[t + 1]]) t++;
@@ -216,6 +234,7 @@ static void give_rows(chunks *c, const size_t *until, page_list *pages) {
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) {
         const size_t seen = c->need[n];
         if (seen < c->share[t] || seen >= c->share[t + 1] || c->row[seen] != SIZE_MAX) continue;
+        assert(until[seen] >= k);
         c->row[seen] = c->size * take_page(pages, first, k, until[seen]);
       }
   }
@@ -227,6 +246,8 @@ sd_status chunks_plan_rows(chunks *c, size_t n_free) {
   page_list pages = {until + c->count, 0};
   find_ends(c, until);
   give_rows(c, until, &pages);
+  assert(pages.n <= c->count);
+  for (size_t k = 0; k < c->count; k++) assert(c->row[k] != SIZE_MAX); /* each is read by its own pairs */
   c->rows = pages.n * c->size;
   c->shares = pages.n < c->count;
   if (!c->shares) {

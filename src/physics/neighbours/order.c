@@ -1,6 +1,7 @@
 /* order.c: see order.h. */
 #include "physics/neighbours/order.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +44,7 @@ static uint64_t strip_of(double at, range x, double width, bool folded) {
   width = fmax(width, (x.high - x.low) * 1e-9); /* a disk may be lost far away */
   double count = floor((x.high - x.low) / width) + 1.0, k = floor((at - x.low) / width);
   k = fmin(fmax(k, 0.0), count - 1.0);
+  assert(count >= 1.0 && k >= 0.0);
   if (!folded) return (uint64_t)k;
   return (uint64_t)(k < 0.5 * count ? 2.0 * k : 2.0 * (count - 1.0 - k) + 1.0);
 }
@@ -101,6 +103,7 @@ static int by_slots(const void *one, const void *two) {
 /* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
 static void turn_contact(sd_state *s, size_t k, const uint32_t *slot) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
+  assert(a < s->n_disks && b < s->n_bodies && a != b);
   if (b >= s->n_disks || slot[a] < slot[b]) return;
   s->contact_a[k] = b;
   s->contact_b[k] = a;
@@ -113,6 +116,7 @@ static void list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, 
     turn_contact(s, k, slot);
     uint32_t b = s->contact_b[k];
     bool piece = b >= s->n_disks && m->walls[b - s->n_disks].kind != SD_WALL_CIRCLE;
+    assert(slot[s->contact_a[k]] < slot[b]);
     list[k] = (contact_place){piece, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
   }
 }
@@ -124,7 +128,10 @@ sd_status order_contacts(const sd_model *m, sd_state *s) {
   void *scratch = malloc((n + 1) * sizeof(double));
   sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
-    for (uint32_t k = 0; k < s->n_bodies; k++) slot[s->id[k]] = k;
+    for (uint32_t k = 0; k < s->n_bodies; k++) {
+      assert(s->id[k] < s->n_bodies && slot[s->id[k]] == 0); /* the first stands in slot 0 */
+      slot[s->id[k]] = k;
+    }
     list_contacts(m, s, slot, list);
     if (n > 1) qsort(list, n, sizeof *list, by_slots);
     for (size_t k = 0; k < n; k++) from[k] = list[k].from;
@@ -147,6 +154,7 @@ sd_status order_disks(const sd_model *m, sd_state *s) {
     fill_places(m, s, disks);
     if (s->n_free > 1) qsort(disks, s->n_free, sizeof *disks, by_place);
     for (size_t k = 0; k < s->n_free; k++) from[k] = disks[k].slot;
+    for (size_t k = 1; k < s->n_free; k++) assert(by_place(&disks[k - 1], &disks[k]) < 0);
     permute_all(s, false, from, scratch);
   }
   free(disks);

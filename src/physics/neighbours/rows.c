@@ -1,6 +1,7 @@
 /* rows.c: see rows.h. */
 #include "physics/neighbours/rows.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,11 +28,14 @@ static sd_status list_incidence(engine *e) {
     n->start[p->b[k] + 2]++;
   }
   for (size_t b = 2; b < s->n_bodies + 2; b++) n->start[b] += n->start[b - 1];
+  assert(n->start[s->n_bodies + 1] == 2 * (p->count - (p->first_segment - p->n_round)));
+  assert(n->start[s->n_bodies + 1] <= n->capacity && p->count <= UINT32_MAX / 2);
   for (size_t k = 0; k < p->count; k++) {
     if (p->a[k] < 0) continue;
     n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
     n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
   }
+  assert(n->start[0] == 0 && n->start[s->n_bodies] == n->start[s->n_bodies + 1]);
   return SD_OK;
 }
 
@@ -60,10 +64,12 @@ static sd_status list_rows(engine *e) {
   const chunks *c = &w->chunks;
   pairs *p = &w->pairs;
   if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
+  assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
   for (size_t k = 0; k < c->count; k++)
     for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot++)
       w->row[slot] = (int32_t)(c->row[k] + slot - c->begin[k]);
   for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
   memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
   for (size_t k = 0; k < p->count; k++) {
     const bool nobody = p->a[k] < 0;
@@ -105,6 +111,7 @@ static sd_status list_listed(engine *e) {
       m->listed = more;
       m->listed_capacity = capacity;
     }
+    assert(m->n_listed == 0 || m->listed[m->n_listed - 1] < slot);
     m->listed[m->n_listed++] = (uint32_t)slot;
     if (slot < e->state->n_free) chunks_put_off(&w->chunks, slot);
   }
@@ -141,6 +148,7 @@ static sd_status list_sums(engine *e) {
     }
   }
   m->single[m->n_listed] = m->end;
+  assert(m->end <= m->capacity && m->end <= INT32_MAX / SUM_ROW);
   pairs_clear_single(e); /* the rows of another list stood here */
   return SD_OK;
 }
@@ -148,6 +156,7 @@ static sd_status list_sums(engine *e) {
 void pairs_clear_single(engine *e) {
   sums *m = &e->work.sums;
   const size_t from = e->work.chunks.rows;
+  assert(from <= m->end && m->end <= m->capacity);
   memset(m->row + SUM_ROW * from, 0, (m->end - from) * SUM_ROW * sizeof *m->row);
 }
 
@@ -166,6 +175,7 @@ void sums_add_listed(const work *w, size_t begin, size_t end) {
     else
       high = middle;
   }
+  assert(low == m->n_listed || m->listed[low] >= begin);
   for (size_t n = low; n < m->n_listed && m->listed[n] < end; n++) {
     double *sum = m->row + SUM_ROW * (size_t)w->row[m->listed[n]];
     for (size_t c = 0; c < SUM_ROW; c++) sum[c] = 0.0;

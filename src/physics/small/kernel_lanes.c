@@ -3,6 +3,8 @@
  * One system by itself fills both lanes of the narrowest vector: scalar code would have branches where vectors have
  * masks. With sanitizers only the text for any system is compiled: the other one takes them minutes.
  */
+#include <assert.h>
+
 #include "physics/system/kernel_path.h"
 #include "physics/system/kernels.h"
 #include "physics/small/lanes.h"
@@ -75,6 +77,7 @@ SHAPES(many, 2, false)
 #endif
 
 void KERNEL(kernel_lanes)(lanes *l, int64_t n) {
+  assert(l->width == (l->motion ? VECTOR_WIDTH : 2));
   if (l->motion)
     many(l, n);
   else

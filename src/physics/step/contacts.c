@@ -2,6 +2,7 @@
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -48,9 +49,11 @@ static void rebase(engine *e, size_t k) {
   pairs *p = &e->work.pairs;
   const contact_geometry g = contact_geometry_of(e, k);
   double sum = s->radius[p->a[k]] + s->radius[p->b[k]];
+  assert(pairs_closed(p, k));
   PAIR(p, k, lambda_ref) += sum * g.turned;
   PAIR(p, k, turned) = 0.0;
   normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
+  assert(!(fabs(hypot(PAIR(p, k, ex), PAIR(p, k, ey)) - 1.0) > 1e-9));
   if (!pairs_is_segment(p, k)) return;
   nearest_point q = walls_nearest(&e->work.segments[p->part[k]], s->x[p->a[k]], s->y[p->a[k]]);
   if (!q.flat && q.side != p->side[k]) {
@@ -80,7 +83,9 @@ static event *left_next_piece(engine *e, size_t k) {
 static bool transfer_history(engine *e, size_t k) {
   pairs *p = &e->work.pairs;
   event *v = left_next_piece(e, k);
+  assert(pairs_is_segment(p, k));
   if (!v) return false;
+  assert(v->index != k && !v->transferred && fabs(v->side_before) == 1.0);
   /* around the joint of a closed polyline the arc length jumps by its whole */
   const sd_segment *there = &e->model->segments[p->part[v->index]], *here = &e->model->segments[p->part[k]];
   double jump = 0.0;
@@ -97,6 +102,7 @@ static bool transfer_history(engine *e, size_t k) {
   v->transferred = true;
   /* the losses of this step are those of one contact, from the segment it left to this one */
   contact_evaluate_again(e, k);
+  assert(pairs_closed(p, k));
   return true;
 }
 
@@ -127,7 +133,9 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   pairs *p = &e->work.pairs;
   size_t k = v->index;
+  assert(k < p->count && p->a[k] != PAIR_PADDING);
   if (!pairs_closed(p, k)) {
+    assert(PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0 && PAIR(p, k, force) == 0.0);
     losses_end(e, p, k);
     if (v->was_closed && !v->transferred) book_opening(e, k, v->dropped);
     return SD_OK;
@@ -141,6 +149,7 @@ static void wrap(engine *e, uint32_t i) {
   sd_state *s = e->state;
   work *w = &e->work;
   pairs *p = &w->pairs;
+  assert(i < s->n_bodies && remainder(s->turn[i], 8.0) == 0.0);
   double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
   double shift[2] = {0.0, 0.0};
   if (s->x[i] < w->lower[0] || s->x[i] >= w->upper[0])
@@ -214,6 +223,7 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
   work *w = &e->work;
   if (collect(w) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
+  for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].index <= events->item[n].index);
   for (size_t n = 0; n < events->count; n++) {
     const event *v = &events->item[n];
     if (pairs_is_segment(&w->pairs, v->index) && !v->was_closed && pairs_closed(&w->pairs, v->index))
@@ -244,6 +254,7 @@ sd_status contacts_store(engine *e) {
     if (!pairs_closed(p, k)) continue;
     const sd_contact_record record = pairs_record(p, k);
     size_t c = s->n_contacts++;
+    assert(c < s->contact_capacity && p->a[k] != PAIR_PADDING);
     s->contact_a[c] = s->id[p->a[k]];
     s->contact_b[c] = s->id[p->b[k]];
     s->contact_part[c] = (uint32_t)p->part[k];
@@ -251,6 +262,7 @@ sd_status contacts_store(engine *e) {
     s->contact_side[c] = p->side[k];
     s->contact_slide[c] = pairs_slide_sign(p, k);
   }
+  assert(s->n_contacts == n);
   return SD_OK;
 }
 
@@ -258,6 +270,7 @@ sd_status contacts_store(engine *e) {
 static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
+  assert(s->contact_a[c] < s->n_disks && s->contact_b[c] < s->n_bodies);
   uint32_t a = e->work.slot[s->contact_a[c]], b = e->work.slot[s->contact_b[c]],
            n_disks = (uint32_t)s->n_disks;
   bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
@@ -281,7 +294,7 @@ void contacts_load(engine *e) {
       continue;
     const sd_contact_record record = sd_state_record(s, c);
     pairs_set_record(p, k, &record);
-    pairs_set_flags(p, k, true, s->contact_slide[c]);
+    pairs_set_flags(p, k, true, (s->contact_slide[c] > 0) - (s->contact_slide[c] < 0));
     p->side[k] = s->contact_side[c];
     c++;
   }

@@ -2,6 +2,7 @@
 #include "physics/system/bodies.h"
 #include "physics/step/engine.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,7 @@
 
 static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t slot) {
   const sd_disk *d = &m->disks[disk];
+  assert(slot < s->n_disks && (slot >= s->n_free) == d->driven);
   double turn = 8.0 * nearbyint(d->position[SD_THETA] / 8.0);
   s->id[slot] = disk;
   s->x[slot] = s->base_x[slot] = d->position[SD_X];
@@ -30,6 +32,7 @@ static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t sl
   s->base_theta[slot] = d->position[SD_THETA];
   s->turn[slot] = turn;
   s->theta[slot] = d->position[SD_THETA] - turn;
+  assert(fabs(s->theta[slot]) <= 4.0);
   if (d->waiting && !d->driven) {
     s->activity[slot] = SD_WAITING;
   } else if (!d->driven) {
@@ -46,6 +49,7 @@ static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t sl
 
 static void fill_contact(sd_state *s, const sd_contact_memory *c) {
   size_t k = s->n_contacts++;
+  assert(k < s->contact_capacity && c->a < s->n_disks && c->b < s->n_bodies && c->a != c->b);
   s->contact_a[k] = c->a;
   s->contact_b[k] = c->b;
   s->contact_part[k] = c->part;
@@ -66,6 +70,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   for (int driven = 0; driven < 2; driven++)
     for (uint32_t i = 0; i < m->n_disks; i++)
       if (m->disks[i].driven == (driven != 0)) fill_disk(m, s, i, slot++);
+  assert(slot == s->n_disks && m->n_free == s->n_free);
   for (uint32_t k = 0; k < m->n_walls; k++, slot++) {
     const sd_wall *wall = &m->walls[k];
     s->id[slot] = (uint32_t)m->n_disks + k;
@@ -75,6 +80,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
     s->material[slot] = wall->material;
     s->group[slot] = -1;
   }
+  assert(slot == s->n_bodies);
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
   if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
   return fill_contacts(m, s);
@@ -92,6 +98,7 @@ static void fill_laws(const sd_model *m, work *w) {
                            .cap = l->k_t > 0.0 ? l->mu / l->k_t : 0.0,
                            .normal = l->normal,
                            .tsuji = law_tsuji(l)};
+    assert(l->normal < SD_NORMAL_LAWS && w->laws[k].cap >= 0.0);
     if (l->k_n > 0.0 && l->normal != SD_NORMAL_LINEAR) w->mixed_laws = true;
     if (l->k_n != m->laws->k_n || l->k_t != m->laws->k_t || l->gamma_n != m->laws->gamma_n ||
         l->mu != m->laws->mu || l->normal != m->laws->normal || l->restitution != m->laws->restitution)
@@ -134,6 +141,7 @@ static void fill_limit(const engine *e, work *w) {
   for (size_t i = 0; i < e->state->n_bodies; i++)
     if (e->state->radius[i] != 0.0) least = fmin(least, fabs(e->state->radius[i]));
   w->least_limit = e->model->max_overlap * least;
+  assert(w->least_limit > 0.0);
 }
 
 static void fill_skin(const engine *e, work *w) {
@@ -141,6 +149,7 @@ static void fill_skin(const engine *e, work *w) {
   double mean = 0.0;
   for (size_t i = 0; i < s->n_disks; i++) mean += s->radius[i];
   mean /= (double)s->n_disks;
+  assert(mean > 0.0);
   w->mean_radius = mean;
   w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean; /* to begin with: neighbours_tune */
 }
@@ -220,6 +229,7 @@ enum { MOST_BODIES = 50000000 };
 
 sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
+  assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slot && e->model->dt > 0.0);
   if (e->state->n_bodies > MOST_BODIES)
     return sd_fail(messages, SD_ERROR_USER, "%zu disks and walls: expected at most %d", e->state->n_bodies,
                    MOST_BODIES);
@@ -236,7 +246,11 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   box_update(e);
   fill_skin(e, w);
   fill_limit(e, w);
-  for (uint32_t k = 0; k < e->state->n_bodies; k++) w->slot[e->state->id[k]] = k;
+  for (uint32_t k = 0; k < e->state->n_bodies; k++) {
+    assert(e->state->id[k] < e->state->n_bodies &&
+           w->slot[e->state->id[k]] == 0); /* the first stands in slot 0 */
+    w->slot[e->state->id[k]] = k;
+  }
   bodies_fill_constants(e);
   sd_status status = motion_new(e, messages);
   if (status == SD_OK && motion_resume(e) != SD_OK)
@@ -275,6 +289,7 @@ static void drop_apart(engine *e, size_t loaded, sd_messages *messages) {
     event *v = &w->threads[0].events.item[k];
     if (pairs_closed(&w->pairs, v->index)) continue;
     v->transferred = true;
+    assert(v->was_closed && kept > 0);
     kept--;
   }
   if (kept < n)
@@ -286,6 +301,7 @@ sd_status engine_start(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
   size_t loaded = 0;
+  assert(s->step == 0);
   for (size_t k = 0; k < w->pairs.count; k++) loaded += pairs_closed(&w->pairs, k);
   sweep_forces(e);
   /* nothing was lost on the way here */

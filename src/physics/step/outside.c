@@ -2,6 +2,8 @@
 #include "physics/system/bodies.h"
 #include "physics/step/outside.h"
 
+#include <assert.h>
+
 #include "physics/contact/energy.h"
 #include "physics/step/engine.h"
 #include "physics/neighbours/neighbours.h"
@@ -21,6 +23,7 @@ static bool beyond(const engine *e, size_t i) {
 
 static void take_out(engine *e, size_t i) {
   sd_state *s = e->state;
+  assert(i < s->n_free && s->activity[i] == SD_OUTSIDE);
   s->activity[i] = SD_REMOVED;
   for (int c = 0; c < SD_COORDINATES; c++) {
     const columns *q = &e->work.columns[c];
@@ -33,6 +36,7 @@ static sd_status treat(engine *e, size_t i, sd_messages *messages) {
   sd_state *s = e->state;
   const sd_outside how = e->model->bounds.outside;
   char name[96];
+  assert(body_in_play(s, i) && e->model->bounds.given);
   sd_model_body_name(e->model, s->id[i], name, sizeof name);
   s->outside++;
   if (how == SD_OUTSIDE_STOP)

@@ -1,6 +1,8 @@
 /* sweep.c: see sweep.h. */
 #include "physics/step/sweep.h"
 
+#include <assert.h>
+
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/neighbours/rows.h"
@@ -9,6 +11,7 @@
 void sweep_predict(engine *e, size_t k) {
   chunks *c = &e->work.chunks;
   if (c->predicted[k] == e->state->step + 1) return;
+  assert(k < c->count && c->predicted[k] <= e->state->step); /* once a step */
   c->predicted[k] = e->state->step + 1;
   e->work.kernels->predict[e->model->integrator](e, c->begin[k], c->begin[k + 1]);
 }
@@ -35,6 +38,7 @@ void sweep_pack(engine *e, size_t k) {
 
 void sweep_correct(engine *e, thread_work *mine, size_t k) {
   const chunks *c = &e->work.chunks;
+  assert(k < c->count && c->predicted[k] == e->state->step + 1);
   e->work.kernels->correct[e->model->integrator](e, mine, c->begin[k], c->begin[k + 1]);
 }
 
@@ -49,11 +53,13 @@ static void evaluate(engine *e, thread_work *mine, size_t k) {
 void sweep_share(engine *e, int t) {
   work *w = &e->work;
   const chunks *c = &w->chunks;
+  assert(t < c->n_threads && c->share[t] <= c->share[t + 1] && c->share[t + 1] <= c->count);
   thread_work *mine = &w->threads[t];
   for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
     for (size_t at = c->need_start[k]; at < c->need_start[k + 1]; at++) {
       const size_t n = c->need[at];
       if (n >= c->share[t] && n < c->share[t + 1]) sweep_pack(e, n);
+      assert(c->packed[n] == e->state->step + 1); /* by this thread or, early, by another */
     }
     evaluate(e, mine, k);
     if (!c->boundary_last[k]) sweep_correct(e, mine, k);

@@ -1,6 +1,7 @@
 /* bodies.c: see bodies.h. */
 #include "physics/system/bodies.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +23,9 @@ void bodies_fill_constants(engine *e) {
   const sd_state *s = e->state;
   work *w = &e->work;
   for (size_t i = 0; i < s->n_free; i++) {
+    assert(s->id[i] < m->n_disks);
     const sd_disk *d = &m->disks[s->id[i]];
+    assert(!d->driven && d->mass > 0.0 && d->inertia > 0.0);
     if (!body_in_play(s, i)) {
       w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
       w->constant_x[i] = w->constant_y[i] = w->constant_torque[i] = 0.0;
@@ -38,6 +41,8 @@ void bodies_fill_constants(engine *e) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t slot = w->slot[m->motions[k].bodies[b]];
+      assert(slot < s->n_bodies && m->motions[k].coordinate >= 0 &&
+             m->motions[k].coordinate < SD_COORDINATES);
       if (slot >= s->n_free) continue;
       int c = m->motions[k].coordinate;
       (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
@@ -50,6 +55,7 @@ double box_corner(const sd_model *m, int c) { return m->periodic[c] ? m->lower[c
 void box_update(engine *e) {
   const sd_model *m = e->model;
   work *w = &e->work;
+  assert(e->state->box_scale > 0.0);
   for (int c = 0; c < 2; c++) {
     double upper = m->upper[c], scale = e->state->box_scale;
     if (scale != 1.0) upper = m->lower[c] + scale * (m->upper[c] - m->lower[c]);
@@ -58,5 +64,6 @@ void box_update(engine *e) {
     w->upper[c] = m->periodic[c] ? upper : HUGE_VAL;
     w->length[c] = m->periodic[c] ? upper - m->lower[c] : 0.0;
     w->inverse_length[c] = m->periodic[c] ? 1.0 / w->length[c] : 0.0;
+    assert(w->lower[c] < w->upper[c] && w->length[c] >= 0.0 && isfinite(w->inverse_length[c]));
   }
 }

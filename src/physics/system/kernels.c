@@ -1,6 +1,7 @@
 /* kernels.c: which instruction set to use. */
 #include "physics/system/kernels.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,5 +30,7 @@ const kernels *kernels_choose(void) {
   const kernels *k = asked ? kernels_named(asked) : NULL;
   if (!k) k = kernels_named("avx512");
   if (!k) k = kernels_named("avx2");
-  return k ? k : &kernels_baseline;
+  k = k ? k : &kernels_baseline;
+  assert(k->pairs && k->lanes && k->motion && k->lane_width >= 1 && PAIR_BLOCK % k->lane_width == 0);
+  return k;
 }
