@@ -1,6 +1,7 @@
 /* room.c: see room.h. */
 #include "base/arena.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +19,7 @@ size_t arena_column(arena_plan *plan, size_t bytes) {
   size_t at = (plan->end + LINE - 1) / LINE * LINE, apart = plan->columns++ * APART % PAGE;
   /* small ones fit into the cache together */
   if (bytes >= PAGE) at += (apart + PAGE - at % PAGE) % PAGE;
+  assert(at % LINE == 0 && at >= plan->end);
   plan->end = at + bytes + LINE;
   return at;
 }
@@ -28,6 +30,7 @@ static void *new_large(size_t bytes) {
   if (memory == MAP_FAILED) return NULL;
   char *room = memory + LINE + (LARGE_PAGE - ((uintptr_t)memory + LINE) % LARGE_PAGE) % LARGE_PAGE;
   madvise(room, bytes - (size_t)(room - memory), MADV_HUGEPAGE); /* if there are any */
+  assert(room - memory >= LINE && (uintptr_t)room % LINE == 0);
   ((header *)(void *)(room - LINE))[0] = (header){memory, bytes};
   return room;
 }

@@ -212,6 +212,7 @@ void comm_abort(int status) {
 /* --- queue ---------------------------------------------------------------------------------------- */
 
 void comm_queue_begin(comm_queue *q, int64_t n, volatile sig_atomic_t *stop) {
+  assert(n >= 0);
   *q = (comm_queue){.n = n, .stop = stop};
 }
 

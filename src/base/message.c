@@ -1,4 +1,5 @@
 /* message.c: a growing list of lines; see slipdisk/status.h. */
+#include <assert.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -82,6 +83,7 @@ static void add(sd_messages *m, sd_status kind, const char *format, va_list args
     return;
   }
   char *text = words(format, args);
+  assert(m->count < m->capacity);
   m->lines[m->count++] = (line){kind, text ? text : lost};
 }
 
@@ -102,7 +104,10 @@ void sd_warn(sd_messages *m, const char *format, ...) {
 
 size_t sd_messages_errors(const sd_messages *m) { return m ? m->errors : 0; }
 size_t sd_messages_count(const sd_messages *m) { return m ? m->count : 0; }
-const char *sd_messages_text(const sd_messages *m, size_t k) { return m->lines[k].text; }
+const char *sd_messages_text(const sd_messages *m, size_t k) {
+  assert(k < m->count);
+  return m->lines[k].text;
+}
 
 sd_status sd_messages_status(const sd_messages *m) {
   for (size_t k = 0; m && k < m->count; k++)

@@ -1,6 +1,7 @@
 /* disks.c: see disks.h. */
 #include "measure/disks.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -54,6 +55,7 @@ void disks_end(engine *e) {
 
 /* Steps per bin after so many measured steps: the least power of two with which the record is not full. */
 static int64_t bin_length(int64_t measured) {
+  assert(measured >= 0);
   int64_t steps = 1;
   while (measured / steps >= SD_MEAN_BINS) steps *= 2;
   return steps;
@@ -61,6 +63,7 @@ static int64_t bin_length(int64_t measured) {
 
 /* Closes bin b of the disks; neighbours become one when it was the last. */
 static void close_bin(sd_state *s, size_t begin, size_t end, size_t b) {
+  assert(b < SD_MEAN_BINS && end <= s->n_means);
   for (size_t i = begin; i < end; i++) {
     double *bin = s->mean_bin + i * SD_MEAN_BINS, angle = angle_of(s, i);
     bin[b] = angle - s->mean_last[i];

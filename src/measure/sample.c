@@ -1,6 +1,7 @@
 /* sample.c: running statistics in the state; see sample.h. */
 #include "measure/sample.h"
 
+#include <assert.h>
 #include <math.h>
 
 #include "physics/step/access.h"
@@ -45,12 +46,14 @@ static void halve_bins(sd_state *s) {
     for (int b = 0; b < SD_BINS / 2; b++) bin[b] = bin[2 * b] + bin[2 * b + 1];
     for (int b = SD_BINS / 2; b < SD_BINS; b++) bin[b] = 0.0;
   }
+  assert(s->bins == SD_BINS);
   s->bins /= 2;
   s->bin_steps *= 2;
 }
 
 static void close_bin(engine *e) {
   sd_state *s = e->state;
+  assert(s->bins >= 0 && s->bins < SD_BINS && (s->bins + 1) * s->bin_steps == s->measured);
   for (size_t k = 0; k < s->n_rotations; k++) {
     double angle = angle_of(e, k);
     s->rotation_bin[k * SD_BINS + (size_t)s->bins] = angle - s->rotation_last[k];

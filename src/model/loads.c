@@ -1,6 +1,7 @@
 /* loads.c: walls that the disks move: on which side they have them, and what can be said before a run; see loads.h. */
 #include "model/loads.h"
 
+#include <assert.h>
 #include <math.h>
 
 #include "model/motion_kinds.h"
@@ -22,6 +23,7 @@ static void middle(const sd_model *m, double at[2]) {
 static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
 
 int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
+  assert(body >= m->n_disks && body < sd_model_bodies(m) && (coordinate == SD_X || coordinate == SD_Y));
   const sd_wall *w = &m->walls[body - m->n_disks];
   double disks[2], at = w->pivot[coordinate];
   middle(m, disks);

@@ -1,6 +1,7 @@
 /* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
 #include "slipdisk/model.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -71,6 +72,7 @@ const sd_deck *sd_model_deck(const sd_model *m) {
 size_t sd_model_bodies(const sd_model *m) { return m->n_disks + m->n_walls; }
 
 const sd_contact_law *sd_model_law(const sd_model *m, int a, int b) {
+  assert(a >= 0 && b >= 0 && (size_t)a < m->n_materials && (size_t)b < m->n_materials);
   return &m->laws[(size_t)a * m->n_materials + (size_t)b];
 }
 
@@ -407,6 +409,7 @@ sd_status model_find_driven(sd_model *m) {
     m->n_free += !m->disks[i].driven;
   }
   free(held);
+  assert(m->n_free <= m->n_disks);
   return SD_OK;
 }
 
@@ -456,6 +459,9 @@ static sd_status derive_segments(sd_model *m) {
     derive_wall(&m->walls[w], (uint32_t)(m->n_disks + w), m->segments + at, at);
     at += wall_segments(&m->walls[w]);
   }
+  assert(at == m->n_segments);
+  for (size_t k = 0; k < m->n_segments; k++)
+    assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
   return SD_OK;
 }
 

@@ -1,6 +1,7 @@
 /* state.c: the table of state columns, and what follows from it: allocation, hash, comparison. */
 #include "slipdisk/state.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -136,6 +137,7 @@ const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
 
 size_t sd_type_size(sd_type type) {
   static const size_t size[] = {[SD_F64] = 8, [SD_I64] = 8, [SD_I32] = 4, [SD_U32] = 4};
+  assert((size_t)type < sizeof size / sizeof *size);
   return size[type];
 }
 
@@ -156,6 +158,7 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_MEAN_BIN: return s->n_means * SD_MEAN_BINS;
     case SD_EXTENTS: break;
   }
+  assert(!"an extent");
   return 0;
 }
 
@@ -199,6 +202,7 @@ sd_state *sd_state_new(const sd_model *m) {
   s->n_free = m->n_free;
   s->n_disks = m->n_disks;
   s->n_bodies = sd_model_bodies(m);
+  assert(s->n_free <= s->n_disks && s->n_disks <= s->n_bodies);
   s->n_motions = m->n_motions;
   s->n_phases = m->n_phases;
   s->n_rotations = m->n_rotations;
@@ -229,6 +233,7 @@ sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
     void *column = column_new(capacity, f->type);
     if (!column) return SD_ERROR_IO;
     void **old = field_pointer(s, f);
+    assert(s->n_contacts <= s->contact_capacity && s->contact_capacity < capacity);
     if (*old) memcpy(column, *old, s->n_contacts * sd_type_size(f->type));
     free(*old);
     *old = column;
@@ -238,12 +243,14 @@ sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
 }
 
 sd_contact_record sd_state_record(const sd_state *s, size_t c) {
+  assert(c < s->n_contacts);
 #define RECORD_READ(name, unit, meaning) .name = s->contact_##name[c],
   return (sd_contact_record){SD_CONTACT_RECORD(RECORD_READ)};
 #undef RECORD_READ
 }
 
 void sd_state_set_record(sd_state *s, size_t c, const sd_contact_record *record) {
+  assert(c < s->n_contacts && s->n_contacts <= s->contact_capacity);
 #define RECORD_WRITE(name, unit, meaning) s->contact_##name[c] = record->name;
   SD_CONTACT_RECORD(RECORD_WRITE)
 #undef RECORD_WRITE

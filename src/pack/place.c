@@ -1,6 +1,7 @@
 /* place.c: see place.h. */
 #include "pack/place.h"
 
+#include <assert.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_sort_double.h>
@@ -59,6 +60,7 @@ static void choose_cells(place_space *s, size_t expected) {
   for (int c = 0; c < 2; c++) {
     s->cells[c] = (int64_t)fmax(1, fmin(floor(extent[c] / size), wanted));
     s->cell[c] = extent[c] / (double)s->cells[c];
+    assert(s->cells[c] >= 1);
   }
 }
 
@@ -100,6 +102,7 @@ static sd_status add_node(place_space *s, int64_t cell, uint32_t disk) {
     s->holder = holder;
     s->node_capacity = capacity;
   }
+  assert(cell >= 0 && cell < s->cells[0] * s->cells[1] && disk < s->n);
   s->next[s->n_nodes] = s->head[cell];
   s->holder[s->n_nodes] = disk;
   s->head[cell] = (int64_t)s->n_nodes++;

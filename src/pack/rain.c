@@ -1,6 +1,7 @@
 /* rain.c: see rain.h. */
 #include "pack/rain.h"
 
+#include <assert.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_rng.h>
 #include <gsl/gsl_sort.h>
@@ -35,6 +36,7 @@ int64_t rain_next(const engine *e, int64_t step) {
 int64_t rain_waiting(const sd_model *m, const sd_state *s) {
   int64_t all = 0;
   for (size_t k = 0; k < m->n_rains; k++) all += (int64_t)m->rains[k].count;
+  assert(s->released >= 0 && s->released <= all);
   return all - s->released;
 }
 
@@ -119,6 +121,7 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
 
 static void set_out(engine *e, size_t i, double x, double y, double speed) {
   sd_state *s = e->state;
+  assert(i < s->n_free && s->activity[i] == SD_WAITING);
   s->activity[i] = SD_IN_PLAY;
   s->x[i] = x;
   s->y[i] = y;
@@ -175,6 +178,7 @@ static sd_status place_rows(engine *e, const sd_rain *r, size_t first, size_t en
 
 static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_messages *messages) {
   size_t first = r->first + (size_t)batch * r->batch, end = r->first + r->count;
+  assert(first < end && batch >= 0 && r->batch > 0);
   if (end - first > r->batch) end = first + r->batch;
   double *gaps = malloc((end - first) * sizeof *gaps);
   gsl_rng *numbers = numbers_of(e, r, batch);

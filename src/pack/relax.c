@@ -13,6 +13,7 @@
  */
 #include "pack/relax.h"
 
+#include <assert.h>
 #include <math.h>
 
 #include "physics/step/access.h"
@@ -118,6 +119,7 @@ void relax_step(engine *e, const team *t, relax_sums *team_sums) {
   }
   team_wait(t);
   if (t->rank > 0) return;
+  assert(!(speed2 < 0.0) && !(push2 < 0.0) && s->relax_alpha >= 0.0 && s->relax_alpha <= ALPHA);
   /* M v^2/2 before and after, summed up: nobody has to look at the disks again */
   s->relaxed += 0.5 * (speed2 - (keep * keep * speed2 + 2.0 * keep * steer * power + steer * steer * push2));
   if (!downhill)

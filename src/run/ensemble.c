@@ -5,6 +5,7 @@
  */
 #include "run/ensemble.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -72,6 +73,7 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
     int64_t room = simulation_room(s->engine), now = s->left < room ? s->left : room;
     if (now < *steps) *steps = now;
   }
+  assert(n <= LANES_MOST && (n == 0 || *steps > 0));
   return n;
 }
 
@@ -117,6 +119,7 @@ static void advance_some(ensemble *e, share *shares, size_t first, sd_status *st
   }
   for (size_t k = 0; k < n; k++) {
     share *s = &shares[who[k]];
+    assert(systems[k]->state->step - from[k] <= s->left);
     s->left -= systems[k]->state->step - from[k];
     status[who[k]] = simulation_pause(systems[k], from[k], messages[who[k]]);
     bool over = s->left == 0 || sd_simulation_finished(e->members[who[k]]);

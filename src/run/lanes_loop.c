@@ -1,6 +1,8 @@
 /* lanes_loop.c: see lanes_loop.h. */
 #include "run/lanes_loop.h"
 
+#include <assert.h>
+
 #include "measure/sample.h"
 #include "physics/motion/motion.h"
 #include "physics/step/access.h"
@@ -53,9 +55,11 @@ void lanes_loop(lanes *l, int64_t n, bool measure) {
       lanes_load(l);
       continue;
     }
+    assert(now > 0 && room > 0);
     if (now > room) now = room;
     int64_t taken = lanes_take(l, n < now ? n : now, measure);
     n -= taken;
+    assert(n >= 0 && taken <= room);
     if (measure && taken == room) close_bins(l);
     if (any_wrong(l)) break;
   }

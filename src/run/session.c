@@ -5,6 +5,7 @@
 #endif
 #include "run/session.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -54,6 +55,7 @@ static bool has_goal(const sd_model *model, sd_stage now) {
 }
 
 int64_t session_next(const sd_model *model, sd_stage now) {
+  assert(now.phase >= 0 && (size_t)now.phase < model->n_phases);
   const sd_phase *phase = &model->phases[now.phase];
   int64_t offset = now.phase_step;
   /* where a phase may end a row may be due */
@@ -62,6 +64,7 @@ int64_t session_next(const sd_model *model, sd_stage now) {
   next = next_of(phase->series_every, offset, next);
   next = next_of(phase->frames_every, offset, next);
   next = next_of(phase->contacts_every, offset, next);
+  assert(next > offset);
   return now.step - offset + next;
 }
 

@@ -2,6 +2,7 @@
 #include "slipdisk/deck.h"
 #include "run/session_group.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -110,6 +111,7 @@ static void advance(group *g) {
   size_t going = find_going(g, &n);
   for (size_t k = 0; k < g->n; k++)
     if (g->waits[k]) g->status[k] = SD_INTERRUPTED; /* so ensemble_advance leaves it */
+  assert(n > 0 && going > 0);
   double start = clock_seconds();
   if (g->lanes)
     ensemble_advance(g->lanes, n, g->status, g->messages);

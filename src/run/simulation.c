@@ -162,6 +162,7 @@ static void advance_member(engine *e, const team *t, int64_t n, bool measure, re
 static void advance_team(engine *e, int64_t n, bool measure) {
   int threads = engine_threads(e);
   relax_sums team_sums;
+  assert(n > 0);
   step_begin(e, n);
   if (threads == 1) {
     unsigned mode = subnormal_off();
@@ -216,6 +217,7 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 static sd_status end_phase(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   bool measured = measures(e);
+  assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
   if (measured) measure_end(e);
   motion_store(e);
   note_end(e);
@@ -277,10 +279,16 @@ engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
 
 bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->engine); }
 
-int64_t simulation_room(const engine *e) { return next_stop(e) - e->state->phase_step; }
+int64_t simulation_room(const engine *e) {
+  int64_t room = next_stop(e) - e->state->phase_step;
+  assert(room > 0 && e->state->phase_step + room <= phase_of(e)->steps);
+  return room;
+}
 
 sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
+  assert(from <= e->state->step);
   e->state->phase_step += e->state->step - from;
+  assert(e->state->phase_step <= phase_of(e)->steps);
   if (engine_status(e) != SD_OK) return engine_status(e);
   sd_status status = between_steps(e, messages);
   if (status != SD_OK || !phase_is_over(e)) return status;
@@ -295,6 +303,7 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
   while (n > 0 && !sd_simulation_finished(sim)) {
     int64_t left = simulation_room(e), from = s->step;
     advance_team(e, n < left ? n : left, measures(e));
+    assert(s->step >= from && s->step - from <= left && s->step - from <= n);
     n -= s->step - from;
     sd_status status = simulation_pause(e, from, messages);
     if (status != SD_OK) return status;

@@ -1,6 +1,7 @@
 /* checkpoint.c: see checkpoint.h. */
 #include "io/results/checkpoint.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,6 +34,7 @@ const char *checkpoint_column(const h5_file *file, const char *name) {
 }
 
 static size_t extent_of(const sd_state *state, size_t k) {
+  assert(k < EXTENTS);
   size_t n;
   memcpy(&n, (const char *)state + extents[k].offset, sizeof n);
   return n;
@@ -65,6 +67,7 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state, 
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
+  assert(parts->n >= 0 && state->n_contacts <= state->contact_capacity);
   h5_group(file, "/checkpoint");
   h5_attr_i64(file, "/checkpoint", "parts", parts->n);
   h5_attr_i64(file, "/checkpoint", "last_part", (int64_t)parts->last);
@@ -130,6 +133,7 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
     status = sd_fail(messages, SD_ERROR_IO, "no memory for %" PRId64 " contacts", contacts);
   }
   if (status == SD_OK) {
+    assert((size_t)contacts <= state->contact_capacity);
     state->n_contacts = (size_t)contacts;
     status = read_columns(file, state, messages);
   }

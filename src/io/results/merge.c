@@ -1,6 +1,7 @@
 /* merge.c: see merge.h. */
 #include "io/results/merge.h"
 
+#include <assert.h>
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -63,6 +64,7 @@ static sd_status copy_column(const table_column *c, const h5_file *part, h5_file
   size_t row = c->width * sd_type_size(c->type);
   size_t piece = row > 0 && PIECE_BYTES / row > 0 ? PIECE_BYTES / row : 1;
   if (piece > n) piece = n;
+  assert(n == 0 || piece >= 1);
   void *data = malloc(piece * row + 1);
   if (!data) return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = SD_OK;

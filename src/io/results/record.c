@@ -1,6 +1,7 @@
 /* record.c: see record.h. */
 #include "io/results/record.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,6 +31,7 @@ void record_free(record *r) {
 sd_status record_sample(record *r, unsigned what, const sd_state *state, const sd_energy *energy,
                         sd_messages *messages) {
   sd_status status = SD_OK;
+  assert(state->n_bodies == sd_model_bodies(r->model));
   for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
   const moment now = {r->model, state, energy, r->slots};
   if (what & RECORD_SERIES) status = series_sample(&r->series, &now, messages);

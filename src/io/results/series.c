@@ -1,6 +1,8 @@
 /* series.c: see series.h. */
 #include "io/results/series.h"
 
+#include <assert.h>
+
 sd_status series_new(table *t, const sd_model *model, sd_messages *messages) {
   sd_status status = table_add_clock(t, "/observables/kinetic_translation", messages);
   const observable_list *lists[] = {&energy_observables, &series_observables};
@@ -25,6 +27,7 @@ sd_status series_sample(table *t, const moment *now, sd_messages *messages) {
     if (!o->when || o->when(now->model))
       table_put(t, column++, 0, o, now, o->width == OBSERVABLE_WATCHED ? now->model->n_rotations : 1);
   }
+  assert(column == t->n_columns);
   table_commit(t, 1);
   return SD_OK;
 }

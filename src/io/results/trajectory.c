@@ -2,6 +2,7 @@
 #include "io/results/trajectory.h"
 
 #include <stdlib.h>
+#include <assert.h>
 #include <string.h>
 
 /* --- bodies --------------------------------------------------------------------------------------- */
@@ -56,6 +57,7 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, sd_m
     trajectory_edges(model, now->state->box_scale, table_cell(t, column));
     memcpy(table_cell(t, column + 1), &now->state->box_scale, sizeof now->state->box_scale);
   }
+  assert(column + (series_compresses(model) ? 2 : 0) == t->n_columns);
   table_commit(t, 1);
   return SD_OK;
 }

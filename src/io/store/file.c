@@ -5,6 +5,7 @@
 #include "io/store/file.h"
 
 #include <dirent.h>
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -250,6 +251,7 @@ static bool finish_draft(file_draft *draft, int base, const char *name, file_rep
 sd_status file_draft_publish(file_draft *draft, int folder, const char *path, file_replace how,
                              sd_messages *messages) {
   const char *name;
+  assert(draft->fd >= 0 && draft->folder >= 0 && draft->name);
   int base = base_of(folder, path, &name);
   sd_status status = SD_OK;
   struct stat facts;

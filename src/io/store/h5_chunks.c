@@ -174,6 +174,7 @@ bool h5_rows_flush(h5_rows *w) {
 
 /* Takes rows into the buffer, up to the end of their chunk; returns how many, 0: no memory. */
 static size_t hold(h5_rows *w, size_t n, const unsigned char *data) {
+  assert(w->held < (size_t)w->chunk[0]);
   size_t most = (size_t)w->chunk[0] - w->held;
   if (!w->buffer && !(w->buffer = malloc((size_t)w->chunk[0] * w->row))) return 0;
   if (n > most) n = most;

@@ -1,6 +1,7 @@
 /* members.c: see members.h. */
 #include "io/store/members.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,6 +49,7 @@ void members_write(h5_file *file, const char *group, const observable_list *list
   h5_group(file, group);
   for (size_t k = 0; k < list->n; k++) {
     const observable *o = &list->rows[k];
+    assert(o->width >= 1);
     sd_type type = observable_stored(o);
     size_t dims[2] = {n, o->width};
     void *dense = calloc(n * o->width + 1, sd_type_size(type));
@@ -118,6 +120,7 @@ void members_write_lines(h5_file *file, const char *path, size_t n, char *const 
   char *text = malloc(total), *at = text;
   if (!h5_have(file, text, path)) return;
   for (size_t k = 0; k < n; k++) at += sprintf(at, "%s\n", lines[k] ? lines[k] : "");
+  assert((size_t)(at - text) == total - 1);
   *at = 0;
   h5_put_text(file, path, text);
   free(text);

@@ -1,6 +1,7 @@
 /* table.c: see table.h. */
 #include "io/store/table.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,7 @@ void table_free(table *t) {
 
 sd_status table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
                     const char *meaning, sd_messages *messages) {
+  assert(t->n_rows == 0 && rank >= 0 && rank <= 2 && (rank == 0 || dims));
   table_column *columns = realloc(t->columns, (t->n_columns + 1) * sizeof *columns);
   if (!columns) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   t->columns = columns;
@@ -69,16 +71,19 @@ sd_status table_reserve(table *t, size_t n, sd_messages *messages) {
     c->data = data;
   }
   t->capacity = capacity;
+  assert(t->n_rows + n <= t->capacity);
   return SD_OK;
 }
 
 void *table_cell(table *t, size_t column) {
+  assert(column < t->n_columns && t->n_rows < t->capacity);
   table_column *c = &t->columns[column];
   return c->data + t->n_rows * row_bytes(c);
 }
 
 size_t table_put_clock(table *t, int64_t step, double dt) {
   double time = (double)step * dt;
+  assert(t->n_columns >= 2 && t->columns[0].type == SD_I64 && t->columns[1].type == SD_F64);
   memcpy(table_cell(t, 0), &step, sizeof step);
   memcpy(table_cell(t, 1), &time, sizeof time);
   return 2;
@@ -86,10 +91,14 @@ size_t table_put_clock(table *t, int64_t step, double dt) {
 
 void table_put(table *t, size_t column, size_t index, const observable *o, const void *row, size_t n) {
   void *cell = table_cell(t, column);
+  assert(observable_stored(o) == t->columns[column].type);
   for (size_t k = 0; k < n; k++) observable_store(o, cell, index * n + k, observable_value(o, row, k));
 }
 
-void table_commit(table *t, size_t n) { t->n_rows += n; }
+void table_commit(table *t, size_t n) {
+  t->n_rows += n;
+  assert(t->n_rows <= t->capacity || t->n_columns == 0);
+}
 
 void table_clear(table *t) { t->n_rows = 0; }
 
@@ -100,6 +109,7 @@ size_t table_bytes(const table *t) {
 }
 
 int table_shape(const table_column *c, size_t n_rows, size_t dims[H5_MAX_RANK]) {
+  assert(c->rank >= 0 && c->rank < H5_MAX_RANK);
   dims[0] = n_rows;
   for (int k = 0; k < c->rank; k++) dims[k + 1] = c->dims[k];
   return c->rank + 1;
