@@ -12,7 +12,7 @@ void losses_end(engine *e, pairs *p, size_t k) {
   if (*viscous != 0.0) losses_share(e, s->past_viscous, p->a[k], p->b[k], *viscous);
   if (*friction != 0.0) losses_share(e, s->past_friction, p->a[k], p->b[k], *friction);
   if (*beyond != 0.0) losses_share(e, s->past_nonconservative_work, p->a[k], p->b[k], *beyond);
-  assert(p->a[k] != PAIR_PADDING || (*viscous == 0.0 && *friction == 0.0 && *beyond == 0.0));
+  assert((*viscous == 0.0 && *friction == 0.0 && *beyond == 0.0) || p->a[k] != PAIR_PADDING);
   *viscous = *friction = *beyond = 0.0;
 }
 
