@@ -1,5 +1,6 @@
 """What the tests of results share: running the program, killing it, and comparing two results."""
 import contextlib
+import functools
 import os
 import pathlib
 import random
@@ -20,6 +21,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 from soak import results  # noqa: E402  what the trials of tools/soak.sh compare by
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 DECK = ROOT / "inputs/three_disk/random.cfg"
+BRIEF = os.environ.get("SLIPDISK_BRIEF") == "1"  # steps are slow, as under sanitizers: see brief.h
 LONG = 600  # seconds after which what a test waits for will not come, however busy the machine
 SETTLE, MEASURE = 20000, 300000
 SERIES, FRAMES, CONTACTS = 1000, 700, 30000
@@ -47,10 +49,14 @@ def run(*words, **more):
     return process.returncode, out, err
 
 
-def steps_for(seconds):
-    """Steps that take about this long with this build (sanitizers are slow), a multiple of 100000.
+def brief(full, less):
+    """What is repeated to try many moments, as BRIEF does in C."""
+    return less if BRIEF else full
 
-    Processor time counts: steps that were counted beside other work would be over too soon once that is done."""
+
+@functools.cache
+def speed():
+    """Steps a second of processor time: beside other work, steps counted by the clock would be over too soon."""
     steps, took, folder = 50000, 0, tempfile.mkdtemp(prefix="slipdisk-speed-")
     while took < 0.3:  # shorter ones are mostly the start and the end
         steps *= 4
@@ -61,7 +67,12 @@ def steps_for(seconds):
         took = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         assert status == 0, err
     shutil.rmtree(folder)
-    return max(2, round(steps / took * seconds / 100000)) * 100000
+    return steps / took
+
+
+def steps_for(seconds):
+    """Steps that take about this long with this build (sanitizers are slow), a multiple of 100000."""
+    return max(2, round(speed() * seconds / 100000)) * 100000
 
 
 @contextlib.contextmanager

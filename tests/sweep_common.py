@@ -27,6 +27,8 @@ motions = (
 );
 measure = { rotation = ["upper"]; sliding = ( { disk = "upper"; partners = ["left", "right"]; } ); };
 """
+# Checkpoints cost more than the steps between them; who is not to be interrupted writes none.
+SELDOM = "-D", "checkpoint=60"
 
 
 def three_disks(sweep, steps=20000, checkpoint=60.0, more=""):
@@ -167,7 +169,7 @@ class ReferenceTest(SweepTest):
         cls.path = cls.where / "deck.cfg"
         cls.path.write_text(text)
         cls.reference = cls.where / "deck.sweep"  # where a sweep goes by itself
-        cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, *words, cwd=cls.where)
+        cls.status, _, cls.err = run("sweep", cls.path, "-j", 2, *words, *SELDOM, cwd=cls.where)
 
     def setUp(self):
         super().setUp()
@@ -186,12 +188,12 @@ class ReferenceTest(SweepTest):
 
     def finish(self, *words):
         """Sweeps what is not done yet."""
-        self.assert_all_done(self.sweep(self.path, *words))
+        self.assert_all_done(self.sweep(self.path, *words, *SELDOM))
         self.assert_same_results(self.out, self.reference)
 
     def sweep_twice_at_once(self, *words):
         """Two sweeps share the points: none is run twice."""
-        both = [start("sweep", self.path, *words, "-o", self.out) for _ in range(2)]
+        both = [start("sweep", self.path, *words, *SELDOM, "-o", self.out) for _ in range(2)]
         said = [p.communicate(timeout=LONG)[1] for p in both]
         self.assertEqual([p.returncode for p in both], [0, 0], said)
         self.assertEqual(sum(text.count("Omega =") for text in said), self.POINTS, said)

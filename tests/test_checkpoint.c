@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include "brief.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
@@ -106,8 +107,10 @@ static void test_every_deck(void **unused) {
       "three_disk/frozen.cfg",    "epo/symmetric.cfg",   "epo/asymmetric.cfg",   "collisions/two_disks.cfg",
       "collisions/disk_wall.cfg", "walls/drum.cfg",      "walls/hopper.cfg",     "packing/heap.cfg"};
   for (size_t k = 0; k < sizeof decks / sizeof *decks; k++)
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; i++) {
+      if (BRIEF(0, (i == 1 || i == 2) == k % 2)) continue; /* each word with half of the decks */
       compare_runs(decks[k], i & 1 ? "verlet" : "gear5", i & 2 ? "conservative" : "paper");
+    }
 }
 
 /* Looking at a simulation changes nothing. */
@@ -150,7 +153,7 @@ static void test_damage_is_found(void **unused) {
   unsigned char *bytes;
   size_t size;
   check(file_read(path, SIZE_MAX, &bytes, &size, messages), messages);
-  for (size_t at = 0; at < size; at += 97) {
+  for (size_t at = 0; at < size; at += BRIEF(97, 397)) {
     bytes[at] ^= 4;
     file_piece piece = {bytes, size};
     check(file_write_atomic(-1, path, 1, &piece, messages), messages);

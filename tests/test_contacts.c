@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "brief.h"
 #include "system.h"
 
 /* lambda of a pair in long double, beta unwrapped from step to step; radius_b < 0: a drum. */
@@ -84,6 +85,7 @@ static void pair_revolves_ten_turns_stuck(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int variant = 0; variant < 2; variant++) {
+      if (BRIEF(0, variant != integrator)) continue;
       const double r = 0.4, q = 0.7, overlap = 1e-3, turn = 2 * M_PI, way = r + q - overlap, phase = 2.9;
       sd_model *m = system_new((sd_integrator)integrator, (sd_variant)variant, 1e-4,
                                (sd_contact_law){.k_n = 1e4, .k_t = 2e3, .gamma_n = 0, .mu = 1e9});
@@ -237,7 +239,7 @@ static void pairs_of_materials_have_their_own_constants(void **unused) {
                                          .gamma_n = 15 * (1 + 0.2 * k),
                                          .mu = 0.02 * (1 + k)};
     }
-  for (int kind = 0; kind < 3; kind++) { /* fixed disks, lines, circles */
+  for (int kind = 0; kind < 3; kind += BRIEF(1, 2)) { /* fixed disks, lines, circles */
     const double speed = 0.1, slide = -0.15, dt = 2e-7;
     sd_model *m = system_new_laws(kind ? SD_GEAR5 : SD_VERLET, SD_CONSERVATIVE, dt, M, laws);
     for (int k = 0; k < M * M; k++) {

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "brief.h"
 #include "deck_runs.h"
 
 #define DT 0x1p-12 /* a power of 2: step * DT is exact */
@@ -492,7 +493,10 @@ static void oscillate(const char *path, size_t n, const char *const *overrides, 
 }
 
 #define EPO SLIPDISK_SOURCE_DIR "/inputs/epo/"
-enum { PERIODS = 298, LAST = 40 }; /* the start is forgotten over pi A w/(2 mu g) = 10 periods */
+enum {
+  PERIODS = BRIEF(298, 6),
+  LAST = BRIEF(40, 6)
+}; /* the start is forgotten over pi A w/(2 mu g) = 10 periods */
 #define LONGER "dt=1e-5", "phases.rest.steps=5e4", "phases.measure.steps=3e6"
 
 static void is_mirrored(const double *x, const double *mirrored) {
@@ -511,7 +515,7 @@ static void equal_limits_do_not_drift(void **unused) {
   double drift = (x[PERIODS] - x[PERIODS - LAST]) / LAST / 0.1;
   print_message("  equal limits: drift %.2g (A w = 0.63); first to last period: %.3g\n", drift,
                 x[PERIODS] - x[0]);
-  between(drift, -1e-9, 1e-9, "drift with equal limits");
+  if (BRIEF(1, 0)) between(drift, -1e-9, 1e-9, "drift with equal limits");
   is_mirrored(x, mirrored);
 }
 
@@ -525,7 +529,7 @@ static void unequal_limits_drift(void **unused) {
   oscillate(EPO "asymmetric.cfg", 5, mirror, PERIODS, mirrored);
   double drift = (x[PERIODS] - x[PERIODS - LAST]) / LAST / 0.1, limit = 0.01 * 20 * M_PI * cos(0.4 * M_PI);
   print_message("  unequal limits: drift %.6f, limit of strong shaking %.6f\n", drift, limit);
-  between(drift / limit, 0.98, 1.02, "drift/its limit");
+  if (BRIEF(1, 0)) between(drift / limit, 0.98, 1.02, "drift/its limit");
   is_mirrored(x, mirrored);
 }
 

@@ -15,10 +15,10 @@ import numpy
 from results_common import (CONTACTS, DECK, FRAMES, LONG, MEASURE, SERIES, SETTLE, Folder, assert_same, deck_arguments, run,
                             start, steps_for, wait_for)
 
-SECONDS = 3  # of a run that is to be interrupted
+SECONDS = 1.5  # of a run that is to be interrupted
 
 
-def long_deck(checkpoint=0.1):
+def long_deck(checkpoint=0.03):
     steps = steps_for(SECONDS)
     return deck_arguments(measure=steps, series=steps // 200, frames=steps // 200, checkpoint=checkpoint)
 

@@ -25,7 +25,7 @@ class Signals(Folder):
         self.assertIn("everything is saved", err)
 
     def test_each_stops_at_a_checkpoint(self):
-        words = deck_arguments(measure=steps_for(3), series=100000, frames=1000000)
+        words = deck_arguments(measure=steps_for(2), series=100000, frames=1000000)
         whole = self.folder / "whole.h5"
         self.run_ok("run", *words, "-o", whole)
         for number in STOPS:

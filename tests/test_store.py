@@ -1,6 +1,8 @@
 """What lies around a run: links, files and folders that come, go and are replaced; checksums of what is finished."""
+import pathlib
 import shutil
 import sys
+import tempfile
 import unittest
 
 import h5py
@@ -67,14 +69,14 @@ class Links(Started):
 class Names(Started):
     """Nothing that is not this run's is overwritten or removed."""
 
-    def setUp(self):
-        super().setUp()
-        self.words = long_deck()
-
-    def whole(self):
-        path = self.folder / "whole.h5"
-        self.run_ok("run", *self.words, "-o", path)
-        return path
+    @classmethod
+    def setUpClass(cls):
+        cls.where = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-store-"))
+        cls.addClassCleanup(shutil.rmtree, cls.where)
+        cls.words = long_deck()
+        cls.undisturbed = cls.where / "whole.h5"
+        status, _, err = run("run", *cls.words, "-o", cls.undisturbed)
+        assert status == 0, err
 
     def ends(self, process, status, text):
         _, err = process.communicate(timeout=300)
@@ -91,7 +93,7 @@ class Names(Started):
         self.assertIn("Move it away", err)
         self.result.unlink()
         self.run_ok("run", *self.words, "-o", self.result)
-        assert_same(self, self.result, self.whole())
+        assert_same(self, self.result, self.undisturbed)
 
     def test_force_replaces_what_was_there(self):
         self.run_ok("run", *SHORT, "-o", self.result)
@@ -105,7 +107,7 @@ class Names(Started):
         self.assertEqual(self.result.read_bytes(), b"mine")
         self.result.write_bytes(old)
         self.run_ok("run", *self.words, "-o", self.result)
-        assert_same(self, self.result, self.whole())
+        assert_same(self, self.result, self.undisturbed)
 
     def test_folder_removed(self):
         process = self.started(*self.words)
@@ -134,7 +136,7 @@ class Names(Started):
         self.result.unlink()
         (self.folder / "moved").rename(self.parts)
         self.run_ok("run", *self.words, "-o", self.result)
-        assert_same(self, self.result, self.whole())
+        assert_same(self, self.result, self.undisturbed)
 
 
 class Checksums(Started):

@@ -11,8 +11,8 @@ import unittest
 import h5py
 
 from results_common import DECK, LONG, assert_same, run, start, steps_for, wait_for
-from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, temporary_folder,
-                          three_disks)
+from sweep_common import (SELDOM, ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions,
+                          temporary_folder, three_disks)
 
 SECONDS = 0.3  # of a point alone: side by side as long as all of them
 TILTS = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); replicas = %d; }'
@@ -154,14 +154,14 @@ class Lanes(ReferenceTest):
 
     def test_part(self):
         """Some points only, as for a task of an array of jobs."""
-        said = self.sweep(self.path, "--point", "1-4")
+        said = self.sweep(self.path, "--point", "1-4", *SELDOM)
         self.assertIn("4 points, 0 done", said)
         self.assertIn("4 of 4 points done", said)
         self.assertEqual(len(results(self.out)), 4)
         self.assertFalse((self.out / "table.csv").exists())
-        self.sweep(self.path, "--point", "4-400", "-j", 2)
+        self.sweep(self.path, "--point", "4-400", "-j", 2, *SELDOM)
         self.assertEqual(len(results(self.out)), 7)
-        self.assertIn("3 of 3 points done", self.sweep(self.path, "--point", "5-7"))
+        self.assertIn("3 of 3 points done", self.sweep(self.path, "--point", "5-7", *SELDOM))
         self.finish()
         for words in "8-9", "3-2", "3-", "a-b", "-3-4":
             self.assertIn("--point", self.sweep(self.path, "--point", words, status=2))

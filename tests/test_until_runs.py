@@ -8,7 +8,7 @@ import unittest
 
 import h5py
 
-from results_common import LONG, SETTLE, Folder, assert_same, deck_arguments, run, start, steps_for, wait_for
+from results_common import LONG, SETTLE, Folder, assert_same, brief, deck_arguments, run, start, steps_for, wait_for
 
 DT = 1e-6
 LEAST = 100000
@@ -144,7 +144,7 @@ class Killed(Until):
         self.assertFalse(self.parts.exists())
 
     def test_while_running(self):
-        for seed in range(2):
+        for seed in range(brief(2, 1)):
             self.assertGreater(self.kill_until_done(self.words, 0.3, seed), 0)
             self.same(self.whole)
             self.assertEqual([p.name for p in self.folder.iterdir()], ["r.h5"])

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "brief.h"
 #include "deck_runs.h"
 
 #define DT 0x1p-12 /* a power of 2: step * DT is exact */
@@ -152,6 +153,7 @@ static void energy_is_balanced(void **unused) {
   const char *const integrators[] = {"gear5", "verlet"};
   for (int w = 0; w < 2; w++)
     for (int i = 0; i < 2; i++) {
+      if (BRIEF(0, i != w)) continue;
       double coarse = floor_residual(integrators[i], 1e-5, waves[w]),
              fine = floor_residual(integrators[i], 2.5e-6, waves[w]);
       print_message("  %-30s %-7s residual/scale %.2g, with a quarter of the step %.2g\n", waves[w],
