@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "slipdisk/deck.h"
+#include "brief.h"
 #include "deck_runs.h"
 
 static const char *const integrators[] = {"gear5", "verlet"};
@@ -190,11 +191,12 @@ static double bouncing_residual(const char *integrator, double dt, double *scale
 static void the_energy_budget_closes(void **unused) {
   (void)unused;
   for (int i = 0; i < 2; i++) {
-    double residual[3], scale = 0;
-    for (int n = 0; n < 3; n++)
+    double residual[3] = {0}, scale = 0;
+    for (int n = 0; n < BRIEF(3, 1); n++)
       residual[n] = bouncing_residual(integrators[i], 4e-5 / (1 << n), &scale) / scale;
     print_message("  %s: largest residual over the scale %.3g at dt = 4e-5, %.3g at 2e-5, %.3g at 1e-5\n",
                   integrators[i], residual[0], residual[1], residual[2]);
+    if (BRIEF(0, 1)) continue;
     between(residual[2], 0, 1e-3, "residual");
     between(residual[0] / residual[2], 3, 1e9, "fall of the residual");
   }
