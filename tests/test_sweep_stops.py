@@ -11,7 +11,7 @@ from results_common import LONG, run, start, steps_for, wait_for
 from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, stamps,
                           three_disks)
 
-SECONDS = 0.4  # of a point that is to be interrupted
+SECONDS = 0.3  # of a point that is to be interrupted
 FOUR = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); }'
 
 
