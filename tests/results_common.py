@@ -23,6 +23,8 @@ PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"
 DECK = ROOT / "inputs/three_disk/random.cfg"
 BRIEF = os.environ.get("SLIPDISK_BRIEF") == "1"  # steps are slow, as under sanitizers: see brief.h
 LONG = 600  # seconds after which what a test waits for will not come, however busy the machine
+# Checkpoints cost more than the steps between them; who is not to be interrupted writes none.
+SELDOM = "-D", "checkpoint=60"
 SETTLE, MEASURE = 20000, 300000
 SERIES, FRAMES, CONTACTS = 1000, 700, 30000
 

@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import LONG, assert_same, run, start, wait_for
+from results_common import LONG, SELDOM, assert_same, run, start, wait_for
 
 THREE = """
 dt = 1e-6;
@@ -27,10 +27,6 @@ motions = (
 );
 measure = { rotation = ["upper"]; sliding = ( { disk = "upper"; partners = ["left", "right"]; } ); };
 """
-# Checkpoints cost more than the steps between them; who is not to be interrupted writes none.
-SELDOM = "-D", "checkpoint=60"
-
-
 def three_disks(sweep, steps=20000, checkpoint=60.0, more=""):
     return (f"{THREE}checkpoint = {checkpoint};\noutput = {{ series = {max(steps // 20, 1)}; }};\n"
             f"phases = ( {{ name = \"measure\"; steps = {steps}; }} );\n{more}sweep = {sweep};\n")

@@ -1,14 +1,14 @@
 """kill -9 at random moments, again and again: the result is that of a run that was left alone."""
 import unittest
 
-from results_common import Folder, assert_same, brief, deck_arguments, steps_for
+from results_common import SELDOM, Folder, assert_same, brief, deck_arguments, steps_for
 
 
 class Kill(Folder):
     def test_while_running(self):
         words = deck_arguments(measure=steps_for(2), series=10000, frames=10000, checkpoint=0.02)
         whole = self.folder / "whole.h5"
-        self.run_ok("run", *words, "-o", whole)
+        self.run_ok("run", *words, *SELDOM, "-o", whole)
         for seed in range(brief(3, 1)):
             kills = self.kill_until_done(words, 0.5, seed)
             self.assertGreater(kills, 0)

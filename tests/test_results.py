@@ -12,8 +12,8 @@ import unittest
 import h5py
 import numpy
 
-from results_common import (CONTACTS, DECK, FRAMES, LONG, MEASURE, SERIES, SETTLE, Folder, assert_same, deck_arguments, run,
-                            start, steps_for, wait_for)
+from results_common import (CONTACTS, DECK, FRAMES, LONG, MEASURE, SELDOM, SERIES, SETTLE, Folder, assert_same,
+                            deck_arguments, run, start, steps_for, wait_for)
 
 SECONDS = 1.5  # of a run that is to be interrupted
 
@@ -246,7 +246,7 @@ class Stopped(Started):
         cls.where = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-results-"))
         cls.whole = cls.where / "whole.h5"
         cls.words = long_deck()
-        status, _, err = run("run", *cls.words, "-o", cls.whole)
+        status, _, err = run("run", *cls.words, *SELDOM, "-o", cls.whole)
         assert status == 0, err
 
     @classmethod
@@ -341,7 +341,7 @@ class Stopped(Started):
         data = bytearray(newest.read_bytes())
         data[len(data) // 2] ^= 1
         newest.write_bytes(data)
-        out, err = self.run_ok("run", *self.words, "-o", self.result)
+        out, err = self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         self.assertIn("damaged", err)
         assert_same(self, self.result, self.whole)
 
@@ -366,7 +366,7 @@ class Stopped(Started):
         wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0)
         self.stop(process)
         self.assertEqual(self.result.read_bytes(), before)
-        self.run_ok("run", *self.words, "-o", self.result)
+        self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         assert_same(self, self.result, self.whole)
 
     def test_kill_between_result_and_removal(self):
@@ -374,9 +374,9 @@ class Stopped(Started):
         self.stop(process)
         copy = self.folder / "copy"
         shutil.copytree(self.parts, copy)
-        self.run_ok("run", *self.words, "-o", self.result)
+        self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         copy.rename(self.parts)
-        _, err = self.run_ok("run", *self.words, "-o", self.result)
+        _, err = self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         self.assertIn("finished already", err)
         self.assertFalse(self.parts.exists())
 

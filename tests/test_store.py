@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import assert_same, changed, deck_arguments, run, start, wait_for
+from results_common import SELDOM, assert_same, changed, deck_arguments, run, start, wait_for
 from test_results import Started, long_deck
 
 SHORT = deck_arguments(settle=1000, measure=20000)
@@ -75,7 +75,7 @@ class Names(Started):
         cls.addClassCleanup(shutil.rmtree, cls.where)
         cls.words = long_deck()
         cls.undisturbed = cls.where / "whole.h5"
-        status, _, err = run("run", *cls.words, "-o", cls.undisturbed)
+        status, _, err = run("run", *cls.words, *SELDOM, "-o", cls.undisturbed)
         assert status == 0, err
 
     def ends(self, process, status, text):
@@ -92,7 +92,7 @@ class Names(Started):
         self.assertEqual(status, 2, err)
         self.assertIn("Move it away", err)
         self.result.unlink()
-        self.run_ok("run", *self.words, "-o", self.result)
+        self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         assert_same(self, self.result, self.undisturbed)
 
     def test_force_replaces_what_was_there(self):
@@ -106,7 +106,7 @@ class Names(Started):
         self.assertEqual(status, 2, err)
         self.assertEqual(self.result.read_bytes(), b"mine")
         self.result.write_bytes(old)
-        self.run_ok("run", *self.words, "-o", self.result)
+        self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         assert_same(self, self.result, self.undisturbed)
 
     def test_folder_removed(self):
@@ -115,7 +115,7 @@ class Names(Started):
         shutil.rmtree(self.parts, ignore_errors=True)  # a file may have come meanwhile
         self.ends(process, 4, "was removed or replaced")
         self.assertFalse(self.result.exists())
-        self.run_ok("run", *self.words, "-o", self.result)
+        self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
 
     def test_folder_of_another_run(self):
         """The folder is moved away and another run started under the same name."""
@@ -130,12 +130,12 @@ class Names(Started):
             steps = file["observables/work/step"][()]
             self.assertTrue((numpy.diff(steps) > 0).all())
         other = self.folder / "other.h5"
-        self.run_ok("run", *self.words, "-D", "seed=2", "-o", other)
+        self.run_ok("run", *self.words, *SELDOM, "-D", "seed=2", "-o", other)
         assert_same(self, self.result, other)
         # and the first goes on where its folder is
         self.result.unlink()
         (self.folder / "moved").rename(self.parts)
-        self.run_ok("run", *self.words, "-o", self.result)
+        self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         assert_same(self, self.result, self.undisturbed)
 
 

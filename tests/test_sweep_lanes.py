@@ -10,8 +10,8 @@ import unittest
 
 import h5py
 
-from results_common import DECK, LONG, assert_same, run, start, steps_for, wait_for
-from sweep_common import (SELDOM, ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions,
+from results_common import DECK, LONG, SELDOM, assert_same, run, start, steps_for, wait_for
+from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions,
                           temporary_folder, three_disks)
 
 SECONDS = 0.3  # of a point alone: side by side as long as all of them

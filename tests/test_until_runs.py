@@ -8,7 +8,8 @@ import unittest
 
 import h5py
 
-from results_common import LONG, SETTLE, Folder, assert_same, brief, deck_arguments, run, start, steps_for, wait_for
+from results_common import (LONG, SELDOM, SETTLE, Folder, assert_same, brief, deck_arguments, run, start, steps_for,
+                            wait_for)
 
 DT = 1e-6
 LEAST = 100000
@@ -129,7 +130,7 @@ class Killed(Until):
                              checkpoint=0.02)
         cls.where = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-until-"))
         cls.whole = cls.where / "whole.h5"
-        status, _, err = run("run", *cls.words, "-o", cls.whole)
+        status, _, err = run("run", *cls.words, *SELDOM, "-o", cls.whole)
         assert status == 0, err
 
     @classmethod
