@@ -153,7 +153,7 @@ void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, s
                 sd_messages *messages) {
   /* a damaged number does not get to ask for memory */
   if (*status == SD_OK) *status = h5_check(file, path, n, messages);
-  void *data = *status == SD_OK ? calloc(n + 1, sd_type_size(type)) : NULL;
+  void *data = *status == SD_OK ? calloc(n ? n : 1, sd_type_size(type)) : NULL;
   if (*status == SD_OK)
     *status = data ? h5_get(file, path, type, n, data, messages)
                    : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);

@@ -240,7 +240,7 @@ static void check_chunk_rows(const engine *e) {
   for (size_t k = 0; k < c->count; k++)
     assert(c->row[k] < c->rows && c->row[k] + (c->begin[k + 1] - c->begin[k]) <= c->rows);
   if (!c->shares) assert(c->rows == e->state->n_free);
-  size_t *life = c->shares ? malloc(2 * c->count * sizeof *life) : NULL;
+  size_t *life = c->shares ? malloc((2 * c->count + 1) * sizeof *life) : NULL;
   if (life) check_lifetimes(c, life, life + c->count);
   free(life);
 }
