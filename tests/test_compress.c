@@ -249,7 +249,7 @@ static void test_energy(void **unused) {
     residual[k] = fabs(e.residual) / e.work;
     print_message(
         "  dt %g: work %.4g, elastic %.4g, viscous %.4g, friction %.4g, opening %.2g, residual/work %.2g\n",
-        r.dt, e.work, e.elastic_normal + e.elastic_skin, e.viscous, e.friction, e.opening,
+        r.dt, e.work, e.elastic_normal + e.elastic_tangential, e.viscous, e.friction, e.opening,
         e.residual / e.work);
     assert_true(e.work > 0.0 && e.friction > 0.01 * e.work && e.elastic_normal > 0.1 * e.work);
     end_run(sim, m);

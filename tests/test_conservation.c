@@ -55,9 +55,10 @@ static void closed_ratchet_loop(void **unused) {
           work -= (b.force_x * b.vx + b.force_y * b.vy) * dt / LOOPS;
         }
         sd_energy to = sd_simulation_energy(s);
-        double scale = from.elastic_skin + from.elastic_normal;
-        double booked = (to.work - from.work) / LOOPS, gain = (to.variant - from.variant) / LOOPS;
-        double elastic = (to.elastic_skin + to.elastic_normal) - scale;
+        double scale = from.elastic_tangential + from.elastic_normal;
+        double booked = (to.work - from.work) / LOOPS,
+               gain = (to.nonconservative_work - from.nonconservative_work) / LOOPS;
+        double elastic = (to.elastic_tangential + to.elastic_normal) - scale;
         double expected = variant == SD_PAPER ? loop_gain(LOOP_STEPS, sense) : 0;
         print_message(
             "%s, %s: work per loop %.3e (booked %.3e), the paper's force %.3e, energy %.1e of %.1e\n",
@@ -82,7 +83,7 @@ static totals totals_of(sd_simulation *s) {
   totals sum = {0};
   const sd_model *m = sd_simulation_model(s);
   sd_energy e = sd_simulation_energy(s);
-  sum.energy = e.kinetic_translation + e.kinetic_rotation + e.elastic_normal + e.elastic_skin;
+  sum.energy = e.kinetic_translation + e.kinetic_rotation + e.elastic_normal + e.elastic_tangential;
   for (uint32_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     system_body b = system_at(s, i);
@@ -125,7 +126,7 @@ static drift free_pair(sd_integrator integrator, sd_variant variant, double dt) 
     d.momentum = fmax(d.momentum, hypot(now.px - from.px, now.py - from.py));
     d.angular = now.angular - from.angular;
   }
-  d.energy_end = sd_simulation_energy(s).variant / scale;
+  d.energy_end = sd_simulation_energy(s).nonconservative_work / scale;
   system_end(s);
   return d;
 }
@@ -237,7 +238,7 @@ static double budget(scene *make, int integrator, int variant, double dt) {
   sd_energy e = sd_simulation_energy(s);
   total = e.scale;
   assert_true(e.viscous > 0 && e.friction > 0 && total > 1e-3);
-  assert_true(variant == SD_PAPER || e.variant == 0);
+  assert_true(variant == SD_PAPER || e.nonconservative_work == 0);
   system_end(s);
   return fabs(e.residual) / total;
 }

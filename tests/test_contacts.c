@@ -33,7 +33,7 @@ static double own_stretch(own_lambda *own, const system_body *a, const system_bo
 /* At the coordinates of the state, from the energy that is stored there: with Gear forces act at the predicted ones. */
 static double stored_zeta(sd_simulation *s, const system_contact *c) {
   const double k_t = sd_simulation_model(s)->laws[0].k_t;
-  return copysign(sqrt(2 * sd_simulation_energy(s).elastic_skin / k_t), c->stretch);
+  return copysign(sqrt(2 * sd_simulation_energy(s).elastic_tangential / k_t), c->stretch);
 }
 
 /* Compares with the engine for n steps. Returns the turns of the contact line. */

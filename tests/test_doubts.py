@@ -145,7 +145,8 @@ class Sweeps(SweepTest):
     """The same doubts of points, side by side or not, and the exit status of the whole."""
 
     def test_table(self):
-        deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 2e-3, 5e-3); } ); }', 50000))
+        deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 2e-3, 5e-3); } ); }', 50000,
+                                     more="limits = { residual = 1e-3; };\n"))
         for words in ("-j", 2), ("--force",), ("-j", 2, "--no-lanes", "--force"):
             said = self.sweep(deck, *words, "--quiet", status=IN_DOUBT)
             self.assertEqual(said.count(OPEN), 1, said)

@@ -199,7 +199,7 @@ static void go_round(const round_trip *trip, sd_integrator integrator, const cha
     most = fmax(most, fabs(f.zeta));
   }
   sd_energy energy = sd_simulation_energy(s);
-  double scale = fabs(energy.work) + energy.elastic_skin, residual = (energy.residual - hole) / scale;
+  double scale = fabs(energy.work) + energy.elastic_tangential, residual = (energy.residual - hole) / scale;
   print_message("%s: stretch up to %.3g, error %.1e; energy residual %.1e, and %.1e at joints\n", what, most,
                 worst, residual, hole / scale);
   assert_true(fabs(residual) < 2e-6);

@@ -19,7 +19,7 @@
 enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
 
 typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
-/* Tangential force on the centres: the paper's tau, or tau (R_a+R_b)/r which derives from the skin energy. */
+/* Tangential force on the centres: the paper's tau, or tau (R_a+R_b)/r which derives from the tangential energy. */
 typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
 
 /* Constants of the contact law for one pair of materials (eq. 2, tau, 36). */
@@ -305,7 +305,7 @@ SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char
 /* Of all phases; with `until` it is the most that there can be. */
 SD_API int64_t sd_model_steps(const sd_model *model);
 
-/* The least of 2 pi/omega over pairs of touching materials: normal spring, skin with rotation, per disk.
+/* The least of 2 pi/omega over pairs of touching materials: normal spring, tangential spring with rotation, per disk.
  * sd_model_shortest_period writes which disk it is (may be NULL). */
 SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
 

@@ -9,15 +9,15 @@
 typedef struct sd_simulation sd_simulation;
 
 /* Energies and their changes since step 0 (physics.md 9). All in units of energy.
- * residual = (kinetic + elastic_normal + elastic_skin + external) - start
- *            - (work + variant) + viscous + friction + opening + relaxed, ideally 0. */
+ * residual = (kinetic + elastic_normal + elastic_tangential + external) - start
+ *            - (work + nonconservative_work) + viscous + friction + opening + relaxed, ideally 0. */
 typedef struct sd_energy {
   double kinetic_translation, kinetic_rotation; /* of coordinates that are neither driven nor locked */
-  double elastic_normal, elastic_skin;
+  double elastic_normal, elastic_tangential;
   double external; /* potential of gravity and constant body forces */
   double start;    /* the sum of the above at step 0, and what disks brought or took along since */
   double work;     /* done by prescribed bodies and coordinates, and by compression */
-  double variant;  /* put in by the paper's variant of the tangential force */
+  double nonconservative_work;       /* put in by the paper's variant of the tangential force */
   double viscous, friction, opening; /* lost */
   double relaxed;                    /* taken out by the relaxer */
   double residual;

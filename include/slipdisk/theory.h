@@ -105,7 +105,7 @@ typedef struct sd_sliding {
 
 /* Periodic solution of I dOmega/dt = torque of the TEP of the current signs of sliding: (23)-(24), (32)-(33)
  * and what they become at other phases. Where a torque outruns a support the contact sticks (Coulomb friction
- * with a rigid skin) instead. SD_ERROR_USER: values out of range, or a configuration without a compressive, stable TEP;
+ * with a rigid tangential spring) instead. SD_ERROR_USER: values out of range, or a configuration without a compressive, stable TEP;
  * SD_ERROR_NUMERIC: no root was found. */
 SD_API sd_status sd_sliding_solve(const sd_three_disk *disk, const sd_drive *drive, sd_sliding *out,
                                   sd_messages *messages);

@@ -176,14 +176,18 @@ static size_t count_free(const sd_model *m, int material) {
 
 static void print_one_restitution(const sd_model *m, int a, int b, double mass, const char *what) {
   const sd_contact_law *law = sd_model_law(m, a, b);
-  if (law->normal != SD_NORMAL_LINEAR) {
-    if (law->gamma_n == 0.0)
-      printf("# restitution \"%s\" on \"%s\": e = %g at any speed\n", m->materials[a].name,
-             m->materials[b].name, law->restitution > 0.0 ? law->restitution : 1.0);
-    return;
-  }
   printf("# restitution \"%s\" on \"%s\": e = %.4f (%s, effective mass %.4g)\n", m->materials[a].name,
          m->materials[b].name, sd_restitution(law->k_n, law->gamma_n, mass).restitution, what, mass);
+}
+
+/* Of Hertz' law it is that of the deck, whatever the masses. */
+static void print_given_restitution(const sd_model *m, int a, int b) {
+  const sd_contact_law *law = sd_model_law(m, a, b);
+  printf("# restitution \"%s\" on \"%s\": ", m->materials[a].name, m->materials[b].name);
+  if (law->gamma_n > 0.0)
+    printf("depends on the speed\n");
+  else
+    printf("e = %g at any speed\n", law->restitution > 0.0 ? law->restitution : 1.0);
 }
 
 static void print_restitution(const sd_model *m) {
@@ -191,6 +195,10 @@ static void print_restitution(const sd_model *m) {
     for (int b = a; b < (int)m->n_materials; b++) {
       double ma = typical_mass(m, a), mb = typical_mass(m, b);
       if (sd_model_law(m, a, b)->k_n <= 0) continue;
+      if (sd_model_law(m, a, b)->normal != SD_NORMAL_LINEAR) {
+        print_given_restitution(m, a, b);
+        continue;
+      }
       size_t enough = a == b ? 2 : 1;
       if (count_free(m, a) >= enough && count_free(m, b) >= enough)
         print_one_restitution(m, a, b, ma * mb / (ma + mb), "two free disks");

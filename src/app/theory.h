@@ -30,7 +30,7 @@ typedef struct theory_case {
   double t_g;    /* sqrt(2 R/g), g = weight/mass */
   double offset; /* from where the deck puts the upper disk to where it just touches both supports */
   double support_radius[2];
-  double skin[2];   /* stiffness k_t of each contact */
+  double k_t[2];    /* stiffness k_t of each contact */
   double stiffness; /* the smaller k_n */
   bool swapped;     /* the deck names the right support first: its S+- is S-+ here */
   bool locked;      /* the upper disk cannot turn */

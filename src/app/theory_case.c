@@ -212,16 +212,15 @@ static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper,
   for (int k = 0; k < 2; k++) {
     const sd_contact_law *law = sd_model_law(m, m->disks[upper].material, m->disks[support[k]].material);
     mu[k] = law->mu;
-    c->skin[k] = law->k_t;
+    c->k_t[k] = law->k_t;
     c->stiffness = k == 0 ? law->k_n : fmin(c->stiffness, law->k_n);
     c->support_radius[k] = m->disks[support[k]].radius;
   }
   c->disk.mu = mu[0];
-  if (!(c->skin[0] > 0 && c->skin[1] > 0))
-    return sd_fail(
-        messages, SD_ERROR_USER,
-        "%s: theory: the contacts of %s have no skin (k_t = 0), hence no friction; expected k_t > 0",
-        sd_model_deck(m)->path, c->upper);
+  if (!(c->k_t[0] > 0 && c->k_t[1] > 0))
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s: theory: the contacts of %s have k_t = 0, hence no friction; expected k_t > 0",
+                   sd_model_deck(m)->path, c->upper);
   if (mu[0] != mu[1])
     return sd_fail(messages, SD_ERROR_USER,
                    "%s: theory: the contacts of %s with %s and %s have mu = %g and %g; expected the same",

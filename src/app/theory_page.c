@@ -122,11 +122,11 @@ static void print_drive(FILE *out, const theory_case *c, const theory_result *r)
        "the centre is at its equilibria in time where this is small");
   for (int i = 0; i < 2; i++) {
     double stroke = d->amplitude[i] * d->support_radius[i];
-    double slip = c->disk.mu * fmax(r->tep[SD_PP].normal[i], r->tep[SD_MM].normal[i]) / c->skin[i];
+    double slip = c->disk.mu * fmax(r->tep[SD_PP].normal[i], r->tep[SD_MM].normal[i]) / c->k_t[i];
     if (!(slip > 0.1 * stroke) || !(stroke > 0)) continue;
-    snprintf(note, sizeof note, "of support %d's stroke %.3g: the rigid skin below is no good", i + 1,
+    snprintf(note, sizeof note, "of support %d's stroke %.3g: the rigid spring below is no good", i + 1,
              stroke);
-    line(out, "skin's stretch mu n/k_t", slip, note);
+    line(out, "zeta at slip, mu n/k_t", slip, note);
   }
 }
 
@@ -176,7 +176,8 @@ static void print_formulas(FILE *out, const theory_case *c, const theory_result 
 
 static void print_solution(FILE *out, const sd_sliding *s) {
   fprintf(out, "\nperiodic solution: %s\n",
-          s->permanent ? "permanent sliding" : "NOT permanent: contacts stick at times (rigid skin)");
+          s->permanent ? "permanent sliding"
+                       : "NOT permanent: contacts stick at times (rigid tangential spring)");
   fprintf(out, "  %-34s %14s %14s\n", "", "time", "of the period");
   for (int k = 0; k < 4; k++)
     fprintf(out, "  T%-33s %14.8g %14.8g\n", theory_configurations[k], s->duration[k],

@@ -253,7 +253,7 @@ static void complete(const configuration *c, config_contact *k) {
   k->lx = free ? d[0] : to_point * k->nx;
   k->ly = free ? d[1] : to_point * k->ny;
   double tau = isfinite(k->tau) ? k->tau : 0.0;
-  /* at corners of walls the skin's force is that of its energy in both variants (kernel_pairs.c) */
+  /* at corners of walls the tangential force is that of its energy in both variants (kernel_pairs.c) */
   if ((corner || (m->variant == SD_CONSERVATIVE && !straight)) && r > 0.0) tau *= fabs(sum) / r;
   k->fx = k->force * k->nx + tau * k->ny;
   k->fy = k->force * k->ny - tau * k->nx;

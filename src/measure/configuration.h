@@ -42,7 +42,7 @@ typedef struct config_contact {
   double nx, ny;       /* unit vector from a to b's surface */
   double lx, ly;       /* branch vector: to b's centre, or to the surface of a wall or prescribed disk */
   double x, y;         /* the point of contact */
-  double fx, fy;       /* force on b, without the skin's where tau is NAN */
+  double fx, fy;       /* force on b, without the tangential one where tau is NAN */
   double overlap, force, tau, mu;
   int slide;
 } config_contact;
@@ -56,7 +56,7 @@ typedef struct configuration {
   size_t n_waiting, n_removed;
   double length[2];  /* of the periodic box, 0 where it is open */
   bool recomputed;   /* contacts were not stored */
-  bool frictionless; /* no pair of materials has a skin and mu > 0 */
+  bool frictionless; /* no pair of materials has k_t > 0 and mu > 0 */
   size_t n_contacts;
   config_contact *contacts;
 } configuration;

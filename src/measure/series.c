@@ -6,21 +6,19 @@
 
 /* --- energies ------------------------------------------------------------------------------------------ */
 
-#define ENERGY(field, meaning, column) ENERGY_NAMED(#field, field, meaning, column)
-#define ENERGY_NAMED(name, field, meaning, column)                                                           \
-  { name, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL, NULL }
+#define ENERGY(field, meaning, column)                                                                       \
+  { #field, "energy", meaning, OBSERVABLE_F64, 1, offsetof(sd_energy, field), NULL, column, NULL, NULL }
 
 static const observable energies[] = {
     ENERGY(kinetic_translation, "kinetic energy of the free coordinates, translation", "kinetic_translation"),
     ENERGY(kinetic_rotation, "kinetic energy of the free coordinates, rotation", "kinetic_rotation"),
     ENERGY(elastic_normal, "elastic energy of the normal springs", NULL),
-    ENERGY_NAMED("elastic_tangential", elastic_skin, "elastic energy of the tangential springs", NULL),
+    ENERGY(elastic_tangential, "elastic energy of the tangential springs", NULL),
     ENERGY(external, "potential energy of gravity and constant body forces", NULL),
     ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since", NULL),
     ENERGY(work, "work done by prescribed bodies and coordinates, and by compression, since step 0", "work"),
-    ENERGY_NAMED("nonconservative_work", variant,
-                 "work of the paper's tangential force that does not derive from its energy, since step 0",
-                 NULL),
+    ENERGY(nonconservative_work,
+           "work of the paper's tangential force that does not derive from its energy, since step 0", NULL),
     ENERGY(viscous, "energy lost to viscosity since step 0", "viscous"),
     ENERGY(friction, "energy lost to sliding since step 0", "friction"),
     ENERGY(opening, "energy left in contacts that opened since step 0", NULL),

@@ -18,7 +18,7 @@ static const deck_key law_keys[] = {
     {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)",
      SETS(sd_contact_law, mu)},
     {"restitution", NUMBER(DECK_UP_TO_1, "-"), "-", NULL,
-     "hertz: coefficient of restitution e < 1, at any speed; its damping is added to gamma_n",
+     "hertz: coefficient of restitution e at any speed (1: none of its damping), which is added to gamma_n",
      SETS(sd_contact_law, restitution)},
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);

@@ -101,13 +101,13 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
     for (size_t b = 0; b < m->n_materials; b++) {
       const sd_contact_law *law = sd_model_law(m, d->material, (int)b);
       if (!law_is_given(law)) continue;
-      /* Two supports at most add their stiffnesses in one direction; skin and rotation: physics.md 4. */
+      /* Two supports at most add their stiffnesses in one direction; tangential spring and rotation: physics.md 4. */
       bool still = d->locked[SD_X] && d->locked[SD_Y];
       double inverse_mass = still ? 0.0 : 1.0 / d->mass;
       double inverse_inertia = d->locked[SD_THETA] ? 0.0 : d->radius * d->radius / d->inertia;
       double normal = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass;
-      double skin = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0;
-      double w2 = fmax(normal, skin);
+      double tangential = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0;
+      double w2 = fmax(normal, tangential);
       if (w2 > fastest) {
         fastest = w2;
         if (disk) *disk = i;

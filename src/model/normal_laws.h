@@ -7,7 +7,8 @@
  * and over lanes
  *   NAME_elastic(k, delta)    force without damping
  *   NAME_damping(gamma_n, tsuji, delta)  coefficient of the damping force -gamma u_n
- * All laws are central; tau turns both bodies in the same sense (times their radii), a moment in opposite ones.
+ * Normal forces act along the line of centres and turn nothing. The tangential tau turns both bodies in the same sense, times
+ * their radii (SUM_TURN of physics/system/work.h); a moment that turned them in opposite ones would need a row of its own there.
  *
  * The rows are read once; the text over lanes once per LANE_WIDTH, after base/lane.h.
  */

@@ -76,7 +76,9 @@ static inline void check_square(const sd_motion *q, double dt, const char *name,
     sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: expected a number > 0, at most 1", name,
             q->rise);
   else if (steps < least)
-    sd_fail(messages, SD_ERROR_USER, "motion \"%s\": rise = %g: it takes %.3g steps, expected %g or more",
+    sd_fail(messages, SD_ERROR_USER,
+            "motion \"%s\": rise = %g: a change of sides takes %.3g steps, expected %g or more: a larger "
+            "rise or a smaller dt",
             name, q->rise, steps, least);
 }
 

@@ -102,7 +102,9 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   return SD_OK;
 }
 
-static double potential(const sd_energy *e) { return e->elastic_normal + e->elastic_skin + e->external; }
+static double potential(const sd_energy *e) {
+  return e->elastic_normal + e->elastic_tangential + e->external;
+}
 
 sd_status compress_step(engine *e, sd_messages *messages) {
   sd_state *s = e->state;

@@ -28,7 +28,7 @@ static void add_disks(const engine *e, sd_energy *sum) {
     sum->viscous += s->past_viscous[i];
     sum->friction += s->past_friction[i];
     sum->opening += s->loss_opening[i];
-    sum->variant += s->past_nonconservative_work[i];
+    sum->nonconservative_work += s->past_nonconservative_work[i];
   }
 }
 
@@ -47,21 +47,21 @@ sd_energy energy_of(const engine *e) {
     }
     const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
     sum.elastic_normal += law_energy(law, delta);
-    sum.elastic_skin += 0.5 * law->k_t * zeta * zeta;
+    sum.elastic_tangential += 0.5 * law->k_t * zeta * zeta;
     sum.viscous += PAIR(p, k, viscous);
     sum.friction += PAIR(p, k, friction);
-    sum.variant += PAIR(p, k, nonconservative_work);
+    sum.nonconservative_work += PAIR(p, k, nonconservative_work);
   }
   sum.start = e->state->energy_start;
   sum.work = e->state->work_driven;
   sum.relaxed = e->state->relaxed;
-  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.variant) +
+  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) +
                  (sum.viscous + sum.friction + sum.opening + sum.relaxed);
   /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale; at
    * rest it is what rounding can do to the energies that are there */
   double done =
       fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening) + fabs(sum.relaxed);
-  double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_skin + fabs(sum.external));
+  double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_tangential + fabs(sum.external));
   sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;
 }

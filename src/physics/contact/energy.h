@@ -10,7 +10,8 @@ sd_energy energy_of(const engine *e);
 
 /* What the system holds now: kinetic, elastic and external. */
 static inline double energy_total(const sd_energy *e) {
-  return e->kinetic_translation + e->kinetic_rotation + e->elastic_normal + e->elastic_skin + e->external;
+  return e->kinetic_translation + e->kinetic_rotation + e->elastic_normal + e->elastic_tangential +
+         e->external;
 }
 
 #endif
