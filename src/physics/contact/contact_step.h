@@ -123,7 +123,7 @@ LANE_INLINE LANE(real)
   return gamma;
 }
 
-/* What a contact remembers; sd_contact_record without its sums. */
+/* Record of a contact (sd_contact_record) without its sums. */
 typedef struct LANE(contact_memory) {
   LANE(real) lambda_ref, ex, ey, force, overlap, zeta, turned;
 } LANE(contact_memory);

@@ -131,7 +131,7 @@ static bool stands_before(const pairs *p, size_t k, const pairs *q, size_t n) {
   return p->part[k] < q->part[n];
 }
 
-/* What is left in the old list is of contacts that end. */
+/* Losses left in the old list are those of contacts that end. */
 static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(to, n, record[c]) = PAIR(from, k, record[c]);
   to->side[n] = from->side[k];

@@ -6,7 +6,7 @@
 
 #include "physics/system/work.h"
 
-/* Incidence, seats, sums and shares of the present pairs. */
+/* Incidence, rows and shares of the present pairs. */
 sd_status pairs_list(engine *e);
 void pairs_list_free(engine *e);
 /* Before forces are added: nothing acts on any body. */
