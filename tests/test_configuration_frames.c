@@ -37,12 +37,12 @@ static void frame_of(frame_data *f, const sd_model *m, const sd_state *s, bool c
 }
 
 /* Disks in a tilted trough of all kinds of walls, one of which turns. */
-static sd_simulation *trough(const char *integrator, const char *variant) {
+static sd_simulation *trough(const char *integrator, const char *variant, double gamma_n) {
   text t = {0};
   text_add(&t,
            "dt = 1e-4; integrator = \"%s\"; contact_variant = \"%s\"; gravity = { g = 10.0; tilt = 0.1; };\n",
            integrator, variant);
-  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e6; k_t = 6e5; gamma_n = 500.0; mu = 0.4; } );\n");
+  text_add(&t, "materials = ( { name = \"m\"; k_n = 1e6; k_t = 6e5; gamma_n = %g; mu = 0.4; } );\n", gamma_n);
   text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 10.0; rows = (");
   uint64_t seed = 3;
   for (int k = 0; k < 40; k++) {
@@ -98,7 +98,7 @@ static unsigned compare_forces(sd_simulation *sim, const char *what) {
 static void test_forces_of_a_run(void **state) {
   (void)state;
   for (int v = 0; v < 2; v++) {
-    sd_simulation *sim = trough("verlet", system_variants[v]);
+    sd_simulation *sim = trough("verlet", system_variants[v], 500.0);
     const sd_model *m = sd_simulation_model(sim);
     unsigned touched = 0;
     for (int k = 0; k < 15; k++) {
@@ -118,10 +118,10 @@ static int by_bodies(const void *x, const void *y) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* Contacts that are found again are those that were stored. With velocity Verlet at the same coordinates, but with corrected
- * velocities instead of predicted ones; with Gear coordinates are corrected, too. */
-static void recompute(const char *integrator, double bound, double bound_n, double bound_f) {
-  sd_simulation *sim = trough(integrator, "paper");
+/* Contacts that are found again are those that were stored. With velocity Verlet and no viscosity to rounding; with Gear but
+ * for the correction of one step, which the damping multiplies. */
+static void recompute(const char *integrator, double gamma_n, double bound, double bound_n, double bound_f) {
+  sd_simulation *sim = trough(integrator, "paper", gamma_n);
   const sd_model *m = sd_simulation_model(sim);
   advance(sim, 7000);
   frame_data f[2];
@@ -137,7 +137,7 @@ static void recompute(const char *integrator, double bound, double bound_n, doub
     const config_contact *p = &c[0].contacts[k], *q = &c[1].contacts[k];
     assert_int_equal(by_bodies(p, q), 0);
     SYSTEM_NEAR(q->overlap, p->overlap, bound, "overlap %u %u", p->a, p->b);
-    SYSTEM_NEAR(q->force, p->force, bound_f * (1.0 + p->force), "force %u %u", p->a, p->b);
+    SYSTEM_NEAR(q->force, p->force, 1e-7 + bound_f * (1.0 + p->force), "force %u %u", p->a, p->b);
     SYSTEM_NEAR(q->nx, p->nx, bound_n, "direction %u %u", p->a, p->b);
     assert_true(isnan(q->tau) && isfinite(p->tau));
   }
@@ -151,8 +151,8 @@ static void recompute(const char *integrator, double bound, double bound_n, doub
 
 static void test_recomputed_contacts(void **state) {
   (void)state;
-  recompute("verlet", 1e-13, 1e-12, 5e-3);
-  recompute("gear5", 1e-8, 1e-10, 1e-3);
+  recompute("verlet", 0.0, 1e-13, 1e-12, 0.0);
+  recompute("gear5", 500.0, 1e-8, 1e-10, 1e-3);
 }
 
 /* Disks that wait or were removed are not there; numbers are those of the deck. */

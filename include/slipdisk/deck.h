@@ -4,7 +4,7 @@
 
 #include "slipdisk/model.h"
 
-/* What a deck says besides physics. */
+/* Contents of a deck besides physics. */
 typedef struct sd_deck {
   char *path;                /* as given */
   char *text;                /* as read */

@@ -285,7 +285,7 @@ static const option_row rows[] = {
 static const command_line accepts = {"info",         sizeof rows / sizeof *rows, rows,
                                      OPERAND_RESULT, offsetof(arguments, name),  true};
 
-/* What is measured: the section "Names" of docs/results.md. */
+/* All observables: the section "Names" of docs/results.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
       &energy_observables,     &series_observables,     &frame_observables,    &contact_observables,

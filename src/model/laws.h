@@ -11,7 +11,7 @@ extern const deck_table law_table;
 /* The pair of materials has a law, be it one with mistakes. */
 static inline bool law_is_given(const sd_contact_law *law) { return law->k_n != 0.0; }
 
-/* What is made of a material. */
+/* Bodies made of a material. */
 typedef struct law_use {
   size_t count; /* disks and walls */
   bool free_disk;

@@ -1,6 +1,6 @@
 /* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See deck_tree.h.
  *
- * What it says about space (region, periodic box, interior) is needed before disks are read; its walls and the
+ * Its part about space (region, periodic box, interior) is needed before disks are read; its walls and the
  * disks of its floor come after those of the deck, so that these keep their numbers.
  */
 #include <math.h>

@@ -8,7 +8,7 @@
 signals *motion_signals(const engine *e);
 /* The motion whose signal is term t of a coordinate. */
 size_t motion_term(const engine *e, const prescribed *p, size_t t);
-/* What is taken off the sum of a coordinate's signals (turn or image), and what is added then. */
+/* Offset taken off the sum of a coordinate's signals (turn or image), and the base that is added then. */
 void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, double *base);
 /* Turns stay within half of 8 rad, positions within the box. */
 bool motion_in_range(const engine *e, int coordinate, double at);

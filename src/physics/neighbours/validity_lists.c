@@ -78,7 +78,7 @@ static bool is_zero(const sd_contact_record *r) {
 #undef ZERO
 }
 
-/* What is carried over, and nothing else. Before the first step it may come from a file. */
+/* The record that lists carry over. Before the first step it may come from a file. */
 static void check_memory(const engine *e) {
   const pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {

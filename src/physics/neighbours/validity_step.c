@@ -137,7 +137,7 @@ static bool is_candidate(const engine *e, size_t i, size_t j) {
   return false;
 }
 
-/* What is no candidate does not touch: the lists are renewed in time. With Gear only forces see the predicted
+/* Pairs that are no candidates do not touch: the lists are renewed in time. With Gear only forces see the predicted
  * positions, about which the lists promise something. */
 static void check_gaps(const engine *e) {
   const sd_state *s = e->state;

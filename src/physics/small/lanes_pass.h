@@ -1,7 +1,7 @@
 /* lanes_pass.h: the step of small systems in lanes (lanes.h); included after contact_step.h and integrate_pass.h, once per width
  * and LANES_TEXT: `three` with LANES_KNOWN for a disk on two supports, `any` for whatever goes in lanes.
  *
- * What the loop carries stands in struct step_registers. For a disk on two supports the macros EACH_... write the turns out,
+ * Numbers that go from step to step stand in struct step_registers. For a disk on two supports the macros EACH_... write the turns out,
  * so that it is held in registers; the other text has loops.
  */
 #ifndef LANES_PASS_COMMON
