@@ -12,6 +12,7 @@
 
 #include "physics/system/work.h"
 #include "run/simulation_private.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
 

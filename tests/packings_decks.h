@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 #define HELPER static inline __attribute__((unused))

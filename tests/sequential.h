@@ -14,6 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "model/state.h"
 #include "slipdisk/measure.h"
 
 typedef struct sequential {

@@ -16,7 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
+#include "model/state.h"
 #include "slipdisk/simulation.h"
 #include "slipdisk/theory.h"
 

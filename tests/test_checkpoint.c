@@ -20,6 +20,7 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "run/deck_diff.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 #define SCRATCH_NAME "checkpoint"

@@ -13,6 +13,7 @@
 #include <math.h>
 
 #include "io/store/h5.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 static sd_messages *messages;

@@ -12,6 +12,7 @@
 
 #include <cmocka.h>
 
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 #define START "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );\n"

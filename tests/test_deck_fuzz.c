@@ -12,6 +12,7 @@
 #include <glob.h>
 
 #include "brief.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 enum { DAMAGES = BRIEF(60, 25) };

@@ -13,6 +13,7 @@
 
 #include "io/deck/deck.h"
 #include "io/deck/deck_keys.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 static char *read_all(const char *path) {

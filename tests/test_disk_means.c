@@ -11,6 +11,7 @@
 #include <gsl/gsl_rng.h>
 
 #include "deck_runs.h"
+#include "model/state.h"
 #include "slipdisk/measure.h"
 
 #define LAW "materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n"

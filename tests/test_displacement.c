@@ -11,6 +11,7 @@
 #include "io/results/summary.h"
 #include "run/ensemble.h"
 #include "run/simulation_private.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 #include "system.h"
 

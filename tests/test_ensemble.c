@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "run/ensemble.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 
 enum { MOST = 19 };

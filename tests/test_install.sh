@@ -29,7 +29,7 @@ END
 cat >"$work/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.22)
 project(consumer LANGUAGES C)
-find_package(slipdisk 0.1 REQUIRED)
+find_package(slipdisk 0.2 REQUIRED)
 add_executable(consumer main.c)
 target_link_libraries(consumer PRIVATE slipdisk::slipdisk)
 END

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/state.h"
 #include "slipdisk/measure.h"
 
 enum { BEFORE = 700, AFTER = 900, DECKS = 3 };

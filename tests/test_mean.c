@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "brief.h"
+#include "model/state.h"
 #include "slipdisk/measure.h"
 
 enum { N = 4096 };

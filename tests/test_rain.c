@@ -233,7 +233,7 @@ static void periodic_strip(void **unused) {
   m->upper[SD_X] = WIDTH;
   m->n_walls = 1; /* the floor */
   for (size_t w = 1; w < 3; w++) {
-    free(m->walls[w].name);
+    free((char *)m->walls[w].name);
     free(m->walls[w].points);
   }
   assert_int_equal(sd_model_finish(m, NULL), SD_OK);

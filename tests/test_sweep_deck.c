@@ -11,6 +11,7 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "model/state.h"
 #include "slipdisk/deck.h"
 #include "sweep_decks.h"
 

@@ -12,6 +12,7 @@
 
 #include "base/text.h"
 #include "run/sweep.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 #include "sweep_decks.h"
 

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/state.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"

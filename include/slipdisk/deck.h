@@ -4,6 +4,10 @@
 
 #include "slipdisk/model.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Contents of a deck besides physics. */
 typedef struct sd_deck {
   char *path;                /* as given */
@@ -27,5 +31,9 @@ SD_API sd_status sd_deck_load(const char *path, size_t n_overrides, const char *
 /* The same from text in memory; path is used in messages and to find the files that the deck names. */
 SD_API sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
                                    const char *const *overrides, sd_model **out, sd_messages *messages);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

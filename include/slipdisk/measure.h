@@ -10,6 +10,10 @@
 #include "slipdisk/model.h"
 #include "slipdisk/state.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Mean of a correlated, evenly spaced record. */
 typedef struct sd_mean {
   double mean;
@@ -110,5 +114,9 @@ typedef struct sd_disk_totals {
 /* means: sd_disk_mean_of all n_means slots; contacts of the state are those of now. Without memory all is NAN. */
 SD_API sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state,
                                         const sd_disk_mean *means);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -1,11 +1,16 @@
-/* model.h: what the deck says, const after loading.
+/* model.h: what is simulated: bodies, contact laws, motions, phases. Const once it is finished.
  *
- * A model is filled by the deck loader (or by hand), then closed with sd_model_finish, which checks it
- * and derives the tables that the engine reads. Units are whatever consistent set the deck uses; angles
- * are radians, counter-clockwise positive.
+ * A model comes from a deck (deck.h), or is built: sd_model_new, then sd_model_add_... and sd_model_set_..., then
+ * sd_model_finish, which checks everything and reports all mistakes at once, those of the calls before it included. Every
+ * function copies what it is given: strings and arrays can go when it returns.
  *
- * Bodies are numbered once and for all: disk i has body number i (its place in the deck, its permanent
- * id), wall w has body number n_disks + w.
+ * Units are any consistent set; angles are radians, counter-clockwise positive.
+ *
+ * Bodies have numbers: disk i has number i, in the order in which they were added; wall w has number n_disks + w. Where a
+ * wall is meant before all disks are there, sd_model_add_wall's own value, SD_WALL(w), does as well.
+ *
+ * Structs that are passed to functions may grow at their end in later versions: set members by name
+ * ((sd_disk){.radius = 1, .mass = 1}); what is not named is 0, and 0 is a default.
  */
 #ifndef SLIPDISK_MODEL_H
 #define SLIPDISK_MODEL_H
@@ -16,16 +21,22 @@
 #include "slipdisk/contact.h"
 #include "slipdisk/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct sd_model sd_model;
+
 enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
 
 typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
 /* Tangential force on the centres: the paper's tau, or tau (R_a+R_b)/r which derives from the tangential energy. */
 typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
 
-/* Constants of the contact law for one pair of materials (eq. 2, tau, 36). */
-/* F_el of the overlap; model/normal_laws.h. */
+/* Elastic normal force of the overlap: k_n delta, k_n delta^(3/2). */
 typedef enum sd_normal_law { SD_NORMAL_LINEAR, SD_NORMAL_HERTZ, SD_NORMAL_LAWS } sd_normal_law;
 
+/* Constants of the contact law for one pair of materials (eq. 2, tau, 36). */
 typedef struct sd_contact_law {
   double k_n;     /* normal stiffness > 0, force/length; Hertz: force/length^(3/2) */
   double k_t;     /* tangential stiffness, force/length, >= 0 */
@@ -35,18 +46,14 @@ typedef struct sd_contact_law {
   double restitution; /* Hertz: damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
 } sd_contact_law;
 
-typedef struct sd_material {
-  char *name;
-} sd_material;
-
 typedef struct sd_disk {
-  char *name;                   /* may be NULL */
+  const char *name;             /* may be NULL */
   double position[3];           /* x, y, theta at the start */
   double velocity[3];           /* vx, vy, omega */
   double radius, mass, inertia; /* inertia 0 means m R^2/2 */
   double force[3];              /* constant body force and torque, gravity not included */
   int material;                 /* index into materials */
-  int group;                    /* index into groups, -1: none */
+  int group;                    /* index into groups, -1: none; set by sd_model_add_group */
   bool locked[3];               /* this coordinate never changes, whatever pushes (velocity must be 0) */
   bool driven;  /* all three coordinates are prescribed: fixed, or by the motions that name it */
   bool waiting; /* out of play until its rain releases it; position is then where it waits */
@@ -58,7 +65,7 @@ typedef enum sd_wall_kind { SD_WALL_LINE, SD_WALL_SEGMENT, SD_WALL_POLYLINE, SD_
  * Line: points[0] and points[1] lie on it. Segment: its ends. Polyline: its vertices, closed or not.
  * Circle: the pivot is its centre. Both sides of a line or segment push. */
 typedef struct sd_wall {
-  char *name;
+  const char *name;
   sd_wall_kind kind;
   int material;
   double pivot[2]; /* the point about which it turns, and whose x, y a motion moves */
@@ -85,11 +92,11 @@ typedef enum sd_motion_kind {
 /* One prescribed signal u(t), added to one coordinate of every body it names; t counts from the moment
  * the motion is switched on. Several motions on the same coordinate add up. */
 typedef struct sd_motion {
-  char *name;
+  const char *name;
   sd_motion_kind kind;
   int coordinate; /* SD_X, SD_Y, SD_THETA */
   size_t n_bodies;
-  uint32_t *bodies;   /* body numbers */
+  uint32_t *bodies;   /* body numbers, or SD_WALL(w) */
   double amplitude;   /* waves: A; random: rms displacement; table: factor */
   double omega;       /* rad/time: w */
   double phase;       /* rad: phi */
@@ -103,7 +110,7 @@ typedef struct sd_motion {
   double damping;     /* random: c */
   int64_t interval;   /* random: steps between draws, >= 1 (h = interval dt) */
   double ramp;        /* time over which the motion is faded in, 0: at once */
-  uint32_t stream;    /* random: stream number, unique per independent signal */
+  uint32_t stream;    /* random: stream number, unique per independent signal; added with 0: one of its own */
   size_t n_table;
   double *table_time, *table_value; /* table: time increasing; held constant beyond its ends ... */
   bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
@@ -126,9 +133,9 @@ typedef struct sd_compress {
 } sd_compress;
 
 typedef struct sd_phase {
-  char *name;
-  int64_t steps;          /* >= 1; the most, when it may settle before */
-  bool *active;           /* [n_motions] */
+  const char *name;
+  int64_t steps;          /* the most, when it may settle before; 0: it has no end */
+  bool *active;           /* of each motion; NULL: all are on */
   bool measure;           /* statistics are gathered in this phase */
   int64_t series_every;   /* steps between rows of the time series, 0: none */
   int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
@@ -138,60 +145,7 @@ typedef struct sd_phase {
   sd_compress compress;
 } sd_phase;
 
-typedef enum sd_container_kind {
-  SD_CONTAINER_NONE,
-  SD_CONTAINER_BOX,
-  SD_CONTAINER_CHANNEL,
-  SD_CONTAINER_BED,
-  SD_CONTAINER_HOPPER,
-  SD_CONTAINER_DRUM,
-  SD_CONTAINER_PERIODIC
-} sd_container_kind;
-
-typedef enum sd_packing_kind {
-  SD_PACKING_TRIANGULAR,
-  SD_PACKING_SQUARE,
-  SD_PACKING_RANDOM,
-  SD_PACKING_FRONT,
-  SD_PACKING_RAIN
-} sd_packing_kind;
-
-typedef enum sd_size_kind {
-  SD_SIZES_MONO,
-  SD_SIZES_LIST,
-  SD_SIZES_UNIFORM,
-  SD_SIZES_GAUSSIAN,
-  SD_SIZES_LOGNORMAL,
-  SD_SIZES_POWERLAW
-} sd_size_kind;
-
-/* Disks first ... first + count - 1 wait, and fall in batches, lowest numbers first. Batch k is released
- * k * interval steps after the start: rows of disks, from `lower` to `upper` in x, the lowest row `gap` above
- * the highest disk that is in play there. */
-typedef struct sd_rain {
-  size_t first, count, batch; /* disks, disks in a batch */
-  int64_t interval;           /* steps */
-  double lower, upper;        /* x */
-  double floor;               /* y below which no batch begins */
-  double gap, speed;
-} sd_rain;
-
 typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
-
-/* A rectangle in which the centres of the free disks belong; infinite where there is no limit. */
-typedef struct sd_bounds {
-  bool given; /* by the deck or its container; else nothing is looked at */
-  double lower[2], upper[2];
-  sd_outside outside;
-} sd_bounds;
-
-/* Memory of a contact with which a run begins (columns contact_* of state.h). */
-typedef struct sd_contact_memory {
-  uint32_t a, b, part; /* body numbers of this model */
-  int32_t slide;
-  double side;
-  sd_contact_record record;
-} sd_contact_memory;
 
 /* When the last phase ends: not before `least` of its steps, then at the first look at which the error bar of
  * a mean angular velocity is small enough (sd_goal_of, sd_goal_look in measure.h), after all its steps in any
@@ -211,102 +165,85 @@ typedef struct sd_slide_watch {
   uint32_t partner[2]; /* body numbers */
 } sd_slide_watch;
 
-/* --- derived by sd_model_finish ------------------------------------------------------------------- */
+/* --- building -------------------------------------------------------------------------------------- */
 
-/* A straight piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
-typedef struct sd_segment {
-  uint32_t body;
-  double start[2];    /* one end; for a line any point */
-  double tangent[2];  /* unit vector from the start to the other end */
-  double length;      /* HUGE_VAL for a line (then it also extends backwards) */
-  double previous[2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
-  bool end_cap;       /* the far end is free and pushes as a point */
-  double arc;         /* arc length of the start along a polyline */
-  int64_t next;       /* feature number of the piece that follows, -1: none */
-} sd_segment;
-
-/* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */
-typedef struct sd_limits {
-  double residual;     /* of the energy budget, over its scale */
-  double open;         /* fraction of the measured time in which a watched contact is open */
-  double displacement; /* of a free disk in one step, over its radius */
-} sd_limits;
-
-typedef struct sd_model {
-  char *title;
-  uint64_t seed;
-  sd_integrator integrator;
-  sd_variant variant;
-  double dt;
-  double skin;        /* Verlet-list skin, length; 0: chosen as the run goes */
-  double max_overlap; /* a run stops when an overlap exceeds this fraction of the smaller radius */
-  sd_limits limits;
-  double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
-  double lower[2], upper[2]; /* box; only read along periodic directions */
-  bool periodic[2];
-  sd_container_kind container;
-  double region_lower[2], region_upper[2]; /* of the container or box: what is called full; equal: none */
-  sd_bounds bounds;
-
-  size_t n_materials;
-  sd_material *materials;
-  sd_contact_law *laws; /* [n_materials * n_materials], symmetric; k_n = 0: pair not given */
-  size_t n_groups;
-  char **groups;
-  size_t n_disks;
-  sd_disk *disks;
-  size_t n_walls;
-  sd_wall *walls;
-  size_t n_motions;
-  sd_motion *motions;
-  size_t n_phases;
-  sd_phase *phases;
-
-  size_t n_rains;
-  sd_rain *rains;
-  size_t n_memories; /* contacts of the packing that the run begins with, in any order */
-  sd_contact_memory *memories;
-
-  size_t n_rotations; /* disks whose mean angular velocity is measured */
-  uint32_t *rotations;
-  size_t n_slides;
-  sd_slide_watch *slides;
-  sd_until until;
-  bool measure_disks;    /* means of every free disk */
-  int64_t measure_every; /* steps between looks at its contacts, >= 1 */
-
-  struct sd_deck
-      *deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
-
-  /* derived */
-  size_t n_segments;
-  sd_segment *segments;
-  size_t n_free; /* disks that are not driven */
-} sd_model;
-
-/* An empty model with defaults (Gear 5, paper variant, open box). */
+/* An empty model with the defaults of docs/deck.md: Gear 5, paper variant, open space. NULL: no memory. */
 SD_API sd_model *sd_model_new(void);
-SD_API void sd_model_free(sd_model *model);
+SD_API void sd_model_free(sd_model *model); /* NULL is allowed */
+
+/* Sets a key of docs/deck.md that is a number, a whole number, or true (1) and false (0): "dt", "seed", "skin", "max_overlap",
+ * "limits.residual", "measure.disks", ... */
+SD_API void sd_model_set(sd_model *model, const char *key, double value);
+/* Sets a key that is a word or a text: "integrator" ("gear5", "verlet"), "contact_variant", "title", "bounds.outside". */
+SD_API void sd_model_set_text(sd_model *model, const char *key, const char *value);
+/* Acceleration, length/time^2; (0, 0) to begin with. */
+SD_API void sd_model_set_gravity(sd_model *model, double x, double y);
+/* Makes coordinate SD_X or SD_Y repeat from lower to upper. Without it space is open. */
+SD_API void sd_model_set_periodic(sd_model *model, int coordinate, double lower, double upper);
+/* The rectangle whose area the packing fraction refers to, and that compression shrinks; of a periodic box it is the box. */
+SD_API void sd_model_set_region(sd_model *model, const double lower[2], const double upper[2]);
+/* A rectangle in which the centres of free disks belong; what leaves is reported, taken out, or ends the run
+ * (key "bounds.outside"). */
+SD_API void sd_model_set_bounds(sd_model *model, const double lower[2], const double upper[2]);
+
+/* Each returns the number of what it added. A mistake is kept for sd_model_finish. */
+/* law: of the material with itself; NULL: disks of this material never touch one another. */
+SD_API int sd_model_add_material(sd_model *model, const char *name, const sd_contact_law *law);
+/* Law between two materials, both ways. */
+SD_API void sd_model_set_law(sd_model *model, int material_a, int material_b, const sd_contact_law *law);
+SD_API uint32_t sd_model_add_disk(sd_model *model, const sd_disk *disk);
+/* n disks; returns the number of the first. Without memory none is added. */
+SD_API uint32_t sd_model_add_disks(sd_model *model, size_t n, const sd_disk *disks);
+/* Sets a disk that was added before. */
+SD_API void sd_model_set_disk(sd_model *model, uint32_t number, const sd_disk *disk);
+/* A name for some disks; a disk belongs to one group at most, the last that names it. */
+SD_API int sd_model_add_group(sd_model *model, const char *name, size_t n, const uint32_t *disks);
+#define SD_WALL(w) (0x80000000u | (uint32_t)(w))
+SD_API uint32_t sd_model_add_wall(sd_model *model, const sd_wall *wall); /* returns SD_WALL(w) */
+/* A motion is on in the phases added after it that do not say otherwise. */
+SD_API int sd_model_add_motion(sd_model *model, const sd_motion *motion);
+/* `active`: of the motions added so far. Without any phase there is one that has no end and has all motions on. */
+SD_API int sd_model_add_phase(sd_model *model, const sd_phase *phase);
+/* Disks whose mean angular velocity is measured (sd_rotation_of in measure.h). */
+SD_API void sd_model_measure_rotation(sd_model *model, size_t n, const uint32_t *disks);
+/* A disk whose sliding configuration with two partners is counted (sd_slide_of in measure.h). */
+SD_API void sd_model_measure_sliding(sd_model *model, const sd_slide_watch *watch);
+/* The last phase ends when an error bar is small enough. */
+SD_API void sd_model_set_until(sd_model *model, const sd_until *until);
 
 /* Checks ranges and references, fills inertias, flags and derived tables; call once, after the last change.
  * A disk that is named by a motion on a coordinate keeps its other coordinates as they are: it is `driven`
  * when it is fixed or all three are prescribed or locked. Errors: SD_ERROR_USER with one message each. */
 SD_API sd_status sd_model_finish(sd_model *model, sd_messages *messages);
+/* A copy, finished when the model is; without the deck that it came from. NULL: no memory. */
+SD_API sd_model *sd_model_clone(const sd_model *model);
 
-SD_API size_t sd_model_bodies(const sd_model *model); /* n_disks + n_walls */
+/* --- reading --------------------------------------------------------------------------------------- */
+
+SD_API size_t sd_model_disks(const sd_model *model);
+SD_API size_t sd_model_walls(const sd_model *model);
+SD_API size_t sd_model_bodies(const sd_model *model); /* disks + walls */
+SD_API double sd_model_dt(const sd_model *model);     /* time step */
+/* A body by its name; UINT32_MAX: there is none. */
+SD_API uint32_t sd_model_find(const sd_model *model, const char *name);
+/* As given, inertia filled in; NULL: there is none. Valid as long as the model. */
+SD_API const sd_disk *sd_model_disk(const sd_model *model, uint32_t number);
+SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
+/* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
+SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);
+/* Steps of all phases; with `until` it is the most that there can be. */
+SD_API int64_t sd_model_steps(const sd_model *model);
 /* On which side of a wall along x or y the disks are at the start: +1, -1; 0 where the wall surrounds them or
  * moves along itself. The middle of the free disks in play decides, that of the region where there are none. */
 SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
 /* Two motions of one phase, the first a load or a servo, on the same coordinate of one wall; false: none. */
 SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);
-SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
-/* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
-SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);
-/* Of all phases; with `until` it is the most that there can be. */
-SD_API int64_t sd_model_steps(const sd_model *model);
-
 /* The least of 2 pi/omega over pairs of touching materials: normal spring, tangential spring with rotation, per disk.
- * sd_model_shortest_period writes which disk it is (may be NULL). */
+ * Writes which disk it is (may be NULL). */
 SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -18,6 +18,12 @@
 #define SD_PRINTF(fmt, args)
 #endif
 
+#include "slipdisk/version.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum sd_status {
   SD_OK = 0,
   SD_ERROR_USER = 2,    /* deck, input file or command line */
@@ -48,5 +54,14 @@ SD_API sd_status sd_messages_status(const sd_messages *m);
 SD_API void sd_messages_clear(sd_messages *m);
 /* One line each, "error: " or "warning: " before it. */
 SD_API void sd_messages_print(const sd_messages *m, FILE *out);
+
+/* Frees memory that a function of this library has returned, where its header says so. */
+SD_API void sd_free(void *memory);
+/* Version of the library that runs, "0.2.0"; SD_VERSION is that of the headers. */
+SD_API const char *sd_version(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

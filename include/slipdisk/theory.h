@@ -11,6 +11,10 @@
 
 #include "slipdisk/status.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The upper disk on its two supports. */
 typedef struct sd_three_disk {
   double tilt;          /* theta_T = (alpha_2 - alpha_1)/2, rad */
@@ -150,5 +154,9 @@ SD_API void sd_slide_to_roll(double mass, double inertia, double radius, double 
 /* Stationary covariances of (52) at a lag >= 0: c[0] = <x(0) x(t)>, c[1] = <x(0) x'(t)> = -<x'(0) x(t)>,
  * c[2] = <x'(0) x'(t)>. omega, damping > 0; any damping. */
 SD_API void sd_vibration_covariance(double omega, double damping, double rms, double lag, double c[3]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,7 +10,7 @@
 #include "app/options.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Each takes the arguments from the name of the subcommand on, and returns the exit status. */
 int app_run(int argc, char **argv);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 
 #include "io/deck/deck.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 #include "slipdisk/theory.h"
 
 typedef enum theory_kind {

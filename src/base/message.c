@@ -120,3 +120,7 @@ void sd_messages_print(const sd_messages *m, FILE *out) {
     fprintf(out, "%s: %s\n", m->lines[k].kind == SD_OK ? "warning" : "error", m->lines[k].text);
   if (m && m->more > 0) fprintf(out, "... and %zu more\n", m->more);
 }
+
+void sd_free(void *memory) { free(memory); }
+
+const char *sd_version(void) { return SD_VERSION; }

@@ -22,7 +22,7 @@
 #include <stdlib.h>
 
 #include "base/shortage.h"
-#include "slipdisk/state.h"
+#include "model/state.h"
 
 enum { SHORTEST = 16, FEWEST = 8, FEWEST_FALLING = 16 };
 

@@ -14,7 +14,7 @@
 #include <math.h>
 
 #include "measure/region.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* A stored frame: one row per body of the run, in the order of body numbers (disks, walls). */
 typedef struct frame_data {

@@ -7,6 +7,7 @@
 
 #include "base/shortage.h"
 #include "measure/mean.h"
+#include "model/state.h"
 #include "measure/observable.h"
 
 /* --- one disk ---------------------------------------------------------------------------------------------- */

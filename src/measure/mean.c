@@ -7,6 +7,7 @@
 #include "base/shortage.h"
 #include "measure/blocking.h"
 #include "measure/mean.h"
+#include "model/state.h"
 #include "model/motion_kinds.h"
 #include "measure/observable.h"
 

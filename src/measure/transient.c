@@ -31,7 +31,7 @@
 
 #include "base/shortage.h"
 #include "measure/blocking.h"
-#include "slipdisk/state.h"
+#include "model/state.h"
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16 };
 static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;

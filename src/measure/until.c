@@ -7,6 +7,8 @@
 
 #include "slipdisk/measure.h"
 
+#include "model/state.h"
+
 enum { LOOKS = 20 }; /* while the record becomes twice as long there are 14 */
 
 sd_goal sd_goal_of(const sd_model *model, const sd_state *state) {

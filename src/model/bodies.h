@@ -2,7 +2,7 @@
 #ifndef SLIPDISK_MODEL_BODIES_H
 #define SLIPDISK_MODEL_BODIES_H
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free ones. */
 sd_status model_find_driven(sd_model *model);

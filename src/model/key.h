@@ -124,6 +124,7 @@ typedef struct deck_table {
                uint64_t: DECK_SETS_UNSIGNED,         \
                bool: DECK_SETS_BOOL,                \
                char *: DECK_SETS_TEXT,              \
+               const char *: DECK_SETS_TEXT,        \
                default: DECK_SETS_ENUM)
 
 /* --- what follows from a row ---------------------------------------------------------------------------------- */

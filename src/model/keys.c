@@ -1,7 +1,7 @@
 /* keys.c: keys of a deck that set members of the model, the laws' apart (laws.h). See key.h. */
 #include "model/keys.h"
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 static const deck_shape integrators[] = {WORD("gear5", SD_GEAR5), WORD("verlet", SD_VERLET), LAST_WORD};
 static const deck_shape variants[] = {WORD("paper", SD_PAPER), WORD("conservative", SD_CONSERVATIVE),

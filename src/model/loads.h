@@ -2,7 +2,7 @@
 #ifndef MODEL_LOADS_H
 #define MODEL_LOADS_H
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Ranges, what a motion may drive, and that it is alone there. Warns of a wall that is pushed away from all disks. */
 void loads_check(const sd_model *model, sd_messages *messages);

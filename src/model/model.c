@@ -1,5 +1,5 @@
 /* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 #include <assert.h>
 #include <math.h>
@@ -27,19 +27,19 @@ void sd_model_free(sd_model *m) {
   if (!m) return;
   for (size_t k = 0; k < m->n_materials; k++) free(m->materials[k].name);
   for (size_t k = 0; k < m->n_groups; k++) free(m->groups[k]);
-  for (size_t k = 0; k < m->n_disks; k++) free(m->disks[k].name);
+  for (size_t k = 0; k < m->n_disks; k++) free((char *)m->disks[k].name);
   for (size_t k = 0; k < m->n_walls; k++) {
-    free(m->walls[k].name);
+    free((char *)m->walls[k].name);
     free(m->walls[k].points);
   }
   for (size_t k = 0; k < m->n_motions; k++) {
-    free(m->motions[k].name);
+    free((char *)m->motions[k].name);
     free(m->motions[k].bodies);
     free(m->motions[k].table_time);
     free(m->motions[k].table_value);
   }
   for (size_t k = 0; k < m->n_phases; k++) {
-    free(m->phases[k].name);
+    free((char *)m->phases[k].name);
     free(m->phases[k].active);
   }
   free(m->title);
@@ -55,6 +55,7 @@ void sd_model_free(sd_model *m) {
   free(m->rotations);
   free(m->slides);
   free(m->segments);
+  sd_messages_free(m->mistakes);
   if (m->deck) {
     char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full, m->deck->bodies};
     for (size_t k = 0; k < COUNT(texts); k++) free(texts[k]);
@@ -67,6 +68,22 @@ const sd_deck *sd_model_deck(const sd_model *m) {
   static char none[] = "";
   static const sd_deck by_hand = {none, none, none, none, none, 60.0, 0};
   return m->deck ? m->deck : &by_hand;
+}
+
+size_t sd_model_disks(const sd_model *m) { return m->n_disks; }
+size_t sd_model_walls(const sd_model *m) { return m->n_walls; }
+double sd_model_dt(const sd_model *m) { return m->dt; }
+
+uint32_t sd_model_find(const sd_model *m, const char *name) {
+  for (size_t k = 0; k < m->n_disks; k++)
+    if (m->disks[k].name && strcmp(m->disks[k].name, name) == 0) return (uint32_t)k;
+  for (size_t k = 0; k < m->n_walls; k++)
+    if (m->walls[k].name && strcmp(m->walls[k].name, name) == 0) return (uint32_t)(m->n_disks + k);
+  return UINT32_MAX;
+}
+
+const sd_disk *sd_model_disk(const sd_model *m, uint32_t number) {
+  return number < m->n_disks ? &m->disks[number] : NULL;
 }
 
 size_t sd_model_bodies(const sd_model *m) { return m->n_disks + m->n_walls; }
@@ -469,6 +486,12 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   size_t before = sd_messages_errors(msg);
   sd_messages *own = msg ? msg : sd_messages_new();
   if (!own) return SD_ERROR_IO;
+  model_complete(m);
+  sd_status built = model_tell_mistakes(m, own);
+  if (built == SD_ERROR_IO) {
+    if (own != msg) sd_messages_free(own);
+    return built;
+  }
   check_run(m, own);
   check_disks(m, own);
   check_walls(m, own);

@@ -17,7 +17,7 @@
 
 #include <math.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* ROW(number, name in the deck, keys as in deck_keys.h, meaning) */
 #define NORMAL_LAWS(ROW)                                                                                     \

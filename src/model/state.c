@@ -1,5 +1,5 @@
 /* state.c: the table of state columns, and what follows from it: allocation, hash, comparison. */
-#include "slipdisk/state.h"
+#include "model/state.h"
 
 #include <assert.h>
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Rows of motion_kinds.h. Rotated: sine and cosine go from step to step by a rotation. Phased: a function of the phase. */
 #define ROTATED_WAVES(ROW)                                                                                   \

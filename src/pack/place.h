@@ -9,7 +9,7 @@
 
 #include <gsl/gsl_rng.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Touching disks overlap by rounding only; nearer than this fraction of their radii counts as an overlap. */
 #define PLACE_SLACK 1e-10

@@ -8,7 +8,7 @@
 
 #include <gsl/gsl_rng.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 typedef struct sizes {
   sd_size_kind kind;

@@ -17,6 +17,7 @@
 #include <time.h>
 
 #include "run/ensemble.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
 

@@ -1,6 +1,6 @@
 /* fuzz_csv.c: CSV files of disks and of motions. */
 #include "fuzz.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   static const char *const forms[] = {

@@ -1,7 +1,8 @@
 /* fuzz_deck.c: decks. The echo of what was read is a deck whose echo stays the same. */
 #include "fuzz.h"
+#include "model/state.h"
 #include "slipdisk/deck.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   char *text = fuzz_text(data, size);

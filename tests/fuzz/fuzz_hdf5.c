@@ -14,7 +14,7 @@
 #include "io/results/frames.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 enum { MOST_FILES = 8, MOST_PATHS = 600, MOST_OPERATIONS = 6 };
 

@@ -1,6 +1,6 @@
 /* fuzz_lammps.c: LAMMPS data files, as disks and as a box. */
 #include "fuzz.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   static const char form[] =

@@ -1,6 +1,6 @@
 /* fuzz_override.c: what stands behind -D, a line each, over a deck that has most groups. */
 #include "fuzz.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 enum { MOST = 16 };
 

@@ -13,7 +13,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 typedef struct sweep_parameter {
   char *name; /* column of the table of results */

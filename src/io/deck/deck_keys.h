@@ -8,7 +8,7 @@
 #define SLIPDISK_IO_DECK_KEYS_H
 
 #include "model/keys.h"
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 extern const deck_table deck_materials, deck_pairs, deck_container, deck_disks, deck_disk_rows,
     deck_disk_files, deck_packings, deck_forces, deck_locks, deck_walls, deck_motions, deck_sweeps,

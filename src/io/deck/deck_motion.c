@@ -12,15 +12,14 @@
 
 #include "io/deck/deck_rows.h"
 #include "model/motion_kinds.h"
+#include "model/streams.h"
 
 /* Tables of motions up to so many rows are echoed in place of their file. */
-enum { MOST_ECHOED = 1000, ORDINALS = 16, INDICES = 1 << 24 };
-
-enum { THING_DISK, THING_WALL, THING_GROUP, THING_LIST, THINGS };
+enum { MOST_ECHOED = 1000 };
 
 /* How many random motions drive each coordinate of each thing so far. */
 typedef struct streams {
-  unsigned char *used[THINGS]; /* [3 * things] */
+  unsigned char *used[STREAM_THINGS]; /* [3 * things] */
 } streams;
 
 static const double pi = 3.14159265358979323846;
@@ -161,19 +160,19 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
   }
 }
 
-static uint32_t stream_number(deck *d, const deck_node *node, streams *s, int thing, size_t index,
-                              int coordinate) {
-  if (index >= INDICES) {
-    deck_fail(d, node, "random motions reach disks and walls up to number %d only", INDICES - 1);
+static uint32_t stream_of(deck *d, const deck_node *node, streams *s, int thing, size_t index,
+                          int coordinate) {
+  if (index >= STREAM_INDICES) {
+    deck_fail(d, node, "random motions reach disks and walls up to number %d only", STREAM_INDICES - 1);
     return 0;
   }
   unsigned char *used = &s->used[thing][3 * index + (size_t)coordinate];
-  if (*used == ORDINALS) {
-    deck_fail(d, node, "more than %d random motions on one coordinate of one body", ORDINALS);
+  if (*used == STREAM_ORDINALS) {
+    deck_fail(d, node, "more than %d random motions on one coordinate of one body", STREAM_ORDINALS);
     return 0;
   }
   unsigned ordinal = (*used)++;
-  return (uint32_t)index << 8 | ordinal << 4 | (unsigned)coordinate << 2 | (unsigned)thing;
+  return stream_number(thing, (uint32_t)index, ordinal, coordinate);
 }
 
 static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry, const deck_bodies *bodies,
@@ -184,9 +183,9 @@ static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
   for (int c = 0; c < 3; c++) {
     if (!(mask >> c & 1)) continue;
     if (!independent) {
-      int thing = bodies->group >= 0 ? THING_GROUP : THING_LIST;
+      int thing = bodies->group >= 0 ? STREAM_GROUP : STREAM_LIST;
       size_t index = bodies->group >= 0 ? (size_t)bodies->group : bodies->body[0];
-      motion->stream = stream_number(d, g->node, s, thing, index, c);
+      motion->stream = stream_of(d, g->node, s, thing, index, c);
       push(d, motion, entry, c, bodies->n, bodies->body);
       continue;
     }
@@ -194,7 +193,7 @@ static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
       uint32_t body = bodies->body[b];
       bool disk = body < n_disks;
       motion->stream =
-          stream_number(d, g->node, s, disk ? THING_DISK : THING_WALL, disk ? body : body - n_disks, c);
+          stream_of(d, g->node, s, disk ? STREAM_DISK : STREAM_WALL, disk ? body : body - n_disks, c);
       push(d, motion, entry, c, 1, &body);
     }
   }
@@ -375,9 +374,9 @@ void deck_check_motions(deck *d) {
 void deck_read_motions(deck *d) {
   sd_model *m = d->model;
   deck_node *list = deck_groups(d, d->root, "motions");
-  size_t things[THINGS] = {m->n_disks, m->n_walls, m->n_groups, m->n_disks + m->n_walls};
+  size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls, m->n_groups, m->n_disks + m->n_walls};
   streams s;
-  for (int k = 0; k < THINGS; k++) s.used[k] = deck_alloc(d, 3 * things[k] + 1, 1);
+  for (int k = 0; k < STREAM_THINGS; k++) s.used[k] = deck_alloc(d, 3 * things[k] + 1, 1);
   for (size_t k = 0; list && k < list->n; k++) {
     read_motion(d, list->child[k], k, &s);
     const deck_node *name = deck_child(list->child[k], "name");

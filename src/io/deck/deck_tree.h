@@ -19,7 +19,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Where something stands. What -D has set has the file "-D path=value" and line 0; line -1 - k is row k of a file that
  * has no lines. */

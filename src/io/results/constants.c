@@ -96,7 +96,7 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
   for (size_t k = 0; names && id && k < n; k++) {
     size_t body = first + k;
     id[k] = (uint32_t)body;
-    names[k] = body < m->n_disks ? m->disks[body].name : m->walls[body - m->n_disks].name;
+    names[k] = (char *)(body < m->n_disks ? m->disks[body].name : m->walls[body - m->n_disks].name);
     named = named || names[k];
   }
   members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);

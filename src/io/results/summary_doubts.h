@@ -4,8 +4,8 @@
 #define SLIPDISK_IO_SUMMARY_DOUBTS_H
 
 #include "io/store/h5.h"
-#include "slipdisk/model.h"
-#include "slipdisk/state.h"
+#include "model/model.h"
+#include "model/state.h"
 
 typedef enum doubt_kind {
   DOUBT_RESIDUAL,     /* the energy budget does not close */

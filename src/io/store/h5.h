@@ -20,7 +20,7 @@
 #include <stdint.h>
 
 #include "io/store/file.h"
-#include "slipdisk/state.h"
+#include "model/state.h"
 #include "slipdisk/status.h"
 
 enum { H5_MAX_RANK = 4 };

@@ -12,7 +12,7 @@
 
 #include "physics/motion/motion_kernels.h"
 #include "physics/motion/random.h"
-#include "slipdisk/state.h"
+#include "model/state.h"
 
 /* n zeroed groups whose rows begin where vectors do; NULL without memory; goes with free. */
 oscillators *oscillators_new(size_t n);

@@ -6,8 +6,8 @@
 #ifndef PHYSICS_ORDER_H
 #define PHYSICS_ORDER_H
 
-#include "slipdisk/model.h"
-#include "slipdisk/state.h"
+#include "model/model.h"
+#include "model/state.h"
 
 /* Below so many free disks all fit into the cache in any order, and stay in the order of the deck. */
 enum { ORDER_LEAST = 1000 };

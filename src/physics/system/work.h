@@ -12,8 +12,8 @@
 
 #include "base/team.h"
 #include "slipdisk/contact.h"
-#include "slipdisk/model.h"
-#include "slipdisk/state.h"
+#include "model/model.h"
+#include "model/state.h"
 
 /* Contact constants of one pair of materials, ready for the law. */
 typedef struct law_row {

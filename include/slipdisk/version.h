@@ -1,0 +1,12 @@
+/* version.h: the one place of the version; CMakeLists.txt reads it. */
+#ifndef SLIPDISK_VERSION_H
+#define SLIPDISK_VERSION_H
+
+#define SD_VERSION_MAJOR 0
+#define SD_VERSION_MINOR 2
+#define SD_VERSION_PATCH 0
+#define SD_VERSION "0.2.0"
+/* For comparisons: 200 is 0.2.0. */
+#define SD_VERSION_NUMBER (10000 * SD_VERSION_MAJOR + 100 * SD_VERSION_MINOR + SD_VERSION_PATCH)
+
+#endif

@@ -1,0 +1,392 @@
+/* build.c: a model is built call by call; mistakes wait for sd_model_finish. See slipdisk/model.h. */
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/guess.h"
+#include "model/keys.h"
+#include "model/model.h"
+#include "model/streams.h"
+
+/* Steps of a phase that has no end. */
+static const int64_t ENDLESS = INT64_MAX / 4;
+/* The stream of a random motion that asks for one of its own, until the model is finished. */
+static const uint32_t OWN_STREAM = UINT32_MAX;
+
+static sd_messages *mistakes(sd_model *m) {
+  if (!m->mistakes) m->mistakes = sd_messages_new();
+  m->mistakes_lost |= !m->mistakes;
+  return m->mistakes;
+}
+
+static void no_memory(sd_model *m, const char *what) {
+  sd_fail(mistakes(m), SD_ERROR_IO, "out of memory for %s", what);
+}
+
+/* Room for `more` elements behind the first n. NULL: no memory. */
+static void *grow(sd_model *m, void *list, size_t n, size_t more, size_t size, const char *what) {
+  void *grown = n + more < SIZE_MAX / size ? realloc(list, (n + more) * size) : NULL;
+  if (!grown) no_memory(m, what);
+  return grown;
+}
+
+/* *copy gets n elements; false: no memory. Nothing to copy is NULL. */
+static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy, const char *what) {
+  void *to = NULL;
+  if (from && n) {
+    to = malloc(n * size);
+    if (!to) no_memory(m, what);
+    if (to) memcpy(to, from, n * size);
+  }
+  memcpy(copy, &to, sizeof to);
+  return to || !from || !n;
+}
+
+static bool copy_text(sd_model *m, const char *from, void *copy) {
+  return copy_of(m, from, from ? strlen(from) + 1 : 0, 1, copy, "a name");
+}
+
+/* --- keys ------------------------------------------------------------------------------------------- */
+
+/* Row of a key and the struct whose member it sets; NULL: a mistake, which is kept. */
+static const deck_key *key_of(sd_model *m, const char *path, void **members) {
+  const struct {
+    const char *group;
+    const deck_table *table;
+    void *members;
+  } tables[] = {{"", &deck_top, m},
+                {"limits.", &deck_limits, &m->limits},
+                {"measure.", &deck_measure, m},
+                {"bounds.", &deck_bounds, &m->bounds}};
+  guess near = guess_start(path);
+  char names[64][48];
+  size_t n = 0;
+  for (size_t t = 0; t < COUNT(tables); t++) {
+    const deck_key *key;
+    for (size_t k = 0; (key = deck_key_at(tables[t].table, k)); k++) {
+      if (key->target == DECK_SETS_NOTHING || key->target == DECK_SETS_PAIR || n == COUNT(names)) continue;
+      snprintf(names[n], sizeof names[n], "%s%s", tables[t].group, key->name);
+      if (strcmp(names[n], path) == 0) {
+        *members = tables[t].members;
+        return key;
+      }
+      guess_add(&near, names[n++]);
+    }
+  }
+  sd_fail(mistakes(m), SD_ERROR_USER, "%s: no key that a model has%s%s%s", path,
+          near.best ? " (did you mean " : "", near.best ? near.best : "", near.best ? "?)" : "");
+  return NULL;
+}
+
+void sd_model_set(sd_model *m, const char *path, double value) {
+  void *members;
+  const deck_key *key = key_of(m, path, &members);
+  if (!key) return;
+  void *at = (char *)members + key->offset;
+  bool whole = value == nearbyint(value) && fabs(value) < 0x1p53;
+  switch (key->target) {
+    case DECK_SETS_NUMBER: *(double *)at = value; return;
+    case DECK_SETS_INTEGER:
+      if (whole) *(int64_t *)at = (int64_t)value;
+      break;
+    case DECK_SETS_UNSIGNED:
+      whole = whole && value >= 0;
+      if (whole) *(uint64_t *)at = (uint64_t)value;
+      break;
+    case DECK_SETS_BOOL: *(bool *)at = value != 0.0; return;
+    default: sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value); return;
+  }
+  if (!whole) sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
+}
+
+void sd_model_set_text(sd_model *m, const char *path, const char *value) {
+  void *members;
+  const deck_key *key = key_of(m, path, &members);
+  if (!key) return;
+  void *at = (char *)members + key->offset;
+  if (key->target == DECK_SETS_TEXT) {
+    free(*(char **)at);
+    copy_text(m, value, at);
+    return;
+  }
+  if (key->target != DECK_SETS_ENUM) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "%s = \"%s\": expected a number", path, value);
+    return;
+  }
+  for (const deck_shape *word = key->words; word->name; word++)
+    if (strcmp(word->name, value) == 0) {
+      *(int *)at = word->kind;
+      return;
+    }
+  char words[256] = "";
+  for (const deck_shape *word = key->words; word->name; word++)
+    snprintf(words + strlen(words), sizeof words - strlen(words), "%s\"%s\"", *words ? ", " : "", word->name);
+  sd_fail(mistakes(m), SD_ERROR_USER, "%s = \"%s\": expected one of %s", path, value, words);
+}
+
+void sd_model_set_gravity(sd_model *m, double x, double y) {
+  m->gravity[SD_X] = x;
+  m->gravity[SD_Y] = y;
+}
+
+/* False: a mistake, which is kept. */
+static bool has_extent(sd_model *m, const char *what, double lower, double upper) {
+  if (upper > lower && isfinite(upper - lower)) return true;
+  sd_fail(mistakes(m), SD_ERROR_USER, "%s from %g to %g: expected finite edges, the lower one first", what,
+          lower, upper);
+  return false;
+}
+
+void sd_model_set_periodic(sd_model *m, int c, double lower, double upper) {
+  if (c != SD_X && c != SD_Y) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "periodic coordinate %d: expected SD_X or SD_Y", c);
+    return;
+  }
+  if (!has_extent(m, "periodic box", lower, upper)) return;
+  m->periodic[c] = true;
+  m->lower[c] = m->region_lower[c] = lower;
+  m->upper[c] = m->region_upper[c] = upper;
+}
+
+void sd_model_set_region(sd_model *m, const double lower[2], const double upper[2]) {
+  for (int c = 0; c < 2; c++)
+    if (has_extent(m, "region", lower[c], upper[c]) && !m->periodic[c]) {
+      m->region_lower[c] = lower[c];
+      m->region_upper[c] = upper[c];
+    }
+}
+
+void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[2]) {
+  m->bounds.given = true;
+  for (int c = 0; c < 2; c++) {
+    m->bounds.lower[c] = lower[c];
+    m->bounds.upper[c] = upper[c];
+  }
+}
+
+/* --- materials -------------------------------------------------------------------------------------- */
+
+int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *law) {
+  const size_t n = m->n_materials;
+  sd_material *materials = grow(m, m->materials, n, 1, sizeof *materials, "materials");
+  if (materials) m->materials = materials;
+  sd_contact_law *laws = calloc((n + 1) * (n + 1), sizeof *laws);
+  if (!laws) no_memory(m, "contact laws");
+  if (!materials || !laws) {
+    free(laws);
+    return (int)n;
+  }
+  for (size_t a = 0; a < n; a++) memcpy(laws + a * (n + 1), m->laws + a * n, n * sizeof *laws);
+  free(m->laws);
+  m->laws = laws;
+  m->materials[n] = (sd_material){0};
+  copy_text(m, name, &m->materials[n].name);
+  m->n_materials++;
+  if (law) sd_model_set_law(m, (int)n, (int)n, law);
+  return (int)n;
+}
+
+void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
+  const int n = (int)m->n_materials;
+  if (a < 0 || b < 0 || a >= n || b >= n) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected two of the %d that there are",
+            a, b, n);
+    return;
+  }
+  if (!(law->k_n > 0.0))
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: k_n = %g: expected a number > 0", a, b,
+            law->k_n);
+  if ((unsigned)law->normal >= SD_NORMAL_LAWS) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: normal = %d: expected a normal law", a,
+            b, (int)law->normal);
+    return;
+  }
+  m->laws[a * n + b] = m->laws[b * n + a] = *law;
+}
+
+/* --- bodies ----------------------------------------------------------------------------------------- */
+
+/* Takes over all of a disk but its name and group. */
+static void put_disk(sd_model *m, sd_disk *to, const sd_disk *from) {
+  const char *name = NULL;
+  copy_text(m, from->name, &name);
+  *to = *from;
+  to->name = name;
+  to->group = -1;
+}
+
+uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
+  const size_t first = m->n_disks;
+  sd_disk *grown = grow(m, m->disks, first, n, sizeof *grown, "disks");
+  if (!grown) return (uint32_t)first;
+  m->disks = grown;
+  for (size_t k = 0; k < n; k++) put_disk(m, &m->disks[first + k], &disks[k]);
+  m->n_disks += n;
+  return (uint32_t)first;
+}
+
+uint32_t sd_model_add_disk(sd_model *m, const sd_disk *disk) { return sd_model_add_disks(m, 1, disk); }
+
+void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
+  if (number >= m->n_disks) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "disk %u: expected one of the %zu that there are", number,
+            m->n_disks);
+    return;
+  }
+  sd_disk *at = &m->disks[number], old = *at;
+  put_disk(m, at, disk);
+  at->group = old.group;
+  free((char *)old.name);
+}
+
+int sd_model_add_group(sd_model *m, const char *name, size_t n, const uint32_t *disks) {
+  const size_t group = m->n_groups;
+  char **groups = grow(m, m->groups, group, 1, sizeof *groups, "groups");
+  if (!groups) return (int)group;
+  m->groups = groups;
+  copy_text(m, name, &m->groups[m->n_groups++]);
+  for (size_t k = 0; k < n; k++)
+    if (disks[k] < m->n_disks)
+      m->disks[disks[k]].group = (int)group;
+    else
+      sd_fail(mistakes(m), SD_ERROR_USER, "group \"%s\": disk %u does not exist", name ? name : "?",
+              disks[k]);
+  return (int)group;
+}
+
+uint32_t sd_model_add_wall(sd_model *m, const sd_wall *wall) {
+  const uint32_t number = SD_WALL(m->n_walls);
+  sd_wall *walls = grow(m, m->walls, m->n_walls, 1, sizeof *walls, "walls");
+  if (!walls) return number;
+  m->walls = walls;
+  sd_wall *to = &m->walls[m->n_walls++];
+  *to = *wall;
+  copy_text(m, wall->name, &to->name);
+  if (!copy_of(m, wall->points, wall->n_points, sizeof *wall->points, &to->points, "a wall"))
+    to->n_points = 0;
+  return number;
+}
+
+/* --- motions and phases ----------------------------------------------------------------------------- */
+
+/* From motion number `from` on they are on, or off, in a phase. */
+static void activate(sd_model *m, sd_phase *phase, size_t from, bool on) {
+  bool *active = grow(m, phase->active, m->n_motions, 1, sizeof *active, "a phase");
+  if (!active) return;
+  phase->active = active;
+  for (size_t k = from; k < m->n_motions; k++) active[k] = on;
+}
+
+int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
+  const int number = (int)m->n_motions;
+  if ((unsigned)motion->kind >= SD_MOTION_KINDS || (unsigned)motion->coordinate >= SD_COORDINATES) {
+    sd_fail(mistakes(m), SD_ERROR_USER,
+            "motion \"%s\": kind %d, coordinate %d: expected SD_MOTION_..., SD_X ...",
+            motion->name ? motion->name : "?", (int)motion->kind, motion->coordinate);
+    return number;
+  }
+  sd_motion *motions = grow(m, m->motions, m->n_motions, 1, sizeof *motions, "motions");
+  if (!motions) return number;
+  m->motions = motions;
+  sd_motion *to = &m->motions[m->n_motions++];
+  *to = *motion;
+  copy_text(m, motion->name, &to->name);
+  if (!copy_of(m, motion->bodies, motion->n_bodies, sizeof *motion->bodies, &to->bodies, "a motion"))
+    to->n_bodies = 0;
+  if (!copy_of(m, motion->table_time, motion->n_table, sizeof(double), &to->table_time, "a motion") ||
+      !copy_of(m, motion->table_value, motion->n_table, sizeof(double), &to->table_value, "a motion"))
+    to->n_table = 0;
+  if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
+  /* phases that name their motions were added without this one */
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].active) activate(m, &m->phases[k], m->n_motions - 1, false);
+  return number;
+}
+
+int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
+  const int number = (int)m->n_phases;
+  sd_phase *phases = grow(m, m->phases, m->n_phases, 1, sizeof *phases, "phases");
+  if (!phases) return number;
+  m->phases = phases;
+  sd_phase *to = &m->phases[m->n_phases++];
+  *to = *phase;
+  copy_text(m, phase->name, &to->name);
+  copy_of(m, phase->active, m->n_motions, sizeof(bool), &to->active, "a phase");
+  if (to->steps == 0) to->steps = ENDLESS;
+  if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
+  if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;
+  return number;
+}
+
+void sd_model_measure_rotation(sd_model *m, size_t n, const uint32_t *disks) {
+  uint32_t *grown = grow(m, m->rotations, m->n_rotations, n, sizeof *grown, "rotations");
+  if (!grown) return;
+  m->rotations = grown;
+  memcpy(grown + m->n_rotations, disks, n * sizeof *disks);
+  m->n_rotations += n;
+}
+
+void sd_model_measure_sliding(sd_model *m, const sd_slide_watch *watch) {
+  sd_slide_watch *grown = grow(m, m->slides, m->n_slides, 1, sizeof *grown, "watched contacts");
+  if (!grown) return;
+  m->slides = grown;
+  grown[m->n_slides++] = *watch;
+}
+
+void sd_model_set_until(sd_model *m, const sd_until *until) {
+  m->until = *until;
+  m->until.asked = true;
+}
+
+/* --- finishing -------------------------------------------------------------------------------------- */
+
+/* SD_WALL(w) becomes a body number; any other number stays, for the checks. */
+static uint32_t body_number(const sd_model *m, uint32_t body) {
+  const uint32_t wall = body & ~SD_WALL(0);
+  if (!(body & SD_WALL(0))) return body;
+  return wall < m->n_walls ? (uint32_t)m->n_disks + wall : body;
+}
+
+/* Numbers of random streams like those of a deck: by what is driven, and how many drive it. */
+static void give_stream(sd_model *m, size_t k) {
+  sd_motion *q = &m->motions[k];
+  if (q->kind != SD_MOTION_RANDOM || q->stream != OWN_STREAM || q->n_bodies == 0) return;
+  const bool one = q->n_bodies == 1, disk = q->bodies[0] < m->n_disks;
+  const int thing = !one ? STREAM_LIST : disk ? STREAM_DISK : STREAM_WALL;
+  const uint32_t index = one && !disk ? q->bodies[0] - (uint32_t)m->n_disks : q->bodies[0];
+  unsigned ordinal = 0;
+  for (size_t i = 0; i < k; i++)
+    ordinal += m->motions[i].kind == SD_MOTION_RANDOM &&
+               m->motions[i].stream == stream_number(thing, index, ordinal, q->coordinate);
+  if (index >= STREAM_INDICES || ordinal >= STREAM_ORDINALS)
+    sd_fail(mistakes(m), SD_ERROR_USER, "motion \"%s\": expected at most %d random motions of one coordinate",
+            q->name ? q->name : "?", STREAM_ORDINALS);
+  else
+    q->stream = stream_number(thing, index, ordinal, q->coordinate);
+}
+
+void model_complete(sd_model *m) {
+  const sd_phase endless = {.name = "run", .measure = m->n_rotations || m->n_slides || m->measure_disks};
+  if (m->n_phases == 0) sd_model_add_phase(m, &endless);
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (!m->phases[k].active) activate(m, &m->phases[k], 0, true);
+  for (size_t k = 0; k < m->n_motions; k++) {
+    sd_motion *q = &m->motions[k];
+    for (size_t b = 0; b < q->n_bodies; b++) q->bodies[b] = body_number(m, q->bodies[b]);
+    for (int side = 0; side < 2; side++) q->beside[side] = body_number(m, q->beside[side]);
+    give_stream(m, k);
+  }
+  for (size_t k = 0; k < m->n_slides; k++)
+    for (int side = 0; side < 2; side++)
+      m->slides[k].partner[side] = body_number(m, m->slides[k].partner[side]);
+}
+
+sd_status model_tell_mistakes(sd_model *m, sd_messages *messages) {
+  if (!m->mistakes && !m->mistakes_lost) return SD_OK;
+  const sd_status status = m->mistakes_lost ? SD_ERROR_IO : sd_messages_status(m->mistakes);
+  if (m->mistakes_lost) sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  for (size_t k = 0; status != SD_OK && k < sd_messages_count(m->mistakes); k++)
+    sd_fail(messages, status, "%s", sd_messages_text(m->mistakes, k));
+  return status;
+}

@@ -1,0 +1,145 @@
+/* model.h: the struct behind slipdisk/model.h, const after sd_model_finish. Programs that use the library build it by functions. */
+#ifndef MODEL_MODEL_H
+#define MODEL_MODEL_H
+
+#include "slipdisk/contact.h"
+#include "slipdisk/model.h"
+
+typedef struct sd_material {
+  char *name;
+} sd_material;
+
+typedef enum sd_container_kind {
+  SD_CONTAINER_NONE,
+  SD_CONTAINER_BOX,
+  SD_CONTAINER_CHANNEL,
+  SD_CONTAINER_BED,
+  SD_CONTAINER_HOPPER,
+  SD_CONTAINER_DRUM,
+  SD_CONTAINER_PERIODIC
+} sd_container_kind;
+
+typedef enum sd_packing_kind {
+  SD_PACKING_TRIANGULAR,
+  SD_PACKING_SQUARE,
+  SD_PACKING_RANDOM,
+  SD_PACKING_FRONT,
+  SD_PACKING_RAIN
+} sd_packing_kind;
+
+typedef enum sd_size_kind {
+  SD_SIZES_MONO,
+  SD_SIZES_LIST,
+  SD_SIZES_UNIFORM,
+  SD_SIZES_GAUSSIAN,
+  SD_SIZES_LOGNORMAL,
+  SD_SIZES_POWERLAW
+} sd_size_kind;
+
+/* Disks first ... first + count - 1 wait, and fall in batches, lowest numbers first. Batch k is released
+ * k * interval steps after the start: rows of disks, from `lower` to `upper` in x, the lowest row `gap` above
+ * the highest disk that is in play there. */
+typedef struct sd_rain {
+  size_t first, count, batch; /* disks, disks in a batch */
+  int64_t interval;           /* steps */
+  double lower, upper;        /* x */
+  double floor;               /* y below which no batch begins */
+  double gap, speed;
+} sd_rain;
+
+/* A rectangle in which the centres of the free disks belong; infinite where there is no limit. */
+typedef struct sd_bounds {
+  bool given; /* by the deck or its container; else nothing is looked at */
+  double lower[2], upper[2];
+  sd_outside outside;
+} sd_bounds;
+
+/* Memory of a contact with which a run begins (columns contact_* of state.h). */
+typedef struct sd_contact_memory {
+  uint32_t a, b, part; /* body numbers of this model */
+  int32_t slide;
+  double side;
+  sd_contact_record record;
+} sd_contact_memory;
+
+/* --- derived by sd_model_finish ------------------------------------------------------------------- */
+
+/* A straight piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
+typedef struct sd_segment {
+  uint32_t body;
+  double start[2];    /* one end; for a line any point */
+  double tangent[2];  /* unit vector from the start to the other end */
+  double length;      /* HUGE_VAL for a line (then it also extends backwards) */
+  double previous[2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
+  bool end_cap;       /* the far end is free and pushes as a point */
+  double arc;         /* arc length of the start along a polyline */
+  int64_t next;       /* feature number of the piece that follows, -1: none */
+} sd_segment;
+
+/* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */
+typedef struct sd_limits {
+  double residual;     /* of the energy budget, over its scale */
+  double open;         /* fraction of the measured time in which a watched contact is open */
+  double displacement; /* of a free disk in one step, over its radius */
+} sd_limits;
+
+struct sd_model {
+  char *title;
+  uint64_t seed;
+  sd_integrator integrator;
+  sd_variant variant;
+  double dt;
+  double skin;        /* Verlet-list skin, length; 0: chosen as the run goes */
+  double max_overlap; /* a run stops when an overlap exceeds this fraction of the smaller radius */
+  sd_limits limits;
+  double gravity[2];         /* acceleration vector: -g (sin tilt, cos tilt) */
+  double lower[2], upper[2]; /* box; only read along periodic directions */
+  bool periodic[2];
+  sd_container_kind container;
+  double region_lower[2], region_upper[2]; /* of the container or box: what is called full; equal: none */
+  sd_bounds bounds;
+
+  size_t n_materials;
+  sd_material *materials;
+  sd_contact_law *laws; /* [n_materials * n_materials], symmetric; k_n = 0: pair not given */
+  size_t n_groups;
+  char **groups;
+  size_t n_disks;
+  sd_disk *disks;
+  size_t n_walls;
+  sd_wall *walls;
+  size_t n_motions;
+  sd_motion *motions;
+  size_t n_phases;
+  sd_phase *phases;
+
+  size_t n_rains;
+  sd_rain *rains;
+  size_t n_memories; /* contacts of the packing that the run begins with, in any order */
+  sd_contact_memory *memories;
+
+  size_t n_rotations; /* disks whose mean angular velocity is measured */
+  uint32_t *rotations;
+  size_t n_slides;
+  sd_slide_watch *slides;
+  sd_until until;
+  bool measure_disks;    /* means of every free disk */
+  int64_t measure_every; /* steps between looks at its contacts, >= 1 */
+
+  struct sd_deck
+      *deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
+
+  sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
+  bool mistakes_lost;    /* without memory for them */
+
+  /* derived */
+  size_t n_segments;
+  sd_segment *segments;
+  size_t n_free; /* disks that are not driven */
+};
+
+/* What sd_model_finish does for models that were built by functions: default phase, numbers of walls, random streams. */
+void model_complete(sd_model *model);
+sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
+
+#endif
