@@ -153,14 +153,14 @@ static void not_finite(void **unused) {
   summary found;
   assert_int_equal(doubts_of(m, state, energy, &found), 0);
   summary_free(&found);
-  double *const columns[] = {state->vx, state->omega, state->force_y, state->torque};
+  double *const table[] = {state->vx, state->omega, state->force_y, state->torque};
   for (size_t k = 0; k < 4; k++) {
-    double before = columns[k][3];
-    columns[k][3] = k % 2 ? NAN : HUGE_VAL;
+    double before = table[k][3];
+    table[k][3] = k % 2 ? NAN : HUGE_VAL;
     assert_int_equal(doubts_of(m, state, energy, &found), 1);
     assert_non_null(found.doubts[DOUBT_FINITE].text);
     summary_free(&found);
-    columns[k][3] = before;
+    table[k][3] = before;
   }
   energy.residual = NAN;
   assert_int_equal(doubts_of(m, state, energy, &found), 2);

@@ -67,9 +67,10 @@ typedef void sd_force_field(const sd_force_columns *columns, void *user);
 SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_force_field *field, void *user,
                                                sd_messages *messages);
 
-/* Adds n free disks between two steps, at rest or with their velocities; `group` counts here, materials must exist. They get
- * the next disk numbers, from *first (may be NULL); walls move up by n: find them by name. The simulation goes on with a
- * model of its own. SD_ERROR_USER: nothing is changed; while means of every disk are measured no disks are added. */
+/* Adds n free disks, in no group, between two steps. They get the next disk numbers, from *first (may be NULL); numbers of
+ * walls move up by n: find them by name. The energy that they bring is no error of the budget, that of overlaps is. The
+ * simulation goes on with a model of its own. SD_ERROR_USER: nothing is changed; while means of every disk are measured no
+ * disks are added. SD_ERROR_IO: no memory, the simulation can only be freed. */
 SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, const sd_disk *disks,
                                          uint32_t *first, sd_messages *messages);
 /* Takes free disks out between two steps: they touch nothing any more, and keep numbers and columns (activity SD_REMOVED). */

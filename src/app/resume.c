@@ -8,7 +8,7 @@
 #include "app/app.h"
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
-#include "slipdisk/deck.h"
+#include "run/simulation_private.h"
 
 typedef struct arguments {
   const char *name;
@@ -18,30 +18,6 @@ typedef struct arguments {
 static const option_row rows[] = {DRIVE_OPTIONS(arguments, drive)};
 static const command_line accepts = {"resume",       sizeof rows / sizeof *rows, rows,
                                      OPERAND_RESULT, offsetof(arguments, name),  false};
-
-/* The lines of the overrides; they point into text, which is cut up. To be freed. */
-static const char **split(char *text, size_t *n) {
-  size_t lines = 1;
-  for (const char *c = text; *c; c++) lines += *c == '\n';
-  const char **list = calloc(lines, sizeof *list);
-  *n = 0;
-  for (char *line = list ? strtok(text, "\n") : NULL; line; line = strtok(NULL, "\n")) list[(*n)++] = line;
-  return list;
-}
-
-static sd_status load(const provenance *origin, sd_model **model, sd_messages *messages) {
-  char *path = provenance_deck(origin->deck_path, origin->directory),
-       *lines = format_text("%s", origin->deck_overrides);
-  size_t n = 0;
-  const char **overrides = lines ? split(lines, &n) : NULL;
-  sd_status status = path && overrides
-                         ? sd_deck_load_text(origin->deck_text, path, n, overrides, model, messages)
-                         : sd_fail(messages, SD_ERROR_IO, "no memory");
-  free(overrides);
-  free(lines);
-  free(path);
-  return status;
-}
 
 static int resume(const char *name, drive_options *drive, sd_messages *messages) {
   place p;
@@ -59,7 +35,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
   if (status == SD_OK) status = provenance_read(&origin, file, messages);
   h5_close(file, NULL);
-  if (status == SD_OK) status = load(&origin, &model, messages);
+  if (status == SD_OK) status = simulation_model_of(&origin, &model, messages);
   if (status == SD_OK && !(again = format_text("resume %s", p.result)))
     status = sd_fail(messages, SD_ERROR_IO, "no memory");
   if (status == SD_OK) {

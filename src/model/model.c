@@ -514,5 +514,6 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   if (status == SD_OK) loads_check_steps(m, own);
   if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (own != msg) sd_messages_free(own);
+  m->finished = status == SD_OK;
   return status;
 }

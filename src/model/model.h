@@ -133,6 +133,7 @@ struct sd_model {
   bool mistakes_lost;    /* without memory for them */
 
   /* derived */
+  bool finished;
   size_t n_segments;
   sd_segment *segments;
   size_t n_free; /* disks that are not driven */

@@ -20,6 +20,7 @@ const sd_field sd_fields[] = {
     COLUMN(bin_steps, SD_I64, SD_PER_RUN, "1", "steps per bin of the angle record"),
     COLUMN(bins, SD_I64, SD_PER_RUN, "1", "full bins of the angle record"),
     COLUMN(box_scale, SD_F64, SD_PER_RUN, "1", "lengths of the region over those of the deck"),
+    COLUMN(field_power, SD_F64, SD_PER_RUN, "power", "power of force fields at the end of the last step"),
     COLUMN(relaxed, SD_F64, SD_PER_RUN, "energy", "taken out by the relaxer"),
     COLUMN(relax_alpha, SD_F64, SD_PER_RUN, "1", "how far the relaxer steers velocities"),
     COLUMN(relax_steps, SD_I64, SD_PER_RUN, "1", "steps downhill since the relaxer stopped the disks"),

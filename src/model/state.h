@@ -16,6 +16,7 @@ struct sd_state {
   int64_t bin_steps;                 /* steps per bin of the angle record */
   int64_t bins;                      /* full bins in the angle record */
   double box_scale;                  /* lengths of the region over those of the model; 1 unless compressed */
+  double field_power;                /* of force fields at the end of the last step */
   double relaxed;                    /* energy taken out by the relaxer since step 0 */
   double relax_alpha;                /* how far velocities are steered; set when a phase begins */
   int64_t relax_steps;               /* steps downhill since they were last stopped */

@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 #ifdef _OPENMP
 #include <omp.h>
 #endif
@@ -23,12 +24,9 @@
 #include "physics/neighbours/order.h"
 #include "physics/step/outside.h"
 #include "physics/step/step.h"
+#include "physics/system/fields.h"
 #include "run/lanes_loop.h"
 #include "run/simulation_private.h"
-
-struct sd_simulation {
-  engine engine;
-};
 
 int simulation_threads_for(const sd_model *m, int most) {
   size_t worth = m->n_free / SIMULATION_DISKS_PER_THREAD;
@@ -82,6 +80,13 @@ static sd_status build(engine *e, bool small, int threads, sd_messages *messages
   return status;
 }
 
+/* The step of small systems knows no disks that were taken out. */
+static bool all_in_play(const sd_state *s) {
+  for (size_t i = 0; i < s->n_free; i++)
+    if (s->activity[i] == SD_REMOVED) return false;
+  return true;
+}
+
 static void release(engine *e) {
   lanes_free(engine_lanes(e));
   engine_free(e);
@@ -129,8 +134,9 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, int threads,
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
   }
   *sim = (sd_simulation){.engine = {.model = model, .state = state}};
-  sd_status status = build(&sim->engine, step == SIMULATION_SUITABLE && lanes_suit(model),
-                           choose_threads(model, threads), messages);
+  sd_status status =
+      build(&sim->engine, step == SIMULATION_SUITABLE && lanes_suit(model) && all_in_play(state),
+            choose_threads(model, threads), messages);
   if (status != SD_OK) return fail_new(sim, out, status);
   *out = sim;
   return SD_OK;
@@ -139,7 +145,10 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, int threads,
 void sd_simulation_free(sd_simulation *sim) {
   if (!sim) return;
   release(&sim->engine);
+  fields_free(&sim->engine);
   sd_state_free(sim->engine.state);
+  sd_model_free(sim->owned);
+  free(sim->observers);
   free(sim);
 }
 
@@ -201,17 +210,20 @@ static void note_end(const engine *e) {
       (!p->settle.asked || settle_reached(e)) && (!p->compress.asked || compress_done(e));
 }
 
-/* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
-static sd_status order_again(engine *e, sd_messages *messages) {
+sd_status simulation_rebuild(engine *e, bool small, sd_messages *messages) {
   const int threads = engine_threads(e);
-  const bool small = engine_lanes(e);
-  if (e->state->n_free < ORDER_LEAST) return SD_OK;
-  if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
   release(e);
   sd_status status = build(e, small, threads, messages);
   engine_tell(e, messages);
   return status;
+}
+
+/* Where the disks have gone since they were put in order. All that can be recomputed is made anew. */
+static sd_status order_again(engine *e, sd_messages *messages) {
+  if (e->state->n_free < ORDER_LEAST) return SD_OK;
+  if (contacts_store(e) != SD_OK || order_disks(e->model, e->state) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the order of the disks");
+  return simulation_rebuild(e, engine_lanes(e), messages);
 }
 
 static sd_status end_phase(engine *e, sd_messages *messages) {
@@ -298,18 +310,20 @@ sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
 
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
-  sd_state *s = e->state;
+  if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
   while (n > 0 && !sd_simulation_finished(sim)) {
-    int64_t left = simulation_room(e), from = s->step;
+    int64_t left = observers_room(sim, simulation_room(e)), from = e->state->step;
     advance_team(e, n < left ? n : left, measures(e));
-    assert(s->step >= from && s->step - from <= left && s->step - from <= n);
-    n -= s->step - from;
+    const int64_t done = e->state->step - from;
+    assert(done >= 0 && done <= left && done <= n);
+    n -= done;
     sd_status status = simulation_pause(e, from, messages);
+    if (status == SD_OK) status = observers_call(sim, messages);
     if (status != SD_OK) return status;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */
-  return neighbours_check_finite(e, s->step, messages);
+  return neighbours_check_finite(e, e->state->step, messages);
 }
 
 const sd_model *sd_simulation_model(const sd_simulation *sim) { return sim->engine.model; }
@@ -317,6 +331,27 @@ const sd_model *sd_simulation_model(const sd_simulation *sim) { return sim->engi
 const sd_state *sd_simulation_state(sd_simulation *sim) {
   motion_store(&sim->engine);
   return contacts_store(&sim->engine) == SD_OK ? sim->engine.state : NULL;
+}
+
+int64_t sd_simulation_step(const sd_simulation *sim) { return sim->engine.state->step; }
+
+bool sd_simulation_column_at(sd_simulation *sim, size_t k, sd_column *out) {
+  if (k >= sd_field_count || !sd_simulation_state(sim)) return false;
+  const sd_field *f = &sd_fields[k];
+  *out = (sd_column){.name = f->name,
+                     .unit = f->unit,
+                     .meaning = f->meaning,
+                     .type = f->type,
+                     .extent = f->extent,
+                     .n = sd_extent_size(sim->engine.state, f->extent),
+                     .data = sd_field_data(sim->engine.state, f)};
+  return true;
+}
+
+bool sd_simulation_column(sd_simulation *sim, const char *name, sd_column *out) {
+  for (size_t k = 0; k < sd_field_count; k++)
+    if (strcmp(sd_fields[k].name, name) == 0) return sd_simulation_column_at(sim, k, out);
+  return false;
 }
 
 double sd_simulation_time(const sd_simulation *sim) {
@@ -351,12 +386,8 @@ double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
 }
 
 sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
-  engine *e = &sim->engine;
-  int threads = engine_threads(e);
-  bool small = engine_lanes(e);
   if (!sd_simulation_state(sim)) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
-  release(e);
-  return build(e, small, threads, messages);
+  return simulation_rebuild(&sim->engine, engine_lanes(&sim->engine), messages);
 }
 
 int sd_simulation_threads(const sd_simulation *sim) { return engine_threads(&sim->engine); }

@@ -1,16 +1,29 @@
-/* simulation_private.h: parts of a simulation, for what advances several of them together, and for tests. */
+/* simulation_private.h: parts of a simulation, for what advances several of them together, for simulation_*.c, and for tests. */
 #ifndef SLIPDISK_RUN_SIMULATION_PRIVATE_H
 #define SLIPDISK_RUN_SIMULATION_PRIVATE_H
 
+#include "io/results/provenance.h"
+#include "physics/system/work.h"
 #include "slipdisk/simulation.h"
-
-typedef struct engine engine; /* physics/system/work.h */
 
 /* Which step a simulation takes; both give the same bits. */
 typedef enum simulation_step {
   SIMULATION_SUITABLE, /* that of small systems where it suits the model, else the general one */
   SIMULATION_GENERAL   /* the general one, for tests that compare the two */
 } simulation_step;
+
+typedef struct simulation_observer {
+  int64_t every; /* steps */
+  sd_observer *call;
+  void *user;
+} simulation_observer;
+
+struct sd_simulation {
+  engine engine;
+  sd_model *owned; /* model of its own; NULL: the caller's */
+  size_t n_observers;
+  simulation_observer *observers;
+};
 
 /* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of small systems has one. */
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
@@ -23,6 +36,18 @@ bool simulation_is_small(const sd_simulation *simulation); /* takes the step of 
 int64_t simulation_room(const engine *e);
 /* After steps since `from`, simulation_room at most: what is due is done, and the next phase begins. */
 sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages);
+/* Builds the work anew, after bodies or the kind of the step have changed; contacts and motions stand in the state. */
+sd_status simulation_rebuild(engine *e, bool small, sd_messages *messages);
+
+/* --- simulation_extend.c ----------------------------------------------------------------------------- */
+/* Steps until an observer is due, `most` at most. */
+int64_t observers_room(const sd_simulation *simulation, int64_t most);
+/* Calls those that are due now. */
+sd_status observers_call(sd_simulation *simulation, sd_messages *messages);
+
+/* --- simulation_store.c ------------------------------------------------------------------------------ */
+/* The model of the deck that a checkpoint or a result holds. */
+sd_status simulation_model_of(const provenance *origin, sd_model **out, sd_messages *messages);
 
 /* Below this many free disks a thread costs more than it does. */
 enum { SIMULATION_DISKS_PER_THREAD = 1000 };

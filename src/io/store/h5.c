@@ -72,7 +72,7 @@ hid_t h5_native(sd_type type) {
 
 /* --- open and close ------------------------------------------------------------------------------- */
 
-static sd_status allocate(const char *path, h5_file **out, sd_messages *messages) {
+sd_status h5_allocate(const char *path, h5_file **out, sd_messages *messages) {
   h5_quiet();
   *out = calloc(1, sizeof **out);
   if (*out && ((*out)->path = format_text("%s", path))) return SD_OK;
@@ -83,7 +83,7 @@ static sd_status allocate(const char *path, h5_file **out, sd_messages *messages
   return SD_ERROR_IO;
 }
 
-static void release(h5_file *file) {
+void h5_release(h5_file *file) {
   if (!file) return;
   free(file->path);
   free(file->trouble);
@@ -96,28 +96,8 @@ static void release(h5_file *file) {
   free(file);
 }
 
-sd_status h5_new(h5_file **out, sd_messages *messages) {
-  /* The library takes two memory files of one name for the same file. */
-  static unsigned count;
-  char name[40];
-  snprintf(name, sizeof name, "memory-%u", __atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
-  sd_status status = allocate(name, out, messages);
-  if (status != SD_OK) return status;
-  (*out)->memory = (*out)->writing = true;
-  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  H5Pset_fapl_core(access, (size_t)1 << 20, false);
-  /* The default (earliest) format on purpose: h5_save takes the bytes of the open file, and later formats would say
-   * in them that it is being written. */
-  (*out)->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
-  H5Pclose(access);
-  if ((*out)->id >= 0) return SD_OK;
-  release(*out);
-  *out = NULL;
-  return sd_fail(messages, SD_ERROR_IO, "no memory for an HDF5 file");
-}
-
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
-  sd_status status = allocate(draft->path, out, messages);
+  sd_status status = h5_allocate(draft->path, out, messages);
   if (status != SD_OK) return status;
   h5_file *file = *out;
   file->writing = file->on_disk = true;
@@ -136,13 +116,13 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
   }
   free(again);
   if (status == SD_OK) return SD_OK;
-  release(file);
+  h5_release(file);
   *out = NULL;
   return status;
 }
 
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
-  sd_status status = allocate(path, out, messages);
+  sd_status status = h5_allocate(path, out, messages);
   if (status != SD_OK) return status;
   char *again = file_again(fd, path), reason[200];
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
@@ -162,7 +142,7 @@ sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_message
   else
     status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
   free(again);
-  release(*out);
+  h5_release(*out);
   *out = NULL;
   return status;
 }
@@ -235,8 +215,7 @@ sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *
   return status;
 }
 
-/* Writes rows that are still held, or in the chunk caches. */
-static void close_sets(h5_file *file) {
+void h5_flush_sets(h5_file *file) {
   char reason[200];
   for (size_t k = 0; k < file->n_sets && !file->failed; k++) {
     if (h5_rows_flush(&file->sets[k].rows) && H5Dclose(file->sets[k].rows.set) >= 0) continue;
@@ -245,42 +224,10 @@ static void close_sets(h5_file *file) {
   }
 }
 
-/* The file's bytes: those that the library holds, no copy. They are there while the file is open. */
-static const void *image_of(hid_t id, size_t *size) {
-  void *handle = NULL;
-  if (H5Fflush(id, H5F_SCOPE_GLOBAL) < 0) return NULL;
-  ssize_t n = H5Fget_file_image(id, NULL, 0);
-  if (n <= 0 || H5Fget_vfd_handle(id, H5P_DEFAULT, &handle) < 0 || !handle) return NULL;
-  *size = (size_t)n;
-  return *(void **)handle; /* of a file in memory: where the bytes are */
-}
-
-sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages) {
-  size_t size = 0;
-  int64_t one = 1;
-  h5_attr(file, "/", "sealed", SD_I64, 0, &one);
-  close_sets(file);
-  const void *image = file->failed ? NULL : image_of(file->id, &size);
-  sd_status status;
-  if (image) {
-    unsigned char seal[H5_SEAL_BYTES];
-    uint64_t found = h5_image_seal(image, size, seal);
-    if (sum) *sum = found;
-    file_piece pieces[2] = {{image, size}, {seal, sizeof seal}};
-    status = file_write_atomic(folder, path, 2, pieces, messages);
-  } else {
-    status = sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path,
-                     file->trouble ? file->trouble : "no memory");
-  }
-  H5Fclose(file->id);
-  release(file);
-  return status;
-}
-
 /* Flushes and closes; what went wrong while writing is reported. The file is still to be released. */
 static sd_status close_file(h5_file *file, sd_messages *messages) {
   char reason[200];
-  close_sets(file);
+  h5_flush_sets(file);
   /* After a failed write the library keeps buffers that it cannot get rid of, and closing may crash: such a
    * file is left open for the rest of the process. */
   if (!file->failed &&
@@ -296,7 +243,7 @@ static sd_status close_file(h5_file *file, sd_messages *messages) {
 sd_status h5_close(h5_file *file, sd_messages *messages) {
   if (!file) return SD_OK;
   sd_status status = close_file(file, messages);
-  release(file);
+  h5_release(file);
   return status;
 }
 
@@ -311,7 +258,7 @@ sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *message
   if (status == SD_OK) status = h5_small_sum(back, &small, messages);
   h5_close(back, NULL);
   if (status == SD_OK) status = h5_put_seal(draft->fd, draft->path, small, messages);
-  release(file);
+  h5_release(file);
   return status;
 }
 

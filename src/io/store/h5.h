@@ -53,6 +53,10 @@ sd_status h5_reseal(const char *path, sd_messages *messages);
 /* Writes a file of h5_new to path, with a seal, as file_write_atomic does. Frees the file in any case.
  * sum (may be NULL): of the seal. */
 sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages);
+/* The same bytes in memory, to be freed with free; *data is NULL on errors. Frees the file in any case. */
+sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *messages);
+/* Read only, of bytes of h5_save_memory, which may go when it returns; the seal is checked. */
+sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messages *messages);
 /* Reports what went wrong while writing; frees the file in any case. NULL is allowed. */
 sd_status h5_close(h5_file *file, sd_messages *messages);
 

@@ -51,6 +51,12 @@ struct h5_file {
   size_t n_entries, most_entries;
 };
 
+/* An empty record of a file, and its end. */
+sd_status h5_allocate(const char *path, h5_file **out, sd_messages *messages);
+void h5_release(h5_file *file);
+/* Writes rows that are still held, or in the chunk caches. */
+void h5_flush_sets(h5_file *file);
+
 /* --- h5_journal.c ----------------------------------------------------------------------------------- */
 /* Sum over elements, each with its place, so that pieces add up in any order. */
 uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first);

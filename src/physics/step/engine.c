@@ -22,7 +22,7 @@
 
 /* --- state of step 0 --------------------------------------------------------------------------------- */
 
-static void fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t slot) {
+void engine_fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t slot) {
   const sd_disk *d = &m->disks[disk];
   assert(slot < s->n_disks && (slot >= s->n_free) == d->driven);
   double turn = 8.0 * nearbyint(d->position[SD_THETA] / 8.0);
@@ -69,7 +69,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   uint32_t slot = 0;
   for (int driven = 0; driven < 2; driven++)
     for (uint32_t i = 0; i < m->n_disks; i++)
-      if (m->disks[i].driven == (driven != 0)) fill_disk(m, s, i, slot++);
+      if (m->disks[i].driven == (driven != 0)) engine_fill_disk(m, s, i, slot++);
   assert(slot == s->n_disks && m->n_free == s->n_free);
   for (uint32_t k = 0; k < m->n_walls; k++, slot++) {
     const sd_wall *wall = &m->walls[k];

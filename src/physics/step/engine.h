@@ -7,6 +7,8 @@
 /* Fills the state of step 0 from the model: poses, slots, and the contacts that the packing brings along.
  * SD_ERROR_IO: no memory for these. */
 sd_status engine_fill_state(const sd_model *model, sd_state *state);
+/* The columns of one disk, in its slot. */
+void engine_fill_disk(const sd_model *model, sd_state *state, uint32_t disk, uint32_t slot);
 
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);

@@ -1,6 +1,6 @@
 /* step.c: the step, one page.
  *
- * place prescribed bodies at t + dt -> (stale? rebuild neighbours, carrying contacts) -> chunk by chunk: predict the free
+ * place prescribed bodies at t + dt -> force fields of the program -> (stale? rebuild neighbours, carrying contacts) -> chunk by chunk: predict the free
  * disks of its pairs, evaluate each contact once (force, lambda*, losses), correct -> chunks that wait for other threads
  * -> rare events.
  *
@@ -12,6 +12,7 @@
 
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
+#include "physics/system/fields.h"
 #include "physics/system/kernels.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
@@ -67,7 +68,7 @@ void step_begin(engine *e, int64_t n) {
   assert(n > 0 && s->phase >= 0 && (size_t)s->phase < e->model->n_phases);
   w->kernels->pack(e, s->n_free, s->n_bodies);
   w->show_from = s->step + n;
-  w->predict_all = e->model->phases[s->phase].relax || motion_drives_free(e);
+  w->predict_all = e->model->phases[s->phase].relax || motion_drives_free(e) || e->fields;
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, true);
   note_predicted(e, false);
@@ -95,6 +96,7 @@ void step_once(engine *e, const team *t) {
   }
   if (first) {
     motion_pose(e, &w->threads[0]);
+    fields_apply(e);
     if (motion_moves_walls(e)) walls_pose(e);
     w->stale = any_stale(w);
     pairs_clear_single(e);
@@ -122,6 +124,7 @@ void step_once(engine *e, const team *t) {
   team_wait(t);
   if (first) {
     motion_work(e);
+    fields_work(e);
     if (contacts_any_event(w)) w->status = contacts_events(e, w->messages);
     /* no other step will show the forces; where chunks share rows they are gone */
     if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);

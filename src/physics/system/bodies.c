@@ -1,6 +1,8 @@
 /* bodies.c: see bodies.h. */
 #include "physics/system/bodies.h"
 
+#include "physics/system/fields.h"
+
 #include <assert.h>
 #include <math.h>
 #include <string.h>
@@ -48,6 +50,7 @@ void bodies_fill_constants(engine *e) {
       (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
     }
   note_sameness(e);
+  fields_attach(e);
 }
 
 double box_corner(const sd_model *m, int c) { return m->periodic[c] ? m->lower[c] : m->region_lower[c]; }

@@ -162,6 +162,7 @@ typedef struct thread_work {
   event_list returns; /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
 
+typedef struct fields fields;   /* fields.h */
 typedef struct motions motions; /* motion.h */
 typedef struct lanes lanes;     /* lanes.h */
 typedef struct engine engine;
@@ -216,6 +217,7 @@ typedef struct work {
 struct engine {
   const sd_model *model;
   sd_state *state;
+  fields *fields; /* NULL: none */
   work work;
 };
 

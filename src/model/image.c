@@ -1,0 +1,226 @@
+/* image.c: see image.h.
+ *
+ * One walk over all that a model owns, in a fixed order, serves writing and reading: first the struct, then each array, then
+ * what its elements point to. Pointers are stored as zeros.
+ */
+#include "model/image.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/motion_kinds.h"
+
+typedef struct image {
+  unsigned char *bytes; /* written: grows; read: const */
+  size_t n, capacity;   /* written or read so far; of the bytes */
+  bool writes, damaged, starved;
+  const char *source; /* written last: where it stands in memory and in the bytes */
+  size_t offset;
+} image;
+
+/* Sizes that must be those of the program. */
+static const uint32_t layout[] = {SD_VERSION_NUMBER,   sizeof(sd_model),      sizeof(sd_contact_law),
+                                  sizeof(sd_disk),     sizeof(sd_wall),       sizeof(sd_motion),
+                                  sizeof(sd_phase),    sizeof(sd_rain),       sizeof(sd_contact_memory),
+                                  sizeof(sd_material), sizeof(sd_slide_watch)};
+
+static bool failed(const image *im) { return im->damaged || im->starved; }
+
+/* `size` bytes between the image and `data`. */
+static void transfer(image *im, void *data, size_t size) {
+  if (failed(im) || size == 0) return;
+  if (im->writes && size > im->capacity - im->n) {
+    size_t capacity = 2 * im->capacity + size;
+    unsigned char *grown = realloc(im->bytes, capacity);
+    im->starved = !grown;
+    if (!grown) return;
+    im->bytes = grown;
+    im->capacity = capacity;
+  }
+  im->damaged = size > im->capacity - im->n;
+  if (im->damaged) return;
+  if (im->writes) {
+    memcpy(im->bytes + im->n, data, size);
+    im->source = data;
+    im->offset = im->n;
+  } else {
+    memcpy(data, im->bytes + im->n, size);
+  }
+  im->n += size;
+}
+
+/* The pointer at `place`, which stands in what was written last: zero in the image. */
+static void forget(image *im, void *place) {
+  if (im->writes && !failed(im))
+    memset(im->bytes + im->offset + ((const char *)place - im->source), 0, sizeof(void *));
+  else if (!im->writes)
+    memset(place, 0, sizeof(void *));
+}
+
+/* The array of n elements to which the pointer at `place` points. */
+static void array(image *im, void *place, size_t n, size_t size) {
+  void *data = NULL;
+  if (im->writes) memcpy(&data, place, sizeof data);
+  if (!im->writes && !failed(im)) {
+    im->damaged = n > (im->capacity - im->n) / size;
+    if (!im->damaged) im->starved = !(data = calloc(n ? n : 1, size));
+    memcpy(place, &data, sizeof data);
+  }
+  transfer(im, data, n * size);
+}
+
+/* Of several places in one array, zeros first: what is written next is another array. */
+static void text(image *im, void *place) {
+  const char *data = NULL;
+  if (im->writes) memcpy(&data, place, sizeof data);
+  uint64_t size = data ? strlen(data) + 1 : 0;
+  transfer(im, &size, sizeof size);
+  if (size == 0 || failed(im)) return;
+  array(im, place, size, 1);
+  if (!im->writes && !failed(im)) {
+    memcpy(&data, place, sizeof data);
+    im->damaged = data[size - 1] != 0;
+  }
+}
+
+#define FORGET_ALL(im, list, n, member)                                                                      \
+  for (size_t k_ = 0; k_ < (n); k_++) forget(im, &(list)[k_].member)
+
+static void walk_bodies(image *im, sd_model *m) {
+  array(im, &m->disks, m->n_disks, sizeof *m->disks);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->disks, m->n_disks, name);
+  for (size_t k = 0; k < m->n_disks; k++) text(im, &m->disks[k].name);
+  array(im, &m->walls, m->n_walls, sizeof *m->walls);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->walls, m->n_walls, name);
+  FORGET_ALL(im, m->walls, m->n_walls, points);
+  for (size_t k = 0; k < m->n_walls; k++) {
+    text(im, &m->walls[k].name);
+    array(im, &m->walls[k].points, m->walls[k].n_points, sizeof *m->walls->points);
+  }
+}
+
+static void walk_motions(image *im, sd_model *m) {
+  array(im, &m->motions, m->n_motions, sizeof *m->motions);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->motions, m->n_motions, name);
+  FORGET_ALL(im, m->motions, m->n_motions, bodies);
+  FORGET_ALL(im, m->motions, m->n_motions, table_time);
+  FORGET_ALL(im, m->motions, m->n_motions, table_value);
+  for (size_t k = 0; k < m->n_motions; k++) {
+    sd_motion *q = &m->motions[k];
+    text(im, &q->name);
+    array(im, &q->bodies, q->n_bodies, sizeof *q->bodies);
+    array(im, &q->table_time, q->n_table, sizeof(double));
+    array(im, &q->table_value, q->n_table, sizeof(double));
+  }
+  array(im, &m->phases, m->n_phases, sizeof *m->phases);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->phases, m->n_phases, name);
+  FORGET_ALL(im, m->phases, m->n_phases, active);
+  for (size_t k = 0; k < m->n_phases; k++) {
+    text(im, &m->phases[k].name);
+    uint8_t has = m->phases[k].active != NULL;
+    transfer(im, &has, 1);
+    if (has) array(im, &m->phases[k].active, m->n_motions, sizeof(bool));
+  }
+}
+
+static void walk_materials(image *im, sd_model *m) {
+  text(im, &m->title);
+  array(im, &m->materials, m->n_materials, sizeof *m->materials);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->materials, m->n_materials, name);
+  for (size_t k = 0; k < m->n_materials; k++) text(im, &m->materials[k].name);
+  im->damaged = m->n_materials > UINT32_MAX;
+  array(im, &m->laws, m->n_materials * m->n_materials, sizeof *m->laws);
+  array(im, &m->groups, m->n_groups, sizeof *m->groups);
+  if (failed(im)) return;
+  for (size_t k = 0; k < m->n_groups; k++) forget(im, &m->groups[k]);
+  for (size_t k = 0; k < m->n_groups; k++) text(im, &m->groups[k]);
+}
+
+/* After the struct itself. */
+static void walk(image *im, sd_model *m) {
+  void *places[] = {&m->title,     &m->materials, &m->laws,     &m->groups, &m->disks,
+                    &m->walls,     &m->motions,   &m->phases,   &m->rains,  &m->memories,
+                    &m->rotations, &m->slides,    &m->mistakes, &m->deck,   &m->segments};
+  for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
+  if (!failed(im)) walk_materials(im, m);
+  if (!failed(im)) walk_bodies(im, m);
+  if (!failed(im)) walk_motions(im, m);
+  array(im, &m->rains, m->n_rains, sizeof *m->rains);
+  array(im, &m->memories, m->n_memories, sizeof *m->memories);
+  array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
+  array(im, &m->slides, m->n_slides, sizeof *m->slides);
+}
+
+void *image_of_model(const sd_model *model, size_t *size) {
+  image im = {.writes = true};
+  /* walked, not changed: places are only written when an image is read */
+  sd_model *m = (sd_model *)(uintptr_t)model;
+  uint32_t head[sizeof layout / sizeof *layout];
+  memcpy(head, layout, sizeof layout);
+  transfer(&im, head, sizeof head);
+  transfer(&im, m, sizeof *m);
+  walk(&im, m);
+  *size = im.n;
+  if (!failed(&im)) return im.bytes;
+  free(im.bytes);
+  return NULL;
+}
+
+/* Counts of what could not be read are 0, so that the rest can be freed. */
+static void drop(sd_model *m) {
+  if (!m->materials) m->n_materials = 0;
+  if (!m->groups) m->n_groups = 0;
+  if (!m->disks) m->n_disks = 0;
+  if (!m->walls) m->n_walls = 0;
+  if (!m->motions) m->n_motions = 0;
+  if (!m->phases) m->n_phases = 0;
+  sd_model_free(m);
+}
+
+/* Numbers that tables are indexed with before sd_model_finish looks at them. */
+static bool kinds_exist(const sd_model *m) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
+        (unsigned)m->motions[k].coordinate >= SD_COORDINATES)
+      return false;
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
+    if ((unsigned)m->laws[k].normal >= SD_NORMAL_LAWS) return false;
+  return (unsigned)m->integrator <= SD_VERLET && (unsigned)m->variant <= SD_CONSERVATIVE;
+}
+
+sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
+  *out = NULL;
+  if (size < sizeof layout || memcmp(bytes, layout, sizeof layout) != 0)
+    return sd_fail(messages, SD_ERROR_USER,
+                   "the model was saved by another version of slipdisk; this is version %s", SD_VERSION);
+  sd_model *m = calloc(1, sizeof *m);
+  if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  image im = {.bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size};
+  transfer(&im, m, sizeof *m);
+  walk(&im, m);
+  sd_status status = SD_OK;
+  if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  if (!im.starved && (failed(&im) || im.n != size || !kinds_exist(m)))
+    status = sd_fail(messages, SD_ERROR_IO, "the saved model is damaged");
+  if (status == SD_OK && m->finished) status = sd_model_finish(m, messages);
+  if (status == SD_OK)
+    *out = m;
+  else
+    drop(m);
+  return status;
+}
+
+sd_model *sd_model_clone(const sd_model *model) {
+  size_t size;
+  sd_model *copy = NULL;
+  void *bytes = image_of_model(model, &size);
+  if (bytes) image_read(bytes, size, &copy, NULL);
+  free(bytes);
+  return copy;
+}

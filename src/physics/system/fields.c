@@ -1,0 +1,128 @@
+/* fields.c: see fields.h. */
+#include "physics/system/fields.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void sum_up(engine *e) {
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    const work *w = &e->work;
+    const double *constant = c == SD_X ? w->constant_x : c == SD_Y ? w->constant_y : w->constant_torque;
+    for (size_t i = 0; i < e->state->n_free; i++)
+      e->fields->total[c][i] = constant[i] + e->fields->force[c][i];
+  }
+}
+
+void fields_attach(engine *e) {
+  if (!e->fields) return;
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    e->work.columns[c].constant = e->fields->total[c];
+    e->work.nothing_constant[c] = false;
+  }
+  sum_up(e);
+}
+
+static void evaluate(engine *e, int64_t step) {
+  const sd_state *s = e->state;
+  fields *f = e->fields;
+  for (int c = 0; c < SD_COORDINATES; c++) memset(f->force[c], 0, s->n_free * sizeof(double));
+  const sd_force_columns present = {.step = step,
+                                    .time = (double)step * e->work.dt,
+                                    .n_free = s->n_free,
+                                    .n_bodies = s->n_bodies,
+                                    .id = s->id,
+                                    .x = s->x,
+                                    .y = s->y,
+                                    .theta = s->theta,
+                                    .turn = s->turn,
+                                    .vx = s->vx,
+                                    .vy = s->vy,
+                                    .omega = s->omega,
+                                    .radius = s->radius,
+                                    .mass = s->mass,
+                                    .inertia = s->inertia,
+                                    .material = s->material,
+                                    .group = s->group,
+                                    .activity = s->activity,
+                                    .force_x = f->force[SD_X],
+                                    .force_y = f->force[SD_Y],
+                                    .torque = f->force[SD_THETA]};
+  for (size_t k = 0; k < f->n; k++) f->item[k].call(&present, f->item[k].user);
+  sum_up(e);
+}
+
+void fields_apply(engine *e) {
+  if (e->fields) evaluate(e, e->state->step + 1);
+}
+
+/* On coordinates that are free; in the order of slots. */
+static double power(const engine *e) {
+  double sum = 0.0;
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    const columns *q = &e->work.columns[c];
+    for (size_t i = 0; i < e->state->n_free; i++)
+      if (q->inverse[i] != 0.0) sum += e->fields->force[c][i] * q->v[i];
+  }
+  return sum;
+}
+
+void fields_work(engine *e) {
+  if (!e->fields) return;
+  const double now = power(e);
+  e->state->work_driven += 0.5 * e->work.dt * (e->state->field_power + now);
+  e->state->field_power = now;
+}
+
+sd_status fields_resize(engine *e) {
+  fields *f = e->fields;
+  bool good = true;
+  for (int c = 0; f && c < SD_COORDINATES; c++) {
+    free(f->force[c]);
+    free(f->total[c]);
+    f->force[c] = calloc(e->state->n_free + 1, sizeof(double));
+    f->total[c] = calloc(e->state->n_free + 1, sizeof(double));
+    good = good && f->force[c] && f->total[c];
+  }
+  return good ? SD_OK : SD_ERROR_IO;
+}
+
+sd_status fields_add(engine *e, sd_force_field *call, void *user) {
+  assert(!e->work.lanes && call);
+  if (!e->fields) {
+    e->fields = calloc(1, sizeof *e->fields);
+    if (!e->fields) return SD_ERROR_IO;
+    if (fields_resize(e) != SD_OK) {
+      fields_free(e);
+      return SD_ERROR_IO;
+    }
+  }
+  fields *f = e->fields;
+  void *more = realloc(f->item, (f->n + 1) * sizeof *f->item);
+  if (!more) return SD_ERROR_IO;
+  f->item = more;
+  f->item[f->n].call = call;
+  f->item[f->n].user = user;
+  f->n++;
+  fields_attach(e);
+  if (e->state->step > 0) return SD_OK;
+  evaluate(e, 0);
+  e->state->field_power = power(e);
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    const columns *q = &e->work.columns[c];
+    for (size_t i = 0; i < e->state->n_free; i++)
+      q->q2[i] = e->work.half_dt2 * ((q->force[i] + q->constant[i]) * q->inverse[i]);
+  }
+  return SD_OK;
+}
+
+void fields_free(engine *e) {
+  if (!e->fields) return;
+  for (int c = 0; c < SD_COORDINATES; c++) {
+    free(e->fields->force[c]);
+    free(e->fields->total[c]);
+  }
+  free(e->fields->item);
+  free(e->fields);
+  e->fields = NULL;
+}

@@ -1,0 +1,227 @@
+/* simulation_extend.c: what a program adds to a running system: observers, force fields, disks. See slipdisk/simulation.h. */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/state.h"
+#include "physics/contact/energy.h"
+#include "physics/neighbours/order.h"
+#include "physics/small/lanes.h"
+#include "physics/step/access.h"
+#include "physics/step/engine.h"
+#include "physics/system/bodies.h"
+#include "physics/system/fields.h"
+#include "run/simulation_private.h"
+
+/* --- observers and force fields ----------------------------------------------------------------------- */
+
+sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer, void *user) {
+  assert(every >= 1 && observer);
+  simulation_observer *more = realloc(sim->observers, (sim->n_observers + 1) * sizeof *more);
+  if (!more) return SD_ERROR_IO;
+  sim->observers = more;
+  more[sim->n_observers++] = (simulation_observer){every, observer, user};
+  return SD_OK;
+}
+
+int64_t observers_room(const sd_simulation *sim, int64_t most) {
+  const int64_t step = sim->engine.state->step;
+  for (size_t k = 0; k < sim->n_observers; k++) {
+    const int64_t left = sim->observers[k].every - step % sim->observers[k].every;
+    if (left < most) most = left;
+  }
+  return most;
+}
+
+/* All that are due are called, also when one asks to stop. */
+sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
+  const int64_t step = sim->engine.state->step;
+  sd_status worst = SD_OK;
+  for (size_t k = 0; k < sim->n_observers; k++) {
+    const simulation_observer *o = &sim->observers[k];
+    if (step % o->every != 0) continue;
+    const sd_status status = o->call(sim, o->user);
+    if (worst == SD_OK) worst = status;
+    if (status != SD_OK && status != SD_INTERRUPTED)
+      sd_fail(messages, status, "step %lld: an observer ended the run with status %d", (long long)step,
+              (int)status);
+  }
+  return worst;
+}
+
+/* Contacts and motions go into the state, from which the work can be built anew. */
+static sd_status store(sd_simulation *sim, sd_messages *messages) {
+  return sd_simulation_state(sim) ? SD_OK : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+}
+
+sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *field, void *user,
+                                        sd_messages *messages) {
+  engine *e = &sim->engine;
+  sd_status status = SD_OK;
+  if (engine_lanes(e)) { /* the step of small systems has none */
+    status = store(sim, messages);
+    if (status == SD_OK) status = simulation_rebuild(e, false, messages);
+  }
+  if (status == SD_OK && fields_add(e, field, user) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
+  return status;
+}
+
+/* --- disks -------------------------------------------------------------------------------------------- */
+
+/* Energies that disks brought or took along enter the start, so that the residual of the budget stays. */
+static void keep_residual(engine *e, double residual) {
+  e->state->energy_start += energy_of(e).residual - residual;
+}
+
+static void drop_contacts_of_removed(sd_state *s, const engine *e) {
+  size_t kept = 0;
+  for (size_t c = 0; c < s->n_contacts; c++) {
+    const uint32_t ends[2] = {engine_slot(e, s->contact_a[c]), engine_slot(e, s->contact_b[c])};
+    bool in_play = true;
+    for (int k = 0; k < 2; k++) in_play = in_play && (ends[k] >= s->n_free || body_in_play(s, ends[k]));
+    if (!in_play) continue;
+    for (size_t k = 0; k < sd_field_count; k++) {
+      const sd_field *f = &sd_fields[k];
+      if (f->extent != SD_PER_CONTACT) continue;
+      char *column = sd_field_data(s, f);
+      const size_t size = sd_type_size(f->type);
+      memmove(column + kept * size, column + c * size, size);
+    }
+    kept++;
+  }
+  s->n_contacts = kept;
+}
+
+sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_t *disks,
+                                     sd_messages *messages) {
+  engine *e = &sim->engine;
+  sd_state *s = e->state;
+  char name[96];
+  for (size_t k = 0; k < n; k++) {
+    const bool exists = disks[k] < e->model->n_disks;
+    if (!exists || engine_slot(e, disks[k]) >= s->n_free)
+      return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: expected a free disk",
+                     exists ? sd_model_body_name(e->model, disks[k], name, sizeof name)
+                            : "a disk that is none");
+    if (!body_in_play(s, engine_slot(e, disks[k])))
+      return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: it is not in play",
+                     sd_model_body_name(e->model, disks[k], name, sizeof name));
+  }
+  sd_status status = store(sim, messages);
+  if (status != SD_OK || n == 0) return status;
+  const double residual = energy_of(e).residual;
+  for (size_t k = 0; k < n; k++) {
+    const uint32_t i = engine_slot(e, disks[k]);
+    s->activity[i] = SD_REMOVED;
+    for (int c = 0; c < SD_COORDINATES; c++) {
+      const columns *q = engine_columns(e, c);
+      q->v[i] = q->q2[i] = q->q3[i] = q->q4[i] = q->q5[i] = q->force[i] = 0.0;
+    }
+  }
+  drop_contacts_of_removed(s, e);
+  status = simulation_rebuild(e, false, messages);
+  if (status == SD_OK) keep_residual(e, residual);
+  return status;
+}
+
+/* Numbers of walls move up by n. */
+static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
+  for (size_t k = 0; k < m->n_motions; k++) {
+    sd_motion *q = &m->motions[k];
+    for (size_t b = 0; b < q->n_bodies; b++) q->bodies[b] += q->bodies[b] >= first ? n : 0;
+    for (int side = 0; side < 2; side++) q->beside[side] += q->beside[side] >= first ? n : 0;
+  }
+  for (size_t k = 0; k < m->n_slides; k++)
+    for (int side = 0; side < 2; side++)
+      m->slides[k].partner[side] += m->slides[k].partner[side] >= first ? n : 0;
+}
+
+/* The model with n disks more; contacts with which the run began have served. */
+static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disks, sd_model **out,
+                              sd_messages *messages) {
+  sd_model *m = *out = sd_model_clone(old);
+  if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  const uint32_t first = (uint32_t)old->n_disks;
+  m->n_memories = 0;
+  shift_walls(m, first, (uint32_t)n);
+  sd_model_add_disks(m, n, disks);
+  sd_status status = SD_OK;
+  for (size_t k = first; k < m->n_disks; k++) {
+    sd_disk *d = &m->disks[k];
+    d->waiting = false;
+    if (d->driven || (d->locked[SD_X] && d->locked[SD_Y] && d->locked[SD_THETA]))
+      status = sd_fail(messages, SD_ERROR_USER,
+                       "disk %zu: expected a free disk, with a coordinate that is not locked", k);
+  }
+  if (status == SD_OK) status = sd_model_finish(m, messages);
+  if (status == SD_OK) return SD_OK;
+  sd_model_free(m);
+  *out = NULL;
+  return status;
+}
+
+/* The state of the larger model: free disks first, the new ones behind the others, then the rest moved up. */
+static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, sd_state **out) {
+  sd_state *s = *out = sd_state_new(m);
+  const uint32_t first = (uint32_t)old->n_disks;
+  if (!s || sd_state_reserve_contacts(s, old->n_contacts) != SD_OK) {
+    sd_state_free(s);
+    *out = NULL;
+    return SD_ERROR_IO;
+  }
+  s->n_contacts = old->n_contacts;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    const size_t size = sd_type_size(f->type), all = sd_extent_size(old, f->extent);
+    const size_t front = f->extent == SD_PER_BODY ? old->n_free : all;
+    char *to = sd_field_data(s, f);
+    const char *from = sd_field_data(old, f);
+    memcpy(to, from, front * size);
+    memcpy(to + (front + n) * size, from + front * size, (all - front) * size);
+  }
+  for (size_t i = 0; i < s->n_bodies; i++) s->id[i] += s->id[i] >= first ? (uint32_t)n : 0;
+  for (size_t c = 0; c < s->n_contacts; c++) s->contact_b[c] += s->contact_b[c] >= first ? (uint32_t)n : 0;
+  for (size_t k = 0; k < n; k++) engine_fill_disk(m, s, first + (uint32_t)k, (uint32_t)(old->n_free + k));
+  if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) {
+    sd_state_free(s);
+    *out = NULL;
+    return SD_ERROR_IO;
+  }
+  return SD_OK;
+}
+
+sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
+                                  sd_messages *messages) {
+  engine *e = &sim->engine;
+  const uint32_t number = (uint32_t)e->model->n_disks;
+  sd_model *model;
+  sd_state *state;
+  if (first) *first = number;
+  if (n == 0) return SD_OK;
+  if (e->model->measure_disks)
+    return sd_fail(messages, SD_ERROR_USER,
+                   "disks cannot be added while means of every disk are measured (measure.disks)");
+  sd_status status = store(sim, messages);
+  if (status == SD_OK) status = larger_model(e->model, n, disks, &model, messages);
+  if (status != SD_OK) return status;
+  if (larger_state(model, e->state, n, &state) != SD_OK) {
+    sd_model_free(model);
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
+  }
+  const double residual = energy_of(e).residual;
+  const bool small = engine_lanes(e) && lanes_suit(model);
+  sd_state *old = e->state;
+  e->state = state;
+  e->model = model;
+  if (fields_resize(e) != SD_OK) status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
+  if (status == SD_OK) status = simulation_rebuild(e, small, messages);
+  sd_state_free(old);
+  sd_model_free(sim->owned);
+  sim->owned = model;
+  if (status != SD_OK) return status;
+  for (uint32_t k = 0; k < n; k++) /* they begin to fall freely */
+    for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
+  keep_residual(e, residual);
+  return SD_OK;
+}
