@@ -169,7 +169,7 @@ static void test_size_mistakes(void **state) {
   refused(RANDOM("sizes = \"list\"; radii = (0.1, -0.2);"),
           "packings[0].radii[1] = -0.2: expected a number > 0");
   refused(RANDOM("sizes = \"list\"; radii = (0.1, \"b\");"),
-          "packings[0].radii[1] = \"b\": expected a number");
+          "packings[0].radii[1] = \"b\": expected a number; no constant is called \"b\"");
   refused(RANDOM("sizes = \"list\"; radii = (0.1, 0.2); weights = (1, 2, 3);"),
           "packings[0].weights = (1, 2, 3): 3 weights for 2 radii; expected one for each");
   refused(RANDOM("sizes = \"list\"; radii = (0.1, 0.2); weights = (1, -2);"),

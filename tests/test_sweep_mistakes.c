@@ -83,7 +83,7 @@ static void test_mistakes(void **state) {
       "linspace = (1, 2, 2.5): expected a whole number from 1 to");
   bad(ONE("path = \"dt\"; linspace = (1, 2, 0);"), "linspace = (1, 2, 0): expected a whole number from 1 to");
   bad(ONE("path = \"dt\"; linspace = (1, \"two\", 2);"),
-      "linspace[1] = \"two\": expected a number or a text such as");
+      "linspace[1] = \"two\": expected a number; no constant is called");
   bad(ONE("path = \"dt\"; logspace = (0, 1, 3);"),
       "logspace = (0, 1, 3): expected two numbers of the same sign");
   bad(ONE("path = \"dt\"; logspace = (-1, 1, 3);"),

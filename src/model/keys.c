@@ -28,6 +28,7 @@ static const deck_key top_keys[] = {
     {"checkpoint", NUMBER(DECK_POSITIVE, "s"), "60.0", NULL, "wall time between checkpoints"},
     {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length of the run when there are no phases"},
     {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "the same as a time, rounded to whole steps"},
+    {"constants", GROUP, "-", NULL, "named numbers, for arithmetic in the other values"},
     {"gravity", GROUP, "-", NULL, "strength and direction of gravity"},
     {"box", GROUP, "-", NULL, "periodic directions"},
     {"materials", GROUPS, "required", NULL, "contact law of each material with itself"},

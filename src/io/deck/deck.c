@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_result.h"
 #include "io/deck/deck.h"
@@ -97,6 +98,7 @@ static void read_sweep(deck *d, bool point) {
 /* The order matters: motions speak of bodies, phases of motions. */
 static void read_all(deck *d, bool point) {
   deck_group top;
+  deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) {
     deck_fill(&top, d->model);
     d->model->deck->checkpoint_seconds = deck_number(&top, "checkpoint");

@@ -51,7 +51,14 @@ static void put_scalar(printer *p, const deck_node *node) {
   char text[40];
   switch (node->type) {
     case DECK_BOOL: put(p, node->value.flag ? "true" : "false"); break;
-    case DECK_STRING: put_text(p, node->value.text); break;
+    case DECK_STRING:
+      put_text(p, node->value.text);
+      if (node->remark && !p->one_line) {
+        put(p, " /* ");
+        put(p, node->remark);
+        put(p, " */");
+      }
+      break;
     case DECK_FLOAT: put(p, deck_number_text(node->value.number, text)); break;
     case DECK_INT: {
       int64_t x = node->value.integer;

@@ -5,10 +5,12 @@
  */
 #include "io/deck/deck_grid.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
 #include "io/results/summary.h"
 
@@ -49,7 +51,7 @@ static grid_value value_of(deck *d, const deck_node *node) {
     v.text = v.literal = number_text(d, v.number);
   } else if (node->type == DECK_STRING) {
     v.text = node->value.text;
-    if (!deck_angle(v.text, &v.number)) v.number = NAN;
+    if (!deck_arithmetic(d, v.text, &v.number)) v.number = NAN;
   }
   return v;
 }
@@ -65,6 +67,13 @@ static void read_values(deck_group *g, grid_axis *a) {
   for (size_t k = 0; k < list->n; k++) a->values[a->n_values++] = value_of(g->d, list->child[k]);
 }
 
+/* Is the word one of the text, which is a number with a unit and no formula? */
+static bool has_word(const char *text, const char *word) {
+  const char *at = strstr(text, word);
+  return at && !isalpha((unsigned char)at[strlen(word)]) && !(at > text && isalpha((unsigned char)at[-1])) &&
+         strcspn(text, "(_") == strlen(text);
+}
+
 /* The unit in which both ends of a range are written, as a factor: pi, one degree, or 1. */
 static double unit_of(const deck_node *list, const char **suffix) {
   static const struct {
@@ -75,7 +84,7 @@ static double unit_of(const deck_node *list, const char **suffix) {
     size_t with = 0, zero = 0;
     for (size_t k = 0; k < 2; k++) {
       const deck_node *end = list->child[k];
-      with += end->type == DECK_STRING && strstr(end->value.text, units[u].word);
+      with += end->type == DECK_STRING && has_word(end->value.text, units[u].word);
       zero += (end->type == DECK_INT && end->value.integer == 0) ||
               (end->type == DECK_FLOAT && end->value.number == 0);
     }
@@ -93,7 +102,7 @@ static grid_value number_value(deck *d, double x, const char *suffix, double uni
   if (suffix) {
     v.text = deck_format(d, "%s %s", text, suffix);
     v.literal = deck_format(d, "\"%s\"", v.text);
-    if (!deck_angle(v.text, &v.number)) v.number *= unit;
+    if (!deck_arithmetic(d, v.text, &v.number)) v.number *= unit;
   }
   return v;
 }

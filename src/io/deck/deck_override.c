@@ -6,6 +6,7 @@
  * that are not there yet are made: the check of unknown keys finds the wrong ones later.
  */
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,7 +58,10 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   deck_node *root = scanned.broken || bad_number ? NULL : deck_parse(d, &scanned);
   bool one = root && root->n == 1;
   d->messages = all;
-  if (!one && !bad_number && word) {
+  char *end;
+  double number = strtod(text, &end);
+  bool too_large = end != text && !*end && !(fabs(number) < HUGE_VAL && number != 0);
+  if (!one && word && !(bad_number && too_large)) {
     d->reported = reported;
     sd_messages_free(mine);
     deck_node *node = deck_node_new(d, NULL, NULL, DECK_STRING, place);
@@ -71,10 +75,7 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   d->reported = reported;
   if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
   if (one) return bad_text ? NULL : root->child[0];
-  char *end;
-  strtod(text, &end);
-  bool number = end != text && !*end;
-  fail(d, s, "%s", number ? "the number is out of range" : "the value cannot be read");
+  fail(d, s, "%s", too_large ? "the number is out of range" : "the value cannot be read");
   return NULL;
 }
 

@@ -4,9 +4,8 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
-
-static const double pi = 3.14159265358979323846;
 
 /* --- groups --------------------------------------------------------------------------------------------- */
 
@@ -35,6 +34,8 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     for (size_t j = 0; !told && (key = deck_key_at(table, j)); j++) guess_add(&near, key->name);
     const char *hint = told ? "" : near.best ? deck_hint(d, &near) : keys_of(d, table);
     bool top = table == &deck_top;
+    if (top && !told && !near.best && deck_has_constant(d, child->name))
+      hint = deck_format(d, "; did you mean constants.%s?", child->name);
     deck_fail(d, child, "unknown key%s%s%s", top ? "" : " of ", top ? "" : table->name, hint);
   }
 }
@@ -158,52 +159,6 @@ static deck_node *find(deck_group *g, const char *name, const deck_key **key) {
 
 /* --- values --------------------------------------------------------------------------------------------- */
 
-static const char *skip_space(const char *p) {
-  while (*p == ' ' || *p == '\t') p++;
-  return p;
-}
-
-/* [number] [*] [pi | deg | rad] [/ number] */
-bool deck_angle(const char *text, double *x) {
-  const char *p = skip_space(text);
-  char *end;
-  double value = 1, sign = 1;
-  bool number = false, unit = true;
-  if ((p[0] == '-' || p[0] == '+') && strncmp(skip_space(p + 1), "pi", 2) == 0) {
-    sign = p[0] == '-' ? -1 : 1;
-    p = skip_space(p + 1);
-  }
-  if (strchr("+-.0123456789", *p) && *p) {
-    value = strtod(p, &end);
-    if (end == p) return false;
-    number = true;
-    p = skip_space(end);
-    if (*p == '*') p = skip_space(p + 1);
-  }
-  if (strncmp(p, "pi", 2) == 0) {
-    value *= pi;
-    p += 2;
-  } else if (strncmp(p, "deg", 3) == 0 && number) {
-    value *= pi / 180;
-    p += 3;
-  } else if (strncmp(p, "rad", 3) == 0 && number) {
-    p += 3;
-  } else {
-    unit = false;
-  }
-  p = skip_space(p);
-  if (*p == '/') {
-    p = skip_space(p + 1);
-    double divisor = strtod(p, &end);
-    if (end == p || divisor == 0) return false;
-    value /= divisor;
-    p = skip_space(end);
-  }
-  if (*p || !(number || unit) || !isfinite(value)) return false;
-  *x = sign * value;
-  return true;
-}
-
 /* Behind "expected a number". Kinds of values differ in words: a sweep tells of each once. */
 static const char *but_not(const deck_node *node) {
   switch (node->type) {
@@ -212,6 +167,31 @@ static const char *but_not(const deck_node *node) {
     case DECK_GROUP: return ", not a group";
     default: return "";
   }
+}
+
+/* Behind a text in the echo, where the text does not say it: not "0.04 pi" of an angle. */
+static const char *computed_value(deck *d, const char *text, bool angle, double x) {
+  bool real;
+  double same;
+  if (deck_number_length(text, &real) == strlen(text)) return NULL;
+  if (angle && !strchr(text, '(') && deck_arithmetic(d, text, &same)) return NULL;
+  char value[32];
+  deck_number_text(x, value);
+  size_t n = strlen(value);
+  return deck_copy(d, value, n > 2 && strcmp(value + n - 2, ".0") == 0 ? n - 2 : n);
+}
+
+static bool text_number(deck *d, deck_node *node, bool angle, double *x) {
+  const char *wrong = deck_expression(d, node->value.text, DECK_NAMES_CONSTANTS, angle, x);
+  if (!wrong && !deck_in_range(DECK_ANY, *x))
+    wrong = deck_format(d, "it is %g; expected a number %s", *x, deck_expected(DECK_ANY, *x));
+  if (!wrong) {
+    node->remark = computed_value(d, node->value.text, angle, *x);
+    return true;
+  }
+  if (*wrong) deck_fail(d, node, "%s", wrong);
+  *x = 0;
+  return false;
 }
 
 bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
@@ -226,12 +206,17 @@ bool deck_value_number(deck *d, deck_node *node, bool angle, double *x) {
     deck_fail(d, node, "expected a number %s", deck_expected(DECK_ANY, *x));
     return false;
   }
-  if (angle && node->type == DECK_STRING && deck_angle(node->value.text, x)) return true;
+  if (node->type == DECK_STRING) return text_number(d, node, angle, x);
   if (angle)
     deck_fail(d, node, "expected a number or a text such as \"0.04 pi\" or \"7.2 deg\"%s", but_not(node));
   else
     deck_fail(d, node, "expected a number%s", but_not(node));
   return false;
+}
+
+/* "it is 0.3; " of arithmetic. */
+static const char *computed(deck *d, const deck_node *node) {
+  return node->remark ? deck_format(d, "it is %s; ", node->remark) : "";
 }
 
 double deck_number(deck_group *g, const char *name) {
@@ -240,7 +225,7 @@ double deck_number(deck_group *g, const char *name) {
   double x;
   if (!node || !deck_value_number(g->d, node, key->kind == DECK_KEY_ANGLE, &x)) return NAN;
   if (deck_in_range(key->range, x)) return x;
-  deck_fail(g->d, node, "expected a number %s", deck_expected(key->range, x));
+  deck_fail(g->d, node, "%sexpected a number %s", computed(g->d, node), deck_expected(key->range, x));
   return NAN;
 }
 
@@ -248,17 +233,19 @@ int64_t deck_integer(deck_group *g, const char *name) {
   const deck_key *key;
   deck_node *node = find(g, name, &key);
   if (!node) return key->range == DECK_AT_LEAST_1;
+  double x = node->type == DECK_FLOAT ? node->value.number : 0.5;
+  if (node->type == DECK_STRING && !text_number(g->d, node, false, &x)) return key->range == DECK_AT_LEAST_1;
   /* 5e8 is a whole number too; beyond 2^53 a float no longer says which one is meant */
-  if (node->type == DECK_FLOAT) {
-    double x = node->value.number;
-    if (x == floor(x) && fabs(x) <= 9007199254740992.0) {
-      node->type = DECK_INT;
-      node->value.integer = (int64_t)x;
-    }
+  bool whole = x == floor(x) && fabs(x) <= 9007199254740992.0;
+  if (whole && node->type == DECK_FLOAT) {
+    node->type = DECK_INT;
+    node->value.integer = (int64_t)x;
   }
-  if (node->type == DECK_INT && deck_in_range(key->range, (double)node->value.integer))
-    return node->value.integer;
-  deck_fail(g->d, node, "expected a whole number%s%s", key->range ? " " : "", deck_range_text(key->range));
+  int64_t value = whole ? (int64_t)x : 0;
+  if (node->type == DECK_INT) value = node->value.integer;
+  if ((whole || node->type == DECK_INT) && deck_in_range(key->range, (double)value)) return value;
+  deck_fail(g->d, node, "%sexpected a whole number%s%s%s", computed(g->d, node), key->range ? " " : "",
+            deck_range_text(key->range), node->remark && !whole ? ", such as round(...)" : "");
   return key->range == DECK_AT_LEAST_1;
 }
 

@@ -45,10 +45,9 @@ void deck_default_text(deck_group *g, const char *key, const char *value);
 void deck_default_pair(deck_group *g, const char *key, const double pair[2]);
 deck_node *deck_default_list(deck_group *g, const char *key);
 
-/* One value as a number; an integer turns into a float in the tree. angle: texts such as "0.04 pi" too. */
+/* One value as a number; an integer turns into a float in the tree, arithmetic stays a text. angle: deg and rad may
+ * stand in it. */
 bool deck_value_number(deck *d, deck_node *node, bool angle, double *x);
-/* "0.04 pi", "7.2 deg", "pi/6", "-2*pi" in radians; false: not an angle. */
-bool deck_angle(const char *text, double *x);
 
 /* The elements of a list, or the one value itself. */
 size_t deck_each_count(const deck_node *node);

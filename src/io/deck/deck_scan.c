@@ -20,7 +20,7 @@
 #include <string.h>
 
 #include "base/limits.h"
-#include "io/deck/deck_tree.h"
+#include "io/deck/deck_expression.h"
 #include "io/store/file.h"
 
 typedef struct key {
@@ -131,30 +131,6 @@ static void scan_string(scanner *s) {
 
 static bool word_char(char c) { return isalnum((unsigned char)c) || c == '_' || c == '-' || c == '*'; }
 
-/* Length of the number at p, 0 when it is none; *real: it has a point or an exponent. */
-static size_t number_length(const char *p, bool *real) {
-  const char *q = p;
-  *real = false;
-  if (*q == '+' || *q == '-') q++;
-  const char *digits = q;
-  while (isdigit((unsigned char)*q)) q++;
-  size_t n = (size_t)(q - digits);
-  if (*q == '.') {
-    *real = true;
-    for (q++; isdigit((unsigned char)*q); q++) n++;
-  }
-  if (n == 0) return 0;
-  if (*q == 'e' || *q == 'E') {
-    const char *e = q + 1;
-    if (*e == '+' || *e == '-') e++;
-    if (isdigit((unsigned char)*e)) {
-      *real = true;
-      for (q = e; isdigit((unsigned char)*q);) q++;
-    }
-  }
-  return (size_t)(q - p);
-}
-
 static void emit_integer(scanner *s, const char *token, int base) {
   errno = 0;
   long long x = strtoll(token, NULL, base);
@@ -186,7 +162,7 @@ static void emit_real(scanner *s, const char *token) {
 /* False: this is no number. */
 static bool scan_number(scanner *s) {
   bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') && isxdigit((unsigned char)s->p[2]);
-  size_t n = number_length(s->p, &real);
+  size_t n = deck_number_length(s->p, &real);
   if (hex)
     for (n = 3, real = false; isxdigit((unsigned char)s->p[n]);) n++;
   if (n == 0) return false;

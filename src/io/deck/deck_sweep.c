@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "io/deck/deck_expression.h"
 #include "io/deck/deck_grid.h"
 #include "io/store/file.h"
 #include "slipdisk/deck.h"
@@ -229,7 +230,12 @@ static void add_grid(expansion *e, const grid *g) {
 /* As deck_integer would read it. */
 static void find_seed(expansion *e) {
   const deck_node *seed = deck_child(e->d->root, "seed");
+  double x;
   e->seed = 1;
+  if (seed && seed->type == DECK_STRING &&
+      !deck_expression(e->d, seed->value.text, DECK_NAMES_CONSTANTS, false, &x) &&
+      fabs(x) <= 9007199254740992.0)
+    e->seed = (int64_t)x;
   if (seed && seed->type == DECK_INT) e->seed = seed->value.integer;
   if (seed && seed->type == DECK_FLOAT && fabs(seed->value.number) <= 9007199254740992.0)
     e->seed = (int64_t)seed->value.number;

@@ -6,6 +6,7 @@
  *   deck_override  path=value of -D, or of a point of a sweep, applied to the tree
  *   deck_read   typed getters; they follow the key tables of deck_keys and fill defaults into the tree
  *   deck_echo   the completed tree, printed as a deck again
+ * deck_expression has the arithmetic in texts, and the named constants.
  * deck_bodies, deck_rows, deck_motion and deck_phases turn groups of the tree into parts of a model.
  *
  * Everything that lives only while a deck is read stands in one arena. When memory runs out, deck_alloc
@@ -46,6 +47,7 @@ typedef enum deck_type {
 struct deck_table;
 struct deck_container_values;
 struct guess;
+struct deck_constants;
 
 typedef struct deck_node {
   const char *name; /* NULL in a list and at the root */
@@ -62,7 +64,7 @@ typedef struct deck_node {
   size_t n, capacity; /* of a group or a list */
   struct deck_node **child;
   const struct deck_table *table; /* group: the keys it may have; set by deck_enter */
-  const char *remark;             /* printed behind the value in the echo */
+  const char *remark;             /* text that is arithmetic: its value, printed behind it in the echo */
 } deck_node;
 
 typedef struct deck_name {
@@ -106,6 +108,7 @@ typedef struct deck {
   size_t n_file_tables;
   bool disks_missing; /* some could not be read */
   struct deck_container_values *container;
+  struct deck_constants *constants; /* NULL until one is asked for */
 
   /* which entry of `motions` a motion of the model came from */
   size_t *motion_entry;

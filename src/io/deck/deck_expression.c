@@ -1,0 +1,381 @@
+/* deck_expression.c: arithmetic in texts, by recursive descent; see deck_expression.h.
+ *
+ *   sum     = product { (+ | -) product }
+ *   product = signed { (* | /) signed | [*] unit }  unit: pi, deg, rad; "1/3 pi" is (1/3) pi
+ *   signed  = { + | - } power
+ *   power   = atom [ (^ | **) signed ]
+ *   atom    = number | name | pi | function ( sum { , sum } ) | ( sum )
+ *
+ * libmuparser reads "1/3 pi" as 1/(3 pi) and, through its interface for C, ends the process at an expression longer than
+ * its buffer for messages.
+ */
+#include "io/deck/deck_expression.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/limits.h"
+#include "io/deck/deck_read.h"
+
+static const double pi = 3.14159265358979323846;
+
+typedef struct parser {
+  deck *d;
+  const char *p;
+  deck_names names;
+  bool angle;
+  int depth;         /* brackets and exponents inside each other */
+  int functions;     /* open around this place */
+  const char *wrong; /* the first mistake */
+} parser;
+
+static double sum(parser *e);
+
+/* --- words ---------------------------------------------------------------------------------------------- */
+
+static double lesser(double a, double b) { return a < b ? a : b; }
+static double greater(double a, double b) { return a > b ? a : b; }
+
+static const struct function {
+  const char *name;
+  double (*of)(double);
+  double (*of_two)(double, double);
+} functions[] = {
+    {"sqrt", sqrt, NULL},  {"exp", exp, NULL},     {"log", log, NULL},     {"log10", log10, NULL},
+    {"sin", sin, NULL},    {"cos", cos, NULL},     {"tan", tan, NULL},     {"asin", asin, NULL},
+    {"acos", acos, NULL},  {"atan", atan, NULL},   {"atan2", NULL, atan2}, {"hypot", NULL, hypot},
+    {"abs", fabs, NULL},   {"floor", floor, NULL}, {"ceil", ceil, NULL},   {"round", round, NULL},
+    {"min", NULL, lesser}, {"max", NULL, greater},
+};
+enum { FUNCTIONS = sizeof functions / sizeof *functions };
+
+static const struct unit {
+  const char *name;
+  double factor;
+} units[] = {{"pi", 3.14159265358979323846}, {"deg", 3.14159265358979323846 / 180}, {"rad", 1}};
+enum { UNITS = sizeof units / sizeof *units };
+
+static bool same_word(const char *word, size_t n, const char *text) {
+  return strlen(text) == n && memcmp(word, text, n) == 0;
+}
+
+static bool begins_name(char c) { return isalpha((unsigned char)c) || c == '_'; }
+
+static size_t name_length(const char *p) {
+  size_t n = 0;
+  while (begins_name(p[n]) || (n > 0 && isdigit((unsigned char)p[n]))) n++;
+  return n;
+}
+
+static const struct unit *find_unit(const char *name, size_t n) {
+  for (size_t k = 0; k < UNITS; k++)
+    if (same_word(name, n, units[k].name)) return &units[k];
+  return NULL;
+}
+
+static const struct function *find_function(const char *name, size_t n) {
+  for (size_t k = 0; k < FUNCTIONS; k++)
+    if (same_word(name, n, functions[k].name)) return &functions[k];
+  return NULL;
+}
+
+/* --- parts ---------------------------------------------------------------------------------------------- */
+
+static double fail(parser *e, const char *why) {
+  if (!e->wrong) e->wrong = why;
+  e->p = ""; /* everything ends here */
+  return 1;
+}
+
+static void skip(parser *e) { e->p += strspn(e->p, " \t\r\n"); }
+
+/* Takes the character c if it comes next. */
+static bool take(parser *e, char c) {
+  skip(e);
+  if (*e->p != c) return false;
+  e->p++;
+  return true;
+}
+
+static const char *rest(parser *e) { return deck_quote(e->d, e->p, strlen(e->p)); }
+
+static double unexpected(parser *e) {
+  skip(e);
+  return fail(e, *e->p ? deck_format(e->d, "unexpected \"%s\"", rest(e)) : "the expression is not complete");
+}
+
+size_t deck_number_length(const char *p, bool *real) {
+  const char *q = p;
+  *real = false;
+  if (*q == '+' || *q == '-') q++;
+  const char *digits = q;
+  while (isdigit((unsigned char)*q)) q++;
+  size_t n = (size_t)(q - digits);
+  if (*q == '.') {
+    *real = true;
+    for (q++; isdigit((unsigned char)*q); q++) n++;
+  }
+  if (n == 0) return 0;
+  if (*q == 'e' || *q == 'E') {
+    const char *e = q + 1;
+    if (*e == '+' || *e == '-') e++;
+    if (isdigit((unsigned char)*e)) {
+      *real = true;
+      for (q = e; isdigit((unsigned char)*q);) q++;
+    }
+  }
+  return (size_t)(q - p);
+}
+
+static double number(parser *e) {
+  bool real, nonzero = false;
+  size_t n = deck_number_length(e->p, &real);
+  if (n == 0) return unexpected(e);
+  const char *token = deck_copy(e->d, e->p, n);
+  double x = strtod(token, NULL);
+  for (const char *p = token; *p && *p != 'e' && *p != 'E'; p++) nonzero |= *p >= '1' && *p <= '9';
+  if (!isfinite(x) || (x == 0 && nonzero))
+    return fail(
+        e, deck_format(e->d, "%s: number too %s", deck_quote(e->d, token, n), x == 0 ? "small" : "large"));
+  e->p += n;
+  return x;
+}
+
+static bool deeper(parser *e) {
+  if (++e->depth <= LIMIT_DEPTH) return true;
+  fail(e, deck_format(e->d, "more than %d brackets or powers inside each other", LIMIT_DEPTH));
+  return false;
+}
+
+static double bracket(parser *e) {
+  double x = deeper(e) ? sum(e) : 1;
+  e->depth--;
+  if (!e->wrong && !take(e, ')')) return *e->p ? unexpected(e) : fail(e, "a ) is missing");
+  return x;
+}
+
+static double call(parser *e, const struct function *f) {
+  double x[2] = {0, 0};
+  if (!deeper(e)) return 1;
+  e->functions++;
+  x[0] = sum(e);
+  if (f->of_two && !e->wrong) {
+    if (!take(e, ','))
+      return fail(e, deck_format(e->d, "%s takes two numbers with a comma between", f->name));
+    x[1] = sum(e);
+  }
+  e->functions--;
+  e->depth--;
+  if (!e->wrong && !take(e, ')')) return *e->p ? unexpected(e) : fail(e, "a ) is missing");
+  double y = f->of ? f->of(x[0]) : f->of_two(x[0], x[1]);
+  if (isfinite(y) || e->wrong || e->names == DECK_NAMES_ANY) return y;
+  return fail(e,
+              deck_format(e->d, "%s of %.10g is %s", f->name, x[0], isnan(y) ? "no number" : "not finite"));
+}
+
+static double of_unit(parser *e, const struct unit *u) {
+  e->p += strlen(u->name);
+  if (u->factor == pi || e->angle || e->functions > 0 || e->names == DECK_NAMES_ANY) return u->factor;
+  return fail(e, deck_format(e->d, "%s belongs to angles; expected a number", u->name));
+}
+
+static const char *constant_value(deck *d, const char *name, double *x);
+
+static double word(parser *e) {
+  const char *start = e->p;
+  size_t n = name_length(start);
+  const struct unit *u = find_unit(start, n);
+  if (u) return u->factor == pi ? of_unit(e, u) : unexpected(e);
+  e->p += n;
+  const char *name = deck_copy(e->d, start, n);
+  skip(e);
+  if (*e->p == '(') {
+    const struct function *f = find_function(start, n);
+    e->p++;
+    if (f) return call(e, f);
+    guess near = guess_start(name);
+    for (size_t k = 0; k < FUNCTIONS; k++) guess_add(&near, functions[k].name);
+    return fail(e, deck_format(e->d, "no function is called \"%s\"%s", deck_quote(e->d, name, n),
+                               deck_hint(e->d, &near)));
+  }
+  double x = 1;
+  const char *wrong = e->names == DECK_NAMES_CONSTANTS ? constant_value(e->d, name, &x)
+                      : e->names == DECK_NAMES_ANY     ? NULL
+                                                       : "no constants here";
+  return wrong ? fail(e, wrong) : x;
+}
+
+static double atom(parser *e) {
+  skip(e);
+  if (take(e, '(')) return bracket(e);
+  if (begins_name(*e->p)) return word(e);
+  return isdigit((unsigned char)*e->p) || *e->p == '.' ? number(e) : unexpected(e);
+}
+
+static double signed_power(parser *e);
+
+static double power(parser *e) {
+  double x = atom(e);
+  skip(e);
+  bool two = e->p[0] == '*' && e->p[1] == '*';
+  if (!two && *e->p != '^') return x;
+  e->p += 1 + two;
+  double y = deeper(e) ? signed_power(e) : 1;
+  e->depth--;
+  return pow(x, y);
+}
+
+static double signed_power(parser *e) {
+  bool minus = false;
+  for (skip(e); *e->p == '-' || *e->p == '+'; skip(e)) minus ^= *e->p++ == '-';
+  double x = power(e);
+  return minus ? -x : x;
+}
+
+/* Something behind a number or a bracket. */
+static double behind(parser *e) {
+  size_t n = name_length(e->p);
+  if (n == 0) return fail(e, deck_format(e->d, "an operator is missing before \"%s\"", rest(e)));
+  guess near = guess_start(deck_copy(e->d, e->p, n));
+  for (size_t k = 0; k < UNITS; k++) guess_add(&near, units[k].name);
+  return fail(e, deck_format(e->d,
+                             near.best ? "\"%s\" behind a number%s"
+                                       : "\"%s\" behind a number%s: units are not written (any consistent "
+                                         "set will do), and products need *",
+                             rest(e), deck_hint(e->d, &near)));
+}
+
+static double product(parser *e) {
+  double x = signed_power(e);
+  bool has_unit = false;
+  for (skip(e); *e->p && !e->wrong; skip(e)) {
+    const char *start = e->p;
+    bool times = take(e, '*');
+    skip(e);
+    const struct unit *u = find_unit(e->p, name_length(e->p));
+    if (u && !has_unit && !(times && u->factor == pi)) {
+      x *= of_unit(e, u);
+      has_unit = !times;
+    } else if (times) {
+      x *= signed_power(e);
+    } else if (take(e, '/')) {
+      double divisor = signed_power(e);
+      if (divisor == 0 && e->names != DECK_NAMES_ANY) return fail(e, "division by zero");
+      x /= divisor;
+    } else if (u) {
+      return unexpected(e);
+    } else if (begins_name(*start) || isdigit((unsigned char)*start) || strchr(".(", *start)) {
+      return behind(e);
+    } else {
+      break;
+    }
+  }
+  return x;
+}
+
+static double sum(parser *e) {
+  double x = product(e);
+  while (!e->wrong) {
+    if (take(e, '+'))
+      x += product(e);
+    else if (take(e, '-'))
+      x -= product(e);
+    else
+      break;
+  }
+  return x;
+}
+
+const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x) {
+  parser e = {.d = d, .p = text, .names = names, .angle = angle};
+  *x = sum(&e);
+  skip(&e);
+  if (!e.wrong && *e.p) unexpected(&e);
+  if (!e.wrong && !isfinite(*x) && names != DECK_NAMES_ANY) fail(&e, "the value is not finite");
+  return e.wrong;
+}
+
+bool deck_arithmetic(deck *d, const char *text, double *x) {
+  return !deck_expression(d, text, DECK_NAMES_NONE, true, x);
+}
+
+/* --- constants ------------------------------------------------------------------------------------------- */
+
+typedef enum constant_state { UNREAD, OPEN, GOOD, WRONG } constant_state;
+
+struct deck_constants {
+  deck_index index;
+  deck_node **node;
+  constant_state *state;
+  double *value;
+  int depth; /* constants that are being read for each other */
+};
+
+static struct deck_constants *constants_of(deck *d) {
+  if (d->constants) return d->constants;
+  struct deck_constants *c = d->constants = deck_alloc(d, 1, sizeof *c);
+  deck_node *group = deck_child(d->root, "constants");
+  if (!group || group->type != DECK_GROUP) return c;
+  c->node = deck_alloc(d, group->n + 1, sizeof *c->node);
+  c->state = deck_alloc(d, group->n + 1, sizeof *c->state);
+  c->value = deck_alloc(d, group->n + 1, sizeof *c->value);
+  for (size_t k = 0; k < group->n; k++)
+    if (deck_index_add(d, &c->index, group->child[k]->name, (uint32_t)k)) c->node[k] = group->child[k];
+  return c;
+}
+
+bool deck_has_constant(deck *d, const char *name) {
+  uint32_t k;
+  return deck_index_find(&constants_of(d)->index, name, &k);
+}
+
+static bool good_name(deck *d, const deck_node *node) {
+  size_t n = strlen(node->name);
+  if (name_length(node->name) != n)
+    deck_fail(d, node, "expected a name of letters, digits and _, a letter first");
+  else if (find_unit(node->name, n) || find_function(node->name, n))
+    deck_fail(d, node, "%s has a meaning of its own; expected another name", node->name);
+  else
+    return true;
+  return false;
+}
+
+static void read_constant(deck *d, struct deck_constants *c, size_t k) {
+  if (c->state[k] != UNREAD) return;
+  c->state[k] = OPEN;
+  c->depth++;
+  bool good = good_name(d, c->node[k]) && deck_value_number(d, c->node[k], true, &c->value[k]);
+  c->depth--;
+  c->state[k] = good ? GOOD : WRONG;
+}
+
+/* NULL: good; "": it has a mistake, which is reported. */
+static const char *constant_value(deck *d, const char *name, double *x) {
+  struct deck_constants *c = constants_of(d);
+  uint32_t k;
+  const char *shown = deck_quote(d, name, strlen(name));
+  if (!deck_index_find(&c->index, name, &k)) {
+    guess near = guess_start(name);
+    deck_index_guess(d, &c->index, &near);
+    return near.best ? deck_format(d, "no constant is called \"%s\"%s", shown, deck_hint(d, &near))
+                     : deck_format(d, "expected a number; no constant is called \"%s\"", shown);
+  }
+  if (c->state[k] == OPEN) return deck_format(d, "%s depends on itself", shown);
+  if (c->depth >= LIMIT_DEPTH)
+    return deck_format(d, "more than %d constants that follow from each other", LIMIT_DEPTH);
+  read_constant(d, c, k);
+  *x = c->value[k];
+  return c->state[k] == GOOD ? NULL : "";
+}
+
+void deck_read_constants(deck *d) {
+  deck_node *group = deck_child(d->root, "constants");
+  if (group && group->type != DECK_GROUP) {
+    deck_fail(d, group, "expected a group { name = number; ... }");
+    return;
+  }
+  struct deck_constants *c = constants_of(d);
+  for (size_t k = 0; k < c->index.n; k++) read_constant(d, c, k);
+}
