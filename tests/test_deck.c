@@ -128,9 +128,9 @@ static void test_numbers(void **state) {
   bad(HEAD DISK "seed = 99999999999999999999;", "integer beyond 64 bits");
   bad(HEAD DISK "seed = 2.5;", "seed = 2.5: expected a whole number");
   bad(HEAD DISK "skin = 1e-400;", "too small");
-  bad(HEAD DISK "skin = 1.2.3;", "neither a number nor a text");
-  bad(HEAD DISK "skin = 10kg;", "neither a number nor a text");
-  bad(HEAD DISK "skin = nan;", "a text needs quotes");
+  bad(HEAD DISK "skin = 1.2.3;", "a comma or an operator is missing before \".3\"");
+  bad(HEAD DISK "skin = 10kg;", "\"kg\": units are not written");
+  bad(HEAD DISK "skin = nan;", "expected a number, or quotes around a constant");
 }
 
 static void test_form(void **state) {
@@ -141,7 +141,7 @@ static void test_form(void **state) {
   bad("disks = ( { name = \"a; x = 0; },\n { name = \"b\"; } );\n", "is not closed");
   assert_int_equal(sd_messages_errors(messages), 1);
   bad(HEAD DISK "gravity = { g = 1;", "test.cfg:3: the { of this line is never closed");
-  bad(HEAD DISK "gravity = { g = 1; );", "where { of line 3");
+  bad(HEAD DISK "gravity = { g = 1; );", "where the { of line 3");
   bad(HEAD DISK "skin = 1;\nskin = 2;\nskin = 3;", "test.cfg:5: skin: key given twice; first on line 3");
   assert_int_equal(sd_messages_errors(messages), 2);
   bad(HEAD DISK "gravty = { g = 1; };", "did you mean \"gravity\"?");

@@ -136,15 +136,15 @@ static void test_mistakes(void **state) {
   const char *R = "constants = { R = 0.02; };";
   bad(R, "skin=\"2 * r\"", "no constant is called \"r\"; did you mean \"R\"?");
   bad("", "skin=\"2 * R\"", "expected a number; no constant is called \"R\"");
-  bad(R, "skin=\"1 mm\"", "\"mm\" behind a number: units are not written");
-  bad(R, "skin=\"1e4 N/m\"", "\"N/m\" behind a number: units are not written");
+  bad(R, "skin=\"1 mm\"", "\"mm\": units are not written");
+  bad(R, "skin=\"1e4 N/m\"", "\"N/m\": units are not written");
   bad(R, "disks.a.theta=\"2 pie\"", "\"pie\" behind a number; did you mean \"pi\"?");
-  bad(R, "skin=\"2 R\"", "products need *");
+  bad(R, "skin=\"2 R\"", "a product needs *");
   bad(R, "skin=\"3 deg\"", "deg belongs to angles");
-  bad(R, "skin=\"2 3\"", "an operator is missing before \"3\"");
-  bad(R, "skin=\"2 (3)\"", "an operator is missing before \"(3)\"");
+  bad(R, "skin=\"2 3\"", "a comma or an operator is missing before \"3\"");
+  bad(R, "skin=\"2 (3)\"", "a comma or an operator is missing before \"(3)\"");
   bad(R, "skin=\"2 *\"", "not complete");
-  bad(R, "skin=\"\"", "not complete");
+  bad(R, "skin=\"\"", "expected a number");
   bad(R, "skin=\"(2\"", "a ) is missing");
   bad(R, "skin=\"2)\"", "unexpected \")\"");
   bad(R, "skin=\"R = 3\"", "unexpected \"= 3\"");
@@ -161,7 +161,7 @@ static void test_mistakes(void **state) {
   bad(R, "skin=\"sqr(2)\"", "no function is called \"sqr\"; did you mean \"sqrt\"?");
   bad(R, "skin=\"hypot(2)\"", "hypot takes two numbers");
   bad(R, "skin=\"nan\"", "no constant is called \"nan\"");
-  bad(R, "skin=\"0x10\"", "behind a number");
+  bad(R, "skin=\"0x10\"", "\"x10\"");
   bad(R, "R=3", "did you mean constants.R?");
 }
 

@@ -109,8 +109,8 @@ class Size(Limits):
         self.refuse(HEAD + DISK + "a" * 10**7 + " = 1;", "aaa...: a key of 10000000 characters; expected at most 80")
         self.refuse(HEAD + DISK + 'title = "' + "a" * 10**6 + '"; title = 1;', "key given twice")
         self.refuse(HEAD + DISK + 'seed = "' + "a" * 10**6 + '";', 'aaa...": expected a number; no constant')
-        self.refuse(HEAD + DISK + "skin = " + "1" * 10**6 + "x;", "111...: neither a number nor a text")
-        self.refuse(HEAD + "disks = (" + "{ x = q; }," * MANY + "{});", "q: a text needs quotes")
+        self.refuse(HEAD + DISK + "skin = " + "1" * 10**6 + "x;", "111...: number too large")
+        self.refuse(HEAD + "disks = (" + "{ x = q; }," * MANY + "{});", "q: expected a number, or quotes")
         self.refuse(HEAD + "disks = (" + "{ a = 1; }," * MANY + "{});", "disks[0].a = 1: unknown key")
 
     def test_includes(self):

@@ -210,7 +210,9 @@ void deck_read_disks(deck *d) {
   d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
   for (size_t k = 0; list && k < list->n; k++)
     d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
-  if (d->model->n_disks == 0 && !deck_child(d->root, "disk_files") && !deck_child(d->root, "packings"))
+  bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
+  if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
+      !deck_child(d->root, "packings"))
     deck_fail_key(d, d->root, "disks",
                   "missing: expected at least one disk, in disks, disk_rows, disk_files or packings");
 }

@@ -25,7 +25,7 @@ typedef struct parser {
   deck *d;
   const char *p;
   deck_names names;
-  bool angle;
+  bool angle, empty;
   int depth;         /* brackets and exponents inside each other */
   int functions;     /* open around this place */
   const char *wrong; /* the first mistake */
@@ -103,7 +103,9 @@ static const char *rest(parser *e) { return deck_quote(e->d, e->p, strlen(e->p))
 
 static double unexpected(parser *e) {
   skip(e);
-  return fail(e, *e->p ? deck_format(e->d, "unexpected \"%s\"", rest(e)) : "the expression is not complete");
+  return fail(e, *e->p      ? deck_format(e->d, "unexpected \"%s\"", rest(e))
+                 : e->empty ? "expected a number"
+                            : "the expression is not complete");
 }
 
 size_t deck_number_length(const char *p, bool *real) {
@@ -237,14 +239,16 @@ static double signed_power(parser *e) {
 /* Something behind a number or a bracket. */
 static double behind(parser *e) {
   size_t n = name_length(e->p);
-  if (n == 0) return fail(e, deck_format(e->d, "an operator is missing before \"%s\"", rest(e)));
+  if (n == 0) return fail(e, deck_format(e->d, "a comma or an operator is missing before \"%s\"", rest(e)));
   guess near = guess_start(deck_copy(e->d, e->p, n));
   for (size_t k = 0; k < UNITS; k++) guess_add(&near, units[k].name);
-  return fail(e, deck_format(e->d,
-                             near.best ? "\"%s\" behind a number%s"
-                                       : "\"%s\" behind a number%s: units are not written (any consistent "
-                                         "set will do), and products need *",
-                             rest(e), deck_hint(e->d, &near)));
+  if (near.best)
+    return fail(e, deck_format(e->d, "\"%s\" behind a number%s", rest(e), deck_hint(e->d, &near)));
+  return fail(
+      e, deck_format(e->d,
+                     "\"%s\": units are not written, any consistent set will do; expected the bare number "
+                     "(a product needs *)",
+                     rest(e)));
 }
 
 static double product(parser *e) {
@@ -289,7 +293,7 @@ static double sum(parser *e) {
 }
 
 const char *deck_expression(deck *d, const char *text, deck_names names, bool angle, double *x) {
-  parser e = {.d = d, .p = text, .names = names, .angle = angle};
+  parser e = {.d = d, .p = text, .names = names, .angle = angle, .empty = text[strspn(text, " \t\r\n")] == 0};
   *x = sum(&e);
   skip(&e);
   if (!e.wrong && *e.p) unexpected(&e);

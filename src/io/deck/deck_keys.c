@@ -343,6 +343,22 @@ bool deck_keys_exclude(const char *a, const char *b) {
   return false;
 }
 
+static bool is_kind(deck_kind kind, bool flag) {
+  return flag ? kind == DECK_KEY_BOOL
+              : kind == DECK_KEY_INTEGER || kind == DECK_KEY_NUMBER || kind == DECK_KEY_ANGLE ||
+                    kind == DECK_KEY_NUMBERS || kind == DECK_KEY_POINTS;
+}
+
+bool deck_names_kind(const char *name, bool flag) {
+  bool found = false;
+  for (size_t t = 0; t < deck_table_count; t++) {
+    const deck_key *key = deck_key_find(deck_tables[t], name);
+    if (key && !is_kind(key->kind, flag)) return false;
+    found = found || key;
+  }
+  return found;
+}
+
 /* --- documentation -------------------------------------------------------------------------------------- */
 
 /* The words of a choice, with what each kind reads where it is one of kinds. */

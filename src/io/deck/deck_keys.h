@@ -25,4 +25,7 @@ bool deck_listed(const char *list, const char *word);
 /* In some group only one of these two keys may be given. */
 bool deck_keys_exclude(const char *a, const char *b);
 
+/* Is every key of this name, in any group, a flag (or else: a number or numbers)? */
+bool deck_names_kind(const char *name, bool flag);
+
 #endif

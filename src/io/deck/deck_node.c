@@ -161,6 +161,8 @@ void deck_remove(deck_node *parent, const deck_node *child) {
 
 const char *deck_node_path(deck *d, const deck_node *node) {
   if (!node || !node->parent) return "";
+  /* the one phase of a deck without phases: its keys stand at the top */
+  if (node->type == DECK_GROUP && node->parent->type == DECK_LIST && node->parent->defaulted) return "";
   const char *above = deck_node_path(d, node->parent);
   if (node->name) return *above ? deck_format(d, "%s.%s", above, node->name) : node->name;
   size_t k = 0;

@@ -53,7 +53,7 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
   sd_messages *all = d->messages, *mine = sd_messages_new();
   size_t reported = d->reported;
   d->messages = mine;
-  deck_text scanned = deck_scan(d, deck_format(d, "value = %s;", text), place, true);
+  deck_text scanned = deck_scan(d, deck_format(d, "value = %s;", text), (deck_place){"", 0}, true);
   bool bad_number = d->reported > reported && !scanned.broken;
   deck_node *root = scanned.broken || bad_number ? NULL : deck_parse(d, &scanned);
   bool one = root && root->n == 1;
@@ -70,12 +70,17 @@ static deck_node *value_of(deck *d, const deck_setting *s, const char *text) {
     fail(d, s, "expected a text in UTF-8 without control characters");
     return NULL;
   }
+  const char *why = sd_messages_count(mine) > 0 ? sd_messages_text(mine, 0) : ": ";
+  why = deck_copy(d, why, strlen(why));
   sd_messages_free(mine);
   bool bad_text = one && d->reported > reported; /* all that is wrong with a value that can be parsed */
   d->reported = reported;
   if (bad_text) fail(d, s, "expected a text in UTF-8 without control characters");
   if (one) return bad_text ? NULL : root->child[0];
-  fail(d, s, "%s", too_large ? "the number is out of range" : "the value cannot be read");
+  if (too_large)
+    fail(d, s, "the number is out of range");
+  else
+    fail(d, s, "the value cannot be read%s%s", why[2] ? ": " : "", why + 2);
   return NULL;
 }
 

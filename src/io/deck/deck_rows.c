@@ -1,7 +1,7 @@
 /* deck_rows.c: disks in columns: which form a file has; CSV and HDF5. See deck_rows.h.
  *
- * CSV: values with commas between, a line of names at the top, # begins a comment line, blank lines do not
- * count. No quoting: names and numbers need none.
+ * CSV: values with commas between (or semicolons or tabs, when the line of names has no comma), a line of names at the top,
+ * # begins a comment line, blank lines do not count. Values may stand in quotes, in which "" is a quote.
  */
 #include <ctype.h>
 #include <errno.h>
@@ -128,6 +128,7 @@ typedef struct csv {
   deck *d;
   char *p;
   deck_place here;
+  char separator; /* 0 until the line of names is read */
   size_t n_fields, capacity;
   char **field; /* of the line that csv_line has read */
 } csv;
@@ -145,6 +146,38 @@ static void add_field(csv *in, char *text) {
   in->field[in->n_fields++] = text;
 }
 
+/* Takes the quotes off a value, in place; where it ends. */
+static char *unquote(csv *in, char *text) {
+  char *from = text + 1, *to = text;
+  while (*from && (*from != '"' || from[1] == '"')) {
+    from += *from == '"';
+    *to++ = *from++;
+  }
+  bool closed = *from == '"';
+  from += closed;
+  char *end = strchrnul(from, in->separator);
+  *to = 0;
+  if (!closed)
+    deck_fail_place(in->d, in->here, "the quote before %s is not closed on this line",
+                    deck_quote(in->d, text, strlen(text)));
+  else if (from + strspn(from, " \t\r") < end)
+    deck_fail_place(in->d, in->here, "unexpected %s behind a quote",
+                    deck_quote(in->d, from, (size_t)(end - from)));
+  return end;
+}
+
+static void split(csv *in, char *line) {
+  in->n_fields = 0;
+  for (bool last = false; !last;) {
+    char *text = line + strspn(line, " "),
+         *end = *text == '"' ? unquote(in, text) : strchrnul(line, in->separator);
+    last = !*end;
+    *end = 0;
+    add_field(in, text);
+    line = end + 1;
+  }
+}
+
 /* Reads the next line that counts, in place; false at the end. */
 static bool csv_line(csv *in) {
   while (*in->p) {
@@ -154,12 +187,9 @@ static bool csv_line(csv *in) {
     in->here.line++;
     char *start = line + strspn(line, " \t\r");
     if (!*start || *start == '#') continue;
-    in->n_fields = 0;
-    for (char *comma; (comma = strchr(line, ',')); line = comma + 1) {
-      *comma = 0;
-      add_field(in, line);
-    }
-    add_field(in, line);
+    if (!in->separator)
+      in->separator = strchr(line, ',') ? ',' : strchr(line, ';') ? ';' : strchr(line, '\t') ? '\t' : ',';
+    split(in, line);
     return true;
   }
   return false;
@@ -170,6 +200,8 @@ static bool csv_open(csv *in, deck *d, const deck_node *file) {
   *in = (csv){.d = d, .here = {path, 0}};
   in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
   if (!in->p) return false;
+  if (strncmp(in->p, "\xef\xbb\xbf", 3) == 0) in->p += 3; /* the mark of UTF-8 */
+  for (char *c = strchr(in->p, '\n') ? NULL : in->p; c && (c = strchr(c, '\r'));) *c = '\n';
   bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS;
   if (!line) deck_fail(d, file, "the file is empty; expected a line with the names of its columns");
   if (line && !good)
@@ -187,8 +219,11 @@ static bool csv_number(const csv *in, const char *column, const char *text, doub
   char *end;
   *x = strtod(text, &end);
   if (end != text && !*end && isfinite(*x)) return true;
-  deck_fail_place(in->d, in->here, "%s = %s: expected a number", column,
-                  *text ? deck_quote(in->d, text, strlen(text)) : "(empty)");
+  const char *why = strchr(text, ',')      ? "; decimals are written with a point"
+                    : strpbrk(text, "*/ ") ? ", without arithmetic and units"
+                                           : "";
+  deck_fail_place(in->d, in->here, "%s = %s: expected a number%s", column,
+                  *text ? deck_quote(in->d, text, strlen(text)) : "(empty)", why);
   *x = NAN;
   return false;
 }
@@ -207,8 +242,9 @@ static size_t csv_find_reported(const csv *in, const char *name) {
   for (size_t j = 0; j < in->n_fields && j < 8; j++)
     found = deck_format(in->d, "%s%s\"%s\"", found, j ? ", " : "",
                         deck_quote(in->d, in->field[j], strlen(in->field[j])));
-  deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; found %s%s", name, found,
-                  in->n_fields > 8 ? ", ..." : "");
+  deck_fail_place(in->d, in->here,
+                  "no column \"%s\" in the line of names; found %s%s; the key columns names those to be read",
+                  name, found, in->n_fields > 8 ? ", ..." : "");
   return SIZE_MAX;
 }
 
@@ -219,13 +255,60 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
   return false;
 }
 
+/* columns = ("x", "y", "radius = diameter"), as far as the names in the file tell. */
+static const char *example_columns(const csv *in) {
+  static const char *const usual[] = {"x", "y", "radius"}, *const letters[] = {"xX", "yY", "rR"};
+  const char *text = "columns = (";
+  for (int c = 0; c < 3; c++) {
+    const char *source = NULL;
+    for (size_t k = 0; k < in->n_fields && csv_find(in, usual[c]) == SIZE_MAX && !source; k++)
+      if (deck_column(in->field[k]) < 0 && strpbrk(in->field[k], letters[c])) source = in->field[k];
+    text = deck_format(in->d, "%s%s\"%s%s%s\"", text, c ? ", " : "", usual[c], source ? " = " : "",
+                       source ? deck_quote(in->d, source, strlen(source)) : "");
+  }
+  return deck_format(in->d, "%s)", text);
+}
+
+/* Without the key `columns` each name must be one of a disk's. */
+static bool take_all_columns(csv *in, deck_columns *t) {
+  enum { SHOWN = 200 };
+  deck *d = in->d;
+  const char *unknown = "";
+  char *end;
+  bool number = strtod(in->field[0], &end) < HUGE_VAL && end != in->field[0] && !*end, good = true;
+  if (number || in->n_fields == 1) {
+    deck_fail_place(
+        d, in->here,
+        "the first line is %s%s; expected the names of the columns, with commas between: x, y, radius, ...",
+        deck_quote(d, in->field[0], strlen(in->field[0])), in->n_fields > 1 ? ", ..." : "");
+    return false;
+  }
+  for (size_t k = 0; k < in->n_fields; k++) {
+    const char *name = in->field[k];
+    if (deck_column(name) >= 0) {
+      good &= deck_columns_add(d, t, name, NULL, in->here);
+    } else if (!*name) {
+      deck_fail_place(d, in->here, "column %zu has no name; is there a comma too many?", k + 1);
+      return false;
+    } else if (strlen(unknown) < SHOWN) {
+      unknown =
+          deck_format(d, "%s%s\"%s\"", unknown, *unknown ? ", " : "", deck_quote(d, name, strlen(name)));
+    }
+  }
+  if (*unknown)
+    deck_fail_place(
+        d, in->here,
+        "columns of disks are x, y, radius, mass, ..., and not %s; name those to be read in the deck: %s",
+        unknown, example_columns(in));
+  return good && !*unknown;
+}
+
 static void read_csv(deck *d, deck_node *file, deck_columns *t) {
   csv in;
   if (!csv_open(&in, d, file)) return;
-  size_t n = in.n_fields, from[COLUMN_KINDS] = {0};
+  size_t n = in.n_fields, from[COLUMN_KINDS] = {0}, before = d->reported;
   bool whole = true;
-  if (t->n_columns == 0)
-    for (size_t k = 0; k < n; k++) whole &= deck_columns_add(d, t, in.field[k], NULL, in.here);
+  if (t->n_columns == 0) whole = take_all_columns(&in, t);
   for (size_t c = 0; c < t->n_columns; c++)
     whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
   while (whole && csv_line(&in)) {
@@ -240,6 +323,8 @@ static void read_csv(deck *d, deck_node *file, deck_columns *t) {
         t->text[at] = in.field[from[c]];
     }
   }
+  if (whole && t->n_rows == 0 && d->reported == before)
+    deck_fail(d, file, "no disks: the file ends with the line of its names");
 }
 
 size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b) {
@@ -281,7 +366,17 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     deck_fail(d, file, "cannot be read: %s", file_trouble(errno));
     return;
   }
+  char head[8] = "";
+  size_t have = 0, letters = 0;
+  bool known = file_read_at(there, 0, head, sizeof head, &have);
   close(there);
+  while (letters < have && (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
+    letters++;
+  if (known && letters > 0 && letters == have) {
+    deck_fail(d, file,
+              "it is a text, and its name that of an HDF5 file; expected another name or format = \"csv\"");
+    return;
+  }
   if (!dataset) {
     deck_fail_key(d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
     return;

@@ -3,24 +3,29 @@
  * libconfig 1.5 takes these without a word, or with a poor one:
  *   5000000000   cut to 32 bits            -> given the suffix L
  *   1e400        read as infinity          -> error
- *   10kg, 1.2.3  read as two tokens        -> error
+ *   10kg, 2 * R  read as several tokens    -> error that names units, or the quotes of arithmetic
  *   / * ...      unterminated comment      -> error at its first line
  *   "...         string over a line end    -> error: most likely a quote was forgotten
  *   [0, 10.5]    arrays of one type only   -> written as a list, whose elements may differ
  *   a = 1; a = 2 stops at the first        -> all reported, with the line of the first
  *   @include     lines counted per file    -> put in place here, each line remembering where it is from
  *   a = word     "syntax error"            -> error that names the quotes
+ *   (1, 2,)      "syntax error"            -> the last comma is dropped
+ *   (1 2), a = ; "syntax error"            -> error that says what is missing
  * Line breaks are kept, so that line k of the clean text has a known place.
  */
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/text.h"
 #include "io/deck/deck_expression.h"
+#include "io/deck/deck_keys.h"
 #include "io/store/file.h"
 
 typedef struct key {
@@ -34,6 +39,9 @@ typedef struct level {
   char open;
   deck_place place;
   bool value;       /* in a group: a = was read, its value has not come yet */
+  bool key;         /* in a group: a key was read, its = has not come yet */
+  bool full;        /* in a list: an element has come since the last comma */
+  size_t comma;     /* in a list: where the last comma stands in the clean text */
   const char *name; /* in a group: of the key being read */
   size_t length;
   size_t index; /* in a list: of the element being read */
@@ -54,7 +62,7 @@ typedef struct scanner {
   size_t bytes; /* of the deck and all that it includes */
   int repeated;
   bool override, included, broken;
-  bool torn;     /* a text was not closed: brackets may have gone with it */
+  bool torn;     /* a quote or a bracket is missing: what other brackets seem to be follows from it */
   const char *p; /* current text */
   const char *start;
   deck_place here;
@@ -93,6 +101,57 @@ static const char *path(scanner *s) {
   return *text ? deck_format(s->d, "%s = ", text) : text;
 }
 
+/* About brackets, commas and keys: of these only the first mistake is told, since others follow from it. */
+static void fail_form(scanner *s, const char *format, ...) SD_PRINTF(2, 3);
+static void fail_form(scanner *s, const char *format, ...) {
+  s->broken = true;
+  if (s->torn) return;
+  s->torn = true;
+  char *text = NULL;
+  va_list args;
+  va_start(args, format);
+  int n = vasprintf(&text, format, args);
+  va_end(args);
+  if (n < 0) longjmp(s->d->out_of_memory, 1);
+  const char *words = deck_copy(s->d, text, (size_t)n);
+  free(text);
+  deck_fail_place(s->d, s->here, "%s", words);
+}
+
+/* The path of the key that was read last. */
+static const char *key_path(scanner *s) {
+  const char *text = path(s);
+  size_t n = strlen(text);
+  return n > 3 ? deck_copy(s->d, text, n - 3) : "the value";
+}
+
+/* "( of line 4"; of -D, which has no lines: "(". */
+static const char *bracket_of(scanner *s, const level *l) {
+  return l->place.line > 0 ? deck_format(s->d, "%c of line %d", l->open, l->place.line)
+                           : deck_format(s->d, "%c", l->open);
+}
+
+/* A value begins at p: is there a place for it? */
+static void begin_value(scanner *s) {
+  level *l = top(s);
+  const char *p = s->p;
+  if (!in_group(s)) {
+    if (l->full) fail_form(s, "a comma is missing before this element of a list, or a bracket is not closed");
+    l->full = true;
+  } else if (l->value) {
+    l->value = false;
+  } else if (l->key) {
+    fail_form(s, "an = is missing behind %s", key_path(s));
+  } else if (isdigit((unsigned char)*p) && p > s->start + 1 && p[-1] == ',' &&
+             isdigit((unsigned char)p[-2])) {
+    fail_form(s, "%s: decimals are written with a point, 0.5 and not 0,5", key_path(s));
+  } else {
+    fail_form(s, "a value without key = before it%s",
+              *p == '"' ? "; keys have no quotes" : "; several values of a key belong in ( )");
+  }
+  l->key = false;
+}
+
 /* --- tokens --------------------------------------------------------------------------------------------- */
 
 static void skip_comment(scanner *s) {
@@ -114,6 +173,8 @@ static void skip_comment(scanner *s) {
 /* \" does not end a string, \\ does not escape what follows it. */
 static void scan_string(scanner *s) {
   deck_place start = s->here;
+  /* libconfig joins texts that follow one another: no harm as the value of a key */
+  if (!in_group(s) || s->clean.n == 0 || s->clean.bytes[s->clean.n - 1] != '"') begin_value(s);
   const char *from = s->p++;
   while (*s->p && *s->p != '"' && *s->p != '\n') s->p += *s->p == '\\' && s->p[1] && s->p[1] != '\n' ? 2 : 1;
   if (*s->p != '"') {
@@ -121,12 +182,10 @@ static void scan_string(scanner *s) {
     deck_fail_place(s->d, start, "%sthe text %s is not closed with \" on this line", path(s),
                     deck_quote(s->d, from, (size_t)(s->p - from)));
     s->broken = s->torn = true;
-    top(s)->value = false;
     return;
   }
   s->p++;
   emit(s, from, (size_t)(s->p - from));
-  top(s)->value = false;
 }
 
 static bool word_char(char c) { return isalnum((unsigned char)c) || c == '_' || c == '-' || c == '*'; }
@@ -159,33 +218,68 @@ static void emit_real(scanner *s, const char *token) {
   emit_text(s, token);
 }
 
+/* Where the text of a value without quotes ends. */
+static const char *value_end(scanner *s) {
+  const char *p = s->p;
+  for (int open = 0; *p && !strchr(";\n\r#\"'{}=:[]@", *p); p++) {
+    if ((p[0] == '/' && (p[1] == '/' || p[1] == '*')) || (*p == ',' && open == 0)) break;
+    open += *p == '(';
+    if (*p == ')' && open-- == 0) break;
+  }
+  if (in_group(s) && (*p == '=' || *p == ':')) { /* a key follows, without a ; before it */
+    while (p > s->p && isspace((unsigned char)p[-1])) p--;
+    while (p > s->p && word_char(p[-1])) p--;
+  }
+  while (p > s->p && isspace((unsigned char)p[-1])) p--;
+  return p;
+}
+
+/* More than one token, of which the first has n bytes: a unit, arithmetic, a text. False: one only. */
+static bool scan_unquoted(scanner *s, size_t n) {
+  const char *end = value_end(s);
+  if (end <= s->p + n) return false;
+  const char *text = deck_copy(s->d, s->p, (size_t)(end - s->p)),
+             *shown = deck_quote(s->d, text, strlen(text));
+  double x;
+  const char *wrong = deck_expression(s->d, text, DECK_NAMES_ANY, true, &x);
+  bool is_text = wrong && isalpha((unsigned char)*text);
+  if (is_text)
+    deck_fail_place(s->d, s->here, "%s%s: a text needs quotes: \"%s\"", path(s), shown, shown);
+  else if (wrong)
+    deck_fail_place(s->d, s->here, "%s%s: %s", path(s), shown, wrong);
+  else
+    deck_fail_place(s->d, s->here, "%s%s: expected quotes around it: \"%s\"", path(s), shown, shown);
+  s->broken |= s->override || (wrong && !in_group(s));
+  emit_text(s, is_text ? "\"\"" : "1"); /* most likely good, so that no second message follows */
+  begin_value(s);
+  s->p = end;
+  return true;
+}
+
 /* False: this is no number. */
 static bool scan_number(scanner *s) {
   bool real, hex = s->p[0] == '0' && (s->p[1] == 'x' || s->p[1] == 'X') && isxdigit((unsigned char)s->p[2]);
-  size_t n = deck_number_length(s->p, &real);
+  size_t n = deck_number_length(s->p, &real), all = n;
   if (hex)
-    for (n = 3, real = false; isxdigit((unsigned char)s->p[n]);) n++;
+    for (n = 3, real = false; isxdigit((unsigned char)s->p[n]);) all = ++n;
+  if (!real && n > 0 && s->p[n] == 'L') all += s->p[n + 1] == 'L' ? 2 : 1;
+  bool place = !in_group(s) || top(s)->value;
+  if (place && strchr("+-.0123456789", *s->p) && scan_unquoted(s, all)) return true;
   if (n == 0) return false;
-  const char *token = deck_copy(s->d, s->p, n), *end = s->p + n;
-  if (!real && *end == 'L') end += end[1] == 'L' ? 2 : 1;
-  if (word_char(*end) || *end == '.') {
-    while (word_char(*end) || *end == '.') end++;
-    const char *word = deck_quote(s->d, s->p, (size_t)(end - s->p));
-    deck_fail_place(s->d, s->here, "%s%s: neither a number nor a text (a text needs quotes: \"%s\")", path(s),
-                    word, word);
-    emit_text(s, "1"); /* most likely within range, so that no second message follows */
-  } else if (real) {
+  begin_value(s);
+  const char *token = deck_copy(s->d, s->p, n);
+  if (real)
     emit_real(s, token);
-  } else {
+  else
     emit_integer(s, token, hex ? 16 : 10);
-  }
-  s->p = end;
-  top(s)->value = false;
+  s->p += all;
   return true;
 }
 
 static void scan_key(scanner *s, const char *name, size_t n) {
   level *l = top(s);
+  if (l->key) fail_form(s, "%s: expected key = value", key_path(s));
+  l->key = true;
   if (n > LIMIT_QUOTE) {
     deck_fail_place(s->d, s->here, "%s: a key of %zu characters; expected at most %d",
                     deck_quote(s->d, name, n), n, LIMIT_QUOTE);
@@ -222,33 +316,88 @@ static bool is_word(const char *name, size_t n, const char *word) {
   return true;
 }
 
+/* The key whose value is being read, perhaps inside lists. */
+static const char *key_name(scanner *s) {
+  const level *l = top(s);
+  while (l > s->levels && l->open != '{') l--;
+  return l->name ? deck_copy(s->d, l->name, l->length) : "";
+}
+
+/* A key cannot stand in a list: the list ends before it. */
+static void leave_lists(scanner *s, const char *before) {
+  if (in_group(s)) return;
+  while (!in_group(s) && s->levels[s->depth - 1].open != 0 && s->levels[s->depth - 1].open != '{') s->depth--;
+  char open = top(s)->open;
+  fail_form(s, "the %s is not closed before this %s; is a %c missing%s?", bracket_of(s, top(s)), before,
+            open == '(' ? ')' : ']', *before == 'k' ? ", or a { before the key" : "");
+  s->depth--;
+}
+
 static void scan_word(scanner *s) {
-  const char *name = s->p;
-  while (word_char(*s->p)) s->p++;
-  size_t n = (size_t)(s->p - name);
+  const char *name = s->p, *next = name;
+  while (word_char(*next)) next++;
+  size_t n = (size_t)(next - name);
+  while (*next == ' ' || *next == '\t') next++;
+  if (*next == '=' && !s->override) leave_lists(s, "key");
   if (in_group(s) && !top(s)->value) {
+    s->p += n;
     scan_key(s, name, n);
     return;
   }
-  top(s)->value = false;
   if (is_word(name, n, "true") || is_word(name, n, "false")) {
+    begin_value(s);
+    s->p += n;
     emit(s, name, n);
     return;
   }
-  /* read on as if the quotes were there, so that later mistakes are found too */
-  if (!s->override) {
-    const char *word = deck_quote(s->d, name, n);
-    deck_fail_place(s->d, s->here, "%s%s: a text needs quotes: \"%s\"", path(s), word, word);
-  }
+  if (scan_unquoted(s, n)) return;
+  begin_value(s);
+  s->p += n;
+  const char *word = deck_quote(s->d, name, n), *owner = deck_told(s->d) ? "" : key_name(s);
   s->broken |= s->override;
-  emit_text(s, deck_format(s->d, "\"%.*s\"", (int)n, name));
+  /* read on as if it were right, so that later mistakes are found too */
+  if (deck_names_kind(owner, true)) {
+    deck_fail_place(s->d, s->here, "%s%s: expected true or false", path(s), word);
+    emit_text(s, "false");
+  } else if (deck_names_kind(owner, false)) {
+    deck_fail_place(s->d, s->here, "%s%s: expected a number, or quotes around a constant: \"%s\"", path(s),
+                    word, word);
+    emit_text(s, "1");
+  } else {
+    deck_fail_place(s->d, s->here, "%s%s: a text needs quotes: \"%s\"", path(s), word, word);
+    emit_text(s, deck_format(s->d, "\"%.*s\"", (int)n, name));
+  }
+}
+
+/* Characters that word processors and keyboards put in the place of others. */
+static void scan_other(scanner *s) {
+  static const struct {
+    const char *bytes, *write;
+  } others[] = {{"\u201c", "\""}, {"\u201d", "\""}, {"\u201e", "\""}, {"\u2018", "\""}, {"\u2019", "\""},
+                {"'", "\""},      {"\u2212", "-"},  {"\u2013", "-"},  {"\u00d7", "*"}};
+  size_t n = text_step(s->p);
+  const char *write = NULL, *shown = deck_copy(s->d, s->p, n);
+  for (size_t k = 0; k < sizeof others / sizeof *others && n > 0; k++)
+    if (strcmp(shown, others[k].bytes) == 0) write = others[k].write;
+  s->broken = true;
+  if (n == 0)
+    deck_fail_place(s->d, s->here, "unexpected byte 0x%02x outside quotes", (unsigned)(unsigned char)*s->p);
+  else if (strcmp(shown, "\u00a0") == 0)
+    deck_fail_place(s->d, s->here, "unexpected no-break space outside quotes; write a blank");
+  else
+    deck_fail_place(s->d, s->here, "unexpected %s outside quotes%s%s", shown, write ? "; write " : "",
+                    write ? write : "");
+  s->p += n ? n : 1;
+  if (!write || *write != '"') return;
+  begin_value(s); /* a text, up to such a character again */
+  s->p += strcspn(s->p, "\n;,)}");
 }
 
 /* --- brackets and includes ------------------------------------------------------------------------------ */
 
 static void open_bracket(scanner *s) {
+  if (s->depth == 0 || top(s)->open) begin_value(s);
   char c = *s->p++;
-  top(s)->value = false;
   if (s->depth + 1 >= LIMIT_DEPTH) {
     if (!s->broken)
       deck_fail_place(s->d, s->here, "more than %d brackets inside each other", LIMIT_DEPTH - 2);
@@ -259,19 +408,55 @@ static void open_bracket(scanner *s) {
   emit(s, c == '{' ? "{" : "(", 1);
 }
 
+static bool closes(char c, char open) { return open && c == (open == '{' ? '}' : open == '(' ? ')' : ']'); }
+
 static void close_bracket(scanner *s) {
-  char c = *s->p++, open = top(s)->open;
-  char wanted = open == '{' ? '}' : open == '(' ? ')' : ']';
-  if (open == 0 || c != wanted) {
-    if (open == 0 && !s->torn)
-      deck_fail_place(s->d, s->here, "%c closes nothing", c);
-    else if (!s->torn)
-      deck_fail_place(s->d, s->here, "%c found where %c of line %d should be closed with %c", c, open,
-                      top(s)->place.line, wanted);
-    s->broken = true;
+  char c = *s->p++;
+  const level *l = top(s);
+  if (l->open == 0) {
+    fail_form(s, "%c closes nothing", c);
+  } else if (!closes(c, l->open)) {
+    char wanted = l->open == '{' ? '}' : l->open == '(' ? ')' : ']';
+    if (s->depth > 1 && closes(c, l[-1].open)) {
+      fail_form(s,
+                "%c closes the %s, but the %s is still open: is a %c missing, or is "
+                "this %c one too many?",
+                c, bracket_of(s, l - 1), bracket_of(s, l), wanted, c);
+      s->depth--;
+    } else {
+      fail_form(s, "%c found where the %s should be closed with %c", c, bracket_of(s, l), wanted);
+    }
   }
+  if (top(s)->value) fail_form(s, "%s: a value is missing", key_path(s));
+  if (!in_group(s) && top(s)->index > 0 && !top(s)->full && !s->torn) s->clean.bytes[top(s)->comma] = ' ';
   if (s->depth > 0) s->depth--;
   emit(s, c == '}' ? "}" : ")", 1);
+}
+
+/* = : ; , */
+static void scan_mark(scanner *s) {
+  char c = *s->p;
+  if (c == ';') leave_lists(s, "\";\"");
+  level *l = top(s);
+  if (in_group(s) && strchr("=:", c)) {
+    l->value = l->key;
+    if (!l->key) fail_form(s, "%c without a key before it", c);
+    l->key = false;
+  } else if (in_group(s)) {
+    if (l->value) fail_form(s, "%s: a value is missing", key_path(s));
+    if (l->key) fail_form(s, "%s: expected key = value", key_path(s));
+    l->value = l->key = false;
+  } else if (c == ',') {
+    if (!l->full) fail_form(s, "an element is missing before this comma");
+    l->full = false;
+    l->index++;
+    l->comma = s->clean.n;
+  }
+  size_t n = s->clean.n;
+  while (n > 0 && isspace((unsigned char)s->clean.bytes[n - 1])) n--;
+  bool again = c == ';' && n > 0 && s->clean.bytes[n - 1] == ';'; /* ;; */
+  emit(s, again ? " " : &c, 1);
+  s->p++;
 }
 
 static void scan_all(scanner *s, const char *text, deck_place place);
@@ -352,27 +537,20 @@ static void scan_token(scanner *s) {
   } else if (strchr("})]", c)) {
     close_bracket(s);
   } else if (strchr("=:;,", c)) {
-    top(s)->value = c == '=' || c == ':';
-    top(s)->index += c == ',';
-    emit(s, &c, 1);
-    s->p++;
+    scan_mark(s);
   } else if (scan_number(s)) {
     return;
   } else if (isalpha((unsigned char)c) || c == '*') {
     scan_word(s);
   } else {
-    if (isprint((unsigned char)c))
-      deck_fail_place(s->d, s->here, "unexpected character %c", c);
-    else
-      deck_fail_place(s->d, s->here, "unexpected byte 0x%02x outside quotes", (unsigned)(unsigned char)c);
-    s->broken = true;
-    s->p++;
+    scan_other(s);
   }
 }
 
 static void scan_all(scanner *s, const char *text, deck_place place) {
   s->p = s->start = text;
   s->here = place;
+  if (strncmp(s->p, "\xef\xbb\xbf", 3) == 0) s->p += 3; /* the mark of UTF-8 */
   while (*s->p) scan_token(s);
   deck_put(s->d, &s->raw, s->start, strlen(s->start));
 }
@@ -386,9 +564,9 @@ deck_text deck_scan(deck *d, const char *text, deck_place place, bool override) 
   begin_line(s);
   emit(s, "", 0);
   scan_all(s, text, place);
-  if (s->depth > 0 && !s->broken) {
-    deck_fail_place(d, top(s)->place, "the %c of this line is never closed", top(s)->open);
-    s->broken = true;
+  if (s->depth > 0) {
+    s->here = top(s)->place;
+    fail_form(s, "the %c%s is never closed", top(s)->open, override ? "" : " of this line");
   }
   return (deck_text){.raw = s->included ? s->raw.bytes : NULL,
                      .clean = s->clean.bytes,

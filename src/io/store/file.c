@@ -375,6 +375,28 @@ int file_open(int folder, const char *path, sd_messages *messages) {
   return fd;
 }
 
+/* Kinds of files that are taken for texts, by their first bytes. */
+static const char *kind_of(const char *bytes, size_t n) {
+  static const struct {
+    const char *head;
+    size_t n;
+    const char *kind;
+  } kinds[] = {
+      {"\x1f\x8b", 2, "it is compressed with gzip; unpack it first (gunzip)"},
+      {"\xfd"
+       "7zXZ",
+       5, "it is compressed with xz; unpack it first (unxz)"},
+      {"BZh91AY&SY", 10, "it is compressed with bzip2; unpack it first (bunzip2)"},
+      {"\x28\xb5\x2f\xfd", 4, "it is compressed with zstd; unpack it first (unzstd)"},
+      {"PK\x03\x04", 4, "it is a zip archive or a spreadsheet, not a text; unpack or export it first"},
+      {"\x89HDF", 4, "it is an HDF5 file, not a text"},
+      {"\xff\xfe", 2, "it is a text in UTF-16; save it as UTF-8"},
+      {"\xfe\xff", 2, "it is a text in UTF-16; save it as UTF-8"}};
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+    if (n >= kinds[k].n && memcmp(bytes, kinds[k].head, kinds[k].n) == 0) return kinds[k].kind;
+  return memchr(bytes, 0, n) ? "not a text file (it holds a zero byte)" : NULL;
+}
+
 sd_status file_text(const char *path, uint64_t most, char **text, char trouble[FILE_TROUBLE]) {
   uint64_t size;
   size_t have = 0;
@@ -388,6 +410,7 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
     return mistake ? SD_ERROR_USER : SD_ERROR_IO;
   }
   sd_status status = SD_ERROR_IO;
+  const char *kind;
   char *read = size > most ? NULL : malloc((size_t)size + 1);
   if (size > most) {
     snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB", (double)size / 0x1p20,
@@ -395,8 +418,8 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
     status = SD_ERROR_USER;
   } else if (!read || !file_read_at(fd, 0, read, (size_t)size, &have)) {
     snprintf(trouble, FILE_TROUBLE, "%s", read ? strerror(errno) : "no memory");
-  } else if (memchr(read, 0, have)) {
-    snprintf(trouble, FILE_TROUBLE, "not a text file (it holds a zero byte)");
+  } else if ((kind = kind_of(read, have))) {
+    snprintf(trouble, FILE_TROUBLE, "%s", kind);
     status = SD_ERROR_USER;
   } else {
     read[have] = 0;
