@@ -12,28 +12,8 @@
 #include "system.h"
 
 static void frame_of(frame_data *f, const sd_model *m, const sd_state *s, bool contacts) {
-  assert_int_equal(frame_data_new(f, m->n_disks, m->n_walls, NULL), SD_OK);
-  f->step = s->step;
-  for (size_t k = 0; k < s->n_bodies; k++) {
-    uint32_t body = s->id[k];
-    f->position[body][0] = s->x[k];
-    f->position[body][1] = s->y[k];
-    f->velocity[body][0] = s->vx[k];
-    f->velocity[body][1] = s->vy[k];
-    f->spin[body] = s->omega[k];
-    f->angle[body] = s->turn[k] + s->theta[k];
-  }
-  if (!contacts) return;
-  assert_int_equal(frame_data_contacts(f, s->n_contacts, NULL), SD_OK);
-  for (size_t k = 0; k < s->n_contacts; k++) {
-    f->a[k] = s->contact_a[k];
-    f->b[k] = s->contact_b[k];
-    f->part[k] = s->contact_part[k];
-    f->overlap[k] = s->contact_overlap[k];
-    f->force[k] = s->contact_force[k];
-    f->tau[k] = -m->laws[0].k_t * s->contact_zeta[k];
-    f->slide[k] = s->contact_slide[k];
-  }
+  assert_int_equal(frame_data_of_state(f, m, s, NULL), SD_OK);
+  f->has_contacts = contacts;
 }
 
 /* Disks in a tilted trough of all kinds of walls, one of which turns. */

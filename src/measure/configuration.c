@@ -44,6 +44,35 @@ void frame_data_free(frame_data *f) {
   *f = (frame_data){0};
 }
 
+sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *s, sd_messages *messages) {
+  sd_status status = frame_data_new(f, m->n_disks, m->n_walls, messages);
+  if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
+  if (status != SD_OK) return status;
+  f->step = s->step;
+  f->time = (double)s->step * m->dt;
+  f->scale = s->box_scale;
+  for (size_t k = 0; k < s->n_bodies; k++) {
+    uint32_t body = s->id[k];
+    f->position[body][0] = s->x[k];
+    f->position[body][1] = s->y[k];
+    f->velocity[body][0] = s->vx[k];
+    f->velocity[body][1] = s->vy[k];
+    f->spin[body] = s->omega[k];
+    f->angle[body] = s->turn[k] + s->theta[k];
+    if (k < s->n_free) f->activity[body] = s->activity[k];
+  }
+  for (size_t k = 0; k < s->n_contacts; k++) {
+    f->a[k] = s->contact_a[k];
+    f->b[k] = s->contact_b[k];
+    f->part[k] = s->contact_part[k];
+    f->overlap[k] = s->contact_overlap[k];
+    f->force[k] = s->contact_force[k];
+    f->tau[k] = configuration_tau(m, f->a[k], f->b[k], s->contact_zeta[k]);
+    f->slide[k] = s->contact_slide[k];
+  }
+  return SD_OK;
+}
+
 /* --- bodies ------------------------------------------------------------------------------------------- */
 
 static bool in_play(int32_t activity) { return activity == SD_IN_PLAY || activity == SD_OUTSIDE; }
@@ -352,14 +381,14 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   }
   if (status == SD_OK) status = fill_bodies(c, constants, frame, renumbered);
   if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
-  if (status == SD_OK && m->n_disks == 0)
-    status = sd_fail(messages, SD_ERROR_USER, "step %lld: no disk is in play", (long long)frame->step);
-  if (status == SD_OK) {
-    for (int k = 0; k < 2; k++) c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
+  for (int k = 0; status == SD_OK && k < 2; k++)
+    c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
+  bool any = status == SD_OK && m->n_disks > 0;
+  if (any) {
     c->frictionless = is_frictionless(m);
     status = sd_model_finish(m, messages);
   }
-  if (status == SD_OK)
+  if (any && status == SD_OK)
     status = frame->has_contacts ? take_contacts(c, constants, frame, renumbered, messages)
                                  : find_contacts(c, frame, constants->n_disks, messages);
   for (size_t k = 0; status == SD_OK && k < c->n_contacts; k++) complete(c, &c->contacts[k]);

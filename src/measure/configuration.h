@@ -15,6 +15,7 @@
 
 #include "measure/region.h"
 #include "model/model.h"
+#include "model/state.h"
 
 /* A stored frame: one row per body of the run, in the order of body numbers (disks, walls). */
 typedef struct frame_data {
@@ -36,6 +37,9 @@ sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messa
 sd_status frame_data_contacts(frame_data *f, size_t n,
                               sd_messages *messages); /* room for a table of n rows */
 void frame_data_free(frame_data *f);
+/* The state as a frame, with its contacts. frame_data_free also when it fails. */
+sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_state *state,
+                              sd_messages *messages);
 
 typedef struct config_contact {
   uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
@@ -61,8 +65,9 @@ typedef struct configuration {
   config_contact *contacts;
 } configuration;
 
-/* constants: a model of the run (disks, walls, laws, box, region); only what a frame does not have is read.
- * configuration_free also when it fails. SD_ERROR_USER: the frame does not fit the model. */
+/* constants: a model of the run (disks, walls, laws, box, region); only what a frame does not have is read. While no disk is
+ * in play there are walls, box and region only. configuration_free also when it fails. SD_ERROR_USER: the frame does not
+ * fit the model. */
 sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
                             sd_messages *messages);
 void configuration_free(configuration *c);
@@ -73,6 +78,10 @@ region configuration_region(const configuration *c, const double *wanted);
 /* Index of a body's material. */
 static inline int configuration_material(const sd_model *m, uint32_t body) {
   return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
+}
+/* tau of a contact of the run: -k_t zeta, without -0. */
+static inline double configuration_tau(const sd_model *m, uint32_t a, uint32_t b, double zeta) {
+  return 0.0 - sd_model_law(m, configuration_material(m, a), configuration_material(m, b))->k_t * zeta;
 }
 /* b of a contact can be a disk that moves. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {

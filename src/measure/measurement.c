@@ -7,6 +7,8 @@
 sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
                           const double *wanted, size_t bins, sd_messages *messages) {
   sd_status status = configuration_new(&m->c, constants, frame, messages);
+  if (status == SD_OK && m->c.model->n_disks == 0)
+    status = sd_fail(messages, SD_ERROR_USER, "step %lld: no disk is in play", (long long)frame->step);
   if (status != SD_OK) return status;
   region whole = configuration_region(&m->c, NULL);
   m->region = configuration_region(&m->c, wanted);

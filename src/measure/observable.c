@@ -61,6 +61,16 @@ void observable_store(const observable *o, void *dense, size_t k, double value) 
   }
 }
 
+size_t observable_width(const observable *o, const sd_model *model) {
+  switch (o->width) {
+    case OBSERVABLE_WATCHED: return model->n_rotations;
+    case OBSERVABLE_WALLS: return model->n_walls;
+    case OBSERVABLE_GROUPS: return model->n_groups;
+    case OBSERVABLE_CHOSEN: return model->n_contact_disks;
+    default: return o->width;
+  }
+}
+
 const observable *observable_find(const observable_list *list, const char *name) {
   for (size_t k = 0; k < list->n; k++)
     if (strcmp(list->rows[k].name, name) == 0) return &list->rows[k];

@@ -9,6 +9,7 @@
 
 #include <stdio.h>
 
+#include "measure/resultant.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
 
@@ -27,15 +28,20 @@ typedef double observable_getter(const void *row, size_t k);
 typedef struct observable {
   const char *name, *unit, *meaning;
   observable_type type;
-  size_t width;           /* elements: 2 for a vector or a pair of contacts; OBSERVABLE_WATCHED */
+  size_t width;           /* elements: 2 for a vector or a pair of contacts; OBSERVABLE_WATCHED ... */
   size_t offset;          /* of the field */
   observable_getter *get; /* NULL: the field */
   const char *column;     /* in tables of sweeps, behind the disk's name; NULL: none */
   const char *json;       /* in `--json`; NULL: the name; "": not there */
   bool (*when)(const sd_model *model); /* NULL: always there */
 } observable;
-/* Width of a quantity that each watched disk has. */
+/* Width of a quantity that each watched disk, wall, group, or disk of measure.contacts has. */
 #define OBSERVABLE_WATCHED SIZE_MAX
+#define OBSERVABLE_WALLS (SIZE_MAX - 1)
+#define OBSERVABLE_GROUPS (SIZE_MAX - 2)
+#define OBSERVABLE_CHOSEN (SIZE_MAX - 3)
+/* Elements of a row of this model. */
+size_t observable_width(const observable *o, const sd_model *model);
 
 typedef struct observable_list {
   const char *name, *title; /* of the list: a group of /summary or the like; what its rows are about */
@@ -83,8 +89,11 @@ typedef struct moment {
   const sd_state *state;
   const sd_energy *energy;
   const uint32_t *slots; /* slots[body] in the state */
+  const resultants *sums;
 } moment;
-extern const observable_list series_observables; /* of moment, beside the energies */
+extern const observable_list series_observables; /* beside the energies */
+/* The resultants of the moment that a row is about, one per element; NULL: it is about the moment. */
+const resultant *series_resultants(const observable *o, const moment *now);
 /* Does some phase change the lengths of the region? */
 bool series_compresses(const sd_model *model);
 

@@ -1,6 +1,7 @@
 /* series.c: what a run records at its cadence: energies, numbers of contacts, watched disks, bodies of frames. */
 #include "measure/configuration.h"
 #include "measure/observable.h"
+#include "measure/stress.h"
 #include "pack/compress.h"
 #include "physics/step/outside.h"
 
@@ -56,6 +57,31 @@ static double watched_angle(const void *row, size_t k) {
 
 OBSERVABLE_GET(watched_spin, moment, at->state->omega[watched(at, k)])
 
+OBSERVABLE_GET(width, moment, at->sums->width)
+OBSERVABLE_GET(height, moment, at->sums->height)
+OBSERVABLE_GET(stress_xx, moment, at->sums->stress[STRESS_XX])
+OBSERVABLE_GET(stress_xy, moment, at->sums->stress[STRESS_XY])
+OBSERVABLE_GET(stress_yx, moment, at->sums->stress[STRESS_YX])
+OBSERVABLE_GET(stress_yy, moment, at->sums->stress[STRESS_YY])
+OBSERVABLE_GET(kinetic_xx, moment, at->sums->kinetic[STRESS_XX])
+OBSERVABLE_GET(kinetic_xy, moment, at->sums->kinetic[STRESS_XY])
+OBSERVABLE_GET(kinetic_yy, moment, at->sums->kinetic[STRESS_YY])
+
+static bool asks_box(const sd_model *m) { return m->measure_box; }
+static bool asks_stress(const sd_model *m) { return m->measure_stress; }
+static bool asks_walls(const sd_model *m) { return m->measure_walls && m->n_walls > 0; }
+static bool asks_groups(const sd_model *m) { return m->measure_groups && m->n_groups > 0; }
+static bool asks_contacts(const sd_model *m) { return m->n_contact_disks > 0; }
+
+const resultant *series_resultants(const observable *o, const moment *now) {
+  switch (o->width) {
+    case OBSERVABLE_WALLS: return now->sums->wall;
+    case OBSERVABLE_GROUPS: return now->sums->group;
+    case OBSERVABLE_CHOSEN: return now->sums->disk;
+    default: return NULL;
+  }
+}
+
 static bool has_bounds(const sd_model *m) { return m->bounds.given; }
 static bool watches(const sd_model *m) { return m->n_rotations > 0; }
 
@@ -67,6 +93,24 @@ bool series_compresses(const sd_model *m) {
 
 #define SERIES(name, unit, meaning, type, width, get, when)                                                  \
   { name, unit, meaning, type, width, 0, get, NULL, NULL, when }
+
+#define STRESS(name, meaning) SERIES(#name, "force/length", meaning, OBSERVABLE_F64, 1, name, asks_stress)
+#define RESULTANT(name, unit, meaning, type, width, field, when)                                             \
+  { name, unit, meaning, OBSERVABLE_##type, width, offsetof(resultant, field), NULL, NULL, NULL, when }
+/* Of each wall, group or disk `one`. */
+#define RESULTANTS(prefix, one, about, width, when)                                                          \
+  RESULTANT(prefix "_force_x", "force", "x force of the contacts on each " one, F64, width, force_x, when),  \
+      RESULTANT(prefix "_force_y", "force", "y force of the contacts on each " one, F64, width, force_y,     \
+                when),                                                                                       \
+      RESULTANT(prefix "_torque", "force length", "their torque on it about " about, F64, width, torque,     \
+                when),                                                                                       \
+      RESULTANT(prefix "_normal", "force", "sum of F_n of the contacts of each " one, F64, width, normal,    \
+                when),                                                                                       \
+      RESULTANT(prefix "_tangential", "force",                                                               \
+                "sum of their tau, positive where it turns disks counter-clockwise", F64, width, tangential, \
+                when),                                                                                       \
+      RESULTANT(prefix "_contacts", "1", "closed contacts of each " one, I64, width, contacts, when),        \
+      RESULTANT(prefix "_sliding", "1", "of these, contacts that slide", I64, width, sliding, when)
 
 static const observable others[] = {
     SERIES("contacts", "1", "closed contacts", OBSERVABLE_I64, 1, contacts, NULL),
@@ -83,6 +127,19 @@ static const observable others[] = {
     SERIES("angular_velocity", "rad/time",
            "angular velocity of each watched disk, counter-clockwise positive", OBSERVABLE_F64,
            OBSERVABLE_WATCHED, watched_spin, watches),
+    SERIES("width", "length", "width of the region (measure.box)", OBSERVABLE_F64, 1, width, asks_box),
+    SERIES("height", "length", "its height", OBSERVABLE_F64, 1, height, asks_box),
+    STRESS(stress_xx, "stress of the contacts in the region, compression positive (measure.stress)"),
+    STRESS(stress_xy, "stress of the contacts"),
+    STRESS(stress_yx, "stress of the contacts"),
+    STRESS(stress_yy, "stress of the contacts"),
+    STRESS(kinetic_xx, "kinetic stress, relative to the mean velocity"),
+    STRESS(kinetic_xy, "kinetic stress"),
+    STRESS(kinetic_yy, "kinetic stress"),
+    RESULTANTS("wall", "wall (measure.walls)", "its pivot", OBSERVABLE_WALLS, asks_walls),
+    RESULTANTS("group", "group, with bodies outside it (measure.groups)", "its centre of mass",
+               OBSERVABLE_GROUPS, asks_groups),
+    RESULTANTS("disk", "disk of measure.contacts", "its centre", OBSERVABLE_CHOSEN, asks_contacts),
 };
 const observable_list series_observables =
     OBSERVABLES("observables", "series in /observables, beside the energies", others);
@@ -127,15 +184,9 @@ OBSERVABLE_GET(contact_force, moment_contact, at->state->contact_force[at->conta
 OBSERVABLE_GET(contact_zeta, moment_contact, at->state->contact_zeta[at->contact])
 OBSERVABLE_GET(contact_sliding, moment_contact, at->state->contact_slide[at->contact])
 
-static double contact_tau(const void *row, size_t k) {
-  const moment_contact *c = row;
-  const sd_state *s = c->state;
-  (void)k;
-  const sd_contact_law *law =
-      sd_model_law(c->model, configuration_material(c->model, s->contact_a[c->contact]),
-                   configuration_material(c->model, s->contact_b[c->contact]));
-  return 0.0 - law->k_t * s->contact_zeta[c->contact]; /* no -0 */
-}
+OBSERVABLE_GET(contact_tau, moment_contact,
+               configuration_tau(at->model, at->state->contact_a[at->contact],
+                                 at->state->contact_b[at->contact], at->state->contact_zeta[at->contact]))
 
 static const observable contact_rows[] = {
     SERIES("a", "1", "body number of the disk", OBSERVABLE_U32, 1, contact_a, NULL),

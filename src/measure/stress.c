@@ -127,22 +127,40 @@ static void count_disks(stress *s, const configuration *c, const region *g, cons
   s->unbalanced = ratio(resultant, s->free); /* to be divided by the mean force */
 }
 
-static void kinetic_stress(stress *s, const configuration *c, const bool *inside) {
+static bool moves_inside(const sd_disk *d, const region *g) {
+  return !d->driven && region_holds(g, d->position[0], d->position[1]);
+}
+
+static void kinetic_stress(double sum[4], const configuration *c, const region *g, double area) {
   const sd_model *m = c->model;
   double mass = 0.0, mean[2] = {0};
-  for (int pass = 0; pass < 2; pass++) {
-    for (size_t i = 0; i < m->n_disks; i++) {
-      const sd_disk *d = &m->disks[i];
-      if (d->driven || !inside[i]) continue;
-      double v[2] = {d->velocity[0] - mean[0], d->velocity[1] - mean[1]};
-      mass += pass ? 0.0 : d->mass;
-      for (int k = 0; k < 4; k++) s->kinetic[k] += d->mass * v[k / 2] * v[k % 2] / s->area * pass;
-    }
-    if (pass || !(mass > 0.0)) return;
-    for (size_t i = 0; i < m->n_disks; i++)
-      for (int k = 0; k < 2 && !m->disks[i].driven && inside[i]; k++)
-        mean[k] += m->disks[i].mass * m->disks[i].velocity[k] / mass;
+  for (int k = 0; k < 4; k++) sum[k] = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (moves_inside(&m->disks[i], g)) mass += m->disks[i].mass;
+  for (size_t i = 0; i < m->n_disks; i++)
+    for (int k = 0; k < 2 && moves_inside(&m->disks[i], g); k++)
+      mean[k] += m->disks[i].mass * m->disks[i].velocity[k] / mass;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    if (!moves_inside(d, g)) continue;
+    double v[2] = {d->velocity[0] - mean[0], d->velocity[1] - mean[1]};
+    for (int k = 0; k < 4; k++) sum[k] += d->mass * v[k / 2] * v[k % 2] / area;
   }
+}
+
+static void contact_stress(double sum[4], const configuration *c, const region *g, double area) {
+  for (int e = 0; e < 4; e++) sum[e] = 0.0;
+  for (size_t k = 0; k < c->n_contacts; k++) {
+    const config_contact *q = &c->contacts[k];
+    const double *centre = c->model->disks[q->a].position, l[2] = {q->lx, q->ly}, f[2] = {q->fx, q->fy};
+    double part = region_line(g, centre[0], centre[1], l[0], l[1]);
+    for (int e = 0; e < 4; e++) sum[e] += part * l[e / 2] * f[e % 2] / area;
+  }
+}
+
+void stress_tensors(double contact[4], double kinetic[4], const configuration *c, const region *g) {
+  contact_stress(contact, c, g, region_area(g));
+  kinetic_stress(kinetic, c, g, region_area(g));
 }
 
 static void sum_contacts(stress *s, const configuration *c, const region *g) {
@@ -151,12 +169,9 @@ static void sum_contacts(stress *s, const configuration *c, const region *g) {
   bool tangential = true;
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
-    const double *centre = m->disks[q->a].position, l[2] = {q->lx, q->ly}, f[2] = {q->fx, q->fy},
-                 n[2] = {q->nx, q->ny};
-    double part = region_line(g, centre[0], centre[1], l[0], l[1]);
-    for (int e = 0; e < 4; e++) s->contact[e] += part * l[e / 2] * f[e % 2] / s->area;
+    const double *centre = m->disks[q->a].position, n[2] = {q->nx, q->ny};
     tangential = tangential && isfinite(q->tau);
-    if (!region_holds(g, centre[0] + 0.5 * l[0], centre[1] + 0.5 * l[1])) continue;
+    if (!region_holds(g, centre[0] + 0.5 * q->lx, centre[1] + 0.5 * q->ly)) continue;
     s->n_contacts++;
     s->n_wall += !configuration_is_free(c, q->b);
     s->n_sliding += q->slide != 0;
@@ -198,7 +213,7 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
   }
   if (status == SD_OK) {
     count_disks(s, c, g, inside, left);
-    kinetic_stress(s, c, inside);
+    stress_tensors(s->contact, s->kinetic, c, g);
     sum_contacts(s, c, g);
   } else {
     sd_fail(messages, status, "no memory for %zu disks", n);

@@ -159,8 +159,16 @@ static const deck_key measure_keys[] = {
      SETS(sd_model, measure_disks)},
     {"every", INTEGER(DECK_AT_LEAST_1, "steps"), "1", NULL, "disks: steps between looks at the contacts",
      SETS(sd_model, measure_every)},
+    {"walls", BOOL, "-", NULL, "series: force and torque on every wall, its contacts",
+     SETS(sd_model, measure_walls)},
+    {"groups", BOOL, "-", NULL, "series: the same of every group of disks", SETS(sd_model, measure_groups)},
+    {"contacts", BODIES, "-", NULL, "series: the same of these disks, by name or number"},
+    {"box", BOOL, "-", NULL, "series: width and height of the region", SETS(sd_model, measure_box)},
+    {"stress", BOOL, "-", NULL, "series: stress of the region, of contacts and kinetic",
+     SETS(sd_model, measure_stress)},
 };
-TABLE(deck_measure, "measure", true, "What is measured, in the phases that measure.", measure_keys);
+TABLE(deck_measure, "measure", true,
+      "What is measured: means in the phases that measure, series in all of them.", measure_keys);
 
 static const deck_key sliding_keys[] = {
     {"disk", BODIES, "required", NULL, "the disk, by name or number"},

@@ -53,6 +53,7 @@ void sd_model_free(sd_model *m) {
   free(m->rains);
   free(m->memories);
   free(m->rotations);
+  free(m->contact_disks);
   free(m->slides);
   free(m->segments);
   sd_messages_free(m->mistakes);
@@ -238,6 +239,9 @@ static void check_watches(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_rotations; k++)
     if (m->rotations[k] >= m->n_disks)
       sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
+  for (size_t k = 0; k < m->n_contact_disks; k++)
+    if (m->contact_disks[k] >= m->n_disks)
+      sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
   for (size_t k = 0; k < m->n_slides; k++) {
     const sd_slide_watch *s = &m->slides[k];
     if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))

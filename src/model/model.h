@@ -123,8 +123,12 @@ struct sd_model {
   size_t n_slides;
   sd_slide_watch *slides;
   sd_until until;
-  bool measure_disks;    /* means of every free disk */
-  int64_t measure_every; /* steps between looks at its contacts, >= 1 */
+  size_t n_contact_disks; /* disks whose contacts are a series */
+  uint32_t *contact_disks;
+  bool measure_walls, measure_groups; /* series of the forces on each of them */
+  bool measure_box, measure_stress;   /* series of width and height of the region, of its stress */
+  bool measure_disks;                 /* means of every free disk */
+  int64_t measure_every;              /* steps between looks at its contacts, >= 1 */
 
   struct sd_deck
       *deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */

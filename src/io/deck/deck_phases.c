@@ -161,20 +161,26 @@ void deck_read_phases(deck *d) {
 
 /* --- measurements -------------------------------------------------------------------------------------------- */
 
-static void add_rotation(deck *d, uint32_t disk, const deck_node *node) {
-  sd_model *m = d->model;
-  for (size_t k = 0; k < m->n_rotations; k++)
-    if (m->rotations[k] == disk) {
+/* Adds the disks that a key names to a list. */
+static void add_disks(deck *d, deck_node *names, size_t *n, uint32_t **list) {
+  for (size_t k = 0; k < deck_each_count(names); k++) {
+    deck_node *node = deck_each(names, k);
+    uint32_t disk;
+    size_t before = 0;
+    if (!deck_find_body(d, node, false, &disk)) continue;
+    while (before < *n && (*list)[before] != disk) before++;
+    if (before < *n) {
       deck_fail(d, node, "named twice");
-      return;
+      continue;
     }
-  m->rotations = deck_grow(d, m->rotations, m->n_rotations + 1, sizeof *m->rotations);
-  m->rotations[m->n_rotations++] = disk;
+    *list = deck_grow(d, *list, *n + 1, sizeof **list);
+    (*list)[(*n)++] = disk;
+  }
 }
 
 static void read_rotation(deck_group *g) {
   deck *d = g->d;
-  const sd_model *m = d->model;
+  sd_model *m = d->model;
   deck_node *list = deck_get(g, "rotation");
   size_t n_free = 0;
   for (size_t i = 0; i < m->n_disks; i++) n_free += !m->disks[i].driven;
@@ -190,10 +196,7 @@ static void read_rotation(deck_group *g) {
         node->value.integer = (int64_t)i;
     }
   }
-  for (size_t k = 0; k < deck_each_count(list); k++) {
-    uint32_t disk;
-    if (deck_find_body(d, deck_each(list, k), false, &disk)) add_rotation(d, disk, deck_each(list, k));
-  }
+  add_disks(d, list, &m->n_rotations, &m->rotations);
 }
 
 static void read_sliding(deck *d, deck_node *node) {
@@ -222,7 +225,12 @@ void deck_read_measure(deck *d) {
   deck_group g;
   if (!deck_enter_one(d, d->root, "measure", &deck_measure, &g)) return;
   read_rotation(&g);
-  deck_fill(&g, d->model);
+  sd_model *m = d->model;
+  deck_fill(&g, m);
+  add_disks(d, deck_get(&g, "contacts"), &m->n_contact_disks, &m->contact_disks);
+  if (m->measure_walls && m->n_walls == 0) deck_fail_key(d, g.node, "walls", "there are no walls");
+  if (m->measure_groups && m->n_groups == 0)
+    deck_fail_key(d, g.node, "groups", "no disk has a group; expected a `group` of disks or packings");
   deck_node *list = deck_groups(d, g.node, "sliding");
   for (size_t k = 0; list && k < list->n; k++) read_sliding(d, list->child[k]);
 }

@@ -9,6 +9,7 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "io/results/constants.h"
+#include "io/results/series.h"
 
 /* Rows are copied in pieces of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
@@ -123,11 +124,7 @@ static void write_rest(const merge_job *job, h5_file *out) {
   summary_write(job->found, out);
   checkpoint_put_state(out, job->state);
   constants_write(out, job->model);
-  /* whose columns the angles are */
-  if (job->model->n_rotations == 0) return;
-  h5_put(out, "/observables/watched_disks", SD_U32, 1, &job->model->n_rotations, job->model->rotations, true);
-  h5_attr_text(out, "/observables/watched_disks", "description",
-               "id of the disks whose angle and angular_velocity are here, in this order");
+  series_write_columns(out, job->model);
 }
 
 static uint64_t state_bytes(const sd_state *state) {

@@ -14,7 +14,8 @@ sd_status record_new(record *r, const sd_model *model, sd_messages *messages) {
   for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
   r->slots = calloc(sd_model_bodies(model) + 1, sizeof *r->slots);
   if (!r->slots) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
-  sd_status status = series_new(&r->series, model, messages);
+  sd_status status = resultants_new(&r->sums, model, messages);
+  if (status == SD_OK) status = series_new(&r->series, model, messages);
   if (status == SD_OK) status = trajectory_new_bodies(&r->disks, model, false, messages);
   if (status == SD_OK) status = trajectory_new_bodies(&r->walls, model, true, messages);
   if (status == SD_OK) status = trajectory_new_contacts(&r->contact_index, &r->contact_rows, messages);
@@ -25,6 +26,7 @@ void record_free(record *r) {
   for (int k = 0; k < RECORD_TABLES; k++)
     if (r->tables[k]) table_free(r->tables[k]);
   free(r->slots);
+  resultants_free(&r->sums);
   *r = (record){0};
 }
 
@@ -33,8 +35,9 @@ sd_status record_sample(record *r, unsigned what, const sd_state *state, const s
   sd_status status = SD_OK;
   assert(state->n_bodies == sd_model_bodies(r->model));
   for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
-  const moment now = {r->model, state, energy, r->slots};
-  if (what & RECORD_SERIES) status = series_sample(&r->series, &now, messages);
+  const moment now = {r->model, state, energy, r->slots, &r->sums};
+  if (what & RECORD_SERIES) status = resultants_take(&r->sums, r->model, state, r->slots, messages);
+  if (what & RECORD_SERIES && status == SD_OK) status = series_sample(&r->series, &now, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
     status = trajectory_sample_bodies(&r->disks, &now, false, messages);
   if (what & RECORD_FRAMES && status == SD_OK)

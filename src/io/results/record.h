@@ -13,6 +13,7 @@ typedef struct record {
   table series, disks, walls, contact_index, contact_rows;
   table *tables[RECORD_TABLES]; /* the above */
   uint32_t *slots;              /* scratch: slot of each body */
+  resultants sums;              /* scratch */
 } record;
 
 sd_status record_new(record *r, const sd_model *model,

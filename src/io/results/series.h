@@ -8,5 +8,7 @@
 sd_status series_new(table *t, const sd_model *model, sd_messages *messages);
 /* One row. */
 sd_status series_sample(table *t, const moment *now, sd_messages *messages);
+/* Which disks, walls and groups the columns with a number for each are about. */
+void series_write_columns(h5_file *file, const sd_model *model);
 
 #endif

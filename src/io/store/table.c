@@ -50,7 +50,7 @@ sd_status table_add_clock(table *t, const char *element, sd_messages *messages) 
 sd_status table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n,
                                sd_messages *messages) {
   const size_t dims[2] = {n, o->width};
-  int rank = n == 0 ? 0 : o->width == 1 || o->width == OBSERVABLE_WATCHED ? 1 : 2;
+  int rank = n == 0 ? 0 : o->width == 1 || o->width >= OBSERVABLE_CHOSEN ? 1 : 2;
   char *path = format_text("%s/%s%s", group, o->name, ending);
   sd_status status = path
                          ? table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning, messages)
