@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs into an empty folder and builds a program of five lines against what is there, once with
+# Installs into an empty folder and builds the first program of docs/library.md against what is there, once with
 # find_package and once with pkg-config.
 set -euo pipefail
 build=${SLIPDISK_BUILD_DIR:?}
@@ -18,14 +18,17 @@ for header in "$source"/include/slipdisk/*.h; do
     -I"$work/prefix/include" -x c -
 done
 
-cat >"$work/main.c" <<'END'
-#include "slipdisk/model.h"
-int main(void) {
-  sd_model *model = sd_model_new();
-  sd_model_free(model);
-  return model ? 0 : 1;
-}
-END
+# All of them in a program in C++, where there is a compiler for it.
+if echo "int main() {}" | "${CC:-cc}" -x c++ -fsyntax-only - 2>/dev/null; then
+  echo '#include "slipdisk/slipdisk.h"
+int main() { sd_disk disk = {}; return disk.radius == 0 && SD_VERSION_NUMBER >= 200 ? 0 : 1; }' |
+    "${CC:-cc}" -x c++ -fsyntax-only -Wall -Wextra -Werror -I"$work/prefix/include" -
+fi
+
+# The first program of docs/library.md, and what it prints there.
+sed -n '/^```c$/,/^```$/p' "$source/docs/library.md" | grep -v '^```' >"$work/main.c"
+printed=$(sed -n 's/^It prints `\([^`]*\)`.*/\1/p' "$source/docs/library.md")
+test -n "$printed"
 cat >"$work/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.22)
 project(consumer LANGUAGES C)
@@ -35,7 +38,7 @@ target_link_libraries(consumer PRIVATE slipdisk::slipdisk)
 END
 cmake -S "$work" -B "$work/build" -DCMAKE_PREFIX_PATH="$work/prefix" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
 cmake --build "$work/build" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
-"$work/build/consumer"
+test "$("$work/build/consumer")" = "$printed"
 echo "find_package: ok"
 
 PKG_CONFIG_PATH=$(dirname "$(find "$work/prefix" -name slipdisk.pc)")
@@ -44,5 +47,5 @@ export PKG_CONFIG_PATH
 # shellcheck disable=SC2046 # words are meant to be split
 "${CC:-cc}" "$work/main.c" $(pkg-config --cflags --libs slipdisk) \
   -o "$work/consumer"
-LD_LIBRARY_PATH="$library" "$work/consumer"
+test "$(LD_LIBRARY_PATH="$library" "$work/consumer")" = "$printed"
 echo "pkg-config: ok"
