@@ -1,0 +1,292 @@
+/* overlaps.c: see overlaps.h.
+ *
+ * Each pair of disks is found from its smaller one. Disks are sorted into levels by size, a factor of two in radius each; a
+ * level has cells of its largest diameter, as a hash table of lists. So a disk looks at nine cells of every level above
+ * its own, whatever the sizes are.
+ */
+#include "model/overlaps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "model/bodies.h"
+
+enum { NONE = -1 };
+
+/* Disks of radii within a factor of two. Cells have numbers of type double: far away they are still apart. */
+typedef struct level {
+  double cell;
+  size_t n_cells; /* of the hash table, a power of two */
+  int64_t *head;
+} level;
+
+typedef struct grid {
+  const sd_model *m;
+  overlap_visitor *visit;
+  void *user;
+  size_t n_levels;
+  level *levels;    /* the smallest first */
+  int64_t *next;    /* of each disk: the next in its list */
+  double length[2]; /* of the box, 0: open */
+} grid;
+
+static bool sound(const sd_disk *disk) {
+  return isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0;
+}
+
+static double wrapped(const grid *g, double x, int c) {
+  if (g->length[c] <= 0) return x;
+  return x - floor((x - g->m->lower[c]) / g->length[c]) * g->length[c];
+}
+
+static size_t hash(const level *l, double i, double j) {
+  uint64_t a, b;
+  memcpy(&a, &i, sizeof a);
+  memcpy(&b, &j, sizeof b);
+  uint64_t h = a * 0x9E3779B97F4A7C15u ^ (b * 0xC2B2AE3D27D4EB4Fu + 0x165667B19E3779F9u);
+  h ^= h >> 29;
+  return (size_t)(h * 0xBF58476D1CE4E5B9u >> 20) & (l->n_cells - 1);
+}
+
+/* + 0.0: there is one zero only. */
+static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
+
+/* Disk j, as large or larger, against an image of disk i at x, y. True: enough of disk i. */
+static bool check_pair(grid *g, size_t i, size_t j, double x, double y) {
+  const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
+  if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
+  double dx = wrapped(g, b->position[0], 0) - x, dy = wrapped(g, b->position[1], 1) - y, r = hypot(dx, dy);
+  const overlap found = {(uint32_t)i, (uint32_t)j, a->radius + b->radius - r, r == 0};
+  return found.depth > 0 && g->visit(g->user, &found);
+}
+
+/* Overlaps of one cell. True: enough of the disk. */
+static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
+  for (int64_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
+    /* another cell may share the slot of the table */
+    const double *c = g->m->disks[j].position;
+    bool here = cell_of(l, wrapped(g, c[0], 0)) == p && cell_of(l, wrapped(g, c[1], 1)) == q;
+    if (here && (size_t)j != i && check_pair(g, i, (size_t)j, at[0], at[1])) return true;
+  }
+  return false;
+}
+
+/* The disk reaches no farther than one cell: its radius and that of the other make one at most. */
+static bool check_around(grid *g, const level *l, size_t i, const double at[2]) {
+  for (int p = -1; p <= 1; p++)
+    for (int q = -1; q <= 1; q++) {
+      double x = cell_of(l, at[0]), y = cell_of(l, at[1]);
+      if ((p && x + p == x) || (q && y + q == y)) continue; /* so far away that there are no next cells */
+      if (check_cell(g, l, i, at, x + p, y + q)) return true;
+    }
+  return false;
+}
+
+/* All images of a disk that may touch a disk of the level. */
+static bool check_level(grid *g, const level *l, size_t i) {
+  double x[2] = {wrapped(g, g->m->disks[i].position[0], 0), wrapped(g, g->m->disks[i].position[1], 1)};
+  bool over[2][3];
+  for (int c = 0; c < 2; c++) {
+    bool box = g->length[c] > 0;
+    over[c][0] = box && x[c] + l->cell > g->m->upper[c];
+    over[c][1] = true;
+    over[c][2] = box && x[c] - l->cell < g->m->lower[c];
+  }
+  for (int p = -1; p <= 1; p++)
+    for (int q = -1; q <= 1; q++) {
+      const double at[2] = {x[0] + p * g->length[0], x[1] + q * g->length[1]};
+      if (over[0][p + 1] && over[1][q + 1] && check_around(g, l, i, at)) return true;
+    }
+  return false;
+}
+
+static int level_of(double radius) {
+  int exponent;
+  frexp(radius, &exponent);
+  return exponent;
+}
+
+typedef struct sized {
+  double radius;
+  size_t disk;
+} sized;
+
+static int by_size(const void *a, const void *b) {
+  const sized *p = a, *q = b;
+  if (p->radius != q->radius) return p->radius < q->radius ? -1 : 1;
+  return p->disk < q->disk ? -1 : 1;
+}
+
+/* Lists of the disks by level and cell. Each begins with the largest, so that of disks upon each other all but that one
+ * find a larger one at once. `all`: the sound ones, sorted. */
+static bool fill_level(grid *g, const sized *all, size_t n, level *l) {
+  *l = (level){.cell = ldexp(2, level_of(all[0].radius)), .n_cells = 16};
+  while (l->n_cells < 2 * n) l->n_cells *= 2;
+  l->head = malloc(l->n_cells * sizeof *l->head);
+  if (!l->head) return false;
+  for (size_t k = 0; k < l->n_cells; k++) l->head[k] = NONE;
+  for (size_t k = 0; k < n; k++) {
+    const double *x = g->m->disks[all[k].disk].position;
+    size_t slot = hash(l, cell_of(l, wrapped(g, x[0], 0)), cell_of(l, wrapped(g, x[1], 1)));
+    g->next[all[k].disk] = l->head[slot];
+    l->head[slot] = (int64_t)all[k].disk;
+  }
+  return true;
+}
+
+static bool fill_levels(grid *g, const sized *all, size_t n) {
+  size_t levels = 0;
+  for (size_t k = 0; k < n; k++) levels += k == 0 || level_of(all[k].radius) != level_of(all[k - 1].radius);
+  g->levels = calloc(levels + 1, sizeof *g->levels);
+  for (size_t first = 0, end; g->levels && first < n; first = end) {
+    for (end = first; end < n && level_of(all[end].radius) == level_of(all[first].radius);) end++;
+    if (!fill_level(g, all + first, end - first, &g->levels[g->n_levels++])) return false;
+  }
+  return g->levels;
+}
+
+static bool make_grid(grid *g) {
+  const sd_model *m = g->m;
+  size_t n = 0;
+  sized *all = malloc((m->n_disks + 1) * sizeof *all);
+  g->next = malloc((m->n_disks + 1) * sizeof *g->next);
+  for (size_t i = 0; all && i < m->n_disks; i++)
+    if (sound(&m->disks[i])) all[n++] = (sized){m->disks[i].radius, i};
+  if (n) qsort(all, n, sizeof *all, by_size);
+  bool filled = all && g->next && fill_levels(g, all, n);
+  free(all);
+  return filled;
+}
+
+sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *user) {
+  grid g = {.m = m, .visit = visit, .user = user};
+  for (int c = 0; c < 2; c++)
+    if (m->periodic[c] && m->upper[c] > m->lower[c]) g.length[c] = m->upper[c] - m->lower[c];
+  bool made = make_grid(&g);
+  for (size_t i = 0; made && i < m->n_disks; i++) {
+    if (!sound(&m->disks[i])) continue;
+    bool done = false;
+    for (size_t k = 0; k < g.n_levels && !done; k++)
+      if (g.levels[k].cell > 2 * m->disks[i].radius) done = check_level(&g, &g.levels[k], i);
+  }
+  for (size_t k = 0; k < g.n_levels; k++) free(g.levels[k].head);
+  free(g.levels);
+  free(g.next);
+  return made ? SD_OK : SD_ERROR_IO;
+}
+
+/* --- walls ----------------------------------------------------------------------------------------------- */
+
+static double distance_to_segment(const double *p, const double *a, const double *b, bool endless) {
+  double tx = b[0] - a[0], ty = b[1] - a[1], l2 = tx * tx + ty * ty;
+  double s = ((p[0] - a[0]) * tx + (p[1] - a[1]) * ty) / l2;
+  if (!endless) s = fmax(0, fmin(1, s));
+  return hypot(p[0] - a[0] - s * tx, p[1] - a[1] - s * ty);
+}
+
+/* The segments of a wall, in a binary tree of boxes around runs of them: of a long wall a disk looks at few. */
+typedef struct wall_tree {
+  const sd_wall *wall;
+  size_t n, leaves; /* a power of two; node k has the children 2k and 2k + 1, leaf i is node leaves + i */
+  double (*low)[2], (*high)[2];
+} wall_tree;
+
+static wall_tree make_tree(const sd_wall *wall) {
+  wall_tree t = {.wall = wall, .leaves = 1};
+  bool endless = wall->kind == SD_WALL_LINE;
+  t.n = wall_segments(wall);
+  if (t.n == 0) return t;
+  while (t.leaves < t.n) t.leaves *= 2;
+  t.low = malloc(2 * t.leaves * sizeof *t.low);
+  t.high = malloc(2 * t.leaves * sizeof *t.high);
+  if (!t.low || !t.high) return t;
+  for (int c = 0; c < 2; c++) {
+    for (size_t i = 0; i < t.leaves; i++) { /* leaves without a segment are empty boxes */
+      double one = i < t.n ? wall->points[i][c] : HUGE_VAL;
+      double two = i < t.n ? wall->points[(i + 1) % wall->n_points][c] : -HUGE_VAL;
+      t.low[t.leaves + i][c] = endless ? -HUGE_VAL : i < t.n ? fmin(one, two) : one;
+      t.high[t.leaves + i][c] = endless ? HUGE_VAL : i < t.n ? fmax(one, two) : two;
+    }
+    for (size_t k = t.leaves; k-- > 1;) {
+      t.low[k][c] = fmin(t.low[2 * k][c], t.low[2 * k + 1][c]);
+      t.high[k][c] = fmax(t.high[2 * k][c], t.high[2 * k + 1][c]);
+    }
+  }
+  return t;
+}
+
+/* The distance to the nearest segment below the node, if it is less than `nearest`. */
+static double nearest_segment(const wall_tree *t, size_t node, const double *p, double nearest) {
+  double dx = fmax(t->low[node][0] - p[0], p[0] - t->high[node][0]);
+  double dy = fmax(t->low[node][1] - p[1], p[1] - t->high[node][1]);
+  if (fmax(dx, dy) >= nearest) return nearest;
+  if (node < t->leaves) return nearest_segment(t, 2 * node + 1, p, nearest_segment(t, 2 * node, p, nearest));
+  size_t k = node - t->leaves;
+  const sd_wall *w = t->wall;
+  return fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
+                                           w->kind == SD_WALL_LINE));
+}
+
+/* How deep a disk at p sits in a wall; of a wall with segments no less than minus its radius. 0 or less: it does not. */
+static double depth_in_wall(const wall_tree *t, const double *p, double radius) {
+  const sd_wall *wall = t->wall;
+  if (wall->kind == SD_WALL_CIRCLE) {
+    double r = hypot(p[0] - wall->pivot[0], p[1] - wall->pivot[1]);
+    return wall->inside ? radius + r - wall->radius : radius + wall->radius - r;
+  }
+  return t->n ? radius - nearest_segment(t, 1, p, radius) : 0;
+}
+
+sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) {
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    wall_tree tree = make_tree(&m->walls[w]);
+    bool made = tree.n == 0 || (tree.low && tree.high);
+    for (uint32_t i = 0; made && i < m->n_disks; i++) {
+      const sd_disk *disk = &m->disks[i];
+      if (!sound(disk) || disk->waiting || disk->driven) continue;
+      const overlap found = {i, (uint32_t)m->n_disks + w, depth_in_wall(&tree, disk->position, disk->radius),
+                             false};
+      if (found.depth > 0) visit(user, &found);
+    }
+    free(tree.low);
+    free(tree.high);
+    if (!made) return SD_ERROR_IO;
+  }
+  return SD_OK;
+}
+
+/* --- two bodies ------------------------------------------------------------------------------------------ */
+
+static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
+  double nearest = HUGE_VAL;
+  if (w->kind == SD_WALL_CIRCLE) {
+    double r = hypot(p[0] - w->pivot[0], p[1] - w->pivot[1]);
+    return w->inside ? w->radius - r - radius : r - w->radius - radius;
+  }
+  for (size_t k = 0; k < wall_segments(w); k++)
+    nearest = fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
+                                                w->kind == SD_WALL_LINE));
+  return nearest - radius;
+}
+
+/* The wall is left where it was: the disk is turned and moved into its frame. */
+double overlaps_gap(const sd_model *m, uint32_t disk, const double x[2], uint32_t body,
+                    const double pose[3]) {
+  double d[2], c = cos(pose[2]), s = sin(pose[2]), radius = m->disks[disk].radius;
+  for (int k = 0; k < 2; k++) {
+    double length = m->periodic[k] ? m->upper[k] - m->lower[k] : 0;
+    d[k] = x[k] - pose[k];
+    if (length > 0) d[k] -= length * rint(d[k] / length);
+  }
+  if (body < m->n_disks) return hypot(d[0], d[1]) - radius - m->disks[body].radius;
+  const sd_wall *w = &m->walls[body - m->n_disks];
+  const double p[2] = {w->pivot[0] + c * d[0] + s * d[1], w->pivot[1] - s * d[0] + c * d[1]};
+  return gap_to_wall(w, p, radius);
+}
+
+double overlaps_first_gap(const sd_model *m, uint32_t disk, uint32_t body) {
+  const double *at = body < m->n_disks ? m->disks[body].position : m->walls[body - m->n_disks].pivot;
+  const double pose[3] = {at[0], at[1], 0};
+  return overlaps_gap(m, disk, m->disks[disk].position, body, pose);
+}
