@@ -9,6 +9,7 @@ from sweep_common import temporary_folder, three_disks
 
 BAD_STEPS = "{ parameters = ( { path = \"gravity.tilt\"; values = (0, 0.1); }, " \
             "{ path = \"materials.disk.k_t\"; values = (1e6, 1e10, 1e12, 1e11); } ); }"
+UNSTABLE = "limits = { unstable_step = true; };\n"
 
 
 class Survey(unittest.TestCase):
@@ -36,9 +37,9 @@ class Survey(unittest.TestCase):
 
     def test_time_steps(self):
         """The point that needs the shortest step is named, not the first that is warned of."""
-        _, err = self.check(BAD_STEPS)
+        _, err = self.check(BAD_STEPS, more=UNSTABLE)
         self.assertEqual(len(err), 1, err)
-        for words in "dt = 1e-06 is beyond the limit of stability", "shortest contact period 8.112e-07", "take 8.1e-09 or less", \
+        for words in "dt = 1e-06 is beyond the limit of stability 1.03e-07 (gear5, tangential spring)", "take 8.1e-09 or less", \
                 "(point 2, tilt=0,k_t=1000000000000, the worst; 6 of 8 sets of values)":
             self.assertIn(words, err[0])
         _, err = self.check(BAD_STEPS.replace("1e10, 1e12, 1e11", "1e10"))
@@ -49,12 +50,15 @@ class Survey(unittest.TestCase):
         self.assertEqual(err, [])
 
     def test_stability(self):
-        """dt at which the period has pi steps; `run` says the same as `check`."""
+        """Verlet: dt at which the period has pi steps; `run` says the same as `check`, and refuses what is not asked for."""
         for dt, said in (2.57e-4, "is more than 1/20"), (2.6e-4, "is beyond the limit of stability"):
-            _, err = self.check(None, "-D", f"dt={dt}")
+            _, err = self.check(None, "-D", f"dt={dt}", "-D", "integrator=verlet", more=UNSTABLE)
             self.assertEqual(len(err), 1, err)
             self.assertIn(said, err[0])
-            _, _, ran = run("run", self.deck, "-D", f"dt={dt}", "-D", "phases.measure.steps=1", "-o", self.folder / "a.h5", "--force")
+            words = "-D", f"dt={dt}", "-D", "integrator=verlet", "-D", "limits.unstable_step=false"
+            _, err = self.check(None, *words, status=2 if "beyond" in said else 0, more=UNSTABLE)
+            self.assertIn("dt = 0.00026: beyond 0.000258" if "beyond" in said else said, err[0])
+            _, _, ran = run("run", self.deck, "-D", f"dt={dt}", "-D", "integrator=verlet", "-D", "phases.measure.steps=1", "-o", self.folder / "a.h5", "--force")
             self.assertIn(said, ran)
 
     def test_tilts(self):

@@ -116,8 +116,9 @@ static void test_streams(void **state) {
 /* What libconfig lets through or cuts. */
 static void test_numbers(void **state) {
   (void)state;
-  sd_model *m = good("dt = 1; steps = 5e8; seed = 5000000000; box = { x = [0, 10.5]; y = [0, 0x10]; };"
-                     "materials = ( { name = \"m\"; k_n = 10; } );" DISK);
+  sd_model *m = good("dt = 1; integrator = \"verlet\"; steps = 5e8; seed = 5000000000; box = { x = [0, "
+                     "10.5]; y = [0, 0x10]; };"
+                     "materials = ( { name = \"m\"; k_n = .01; } );" DISK);
   assert_true(m->seed == 5000000000u && m->phases[0].steps == 500000000 && m->dt == 1.0);
   assert_true(m->upper[0] == 10.5 && m->upper[1] == 16.0);
   sd_model_free(m);

@@ -12,7 +12,8 @@ from results_common import DECK, PROGRAM, Folder, assert_same, run, start, wait_
 from sweep_common import SweepTest, column, results, three_disks
 
 IN_DOUBT = 5
-SHORT = "-D", "integrator=gear5", "-D", "phases.settle.steps=5000", "-D", "phases.measure.steps=50000", "-D", "phases.measure.series=1000"
+SHORT = "-D", "integrator=gear5", "-D", "phases.settle.steps=5000", "-D", "phases.measure.steps=50000", "-D", "phases.measure.series=1000", \
+    "-D", "limits.unstable_step=true"
 UNCLOSED = "the energy budget does not close"
 OPEN = "the watched contacts of upper were open 100 % of the time"
 FAST = 'disk "upper" moves by '
@@ -84,7 +85,7 @@ class Doubts(Folder):
         said = self.doubted(["open", "displacement"], [DECK, *SHORT, "-D", "dt=5e-3"])
         self.assertEqual(said[0], OPEN)
         self.assertIn(FAST, said[1])
-        self.doubted([], [DECK, *SHORT, "-D", "dt=5e-3", "-D", "limits={open=1; displacement=0;}"], status=0)
+        self.doubted([], [DECK, *SHORT, "-D", "dt=5e-3", "-D", "limits={open=1; displacement=0; unstable_step=true;}"], status=0)
 
     def test_bullet(self):
         """It passes through the target at 5 diameters a step."""
@@ -107,7 +108,7 @@ class Doubts(Folder):
 
     def test_killed(self):
         """What was noted before a kill is told at the end, and the state is the same in every bit."""
-        words = [DECK, "-D", "integrator=gear5", "-D", "dt=5e-3", "-D", "phases.settle.steps=5000",
+        words = [DECK, *SHORT[:2], *SHORT[-2:], "-D", "dt=5e-3", "-D", "phases.settle.steps=5000",
                  "-D", "phases.measure.steps=3e6", "-D", "phases.measure.series=1e4", "-D", "checkpoint=0.02"]
         said = self.doubted(["open", "displacement"], words)
         again = self.folder / "again.h5"
@@ -146,7 +147,7 @@ class Sweeps(SweepTest):
 
     def test_table(self):
         deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 2e-3, 5e-3); } ); }', 50000,
-                                     more="limits = { residual = 1e-3; };\n"))
+                                     more="limits = { residual = 1e-3; unstable_step = true; };\n"))
         for words in ("-j", 2), ("--force",), ("-j", 2, "--no-lanes", "--force"):
             said = self.sweep(deck, *words, "--quiet", status=IN_DOUBT)
             self.assertEqual(said.count(OPEN), 1, said)

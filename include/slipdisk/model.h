@@ -242,6 +242,23 @@ SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]
  * Writes which disk it is (may be NULL). */
 SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
 
+/* The time step from which on the model's integrator blows up when a disk is held between two others (physics.md 5), and
+ * what sets it; HUGE_VAL: no disk is free to move. In a packing the limit is up to three times shorter. */
+typedef enum sd_bound { SD_BOUND_NORMAL, SD_BOUND_TANGENTIAL, SD_BOUND_VISCOSITY } sd_bound;
+typedef struct sd_step_limit {
+  double dt;
+  uint32_t disk;
+  sd_bound bound;
+} sd_step_limit;
+SD_API sd_step_limit sd_model_step_limit(const sd_model *model);
+
+/* Time after which the compression of a phase comes to its packing fraction, at its largest rate; NAN: not known. */
+SD_API double sd_model_compress_time(const sd_model *model, size_t phase);
+
+/* Warns of what a finished model may say and its author seldom means: time step, friction without a spring, goals out of
+ * reach, overlaps at the start and the like. */
+SD_API void sd_model_advise(const sd_model *model, sd_messages *messages);
+
 #ifdef __cplusplus
 }
 #endif

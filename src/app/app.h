@@ -76,8 +76,6 @@ void report_bottom(FILE *out, const char *text);
 void report_cost(FILE *out, const summary *found, const provenance *origin);
 /* "of", or "of at most" when the run can end before: at rest, or with an error bar that is small enough. */
 const char *report_of(const summary *found);
-/* Warns when dt is too large for the shortest contact period. */
-void report_time_step(const sd_model *model, sd_messages *messages);
 /* "1:02:03"; written into text[size]. */
 const char *report_duration(double seconds, char *text, size_t size);
 

@@ -126,7 +126,7 @@ static void print_phases(const sd_model *m) {
            (long long)u->least, (double)u->least * m->dt);
 }
 
-static void print_time_step(const sd_model *m, sd_messages *messages) {
+static void print_time_step(const sd_model *m) {
   uint32_t disk = 0;
   double period = sd_model_shortest_period(m, &disk);
   char name[96];
@@ -136,7 +136,11 @@ static void print_time_step(const sd_model *m, sd_messages *messages) {
   }
   printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
          sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
-  report_time_step(m, messages);
+  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity"};
+  const sd_step_limit limit = sd_model_step_limit(m);
+  printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt, bounds[limit.bound],
+         sd_model_body_name(m, limit.disk, name, sizeof name), m->integrator == SD_GEAR5 ? "gear5" : "verlet",
+         m->dt / limit.dt);
 }
 
 static int by_size(const void *a, const void *b) {
@@ -358,7 +362,8 @@ static sd_status check(const options *o, sd_messages *messages) {
   print_bounds(m);
   print_phases(m);
   print_limits(m);
-  print_time_step(m, messages);
+  print_time_step(m);
+  sd_model_advise(m, messages);
   print_restitution(m);
   double speed = 0;
   status = size_print(m, messages);

@@ -172,7 +172,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .progress = show,
                          .user = t};
   session *s;
-  report_time_step(model, messages);
+  sd_model_advise(model, messages);
   warn_of_threads(model, (int)options->threads, messages);
   sd_status status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);

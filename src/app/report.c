@@ -186,9 +186,6 @@ static void report_disks(FILE *out, const summary *found) {
             p->totals.disks * (1 - p->totals.reliable));
 }
 
-/* Steps per shortest contact period below which a run is warned of. */
-enum { FEWEST_STEPS = 20 };
-
 static void report_energy(FILE *out, const sd_energy *e) {
   fprintf(out, "\nenergy budget\n");
   for (const observable *o = energy_observables.rows; o < energy_observables.rows + energy_observables.n;
@@ -206,20 +203,6 @@ static void report_doubts(FILE *out, const summary *found) {
   fprintf(out, "\nIN DOUBT\n");
   for (size_t k = 0; k < DOUBT_KINDS; k++)
     if (found->doubts[k].text) fprintf(out, "  %s\n", found->doubts[k].text);
-}
-
-/* No mistake, since a disk may never touch anything, and the period is that of a disk between two others. */
-void report_time_step(const sd_model *m, sd_messages *messages) {
-  double period = sd_model_shortest_period(m, NULL);
-  if (m->dt > period / M_PI)
-    sd_warn(
-        messages,
-        "dt = %g is beyond the limit of stability, a third of the shortest contact period %.4g: results mean "
-        "nothing; take %.2g or less",
-        m->dt, period, period / 100);
-  else if (m->dt > period / FEWEST_STEPS)
-    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; take %.2g or less",
-            m->dt, FEWEST_STEPS, period, period / 100);
 }
 
 void report_summary(FILE *out, const summary *found) {

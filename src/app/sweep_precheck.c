@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "app/app.h"
 #include "app/sweep.h"
+#include "model/advice.h"
 #include "run/ensemble.h"
 
 /* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */
@@ -13,16 +14,21 @@ enum { MOST_KINDS = 64 };
 /* Points that --point K looks at besides its own. */
 enum { SAMPLE = 8 };
 
+/* What one check says of the points. */
+typedef struct advice {
+  size_t n, point; /* sets of values with a warning, a point of the worst */
+  double worst;
+  char *warning;
+} advice;
+
 typedef struct precheck {
   const sweep *s;
   int64_t *steps;
   int *kinds;
   int n_kinds;
   sd_model *models[MOST_KINDS]; /* one of each */
-  size_t n_warned, warned;      /* sets of values with a warning of the time step, a point of the worst */
-  double worst;                 /* time step over shortest contact period of that point */
-  char *warning;
-  bool *collected; /* [n_collect]: the pattern is a column of some point */
+  advice *advice;               /* [advice_count] */
+  bool *collected;              /* [n_collect]: the pattern is a column of some point */
 } precheck;
 
 /* --- points -------------------------------------------------------------------------------------------------- */
@@ -47,24 +53,24 @@ static bool find_kind(precheck *v, sd_model *model, int *kind) {
   return true;
 }
 
-/* One warning for all points is enough, that of the point which needs the shortest step. */
-static void look_at_time_step(precheck *v, size_t point, const sd_model *model) {
-  sd_messages *mine = app_messages();
-  report_time_step(model, mine);
-  double ratio = model->dt / sd_model_shortest_period(model, NULL);
-  if (sd_messages_count(mine) > 0 && (v->n_warned++ == 0 || ratio > v->worst)) {
-    v->worst = ratio;
-    v->warned = point;
-    free(v->warning);
-    v->warning = format_text("%s", sd_messages_text(mine, 0));
+/* One warning of a kind for all points is enough, that of the worst. */
+static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
+  for (size_t k = 0; k < advice_count; k++) {
+    advice *a = &v->advice[k];
+    sd_messages *mine = app_messages();
+    double bad = advice_checks[k](model, mine);
+    if (bad > 0 && (a->n++ == 0 || bad > a->worst)) {
+      free(a->warning);
+      *a = (advice){a->n, point, bad, format_text("%s", sd_messages_text(mine, 0))};
+    }
+    sd_messages_free(mine);
   }
-  sd_messages_free(mine);
 }
 
 static bool visit(void *user, size_t point, sd_model *model) {
   precheck *v = user;
   v->steps[point] = sd_model_steps(model);
-  look_at_time_step(v, point, model);
+  look_at_advice(v, point, model);
   sweep_columns(v->s, point, model, v->collected, NULL);
   return find_kind(v, model, &v->kinds[point]);
 }
@@ -75,9 +81,12 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
   if (!d->written)
     sd_warn(messages, "%s: there is no group sweep: one point, \"%s\", is the deck as it stands",
             d->deck_path, d->points[0].name);
-  if (v->warning && !is_told(messages, v->warning))
-    sd_warn(messages, "%s (point %zu, %s%s; %zu of %zu sets of values)", v->warning, v->warned,
-            d->points[v->warned].name, v->n_warned > 1 ? ", the worst" : "", v->n_warned, d->n_sets);
+  for (size_t k = 0; k < advice_count; k++) {
+    const advice *a = &v->advice[k];
+    if (a->warning && !is_told(messages, a->warning))
+      sd_warn(messages, "%s (point %zu, %s%s; %zu of %zu sets of values)", a->warning, a->point,
+              d->points[a->point].name, a->n > 1 ? ", the worst" : "", a->n, d->n_sets);
+  }
   for (size_t k = 0; all && k < d->n_collect; k++)
     if (!v->collected[k]) sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
 }
@@ -86,9 +95,11 @@ sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usa
   precheck v = {.s = s, .steps = steps, .kinds = kinds};
   size_t *first = malloc((s->deck.n_sets + 1) * sizeof *first);
   v.collected = calloc(s->deck.n_collect + 1, sizeof *v.collected);
-  if (!first || !v.collected) {
+  v.advice = calloc(advice_count, sizeof *v.advice);
+  if (!first || !v.collected || !v.advice) {
     free(first);
     free(v.collected);
+    free(v.advice);
     return sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
   }
   for (size_t k = 0; k < s->deck.n_sets; k++) first[k] = SIZE_MAX;
@@ -106,7 +117,8 @@ sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usa
   }
   conclude(&v, status == SD_OK, messages);
   for (int k = 0; k < v.n_kinds; k++) sd_model_free(v.models[k]);
-  free(v.warning);
+  for (size_t k = 0; k < advice_count; k++) free(v.advice[k].warning);
+  free(v.advice);
   free(v.collected);
   free(first);
   return status;

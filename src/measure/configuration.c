@@ -374,7 +374,8 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   sd_model *m = c->model = sd_model_new();
   sd_status status = SD_ERROR_IO;
   if (renumbered && m) {
-    m->dt = 1.0;            /* nothing moves */
+    m->dt = 1.0; /* nothing moves */
+    m->limits.unstable_step = true;
     m->max_overlap = 1e300; /* whatever is there is measured */
     fill_space(m, constants, frame->scale);
     status = fill_laws(m, constants);

@@ -88,6 +88,8 @@ static const deck_key limits_keys[] = {
     {"displacement", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.1", NULL,
      "of the displacement of a free disk in one step, over its radius; 0: none",
      SETS(sd_limits, displacement)},
+    {"unstable_step", BOOL, "(false)", NULL,
+     "dt may be beyond the limit of stability (`slipdisk check` prints it)", SETS(sd_limits, unstable_step)},
 };
 TABLE(deck_limits, "limits", true,
       "Limits beyond which a finished run is in doubt: it is told, and the exit status is 5.", limits_keys);

@@ -8,6 +8,7 @@
 #ifndef MODEL_LAW_HERTZ_H
 #define MODEL_LAW_HERTZ_H
 
+static inline double hertz_force(double k, double delta) { return k * delta * sqrt(delta); }
 static inline double hertz_energy(double k, double delta) { return 0.4 * k * delta * delta * sqrt(delta); }
 static inline double hertz_stiffness(double k, double delta) { return 1.5 * k * sqrt(delta); }
 

@@ -2,6 +2,7 @@
 #ifndef MODEL_LAW_LINEAR_H
 #define MODEL_LAW_LINEAR_H
 
+static inline double linear_force(double k, double delta) { return k * delta; }
 static inline double linear_energy(double k, double delta) { return 0.5 * k * delta * delta; }
 static inline double linear_stiffness(double k, double delta) { return (void)delta, k; }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/advice.h"
 #include "model/bodies.h"
 #include "model/keys.h"
 #include "model/laws.h"
@@ -109,30 +110,6 @@ int64_t sd_model_steps(const sd_model *m) {
   int64_t steps = 0;
   for (size_t k = 0; k < m->n_phases; k++) steps += m->phases[k].steps;
   return steps;
-}
-
-double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
-  double fastest = 0.0;
-  for (uint32_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
-    if (d->driven) continue;
-    for (size_t b = 0; b < m->n_materials; b++) {
-      const sd_contact_law *law = sd_model_law(m, d->material, (int)b);
-      if (!law_is_given(law)) continue;
-      /* Two supports at most add their stiffnesses in one direction; tangential spring and rotation: physics.md 4. */
-      bool still = d->locked[SD_X] && d->locked[SD_Y];
-      double inverse_mass = still ? 0.0 : 1.0 / d->mass;
-      double inverse_inertia = d->locked[SD_THETA] ? 0.0 : d->radius * d->radius / d->inertia;
-      double normal = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass;
-      double tangential = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0;
-      double w2 = fmax(normal, tangential);
-      if (w2 > fastest) {
-        fastest = w2;
-        if (disk) *disk = i;
-      }
-    }
-  }
-  return fastest > 0.0 ? 2.0 * M_PI / sqrt(fastest) : HUGE_VAL;
 }
 
 /* --- checks ------------------------------------------------------------------------------------------ */
@@ -411,6 +388,13 @@ static void check_round_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* The reader of a deck says it with the line (deck.c). */
+static void check_step(const sd_model *m, sd_messages *msg) {
+  char *text = advice_unstable(m);
+  if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
+  free(text);
+}
+
 /* --- derived tables ---------------------------------------------------------------------------------- */
 
 sd_status model_find_driven(sd_model *m) {
@@ -516,6 +500,7 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   if (status == SD_OK) status = check_laws(m, own);
   if (status == SD_OK) check_round_walls(m, own);
   if (status == SD_OK) loads_check_steps(m, own);
+  if (status == SD_OK && !m->deck) check_step(m, own);
   if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (own != msg) sd_messages_free(own);
   m->finished = status == SD_OK;

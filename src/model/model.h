@@ -81,6 +81,7 @@ typedef struct sd_limits {
   double residual;     /* of the energy budget, over its scale */
   double open;         /* fraction of the measured time in which a watched contact is open */
   double displacement; /* of a free disk in one step, over its radius */
+  bool unstable_step;  /* dt may be beyond the limit of stability (sd_model_step_limit) */
 } sd_limits;
 
 struct sd_model {

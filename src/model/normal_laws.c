@@ -1,7 +1,7 @@
 /* normal_laws.c: see normal_laws.h. */
 #include "model/normal_laws.h"
 
-#define ROW_OF(number, word, keys, meaning) [number] = {#word, word##_energy, word##_stiffness},
+#define ROW_OF(number, word, keys, meaning) [number] = {#word, word##_force, word##_energy, word##_stiffness},
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 

@@ -2,6 +2,7 @@
  *
  * A law is one row and one header law_NAME.h; its number stands in sd_normal_law (slipdisk/model.h), its keys and their
  * documentation follow from the row. The functions of a law, of stiffness k and overlap delta > 0:
+ *   NAME_force(k, delta)      without damping
  *   NAME_energy(k, delta)     stored, energy
  *   NAME_stiffness(k, delta)  dF/ddelta: time steps, loads, compression
  * and over lanes
@@ -27,12 +28,17 @@
 
 typedef struct normal_law {
   const char *name;
+  double (*force)(double k, double delta);
   double (*energy)(double k, double delta);
   double (*stiffness)(double k, double delta);
 } normal_law;
 
 extern const normal_law normal_laws[SD_NORMAL_LAWS];
 
+/* Elastic force. */
+static inline double law_force(const sd_contact_law *law, double delta) {
+  return normal_laws[law->normal].force(law->k_n, delta);
+}
 /* Energy stored in a contact's normal force. */
 static inline double law_energy(const sd_contact_law *law, double delta) {
   return normal_laws[law->normal].energy(law->k_n, delta);

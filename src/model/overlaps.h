@@ -2,7 +2,7 @@
 #ifndef SLIPDISK_MODEL_OVERLAPS_H
 #define SLIPDISK_MODEL_OVERLAPS_H
 
-#include "slipdisk/model.h"
+#include "model/model.h"
 
 /* Disk a overlaps b, a disk that is as large or larger, or a wall. */
 typedef struct overlap {

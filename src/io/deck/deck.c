@@ -10,6 +10,7 @@
 #include "io/deck/deck_result.h"
 #include "io/deck/deck.h"
 #include "io/store/file.h"
+#include "model/advice.h"
 #include "model/bodies.h"
 #include "slipdisk/deck.h"
 
@@ -147,6 +148,10 @@ static sd_status finish(deck *d) {
   if (d->reported > 0) return SD_ERROR_USER;
   sd_status status = sd_model_finish(d->model, d->messages);
   if (status != SD_OK) return status;
+  char *unstable = advice_unstable(d->model);
+  if (unstable) deck_fail_key(d, d->root, "dt", "%s", unstable);
+  free(unstable);
+  if (d->reported > 0) return SD_ERROR_USER;
   deck_echo_files(d);
   d->model->deck->full = deck_echo(d);
   return SD_OK;

@@ -1,4 +1,5 @@
 /* neighbours.c: cell grid, candidate pairs, incidence; see neighbours.h. */
+#include "model/advice.h"
 #include "physics/system/bodies.h"
 #include "physics/neighbours/neighbours.h"
 
@@ -262,10 +263,10 @@ sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *me
   const sd_state *s = e->state;
   for (size_t i = 0; i < s->n_bodies; i++) {
     if (isfinite(s->x[i]) && isfinite(s->y[i]) && isfinite(s->theta[i])) continue;
-    char name[96];
-    return sd_fail(messages, SD_ERROR_NUMERIC,
-                   "step %lld: %s is at (%g, %g), angle %g: not finite; is dt too large?", (long long)step,
-                   sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i], s->y[i], s->theta[i]);
+    char name[96], hint[200];
+    return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; %s",
+                   (long long)step, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i],
+                   s->y[i], s->theta[i], advice_of_failure(e->model, hint, sizeof hint));
   }
   return SD_OK;
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "model/advice.h"
 #include "physics/step/engine.h"
 #include "physics/system/kernels.h"
 #include "physics/contact/evaluate.h"
@@ -121,13 +122,13 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
   const pairs *p = &e->work.pairs;
   double ra = s->radius[p->a[k]], rb = fabs(s->radius[p->b[k]]), least = rb > 0.0 && rb < ra ? rb : ra;
   if (!(PAIR(p, k, overlap) > e->model->max_overlap * least)) return SD_OK;
-  char a[96], b[96];
+  char a[96], b[96], hint[200];
   return sd_fail(messages, SD_ERROR_NUMERIC,
                  "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
-                 "is dt too large, or k_n too small?",
+                 "is k_n too small? %s",
                  (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
                  sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), PAIR(p, k, overlap),
-                 e->model->max_overlap, least);
+                 e->model->max_overlap, least, advice_of_failure(e->model, hint, sizeof hint));
 }
 
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {

@@ -1,0 +1,367 @@
+/* advice.c: see advice.h. */
+#include "model/advice.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/shortage.h"
+#include "base/text.h"
+#include "model/laws.h"
+#include "model/normal_laws.h"
+#include "model/overlaps.h"
+
+/* --- time step ------------------------------------------------------------------------------------------- */
+
+/* Steps per shortest contact period, and per limit of stability that viscosity sets, below which a run is warned of. */
+static const int FEWEST_STEPS = 20;
+static const double FEWEST_VISCOUS = 2.5;
+
+static const char *const integrators[] = {[SD_GEAR5] = "gear5", [SD_VERLET] = "verlet"};
+
+static const char *bound_text(sd_bound bound) {
+  static const char *const texts[] = {[SD_BOUND_NORMAL] = "normal spring",
+                                      [SD_BOUND_TANGENTIAL] = "tangential spring",
+                                      [SD_BOUND_VISCOSITY] = "viscosity gamma_n"};
+  return texts[bound];
+}
+
+/* "8e-6 or less"; with Gear also whether Verlet would do. To be freed. */
+static char *better_step(const sd_model *m, const sd_step_limit *limit) {
+  double best = fmin(sd_model_shortest_period(m, NULL) / 100, limit->dt / FEWEST_VISCOUS);
+  sd_model other = *m;
+  other.integrator = SD_VERLET;
+  double verlet = sd_model_step_limit(&other).dt;
+  char *text = format_text("take %.2g or less", best);
+  if (text && m->integrator == SD_GEAR5 && m->dt < verlet / FEWEST_VISCOUS)
+    text = append_text(text, ", or integrator = \"verlet\", whose limit is %.3g", verlet);
+  return text;
+}
+
+char *advice_unstable(const sd_model *m) {
+  const sd_step_limit limit = sd_model_step_limit(m);
+  if (m->limits.unstable_step || !(m->dt > limit.dt)) return NULL;
+  char name[96], *better = better_step(m, &limit);
+  char *text = format_text(
+      "beyond %.3g, from which on %s blows up (%s of %s between two others); %s; limits.unstable_step = true "
+      "allows it",
+      limit.dt, integrators[m->integrator], bound_text(limit.bound),
+      sd_model_body_name(m, limit.disk, name, sizeof name), better ? better : "");
+  free(better);
+  return text;
+}
+
+/* Of the limit: a disk in a packing may blow up at a third of it. */
+static const double NEAR_LIMIT = 0.25;
+
+const char *advice_of_failure(const sd_model *m, char *text, size_t size) {
+  const sd_step_limit limit = sd_model_step_limit(m);
+  if (m->dt > NEAR_LIMIT * limit.dt)
+    snprintf(text, size,
+             "dt = %g is too large: %.2g of the limit of stability (%s, %s), which many contacts lower to a "
+             "third; take %.2g",
+             m->dt, m->dt / limit.dt, integrators[m->integrator], bound_text(limit.bound),
+             NEAR_LIMIT / 2 * limit.dt);
+  else
+    snprintf(text, size, "is dt too large?");
+  return text;
+}
+
+/* No mistake, since a disk may never touch anything, and limits are those of a disk between two others. */
+static double check_time_step(const sd_model *m, sd_messages *messages) {
+  double period = sd_model_shortest_period(m, NULL);
+  const sd_step_limit limit = sd_model_step_limit(m);
+  bool unstable = m->dt > limit.dt, viscous = limit.bound == SD_BOUND_VISCOSITY;
+  double longest = fmin(period / FEWEST_STEPS, viscous ? limit.dt / FEWEST_VISCOUS : HUGE_VAL);
+  if (!(m->dt > fmin(longest, limit.dt))) return 0;
+  char *better = better_step(m, &limit);
+  if (unstable)
+    sd_warn(messages, "dt = %g is beyond the limit of stability %.3g (%s, %s): results mean nothing%s; %s",
+            m->dt, limit.dt, integrators[m->integrator], bound_text(limit.bound),
+            limit.bound == SD_BOUND_TANGENTIAL ? " where contacts stick" : "", better ? better : "");
+  else if (m->dt > period / FEWEST_STEPS)
+    sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; %s", m->dt,
+            FEWEST_STEPS, period, better ? better : "");
+  else
+    sd_warn(messages,
+            "dt = %g is more than 1/%g of the limit of stability %.3g (%s, %s), which a disk with many "
+            "contacts lowers; %s",
+            m->dt, FEWEST_VISCOUS, limit.dt, integrators[m->integrator], bound_text(limit.bound),
+            better ? better : "");
+  free(better);
+  return m->dt / fmin(longest, limit.dt);
+}
+
+/* --- contact laws ---------------------------------------------------------------------------------------- */
+
+static char *law_name(const sd_model *m, size_t a, size_t b) {
+  return a == b ? format_text("materials.%s", m->materials[a].name)
+                : format_text("material_pairs (\"%s\", \"%s\")", m->materials[a].name, m->materials[b].name);
+}
+
+/* Pairs of materials that have a law and bodies. */
+static bool is_used(const sd_model *m, const law_use *use, size_t a, size_t b) {
+  bool enough = a == b ? use[a].count > 1 : use[a].count > 0 && use[b].count > 0;
+  return enough && (use[a].free_disk || use[b].free_disk) && law_is_given(sd_model_law(m, (int)a, (int)b));
+}
+
+typedef double law_visitor(const sd_model *m, size_t a, size_t b, sd_messages *messages);
+
+/* The largest of what it returns for laws that are used. */
+static double each_law(const sd_model *m, law_visitor *visit, sd_messages *messages) {
+  law_use *use = calloc(m->n_materials + 1, sizeof *use);
+  double worst = 0;
+  if (!use) {
+    shortage_note();
+    return 0;
+  }
+  laws_count_uses(m, use);
+  for (size_t a = 0; a < m->n_materials; a++)
+    for (size_t b = a; b < m->n_materials; b++)
+      if (is_used(m, use, a, b)) worst = fmax(worst, visit(m, a, b, messages));
+  free(use);
+  return worst;
+}
+
+static double friction_of(const sd_model *m, size_t a, size_t b, sd_messages *messages) {
+  const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+  if ((law->mu > 0) == (law->k_t > 0)) return 0;
+  char *name = law_name(m, a, b);
+  if (law->mu > 0)
+    sd_warn(messages, "%s: mu = %g without k_t is no friction at all: give k_t, usually 0.3 to 1 times k_n",
+            name ? name : "?", law->mu);
+  else
+    sd_warn(messages,
+            "%s: k_t = %g without mu has no effect: the contact slides freely; give mu, or leave k_t out",
+            name ? name : "?", law->k_t);
+  free(name);
+  return 1;
+}
+
+static double check_friction(const sd_model *m, sd_messages *messages) {
+  return each_law(m, friction_of, messages);
+}
+
+static double loses_energy(const sd_model *m, size_t a, size_t b, sd_messages *messages) {
+  (void)messages;
+  const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+  return law->gamma_n > 0 || law_tsuji(law) > 0 || (law->mu > 0 && law->k_t > 0);
+}
+
+/* --- phases ---------------------------------------------------------------------------------------------- */
+
+static char *phase_name(const sd_model *m, size_t k) {
+  const char *name = m->phases[k].name;
+  return name && *name ? format_text("phases.%s", name) : format_text("phases[%zu]", k);
+}
+
+/* One line about a phase. */
+static double warn_of_phase(const sd_model *m, size_t k, sd_messages *messages, const char *text) {
+  char *name = phase_name(m, k);
+  sd_warn(messages, "%s: %s", name ? name : "phases", text);
+  free(name);
+  return 1;
+}
+
+static double check_relax(const sd_model *m, sd_messages *messages) {
+  for (size_t k = 0; k < m->n_phases && m->integrator == SD_GEAR5; k++)
+    if (m->phases[k].relax)
+      return warn_of_phase(m, k, messages,
+                           "relax = true with integrator = \"gear5\": the relaxer stops disks, and Gear's "
+                           "higher derivatives do not know; take integrator = \"verlet\"");
+  return 0;
+}
+
+/* Goals of the phase that dynamics cannot come to; NULL: none is known. */
+static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
+  for (size_t j = 0; j < m->n_motions; j++) {
+    int kind = (int)m->motions[j].kind;
+    bool swings = kind == SD_MOTION_HARMONIC || kind == SD_MOTION_PARABOLIC || kind == SD_MOTION_RANDOM ||
+                  kind == SD_MOTION_SQUARE || kind == SD_MOTION_TRIANGLE;
+    if (p->active && p->active[j] && swings && m->motions[j].amplitude != 0)
+      return "settle waits for rest, but a motion shakes all the time: switch it off with motions = ()";
+  }
+  if (!p->relax && each_law(m, loses_energy, NULL) == 0)
+    return "settle waits for rest, but nothing takes energy out (gamma_n, restitution, mu with k_t): "
+           "relax = true brings the disks to rest";
+  return NULL;
+}
+
+/* Resultant forces cannot balance better than positions are rounded: eps x k_n against the weight that a contact carries. */
+static double rounding(const sd_model *m) {
+  double g = hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    farthest = fmax(farthest, fmax(fabs(d->position[0]), fabs(d->position[1])));
+    if (!d->driven) least = fmin(least, d->mass * g);
+  }
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) stiffest = fmax(stiffest, m->laws[k].k_n);
+  return least > 0 && isfinite(least) ? DBL_EPSILON / 2 * farthest * stiffest / least : 0;
+}
+
+static double check_settle(const sd_model *m, sd_messages *messages) {
+  double worst = 0;
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_settle *s = &m->phases[k].settle;
+    if (!s->asked) continue;
+    const char *why = out_of_reach(m, &m->phases[k]);
+    if (why) worst = fmax(worst, warn_of_phase(m, k, messages, why));
+    double least = s->unbalanced > 0 ? rounding(m) : 0;
+    if (!(s->unbalanced < least)) continue;
+    char *text = format_text("settle.unbalanced = %g is below %.2g, the rounding of positions against the "
+                             "overlap under a weight: take more",
+                             s->unbalanced, least);
+    worst = fmax(worst, warn_of_phase(m, k, messages, text ? text : ""));
+    free(text);
+  }
+  return worst;
+}
+
+/* Packing fraction at the start, as compress.c has it; 0: no region. */
+static double first_fraction(const sd_model *m) {
+  double area = (m->region_upper[0] - m->region_lower[0]) * (m->region_upper[1] - m->region_lower[1]),
+         sum = 0;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (!m->disks[i].driven) sum += M_PI * m->disks[i].radius * m->disks[i].radius;
+  return area > 0 ? sum / area : 0;
+}
+
+double sd_model_compress_time(const sd_model *m, size_t phase) {
+  double from = first_fraction(m);
+  for (size_t k = 0; k < phase; k++)
+    if (m->phases[k].compress.asked)
+      from = m->phases[k].compress.fraction; /* 0: after a pressure it is not known */
+  const sd_compress *c = &m->phases[phase].compress;
+  return c->asked && c->fraction > 0 && from > 0 ? fabs(log(c->fraction / from)) / 2 / c->rate : NAN;
+}
+
+/* A phase may hold what it has reached for a while; it is seldom meant to for most of its length. */
+static const double HELD = 5, LOG_SHRUNK = 5;
+
+static double check_compress(const sd_model *m, sd_messages *messages) {
+  double worst = 0;
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_phase *p = &m->phases[k];
+    double time = (double)p->steps * m->dt, needed = sd_model_compress_time(m, k), ratio = 0;
+    char *text = NULL;
+    if (!p->compress.asked || p->settle.asked) continue;
+    if (needed > 0) ratio = time / needed / HELD;
+    if (isnan(needed)) ratio = time * p->compress.rate / LOG_SHRUNK;
+    if (!(ratio > 1)) continue;
+    if (isnan(needed))
+      text =
+          format_text("compress holds its pressure to the end of the phase, long after it is reached: %.3g "
+                      "times 1/rate",
+                      time * p->compress.rate);
+    else
+      text = format_text(
+          "compress reaches its packing fraction after about %.3g of %.3g, and the phase goes on to "
+          "its end",
+          needed, time);
+    if (text) text = append_text(text, "; with settle = { unbalanced = 1e-3; } it ends there");
+    warn_of_phase(m, k, messages, text ? text : "");
+    worst = fmax(worst, ratio);
+    free(text);
+  }
+  return worst;
+}
+
+/* --- positions ------------------------------------------------------------------------------------------- */
+
+/* Deeper than this, over the radius, disks are thrown apart. */
+static const double DEEP_OVERLAP = 0.01;
+/* Watched contacts farther apart than this, over the radius, are not about to close. */
+static const double WIDE_GAP = 0.1;
+
+typedef struct search {
+  const sd_model *m;
+  first_overlap worst;
+} search;
+
+static bool begins_with(const sd_model *m, uint32_t a, uint32_t b) {
+  for (size_t k = 0; k < m->n_memories; k++) {
+    const sd_contact_memory *c = &m->memories[k];
+    if ((c->a == a && c->b == b) || (c->a == b && c->b == a)) return true;
+  }
+  return false;
+}
+
+static bool is_free(const sd_model *m, uint32_t body) { return body < m->n_disks && !m->disks[body].driven; }
+static bool waits(const sd_model *m, uint32_t body) { return body < m->n_disks && m->disks[body].waiting; }
+
+/* Radius of the smaller disk: a. */
+static bool note_overlap(void *user, const overlap *o) {
+  search *s = user;
+  const sd_model *m = s->m;
+  double relative = o->depth / m->disks[o->a].radius;
+  if (relative <= s->worst.relative || waits(m, o->a) || waits(m, o->b)) return false;
+  if (!is_free(m, o->a) && !is_free(m, o->b)) return false;
+  if (m->n_memories > 0 && begins_with(m, o->a, o->b)) return false;
+  s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
+  return false;
+}
+
+sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
+  search s = {.m = m};
+  sd_status status = overlaps_of_disks(m, note_overlap, &s);
+  if (status == SD_OK) status = overlaps_with_walls(m, note_overlap, &s);
+  *worst = s.worst;
+  if (status != SD_OK || !(worst->depth > 0)) return status;
+  int other = worst->b < m->n_disks ? m->disks[worst->b].material : m->walls[worst->b - m->n_disks].material;
+  double g = hypot(m->gravity[0], m->gravity[1]), mass = HUGE_VAL;
+  if (is_free(m, worst->a)) mass = m->disks[worst->a].mass;
+  if (is_free(m, worst->b)) mass = fmin(mass, m->disks[worst->b].mass);
+  worst->force = law_force(sd_model_law(m, m->disks[worst->a].material, other), worst->depth);
+  worst->weight = mass * g;
+  return SD_OK;
+}
+
+/* The relaxer lets overlaps go quietly. */
+static double check_overlap(const sd_model *m, sd_messages *messages) {
+  first_overlap worst;
+  char one[96], two[96], *times = NULL;
+  if (m->n_phases > 0 && m->phases[0].relax) return 0;
+  if (advice_overlap(m, &worst) != SD_OK) {
+    shortage_note();
+    return 0;
+  }
+  if (!(worst.relative > DEEP_OVERLAP)) return 0;
+  if (worst.weight > 0) times = format_text(", %.3g times the weight", worst.force / worst.weight);
+  sd_warn(messages,
+          "%s and %s overlap by %.3g at the start, %.3g of the radius: a force of %.3g%s throws them apart; "
+          "move them, or let the first phase relax = true",
+          sd_model_body_name(m, worst.a, one, sizeof one), sd_model_body_name(m, worst.b, two, sizeof two),
+          worst.depth, worst.relative, worst.force, times ? times : "");
+  free(times);
+  return worst.relative / DEEP_OVERLAP;
+}
+
+static double check_watches(const sd_model *m, sd_messages *messages) {
+  double worst = 0;
+  char one[96], two[96];
+  for (size_t k = 0; k < m->n_slides; k++)
+    for (int c = 0; c < 2; c++) {
+      const sd_slide_watch *w = &m->slides[k];
+      double gap = overlaps_first_gap(m, w->disk, w->partner[c]), ratio = gap / m->disks[w->disk].radius;
+      if (!(ratio > WIDE_GAP) || waits(m, w->disk) || waits(m, w->partner[c])) continue;
+      sd_warn(
+          messages,
+          "measure.sliding: %s and %s do not touch at the start: there are %.3g between them, %.3g radii; "
+          "is the partner the one that is meant?",
+          sd_model_body_name(m, w->disk, one, sizeof one),
+          sd_model_body_name(m, w->partner[c], two, sizeof two), gap, ratio);
+      worst = fmax(worst, ratio);
+    }
+  return worst;
+}
+
+/* --- all -------------------------------------------------------------------------------------------------- */
+
+advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,  check_settle,
+                                       check_compress,  check_overlap,  check_watches};
+const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
+
+void sd_model_advise(const sd_model *m, sd_messages *messages) {
+  for (size_t k = 0; k < advice_count; k++) advice_checks[k](m, messages);
+}

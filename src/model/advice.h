@@ -1,0 +1,31 @@
+/* advice.h: what a model may say and its author seldom means: warnings, and the error of a time step that is too long.
+ *
+ * A check is a function and a row of advice_checks in advice.c. */
+#ifndef SLIPDISK_MODEL_ADVICE_H
+#define SLIPDISK_MODEL_ADVICE_H
+
+#include "model/model.h"
+
+/* Adds its warnings, the worst first; how bad that is: 0, there are none. Comparable among models, not among checks. */
+typedef double advice_check(const sd_model *model, sd_messages *messages);
+extern advice_check *const advice_checks[];
+extern const size_t advice_count;
+
+/* The text of the mistake, to be freed, when dt is beyond the limit of stability and the model does not ask for it; else
+ * NULL. */
+char *advice_unstable(const sd_model *model);
+
+/* Whether a run that has failed had a dt near the limit, or else "is dt too large?"; in text[size]. */
+const char *advice_of_failure(const sd_model *model, char *text, size_t size);
+
+/* The deepest overlap at the start of two bodies of which one is free to move, over the radius of the smaller disk; without
+ * contacts that the model begins with. depth 0: none. */
+typedef struct first_overlap {
+  uint32_t a, b; /* body numbers */
+  double depth, relative;
+  double force;  /* normal, elastic */
+  double weight; /* of the lighter free one; 0: no gravity */
+} first_overlap;
+sd_status advice_overlap(const sd_model *model, first_overlap *worst);
+
+#endif

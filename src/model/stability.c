@@ -1,0 +1,86 @@
+/* stability.c: how long a time step may be.
+ *
+ * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2 gamma_n/m along the normal, and
+ * w^2 = 2 k_t (1/m + R^2/I), c = 0 along the tangent. Both integrators see the velocity predicted from the old acceleration.
+ * An eigenvalue of their step passes -1, and the motion blows up within a few steps, beyond
+ *
+ *   a (w dt)^2 + b c dt = 1        Verlet: a = 1/4,   b = 1
+ *                                  Gear:   a = 47/30, b = 551/90
+ *
+ * (tests/test_stability.c). In a packing, where a disk has up to six contacts, the limit is up to three times shorter. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/shortage.h"
+#include "model/laws.h"
+#include "model/normal_laws.h"
+#include "model/model.h"
+
+static const double STIFF[] = {[SD_GEAR5] = 47.0 / 30, [SD_VERLET] = 0.25};
+static const double VISCOUS[] = {[SD_GEAR5] = 551.0 / 90, [SD_VERLET] = 1};
+
+/* Of a disk between two bodies of one material. */
+typedef struct oscillator {
+  double normal2, tangential2; /* w^2 */
+  double damping;              /* c of the normal one */
+} oscillator;
+
+/* tsuji: law_tsuji of the law. Tangential spring and rotation: physics.md 5. */
+static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji) {
+  bool still = d->locked[SD_X] && d->locked[SD_Y];
+  double inverse_mass = still ? 0.0 : 1.0 / d->mass;
+  double inverse_inertia = d->locked[SD_THETA] ? 0.0 : d->radius * d->radius / d->inertia;
+  double gamma = law->gamma_n;
+  if (tsuji > 0.0) gamma += tsuji * sqrt(d->mass * law->k_n) * sqrt(sqrt(0.01 * d->radius));
+  return (oscillator){.normal2 = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass,
+                      .tangential2 = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0,
+                      .damping = 2.0 * gamma * inverse_mass};
+}
+
+double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
+  double fastest = 0.0;
+  for (uint32_t i = 0; i < m->n_disks; i++)
+    for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
+      const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
+      if (!law_is_given(law)) continue;
+      const oscillator o = oscillator_of(&m->disks[i], law, 0.0);
+      double w2 = fmax(o.normal2, o.tangential2);
+      if (!(w2 > fastest)) continue;
+      fastest = w2;
+      if (disk) *disk = i;
+    }
+  return fastest > 0.0 ? 2.0 * M_PI / sqrt(fastest) : HUGE_VAL;
+}
+
+/* The positive root of a w2 t^2 + b c t = 1. */
+static double longest(const sd_model *m, double w2, double c) {
+  double a = STIFF[m->integrator] * w2, b = VISCOUS[m->integrator] * c, s = b + sqrt(b * b + 4.0 * a);
+  return s > 0.0 ? 2.0 / s : HUGE_VAL;
+}
+
+sd_step_limit sd_model_step_limit(const sd_model *m) {
+  sd_step_limit limit = {.dt = HUGE_VAL};
+  size_t laws = m->n_materials * m->n_materials;
+  double *tsuji = calloc(laws + 1, sizeof *tsuji);
+  law_use *use = calloc(m->n_materials + 1, sizeof *use);
+  if (!tsuji || !use) shortage_note();
+  if (use) laws_count_uses(m, use);
+  for (size_t k = 0; tsuji && k < laws; k++) tsuji[k] = law_tsuji(&m->laws[k]);
+  for (uint32_t i = 0; i < m->n_disks; i++)
+    for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
+      const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
+      size_t others = use ? use[b].count - ((size_t)m->disks[i].material == b) : 1;
+      if (!law_is_given(law) || others == 0) continue;
+      const oscillator o = oscillator_of(&m->disks[i], law, tsuji ? tsuji[law - m->laws] : 0.0);
+      double normal = longest(m, o.normal2, o.damping), tangential = longest(m, o.tangential2, 0.0);
+      if (!(fmin(normal, tangential) < limit.dt)) continue;
+      limit = (sd_step_limit){.dt = fmin(normal, tangential), .disk = i};
+      double viscous = VISCOUS[m->integrator] * o.damping * normal; /* its part of the 1 */
+      limit.bound = tangential < normal ? SD_BOUND_TANGENTIAL
+                    : viscous > 0.5     ? SD_BOUND_VISCOSITY
+                                        : SD_BOUND_NORMAL;
+    }
+  free(use);
+  free(tsuji);
+  return limit;
+}

@@ -1,0 +1,189 @@
+/* test_advice.c: set-ups that may be meant and seldom are (model/advice.c): each is told once, and its usual neighbour not. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "deck_runs.h"
+#include "model/advice.h"
+#include "model/overlaps.h"
+
+#define VERLET "integrator = \"verlet\"; dt = 1e-3;\n"
+#define LAW "materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2.0; mu = 0.5; } );\n"
+#define GRAVITY "gravity = { g = 10.0; };\n"
+#define FLOOR "walls = ( { name = \"floor\"; type = \"line\"; points = ((0.0, 0.0), (1.0, 0.0)); } );\n"
+#define DISK "disks = ( { name = \"a\"; x = 0.0; y = 0.999; radius = 1.0; mass = 1.0; } );\n"
+#define PHASE(what) "phases = ( { name = \"p\"; time = 100; " what " } );\n"
+#define DROP VERLET LAW GRAVITY FLOOR DISK
+
+/* The warnings of a deck, each with this word; NULL: there are none. */
+static void advised(const char *deck, const char *word) {
+  sd_model *m = model_of(deck);
+  sd_messages *messages = sd_messages_new();
+  sd_model_advise(m, messages);
+  if (!word && sd_messages_count(messages) > 0) print_error("%s", sd_messages_text(messages, 0));
+  if (word && sd_messages_count(messages) != 1) print_error("%zu: %s", sd_messages_count(messages), word);
+  assert_int_equal(sd_messages_count(messages), word ? 1 : 0);
+  assert_int_equal(sd_messages_errors(messages), 0);
+  if (word && !strstr(sd_messages_text(messages, 0), word)) {
+    print_error("%s: %s", word, sd_messages_text(messages, 0));
+    fail();
+  }
+  sd_messages_free(messages);
+  sd_model_free(m);
+}
+
+static void friction_needs_a_spring(void **unused) {
+  (void)unused;
+#define WITH(law)                                                                                            \
+  VERLET "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 2.0; " law " } );\n" GRAVITY FLOOR DISK         \
+         "steps = 9;"
+  advised(WITH("mu = 0.5;"), "materials.m: mu = 0.5 without k_t is no friction at all");
+  advised(WITH("k_t = 500.0;"), "materials.m: k_t = 500 without mu has no effect");
+  advised(WITH(""), NULL);
+  advised(WITH("k_t = 500.0; mu = 0.1;"), NULL);
+#undef WITH
+  /* of a pair, and not of materials that do not touch themselves */
+#define MIXED(law)                                                                                           \
+  VERLET GRAVITY                                                                                             \
+      "materials = ( { name = \"m\"; k_n = 1e4; mu = 0.3; }, { name = \"w\"; k_n = 1e4; k_t = 1.0; } );\n"   \
+      "material_pairs = ( { materials = (\"m\", \"w\"); k_n = 1e4; " law " } );\n"                           \
+      "disks = ( { x = 0.0; y = 1.0; radius = 1.0; mass = 1.0; material = \"m\"; } );\n"                     \
+      "walls = ( { type = \"line\"; points = ((0.0, 0.0), (1.0, 0.0)); material = \"w\"; } ); steps = 9;"
+  advised(MIXED("mu = 0.5;"), "material_pairs (\"m\", \"w\"): mu = 0.5 without k_t");
+  advised(MIXED("mu = 0.5; k_t = 10.0;"), NULL);
+#undef MIXED
+}
+
+static void viscosity_bounds_the_step(void **unused) {
+  (void)unused;
+#define GEAR(gamma)                                                                                          \
+  "integrator = \"gear5\"; dt = 1e-3; steps = 9; materials = ( { name = \"m\"; k_n = 100; gamma_n = " gamma  \
+  "; } );\n" FLOOR DISK
+  /* 444 steps per period: unstable from gamma_n = 81.7 on */
+  advised(GEAR("10.0"), NULL);
+  advised(GEAR("40.0"), "more than 1/2.5 of the limit of stability 0.00204 (gear5, viscosity gamma_n)");
+  advised(GEAR("40.0"), "or integrator = \"verlet\", whose limit is 0.0124");
+#undef GEAR
+}
+
+static void the_relaxer_wants_verlet(void **unused) {
+  (void)unused;
+  advised("dt = 1e-3;\n" LAW GRAVITY FLOOR DISK PHASE("relax = true;"),
+          "phases.p: relax = true with integrator = \"gear5\"");
+  advised(DROP PHASE("relax = true;"), NULL);
+}
+
+static void goals_can_be_out_of_reach(void **unused) {
+  (void)unused;
+#define FRICTIONLESS VERLET "materials = ( { name = \"m\"; k_n = 1e4; } );\n" GRAVITY FLOOR DISK
+#define SETTLE "settle = { kinetic = 1e-9; };"
+#define SHAKE(more)                                                                                          \
+  "motions = ( { name = \"s\"; wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; omega = "          \
+  "1.0; " more " } );\n"
+  advised(FRICTIONLESS PHASE(SETTLE),
+          "nothing takes energy out (gamma_n, restitution, mu with k_t): relax = true");
+  advised(FRICTIONLESS PHASE("relax = true; " SETTLE), NULL);
+  advised(DROP PHASE(SETTLE), NULL);
+  advised(DROP SHAKE("amplitude = 0.1;") PHASE(SETTLE),
+          "a motion shakes all the time: switch it off with motions = ()");
+  advised(DROP SHAKE("amplitude = 0.1;") PHASE("motions = (); " SETTLE), NULL);
+  advised(DROP SHAKE("amplitude = 0.0;") PHASE(SETTLE), NULL);
+  advised(DROP PHASE("settle = { unbalanced = 1e-16; };"),
+          "settle.unbalanced = 1e-16 is below 1.1e-13, the rounding");
+  advised(DROP PHASE("settle = { unbalanced = 1e-9; };"), NULL);
+}
+
+static void compression_ends_with_settle(void **unused) {
+  (void)unused;
+#define BOX                                                                                                  \
+  VERLET LAW "box = { x = (0.0, 10.0); y = (0.0, 10.0); periodic = \"xy\"; };\n"                             \
+             "packings = ( { type = \"random\"; count = 12; radius = 1.0; density = 1.0; } );\n"
+  /* from 0.377 to 0.5: ln(1.326)/2 = 0.141 over the rate */
+  advised(BOX PHASE("compress = { fraction = 0.5; rate = 0.01; };"),
+          "phases.p: compress reaches its packing fraction after about 14.1 of 100, and the phase goes on to "
+          "its end");
+  advised(BOX PHASE("compress = { fraction = 0.5; rate = 0.01; }; settle = { kinetic = 1e-9; };"), NULL);
+  advised(BOX PHASE("compress = { fraction = 0.5; rate = 0.004; };"), NULL);
+  advised(BOX PHASE("compress = { pressure = 1.0; rate = 0.1; };"),
+          "compress holds its pressure to the end of the phase");
+  advised(BOX PHASE("compress = { pressure = 1.0; rate = 0.01; };"), NULL);
+  sd_model *m = model_of(BOX "phases = ( { time = 1; compress = { fraction = 0.5; rate = 0.01; }; },"
+                             "{ time = 1; compress = { pressure = 1.0; rate = 0.01; }; },"
+                             "{ time = 1; compress = { fraction = 0.5; rate = 0.01; }; } );");
+  between(sd_model_compress_time(m, 0), 14.1, 14.2, "time of compression");
+  assert_true(isnan(sd_model_compress_time(m, 1)) && isnan(sd_model_compress_time(m, 2)));
+  sd_model_free(m);
+}
+
+static void deep_overlaps_throw_disks_apart(void **unused) {
+  (void)unused;
+#define TWO(y, more)                                                                                         \
+  VERLET LAW GRAVITY FLOOR "disks = ( { name = \"a\"; x = 0.0; y = 0.9999; radius = 1.0; mass = 1.0; },"     \
+                           "{ name = \"b\"; x = 0.0; y = " y "; radius = 1.0; mass = 0.5; } );\n" more
+  advised(TWO("2.9359", "steps = 9;"),
+          "disk \"a\" and disk \"b\" overlap by 0.064 at the start, 0.064 of the radius: a force of 640, "
+          "128 times the weight throws them apart");
+  advised(TWO("2.995", "steps = 9;"), NULL);
+  advised(TWO("2.9359", PHASE("relax = true;")), NULL);
+  /* what is fixed stays, whatever the overlap */
+  advised(VERLET LAW "disks = ( { x = 0.0; y = 0.0; radius = 1.0; mass = 1.0; fixed = true; },"
+                     "{ x = 1.0; y = 0.0; radius = 1.0; mass = 1.0; fixed = true; } ); steps = 9;",
+          NULL);
+  advised(VERLET LAW GRAVITY FLOOR "disks = ( { x = 0.0; y = 0.95; radius = 1.0; mass = 1.0; } ); steps = 9;",
+          "disk 0 and wall \"floor\" overlap by 0.05 at the start");
+  /* Hertz: k_n delta^(3/2), through the edge of a periodic box */
+  sd_model *m = model_of("integrator = \"verlet\"; dt = 1e-3; steps = 9;" GRAVITY
+                         "materials = ( { name = \"m\"; law = \"hertz\"; k_n = 1e4; } );"
+                         "box = { x = (0.0, 10.0); periodic = \"x\"; };"
+                         "disks = ( { x = 0.5; y = 0.0; radius = 1.0; mass = 1.0; }, { x = 8.54; y = 0.0; "
+                         "radius = 1.0; mass = 2.0; } );");
+  first_overlap worst;
+  assert_int_equal(advice_overlap(m, &worst), SD_OK);
+  between(worst.depth, 0.04 - 1e-12, 0.04 + 1e-12, "overlap");
+  between(worst.force, 80 - 1e-9, 80 + 1e-9, "force");
+  between(worst.weight, 10, 10, "weight");
+  sd_model_free(m);
+}
+
+static void watched_contacts_touch(void **unused) {
+  (void)unused;
+#define WATCH(x)                                                                                             \
+  VERLET LAW GRAVITY FLOOR "disks = ( { name = \"a\"; x = 0.0; y = 1.0; radius = 1.0; mass = 1.0; },"        \
+                           "{ name = \"b\"; x = " x "; y = 1.0; radius = 1.0; mass = 0.5; } );\n"            \
+                           "steps = 9; "                                                                     \
+                           "measure = { sliding = ( { disk = \"a\"; partners = (\"floor\", \"b\"); } ); };"
+  advised(WATCH("2.05"), NULL);
+  advised(WATCH("3.5"), "measure.sliding: disk \"a\" and disk \"b\" do not touch at the start: there are 1.5 "
+                        "between them, 1.5 radii");
+}
+
+/* Walls of all shapes, moved and turned. */
+static void gaps_are_those_between_surfaces(void **unused) {
+  (void)unused;
+  sd_model *m = model_of(VERLET LAW
+                         "steps = 9; disks = ( { x = 0.0; y = 3.0; radius = 1.0; mass = 1.0; } );"
+                         "walls = ( { type = \"line\"; points = ((5.0, 0.0), (6.0, 0.0)); },"
+                         "{ type = \"segment\"; points = ((3.0, 3.0), (4.0, 3.0)); },"
+                         "{ type = \"circle\"; center = (0.0, 2.0); radius = 5.0; side = \"inside\"; },"
+                         "{ type = \"circle\"; center = (0.0, 10.0); radius = 2.0; side = \"outside\"; } );");
+  static const double gaps[] = {2, 2, 3, 4};
+  for (uint32_t w = 0; w < 4; w++)
+    between(overlaps_first_gap(m, 0, 1 + w), gaps[w] - 1e-12, gaps[w] + 1e-12, "gap");
+  const double x[2] = {0, 3}, turned[3] = {3.5, 3, M_PI / 2}, moved[3] = {5.5, 1, 0};
+  between(overlaps_gap(m, 0, x, 1, moved), 1 - 1e-12, 1 + 1e-12, "gap to a line that has moved");
+  between(overlaps_gap(m, 0, x, 2, turned), 2.5 - 1e-12, 2.5 + 1e-12, "gap to a segment that has turned");
+  sd_model_free(m);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(friction_needs_a_spring),      cmocka_unit_test(viscosity_bounds_the_step),
+      cmocka_unit_test(the_relaxer_wants_verlet),     cmocka_unit_test(goals_can_be_out_of_reach),
+      cmocka_unit_test(compression_ends_with_settle), cmocka_unit_test(deep_overlaps_throw_disks_apart),
+      cmocka_unit_test(watched_contacts_touch),       cmocka_unit_test(gaps_are_those_between_surfaces),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
