@@ -77,7 +77,7 @@ class Survey(unittest.TestCase):
         """Each kind once, and in the same call."""
         _, err = self.check('{ parameters = ( { path = "gravity.tilt"; values = ("3 degrees", "4 degrees", true); } ); }', status=2)
         self.assertEqual(len(err), 2, err)
-        self.assertIn('gravity.tilt = "3 degrees": expected a number or a text such as "0.04 pi"', err[0])
+        self.assertIn('gravity.tilt = "3 degrees": "degrees" behind a number; did you mean "deg"?', err[0])
         self.assertIn("others: 2 of 3 sets of values", err[0])
         self.assertIn('gravity.tilt = true: expected a number or a text such as "0.04 pi" or "7.2 deg", not true or false', err[1])
         _, err = self.check('{ parameters = ( { path = "materials.disk.mu"; values = ("a", true, 0.1, -1); } ); }', status=2)

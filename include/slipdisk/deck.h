@@ -22,7 +22,7 @@ typedef struct sd_deck {
 /* The deck of a model; of one that was built by hand an empty one with defaults: texts are "". */
 SD_API const sd_deck *sd_model_deck(const sd_model *model);
 
-/* Reads, checks and finishes the deck at path; overrides are "path=value" strings as after -D.
+/* Reads, checks and finishes the deck at path (-: the standard input); overrides are "path=value" strings as after -D.
  * Every mistake is one message "file:line: key = value: what was expected (did you mean ...)".
  * Returns SD_ERROR_USER when there is any (and *out NULL), SD_ERROR_IO when the file is there and cannot be read. */
 SD_API sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,

@@ -22,6 +22,10 @@ int app_verify(int argc, char **argv);
 int app_theory(int argc, char **argv);
 int app_sweep(int argc, char **argv);
 
+/* Their options, for the help. */
+extern const command_line app_run_line, app_resume_line, app_check_line, app_info_line, app_measure_line,
+    app_verify_line, app_theory_line, app_sweep_line;
+
 /* --- signals.c --------------------------------------------------------------------------------------- */
 extern volatile sig_atomic_t app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */
 /* From here on these signals end the process at once, with SD_INTERRUPTED. */
@@ -37,23 +41,37 @@ typedef struct drive_options {
   const char *again; /* command line that continues the run, without the program's name */
   const char *log;   /* file for progress lines, or NULL */
   long threads;      /* 0: chosen from the size of the system */
-  bool force, quiet;
+  bool force, quiet, verbose;
   void (*failed)(void *user, const sd_messages *messages); /* may be NULL; told why a run failed */
   void *user;
 } drive_options;
 
 /* The options that run and resume share, as rows of a table. */
 #define DRIVE_OPTIONS(arguments, drive)                                                                      \
-  {"quiet", 0, OPTION_FLAG, offsetof(arguments, drive.quiet), 0, 0, NULL},                                   \
+  {                                                                                                          \
+      "quiet", 'q',  OPTION_FLAG, offsetof(arguments, drive.quiet), 0,                                       \
+      0,       NULL, NULL,        "errors and warnings only"},                                               \
+      {"verbose",                                                                                            \
+       'v',                                                                                                  \
+       OPTION_FLAG,                                                                                          \
+       offsetof(arguments, drive.verbose),                                                                   \
+       0,                                                                                                    \
+       0,                                                                                                    \
+       NULL,                                                                                                 \
+       NULL,                                                                                                 \
+       "also version, instruction set, threads and disks"},                                                  \
       {"threads",                                                                                            \
        0,                                                                                                    \
        OPTION_NUMBER,                                                                                        \
        offsetof(arguments, drive.threads),                                                                   \
        1,                                                                                                    \
        4096,                                                                                                 \
-       " is not a number of threads"},                                                                       \
+       " is not a number of threads",                                                                        \
+       "N",                                                                                                  \
+       "threads; by default as many as the number of disks is worth"},                                       \
   {                                                                                                          \
-    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), 0, 0, NULL                                        \
+    "log", 0, OPTION_PATH, offsetof(arguments, drive.log), 0, 0, NULL, "FILE",                               \
+        "append progress and result to a file"                                                               \
   }
 
 /* messages: of the loader, printed first. Takes neither over. */

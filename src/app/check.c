@@ -21,33 +21,34 @@
 
 static const double probe_seconds = 0.2;
 
-static const char usage[] =
-    "usage: slipdisk check DECK [-D path=value]... [--brief] [--no-probe]\n"
-    "       slipdisk check --keys\n"
-    "\n"
-    "Checks a deck and prints it in full, with all defaults, and what follows from it: numbers of disks,\n"
-    "walls and contacts, the time step against the shortest contact period, restitution of each pair of\n"
-    "materials, size of the result, speed and length of the run. All points of a sweep are checked, too.\n"
-    "  -D path=value  set a key, as in -D gravity.tilt=0.1 or -D 'motions[*].amplitude=1e-4'\n"
-    "  --brief        leave the full deck out\n"
-    "  --no-probe     do not measure the speed\n"
-    "  --keys         print the tables of all keys, and nothing else\n";
-
 typedef struct options {
   const char *deck;
   option_list overrides;
-  bool brief, no_probe, keys, help;
+  bool brief, no_probe, keys;
 } options;
 
 static const option_row rows[] = {
-    {"define", 'D', OPTION_LIST, offsetof(options, overrides), 0, 0, NULL},
-    {"brief", 0, OPTION_FLAG, offsetof(options, brief), 0, 0, NULL},
-    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), 0, 0, NULL},
-    {"keys", 0, OPTION_FLAG, offsetof(options, keys), 0, 0, NULL},
-    {"help", 'h', OPTION_FLAG, offsetof(options, help), 0, 0, NULL},
+    {"define", 'D', OPTION_LIST, offsetof(options, overrides), 0, 0, NULL, "PATH=VALUE",
+     "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
+    {"brief", 0, OPTION_FLAG, offsetof(options, brief), 0, 0, NULL, NULL, "leave the full deck out"},
+    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), 0, 0, NULL, NULL, "do not measure the speed"},
+    {"keys", 0, OPTION_FLAG, offsetof(options, keys), 0, 0, NULL, NULL,
+     "print the tables of all keys, and nothing else"},
 };
-static const command_line accepts = {"check",      sizeof rows / sizeof *rows, rows,
-                                     OPERAND_DECK, offsetof(options, deck),    true};
+const command_line app_check_line = {
+    .name = "check",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_DECK,
+    .offset = offsetof(options, deck),
+    .optional = true,
+    .operands = "DECK",
+    .summary = "Checks a deck, prints it with all defaults, estimates the run time",
+    .more =
+        "Told are numbers of disks, walls and contacts, the time step against the shortest contact period,\n"
+        "restitution of each pair of materials, size of the result, speed and length of the run. All points "
+        "of a\n"
+        "sweep are checked, too. A DECK of - is the standard input.\n"};
 
 /* --- findings ------------------------------------------------------------------------------------------------ */
 
@@ -378,10 +379,8 @@ static sd_status check(const options *o, sd_messages *messages) {
 int app_check(int argc, char **argv) {
   options o = {0};
   sd_messages *messages = app_messages();
-  int status = options_parse(&accepts, argc, argv, &o);
-  if (status == SD_OK && o.help)
-    fputs(usage, stdout);
-  else if (status == SD_OK && o.keys)
+  int status = options_parse(&app_check_line, argc, argv, &o);
+  if (status == SD_OK && o.keys)
     deck_keys_print(stdout);
   else if (status == SD_OK && !o.deck)
     status = app_misuse("check", "no deck is given");

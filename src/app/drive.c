@@ -39,14 +39,25 @@ static void add_goal(char *text, size_t size, const char *what, double value, do
 /* Where a phase may settle early, what is left is a bound; while disks wait for their rain, steps become dearer and
  * not even that is known. */
 static void describe(const session_progress *p, char *text, size_t size) {
-  char left[40], rate[40] = "-", goal[120] = "", done[40] = "";
+  char left[40], rate[40] = "-", goal[120] = "", done[40] = "", steps[80];
+  bool ended = !p->at_most && p->step >= p->expected, early = p->expected < p->steps;
+  bool bound = !ended && (p->at_most || (p->goal && !early)); /* the length is not known yet */
   if (p->rate >= 1e6)
     snprintf(rate, sizeof rate, "%.3gM", p->rate * 1e-6);
   else if (p->rate >= 1e3)
     snprintf(rate, sizeof rate, "%.3gk", p->rate * 1e-3);
   else if (p->rate > 0)
     snprintf(rate, sizeof rate, "%.3g", p->rate);
-  if (!p->at_most)
+  if (ended && early)
+    snprintf(steps, sizeof steps, "step %" PRId64 ", the last (of at most %" PRId64 ")", p->step, p->steps);
+  else if (bound)
+    snprintf(steps, sizeof steps, "step %" PRId64 " of at most %" PRId64, p->step, p->steps);
+  else if (early)
+    snprintf(steps, sizeof steps, "step %" PRId64 " of about %" PRId64 " (at most %" PRId64 ")", p->step,
+             p->expected, p->steps);
+  else
+    snprintf(steps, sizeof steps, "step %" PRId64 "/%" PRId64, p->step, p->steps);
+  if (!bound)
     snprintf(done, sizeof done, "  %.1f %%",
              100.0 * (double)p->step / (double)(p->expected > 0 ? p->expected : 1));
   if (p->waiting > 0) snprintf(goal, sizeof goal, "  %" PRId64 " disks wait", p->waiting);
@@ -56,10 +67,9 @@ static void describe(const session_progress *p, char *text, size_t size) {
   }
   if (p->goal) add_goal(goal, sizeof goal, "error", p->goal->error, p->goal->goal);
   report_duration(p->waiting > 0 ? NAN : p->seconds_left, left, sizeof left);
-  snprintf(text, size,
-           "%s%sstep %" PRId64 "%s%" PRId64 "  time %.6g%s  %s steps/s  ETA %s%s%s  residual %.1e", p->phase,
-           *p->phase ? ": " : "", p->step, p->at_most ? " of at most " : "/", p->steps, p->time, done, rate,
-           p->at_most && *left != '?' ? "< " : "", left, goal, p->energy->residual);
+  snprintf(text, size, "%s%s%s  time %.6g%s  %s steps/s  ETA %s%s%s  residual %.1e", p->phase,
+           *p->phase ? ": " : "", steps, p->time, done, rate, bound && *left != '?' ? "< " : "", left, goal,
+           p->energy->residual);
 }
 
 static void end_line(teller *t) {
@@ -120,7 +130,7 @@ static void tell_stop(teller *t, const drive_options *options, const session *s)
   }
 }
 
-static void tell_start(teller *t, const drive_options *options, const session *s) {
+static void tell_start(teller *t, const drive_options *options, const sd_model *model, const session *s) {
   FILE *outs[2] = {t->screen, t->log};
   for (int k = 0; k < 2; k++) {
     if (!outs[k]) continue;
@@ -130,6 +140,14 @@ static void tell_start(teller *t, const drive_options *options, const session *s
       app_line(outs[k], "continuing %s from step %" PRId64, options->result, session_began(s));
     else
       app_line(outs[k], "writing %s", options->result);
+    const provenance *origin = session_provenance(s);
+    if (options->verbose)
+      app_line(outs[k],
+               "slipdisk %s (%s), %s, %" PRId64
+               " thread%s, %zu disks (%zu free), %zu walls, %zu motions, dt %g",
+               origin->version, origin->revision, origin->cpu_path, origin->threads,
+               origin->threads == 1 ? "" : "s", model->n_disks, model->n_free, model->n_walls,
+               model->n_motions, model->dt);
     fflush(outs[k]);
   }
 }
@@ -181,7 +199,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
     if (options->failed && status != SD_INTERRUPTED) options->failed(options->user, messages);
     return status;
   }
-  tell_start(t, options, s);
+  tell_start(t, options, model, s);
   sd_messages *later = app_messages();
   status = session_run(s, later);
   bool in_doubt = status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);

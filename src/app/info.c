@@ -277,13 +277,23 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
-    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), 0, 0, NULL},
-    {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), 0, 0, NULL},
-    {"names", 0, OPTION_FLAG, offsetof(arguments, names), 0, 0, NULL},
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL, "for programs"},
+    {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), 0, 0, NULL, NULL,
+     "the complete deck it was run with"},
+    {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), 0, 0, NULL, NULL,
+     "the deck as it was written, without -D and the point of a sweep"},
+    {"names", 0, OPTION_FLAG, offsetof(arguments, names), 0, 0, NULL, NULL,
+     "print the tables of all observables, and nothing else"},
 };
-static const command_line accepts = {"info",         sizeof rows / sizeof *rows, rows,
-                                     OPERAND_RESULT, offsetof(arguments, name),  true};
+const command_line app_info_line = {.name = "info",
+                                    .n = sizeof rows / sizeof *rows,
+                                    .rows = rows,
+                                    .operand = OPERAND_RESULT,
+                                    .offset = offsetof(arguments, name),
+                                    .optional = true,
+                                    .operands = "FILE",
+                                    .summary = "Tells what a run has found, finished or not",
+                                    .more = NULL};
 
 /* All observables: the section "Names" of docs/results.md. */
 static int print_names(void) {
@@ -298,7 +308,7 @@ static int print_names(void) {
 
 int app_info(int argc, char **argv) {
   arguments a = {0};
-  int mistake = options_parse(&accepts, argc, argv, &a);
+  int mistake = options_parse(&app_info_line, argc, argv, &a);
   if (mistake) return mistake;
   if (a.names) return print_names();
   if (!a.name) return app_misuse("info", "one result is expected");

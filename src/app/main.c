@@ -16,50 +16,10 @@
 #include "base/guess.h"
 #include "version.h"
 
-static const char help[] =
-    "slipdisk: frictional disks in two dimensions\n"
+static const char statuses[] =
     "\n"
-    "  slipdisk run DECK [-o FILE] [-D path=value]... [--force] [--quiet] [--threads N] [--log FILE]\n"
-    "      Runs a deck. The result is FILE, by default NAME.h5 in the current folder for a deck NAME.cfg.\n"
-    "      A run that was stopped or killed continues from its last checkpoint when the same command is\n"
-    "      given again. A finished result is replaced only with --force.\n"
-    "  slipdisk resume FILE [--quiet] [--threads N] [--log FILE]\n"
-    "      Continues a run from what it has stored; FILE is the result's name, its folder FILE.parts, or a\n"
-    "      checkpoint in it. The deck is not needed.\n"
-    "  slipdisk check DECK [-D path=value]...\n"
-    "      Reads a deck, reports every mistake, prints it with all defaults, and estimates the run time.\n"
-    "  slipdisk sweep DECK [-j N] [-o FOLDER] [-D path=value]... [--force] [--quiet] [--threads N] [--mix] "
-    "[--skip]\n"
-    "      Runs all points of the deck's group `sweep`, N at a time, into FOLDER (by default NAME.sweep), "
-    "and\n"
-    "      writes a table of the results. Given again it continues; points that failed are tried again.\n"
-    "      Under mpirun (in a build with MPI) the ranks share the points. Instead of running all:\n"
-    "        --status  how far it is      --list  all points, with their numbers    --count  how many\n"
-    "        --table   writes the table   --point K or --point K-L  runs these points only\n"
-    "      Points in FOLDER that belong to another deck or sweep stop it; --mix leaves them there and goes "
-    "on.\n"
-    "      Mistakes of some points stop it; --skip runs the others.\n"
-    "      Alike points of few disks run side by side in the lanes of vectors; --no-lanes runs each by\n"
-    "      itself, to the same results.\n"
-    "  slipdisk info FILE [--json] [--deck] [--deck-as-read]\n"
-    "      What a run has found, finished or not. --json: for programs. --deck: the complete deck it was run "
-    "with;\n"
-    "      --deck-as-read: as it was written, without -D and the point of a sweep.\n"
-    "  slipdisk measure FILE [--frame K | --time T | --all] [--json] [-o FILE] [--csv FOLDER] [--bins N]\n"
-    "                        [--region x0,x1,y0,y1]\n"
-    "      What a packing is like: contacts, packing fractions, stress, fabric, forces; of the last state or "
-    "of\n"
-    "      stored frames. -o: for programs, into FILE. --csv: tables of disks, contacts, g(r), forces.\n"
-    "  slipdisk verify FILE... [--quiet] [--seal]\n"
-    "      Compares all bytes of results, unfinished runs or sweeps with their checksums; exit status 4 when "
-    "one\n"
-    "      is damaged. --seal: makes the checksum of a file anew that was changed on purpose.\n"
-    "  slipdisk theory DECK [-D path=value]... [--json] [--wave FILE] [--csv FILE]\n"
-    "      What theory says of a disk on two turning supports: torques, periodic states, mean rotation.\n"
-    "      --json: for programs. --wave: the curves of one period. --csv: a row per set of the sweep.\n"
-    "      A FILE of - is the standard output.\n"
-    "  slipdisk version\n"
-    "  slipdisk help\n"
+    "  slipdisk COMMAND --help     the options of a command\n"
+    "  slipdisk version            also -V, --version\n"
     "\n"
     "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed or no\n"
     "memory, 5 done, but the result is in doubt (energy budget, open contacts, disks too fast: see its\n"
@@ -68,7 +28,9 @@ static const char help[] =
     "command again to continue.\n";
 
 char *app_default_name(const char *deck, const char *ending) {
-  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck, *dot = strrchr(name, '.');
+  const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck;
+  if (strcmp(deck, "-") == 0) name = "stdin";
+  const char *dot = strrchr(name, '.');
   size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
   return format_text("%.*s.%s", (int)length, name, ending);
 }
@@ -93,7 +55,8 @@ int app_misuse(const char *command, const char *format, ...) {
   va_start(args, format);
   char *shown = shown_text(format, args);
   va_end(args);
-  fprintf(stderr, "slipdisk %s: %s; see slipdisk help\n", command, shown ? shown : "no memory");
+  fprintf(stderr, "error: slipdisk %s: %s; see slipdisk %s --help\n", command, shown ? shown : "no memory",
+          command);
   free(shown);
   return SD_ERROR_USER;
 }
@@ -104,58 +67,96 @@ static int app_version(int argc, char **argv) {
   return 0;
 }
 
-static int app_help(int argc, char **argv) {
-  (void)argc, (void)argv;
-  fputs(help, stdout);
-  return 0;
-}
+static int app_help(int argc, char **argv);
 
 static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
-  bool prints; /* what it has found is what it prints */
+  const command_line *line; /* NULL: it has no options */
+  bool prints;              /* what it has found is what it prints */
 } commands[] = {
-    {"run", app_run, false},         {"resume", app_resume, false},     {"check", app_check, true},
-    {"info", app_info, true},        {"measure", app_measure, true},    {"verify", app_verify, true},
-    {"theory", app_theory, true},    {"sweep", app_sweep, true},        {"help", app_help, false},
-    {"version", app_version, false}, {"--version", app_version, false}, {"--help", app_help, false},
-    {"-h", app_help, false},
+    {"run", app_run, &app_run_line, false},
+    {"resume", app_resume, &app_resume_line, false},
+    {"check", app_check, &app_check_line, true},
+    {"sweep", app_sweep, &app_sweep_line, true},
+    {"info", app_info, &app_info_line, true},
+    {"measure", app_measure, &app_measure_line, true},
+    {"verify", app_verify, &app_verify_line, true},
+    {"theory", app_theory, &app_theory_line, true},
+    {"help", app_help, NULL, false},
+    {"version", app_version, NULL, false},
+    {"--version", app_version, NULL, false},
+    {"-V", app_version, NULL, false},
+    {"-v", app_version, NULL, false},
+    {"--help", app_help, NULL, false},
+    {"-h", app_help, NULL, false},
 };
 
-/* check has a page of its own. */
+static const struct command *find_command(const char *name) {
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+    if (strcmp(name, commands[k].name) == 0) return &commands[k];
+  return NULL;
+}
+
+static void print_commands(FILE *out) {
+  fputs("slipdisk: frictional disks in two dimensions\n\n", out);
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+    if (commands[k].line)
+      fprintf(out, "  slipdisk %-7s %-8s %s\n", commands[k].name, commands[k].line->operands,
+              commands[k].line->summary);
+  fputs(statuses, out);
+}
+
+static int unknown_command(const char *name) {
+  if (*name == '-') {
+    app_line(stderr, "error: %s: options stand behind a command; see slipdisk help", name);
+    return SD_ERROR_USER;
+  }
+  guess near = guess_start(name);
+  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) guess_add(&near, commands[k].name);
+  char *shown = text_escaped(name, LIMIT_QUOTE);
+  fprintf(stderr, "error: there is no command \"%s\"; ", shown ? shown : "");
+  free(shown);
+  if (near.best) fprintf(stderr, "did you mean \"%s\"? ", near.best);
+  fprintf(stderr, "See slipdisk help\n");
+  return SD_ERROR_USER;
+}
+
+/* help, help COMMAND */
+static int app_help(int argc, char **argv) {
+  const struct command *one = argc > 1 ? find_command(argv[1]) : NULL;
+  if (argc > 1 && !one) return unknown_command(argv[1]);
+  if (one && one->line)
+    options_help(stdout, one->line);
+  else
+    print_commands(stdout);
+  return 0;
+}
+
 static bool wants_help(int argc, char **argv) {
   for (int k = 2; k < argc && strcmp(argv[k], "--") != 0; k++)
-    if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) return strcmp(argv[1], "check") != 0;
+    if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) return true;
   return false;
 }
 
 static int run_command(int argc, char **argv) {
   if (argc < 2) {
-    fputs(help, stderr);
+    print_commands(stderr);
     return SD_ERROR_USER;
   }
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
-    if (strcmp(argv[1], commands[k].name) == 0) {
-      int status = wants_help(argc, argv) ? app_help(argc, argv) : commands[k].main(argc - 1, argv + 1);
-      /* results may have been printed into a full disk */
-      if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
-        fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
-        status = SD_ERROR_IO;
-      }
-      if (status == 0 && commands[k].prints && shortage_seen()) {
-        fprintf(stderr, "error: there was no memory for part of this: what was printed may be incomplete\n");
-        status = SD_ERROR_IO;
-      }
-      return status;
-    }
-  guess near = guess_start(argv[1]);
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) guess_add(&near, commands[k].name);
-  char *shown = text_escaped(argv[1], LIMIT_QUOTE);
-  fprintf(stderr, "slipdisk: there is no command \"%s\"; ", shown ? shown : "");
-  free(shown);
-  if (near.best) fprintf(stderr, "did you mean \"%s\"? ", near.best);
-  fprintf(stderr, "See slipdisk help\n");
-  return SD_ERROR_USER;
+  const struct command *one = find_command(argv[1]);
+  if (!one) return unknown_command(argv[1]);
+  int status = one->line && wants_help(argc, argv) ? app_help(2, argv) : one->main(argc - 1, argv + 1);
+  /* results may have been printed into a full disk */
+  if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
+    fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));
+    status = SD_ERROR_IO;
+  }
+  if (status == 0 && one->prints && shortage_seen()) {
+    fprintf(stderr, "error: there was no memory for part of this: what was printed may be incomplete\n");
+    status = SD_ERROR_IO;
+  }
+  return status;
 }
 
 static bool leaving; /* by its own will */

@@ -23,21 +23,34 @@ typedef struct arguments {
 
 static const option_row rows[] = {
     {"frame", 0, OPTION_NUMBER, offsetof(arguments, frame), 0, INT32_MAX,
-     ": expected the number of a stored frame, from 0 on"},
-    {"time", 0, OPTION_REAL, offsetof(arguments, time), 0, 0, ": expected a number"},
-    {"all", 0, OPTION_FLAG, offsetof(arguments, all), 0, 0, NULL},
-    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
-    {"csv", 0, OPTION_PATH, offsetof(arguments, csv), 0, 0, NULL},
-    {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL},
+     ": expected the number of a stored frame, from 0 on", "K", "this frame; by default the last state"},
+    {"time", 0, OPTION_REAL, offsetof(arguments, time), 0, 0, ": expected a number", "T",
+     "the frame nearest to this time"},
+    {"all", 0, OPTION_FLAG, offsetof(arguments, all), 0, 0, NULL, NULL, "all frames, a row each"},
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL,
+     "for programs, to the screen or into FILE of -o"},
+    {"output", 'o', OPTION_STREAM, offsetof(arguments, output), 0, 0, NULL, "FILE",
+     "for programs, into this file and not to the screen; - is the standard output"},
+    {"csv", 0, OPTION_PATH, offsetof(arguments, csv), 0, 0, NULL, "FOLDER",
+     "tables of disks, contacts, g(r) and forces, into this folder"},
     {"bins", 0, OPTION_NUMBER, offsetof(arguments, bins), 1, 100000,
-     ": expected a whole number from 1 to 100000"},
-    {"region", 0, OPTION_TEXT, offsetof(arguments, wanted), 0, 0, NULL},
+     ": expected a whole number from 1 to 100000", "N", "bins of g(r) and forces; by default 100"},
+    {"region", 0, OPTION_TEXT, offsetof(arguments, wanted), 0, 0, NULL, "X0,X1,Y0,Y1",
+     "the part of the plane that counts; by default that of the deck"},
 };
-static const command_line accepts = {"measure",      sizeof rows / sizeof *rows, rows,
-                                     OPERAND_RESULT, offsetof(arguments, name),  false};
+const command_line app_measure_line = {
+    .name = "measure",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_RESULT,
+    .offset = offsetof(arguments, name),
+    .optional = false,
+    .operands = "FILE",
+    .summary = "Measures a packing: contacts, packing fractions, stress, fabric, forces",
+    .more = "Of the last state, or of stored frames.\n"};
 
 static int parse(int argc, char **argv, arguments *a) {
-  int mistake = options_parse(&accepts, argc, argv, a);
+  int mistake = options_parse(&app_measure_line, argc, argv, a);
   if (mistake) return mistake;
   double *g = a->region;
   if (a->wanted && !(options_reals(a->wanted, 4, g) && g[0] < g[1] && g[2] < g[3]))
@@ -183,9 +196,9 @@ static sd_status measure(const arguments *a, sd_messages *messages) {
   }
   measure_tables tables = {0};
   measure_list list = {0};
-  bool quiet = a->json || a->output;
+  bool quiet = a->json || a->output, file = a->output && strcmp(a->output, "-") != 0;
   sinks s = {.page = !quiet, .rows = !quiet && a->all, .list = quiet ? &list : NULL};
-  if (quiet) status = measure_list_open(&list, a->name, f.n, a->json, a->output, messages);
+  if (quiet) status = measure_list_open(&list, a->name, f.n, !file, file ? a->output : NULL, messages);
   if (status == SD_OK && a->csv) {
     s.tables = &tables;
     status = measure_tables_open(&tables, a->csv, messages);

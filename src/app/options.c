@@ -35,7 +35,11 @@ static int refuse_unknown(const command_line *line, const char *given) {
   char word[64];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);
   guess near = guess_start(word + strspn(word, "-"));
-  for (size_t k = 0; k < line->n; k++) guess_add(&near, line->rows[k].name);
+  for (size_t k = 0; k < line->n; k++) {
+    if (strchr(given, '=') && strcmp(near.word, line->rows[k].name) == 0)
+      return app_misuse(line->name, "%s takes no value", word);
+    guess_add(&near, line->rows[k].name);
+  }
   if (near.best) return app_misuse(line->name, "unknown option %s (did you mean --%s?)", given, near.best);
   return app_misuse(line->name, "unknown option %s", given);
 }
@@ -64,7 +68,10 @@ static int take(const command_line *line, const option_row *row, const char *val
       break;
     }
     case OPTION_PATH:
+    case OPTION_STREAM:
       *(const char **)field = value;
+      if (row->kind == OPTION_PATH && strcmp(value, "-") == 0)
+        return app_misuse(line->name, "%s -: the standard output does not take this; expected a name", shown);
       if (!*value)
         return app_misuse(line->name, "%s needs the name of a file or a folder, not an empty one", shown);
       break;
@@ -86,6 +93,10 @@ static int take_operand(const command_line *line, int argc, char **argv, void *a
     return app_misuse(line->name, "%s", missing[line->operand]);
   if (n > 1 && line->operand == OPERAND_DECK)
     return app_misuse(line->name, "one deck is expected, \"%s\" is a second", argv[optind + 1]);
+  for (int k = optind; k < argc && line->operand != OPERAND_DECK; k++)
+    if (strcmp(argv[k], "-") == 0)
+      return app_misuse(line->name,
+                        "results are not read from the standard input; expected the name of a file");
   if (line->operand == OPERAND_RESULTS)
     *(size_t *)field = (size_t)optind;
   else
@@ -118,4 +129,42 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
     if (mistake) return mistake;
   }
   return take_operand(line, argc, argv, arguments);
+}
+
+/* --- help ------------------------------------------------------------------------------------------------------- */
+
+enum { HELP_COLUMN = 25, HELP_WIDTH = 100 };
+
+/* Words from this column on, broken at blanks; at: where the line stands. */
+static void print_words(FILE *out, const char *text, size_t at) {
+  for (const char *next; *text; text = next) {
+    size_t n = strcspn(text, " ");
+    next = text + n + strspn(text + n, " ");
+    if (at > HELP_COLUMN && at + 1 + n > HELP_WIDTH) {
+      fputc('\n', out);
+      at = 0;
+    }
+    fprintf(out, "%*s%.*s", at < HELP_COLUMN ? (int)(HELP_COLUMN - at) : 1, "", (int)n, text);
+    at = (at < HELP_COLUMN ? HELP_COLUMN : at + 1) + n;
+  }
+  fputc('\n', out);
+}
+
+static void print_option(FILE *out, const option_row *row) {
+  char head[80];
+  int n = row->letter ? snprintf(head, sizeof head, "  -%c, --%s", row->letter, row->name)
+                      : snprintf(head, sizeof head, "      --%s", row->name);
+  if (row->value) n += snprintf(head + n, sizeof head - (size_t)n, " %s", row->value);
+  fputs(head, out);
+  if (n >= HELP_COLUMN) fputc('\n', out);
+  print_words(out, row->help, n >= HELP_COLUMN ? 0 : (size_t)n);
+}
+
+void options_help(FILE *out, const command_line *line) {
+  static const option_row help = {.name = "help", .letter = 'h', .help = "this page"};
+  fprintf(out, "usage: slipdisk %s [options] %s\n\n%s.\n", line->name, line->operands, line->summary);
+  if (line->more) fprintf(out, "%s", line->more);
+  fputc('\n', out);
+  for (size_t k = 0; k < line->n; k++) print_option(out, &line->rows[k]);
+  print_option(out, &help);
 }

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "slipdisk/status.h"
 
@@ -14,6 +15,7 @@ typedef enum option_kind {
   OPTION_REAL,   /* a finite number; option_real */
   OPTION_TEXT,   /* any text, once; const char * */
   OPTION_PATH,   /* a file or a folder; const char * */
+  OPTION_STREAM, /* the same, or - for the standard output */
   OPTION_LIST    /* any text, again and again; option_list */
 } option_kind;
 
@@ -34,9 +36,11 @@ typedef struct option_row {
   size_t offset; /* in the arguments of the command */
   long least, most;
   const char *wrong; /* "--name VALUE" and this: what was expected */
+  const char *value; /* name of its value in the help; NULL: a flag */
+  const char *help;
 } option_row;
 
-/* Operands of a command. The field behind offset is a const char *; of RESULTS a size_t, place in argv of the first. */
+/* Operands of a command. A deck may be -, the standard input. The field behind offset is a const char *; of RESULTS a size_t, place in argv of the first. */
 typedef enum operand_kind { OPERAND_DECK, OPERAND_RESULT, OPERAND_RESULTS } operand_kind;
 
 typedef struct command_line {
@@ -45,7 +49,10 @@ typedef struct command_line {
   const option_row *rows;
   operand_kind operand;
   size_t offset;
-  bool optional; /* the command tells itself when none is given */
+  bool optional;        /* the command tells itself when none is given */
+  const char *operands; /* in the help: "DECK" */
+  const char *summary;  /* a line of the list of commands */
+  const char *more;     /* lines of its own help; NULL: none */
 } command_line;
 
 /* Fills `arguments`; 0, or the exit status of a mistake, which has been told. */
@@ -54,7 +61,9 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
 bool options_number(const char *text, long least, long most, long *out);
 /* n finite numbers with commas between. */
 bool options_reals(const char *text, size_t n, double *value);
-/* Prints "slipdisk COMMAND: what; see slipdisk help" and returns the exit status of a user's mistake. */
+/* The help of a command, from its table. */
+void options_help(FILE *out, const command_line *line);
+/* Prints "error: slipdisk COMMAND: what; see slipdisk COMMAND --help" and returns the exit status of a user's mistake. */
 int app_misuse(const char *command, const char *format, ...) SD_PRINTF(2, 3);
 
 #endif

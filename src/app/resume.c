@@ -16,8 +16,16 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {DRIVE_OPTIONS(arguments, drive)};
-static const command_line accepts = {"resume",       sizeof rows / sizeof *rows, rows,
-                                     OPERAND_RESULT, offsetof(arguments, name),  false};
+const command_line app_resume_line = {.name = "resume",
+                                      .n = sizeof rows / sizeof *rows,
+                                      .rows = rows,
+                                      .operand = OPERAND_RESULT,
+                                      .offset = offsetof(arguments, name),
+                                      .optional = false,
+                                      .operands = "FILE",
+                                      .summary = "Continues a run from what it has stored",
+                                      .more = "FILE is the name of the result, its folder FILE.parts, or a "
+                                              "checkpoint in it. The deck is not needed.\n"};
 
 static int resume(const char *name, drive_options *drive, sd_messages *messages) {
   place p;
@@ -56,7 +64,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
 int app_resume(int argc, char **argv) {
   app_catch_signals();
   arguments a = {0};
-  int status = options_parse(&accepts, argc, argv, &a);
+  int status = options_parse(&app_resume_line, argc, argv, &a);
   if (status != 0) return status;
   sd_messages *messages = app_messages();
   status = resume(a.name, &a.drive, messages);

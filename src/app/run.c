@@ -15,13 +15,26 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL},
-    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL},
-    {"force", 0, OPTION_FLAG, offsetof(arguments, drive.force), 0, 0, NULL},
+    {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL, "FILE",
+     "the result; by default NAME.h5 in the current folder for a deck NAME.cfg"},
+    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL, "PATH=VALUE",
+     "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
+    {"force", 0, OPTION_FLAG, offsetof(arguments, drive.force), 0, 0, NULL, NULL,
+     "begin anew, and replace a result that is finished"},
     DRIVE_OPTIONS(arguments, drive),
 };
-static const command_line accepts = {"run",        sizeof rows / sizeof *rows, rows,
-                                     OPERAND_DECK, offsetof(arguments, deck),  false};
+const command_line app_run_line = {
+    .name = "run",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_DECK,
+    .offset = offsetof(arguments, deck),
+    .optional = false,
+    .operands = "DECK",
+    .summary = "Runs a deck",
+    .more =
+        "A run that was stopped or killed continues from its last checkpoint when the same command is given\n"
+        "again. A DECK of - is the standard input.\n"};
 
 int app_run(int argc, char **argv) {
   app_catch_signals();
@@ -29,7 +42,7 @@ int app_run(int argc, char **argv) {
   sd_messages *messages = app_messages();
   sd_model *model = NULL;
   char *output = NULL, *again = NULL;
-  int status = options_parse(&accepts, argc, argv, &a);
+  int status = options_parse(&app_run_line, argc, argv, &a);
   if (status == 0) {
     assert(a.deck);
     output = a.output ? format_text("%s", a.output) : app_default_name(a.deck, "h5");

@@ -15,26 +15,45 @@
 static const double TABLE_PATIENCE = 600;
 #define WHOLE " is no whole number from 1 to 4096"
 static const option_row rows[] = {
-    {"output", 'o', OPTION_PATH, offsetof(sweep_command, output), 0, 0, NULL},
-    {"define", 'D', OPTION_LIST, offsetof(sweep_command, overrides), 0, 0, NULL},
-    {"jobs", 'j', OPTION_NUMBER, offsetof(sweep_command, workers), 1, 4096, WHOLE},
-    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), 0, 0, NULL},
-    {"quiet", 0, OPTION_FLAG, offsetof(sweep_command, quiet), 0, 0, NULL},
-    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), 1, 4096, WHOLE},
-    {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), 0, 0, NULL},
-    {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), 0, 0, NULL},
-    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), 0, 0, NULL},
-    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), 0, 0, NULL},
-    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), 0, 0, NULL},
-    {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), 0, 0, NULL},
-    {"mix", 0, OPTION_FLAG, offsetof(sweep_command, mix), 0, 0, NULL},
-    {"skip", 0, OPTION_FLAG, offsetof(sweep_command, skip), 0, 0, NULL},
+    {"output", 'o', OPTION_PATH, offsetof(sweep_command, output), 0, 0, NULL, "FOLDER",
+     "where the results go; by default NAME.sweep for a deck NAME.cfg"},
+    {"define", 'D', OPTION_LIST, offsetof(sweep_command, overrides), 0, 0, NULL, "PATH=VALUE",
+     "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
+    {"jobs", 'j', OPTION_NUMBER, offsetof(sweep_command, workers), 1, 4096, WHOLE, "N", "points at a time"},
+    {"threads", 0, OPTION_NUMBER, offsetof(sweep_command, threads), 1, 4096, WHOLE, "N",
+     "threads of each point"},
+    {"quiet", 'q', OPTION_FLAG, offsetof(sweep_command, quiet), 0, 0, NULL, NULL, "errors and warnings only"},
+    {"force", 0, OPTION_FLAG, offsetof(sweep_command, force), 0, 0, NULL, NULL, "run finished points again"},
+    {"skip", 0, OPTION_FLAG, offsetof(sweep_command, skip), 0, 0, NULL, NULL,
+     "mistakes of some points do not keep the others from being run"},
+    {"mix", 0, OPTION_FLAG, offsetof(sweep_command, mix), 0, 0, NULL, NULL,
+     "go on when points in the folder belong to another deck or sweep"},
+    {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), 0, 0, NULL, NULL,
+     "run alike points of few disks one by one and not side by side in vectors, to the same results"},
+    {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), 0, 0, NULL, "K[-L]", "run these points only"},
+    {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), 0, 0, NULL, NULL, "tell how far it is"},
+    {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), 0, 0, NULL, NULL,
+     "tell all points, with their numbers"},
+    {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), 0, 0, NULL, NULL,
+     "tell how many points there are"},
+    {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), 0, 0, NULL, NULL,
+     "write the table of what is there"},
 };
-static const command_line accepts = {"sweep",      sizeof rows / sizeof *rows,    rows,
-                                     OPERAND_DECK, offsetof(sweep_command, deck), false};
+const command_line app_sweep_line = {
+    .name = "sweep",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_DECK,
+    .offset = offsetof(sweep_command, deck),
+    .optional = false,
+    .operands = "DECK",
+    .summary = "Runs all points of the deck's group `sweep`, and writes a table of the results",
+    .more = "Given again it continues; points that failed are tried again. Under mpirun (in a build with "
+            "MPI) the ranks\n"
+            "share the points. A DECK of - is the standard input.\n"};
 
 static int parse(int argc, char **argv, sweep_command *c) {
-  int mistake = options_parse(&accepts, argc, argv, c);
+  int mistake = options_parse(&app_sweep_line, argc, argv, c);
   if (!mistake && c->status + c->list + c->table + c->count + (c->range != NULL) > 1)
     return app_misuse("sweep", "--status, --list, --table, --count and --point exclude each other");
   return mistake;

@@ -18,16 +18,27 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL},
-    {"csv", 0, OPTION_PATH, offsetof(arguments, csv), 0, 0, NULL},
-    {"wave", 0, OPTION_PATH, offsetof(arguments, wave), 0, 0, NULL},
-    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL},
+    {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL, "PATH=VALUE",
+     "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL, "for programs"},
+    {"wave", 0, OPTION_STREAM, offsetof(arguments, wave), 0, 0, NULL, "FILE",
+     "the curves of one period as CSV; - is the standard output"},
+    {"csv", 0, OPTION_STREAM, offsetof(arguments, csv), 0, 0, NULL, "FILE",
+     "a row per set of the sweep; - is the standard output"},
 };
-static const command_line accepts = {"theory",     sizeof rows / sizeof *rows, rows,
-                                     OPERAND_DECK, offsetof(arguments, deck),  false};
+const command_line app_theory_line = {
+    .name = "theory",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_DECK,
+    .offset = offsetof(arguments, deck),
+    .optional = false,
+    .operands = "DECK",
+    .summary = "Says what theory knows of a disk on two turning supports",
+    .more = "Torques, periodic states, mean rotation. A DECK of - is the standard input.\n"};
 
 static int parse(int argc, char **argv, arguments *a) {
-  int mistake = options_parse(&accepts, argc, argv, a);
+  int mistake = options_parse(&app_theory_line, argc, argv, a);
   if (mistake) return mistake;
   int taken = a->json + (a->csv && strcmp(a->csv, "-") == 0) + (a->wave && strcmp(a->wave, "-") == 0);
   if (taken > 1)

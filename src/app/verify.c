@@ -20,11 +20,20 @@ typedef struct verifier {
 } verifier;
 
 static const option_row rows[] = {
-    {"quiet", 0, OPTION_FLAG, offsetof(verifier, quiet), 0, 0, NULL},
-    {"seal", 0, OPTION_FLAG, offsetof(verifier, seal), 0, 0, NULL},
+    {"quiet", 'q', OPTION_FLAG, offsetof(verifier, quiet), 0, 0, NULL, NULL, "errors only"},
+    {"seal", 0, OPTION_FLAG, offsetof(verifier, seal), 0, 0, NULL, NULL,
+     "make the checksum of a file anew that was changed on purpose"},
 };
-static const command_line accepts = {"verify",        sizeof rows / sizeof *rows, rows,
-                                     OPERAND_RESULTS, offsetof(verifier, first),  false};
+const command_line app_verify_line = {
+    .name = "verify",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_RESULTS,
+    .offset = offsetof(verifier, first),
+    .optional = false,
+    .operands = "FILE...",
+    .summary = "Compares all bytes of results, unfinished runs or sweeps with their checksums",
+    .more = "Exit status 4 when one is damaged.\n"};
 
 /* Prints why, and counts. */
 static void tell_damaged(verifier *v, const char *path, const sd_messages *why) {
@@ -125,7 +134,7 @@ static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
 
 int app_verify(int argc, char **argv) {
   verifier v = {0};
-  int mistake = options_parse(&accepts, argc, argv, &v);
+  int mistake = options_parse(&app_verify_line, argc, argv, &v);
   if (mistake) return mistake;
   sd_messages *messages = sd_messages_new();
   int status = SD_OK;

@@ -235,19 +235,45 @@ sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrid
   return status;
 }
 
+/* Read once: a command may load its deck several times. */
+static char *standard_input(char trouble[FILE_TROUBLE]) {
+  static char *all;
+  static size_t n;
+  const size_t most = (size_t)LIMIT_DECK * LIMIT_MIB;
+  for (FILE *out = all ? NULL : open_memstream(&all, &n); out; out = NULL) {
+    for (int c; n <= most && (c = getchar()) != EOF;) fputc(c, out);
+    if (fclose(out) != 0) all = NULL;
+  }
+  if (!all)
+    snprintf(trouble, FILE_TROUBLE, "no memory");
+  else if (n > most)
+    snprintf(trouble, FILE_TROUBLE, "it has more than %d MiB", LIMIT_DECK);
+  else if (strlen(all) < n)
+    snprintf(trouble, FILE_TROUBLE, "not a text (it holds a zero byte)");
+  return all && n <= most && strlen(all) == n ? strdup(all) : NULL;
+}
+
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status) {
-  char *text, trouble[FILE_TROUBLE];
+  char *text, trouble[FILE_TROUBLE] = "no memory";
+  if (strcmp(path, "-") == 0) {
+    text = standard_input(trouble);
+    *status = text ? SD_OK : SD_ERROR_USER;
+    if (!text) sd_fail(messages, *status, "the standard input cannot be read: %s", trouble);
+    return text;
+  }
   *status = file_text(path, (uint64_t)LIMIT_DECK * LIMIT_MIB, &text, trouble);
   if (!text) sd_fail(messages, *status, "%s: cannot be read: %s", path, trouble);
   return text;
 }
+
+const char *deck_source(const char *path) { return strcmp(path, "-") == 0 ? "stdin" : path; }
 
 sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                        sd_messages *messages) {
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   *out = NULL;
-  if (text) status = sd_deck_load_text(text, path, n_overrides, overrides, out, messages);
+  if (text) status = sd_deck_load_text(text, deck_source(path), n_overrides, overrides, out, messages);
   free(text);
   return status;
 }

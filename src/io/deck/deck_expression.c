@@ -241,7 +241,10 @@ static double behind(parser *e) {
   size_t n = name_length(e->p);
   if (n == 0) return fail(e, deck_format(e->d, "a comma or an operator is missing before \"%s\"", rest(e)));
   guess near = guess_start(deck_copy(e->d, e->p, n));
-  for (size_t k = 0; k < UNITS; k++) guess_add(&near, units[k].name);
+  for (size_t k = 0; k < UNITS; k++) {
+    guess_add(&near, units[k].name);
+    if (n > 3 && strncmp(e->p, units[k].name, 3) == 0) near.best = units[k].name; /* degrees */
+  }
   if (near.best)
     return fail(e, deck_format(e->d, "\"%s\" behind a number%s", rest(e), deck_hint(e->d, &near)));
   return fail(

@@ -358,7 +358,7 @@ static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
 
 sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
                           sd_messages *messages) {
-  *out = (deck_sweep){.deck_path = format_text("%s", path)};
+  *out = (deck_sweep){.deck_path = format_text("%s", deck_source(path))};
   out->overrides = calloc(n_overrides + 1, sizeof *out->overrides);
   sd_status status;
   char *text = deck_file_text(path, messages, &status);

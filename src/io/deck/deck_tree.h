@@ -127,8 +127,10 @@ sd_status deck_load(const char *text, const char *path, size_t n_settings, const
                     bool point, sd_model **out, sd_messages *messages);
 /* A tilt written as a number that is beyond a right angle: degrees may have been meant. */
 void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *messages);
-/* The text of the deck at path, to be freed; NULL: reported, and why in status. */
+/* The text of the deck at path, - being the standard input, to be freed; NULL: reported, and why in status. */
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status);
+/* The name of this deck in messages and results. */
+const char *deck_source(const char *path);
 
 /* --- deck_node.c: memory, nodes, messages ----------------------------------------------------------- */
 
