@@ -45,7 +45,6 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   sd_status status = provenance_new(&origin, model, messages);
   if (status == SD_OK)
     status = provenance_refresh(&origin, engine_threads(&sim->engine), sd_simulation_path(sim), messages);
-  if (status == SD_OK) status = summary_new(&found, model, messages);
   if (status == SD_OK) status = summary_collect(&found, model, state, &energy, NAN, messages);
   if (status == SD_OK) {
     provenance_write(&origin, file);
