@@ -36,6 +36,11 @@ def rows(path):
         return [{k: float(v) if v else math.nan for k, v in row.items()} for row in csv.DictReader(file)]
 
 
+def rows_of_text(path):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
 class Measure(results_common.Folder):
     def make(self, deck):
         self.deck = self.folder / "deck.cfg"
@@ -128,6 +133,68 @@ class Measure(results_common.Folder):
         self.assertEqual(out, "")
         self.assertEqual(json.loads(written.read_text())["frames"], [frame])
 
+    def test_tables_of_some_bodies(self):
+        """Rows of disks and contacts over all frames."""
+        named = BOX.replace("packings", 'disks = ( { name = "grain, red"; x = 0.0; y = 0.06; radius = 0.05; '
+                                        'density = 100.0; } );\npackings').replace("contacts = 4000", "contacts = 2000")
+        self.make(named.replace('type = "rain";', 'type = "rain"; y = (0.2, 1.5);').replace("k_n = 1e4", "k_n = 5e4"))
+        all_of, some = self.folder / "all", self.folder / "some"
+        self.run_ok("measure", self.result, "--all", "--csv", all_of)
+        self.run_ok("measure", self.result, "--all", "--csv", some, "--body", "grain, red", "--body", "right", "--body", 7)
+        contacts, mine = rows_of_text(all_of / "contacts.csv"), rows_of_text(some / "contacts.csv")
+        self.assertEqual(mine, [row for row in contacts if {row["a"], row["b"]} & {"0", "7", "33"}])
+        self.assertGreater(len({row["step"] for row in mine}), 2)
+        self.assertEqual([d["disk"] for d in rows(some / "disks.csv")], [0] + 4 * [0, 7])  # disk 7 waits at first
+        with h5py.File(self.result) as file:
+            zeta = file["contacts/zeta"][:]
+        got = np.array([float(row["zeta"]) for row in contacts])
+        self.assertTrue(np.allclose(got, zeta, rtol=1e-13, atol=0))
+        self.assertIn("did you mean right?", self.refused(2, self.result, "--csv", some, "--body", "rigth"))
+        self.assertIn("numbers are 0 to 33", self.refused(2, self.result, "--csv", some, "--body", 34))
+        self.assertIn("expected --csv", self.refused(2, self.result, "--body", 1))
+
+    def test_means_of_the_run(self):
+        """rotation.csv and means.csv are what /summary has."""
+        self.make(BOX + "measure = { rotation = (3, 5); disks = true; };")
+        folder = self.folder / "tables"
+        self.run_ok("measure", self.result, "--csv", folder)
+        with h5py.File(self.result) as file:
+            for name, group, n in ("rotation.csv", "summary/rotation", 2), ("means.csv", "summary/disks", 30):
+                table = rows_of_text(folder / name)
+                self.assertEqual(len(table), n)
+                self.assertEqual(set(table[0]) - {"name"}, set(file[group]) - {"name", "names"})
+                for column in set(table[0]) - {"name"}:
+                    got = [float(row[column] or math.nan) for row in table]
+                    self.assertTrue(np.allclose(got, file[group][column][:], rtol=1e-13, atol=0, equal_nan=True), column)
+        self.run_ok("measure", self.result, "--csv", folder, "--body", 5)
+        self.assertEqual([row["id"] for row in rows_of_text(folder / "means.csv")], ["5"])
+
+    def test_open_region(self):
+        """Where nothing ends the region the closed cells come first; a lid ends it."""
+        self.make(BOX)
+        for words, open_at in ((), ["top"]), (("--region", "-0.5,0.5,0,0.3"), []):
+            (frame,) = self.json(*words)
+            self.assertEqual(frame["region"]["open"], open_at)
+            out, _ = self.run_ok("measure", self.result, *words)
+            lines = [line.split() for line in out.split("\npacking\n")[1].splitlines()[:3]]
+            cells, region = f"{frame['cells']['inside']:.6g}", f"{frame['fraction']:.6g}"
+            self.assertEqual(lines[0][:3], ["packing", "fraction", cells if open_at else region])
+            self.assertIn(["of", "the", "region", region] if open_at else ["inside", cells], [line[:4] if open_at else line[:2]
+                                                                                            for line in lines])
+            self.assertEqual("open at the top: " in out, bool(open_at))
+        out, _ = self.run_ok("measure", self.result, "--all")
+        head, *lines = out.splitlines()
+        fraction, width, height = (head.replace("z back", "z_back").split().index(n) for n in ("fraction", "width", "height"))
+        self.assertEqual({tuple(line.split()[k] for k in (fraction, width, height)) for line in lines[:5]},
+                         {("-", "1", "1.5")})
+        self.result.unlink()
+        self.make(BOX.replace("height = 1.5;", "height = 1.5; open = false;"))
+        self.assertEqual(self.json()[0]["region"]["open"], [])
+        self.result.unlink()
+        self.make('dt = 1e-3; materials = ( %s ); disks = ( { x = 0; y = 0; radius = 1; mass = 1; } ); steps = 5;' % MATERIAL)
+        self.assertEqual(self.json()[0]["region"]["open"], ["left", "right", "bottom", "top"])
+        self.assertIn("the deck gives no region", self.run_ok("measure", self.result)[0])
+
     def test_changing_box(self):
         self.make(PERIODIC)
         frames = self.json("--all")
@@ -137,6 +204,8 @@ class Measure(results_common.Folder):
         self.assertGreater(edges[0, 0], 1.05 * edges[-1, 0])
         for frame, edge in zip(frames, edges):
             self.assertAlmostEqual(frame["region"]["area"], edge[0] * edge[1], 12)
+            self.assertAlmostEqual(frame["region"]["width"] / edge[0], 1, 12)
+            self.assertAlmostEqual(frame["region"]["height"] / edge[1], 1, 12)
             self.assertAlmostEqual(frame["fraction"], covered / (edge[0] * edge[1]), 11)
             self.assertEqual(frame["region"]["periodic"], [True, True])
             self.assertEqual(frame["cells"]["open"], 0)

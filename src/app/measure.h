@@ -5,6 +5,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
+#include "io/results/summary.h"
 #include "io/store/file.h"
 #include "measure/measurement.h"
 
@@ -34,10 +35,15 @@ enum { MEASURE_FRAMES, MEASURE_DISKS, MEASURE_CONTACTS, MEASURE_PAIRS, MEASURE_F
 typedef struct measure_tables {
   file_stream file[MEASURE_TABLES];
   FILE *out[MEASURE_TABLES]; /* of these */
+  const bool *wanted;        /* [bodies of the deck] rows of disks and contacts; NULL: all */
 } measure_tables;
 
 /* measure_tables_close also when it fails. Files get their names when all is written. */
-sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages *messages);
+sd_status measure_tables_open(measure_tables *t, const char *folder, const bool *wanted,
+                              sd_messages *messages);
+/* Means of the run, over time: rotation.csv of the watched disks, means.csv of every disk, where there are any. */
+sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted, const summary *s,
+                               sd_messages *messages);
 void measure_tables_add(const measure_tables *t, const measurement *m);
 sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages *messages);
 

@@ -11,6 +11,8 @@
 
 static const double DEGREES = 180.0 / M_PI;
 
+static const char *const sides[] = {"left", "right", "bottom", "top"}; /* bits of measurement.open */
+
 static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
 
 /* --- for people --------------------------------------------------------------------------------------- */
@@ -38,6 +40,21 @@ static void line(FILE *out, const char *name, double value, const char *format, 
   fputc('\n', out);
 }
 
+/* Nothing ends an open region but the deck: there the closed cells tell how dense a packing is. */
+static void page_packing(FILE *out, const measurement *m) {
+  const cells *t = &m->cells;
+  char local[3][32];
+  fprintf(out, "\npacking\n");
+  if (!m->open) line(out, "packing fraction", m->s.fraction, "of the region");
+  if (m->has_cells) {
+    line(out, m->open ? "packing fraction" : "inside", t->inside,
+         "of %zu closed cells (%zu are open: at a surface or edge)", t->n_closed, t->n_open);
+    line(out, "local", t->mean, "+- %s from disk to disk, %s to %s", shown(t->deviation, 4, local[0]),
+         shown(t->least, 4, local[1]), shown(t->most, 4, local[2]));
+  }
+  if (m->open) line(out, "of the region", m->s.fraction, "which is open: empty space counts");
+}
+
 static void page_disks(FILE *out, const measurement *m) {
   const stress *s = &m->s;
   char text[32];
@@ -49,15 +66,7 @@ static void page_disks(FILE *out, const measurement *m) {
   if (m->c.n_removed > 0) line(out, "removed", (double)m->c.n_removed, "beyond the bounds");
   line(out, "rattlers", (double)s->rattlers, "%s %%: fewer than %d load-bearing contacts",
        shown(100.0 * ratio((double)s->rattlers, (double)s->free), 3, text), m->c.frictionless ? 3 : 2);
-  fprintf(out, "\npacking\n");
-  line(out, "packing fraction", s->fraction, "of the region");
-  if (!m->has_cells) return;
-  char local[3][32];
-  const cells *t = &m->cells;
-  line(out, "inside", t->inside, "of %zu closed cells (%zu are open: at a surface or edge)", t->n_closed,
-       t->n_open);
-  line(out, "local", t->mean, "+- %s from disk to disk, %s to %s", shown(t->deviation, 4, local[0]),
-       shown(t->least, 4, local[1]), shown(t->most, 4, local[2]));
+  page_packing(out, m);
 }
 
 static void page_contacts(FILE *out, const measurement *m) {
@@ -133,6 +142,13 @@ void measure_page(FILE *out, const measurement *m) {
     fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s, area %.6g\n", g->lower[0], g->upper[0],
             g->whole[0] ? " (periodic)" : "", g->lower[1], g->upper[1], g->whole[1] ? " (periodic)" : "",
             m->s.area);
+  if (m->open) {
+    bool given = m->c.model->region_upper[0] > m->c.model->region_lower[0];
+    fputs(given ? "open at the" : "the deck gives no region, this one is about the disks", out);
+    for (int k = 0, n = 0; given && k < 4; k++)
+      if (m->open >> k & 1) fprintf(out, "%s %s", n++ ? "," : "", sides[k]);
+    fprintf(out, ": fraction of the region, stress and pressure are means over empty space, too\n");
+  }
   if (m->c.recomputed)
     fprintf(out, "contacts were not stored with this frame: found again from positions and velocities%s\n",
             m->c.frictionless ? "" : ", without what friction remembers");
@@ -142,17 +158,19 @@ void measure_page(FILE *out, const measurement *m) {
 }
 
 void measure_rows_head(FILE *out) {
-  fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %8s %10s %8s %10s\n", "frame", "step", "time", "disks",
-          "rattlers", "contacts", "z", "z back", "fraction", "pressure", "q/p", "unbalanced");
+  fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %9s %9s %8s %8s %10s %8s %10s\n", "frame", "step", "time",
+          "disks", "rattlers", "contacts", "z", "z back", "width", "height", "fraction", "inside", "pressure",
+          "q/p", "unbalanced");
 }
 
 void measure_row(FILE *out, const measurement *m) {
   const stress *s = &m->s;
-  char text[6][32], frame[32] = "state";
+  char text[9][32], frame[32] = "state";
   if (m->frame >= 0) snprintf(frame, sizeof frame, "%" PRId64, m->frame);
-  fprintf(out, "%7s %12" PRId64 " %10.5g %7zu %8zu %8zu %8s %8s %8s %10s %8s %10s%s\n", frame, m->c.step,
-          m->c.time, s->free, s->rattlers, s->n_contacts, shown(s->z, 4, text[0]),
-          shown(s->z_backbone, 4, text[1]), shown(s->fraction, 5, text[2]),
+  fprintf(out, "%7s %12" PRId64 " %10.5g %7zu %8zu %8zu %8s %8s %9s %9s %8s %8s %10s %8s %10s%s\n", frame,
+          m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts, shown(s->z, 4, text[0]),
+          shown(s->z_backbone, 4, text[1]), shown(m->width, 5, text[6]), shown(m->height, 5, text[7]),
+          shown(m->open ? NAN : s->fraction, 5, text[2]), shown(m->cells.inside, 5, text[8]),
           shown(s->contact_principal.mean, 5, text[3]),
           shown(ratio(s->contact_principal.deviator, s->contact_principal.mean), 3, text[4]),
           shown(s->unbalanced, 3, text[5]), m->c.recomputed ? " *" : "");
@@ -194,6 +212,10 @@ json_t *measure_json(const measurement *m) {
   }
   json_object_set_new(where, "periodic", json_pack("[b, b]", (int)r->whole[0], (int)r->whole[1]));
   json_object_set_new(where, "given", json_boolean(m->region_given));
+  json_t *open = json_array();
+  for (int k = 0; k < 4; k++)
+    if (m->open >> k & 1) json_array_append_new(open, json_string(sides[k]));
+  json_object_set_new(where, "open", open);
   if (r->round) json_object_set_new(where, "radius", json_number(r->radius));
   if (!m->has_cells) json_object_set_new(frame, "cells", json_null());
   json_object_set_new(json_object_get(frame, "contacts"), "fabric", tensor(s->fabric));

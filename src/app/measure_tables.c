@@ -15,14 +15,15 @@ static const struct table {
                        "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
                        "fraction,resultant_x,resultant_y"},
     [MEASURE_CONTACTS] = {"contacts.csv",
-                          "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y"},
+                          "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y,zeta"},
     [MEASURE_PAIRS] = {"gr.csv", "step,r,g"},
     [MEASURE_FORCES] = {"forces.csv",
                         "step,low,high,normal,tangential,mobilised_low,mobilised_high,mobilised"},
 };
 
-sd_status measure_tables_open(measure_tables *t, const char *folder, sd_messages *messages) {
-  *t = (measure_tables){0};
+sd_status measure_tables_open(measure_tables *t, const char *folder, const bool *wanted,
+                              sd_messages *messages) {
+  *t = (measure_tables){.wanted = wanted};
   sd_status status = file_make_folder(folder, messages);
   for (int k = 0; status == SD_OK && k < MEASURE_TABLES; k++) {
     char *path = format_text("%s/%s", folder, tables[k].name);
@@ -67,10 +68,11 @@ static void add_frame(FILE *out, const measurement *m) {
   fputc('\n', out);
 }
 
-static void add_disks(FILE *out, const measurement *m) {
+static void add_disks(FILE *out, const measurement *m, const bool *wanted) {
   const sd_model *model = m->c.model;
   const stress *s = &m->s;
   for (size_t i = 0; i < model->n_disks; i++) {
+    if (wanted && !wanted[m->c.number[i]]) continue;
     const sd_disk *d = &model->disks[i];
     bool closed = m->has_cells && m->cells.closed[i];
     double area = m->has_cells ? m->cells.area[i] : NAN;
@@ -91,12 +93,13 @@ static uint32_t deck_number(const configuration *c, uint32_t body) {
   return body < n ? c->number[body] : (uint32_t)(c->n_deck + (body - n));
 }
 
-static void add_contacts(FILE *out, const measurement *m) {
+static void add_contacts(const measure_tables *t, FILE *out, const measurement *m) {
   for (size_t k = 0; k < m->c.n_contacts; k++) {
     const config_contact *q = &m->c.contacts[k];
-    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", m->c.step,
-            deck_number(&m->c, q->a), deck_number(&m->c, q->b), q->part, q->x, q->y, q->nx, q->ny, q->overlap,
-            q->force);
+    uint32_t a = deck_number(&m->c, q->a), b = deck_number(&m->c, q->b);
+    if (t->wanted && !t->wanted[a] && !t->wanted[b]) continue;
+    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", m->c.step, a, b, q->part, q->x,
+            q->y, q->nx, q->ny, q->overlap, q->force);
     bool known = isfinite(q->tau);
     number(out, q->tau);
     number(out, known && q->mu > 0.0 && q->force > 0.0 ? fabs(q->tau) / (q->mu * q->force) : NAN);
@@ -106,6 +109,7 @@ static void add_contacts(FILE *out, const measurement *m) {
       fprintf(out, ",%d", q->slide);
     number(out, known ? q->fx : NAN);
     number(out, known ? q->fy : NAN);
+    number(out, known && q->k_t > 0.0 ? 0.0 - q->tau / q->k_t : NAN);
     fputc('\n', out);
   }
 }
@@ -131,8 +135,55 @@ static void add_forces(FILE *out, const measurement *m) {
 
 void measure_tables_add(const measure_tables *t, const measurement *m) {
   add_frame(t->out[MEASURE_FRAMES], m);
-  add_disks(t->out[MEASURE_DISKS], m);
-  add_contacts(t->out[MEASURE_CONTACTS], m);
+  add_disks(t->out[MEASURE_DISKS], m, t->wanted);
+  add_contacts(t, t->out[MEASURE_CONTACTS], m);
   add_pairs(t->out[MEASURE_PAIRS], m);
   add_forces(t->out[MEASURE_FORCES], m);
+}
+
+/* --- means of the run --------------------------------------------------------------------------------- */
+
+/* Quoted where it needs to be. */
+static void name_cell(FILE *out, const char *name) {
+  bool quoted = strpbrk(name, ",\"");
+  fputs(quoted ? ",\"" : ",", out);
+  for (; *name; name++) fprintf(out, *name == '"' ? "\"\"" : "%c", *name);
+  if (quoted) fputc('"', out);
+}
+
+/* names (may be NULL): a column of them behind the number of the disk, the first row of the list. */
+static sd_status write_means(const char *folder, const char *file, size_t n_disks, const bool *wanted,
+                             const observable_list *list, const void *first, size_t stride, size_t n,
+                             char *const *names, sd_messages *messages) {
+  file_stream stream = {0};
+  char *path = format_text("%s/%s", folder, file);
+  sd_status status = path ? file_stream_open(path, &stream, messages)
+                          : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", folder);
+  FILE *out = stream.out;
+  for (size_t k = 0; out && k < list->n; k++)
+    fprintf(out, "%s%s%s", k ? "," : "", list->rows[k].name, k == 0 && names ? ",name" : "");
+  if (out) fputc('\n', out);
+  for (size_t i = 0; out && i < n; i++) {
+    const char *row = (const char *)first + i * stride;
+    uint32_t disk = (uint32_t)observable_value(&list->rows[0], row, 0);
+    if (wanted && (disk >= n_disks || !wanted[disk])) continue;
+    fprintf(out, "%u", disk);
+    if (names) name_cell(out, names[i]);
+    for (size_t k = 1; k < list->n; k++) number(out, observable_value(&list->rows[k], row, 0));
+    fputc('\n', out);
+  }
+  free(path);
+  return file_stream_close(&stream, status, messages);
+}
+
+sd_status measure_tables_means(const char *folder, size_t n_disks, const bool *wanted, const summary *s,
+                               sd_messages *messages) {
+  sd_status status = SD_OK;
+  if (s->n_rotations > 0)
+    status = write_means(folder, "rotation.csv", n_disks, wanted, &rotation_observables, s->rotations,
+                         sizeof *s->rotations, s->n_rotations, s->rotation_names, messages);
+  if (status == SD_OK && s->packing.n > 0)
+    status = write_means(folder, "means.csv", n_disks, wanted, &disk_observables, s->packing.disks,
+                         sizeof *s->packing.disks, s->packing.n, NULL, messages);
+  return status;
 }

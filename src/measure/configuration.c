@@ -286,7 +286,10 @@ static void complete(const configuration *c, config_contact *k) {
   if ((corner || (m->variant == SD_CONSERVATIVE && !straight)) && r > 0.0) tau *= fabs(sum) / r;
   k->fx = k->force * k->nx + tau * k->ny;
   k->fy = k->force * k->ny - tau * k->nx;
-  k->mu = sd_model_law(m, configuration_material(m, k->a), configuration_material(m, k->b))->mu;
+  const sd_contact_law *law =
+      sd_model_law(m, configuration_material(m, k->a), configuration_material(m, k->b));
+  k->mu = law->mu;
+  k->k_t = law->k_t;
 }
 
 static sd_status take_contacts(configuration *c, const sd_model *from, const frame_data *f,
@@ -443,4 +446,27 @@ region configuration_region(const configuration *c, const double *wanted) {
     g.radius = 0.5 * (g.upper[0] - g.lower[0]);
   }
   return g;
+}
+
+/* A straight piece of a wall lies on the line at `at` across coordinate c. */
+static bool has_wall(const sd_model *m, int c, double at, double near) {
+  for (size_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    for (size_t k = 0; k + (wall->closed ? 0 : 1) < wall->n_points; k++) {
+      const double *p = wall->points[k], *q = wall->points[k + 1 < wall->n_points ? k + 1 : 0];
+      if (fabs(p[c] - at) <= near && fabs(q[c] - at) <= near) return true;
+    }
+  }
+  return false;
+}
+
+unsigned configuration_open(const configuration *c) {
+  const region g = configuration_region(c, NULL);
+  unsigned open = 0;
+  for (int k = 0; !g.round && k < 2; k++)
+    for (int side = 0; !g.whole[k] && side < 2; side++)
+      if (!has_wall(c->model, k, side ? g.upper[k] : g.lower[k], 1e-9 * (g.upper[k] - g.lower[k])))
+        open |= 1u << (2 * k + side);
+  /* the floor of a bed are disks */
+  return c->model->container == SD_CONTAINER_BED ? open & ~4u : open;
 }

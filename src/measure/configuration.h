@@ -47,7 +47,7 @@ typedef struct config_contact {
   double lx, ly;       /* branch vector: to b's centre, or to the surface of a wall or prescribed disk */
   double x, y;         /* the point of contact */
   double fx, fy;       /* force on b, without the tangential one where tau is NAN */
-  double overlap, force, tau, mu;
+  double overlap, force, tau, mu, k_t;
   int slide;
 } config_contact;
 
@@ -75,6 +75,9 @@ void configuration_free(configuration *c);
 /* Region whose filling is measured: that of the model, with walls that have moved, the periodic box along periodic directions, and where neither
  * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. */
 region configuration_region(const configuration *c, const double *wanted);
+/* Edges of that region which are neither a wall nor periodic: what is per area depends on where they are put. Bit 2 c + 0
+ * or 1: lower or upper edge of coordinate c. */
+unsigned configuration_open(const configuration *c);
 /* Index of a body's material. */
 static inline int configuration_material(const sd_model *m, uint32_t body) {
   return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;

@@ -13,6 +13,9 @@ sd_status measurement_new(measurement *m, const sd_model *constants, const frame
   region whole = configuration_region(&m->c, NULL);
   m->region = configuration_region(&m->c, wanted);
   m->region_given = wanted;
+  m->open = wanted ? 0 : configuration_open(&m->c);
+  m->width = m->region.upper[0] - m->region.lower[0];
+  m->height = m->region.upper[1] - m->region.lower[1];
   status = stress_new(&m->s, &m->c, &m->region, messages);
   if (status == SD_OK) status = correlation_new(&m->pairs, &m->c, &m->region, bins, messages);
   if (status != SD_OK) return status;
@@ -85,6 +88,8 @@ static const observable rows[] = {
          "cells.deviation"),
     REAL("local_least", cells.least, "1", "its smallest value", NULL, "cells.least"),
     REAL("local_most", cells.most, "1", "its largest value", NULL, "cells.most"),
+    REAL("width", width, "length", "width of the region", "width", "region.width"),
+    REAL("height", height, "length", "height of the region", "height", "region.height"),
     REAL("area", s.area, "length^2", "area of the region", "area", "region.area"),
     REAL("stress_xx", s.contact[STRESS_XX], "force/length", "stress of the contacts", "stress_xx", ""),
     REAL("stress_xy", s.contact[STRESS_XY], "force/length", "stress of the contacts", "stress_xy", ""),

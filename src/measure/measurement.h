@@ -13,6 +13,8 @@ typedef struct measurement {
   configuration c;
   region region;
   bool region_given; /* by the caller */
+  unsigned open;     /* configuration_open; 0 when the region is given */
+  double width, height;
   stress s;
   cells cells;
   bool has_cells;

@@ -260,6 +260,20 @@ static void check_species(reader *r, const sd_model *m, int species) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "the materials of the bodies are damaged");
 }
 
+/* Those that the deck gives; the list and its texts are to be freed. NULL: none. */
+static char **read_names(reader *r, const char *path, size_t n) {
+  if (r->status != SD_OK || !h5_exists(r->file, path)) return NULL;
+  char **names = calloc(n + 1, sizeof *names);
+  r->status = names ? members_read_lines(r->file, path, n, names, r->messages)
+                    : sd_fail(r->messages, SD_ERROR_IO, "no memory to read %s", path);
+  for (size_t k = 0; names && k < n; k++) {
+    if (!names[k] || *names[k]) continue;
+    free(names[k]);
+    names[k] = NULL;
+  }
+  return names;
+}
+
 static void read_disks(reader *r, sd_model *m) {
   size_t n = count(r, DISKS "/radius");
   if (n > LIMIT_DISKS) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu disks: the file is damaged", n);
@@ -273,6 +287,9 @@ static void read_disks(reader *r, sd_model *m) {
     r->status = members_read(r->file, DISKS, &disk_forces, m->disks, sizeof *m->disks, n, r->messages);
   for (size_t k = 0; m->disks && r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
   if (r->status == SD_OK) m->n_disks = n;
+  char **names = read_names(r, DISKS "/name", n);
+  for (size_t k = 0; names && k < n; k++) m->disks[k].name = names[k];
+  free(names);
 }
 
 /* Points of all walls stand in one list; each wall has its number of them, but no memory. */
@@ -307,6 +324,9 @@ static void read_walls(reader *r, sd_model *m) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, WALLS "/shape: the points cannot be read");
   for (size_t k = 0; m->walls && k < n; k++)
     if (!m->walls[k].points) m->walls[k].n_points = 0;
+  char **names = read_names(r, WALLS "/name", n);
+  for (size_t k = 0; names && k < n; k++) m->walls[k].name = names[k];
+  free(names);
   free(points);
 }
 
