@@ -24,6 +24,8 @@ for deck in "$source_dir"/inputs/*/*.cfg; do
   if made=$(grep -v '^#' "$deck" | grep -o 'file = "deposit[^"]*"'); then
     status 2 "$program" check "$deck" --brief
     grep -q "$made" "$work/err" || fail "no word about $made in $deck"
+    other=${made#*\"}
+    grep -q "; .slipdisk run .*/${other%.h5\"}.cfg -o .*/${other%\"}. makes it" "$work/err" || fail "not told how to make $made"
     continue
   fi
   status 0 "$program" check "$deck" --brief

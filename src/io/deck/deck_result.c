@@ -121,6 +121,16 @@ bool deck_result_there(const char *path) {
   return there;
 }
 
+const char *deck_result_maker(deck *d, const char *path) {
+  size_t n = strlen(path);
+  if (n < 3 || strcmp(path + n - 3, ".h5") != 0 || file_exists(path)) return "";
+  if (file_is_folder(deck_format(d, "%s.parts", path)))
+    return deck_format(d, "; the run is not finished: `slipdisk resume %s` goes on with it", path);
+  const char *other = deck_format(d, "%.*s.cfg", (int)(n - 3), path);
+  if (!file_exists(other) || strcmp(other, d->path) == 0) return "";
+  return deck_format(d, "; `slipdisk run %s -o %s` makes it", other, path);
+}
+
 typedef struct reader {
   deck *d;
   h5_file *file;
@@ -360,7 +370,7 @@ bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upp
   h5_file *file;
   if (h5_open(path, &file, d->messages) != SD_OK) {
     d->reported += sd_messages_errors(d->messages) - before;
-    deck_fail(d, node, "cannot be read");
+    deck_fail(d, node, "cannot be read%s", deck_result_maker(d, path));
     return false;
   }
   bool found = box_of_text(d, file, lower, upper) || box_of_particles(file, lower, upper);

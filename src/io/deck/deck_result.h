@@ -44,6 +44,8 @@ typedef struct deck_result {
 
 /* Does the file hold a state? No messages. */
 bool deck_result_there(const char *path);
+/* Behind a message that there is no file: the command that makes the result, "" when no deck beside it has its name. */
+const char *deck_result_maker(deck *d, const char *path);
 /* All disks in play, with all columns that are known and that the group does not give itself. */
 void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *table);
 /* Edges of the periodic box of the last frame: of a result, a checkpoint or another H5MD file; false:

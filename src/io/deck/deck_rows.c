@@ -363,7 +363,7 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   uint64_t size;
   int there = file_open_quiet(path, &size);
   if (there < 0) {
-    deck_fail(d, file, "cannot be read: %s", file_trouble(errno));
+    deck_fail(d, file, "cannot be read: %s%s", file_trouble(errno), deck_result_maker(d, path));
     return;
   }
   char head[8] = "";

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "io/results/summary.h"
+#include "model/overlaps.h"
 
 const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
     [DOUBT_RESIDUAL] = {"residual", "residual of the energy budget over its scale",
@@ -17,6 +18,9 @@ const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
                             "in which a disk moves too far in a step: a smaller dt is needed"},
     [DOUBT_FINITE] = {"finite", "a number of the result is not finite", "with numbers that are not finite"},
 };
+
+/* Gaps over the radius below this are those of bodies that touch. */
+static const double TOUCHING = 1e-6;
 
 /* --- judging ---------------------------------------------------------------------------------------- */
 
@@ -48,22 +52,68 @@ static bool judge_residual(summary *s, double limit, double floor) {
                   part, limit));
 }
 
+/* Distance between the surfaces of a disk and its partner now; NAN: not known. */
+static double gap_now(const sd_model *model, const sd_state *state, uint32_t disk, uint32_t partner) {
+  double pose[3] = {NAN, NAN, NAN}, x[2] = {NAN, NAN};
+  for (size_t i = 0; i < state->n_bodies && state->box_scale == 1.0; i++) {
+    if (state->id[i] == disk) {
+      x[0] = state->x[i];
+      x[1] = state->y[i];
+    }
+    if (state->id[i] == partner) {
+      pose[0] = state->x[i];
+      pose[1] = state->y[i];
+      pose[2] = state->theta[i] + state->turn[i];
+    }
+  }
+  return overlaps_gap(model, disk, x, partner, pose);
+}
+
+/* ": it opened 3 times; 0.2 radii apart at the end". To be freed, "" without a state. */
+static char *why_open(const sd_slide *w, size_t one, const sd_model *model, const sd_state *state) {
+  if (!model || !state) return format_text("%s", "");
+  double radius = model->disks[w->disk].radius,
+         first = overlaps_first_gap(model, w->disk, w->partner[one]) / radius,
+         last = gap_now(model, state, w->disk, w->partner[one]) / radius;
+  char *text;
+  if (w->openings[one] == 1)
+    text = format_text(": it opened once");
+  else if (w->openings[one] > 0)
+    text = format_text(": it opened %" PRId64 " times", w->openings[one]);
+  else if (w->contact_open[one] < 1)
+    text = format_text(": it closed late");
+  else if (first > TOUCHING && !model->disks[w->disk].waiting)
+    text = format_text(": it never closed, %.3g radii apart at the start", first);
+  else
+    text = format_text(": it had opened before measuring began, and never closed");
+  if (text && last > TOUCHING) text = append_text(text, ", %.3g radii apart at the end", last);
+  return text;
+}
+
 /* One watched contact of the two, or both, or now one and now the other. */
-static bool judge_open(summary *s, double limit) {
+static bool judge_open(summary *s, double limit, const sd_model *model, const sd_state *state) {
   size_t k = 0;
   while (k < s->n_slides && !(s->slides[k].open > limit)) k++;
   if (!(limit > 0) || k == s->n_slides) return true;
   const sd_slide *w = &s->slides[k];
   char *const *names = &s->slide_names[3 * k];
-  bool first = w->contact_open[0] > limit, second = w->contact_open[1] > limit;
-  if (first == second)
-    return doubt(
-        s, DOUBT_OPEN, w->open, limit,
-        format_text("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open));
+  bool first = w->contact_open[0] > limit, second = w->contact_open[1] > limit, both = first == second;
   size_t one = first ? 0 : 1;
-  return doubt(s, DOUBT_OPEN, w->contact_open[one], limit,
-               format_text("the watched contact of %s with %s was open %.3g %% of the time", names[0],
-                           names[1 + one], 100 * w->contact_open[one]));
+  char *why[2] = {why_open(w, both ? 0 : one, model, state), both ? why_open(w, 1, model, state) : NULL},
+       *text;
+  if (!both)
+    text = format_text("the watched contact of %s with %s was open %.3g %% of the time%s", names[0],
+                       names[1 + one], 100 * w->contact_open[one], why[0] ? why[0] : "");
+  else if (why[0] && why[1] && *why[0])
+    text = format_text("the watched contacts of %s were open %.3g %% of the time (with %s%s, and with %s%s)",
+                       names[0], 100 * w->open, names[1], why[0], names[2], why[1]);
+  else
+    text = format_text("the watched contacts of %s were open %.3g %% of the time", names[0], 100 * w->open);
+  bool memory = why[0] && (!both || why[1]) && text;
+  doubt(s, DOUBT_OPEN, both ? w->open : w->contact_open[one], limit, text);
+  free(why[0]);
+  free(why[1]);
+  return memory;
 }
 
 static bool judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
@@ -102,8 +152,8 @@ static bool judge_finite(summary *s, const sd_state *state) {
 
 sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
                         sd_messages *messages) {
-  bool memory =
-      judge_residual(s, limits->residual, state ? rounding(model, state) : 0) && judge_open(s, limits->open);
+  bool memory = judge_residual(s, limits->residual, state ? rounding(model, state) : 0) &&
+                judge_open(s, limits->open, model, state);
   if (state)
     memory = memory && judge_displacement(s, limits->displacement, model, state) && judge_finite(s, state);
   return memory ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
