@@ -7,7 +7,7 @@
 #   tools/compare_peers.sh --accuracy                 instead: what the tangential memory keeps, in loops and restarts
 #   tools/compare_peers.sh --help                     all options: -o DIR, --repeats N, --only NAME, --keep DIR, ...
 # Installs what is missing of the Debian packages lammps and liggghts (never needed by slipdisk itself) when it is root
-# or can become so, else says which to install and goes on with what is there; so does --no-install. Numbers are worth
+# or can become so, else says which to install and goes on with what is there. --no-install installs and builds nothing. Numbers are worth
 # something on a quiet machine only. LAMMPS_NATIVE=/path/of/lmp: one built for this machine is timed besides. docs/peers.md
 # says more.
 set -euo pipefail
@@ -34,10 +34,12 @@ install_peers() {
     echo "These packages could not be installed: ${missing[*]}" >&2
 }
 
-if ! [[ " $* " =~ " --no-install "|" --draw "|" --help "|" -h " ]]; then
-  find_missing
-  if [ ${#missing[@]} -gt 0 ]; then install_peers; fi
-fi
+case " $* " in
+  *" --no-install "* | *" --draw "* | *" --help "* | *" -h "*) ;;
+  *)
+    find_missing
+    if [ ${#missing[@]} -gt 0 ]; then install_peers; fi ;;
+esac
 
 . "$root/tools/report/prepare.sh"
 PYTHONPATH="$root/tools${PYTHONPATH:+:$PYTHONPATH}" exec "$python" -B -m peers "$@"

@@ -23,6 +23,9 @@ def groups(text):
 
 
 def main():
+    if {"-h", "--help"} & set(sys.argv[1:]):
+        print(__doc__)
+        return
     program = sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/release/slipdisk"
     keys = subprocess.run([program, "check", "--keys"], check=True, capture_output=True, text=True).stdout
     path = ROOT / "docs/deck.md"

@@ -5,6 +5,9 @@
 #   tools/install_deps.sh --mpi     also Open MPI, for builds with -DSLIPDISK_MPI=ON
 # Both may be given. Needs root (or sudo) only when something is missing.
 set -euo pipefail
+case " $* " in
+  *" -h "* | *" --help "*) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
           libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev)
@@ -17,7 +20,7 @@ for option in "$@"; do
                  python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
                  ccache gcovr) ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
-    *) sed -n '2,6s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    *) "$0" --help >&2; exit 2 ;;
   esac
 done
 

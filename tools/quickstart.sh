@@ -2,11 +2,20 @@
 # From a fresh clone to a first result: installs what is missing, builds, runs three disks driven by
 # random vibration for 10 to 20 seconds, and prints the mean rotation velocity with its error bar.
 # Run it as often as you like: the result is made anew each time.
+#   tools/quickstart.sh                all of it
+#   tools/quickstart.sh --no-install   without the packages
 set -euo pipefail
+case " $* " in
+  *" -h "* | *" --help "*) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
+case "$*" in
+  "" | --no-install) ;;
+  *) "$0" --help >&2; exit 2 ;;
+esac
 cd "$(dirname "$0")/.."
 
 echo "== 1/3 Packages"
-tools/install_deps.sh
+if [ $# -eq 0 ]; then tools/install_deps.sh; else echo "left as they are"; fi
 
 echo "== 2/3 Build (Release) into build/release"
 cmake --preset release --log-level=WARNING >/dev/null

@@ -15,6 +15,9 @@ for candidate in python3 /usr/bin/python3 /usr/local/bin/python3; do
   if "$candidate" -c 'import h5py, numpy' 2>/dev/null; then python=$candidate && break; fi
 done
 if [ -z "$python" ]; then
+  case " $* " in
+    *" -h "* | *" --help "*) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 0 ;;
+  esac
   echo "No python3 with h5py and numpy (tools/install_deps.sh --tests)" >&2
   exit 2
 fi

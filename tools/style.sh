@@ -5,6 +5,9 @@
 #   tools/style.sh lint [BUILD]        clang-tidy with the compile commands of BUILD (build/release), of what has changed
 # Version 14 of both tools is preferred: other versions format some lines differently.
 set -euo pipefail
+case " $* " in
+  *" -h "* | *" --help "*) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
 cd "$(dirname "$0")/.."
 
 tool() {
@@ -35,6 +38,6 @@ case "${1:-}" in
     fi
     python3 tools/lint.py "$build" "$tidy" ;;
   *)
-    sed -n '2,6s/^# \{0,1\}//p' "$0" >&2
+    tools/style.sh --help >&2
     exit 2 ;;
 esac

@@ -13,6 +13,9 @@
 # Stops at the first part that fails. Run it as often as you like: what ccache and lint have seen goes quickly. The parts
 # say at the end how long they took, and how much processor time.
 set -euo pipefail
+case " $* " in
+  *" -h "* | *" --help "*) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 0 ;;
+esac
 cd "$(dirname "$0")/.."
 
 jobs=$(nproc)
@@ -62,7 +65,7 @@ part() {
       tools/install_deps.sh --mpi
       build mpi --target slipdisk_program test_comm
       ctest --preset mpi -L mpi -j "$jobs" ;;
-    *) sed -n '2,15s/^# \{0,1\}//p' "$0" >&2; exit 2 ;;
+    *) tools/test.sh --help >&2; exit 2 ;;
   esac
 }
 
