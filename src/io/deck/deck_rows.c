@@ -202,9 +202,10 @@ static bool csv_open(csv *in, deck *d, const deck_node *file) {
   if (!in->p) return false;
   if (strncmp(in->p, "\xef\xbb\xbf", 3) == 0) in->p += 3; /* the mark of UTF-8 */
   for (char *c = strchr(in->p, '\n') ? NULL : in->p; c && (c = strchr(c, '\r'));) *c = '\n';
-  bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS;
+  size_t before = d->reported;
+  bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS && d->reported == before;
   if (!line) deck_fail(d, file, "the file is empty; expected a line with the names of its columns");
-  if (line && !good)
+  if (line && in->n_fields > LIMIT_COLUMNS)
     deck_fail_place(d, in->here, "%zu columns; expected at most %d", in->n_fields, LIMIT_COLUMNS);
   return good;
 }

@@ -250,7 +250,7 @@ static bool scan_unquoted(scanner *s, size_t n) {
   else
     deck_fail_place(s->d, s->here, "%s%s: expected quotes around it: \"%s\"", path(s), shown, shown);
   s->broken |= s->override || (wrong && !in_group(s));
-  emit_text(s, is_text ? "\"\"" : "1"); /* most likely good, so that no second message follows */
+  emit_text(s, is_text ? "\"?\"" : "1"); /* most likely good, so that no second message follows */
   begin_value(s);
   s->p = end;
   return true;
@@ -439,8 +439,8 @@ static void scan_mark(scanner *s) {
   if (c == ';') leave_lists(s, "\";\"");
   level *l = top(s);
   if (in_group(s) && strchr("=:", c)) {
-    l->value = l->key;
-    if (!l->key) fail_form(s, "%c without a key before it", c);
+    if (!l->key) fail_form(s, l->value ? "one %c too many" : "%c without a key before it", c);
+    l->value = true;
     l->key = false;
   } else if (in_group(s)) {
     if (l->value) fail_form(s, "%s: a value is missing", key_path(s));

@@ -1,0 +1,229 @@
+"""docs/messages.md: each mistake of its tables still gets the message that stands there, and no other. After a message was
+changed on purpose:
+
+    tests/test_mistakes.py --write [--before PROGRAM]
+
+writes the last column anew (and of rows that are new the one before it, as this older program says it).
+"""
+import gzip
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+PROGRAM = os.environ.get("SLIPDISK_PROGRAM", ROOT / "build/release/slipdisk")
+PAGE = ROOT / "docs/messages.md"
+
+DECK = """dt = 1e-5;
+time = 2;
+gravity = { g = 9.81; tilt = 0; };
+materials = (
+  { name = "rubber"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; }
+);
+disks = (
+  { name = "ball"; x = 0; y = 0.1; radius = 0.02; density = 3.57; }
+);
+walls = (
+  { name = "floor"; type = "line"; points = ((-1, 0), (1, 0)); }
+);
+output = { series = 100; };
+"""
+
+
+def change(mistake, old, new):
+    """This in place of that in the deck."""
+    assert DECK.count(old) == 1, old
+    return mistake, {"d.cfg": DECK.replace(old, new)}, []
+
+
+def define(setting):
+    return f"`-D '{setting}'`", {"d.cfg": DECK}, ["-D", setting]
+
+
+def table(mistake, content, line='disk_files = ( { file = "d.csv"; density = 1; } );\n', name="d.csv"):
+    return mistake, {"d.cfg": DECK + line, name: content if isinstance(content, bytes) else content.encode()}, []
+
+
+def command(*words):
+    return f"`slipdisk {' '.join(words)}`", None, list(words)
+
+
+def value(key, old, *news):
+    return [change(f"`{key} = {new};`", f"{key} = {old}", f"{key} = {new}") for new in news]
+
+
+CSV = "x,y,radius\n1,1,0.1\n"
+TABLES = {
+    "Brackets, commas, quotes": [
+        change("`)` of `materials` is missing", "mu = 0.5; }\n);", "mu = 0.5; }\n;"),
+        change("`);` of `materials` is missing", "mu = 0.5; }\n);", "mu = 0.5; }"),
+        change("`}` of a material is missing", "mu = 0.5; }", "mu = 0.5;"),
+        change("`}` of `gravity` is missing", "tilt = 0; };", "tilt = 0;"),
+        change("`}` at the end is missing", "series = 100; };", "series = 100;"),
+        change("`}` in place of `)`", "(1, 0)); }\n)", "(1, 0)); }\n}"),
+        change("`;` in a list", "(-1, 0), (1, 0)", "(-1, 0); (1, 0)"),
+        change("`points = (-1, 0), (1, 0));`", "((-1, 0), (1, 0))", "(-1, 0), (1, 0))"),
+        change("`points = ((-1, 0), (1, 0)));`", "((-1, 0), (1, 0))", "((-1, 0), (1, 0)))"),
+        change("`points = ((-1 0), (1, 0));`", "(-1, 0)", "(-1 0)"),
+        change("`points = [-1, 0, 1, 0];`", "((-1, 0), (1, 0))", "[-1, 0, 1, 0]"),
+        change("`,` between disks is missing", "density = 3.57; }",
+               "density = 3.57; }\n  { x = 1; y = 0.1; radius = 0.02; density = 1; }"),
+        change("`,` behind the last wall", "(1, 0)); }", "(1, 0)); },"),
+        change("`time = 2; };`", "time = 2;", "time = 2; };"),
+        change("`time = 2;;`", "time = 2;", "time = 2;;"),
+        change("`name = \"ball;`", '"ball"', '"ball'),
+        change("`name = 'rubber';`", '"rubber"', "'rubber'"),
+        change("`name = \u201crubber\u201d;`", '"rubber"', "\u201crubber\u201d"),
+        change("`name = rubber;`", '"rubber"', "rubber"),
+        change("`name = red rubber;`", '"rubber"', "red rubber"),
+        change("`disks ( ...`", "disks = (", "disks ("),
+        change("`gravity { ...`", "gravity = {", "gravity {"),
+        change("`dt == 1e-5;`", "dt = 1e-5", "dt == 1e-5"),
+        change("`\"dt\": 1e-5,`", "dt = 1e-5;", '"dt": 1e-5,'),
+        change("`const dt = 1e-5;`", "dt = 1e-5", "const dt = 1e-5"),
+        change("`x = ;`", "x = 0;", "x = ;"),
+        change("`x = 0; x = 1;`", "x = 0;", "x = 0; x = 1;"),
+        change("`/*` without `*/`", "output", "/* output"),
+        change("the deck begins with a byte order mark", "dt", "\ufeffdt"),
+        change("a no-break space", "dt = 1e-5", "dt =\u00a01e-5"),
+        change("`disks = { ... };`", DECK[DECK.index("disks = (") + 8:DECK.index("walls")],
+               '{ name = "ball"; x = 0; y = 0.1; radius = 0.02; density = 3.57; };\n'),
+    ],
+    "Numbers": [
+        *value("radius", "0.02", '"1 mm"', "1 mm", "1mm"),
+        *value("k_n", "1e4", '"1e4 N/m"', "1e4 N/m"),
+        *value("dt", "1e-5", '"10 us"', "1e-5f", "1d-5", "1_000", "0,00001", "10^-5"),
+        *value("x", "0", "0,5", "\u22121", "-sqrt(3)"),
+        *value("radius", "0.02", "2 * 0.01", '"2 * 0.01"', "R", '"2 * R"', '"2 * (0.01"', '"1/0"', '"two"'),
+        *value("tilt", "0", "3 deg", "3deg", '"3 degrees"', '"3deg"', '"1/3 pi"'),
+        *value("mu", "0.5", "50 %"),
+        *value("time", "2", '"2 s"', "inf"),
+        change("`steps = 2.5;`", "time = 2;", "steps = 2.5;"),
+        change('`steps = "2 / 3e-5";`', "time = 2;", 'steps = "2 / 3e-5";'),
+        change('`constants = { R = "R / 2"; };`', "dt", 'constants = { R = "R / 2"; };\ndt'),
+        change('`constants = { R = 0.02; }; ... radius = "2 * r";`', "dt = 1e-5;\n" + DECK[11:],
+               "constants = { R = 0.02; };\n" + DECK.replace("radius = 0.02", 'radius = "2 * r"')),
+        *[define(setting) for setting in ("gravity.tilt=3deg", "gravity.g=0.7*9.81", "disks.ball.radius=1 mm", "dt=", "R=0.03",
+                                          "measure.rotation=[ball]", "walls.floor.points=((0,0),(1,0)")],
+    ],
+    "Keys and names": [
+        change("`time = 2; steps = 100;`", "time = 2;", "time = 2; steps = 100;"),
+        change("neither `time` nor `steps`", "time = 2;", ""),
+        change("`fixed = yes;`", "density", "fixed = yes; density"),
+        change("`fixed = 1;`", "density", "fixed = 1; density"),
+        change("`gama_n = 2;`", "gamma_n", "gama_n"),
+        change("`gravity = 9.81;`", "{ g = 9.81; tilt = 0; }", "9.81"),
+        change("`g = (0, -9.81);`", "g = 9.81", "g = (0, -9.81)"),
+        change("`density` and `mass`", "density = 3.57", "density = 3.57; mass = 1"),
+        change('`material = "ruber";`', "density", 'material = "ruber"; density'),
+        change('`type = "plane";`', '"line"', '"plane"'),
+        change('`@include "x.inc"`, which is not there', "dt", '@include "x.inc"\ndt'),
+        define("gravty.tilt=1"), define("disks.bal.radius=1"), define("gravity.tilt"),
+    ],
+    "CSV files": [
+        table("`1,1,0.1` in the first line", "1,1,0.1\n2,1,0.1\n"),
+        table("`X,Y,R`", "X,Y,R\n1,1,0.1\n"),
+        table("`id,pos_x,pos_y,diameter`", "id,pos_x,pos_y,diameter\n1,1,1,0.1\n"),
+        table("`x,y,radius,id`", "x,y,radius,id\n1,1,0.1,1\n"),
+        table("`x,y,radius,`", "x,y,radius,\n1,1,0.1,\n"),
+        table('`"x","y","radius"` and `"1","1","0.1"`', '"x","y","radius"\n"1","1","0.1"\n'),
+        table('`"x,y,radius`', '"x,y,radius\n1,1,0.1\n'),
+        table("`x;y;radius` and `1;1;0.1`", CSV.replace(",", ";")),
+        table("`x;y;radius` and `1,0;1,0;0,1`", "x;y;radius\n1,0;1,0;0,1\n"),
+        table("tabs between values", CSV.replace(",", "\t")),
+        table("`x y radius`", CSV.replace(",", " ")),
+        table("a byte order mark", b"\xef\xbb\xbf" + CSV.encode()),
+        table("UTF-16", b"\xff\xfe" + CSV.encode("utf-16-le")),
+        table("lines end with CR", CSV.replace("\n", "\r")),
+        table("compressed with gzip", gzip.compress(CSV.encode(), mtime=0)),
+        table("a spreadsheet", b"PK\x03\x04\x14\x00\x06\x00rest"),
+        table("an HDF5 file", b"\x89HDF\r\n\x1a\n\0\0\0\0"),
+        table("a line of names and no rows", "x,y,radius\n"),
+        table("empty", ""),
+        table("`1,1,2*0.1`", "x,y,radius\n1,1,2*0.1\n"),
+        table("`1,1,abc`", "x,y,radius\n1,1,abc\n"),
+        table("`1,1`", "x,y,radius\n1,1\n"),
+        table("a CSV file called d.h5", CSV, 'disk_files = ( { file = "d.h5"; density = 1; } );\n', "d.h5"),
+    ],
+    "The command line": [
+        command("rum", "d.cfg"), command("run"), command("run", "a.cfg", "b.cfg"), command("run", "nowhere.cfg"),
+        command("run", "d.cfg", "--treads", "4"), command("run", "d.cfg", "-x"), command("run", "d.cfg", "-o"),
+        command("run", "d.cfg", "--threads", "many"), command("run", "d.cfg", "--quiet=1"), command("--quiet", "run", "d.cfg"),
+        command("run", "d.cfg", "-o", "-"), command("info", "-"), command("measure", "x.h5"),
+    ],
+}
+
+HEAD = """# Messages: mistakes, and what the program says
+
+A message names the file, the line, the key with its value, and what was expected; all mistakes of a deck come at once, except
+that of several mistakes of form (brackets, commas) only the first is told, since the others follow from it. Every message
+begins with `error:` or `warning:`, which the tables leave out. `tests/test_mistakes.py` makes each of these mistakes and
+compares; the column *before* is what version 0.1 said. The deck is that of a ball over a floor (in the test).
+"""
+
+
+def said(program, files, arguments):
+    """The errors of a command, or that there are none."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, content in (files or {}).items():
+            (pathlib.Path(folder) / name).write_bytes(content.encode() if isinstance(content, str) else content)
+        words = arguments if files is None else ["check", "d.cfg", "--brief", "--no-probe", *arguments]
+        ran = subprocess.run([str(program), *words], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                             errors="replace", check=False)
+    if ran.returncode == 0:
+        return ["accepted"]
+    assert ran.returncode == 2, (words, ran.returncode, ran.stderr)
+    return [re.sub(r"^error: ", "", line) for line in ran.stderr.splitlines() if not line.startswith("warning: ")]
+
+
+def cell(lines):
+    return "<br>".join(line.replace("&", "&amp;").replace("<", "&lt;").replace("|", "&#124;").replace("*", "&#42;")
+                       for line in lines)
+
+
+def rows():
+    """{mistake: [before, now]} of the page."""
+    found = {}
+    for line in PAGE.read_text().splitlines() if PAGE.exists() else []:
+        parts = line.split(" | ")
+        if line.startswith("| ") and len(parts) == 3:
+            found[parts[0][2:].replace("&#42;", "*")] = [parts[1], parts[2].removesuffix(" |")]
+    return found
+
+
+def write(older):
+    there, text = rows(), HEAD
+    for title, mistakes in TABLES.items():
+        text += f"\n## {title}\n\n| mistake | before | now |\n|---|---|---|\n"
+        for mistake, files, arguments in mistakes:
+            before = there.get(mistake, [None])[0] or (cell(said(older, files, arguments)) if older else "-")
+            text += f"| {mistake} | {before} | {cell(said(PROGRAM, files, arguments))} |\n"
+    PAGE.write_text(text)
+
+
+class Mistakes(unittest.TestCase):
+    def test_messages(self):
+        there = rows()
+        names = [mistake for mistakes in TABLES.values() for mistake, _, _ in mistakes]
+        self.assertEqual(len(set(names)), len(names))
+        self.assertGreater(len(names), 90)
+        self.assertEqual(sorted(set(there) - {"mistake"}), sorted(names), "tests/test_mistakes.py --write")
+        for mistakes in TABLES.values():
+            for mistake, files, arguments in mistakes:
+                with self.subTest(mistake):
+                    self.assertEqual(cell(said(PROGRAM, files, arguments)), there[mistake][1])
+
+    def test_deck(self):
+        """Without a mistake it is right."""
+        self.assertEqual(said(PROGRAM, {"d.cfg": DECK}, []), ["accepted"])
+
+
+if __name__ == "__main__":
+    if "--write" in sys.argv:
+        write(sys.argv[sys.argv.index("--before") + 1] if "--before" in sys.argv else None)
+    else:
+        unittest.main()
