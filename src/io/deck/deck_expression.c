@@ -171,7 +171,7 @@ static double call(parser *e, const struct function *f) {
   e->functions--;
   e->depth--;
   if (!e->wrong && !take(e, ')')) return *e->p ? unexpected(e) : fail(e, "a ) is missing");
-  double y = f->of ? f->of(x[0]) : f->of_two(x[0], x[1]);
+  double y = f->of_two ? f->of_two(x[0], x[1]) : f->of(x[0]);
   if (isfinite(y) || e->wrong || e->names == DECK_NAMES_ANY) return y;
   return fail(e,
               deck_format(e->d, "%s of %.10g is %s", f->name, x[0], isnan(y) ? "no number" : "not finite"));

@@ -288,7 +288,7 @@ static void read_disks(reader *r, sd_model *m) {
   for (size_t k = 0; m->disks && r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
   if (r->status == SD_OK) m->n_disks = n;
   char **names = read_names(r, DISKS "/name", n);
-  for (size_t k = 0; names && k < n; k++) m->disks[k].name = names[k];
+  for (size_t k = 0; m->disks && names && k < n; k++) m->disks[k].name = names[k];
   free(names);
 }
 
@@ -325,7 +325,7 @@ static void read_walls(reader *r, sd_model *m) {
   for (size_t k = 0; m->walls && k < n; k++)
     if (!m->walls[k].points) m->walls[k].n_points = 0;
   char **names = read_names(r, WALLS "/name", n);
-  for (size_t k = 0; names && k < n; k++) m->walls[k].name = names[k];
+  for (size_t k = 0; m->walls && names && k < n; k++) m->walls[k].name = names[k];
   free(names);
   free(points);
 }
