@@ -144,9 +144,9 @@ static void walk_materials(image *im, sd_model *m) {
 
 /* After the struct itself. */
 static void walk(image *im, sd_model *m) {
-  void *places[] = {&m->title,     &m->materials, &m->laws,     &m->groups, &m->disks,
-                    &m->walls,     &m->motions,   &m->phases,   &m->rains,  &m->memories,
-                    &m->rotations, &m->slides,    &m->mistakes, &m->deck,   &m->segments};
+  void *places[] = {&m->title,    &m->materials, &m->laws,     &m->groups,       &m->disks,     &m->walls,
+                    &m->motions,  &m->phases,    &m->rains,    &m->memories,     &m->rotations, &m->slides,
+                    &m->mistakes, &m->deck,      &m->segments, &m->contact_disks};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
@@ -155,6 +155,7 @@ static void walk(image *im, sd_model *m) {
   array(im, &m->memories, m->n_memories, sizeof *m->memories);
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);
+  array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
 }
 
 void *image_of_model(const sd_model *model, size_t *size) {
