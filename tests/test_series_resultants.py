@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 import results_common
-from results_common import run
+from results_common import run, start, wait_for
 
 MATERIAL = 'materials = ( { name = "m"; k_n = 1e5; k_t = 5e4; gamma_n = 20.0; mu = 0.4; } );\n'
 HEAD = 'integrator = "%s"; contact_variant = "%s"; dt = 2e-4;\n' + MATERIAL
@@ -212,12 +212,27 @@ measure = { walls = true; box = true; stress = true; };
                 self.assertTrue(near(c[name], [np.diff(f["region"][side])[0] for f in frames], 1e-14))
             self.assertGreater(c["stress_yy"].max(), 0)
 
-    def test_the_same_with_threads_and_stops(self):
-        deck = HEAD % ("gear5", "paper") + BOX % 15000
+    def keep(self, deck):
         self.make(deck, "--threads", "1")
         first = self.folder / "first.h5"
         self.result.rename(first)
-        self.kill_until_done([self.deck, "--threads", "2", "-D", "checkpoint=0.005", "--quiet"], 0.2, 7)
+        return first
+
+    def test_the_same_with_threads(self):
+        deck = HEAD % ("gear5", "paper") + BOX % 2000
+        first = self.keep(deck)
+        self.make(deck, "--threads", "2")
+        results_common.assert_same(self, first, self.result)
+
+    def test_the_same_after_a_kill(self):
+        first = self.keep(HEAD % ("gear5", "paper") + BOX % 60000)
+        words = ["run", self.deck, "-o", self.result, "--threads", 1, "--quiet"]
+        process = start(*words, "-D", "checkpoint=0.01")
+        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 5000)
+        process.kill()
+        process.communicate()
+        self.assertTrue(self.parts.exists())
+        self.run_ok(*words)
         results_common.assert_same(self, first, self.result)
 
     def test_nothing_in_play(self):
