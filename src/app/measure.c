@@ -272,7 +272,10 @@ static sd_status measure(const arguments *a, sd_messages *messages) {
 int app_measure(int argc, char **argv) {
   arguments a = {.frame = -1, .bins = 100};
   int mistake = parse(argc, argv, &a);
-  if (mistake) return mistake;
+  if (mistake) {
+    free(a.bodies.item);
+    return mistake;
+  }
   sd_messages *messages = app_messages();
   sd_status status = measure(&a, messages);
   fflush(stdout);
