@@ -98,8 +98,19 @@ const char *report_of(const summary *found);
 const char *report_duration(double seconds, char *text, size_t size);
 
 /* --- size.c ----------------------------------------------------------------------------------------- */
-/* One line of `check`: rows, frames, contact tables and bytes of the result. SD_ERROR_IO: no memory. */
-sd_status size_print(const sd_model *model, sd_messages *messages);
+/* How large a result will be. */
+typedef struct result_size {
+  int64_t series, frames, contacts; /* rows of the series, frames, contact tables */
+  size_t most_contacts;             /* assumed in each table */
+  bool at_most;                     /* the run may end early */
+  double bytes;
+} result_size;
+/* SD_ERROR_IO: no memory. */
+sd_status size_find(result_size *size, const sd_model *model, sd_messages *messages);
+/* Warns of more than the disk of this folder has room for, and of very large ones. */
+void size_warn(const result_size *size, const char *folder, sd_messages *messages);
+/* "1.2 GB"; written into text[size]. */
+const char *size_text(double bytes, char *text, size_t size);
 
 /* --- place.c: from a name on the command line to what is on disk ------------------------------------- */
 typedef struct place {

@@ -11,6 +11,7 @@
 
 #include "base/clock.h"
 #include "app/app.h"
+#include "app/check.h"
 #include "base/shortage.h"
 #include "app/sweep.h"
 #include "io/deck/deck.h"
@@ -24,7 +25,7 @@ static const double probe_seconds = 0.2;
 typedef struct options {
   const char *deck;
   option_list overrides;
-  bool brief, no_probe, keys;
+  bool brief, no_probe, keys, json;
 } options;
 
 static const option_row rows[] = {
@@ -32,6 +33,8 @@ static const option_row rows[] = {
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
     {"brief", 0, OPTION_FLAG, offsetof(options, brief), 0, 0, NULL, NULL, "leave the full deck out"},
     {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), 0, 0, NULL, NULL, "do not measure the speed"},
+    {"json", 0, OPTION_FLAG, offsetof(options, json), 0, 0, NULL, NULL,
+     "all of it as JSON, messages included"},
     {"keys", 0, OPTION_FLAG, offsetof(options, keys), 0, 0, NULL, NULL,
      "print the tables of all keys, and nothing else"},
 };
@@ -50,99 +53,7 @@ const command_line app_check_line = {
         "of a\n"
         "sweep are checked, too. A DECK of - is the standard input.\n"};
 
-/* --- findings ------------------------------------------------------------------------------------------------ */
-
-static void print_duration(double s) {
-  if (s < 120)
-    printf("%.3g s", s);
-  else if (s < 7200)
-    printf("%.3g min", s / 60);
-  else if (s < 48 * 3600)
-    printf("%.3g h", s / 3600);
-  else
-    printf("%.3g days", s / 86400);
-}
-
-static void print_counts(const sd_model *m) {
-  printf("# disks       %zu: %zu free, %zu fixed or moved\n", m->n_disks, m->n_free, m->n_disks - m->n_free);
-  if (m->n_walls) printf("# walls       %zu\n", m->n_walls);
-  for (size_t k = 0; k < m->n_groups; k++) {
-    size_t n = 0;
-    for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].group == (int)k;
-    printf("# group       \"%s\": %zu disks\n", m->groups[k], n);
-  }
-}
-
-/* Goals that may end the phase before its length, and its relaxation or compression. */
-static void print_phase_aims(const sd_phase *p) {
-  const sd_settle *s = &p->settle;
-  const sd_compress *c = &p->compress;
-  if (p->relax) printf(", relaxed");
-  if (c->asked && c->pressure > 0) printf(", compressed to pressure %g", c->pressure);
-  if (c->asked && c->fraction > 0) printf(", compressed to packing fraction %g", c->fraction);
-  if (s->asked) printf(", until at rest");
-}
-
-static void print_rains(const sd_model *m) {
-  for (size_t k = 0; k < m->n_rains; k++) {
-    const sd_rain *r = &m->rains[k];
-    size_t batches = (r->count + r->batch - 1) / r->batch;
-    printf("# rain        %zu disks in %zu batches of %zu, one every %g: the last at time %g\n", r->count,
-           batches, r->batch, (double)r->interval * m->dt,
-           (double)(batches - 1) * (double)r->interval * m->dt);
-  }
-}
-
-/* With walls there are limits anyway, or no way out. */
-static void print_bounds(const sd_model *m) {
-  bool falls = m->n_free > 0 && (m->gravity[0] != 0 || m->gravity[1] != 0);
-  if (!m->bounds.given && m->n_walls == 0 && falls && !m->periodic[0] && !m->periodic[1])
-    printf("# bounds      none: a disk that falls off is not told of; with `bounds = { };` it is\n");
-}
-
-static void print_limits(const sd_model *m) {
-  const sd_limits *l = &m->limits;
-  printf("# limits      in doubt beyond:");
-  if (l->residual > 0) printf(" residual %g", l->residual);
-  if (l->open > 0) printf(" open %g", l->open);
-  if (l->displacement > 0) printf(" displacement %g", l->displacement);
-  printf("%s\n", l->residual > 0 || l->open > 0 || l->displacement > 0 ? "" : " nothing");
-}
-
-static void print_phases(const sd_model *m) {
-  for (size_t k = 0; k < m->n_phases; k++) {
-    const sd_phase *p = &m->phases[k];
-    size_t on = 0;
-    for (size_t j = 0; j < m->n_motions; j++) on += p->active[j];
-    printf("# phase       %s%s%s%lld steps, time %g", p->name ? p->name : "", p->name ? ": " : "",
-           p->settle.asked ? "at most " : "", (long long)p->steps, (double)p->steps * m->dt);
-    if (m->n_motions) printf(", %zu of %zu prescribed signals on", on, m->n_motions);
-    print_phase_aims(p);
-    printf("%s\n", p->measure ? ", measured" : "");
-  }
-  print_rains(m);
-  const sd_until *u = &m->until;
-  if (u->asked)
-    printf("#             at most; it ends after %lld steps, time %g, or later, with the goal of `until`\n",
-           (long long)u->least, (double)u->least * m->dt);
-}
-
-static void print_time_step(const sd_model *m) {
-  uint32_t disk = 0;
-  double period = sd_model_shortest_period(m, &disk);
-  char name[96];
-  if (!isfinite(period)) {
-    printf("# time step   %g; no disk is free to move in a contact\n", m->dt);
-    return;
-  }
-  printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
-         sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
-  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity"};
-  const sd_step_limit limit = sd_model_step_limit(m);
-  printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt, bounds[limit.bound],
-         sd_model_body_name(m, limit.disk, name, sizeof name), m->integrator == SD_GEAR5 ? "gear5" : "verlet",
-         m->dt / limit.dt);
-}
+/* --- restitution ----------------------------------------------------------------------------------------- */
 
 static int by_size(const void *a, const void *b) {
   double p = *(const double *)a, q = *(const double *)b;
@@ -179,69 +90,63 @@ static size_t count_free(const sd_model *m, int material) {
   return n;
 }
 
-static void print_one_restitution(const sd_model *m, int a, int b, double mass, const char *what) {
-  const sd_contact_law *law = sd_model_law(m, a, b);
-  printf("# restitution \"%s\" on \"%s\": e = %.4f (%s, effective mass %.4g)\n", m->materials[a].name,
-         m->materials[b].name, sd_restitution(law->k_n, law->gamma_n, mass).restitution, what, mass);
+static double restitution_at(const sd_contact_law *law, double mass) {
+  return sd_restitution(law->k_n, law->gamma_n, mass).restitution;
 }
 
 /* Of Hertz' law it is that of the deck, whatever the masses. */
-static void print_given_restitution(const sd_model *m, int a, int b) {
-  const sd_contact_law *law = sd_model_law(m, a, b);
-  printf("# restitution \"%s\" on \"%s\": ", m->materials[a].name, m->materials[b].name);
-  if (law->gamma_n > 0.0)
-    printf("depends on the speed\n");
-  else
-    printf("e = %g at any speed\n", law->restitution > 0.0 ? law->restitution : 1.0);
+static double given_restitution(const sd_contact_law *law) {
+  if (law->gamma_n > 0.0) return NAN;
+  return law->restitution > 0.0 ? law->restitution : 1.0;
 }
 
-static void print_restitution(const sd_model *m) {
+void check_restitutions(const sd_model *m, check_restitution *visit, void *user) {
+  const char *still = "a free disk on a fixed body";
   for (int a = 0; a < (int)m->n_materials; a++)
     for (int b = a; b < (int)m->n_materials; b++) {
-      double ma = typical_mass(m, a), mb = typical_mass(m, b);
-      if (sd_model_law(m, a, b)->k_n <= 0) continue;
-      if (sd_model_law(m, a, b)->normal != SD_NORMAL_LINEAR) {
-        print_given_restitution(m, a, b);
+      const sd_contact_law *law = sd_model_law(m, a, b);
+      double ma = typical_mass(m, a), mb = typical_mass(m, b), mass = ma * mb / (ma + mb);
+      if (law->k_n <= 0) continue;
+      if (law->normal != SD_NORMAL_LINEAR) {
+        visit(user, a, b, given_restitution(law), 0, "any");
         continue;
       }
       size_t enough = a == b ? 2 : 1;
       if (count_free(m, a) >= enough && count_free(m, b) >= enough)
-        print_one_restitution(m, a, b, ma * mb / (ma + mb), "two free disks");
-      if (ma > 0 && has_still(m, b)) print_one_restitution(m, a, b, ma, "a free disk on a fixed body");
-      if (a != b && mb > 0 && has_still(m, a))
-        print_one_restitution(m, b, a, mb, "a free disk on a fixed body");
+        visit(user, a, b, restitution_at(law, mass), mass, "two free disks");
+      if (ma > 0 && has_still(m, b)) visit(user, a, b, restitution_at(law, ma), ma, still);
+      if (a != b && mb > 0 && has_still(m, a)) visit(user, b, a, restitution_at(law, mb), mb, still);
     }
 }
 
-/* Runs the deck for a moment, the beginning of it at least. *speed: steps per second; 0: not known. */
-static sd_status probe(const sd_model *m, double *speed, sd_messages *messages) {
+/* --- speed ----------------------------------------------------------------------------------------------- */
+
+/* Runs the deck for a moment, the beginning of it at least. */
+static sd_status probe(check_found *f, sd_messages *messages) {
   sd_simulation *s = NULL;
-  sd_status status = sd_simulation_new(m, 0, &s, messages);
+  sd_status status = sd_simulation_new(f->model, 0, &s, messages);
   if (status != SD_OK) return status;
   const sd_state *first = sd_simulation_state(s);
-  if (first) printf("# contacts    %zu at the start\n", first->n_contacts);
+  f->probed = first;
+  if (first) f->contacts = first->n_contacts;
   if (!first) status = sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
-  int64_t done = 0, chunk = 16;
+  int64_t chunk = 16;
   double start = clock_seconds(), spent = 0;
   while (status == SD_OK && !sd_simulation_finished(s) && spent < probe_seconds) {
     status = sd_simulation_advance(s, chunk, messages);
-    done = sd_simulation_stage(s).step;
+    f->tried = sd_simulation_stage(s).step;
     spent = clock_seconds() - start;
     if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
   }
-  if (status == SD_OK && done > 0 && spent > 0) {
-    *speed = (double)done / spent;
-    double whole = (double)sd_model_steps(m) / *speed;
-    printf("# speed       about %.3g steps per second (%d thread%s, %s), measured on the first %lld steps\n",
-           *speed, sd_simulation_threads(s), sd_simulation_threads(s) == 1 ? "" : "s", sd_simulation_path(s),
-           (long long)done);
-    printf("# run time    about ");
-    print_duration(whole);
-    printf(" for %s%lld steps\n", m->until.asked ? "at most " : "", (long long)sd_model_steps(m));
-  }
+  if (status != SD_OK || spent <= 0) f->tried = 0;
+  if (f->tried > 0) f->speed = (double)f->tried / spent;
+  f->threads = sd_simulation_threads(s);
+  snprintf(f->path, sizeof f->path, "%s", sd_simulation_path(s));
   sd_simulation_free(s);
   return status;
 }
+
+double check_run_seconds(const check_found *f) { return (double)sd_model_steps(f->model) / f->speed; }
 
 /* --- sweep --------------------------------------------------------------------------------------------------- */
 
@@ -307,29 +212,20 @@ static double sweep_time(entry *entries, size_t n, const pace *p) {
   return time;
 }
 
-static void print_sweep(const sweep *s, entry *entries, const sd_model *m, const pace *p) {
-  double all = 0;
-  size_t together = 0, n = s->deck.n_points;
-  for (size_t k = 0; k < n; k++) {
-    all += (double)entries[k].steps;
-    together += entries[k].kind != SWEEP_ALONE;
+/* Points, and what they need. */
+static void note_sweep(const sweep *s, entry *entries, const pace *p, check_sweep *found) {
+  *found =
+      (check_sweep){.points = s->deck.n_points, .sets = s->deck.n_sets, .width = p->width, .seconds = NAN};
+  for (size_t k = 0; k < found->points; k++) {
+    found->steps += (double)entries[k].steps;
+    found->together += entries[k].kind != SWEEP_ALONE;
   }
-  printf("# sweep       %zu point%s", n, n == 1 ? "" : "s");
-  if (s->deck.n_sets < n) printf(", %zu set%s of values", s->deck.n_sets, s->deck.n_sets == 1 ? "" : "s");
-  printf("; `slipdisk sweep` runs them, this is the deck as it stands\n");
-  printf("#             %s%.4g steps in all", m->until.asked ? "at most " : "", all);
-  if (p->alone > 0) {
-    printf(", about ");
-    print_duration(sweep_time(entries, n, p));
-    printf(" with one worker, %s", p->together > 0 && together > 1 ? "in lanes" : "one after the other");
-    if (n > 1) printf("; -j N shares them among N");
-  }
-  printf("\n");
-  if (together > 1 && p->width > 1)
-    printf("#             %zu of them can go in lanes, up to %zu side by side\n", together, p->width);
+  if (p->alone > 0) found->seconds = sweep_time(entries, found->points, p);
+  found->lanes = p->together > 0 && found->together > 1;
 }
 
-static sd_status check_sweep(const options *o, const sd_model *m, double speed, sd_messages *messages) {
+static sd_status look_at_sweep(const options *o, check_found *f, sd_messages *messages) {
+  double speed = f->tried > 0 ? f->speed : 0;
   sweep s;
   size_t usable;
   sd_status status = sweep_open(&s, o->deck, o->overrides.n, o->overrides.item, "", messages);
@@ -341,10 +237,10 @@ static sd_status check_sweep(const options *o, const sd_model *m, double speed, 
   if (status == SD_OK && !memory) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
   if (status == SD_OK) status = sweep_precheck(&s, steps, kinds, &usable, messages);
   pace p = {.alone = speed > 0 ? 1 / speed : 0, .width = ensemble_width()};
-  if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(m))
-    p.together = probe_lanes(m, p.width);
+  if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(f->model))
+    p.together = probe_lanes(f->model, p.width);
   for (size_t k = 0; memory && k < n; k++) entries[k] = (entry){kinds[k], steps[k]};
-  if (memory) print_sweep(&s, entries, m, &p);
+  if (memory) note_sweep(&s, entries, &p, &f->sweep);
   free(steps);
   free(kinds);
   free(entries);
@@ -352,24 +248,30 @@ static sd_status check_sweep(const options *o, const sd_model *m, double speed, 
   return status;
 }
 
-static sd_status check(const options *o, sd_messages *messages) {
-  sd_model *m = NULL;
-  sd_status status = sd_deck_load(o->deck, o->overrides.n, o->overrides.item, &m, messages);
-  if (status != SD_OK) return status;
-  if (!o->brief) printf("%s\n", sd_model_deck(m)->full);
-  app_line(stdout, "# deck        %s%s%s", o->deck, m->title && *m->title ? ": " : "",
-           m->title ? m->title : "");
-  print_counts(m);
-  print_bounds(m);
-  print_phases(m);
-  print_limits(m);
-  print_time_step(m);
+static sd_status find(const options *o, check_found *f, sd_messages *messages) {
+  const sd_model *m = f->model;
   sd_model_advise(m, messages);
-  print_restitution(m);
-  double speed = 0;
-  status = size_print(m, messages);
-  if (status == SD_OK && !o->no_probe) status = probe(m, &speed, messages);
-  if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = check_sweep(o, m, speed, messages);
+  if (advice_overlap(m, &f->overlap) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  sd_status status = size_find(&f->size, m, messages);
+  if (status == SD_OK) size_warn(&f->size, ".", messages);
+  if (status == SD_OK && !o->no_probe) status = probe(f, messages);
+  if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = look_at_sweep(o, f, messages);
+  return status;
+}
+
+static int check(const options *o, sd_messages *messages) {
+  sd_model *m = NULL;
+  int status = sd_deck_load(o->deck, o->overrides.n, o->overrides.item, &m, messages);
+  check_found found = {.model = m};
+  if (status == SD_OK) status = find(o, &found, messages);
+  if (o->json) {
+    status = check_print_json(&found, o->deck, !o->brief, status, messages);
+  } else if (m) {
+    if (!o->brief) printf("%s\n", sd_model_deck(m)->full);
+    app_line(stdout, "# deck        %s%s%s", o->deck, m->title && *m->title ? ": " : "",
+             m->title ? m->title : "");
+    check_print(&found);
+  }
   sd_model_free(m);
   return status;
 }
@@ -387,7 +289,7 @@ int app_check(int argc, char **argv) {
   else if (status == SD_OK)
     status = check(&o, messages);
   fflush(stdout);
-  sd_messages_print(messages, stderr);
+  if (!o.json) sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   free(o.overrides.item);
   return status;

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/text.h"
 #include "app/app.h"
 #include "io/store/file.h"
 #include "run/session.h"
@@ -181,6 +182,15 @@ static void warn_of_threads(const sd_model *model, int asked, sd_messages *messa
             asked, SIMULATION_DISKS_PER_THREAD, model->n_free, best);
 }
 
+/* Where the result will lie. */
+static void warn_of_size(const sd_model *model, const char *result, sd_messages *messages) {
+  result_size size;
+  const char *slash = strrchr(result, '/');
+  char *folder = slash ? format_text("%.*s", (int)(slash - result) + 1, result) : format_text(".");
+  if (folder && size_find(&size, model, NULL) == SD_OK) size_warn(&size, folder, messages);
+  free(folder);
+}
+
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_messages *messages) {
   session_options how = {.result = options->result,
@@ -191,6 +201,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .user = t};
   session *s;
   sd_model_advise(model, messages);
+  warn_of_size(model, options->result, messages);
   warn_of_threads(model, (int)options->threads, messages);
   sd_status status = session_open(model, &how, &s, messages);
   tell_messages(t, messages);

@@ -243,7 +243,8 @@ static json_t *provenance_json(const provenance *p) {
   return object;
 }
 
-static int print_json(const facts *f) {
+/* NULL: no memory. */
+static json_t *facts_json(const facts *f) {
   const summary *s = &f->found;
   json_t *root = json_pack("{s:s, s:b}", "file", f->path, "finished", (int)f->finished);
   json_add(root, &fact_observables, s, 1, 0);
@@ -263,21 +264,21 @@ static int print_json(const facts *f) {
   bool good = root;
   for (size_t k = 0; k < sizeof rest / sizeof *rest; k++)
     good = json_object_set_new(root, rest[k].name, rest[k].value) == 0 && good;
-  int status = good && json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : app_no_memory();
-  putchar('\n');
+  if (good) return root;
   json_decref(root);
-  return status;
+  return NULL;
 }
 
 /* --- command -------------------------------------------------------------------------------------- */
 
 typedef struct arguments {
-  const char *name;
+  size_t first; /* operand */
   bool json, deck, as_read, names;
 } arguments;
 
 static const option_row rows[] = {
-    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL, "for programs"},
+    {"json", 0, OPTION_FLAG, offsetof(arguments, json), 0, 0, NULL, NULL,
+     "for programs; of several files an array"},
     {"deck", 0, OPTION_FLAG, offsetof(arguments, deck), 0, 0, NULL, NULL,
      "the complete deck it was run with"},
     {"deck-as-read", 0, OPTION_FLAG, offsetof(arguments, as_read), 0, 0, NULL, NULL,
@@ -288,10 +289,10 @@ static const option_row rows[] = {
 const command_line app_info_line = {.name = "info",
                                     .n = sizeof rows / sizeof *rows,
                                     .rows = rows,
-                                    .operand = OPERAND_RESULT,
-                                    .offset = offsetof(arguments, name),
+                                    .operand = OPERAND_RESULTS,
+                                    .offset = offsetof(arguments, first),
                                     .optional = true,
-                                    .operands = "FILE",
+                                    .operands = "FILE...",
                                     .summary = "Tells what a run has found, finished or not",
                                     .more = NULL};
 
@@ -306,31 +307,53 @@ static int print_names(void) {
   return SD_OK;
 }
 
-int app_info(int argc, char **argv) {
-  arguments a = {0};
-  int mistake = options_parse(&app_info_line, argc, argv, &a);
-  if (mistake) return mistake;
-  if (a.names) return print_names();
-  if (!a.name) return app_misuse("info", "one result is expected");
-  bool json = a.json, deck = a.deck;
-  const char *name = a.name;
-  if (!json && !deck && !a.as_read && tell_failure(name)) return SD_OK;
+/* into: array of JSON objects; NULL: a page is printed. */
+static int tell_file(const char *name, const arguments *a, json_t *into) {
+  bool text = a->deck || a->as_read;
+  if (!into && !text && tell_failure(name)) return SD_OK;
   place p = {0};
   facts f = {0};
   sd_messages *messages = app_messages();
   int status = refuse_sweep(name, messages);
   if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);
-  if (status == SD_OK) status = read_facts(&f, &p, named_parts, json, messages);
+  if (status == SD_OK) status = read_facts(&f, &p, named_parts, into, messages);
   sd_messages_print(messages, stderr);
-  if (status == SD_OK && (deck || a.as_read))
-    fputs(deck ? f.origin.deck_full : f.origin.deck_text, stdout);
-  else if (status == SD_OK && json)
-    status = print_json(&f);
+  if (status == SD_OK && text)
+    fputs(a->deck ? f.origin.deck_full : f.origin.deck_text, stdout);
+  else if (status == SD_OK && into)
+    status = json_array_append_new(into, facts_json(&f)) == 0 ? SD_OK : app_no_memory();
   else if (status == SD_OK)
     print_text(&f, &p);
   facts_free(&f);
   place_free(&p);
   sd_messages_free(messages);
   return status;
+}
+
+/* One object for one file, an array for several. */
+static int print_json(json_t *list, bool several) {
+  const json_t *root = several ? list : json_array_get(list, 0);
+  int status = !root || json_dumpf(root, stdout, JSON_INDENT(2)) == 0 ? SD_OK : app_no_memory();
+  if (root) putchar('\n');
+  return status;
+}
+
+int app_info(int argc, char **argv) {
+  arguments a = {0};
+  int status = options_parse(&app_info_line, argc, argv, &a), n = a.first ? argc - (int)a.first : 0;
+  if (status) return status;
+  if (a.names) return print_names();
+  if (n == 0) return app_misuse("info", "a result is expected");
+  if (n > 1 && (a.deck || a.as_read)) return app_misuse("info", "--deck and --deck-as-read want one result");
+  json_t *list = a.json && !a.deck && !a.as_read ? json_array() : NULL;
+  if (a.json && !a.deck && !a.as_read && !list) return app_no_memory();
+  for (int k = argc - n; k < argc; k++) {
+    if (!list && k > argc - n) putchar('\n');
+    int one = tell_file(argv[k], &a, list);
+    if (status == SD_OK) status = one;
+  }
+  int printed = list ? print_json(list, n > 1) : SD_OK;
+  json_decref(list);
+  return status == SD_OK ? printed : status;
 }

@@ -2,13 +2,33 @@
 #include "app/json.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "base/text.h"
 
 json_t *json_number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
 
 json_t *json_numbers(size_t n, const double *values) {
   json_t *list = json_array();
   for (size_t k = 0; k < n; k++) json_array_append_new(list, json_number(values[k]));
+  return list;
+}
+
+json_t *json_text(const char *text) {
+  json_t *value = json_string(text);
+  char *copy = value ? NULL : format_text("%s", text);
+  if (copy) value = json_string(text_clean(copy));
+  free(copy);
+  return value;
+}
+
+json_t *json_messages(const sd_messages *messages) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < sd_messages_count(messages); k++)
+    json_array_append_new(list, json_pack("{s:s, s:o}", "kind",
+                                          sd_messages_kind(messages, k) == SD_OK ? "warning" : "error",
+                                          "text", json_text(sd_messages_text(messages, k))));
   return list;
 }
 

@@ -5,9 +5,14 @@
 #include <jansson.h>
 
 #include "measure/observable.h"
+#include "slipdisk/status.h"
 
 json_t *json_number(double value);
 json_t *json_numbers(size_t n, const double *values);
+/* A text that may be no UTF-8: then with ? for what cannot be shown. */
+json_t *json_text(const char *text);
+/* [{"kind": "error" or "warning", "text": ...}] */
+json_t *json_messages(const sd_messages *messages);
 /* The value of an observable as its type says. */
 json_t *json_observable(const observable *o, const void *row, size_t k);
 /* Adds element k of the quantities of this width to an object, under their names for JSON; one that is "group.name" goes

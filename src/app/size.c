@@ -1,12 +1,16 @@
 /* size.c: how large a result will be, from the deck alone: rows of each table, columns of the state, and what HDF5 and
  * the compression of frames and contact tables make of them. */
 #include <inttypes.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 
 #include "slipdisk/deck.h"
 #include "app/app.h"
+#include "base/text.h"
 #include "io/results/record.h"
 #include "io/results/summary.h"
 
@@ -92,29 +96,51 @@ static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   return bytes;
 }
 
-static void print_bytes(double bytes) {
+const char *size_text(double bytes, char *text, size_t size) {
   if (bytes < 999.5e3)
-    printf("%.3g kB", bytes / 1e3);
+    snprintf(text, size, "%.3g kB", bytes / 1e3);
   else if (bytes < 999.5e6)
-    printf("%.3g MB", bytes / 1e6);
+    snprintf(text, size, "%.3g MB", bytes / 1e6);
   else
-    printf("%.4g GB", bytes / 1e9);
+    snprintf(text, size, "%.4g GB", bytes / 1e9);
+  return text;
 }
 
-sd_status size_print(const sd_model *m, sd_messages *messages) {
+sd_status size_find(result_size *size, const sd_model *m, sd_messages *messages) {
   record r;
   sd_status status = record_new(&r, m, messages);
+  *size = (result_size){.most_contacts = most_contacts(m), .at_most = m->until.asked};
   if (status == SD_OK) {
     const rows n = count_rows(m);
-    bool early = m->until.asked;
-    for (size_t k = 0; k < m->n_phases; k++) early = early || m->phases[k].settle.asked;
-    printf("# result      %s", early ? "at most " : "");
-    printf("%" PRId64 " rows of the series, %" PRId64 " frames, %" PRId64 " contact tables: about ", n.series,
-           n.frames, n.contacts);
-    print_bytes(result_bytes(m, &r, &n));
-    if (n.contacts > 2) printf(" when there are %zu contacts", most_contacts(m));
-    printf(", and as much again while it is put together\n");
+    for (size_t k = 0; k < m->n_phases; k++) size->at_most |= m->phases[k].settle.asked;
+    size->series = n.series;
+    size->frames = n.frames;
+    size->contacts = n.contacts;
+    size->bytes = result_bytes(m, &r, &n);
   }
   record_free(&r);
   return status;
+}
+
+/* A result larger than this is seldom meant. */
+static const double LARGE = 50e9;
+
+void size_warn(const result_size *size, const char *folder, sd_messages *messages) {
+  struct statvfs disk;
+  char bytes[40], room[40],
+      *amount = format_text("%" PRId64 " rows of the series, %" PRId64 " frames, %" PRId64 " contact tables",
+                            size->series, size->frames, size->contacts);
+  double free_bytes = statvfs(folder, &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize : HUGE_VAL;
+  const char *most = size->at_most ? "up to " : "";
+  size_text(size->bytes, bytes, sizeof bytes);
+  if (2 * size->bytes > free_bytes)
+    sd_warn(
+        messages,
+        "the result will have %sabout %s (%s), and needs twice that while it is put together; the disk has "
+        "room for %s",
+        most, bytes, amount ? amount : "", size_text(free_bytes, room, sizeof room));
+  else if (size->bytes > LARGE)
+    sd_warn(messages, "the result will have %sabout %s (%s); are so few steps between them meant?", most,
+            bytes, amount ? amount : "");
+  free(amount);
 }

@@ -34,6 +34,8 @@ static const option_row rows[] = {
     {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), 0, 0, NULL, NULL, "tell how far it is"},
     {"list", 0, OPTION_FLAG, offsetof(sweep_command, list), 0, 0, NULL, NULL,
      "tell all points, with their numbers"},
+    {"json", 0, OPTION_FLAG, offsetof(sweep_command, json), 0, 0, NULL, NULL,
+     "--status or --list of all points, for programs"},
     {"count", 0, OPTION_FLAG, offsetof(sweep_command, count), 0, 0, NULL, NULL,
      "tell how many points there are"},
     {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), 0, 0, NULL, NULL,
@@ -56,6 +58,8 @@ static int parse(int argc, char **argv, sweep_command *c) {
   int mistake = options_parse(&app_sweep_line, argc, argv, c);
   if (!mistake && c->status + c->list + c->table + c->count + (c->range != NULL) > 1)
     return app_misuse("sweep", "--status, --list, --table, --count and --point exclude each other");
+  if (!mistake && c->json && !c->status && !c->list)
+    return app_misuse("sweep", "--json belongs to --status or --list");
   return mistake;
 }
 
@@ -234,10 +238,11 @@ static sd_status check_points(const sweep *s, sd_messages *messages) {
 static sd_status tell(const sweep *s, const sweep_command *c, sd_messages *messages) {
   sd_status status = SD_OK;
   if (c->table) return write_table(s, c->mix, messages);
+  if (c->status && c->json) return sweep_print_json(s, messages);
   if (c->status) return print_points(s, false, messages);
   if (!c->skip) status = check_points(s, messages);
   if (c->list) {
-    sd_status listed = print_points(s, true, messages);
+    sd_status listed = c->json ? sweep_print_json(s, messages) : print_points(s, true, messages);
     return status == SD_OK ? listed : status;
   }
   if (status == SD_OK) printf("%zu\n", s->deck.n_points);

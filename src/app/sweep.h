@@ -14,7 +14,7 @@ typedef struct sweep_command {
   const char *range; /* after --point; NULL: all */
   long point, last;  /* from, to; -1: all */
   long threads;
-  bool force, quiet, status, list, table, count, no_lanes;
+  bool force, quiet, status, list, table, count, no_lanes, json;
   bool mix;  /* in a folder with results of other decks, other sweeps */
   bool skip; /* points with mistakes do not keep the others from being run */
 } sweep_command;
@@ -34,6 +34,9 @@ void sweep_show_strangers(FILE *out, const sweep *s);
 /* Adds 1 for each doubt; lines that count finished points with each of them, none when there are none. */
 void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]);
 void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
+
+/* What the folder holds of all points, as JSON. */
+sd_status sweep_print_json(const sweep *s, sd_messages *messages);
 
 /* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:
  * their lengths (with `until` the longest), 0 for those with mistakes; kinds[n_points]: points of the same kind

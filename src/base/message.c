@@ -109,6 +109,11 @@ const char *sd_messages_text(const sd_messages *m, size_t k) {
   return m->lines[k].text;
 }
 
+sd_status sd_messages_kind(const sd_messages *m, size_t k) {
+  assert(k < m->count);
+  return m->lines[k].kind;
+}
+
 sd_status sd_messages_status(const sd_messages *m) {
   for (size_t k = 0; m && k < m->count; k++)
     if (m->lines[k].kind != SD_OK) return m->lines[k].kind;
