@@ -195,6 +195,7 @@ static void find_poses(lanes *l) {
   for (size_t i = l->n_free; i < l->n_bodies && !l->motion; i++) {
     const double now[POSES] = {s->x[i], s->y[i], s->theta[i], s->vx[i], s->vy[i], s->omega[i]};
     for (int c = 0; c < POSES; c++) {
+      if (l->placed[i][c % SD_COORDINATES]) continue;
       l->pose[i][c] = l->still[i][c];
       for (size_t k = 0; k < MOTION_BATCH; k++) l->still[i][c][k] = now[c];
     }
