@@ -128,18 +128,22 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
   char name[96];
   for (uint32_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
-    sd_model_body_name(m, i, name, sizeof name);
     for (int c = 0; c < 3; c++)
       if (!isfinite(d->position[c]) || !isfinite(d->velocity[c]) || !isfinite(d->force[c]))
-        sd_fail(msg, SD_ERROR_USER, "%s: position, velocity and force must be finite", name);
+        sd_fail(msg, SD_ERROR_USER, "%s: position, velocity and force must be finite",
+                sd_model_body_name(m, i, sd_model_body_name(m, i, name, sizeof name), sizeof name));
     if (!(d->radius > 0.0) || !isfinite(d->radius))
-      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, d->radius);
+      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0",
+              sd_model_body_name(m, i, name, sizeof name), d->radius);
     if (!(d->mass > 0.0) || !isfinite(d->mass))
-      sd_fail(msg, SD_ERROR_USER, "%s: mass = %g: expected a number > 0", name, d->mass);
+      sd_fail(msg, SD_ERROR_USER, "%s: mass = %g: expected a number > 0",
+              sd_model_body_name(m, i, name, sizeof name), d->mass);
     if (d->inertia < 0.0)
-      sd_fail(msg, SD_ERROR_USER, "%s: inertia = %g: expected a number >= 0", name, d->inertia);
+      sd_fail(msg, SD_ERROR_USER, "%s: inertia = %g: expected a number >= 0",
+              sd_model_body_name(m, i, name, sizeof name), d->inertia);
     if (d->material < 0 || (size_t)d->material >= m->n_materials)
-      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
+      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material",
+              sd_model_body_name(m, i, sd_model_body_name(m, i, name, sizeof name), sizeof name));
   }
 }
 
