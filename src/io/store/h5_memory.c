@@ -1,4 +1,5 @@
 /* h5_memory.c: files that are built, or read, in memory; see h5.h. */
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,6 +81,7 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
     *size = pieces[0].size + H5_SEAL_BYTES;
     unsigned char *copy = *data = malloc(*size);
     if (copy) {
+      assert(pieces[0].bytes);
       memcpy(copy, pieces[0].bytes, pieces[0].size);
       memcpy(copy + pieces[0].size, seal, H5_SEAL_BYTES);
     } else {
