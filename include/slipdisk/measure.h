@@ -36,7 +36,7 @@ typedef struct sd_rotation {
   bool converged;
 } sd_rotation;
 
-/* k-th watched disk. Before the first full bin, omega and error are NAN. */
+/* k-th watched disk. Before the first full bin, omega and error are NAN; without a k-th one all is, and disk UINT32_MAX. */
 SD_API sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t k);
 
 /* How far a record is from the error bar that the deck's `until` asks for. */
@@ -64,6 +64,7 @@ typedef struct sd_slide {
   int64_t openings[2];
 } sd_slide;
 
+/* k-th watch; without one fractions are NAN, disk and partners UINT32_MAX. */
 SD_API sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k);
 
 /* --- every free disk of a packing (measure_disks of the model) ------------------------------------ */

@@ -2,7 +2,8 @@
  *
  * A model comes from a deck (deck.h), or is built: sd_model_new, then sd_model_add_... and sd_model_set_..., then
  * sd_model_finish, which checks everything and reports all mistakes at once, those of the calls before it included. Every
- * function copies what it is given: strings and arrays can go when it returns.
+ * function copies what it is given: strings and arrays can go when it returns. Pointers are not NULL where nothing says that
+ * they may be.
  *
  * Units are any consistent set; angles are radians, counter-clockwise positive.
  *
@@ -187,7 +188,7 @@ SD_API void sd_model_set_region(sd_model *model, const double lower[2], const do
 SD_API void sd_model_set_bounds(sd_model *model, const double lower[2], const double upper[2]);
 
 /* Each returns the number of what it added. A mistake is kept for sd_model_finish. */
-/* law: of the material with itself; NULL: disks of this material never touch one another. */
+/* law: of the material with itself; NULL: none, where no two bodies of this material can touch. */
 SD_API int sd_model_add_material(sd_model *model, const char *name, const sd_contact_law *law);
 /* Law between two materials, both ways. */
 SD_API void sd_model_set_law(sd_model *model, int material_a, int material_b, const sd_contact_law *law);
@@ -200,7 +201,7 @@ SD_API void sd_model_set_disk(sd_model *model, uint32_t number, const sd_disk *d
 SD_API int sd_model_add_group(sd_model *model, const char *name, size_t n, const uint32_t *disks);
 #define SD_WALL(w) (0x80000000u | (uint32_t)(w))
 SD_API uint32_t sd_model_add_wall(sd_model *model, const sd_wall *wall); /* returns SD_WALL(w) */
-/* A motion is on in the phases added after it that do not say otherwise. */
+/* A motion is on in phases without `active`, and off in those with it that were added before. */
 SD_API int sd_model_add_motion(sd_model *model, const sd_motion *motion);
 /* `active`: of the motions added so far. Without any phase there is one that has no end and has all motions on. */
 SD_API int sd_model_add_phase(sd_model *model, const sd_phase *phase);
@@ -213,9 +214,10 @@ SD_API void sd_model_set_until(sd_model *model, const sd_until *until);
 
 /* Checks ranges and references, fills inertias, flags and derived tables; call once, after the last change.
  * A disk that is named by a motion on a coordinate keeps its other coordinates as they are: it is `driven`
- * when it is fixed or all three are prescribed or locked. Errors: SD_ERROR_USER with one message each. */
+ * when it is fixed or all three are prescribed or locked. Errors: SD_ERROR_USER with one message each. No simulation begins
+ * with a model that was changed since. */
 SD_API sd_status sd_model_finish(sd_model *model, sd_messages *messages);
-/* A copy, finished when the model is; without the deck that it came from. NULL: no memory. */
+/* A copy, finished when the model is, with the mistakes made so far; without the deck that it came from. NULL: no memory. */
 SD_API sd_model *sd_model_clone(const sd_model *model);
 
 /* --- reading --------------------------------------------------------------------------------------- */
@@ -228,13 +230,14 @@ SD_API double sd_model_dt(const sd_model *model);     /* time step */
 SD_API uint32_t sd_model_find(const sd_model *model, const char *name);
 /* As given, inertia filled in; NULL: there is none. Valid as long as the model. */
 SD_API const sd_disk *sd_model_disk(const sd_model *model, uint32_t number);
+/* NULL: no such materials. */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
 SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char *text, size_t size);
 /* Steps of all phases; with `until` it is the most that there can be. */
 SD_API int64_t sd_model_steps(const sd_model *model);
 /* On which side of a wall along x or y the disks are at the start: +1, -1; 0 where the wall surrounds them or
- * moves along itself. The middle of the free disks in play decides, that of the region where there are none. */
+ * moves along itself, or is none. The middle of the free disks in play decides, that of the region where there are none. */
 SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
 /* Two motions of one phase, the first a load or a servo, on the same coordinate of one wall; false: none. */
 SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);

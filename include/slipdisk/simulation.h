@@ -1,7 +1,8 @@
 /* simulation.h: a running system: it is stepped, read without copying, extended, saved, cloned.
  *
  * Between two calls the same model gives the same bits, however the steps are divided into calls and with any number of
- * threads; observers, columns and saving only read. A simulation is used by one thread of the program at a time.
+ * threads; observers, columns and saving only read. A simulation is used by one thread of the program at a time. Pointers are not NULL
+ * where nothing says that they may be.
  */
 #ifndef SLIPDISK_SIMULATION_H
 #define SLIPDISK_SIMULATION_H
@@ -18,7 +19,8 @@ typedef struct sd_simulation sd_simulation;
 
 /* --- beginning and end ----------------------------------------------------------------------------- */
 
-/* Starts at step 0 of a finished model, which must outlive the simulation. threads: 0 = chosen from the system's size.
+/* Starts at step 0 of a finished model (SD_ERROR_USER: it is not), which must outlive the simulation. threads: 0 = chosen from
+ * the system's size.
  * *out is NULL on errors. */
 SD_API sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out,
                                    sd_messages *messages);
@@ -41,7 +43,7 @@ SD_API sd_status sd_simulation_advance(sd_simulation *simulation, int64_t n, sd_
 /* Called after steps that are multiples of `every`; reads only. Returns SD_OK, or SD_INTERRUPTED: sd_simulation_advance
  * returns here. Other values end the run as its errors do. */
 typedef sd_status sd_observer(sd_simulation *simulation, void *user);
-/* Observers are called in the order in which they were added. SD_ERROR_IO: no memory. */
+/* Observers are called in the order in which they were added. SD_ERROR_USER: every < 1, or no observer; SD_ERROR_IO: no memory. */
 SD_API sd_status sd_simulation_observe(sd_simulation *simulation, int64_t every, sd_observer *observer,
                                        void *user);
 
@@ -63,12 +65,13 @@ typedef struct sd_force_columns {
  * Its forces should be functions of the columns and of constants: then restarts and clones go on with the same bits. */
 typedef void sd_force_field(const sd_force_columns *columns, void *user);
 /* Adds a force on the free disks. Forces add up in the order of their fields; their work enters the energy budget as `work`.
- * At step 0 it counts from the start. After loading or cloning, fields are added again before the next step. SD_ERROR_IO: no memory. */
+ * At step 0 it counts from the start. After loading or cloning, fields are added again before the next step. SD_ERROR_USER: NULL
+ * instead of a field; SD_ERROR_IO: no memory. */
 SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_force_field *field, void *user,
                                                sd_messages *messages);
 
 /* Adds n free disks, in no group, between two steps. They get the next disk numbers, from *first (may be NULL); numbers of
- * walls move up by n: find them by name. The energy that they bring is no error of the budget, that of overlaps is. The
+ * walls move up by n: find them by name, or say SD_WALL(w). The energy that they bring is no error of the budget, that of overlaps is. The
  * simulation goes on with a model of its own. SD_ERROR_USER: nothing is changed; while means of every disk are measured no
  * disks are added. SD_ERROR_IO: no memory, the simulation can only be freed. */
 SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, const sd_disk *disks,
@@ -99,9 +102,9 @@ SD_API bool sd_simulation_column_at(sd_simulation *simulation, size_t k, sd_colu
 SD_API bool sd_simulation_column(sd_simulation *simulation, const char *name, sd_column *out);
 /* The state, with its closed contacts brought up to date. Valid until the next call on the simulation. NULL: no memory. */
 SD_API const sd_state *sd_simulation_state(sd_simulation *simulation);
-/* Slot of a body in the columns. */
+/* Slot of a body in the columns; a wall is meant by its number or SD_WALL(w). UINT32_MAX: there is none. */
 SD_API uint32_t sd_simulation_slot(const sd_simulation *simulation, uint32_t body);
-/* Angle turned since the start of the deck, rad (turn + theta). */
+/* Angle turned since the start of the deck, rad (turn + theta). NAN: no such body. */
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);
 
 /* Energies and their changes since step 0 (physics.md 9). All in units of energy.
@@ -129,7 +132,7 @@ typedef struct sd_stage {
   int64_t before;                  /* steps that the phase before this one took */
 } sd_stage;
 SD_API sd_stage sd_simulation_stage(const sd_simulation *simulation);
-/* How far the run is from the goal of `until`, which the model must have. */
+/* How far the run is from the goal of `until`; without one it means nothing. */
 SD_API sd_goal sd_simulation_goal(const sd_simulation *simulation);
 SD_API int sd_simulation_threads(const sd_simulation *simulation);
 /* "avx512", "avx2" or "baseline": the instructions the kernels were chosen for. */

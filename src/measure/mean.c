@@ -113,6 +113,7 @@ sd_mean mean_of_record(const double *x, size_t n, double period) {
 }
 
 sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t k) {
+  if (k >= model->n_rotations) return (sd_rotation){UINT32_MAX, NAN, NAN, NAN, NAN, NAN, NAN, NAN, false};
   uint32_t disk = model->rotations[k];
   double gravity = hypot(model->gravity[0], model->gravity[1]);
   double bin = (double)state->bin_steps * model->dt, scale = 1 / bin;
@@ -153,6 +154,16 @@ const observable_list rotation_observables =
     OBSERVABLES("rotation", "of each watched disk, in /summary/rotation", rotations);
 
 sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k) {
+  if (k >= model->n_slides) {
+    const double no = NAN;
+    return (sd_slide){UINT32_MAX, {UINT32_MAX, UINT32_MAX},
+                      no,         no,
+                      no,         no,
+                      no,         no,
+                      {no, no},   {no, no},
+                      {no, no},   {no, no},
+                      {no, no},   {0}};
+  }
   const sd_slide_watch *watch = &model->slides[k];
   const int64_t *count = state->slide_count + 16 * k;
   double total = (double)state->measured;

@@ -228,6 +228,7 @@ static double first_fraction(const sd_model *m) {
 }
 
 double sd_model_compress_time(const sd_model *m, size_t phase) {
+  if (phase >= m->n_phases) return NAN;
   double from = first_fraction(m);
   for (size_t k = 0; k < phase; k++)
     if (m->phases[k].compress.asked)

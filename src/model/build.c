@@ -26,21 +26,23 @@ static void no_memory(sd_model *m, const char *what) {
 
 /* Room for `more` elements behind the first n. NULL: no memory. */
 static void *grow(sd_model *m, void *list, size_t n, size_t more, size_t size, const char *what) {
+  m->finished = false;
   void *grown = n + more < SIZE_MAX / size ? realloc(list, (n + more) * size) : NULL;
   if (!grown) no_memory(m, what);
   return grown;
 }
 
-/* *copy gets n elements; false: no memory. Nothing to copy is NULL. */
+/* *copy gets n elements; false: no memory, or NULL instead of elements. Nothing to copy is NULL. */
 static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy, const char *what) {
   void *to = NULL;
+  if (!from && n) sd_fail(mistakes(m), SD_ERROR_USER, "%s: expected %zu elements, not NULL", what, n);
   if (from && n) {
     to = malloc(n * size);
     if (!to) no_memory(m, what);
     if (to) memcpy(to, from, n * size);
   }
   memcpy(copy, &to, sizeof to);
-  return to || !from || !n;
+  return to || !n;
 }
 
 static bool copy_text(sd_model *m, const char *from, void *copy) {
@@ -51,6 +53,7 @@ static bool copy_text(sd_model *m, const char *from, void *copy) {
 
 /* Row of a key and the struct whose member it sets; NULL: a mistake, which is kept. */
 static const deck_key *key_of(sd_model *m, const char *path, void **members) {
+  m->finished = false;
   const struct {
     const char *group;
     const deck_table *table;
@@ -126,6 +129,9 @@ void sd_model_set_text(sd_model *m, const char *path, const char *value) {
 }
 
 void sd_model_set_gravity(sd_model *m, double x, double y) {
+  m->finished = false;
+  if (!isfinite(x) || !isfinite(y))
+    sd_fail(mistakes(m), SD_ERROR_USER, "gravity (%g, %g): expected finite numbers", x, y);
   m->gravity[SD_X] = x;
   m->gravity[SD_Y] = y;
 }
@@ -143,6 +149,7 @@ void sd_model_set_periodic(sd_model *m, int c, double lower, double upper) {
     sd_fail(mistakes(m), SD_ERROR_USER, "periodic coordinate %d: expected SD_X or SD_Y", c);
     return;
   }
+  m->finished = false;
   if (!has_extent(m, "periodic box", lower, upper)) return;
   m->periodic[c] = true;
   m->lower[c] = m->region_lower[c] = lower;
@@ -150,6 +157,7 @@ void sd_model_set_periodic(sd_model *m, int c, double lower, double upper) {
 }
 
 void sd_model_set_region(sd_model *m, const double lower[2], const double upper[2]) {
+  m->finished = false;
   for (int c = 0; c < 2; c++)
     if (has_extent(m, "region", lower[c], upper[c]) && !m->periodic[c]) {
       m->region_lower[c] = lower[c];
@@ -158,6 +166,7 @@ void sd_model_set_region(sd_model *m, const double lower[2], const double upper[
 }
 
 void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[2]) {
+  m->finished = false;
   m->bounds.given = true;
   for (int c = 0; c < 2; c++) {
     m->bounds.lower[c] = lower[c];
@@ -189,9 +198,14 @@ int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *l
 
 void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
   const int n = (int)m->n_materials;
+  m->finished = false;
   if (a < 0 || b < 0 || a >= n || b >= n) {
     sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected two of the %d that there are",
             a, b, n);
+    return;
+  }
+  if (!law) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "law of materials %d and %d: expected a law, not NULL", a, b);
     return;
   }
   if (!(law->k_n > 0.0))
@@ -234,6 +248,7 @@ void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
             m->n_disks);
     return;
   }
+  m->finished = false;
   sd_disk *at = &m->disks[number], old = *at;
   put_disk(m, at, disk);
   at->group = old.group;
@@ -312,7 +327,7 @@ int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
   sd_phase *to = &m->phases[m->n_phases++];
   *to = *phase;
   copy_text(m, phase->name, &to->name);
-  copy_of(m, phase->active, m->n_motions, sizeof(bool), &to->active, "a phase");
+  copy_of(m, phase->active, phase->active ? m->n_motions : 0, sizeof(bool), &to->active, "a phase");
   if (to->steps == 0) to->steps = ENDLESS;
   if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
   if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;
@@ -335,6 +350,7 @@ void sd_model_measure_sliding(sd_model *m, const sd_slide_watch *watch) {
 }
 
 void sd_model_set_until(sd_model *m, const sd_until *until) {
+  m->finished = false;
   m->until = *until;
   m->until.asked = true;
 }
@@ -389,4 +405,12 @@ sd_status model_tell_mistakes(sd_model *m, sd_messages *messages) {
   for (size_t k = 0; status != SD_OK && k < sd_messages_count(m->mistakes); k++)
     sd_fail(messages, status, "%s", sd_messages_text(m->mistakes, k));
   return status;
+}
+
+sd_status model_copy_mistakes(sd_model *to, const sd_model *from) {
+  for (size_t k = 0; from->mistakes && k < sd_messages_count(from->mistakes); k++)
+    sd_fail(mistakes(to), sd_messages_status(from->mistakes), "%s", sd_messages_text(from->mistakes, k));
+  const bool lost = to->mistakes_lost;
+  to->mistakes_lost |= from->mistakes_lost;
+  return lost ? SD_ERROR_IO : SD_OK;
 }

@@ -209,7 +209,7 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
   if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
   if (!im.starved && (failed(&im) || im.n != size || !kinds_exist(m)))
     status = sd_fail(messages, SD_ERROR_IO, "the saved model is damaged");
-  if (status == SD_OK && m->finished) status = sd_model_finish(m, messages);
+  if (status == SD_OK && m->finished) status = model_finish_again(m, messages);
   if (status == SD_OK)
     *out = m;
   else
@@ -223,5 +223,9 @@ sd_model *sd_model_clone(const sd_model *model) {
   void *bytes = image_of_model(model, &size);
   if (bytes) image_read(bytes, size, &copy, NULL);
   free(bytes);
+  if (copy && model_copy_mistakes(copy, model) != SD_OK) {
+    sd_model_free(copy);
+    return NULL;
+  }
   return copy;
 }

@@ -22,8 +22,12 @@ static void middle(const sd_model *m, double at[2]) {
 
 static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
 
+static bool is_wall(const sd_model *m, uint32_t body) {
+  return body >= m->n_disks && body < sd_model_bodies(m);
+}
+
 int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
-  assert(body >= m->n_disks && body < sd_model_bodies(m) && (coordinate == SD_X || coordinate == SD_Y));
+  if (!is_wall(m, body) || (coordinate != SD_X && coordinate != SD_Y)) return 0;
   const sd_wall *w = &m->walls[body - m->n_disks];
   double disks[2], at = w->pivot[coordinate];
   middle(m, disks);
@@ -53,7 +57,7 @@ static bool clash(const sd_model *m, size_t k, size_t j) {
 }
 
 bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
-  const bool *active = m->phases[phase].active;
+  const bool *active = phase < m->n_phases ? m->phases[phase].active : NULL;
   for (size_t k = 0; active && k < m->n_motions; k++) {
     if (!active[k] || !motion_is_feedback(&m->motions[k])) continue;
     for (size_t j = 0; j < m->n_motions; j++) {
@@ -67,10 +71,6 @@ bool sd_model_clash(const sd_model *m, size_t phase, size_t motion[2]) {
 }
 
 /* --- checks ------------------------------------------------------------------------------------------ */
-
-static bool is_wall(const sd_model *m, uint32_t body) {
-  return body >= m->n_disks && body < sd_model_bodies(m);
-}
 
 /* Walls that the disks move (physics.md 6). */
 static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {

@@ -147,5 +147,9 @@ struct sd_model {
 /* What sd_model_finish does for models that were built by functions: default phase, numbers of walls, random streams. */
 void model_complete(sd_model *model);
 sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
+/* SD_ERROR_IO: no memory. */
+sd_status model_copy_mistakes(sd_model *to, const sd_model *from);
+/* sd_model_finish of a model whose warnings were told before: errors alone. */
+sd_status model_finish_again(sd_model *model, sd_messages *messages);
 
 #endif

@@ -12,6 +12,11 @@ static void check_random(const sd_motion *q, double dt, const char *name, sd_mes
 static void check_table(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
   (void)dt;
   if (q->n_table < 3) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected 3 rows or more", name);
+  for (size_t r = 0; r < q->n_table; r++)
+    if (!isfinite(q->table_time[r]) || !isfinite(q->table_value[r])) {
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: expected finite numbers (row %zu)", name, r);
+      break;
+    }
   for (size_t r = 1; r < q->n_table; r++)
     if (!(q->table_time[r] > q->table_time[r - 1])) {
       sd_fail(msg, SD_ERROR_USER, "motion \"%s\": table: time must increase (row %zu)", name, r);

@@ -2,6 +2,7 @@
 #include "slipdisk/simulation.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #ifdef _OPENMP
@@ -96,11 +97,18 @@ sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **
   return simulation_new(model, threads, SIMULATION_SUITABLE, out, messages);
 }
 
+static bool is_finished(const sd_model *model, sd_messages *messages) {
+  if (!model->finished)
+    sd_fail(messages, SD_ERROR_USER, "the model is not finished: call sd_model_finish after the last change");
+  return model->finished;
+}
+
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
                          sd_messages *messages) {
+  *out = NULL;
+  if (!is_finished(model, messages)) return SD_ERROR_USER;
   sd_state *state = sd_state_new(model);
   if (!state) {
-    *out = NULL;
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
   }
   if (engine_fill_state(model, state) != SD_OK) {
@@ -127,6 +135,11 @@ sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threa
 
 sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
                             sd_simulation **out, sd_messages *messages) {
+  *out = NULL;
+  if (!is_finished(model, messages)) {
+    sd_state_free(state);
+    return SD_ERROR_USER;
+  }
   sd_simulation *sim = aligned_alloc(64, (sizeof *sim + 63) / 64 * 64);
   if (!sim) {
     sd_state_free(state);
@@ -377,11 +390,14 @@ sd_goal sd_simulation_goal(const sd_simulation *sim) {
 sd_energy sd_simulation_energy(const sd_simulation *sim) { return energy_of(&sim->engine); }
 
 uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) {
-  return engine_slot(&sim->engine, body);
+  const sd_model *m = sim->engine.model;
+  if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls) body = body - SD_WALL(0) + (uint32_t)m->n_disks;
+  return body < sd_model_bodies(m) ? engine_slot(&sim->engine, body) : UINT32_MAX;
 }
 
 double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
   uint32_t slot = sd_simulation_slot(sim, body);
+  if (slot == UINT32_MAX) return NAN;
   return sim->engine.state->turn[slot] + sim->engine.state->theta[slot];
 }
 

@@ -16,7 +16,7 @@
 /* --- observers and force fields ----------------------------------------------------------------------- */
 
 sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer, void *user) {
-  assert(every >= 1 && observer);
+  if (every < 1 || !observer) return SD_ERROR_USER;
   simulation_observer *more = realloc(sim->observers, (sim->n_observers + 1) * sizeof *more);
   if (!more) return SD_ERROR_IO;
   sim->observers = more;
@@ -58,6 +58,7 @@ sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *fiel
                                         sd_messages *messages) {
   engine *e = &sim->engine;
   sd_status status = SD_OK;
+  if (!field) return sd_fail(messages, SD_ERROR_USER, "force field: expected a function, not NULL");
   if (engine_lanes(e)) { /* the step of small systems has none */
     status = store(sim, messages);
     if (status == SD_OK) status = simulation_rebuild(e, false, messages);
@@ -154,7 +155,7 @@ static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disk
       status = sd_fail(messages, SD_ERROR_USER,
                        "disk %zu: expected a free disk, with a coordinate that is not locked", k);
   }
-  if (status == SD_OK) status = sd_model_finish(m, messages);
+  if (status == SD_OK) status = model_finish_again(m, messages);
   if (status == SD_OK) return SD_OK;
   sd_model_free(m);
   *out = NULL;
@@ -191,6 +192,18 @@ static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, 
   return SD_OK;
 }
 
+/* The box may have been compressed since the model was made. */
+static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_messages *messages) {
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < n; k++)
+    for (int c = 0; c < 2; c++)
+      if (engine_length(e, c) > 0.0 && engine_beyond(e, c, disks[k].position[c]))
+        status = sd_fail(
+            messages, SD_ERROR_USER, "disk %zu: %c = %g lies outside the periodic box, which is %g wide now",
+            e->model->n_disks + k, c == SD_X ? 'x' : 'y', disks[k].position[c], engine_length(e, c));
+  return status;
+}
+
 sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
                                   sd_messages *messages) {
   engine *e = &sim->engine;
@@ -202,7 +215,8 @@ sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *d
   if (e->model->measure_disks)
     return sd_fail(messages, SD_ERROR_USER,
                    "disks cannot be added while means of every disk are measured (measure.disks)");
-  sd_status status = store(sim, messages);
+  sd_status status = check_box(e, n, disks, messages);
+  if (status == SD_OK) status = store(sim, messages);
   if (status == SD_OK) status = larger_model(e->model, n, disks, &model, messages);
   if (status != SD_OK) return status;
   if (larger_state(model, e->state, n, &state) != SD_OK) {
