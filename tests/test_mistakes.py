@@ -56,6 +56,21 @@ def value(key, old, *news):
     return [change(f"`{key} = {new};`", f"{key} = {old}", f"{key} = {new}") for new in news]
 
 
+def changes(mistake, *pairs, more="", **others):
+    """Several changes, more keys, and other files."""
+    deck = DECK
+    for old, new in pairs:
+        assert deck.count(old) == 1, old
+        deck = deck.replace(old, new)
+    return mistake, {"d.cfg": deck + more, **{name.replace("_", "."): text for name, text in others.items()}}, []
+
+
+def phase(mistake, keys, *pairs):
+    return changes(mistake, ("time = 2;", f'phases = ( {{ name = "p"; time = 2; {keys} }} );'), *pairs)
+
+
+SHAKE = 'motions = ( { name = "s"; wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 1e-4; omega = 100; } );\n'
+BOX = 'box = { x = (-1, 1); y = (0, 2); periodic = "x"; };\n'
 CSV = "x,y,radius\n1,1,0.1\n"
 TABLES = {
     "Brackets, commas, quotes": [
@@ -149,6 +164,23 @@ TABLES = {
         table("`1,1`", "x,y,radius\n1,1\n"),
         table("a CSV file called d.h5", CSV, 'disk_files = ( { file = "d.h5"; density = 1; } );\n', "d.h5"),
     ],
+    "Set-ups that are seldom meant": [
+        change("`mu` without `k_t`", " k_t = 5e3;", ""),
+        change("`k_t` without `mu`", " mu = 0.5;", ""),
+        define("dt=1e-4"), define("dt=5e-4"),
+        change("`gamma_n = 20;`, which bounds dt", "gamma_n = 2", "gamma_n = 20"),
+        change("`gamma_n = 60;`, which bounds dt", "gamma_n = 2", "gamma_n = 60"),
+        change("the ball sits in the floor", "y = 0.1;", "y = 0.0187;"),
+        phase('`relax = true;` with `integrator = "gear5";`', "relax = true;"),
+        phase("`settle` and nothing loses energy", "settle = { kinetic = 1e-9; };", ("gamma_n = 2; mu = 0.5;", ""), ("k_t = 5e3; ", "")),
+        changes("`settle` and the floor is shaken", ("time = 2;", "phases = ( { time = 2; settle = { kinetic = 1e-9; }; } );"), more=SHAKE),
+        phase("`settle = { unbalanced = 1e-16; };`", "settle = { unbalanced = 1e-16; };"),
+        changes("`compress` without `settle`", ("time = 2;", 'phases = ( { name = "p"; time = 2; compress = { fraction = 1e-3; rate = 10; }; } );'),
+                more=BOX),
+        changes("a watched wall far away", ('(1, 0)); }', '(1, 0)); },\n  { name = "lid"; type = "line"; points = ((-1, 1), (1, 1)); }'),
+                ("y = 0.1;", "y = 0.02;"), more='measure = { sliding = ( { disk = "ball"; partners = ("floor", "lid"); } ); };\n'),
+        changes("a packing that is not there", more='disk_files = ( { file = "rain.h5"; } );\n', rain_cfg=DECK),
+    ],
     "The command line": [
         command("rum", "d.cfg"), command("run"), command("run", "a.cfg", "b.cfg"), command("run", "nowhere.cfg"),
         command("run", "d.cfg", "--treads", "4"), command("run", "d.cfg", "-x"), command("run", "d.cfg", "-o"),
@@ -161,13 +193,13 @@ HEAD = """# Messages: mistakes, and what the program says
 
 A message names the file, the line, the key with its value, and what was expected; all mistakes of a deck come at once, except
 that of several mistakes of form (brackets, commas) only the first is told, since the others follow from it. Every message
-begins with `error:` or `warning:`, which the tables leave out. `tests/test_mistakes.py` makes each of these mistakes and
+begins with `error:`, which the tables leave out, or `warning:`. `tests/test_mistakes.py` makes each of these mistakes and
 compares; the column *before* is what version 0.1 said. The deck is that of a ball over a floor (in the test).
 """
 
 
 def said(program, files, arguments):
-    """The errors of a command, or that there are none."""
+    """The errors of a command, or its warnings, or that there are none."""
     with tempfile.TemporaryDirectory() as folder:
         for name, content in (files or {}).items():
             (pathlib.Path(folder) / name).write_bytes(content.encode() if isinstance(content, str) else content)
@@ -175,7 +207,7 @@ def said(program, files, arguments):
         ran = subprocess.run([str(program), *words], cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True,
                              errors="replace", check=False)
     if ran.returncode == 0:
-        return ["accepted"]
+        return ran.stderr.splitlines() or ["accepted"]
     assert ran.returncode == 2, (words, ran.returncode, ran.stderr)
     return [re.sub(r"^error: ", "", line) for line in ran.stderr.splitlines() if not line.startswith("warning: ")]
 

@@ -268,7 +268,7 @@ class Failing(SweepTest):
 
     def test_time_step(self):
         """One warning for all."""
-        deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 1e-4, 2e-4); } ); }', 10))
+        deck = self.deck(three_disks('{ parameters = ( { path = "dt"; values = (1e-6, 1e-4, 2e-4); } ); }', 10, more="integrator = \"verlet\";\n"))
         said = self.sweep(deck, "--threads", 1, "-j", 2)
         self.assertEqual(said.count("warning: "), 1, said)
         self.assertRegex(said, r"warning: dt = 0\.0002 is more than .* \(point 2, dt=0\.0002, the worst; 2 of 3 sets of values\)")
