@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs into an empty folder and builds the first program of docs/library.md against what is there, once with
-# find_package and once with pkg-config.
+# find_package and once with pkg-config; and imports the Python package.
 set -euo pipefail
 build=${SLIPDISK_BUILD_DIR:?}
 source=${SLIPDISK_SOURCE_DIR:?}
@@ -49,3 +49,20 @@ export PKG_CONFIG_PATH
   -o "$work/consumer"
 test "$(LD_LIBRARY_PATH="$library" "$work/consumer")" = "$printed"
 echo "pkg-config: ok"
+
+# The Python package finds the library and the program of its own prefix.
+package="$work/prefix/lib/python3/dist-packages"
+if [ -n "${SLIPDISK_PYTHON:-}" ]; then
+  (cd "$work" && env -u SLIPDISK_LIBRARY -u SLIPDISK_PROGRAM PYTHONPATH="$package" PYTHONDONTWRITEBYTECODE=1 \
+    "$SLIPDISK_PYTHON" - "$work/prefix" <<'END'
+import sys
+import slipdisk
+simulation = slipdisk.Simulation(sys.argv[1] + "/share/slipdisk/inputs/collisions/two_disks.cfg")
+simulation.advance(10)
+assert simulation.step == 10
+for found in (slipdisk.__file__, slipdisk.library.library()._name, slipdisk.library.program()):
+    assert found.startswith(sys.argv[1]), found
+END
+  )
+  echo "python: ok"
+fi

@@ -1,0 +1,116 @@
+"""Decks from dicts and arrays: the text that slipdisk reads (docs/deck.md)."""
+import re
+import tempfile
+
+import numpy as np
+
+from .library import UserError, unknown
+
+# Keys of `disks` that an array can give: a value per disk. Others hold for all.
+COLUMNS = ("x", "y", "theta", "vx", "vy", "omega", "radius", "mass", "density", "inertia", "fixed", "name", "material", "group")
+COMMON = ("locked", "force", "torque")
+# Keys of the deck whose value is a list of groups, and may be a dict of named groups here.
+NAMED = ("materials", "disks", "walls", "motions", "phases")
+
+
+def quoted(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t") + '"'
+
+
+def value_text(value, key):
+    """A value as it stands in a deck; floats keep all their bits."""
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    elif isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        if not np.isfinite(value):
+            raise UserError(f"{key} = {value}: expected a finite number")
+        return repr(value)
+    if isinstance(value, str):
+        return quoted(value)
+    if isinstance(value, dict):
+        return "{ " + members(value, key) + "}"
+    if isinstance(value, (list, tuple)):
+        return "(" + ", ".join(value_text(item, f"{key}[{k}]") for k, item in enumerate(value)) + ")"
+    raise UserError(f"{key}: expected a number, text, bool, list or dict, not {type(value).__name__}")
+
+
+def named(key, name, item):
+    if not isinstance(item, dict):
+        more = "; arrays of disks are the argument disks of Simulation" if key == "disks" else ""
+        raise UserError(f"{key}.{name}: expected a dict, not {type(item).__name__}{more}")
+    return {"name": name, **item}
+
+
+def members(group, path=""):
+    found = []
+    for key, value in group.items():
+        if value is None:
+            continue
+        if not isinstance(key, str) or not re.fullmatch(r"[A-Za-z*][-A-Za-z0-9_*]*", key):
+            raise UserError(f"{path + '.' if path else ''}{key}: expected a key of a deck, a word")
+        place = f"{path}.{key}" if path else key
+        if not path and key in NAMED and isinstance(value, dict):
+            value = [named(key, name, item) for name, item in value.items()]
+        found.append(f"{key} = {value_text(value, place)};" + ("\n" if not path else " "))
+    return "".join(found)
+
+
+class DiskArrays:
+    """Arrays of disks as a group of `disk_files`, whose table is in a temporary file until the deck is read."""
+
+    def __init__(self, disks):
+        columns, wrong = {}, []
+        for key, value in disks.items():
+            if key not in (*COLUMNS, *COMMON):
+                wrong.append(str(unknown(key, [*COLUMNS, *COMMON], "the keys of disks")))
+            elif key in COLUMNS and (np.ndim(value) or key in ("x", "y")):
+                columns[key] = np.atleast_1d(value)
+                if columns[key].ndim != 1:
+                    wrong.append(f"disks.{key}: expected a value for each disk, not an array of shape {columns[key].shape}")
+        lengths = {key: len(array) for key, array in columns.items()}
+        most = max(lengths.values(), default=0)
+        for key in ("x", "y"):
+            if key in columns and not np.ndim(disks[key]):
+                columns[key] = np.repeat(columns[key], most)
+        lengths = {key: len(array) for key, array in columns.items()}
+        if len(set(lengths.values())) > 1:
+            wrong.append("disks: arrays differ in length: " + ", ".join(f"{key} {n}" for key, n in lengths.items()))
+        wrong += [f"disks.{key}: missing" for key in ("x", "y", "radius") if key not in disks]
+        if not {"mass", "density"} & set(disks):
+            wrong.append("disks: expected mass or density")
+        if wrong:
+            raise UserError(wrong)
+        common = {key: value for key, value in disks.items() if key not in columns}
+        self.file = tempfile.NamedTemporaryFile("w", prefix="disks-", suffix=".csv")  # removed when it is closed
+        self.file.write(",".join(columns) + "\n")
+        if most:
+            self.file.write("\n".join(map(",".join, zip(*map(self._cells, columns, columns.values())))) + "\n")
+        self.file.flush()
+        self.group = {**common, "file": self.file.name, "format": "csv"}
+
+    @staticmethod
+    def _cells(key, array):
+        if array.dtype.kind == "b":
+            return ["1" if cell else "0" for cell in array.tolist()]
+        if array.dtype.kind in "iuf":
+            return list(map(repr, array.tolist()))
+        if array.dtype.kind in "UO":
+            return list(map(str, array.tolist()))
+        raise UserError(f"disks.{key}: expected numbers or texts, not {array.dtype}")
+
+    def line(self, message):
+        """A message about line n of the table is one about disk n - 2."""
+        return re.sub(re.escape(self.file.name) + r"(?::(\d+))?",
+                      lambda m: f"disks[{int(m[1]) - 2}]" if m[1] and int(m[1]) > 1 else "disks", message)
+
+
+def deck_text(deck):
+    """The text of a deck from a dict with its structure: dicts are groups, lists and tuples lists, texts texts (also
+    angles: "0.04 pi"). `materials`, `disks`, `walls`, `motions` and `phases` may be dicts of groups by name."""
+    return members(deck)

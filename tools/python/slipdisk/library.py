@@ -1,0 +1,328 @@
+"""The shared library: where it is, its functions and structs, its messages as exceptions and warnings."""
+import ctypes
+import difflib
+import os
+import pathlib
+import warnings
+from ctypes import (POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_uint64,
+                    c_void_p)
+
+import numpy as np
+
+HERE = pathlib.Path(__file__).resolve().parent
+
+OK, USER, NUMERIC, IO, DOUBTFUL, INTERRUPTED = 0, 2, 3, 4, 5, 75
+
+
+# --- errors ---------------------------------------------------------------------------------------------------
+class Error(Exception):
+    """What went wrong: `messages` is a list of lines, `status` the exit status that the program has for it."""
+    __module__ = "slipdisk"
+    status = None
+
+    def __init__(self, messages, status=None):
+        self.messages = [messages] if isinstance(messages, str) else list(messages)
+        if status is not None:
+            self.status = status
+        super().__init__("\n".join(self.messages))
+
+    def __str__(self):
+        return "\n".join(self.messages)
+
+    def __reduce__(self):
+        return type(self), (self.messages, self.status)
+
+
+class UserError(Error, ValueError):
+    """A mistake in a deck, a dict, arrays or arguments."""
+    __module__ = "slipdisk"
+    status = USER
+
+
+class UnknownName(UserError, KeyError):
+    """There is nothing of this name."""
+    __module__ = "slipdisk"
+
+
+class NumericError(Error, ArithmeticError):
+    """A value is not finite, or an overlap is beyond the limit."""
+    __module__ = "slipdisk"
+    status = NUMERIC
+
+
+class FileError(Error, OSError):
+    """A file is missing, damaged or cannot be written; or there is no memory."""
+    __module__ = "slipdisk"
+    status = IO
+
+
+class Interrupted(Error):
+    """The program was stopped by a signal, after a checkpoint: the same call goes on."""
+    __module__ = "slipdisk"
+    status = INTERRUPTED
+
+
+class Warning(UserWarning):  # noqa: A001  slipdisk.Warning
+    """What the library or the program warns of."""
+
+
+ERRORS = {kind.status: kind for kind in (UserError, NumericError, FileError, Interrupted)}
+
+
+def error(messages, status):
+    return ERRORS.get(status, Error)(messages or [f"status {status}"], status)
+
+
+def warn(lines, level=2):
+    """Lines to Python's warnings, seen at the first caller outside this package."""
+    for line in lines:
+        warnings.warn(line, Warning, stacklevel=level + 1)
+
+
+# --- where things are -------------------------------------------------------------------------------------------
+def places(installed, built):
+    """Candidates for a file: of the installation to which this package belongs, else of the checkout."""
+    for up in HERE.parents:
+        if (up / "CMakePresets.json").exists():  # a checkout
+            yield from (up / "build" / build / built for build in ("release", "clang", "mpi"))
+            yield up / "build" / built
+            return
+        yield from (path for pattern in installed for path in sorted(up.glob(pattern)))
+
+
+def find(variable, installed, built, what):
+    asked = os.environ.get(variable)
+    candidates = [pathlib.Path(asked)] if asked else list(places(installed, built))
+    for path in candidates:
+        if path.exists():
+            return str(path)
+    tried = ", ".join(map(str, candidates)) or f"no installation above {HERE}"
+    raise FileError(f"{what} not found ({tried}); build it (cmake --build --preset release) or set {variable}")
+
+
+def program():
+    """Path of the program `slipdisk`: SLIPDISK_PROGRAM, else that of the installation or checkout."""
+    return find("SLIPDISK_PROGRAM", ["bin/slipdisk"], "slipdisk", "the program slipdisk")
+
+
+# --- structs ------------------------------------------------------------------------------------------------------
+TYPES = [np.dtype("f8"), np.dtype("i8"), np.dtype("i4"), np.dtype("u4")]  # sd_type
+(PER_RUN, PER_BODY, PER_FREE, PER_CONTACT, PER_MOTION, PER_PHASE, PER_ROTATION, PER_ROTATION_BIN, PER_SLIDE,
+ PER_SLIDE_COUNT, PER_SLIDE_CONTACT, PER_MEAN, PER_MEAN_BIN) = range(13)  # sd_extent
+
+# sd_disk: a test sends one through the library and back.
+DISK = np.dtype([("name", "u8"), ("position", "f8", 3), ("velocity", "f8", 3), ("radius", "f8"), ("mass", "f8"),
+                 ("inertia", "f8"), ("force", "f8", 3), ("material", "i4"), ("group", "i4"), ("locked", "?", 3),
+                 ("driven", "?"), ("waiting", "?")], align=True)
+
+
+class Field(Structure):
+    _fields_ = [("name", c_char_p), ("type", c_int), ("extent", c_int), ("offset", c_size_t), ("unit", c_char_p),
+                ("meaning", c_char_p)]
+
+
+class Deck(Structure):
+    _fields_ = [("path", c_char_p), ("text", c_char_p), ("overrides", c_char_p), ("full", c_char_p),
+                ("bodies", c_char_p), ("checkpoint_seconds", c_double), ("sweep_points", c_size_t)]
+
+
+class Energy(Structure):
+    _fields_ = [(name, c_double) for name in (
+        "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "external", "start", "work",
+        "nonconservative_work", "viscous", "friction", "opening", "relaxed", "residual", "scale")]
+
+
+class Stage(Structure):
+    _fields_ = [(name, c_int64) for name in ("step", "phase", "phase_step", "before")]
+
+
+class Goal(Structure):
+    _fields_ = [("value", c_double), ("error", c_double), ("goal", c_double), ("measured", c_double),
+                ("converged", c_bool), ("reached", c_bool)]
+
+
+class Rotation(Structure):
+    _fields_ = [("disk", c_uint32), *((name, c_double) for name in (
+        "omega", "error", "scaled", "scaled_error", "transient", "measured", "turned")), ("converged", c_bool)]
+
+
+class Slide(Structure):
+    _fields_ = [("disk", c_uint32), ("partner", c_uint32 * 2),
+                *((name, c_double) for name in ("pp", "pm", "mp", "mm", "stick", "open")),
+                *((name, c_double * 2) for name in ("contact_positive", "contact_negative", "contact_stuck",
+                                                    "contact_open", "force_min")), ("openings", c_int64 * 2)]
+
+
+class DiskMean(Structure):
+    _fields_ = [("disk", c_uint32), *((name, c_double) for name in (
+        "omega", "error", "significance", "first", "second", "turned", "x", "y", "rms", "displacement", "coordination",
+        "sliding", "force", "openings", "injected", "viscous", "friction", "opening", "translation", "rotation")),
+        ("converged", c_bool)]
+
+
+class Mean(Structure):
+    _fields_ = [("mean", c_double), ("error", c_double), ("correlation", c_double), ("used", c_size_t),
+                ("discarded", c_size_t), ("converged", c_bool)]
+
+
+class ForceColumns(Structure):
+    _fields_ = [("step", c_int64), ("time", c_double), ("n_free", c_size_t), ("n_bodies", c_size_t),
+                *((name, c_void_p) for name in (
+                    "id", "x", "y", "theta", "turn", "vx", "vy", "omega", "radius", "mass", "inertia", "material",
+                    "group", "activity", "force_x", "force_y", "torque"))]
+
+
+OBSERVER = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p)
+FORCE_FIELD = ctypes.CFUNCTYPE(None, c_void_p, c_void_p)
+TEXTS, OUT = POINTER(c_char_p), POINTER(c_void_p)
+
+FUNCTIONS = {
+    "sd_version": (c_char_p,),
+    "sd_free": (None, c_void_p),
+    "sd_messages_new": (c_void_p,),
+    "sd_messages_free": (None, c_void_p),
+    "sd_messages_clear": (None, c_void_p),
+    "sd_messages_count": (c_size_t, c_void_p),
+    "sd_messages_text": (c_char_p, c_void_p, c_size_t),
+    "sd_deck_load": (c_int, c_char_p, c_size_t, TEXTS, OUT, c_void_p),
+    "sd_deck_load_text": (c_int, c_char_p, c_char_p, c_size_t, TEXTS, OUT, c_void_p),
+    "sd_model_new": (c_void_p,),
+    "sd_model_free": (None, c_void_p),
+    "sd_model_add_disks": (c_uint32, c_void_p, c_size_t, c_void_p),
+    "sd_model_disk": (c_void_p, c_void_p, c_uint32),
+    "sd_model_disks": (c_size_t, c_void_p),
+    "sd_model_walls": (c_size_t, c_void_p),
+    "sd_model_dt": (c_double, c_void_p),
+    "sd_model_steps": (c_int64, c_void_p),
+    "sd_model_find": (c_uint32, c_void_p, c_char_p),
+    "sd_model_body_name": (c_char_p, c_void_p, c_uint32, c_char_p, c_size_t),
+    "sd_model_deck": (POINTER(Deck), c_void_p),
+    "sd_simulation_new": (c_int, c_void_p, c_int, OUT, c_void_p),
+    "sd_simulation_clone": (c_int, c_void_p, OUT, c_void_p),
+    "sd_simulation_free": (None, c_void_p),
+    "sd_simulation_advance": (c_int, c_void_p, c_int64, c_void_p),
+    "sd_simulation_observe": (c_int, c_void_p, c_int64, OBSERVER, c_void_p),
+    "sd_simulation_add_force_field": (c_int, c_void_p, FORCE_FIELD, c_void_p, c_void_p),
+    "sd_simulation_add_disks": (c_int, c_void_p, c_size_t, c_void_p, POINTER(c_uint32), c_void_p),
+    "sd_simulation_remove_disks": (c_int, c_void_p, c_size_t, c_void_p, c_void_p),
+    "sd_simulation_model": (c_void_p, c_void_p),
+    "sd_simulation_step": (c_int64, c_void_p),
+    "sd_simulation_time": (c_double, c_void_p),
+    "sd_simulation_finished": (c_bool, c_void_p),
+    "sd_simulation_state": (c_void_p, c_void_p),
+    "sd_simulation_energy": (Energy, c_void_p),
+    "sd_simulation_stage": (Stage, c_void_p),
+    "sd_simulation_goal": (Goal, c_void_p),
+    "sd_simulation_threads": (c_int, c_void_p),
+    "sd_simulation_path": (c_char_p, c_void_p),
+    "sd_simulation_save": (c_int, c_void_p, c_char_p, c_void_p),
+    "sd_simulation_load": (c_int, c_char_p, c_int, OUT, c_void_p),
+    "sd_simulation_save_memory": (c_int, c_void_p, OUT, POINTER(c_size_t), c_void_p),
+    "sd_simulation_load_memory": (c_int, c_char_p, c_size_t, c_int, OUT, c_void_p),
+    "sd_state_hash": (c_uint64, c_void_p),
+    "sd_field_data": (c_void_p, c_void_p, POINTER(Field)),
+    "sd_extent_size": (c_size_t, c_void_p, c_int),
+    "sd_rotation_of": (Rotation, c_void_p, c_void_p, c_size_t),
+    "sd_slide_of": (Slide, c_void_p, c_void_p, c_size_t),
+    "sd_disk_mean_of": (DiskMean, c_void_p, c_void_p, c_size_t),
+    "sd_mean_of": (Mean, c_void_p, c_size_t, c_bool),
+}
+
+
+def load():
+    name = "libslipdisk.so"
+    path = find("SLIPDISK_LIBRARY", [f"lib/{name}", f"lib/*/{name}", f"lib64/{name}"], name, f"the library {name}")
+    found = ctypes.CDLL(path)
+    for name, (result, *arguments) in FUNCTIONS.items():
+        function = getattr(found, name)
+        function.restype, function.argtypes = result, arguments
+    count = c_size_t.in_dll(found, "sd_field_count").value
+    found.fields = {field.name.decode(): field for field in (Field * count).in_dll(found, "sd_fields")}
+    found.advance = found["sd_simulation_advance"]  # for arguments that are of ctypes already
+    return found
+
+
+LIBRARY = None
+
+
+def library():
+    """The library, loaded when it is first needed: reading results does without."""
+    global LIBRARY
+    if LIBRARY is None:
+        LIBRARY = load()
+    return LIBRARY
+
+
+class Messages:
+    """A list of messages of the library."""
+
+    def __init__(self):
+        self.library = library()
+        self.pointer = self.library.sd_messages_new()
+        if not self.pointer:
+            raise MemoryError
+
+    def __del__(self):
+        if getattr(self, "pointer", None):
+            self.library.sd_messages_free(self.pointer)
+
+    def take(self):
+        """Its lines; the list is empty then."""
+        count = self.library.sd_messages_count(self.pointer)
+        lines = [self.library.sd_messages_text(self.pointer, k).decode("utf-8", "replace") for k in range(count)]
+        self.library.sd_messages_clear(self.pointer)
+        return lines
+
+    def check(self, status, lines=lambda line: line, level=2):
+        """Raises the error of a status; without one the messages are warnings."""
+        texts = [lines(line) for line in self.take()]
+        if status != OK:
+            raise error(texts, status)
+        warn(texts, level + 1)
+
+
+def structured(items, kind):
+    """Structs as a structured array."""
+    return np.array([np.frombuffer(item, kind)[0] for item in items], kind)
+
+
+def mean(x, transient=True):
+    """Mean of a correlated, evenly spaced record with one standard error (blocking); a Record of `mean`, `error`,
+    `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`."""
+    x = np.ascontiguousarray(x, float)
+    if x.ndim != 1:
+        raise UserError("mean: expected one record, one-dimensional")
+    return record(library().sd_mean_of(x.ctypes.data, len(x), transient))
+
+
+def unknown(name, names, where):
+    """The error for a name that is not there."""
+    near = difflib.get_close_matches(str(name), names, 1, 0.7)
+    return UnknownName(f"no {name!r} in {where}" + (f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(names)}"))
+
+
+class Record(dict):
+    """A dict whose items are attributes, too."""
+
+    def __getattr__(self, name):
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def __dir__(self):
+        return [*super().__dir__(), *self]
+
+    def __repr__(self):
+        width = max(map(len, self), default=0)
+        return "\n".join(f"{name:<{width}}  {value}" for name, value in self.items())
+
+
+def record(struct):
+    return Record((name, getattr(struct, name)) for name, *_ in struct._fields_)
+
+
+def out(kind=c_void_p):
+    value = kind()
+    return value, byref(value)
+

@@ -1,0 +1,417 @@
+"""Results of runs, finished or not; docs/results.md says what is in the files."""
+import collections.abc
+import contextlib
+import os
+import re
+
+import h5py
+import numpy as np
+
+from .library import FileError, Record, unknown
+
+FIRST = ("name", "disk", "partner")  # columns of tables that come first
+
+
+def plain(value):
+    """What h5py gives, as Python has it: texts are str, scalars numbers."""
+    if isinstance(value, h5py.Empty):
+        return ""
+    if isinstance(value, bytes):
+        return value.rstrip(b"\0").decode("utf-8", "replace")
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, np.ndarray) and value.dtype.kind in "SO":
+        return [plain(item) for item in value.tolist()]
+    return value
+
+
+def attributes(item):
+    return Record((name, plain(value)) for name, value in item.attrs.items())
+
+
+def text_lines(item):
+    """Lines of a dataset that is a text."""
+    return plain(item[()]).removesuffix("\n").split("\n")
+
+
+def structured(columns):
+    """{name: array} as one structured array."""
+    rows = len(next(iter(columns.values()))) if columns else 0
+    table = np.empty(rows, [(name, column.dtype, column.shape[1:]) for name, column in columns.items()])
+    for name, column in columns.items():
+        table[name] = column
+    return table
+
+
+def to_pandas(columns):
+    """A pandas.DataFrame of {name: array}; of arrays with rows of several values a column each."""
+    import pandas
+    flat = {}
+    for name, column in columns.items():
+        if column.ndim == 1:
+            flat[name] = column
+        else:
+            flat.update((f"{name}[{k}]", part) for k, part in enumerate(column.reshape(len(column), -1).T))
+    return pandas.DataFrame(flat)
+
+
+class Columns(collections.abc.Mapping):
+    """Arrays by name, read when asked for; `unit` and `meaning` of each, and all together as a structured `array()` or
+    as `pandas()`."""
+
+    def __init__(self, result, where, paths):
+        self._result, self._where, self._paths = result, where, paths
+
+    def _path(self, name):
+        if name not in self._paths:
+            raise unknown(name, list(self._paths), f"{self._where} of {self._result.path}")
+        return self._paths[name]
+
+    def __getitem__(self, name):
+        return self._result.rows(self._path(name))
+
+    def __iter__(self):
+        return iter(self._paths)
+
+    def __len__(self):
+        return len(self._paths)
+
+    def unit(self, name):
+        return self._result.attribute(self._path(name), "unit")
+
+    def meaning(self, name):
+        return self._result.attribute(self._path(name), "description")
+
+    def array(self, *names):
+        return structured({name: self[name] for name in names or self})
+
+    def pandas(self, *names):
+        return to_pandas({name: self[name] for name in names or self})
+
+    def __repr__(self):
+        return "\n".join(f"{name:<24}{self.unit(name):<16}{self.meaning(name)}" for name in self)
+
+
+class Frames(collections.abc.Sequence):
+    """Stored frames: frames[k]["position"] is [disk][2] of frame k, frames["position"] is [frame][disk][2] of all;
+    `time` and `step` of each."""
+
+    def __init__(self, result, group):
+        self._result, self._group = result, group
+        self._names = result.groups(group)
+
+    def __len__(self):
+        return len(self.step) if self._names else 0
+
+    def _path(self, name):
+        if name not in self._names:
+            raise unknown(name, self._names, f"frames of {self._result.path}")
+        return f"{self._group}/{name}/value"
+
+    def __getitem__(self, which):
+        if isinstance(which, str):
+            return self._result.rows(self._path(which))
+        if isinstance(which, slice):
+            return [self[k] for k in range(*which.indices(len(self)))]
+        k = which + len(self) if which < 0 else which
+        if not 0 <= k < len(self):
+            raise IndexError(f"frame {which} of {len(self)}")
+        return Record((name, self._result.rows(self._path(name), k, k + 1)[0]) for name in self._names)
+
+    @property
+    def step(self):
+        return self._result.rows(f"{self._group}/{self._names[0]}/step") if self._names else np.empty(0, "i8")
+
+    @property
+    def time(self):
+        return self._result.rows(f"{self._group}/{self._names[0]}/time") if self._names else np.empty(0)
+
+
+class Contacts(collections.abc.Sequence):
+    """Stored contact tables: contacts[k] is a structured array of moment k; `time`, `step` and `count` of each."""
+
+    def __init__(self, result):
+        self._result = result
+        self._names = [name for name in result.datasets("contacts") if name not in ("step", "time", "first", "count")]
+        self._first = None
+
+    def __len__(self):
+        return len(self.step)
+
+    def __getitem__(self, which):
+        if isinstance(which, slice):
+            return [self[k] for k in range(*which.indices(len(self)))]
+        if self._first is None:
+            self._first = np.concatenate([[0], np.cumsum(self.count)])
+        k = which + len(self) if which < 0 else which
+        if not 0 <= k < len(self):
+            raise IndexError(f"contacts of moment {which} of {len(self)}")
+        return structured({name: self._result.rows(f"contacts/{name}", self._first[k], self._first[k + 1]) for name in self._names})
+
+    def all(self, name):
+        """A column over all moments, one after the other."""
+        return self._result.rows(f"contacts/{name}")
+
+    @property
+    def step(self):
+        return self._result.rows("contacts/step") if self._names else np.empty(0, "i8")
+
+    @property
+    def time(self):
+        return self._result.rows("contacts/time") if self._names else np.empty(0)
+
+    @property
+    def count(self):
+        return self._result.rows("contacts/count") if self._names else np.empty(0, "i8")
+
+
+class Result:
+    """What a run has found, finished or not.
+
+    path   the result NAME.h5, whether it is there or still NAME.h5.parts; or a checkpoint
+
+    Of an unfinished run it is what the newest checkpoint has; `refresh()` looks again. Arrays are read when they are asked
+    for. Checksums are compared by `slipdisk verify`."""
+
+    def __init__(self, path):
+        self.path = re.sub(r"\.parts/?$", "", os.fspath(path))
+        self._open = None
+        self.refresh()
+
+    def refresh(self):
+        """Looks again at what a run has written. Returns self."""
+        for _ in range(5):  # checkpoints go while they are looked for, and the folder when the run is finished
+            if self._look():
+                return self
+        raise FileError(f"{self.path}: no result, and no checkpoint in {self.path}.parts yet")
+
+    def _look(self):
+        folder = self.path + ".parts"
+        if os.path.isfile(self.path):
+            self._head, self._parts = self.path, [self.path]
+        else:
+            try:
+                names = os.listdir(folder)
+            except OSError:
+                raise FileError(f"{self.path}: no such result, nor {folder}") from None
+            found = [(int(m[1]), name) for name in names if (m := re.fullmatch(r"checkpoint-(\d+)\.h5", name))]
+            if not found:
+                return False
+            self._head = os.path.join(folder, max(found)[1])
+            self._parts = []
+        try:
+            with self._file(self._head) as file:
+                if not {"state", "parameters", "summary"} <= set(file):
+                    raise FileError(f"{self.path}: not a result of slipdisk")
+                self.summary, self.provenance = attributes(file["summary"]), attributes(file["parameters"])
+                self.finished = "checkpoint" not in file and self.summary.phase == self.summary.phases
+                if not self._parts:
+                    count = int(file["checkpoint"].attrs["parts"])
+                    self._parts = [os.path.join(folder, f"part-{k:06d}.h5") for k in range(1, count + 1)]
+        except FileNotFoundError:
+            return False
+        return True
+
+    @contextlib.contextmanager
+    def _file(self, path):
+        try:
+            file = h5py.File(path, "r")
+        except FileNotFoundError:
+            raise
+        except OSError as error:
+            raise FileError(f"{path}: {error}") from None
+        with file:
+            yield file
+
+    # --- what all else is read by -----------------------------------------------------------------------------------
+    def rows(self, path, first=0, last=None):
+        """Rows [first, last) of a dataset, those of all parts one after the other."""
+        found, done = [], 0
+        for part in self._parts if len(self._parts) and not self._in_head(path) else [self._head]:
+            with self._file(part) as file:
+                if path not in file:
+                    raise unknown(path, list(file), part)
+                data = file[path]
+                if data.shape == ():
+                    return plain(data[()])
+                n = len(data)
+                if last is None or done < last:
+                    found.append(data[max(first - done, 0):None if last is None else min(last - done, n)])
+                done += n
+        kept = [piece for piece in found if len(piece)] or found
+        return kept[0] if len(kept) == 1 else np.concatenate(kept)
+
+    def _in_head(self, path):
+        return path.split("/")[0] in ("state", "summary", "parameters")
+
+    def _some(self, path):
+        """A file that has this group, if any has."""
+        return self._head if self._in_head(path) else (self._parts or [self._head])[0]
+
+    def groups(self, path):
+        """Names of what has values in a group."""
+        with self._file(self._some(path)) as file:
+            group = file.get(path, {})
+            return [name for name in group if isinstance(group[name], h5py.Group) and "value" in group[name]]
+
+    def datasets(self, path):
+        with self._file(self._some(path)) as file:
+            group = file.get(path, {})
+            return [name for name in group if isinstance(group[name], h5py.Dataset)]
+
+    def attribute(self, path, name):
+        with self._file(self._some(path)) as file:
+            return plain(file[path].attrs.get(name, ""))
+
+    def attributes(self, path):
+        """Attributes of a group or dataset."""
+        with self._file(self._some(path)) as file:
+            return attributes(file[path])
+
+    def table(self, path):
+        """A group of columns as a structured array, with `name` where there are names; None: there is none."""
+        with self._file(self._some(path)) as file:
+            if path not in file:
+                return None
+            group, columns, names = file[path], {}, None
+            for name, item in group.items():
+                if isinstance(item, h5py.Dataset) and item.shape:
+                    columns[name] = item[:]
+                elif isinstance(item, h5py.Dataset) and name == "name":
+                    names = np.array(text_lines(item), str)
+        rows = max(map(len, columns.values()), default=0)
+        if names is not None and rows and len(names) % rows == 0:  # of watched contacts also those of both partners
+            columns["name"] = names if len(names) == rows else names.reshape(rows, -1)
+        columns = {name: columns[name] for name in sorted(columns, key=lambda name: (name not in FIRST, name))}
+        return structured({name: column for name, column in columns.items() if len(column) == rows})
+
+    # --- the run ------------------------------------------------------------------------------------------------------
+    @property
+    def step(self):
+        return self.summary["step"]
+
+    @property
+    def time(self):
+        return self.summary["time"]
+
+    @property
+    def dt(self):
+        return self.summary["dt"]
+
+    @property
+    def deck(self):
+        """The complete deck with all defaults."""
+        return self.rows("parameters/deck_full")
+
+    @property
+    def deck_text(self):
+        """The deck as it was written, without overrides."""
+        return self.rows("parameters/deck_text")
+
+    # --- what was found ---------------------------------------------------------------------------------------------
+    @property
+    def energy(self):
+        """The energy budget at the end."""
+        with self._file(self._head) as file:
+            return attributes(file["summary/energy"])
+
+    @property
+    def doubts(self):
+        """A list of `name`, `message`, `value`, `limit`: why the numbers may mean nothing."""
+        with self._file(self._head) as file:
+            group = file.get("summary/doubts", {})
+            return [Record(name=name, **attributes(group[name])) for name in group]
+
+    @property
+    def rotation(self):
+        """Mean angular velocity of each watched disk, a structured array: name, disk, omega, error, scaled, ..."""
+        return self.table("summary/rotation")
+
+    @property
+    def slide(self):
+        """Fractions of time in each configuration of sliding, of each watched pair of contacts."""
+        return self.table("summary/slide")
+
+    @property
+    def phases(self):
+        """What became of each phase: name, steps, most, reached, ..."""
+        return self.table("summary/phase")
+
+    @property
+    def means(self):
+        """Means of every free disk: with measure = { disks = true; }, else None."""
+        return self.table("summary/disks")
+
+    @property
+    def totals(self):
+        """Means over all disks: omega_rms, significant, coordination, ...; None without measure = { disks = true; }."""
+        with self._file(self._head) as file:
+            return attributes(file["summary/disks"]) if "summary/disks" in file else None
+
+    @property
+    def series(self):
+        """Time series: series["time"], series["work"], ..."""
+        names = self.groups("observables")
+        first = {name: f"observables/{names[0]}/{name}" for name in ("step", "time")} if names else {}
+        return Columns(self, "series", {**first, **{name: f"observables/{name}/value" for name in names}})
+
+    @property
+    def frames(self):
+        """Stored frames of the disks: frames[-1]["position"], frames["angle"], frames.time."""
+        return Frames(self, "particles/disks")
+
+    @property
+    def wall_frames(self):
+        """The same of the walls."""
+        return Frames(self, "particles/walls")
+
+    @property
+    def contacts(self):
+        """Stored contact tables: contacts[-1]["force"], contacts.time."""
+        return Contacts(self)
+
+    @property
+    def state(self):
+        """Columns of the last state, in the order of slots (state["id"] has the numbers)."""
+        return Columns(self, "state", {name: f"state/{name}" for name in self.datasets("state")})
+
+    @property
+    def last_contacts(self):
+        """Closed contacts of the last state, a structured array: a, b, part, force, overlap, ..."""
+        state = self.state
+        return structured({name[len("contact_"):]: state[name] for name in state if name.startswith("contact_")})
+
+    @property
+    def box(self):
+        """Lengths of the periodic box at the end, 0 where it is open."""
+        for line in self.rows("parameters/deck_bodies").split("\n"):
+            kind, *numbers = line.split()
+            if kind == "box":
+                periodic, x, y = np.array(numbers, float).reshape(3, 2)
+                return np.where(periodic > 0, [x[1] - x[0], y[1] - y[0]], 0.0) * self.state["box_scale"]
+        raise FileError(f"{self.path}: it does not say what its box is")
+
+    @property
+    def names(self):
+        """Names of the disks, in their order; "" where the deck gives none."""
+        names = [""] * self.summary["disks"]
+        for line in self.rows("parameters/deck_bodies").split("\n"):
+            kind, *rest = line.split("\t")
+            if kind == "disk":
+                names[int(rest[0])] = rest[1]
+        return names
+
+    @property
+    def disks(self):
+        """The disks in the last state, a structured array in the order of their numbers: radius, mass, inertia, material,
+        x, y, vx, vy, angle, omega."""
+        state, n = self.state, self.summary["disks"]
+        number = state["id"]
+        order = np.empty(n, int)
+        mine = number < n
+        order[number[mine]] = np.flatnonzero(mine)
+        columns = {name: state[name][order] for name in ("radius", "mass", "inertia", "material", "x", "y", "vx", "vy", "omega")}
+        return structured({**columns, "angle": (state["turn"] + state["theta"])[order]})
+
+    def __repr__(self):
+        return f"<slipdisk.Result {self.path!r}: step {self.step}, time {self.time:g}{'' if self.finished else ', not finished'}>"

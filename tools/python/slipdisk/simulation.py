@@ -1,0 +1,552 @@
+"""A running system; see docs/python.md."""
+import collections.abc
+import ctypes
+import functools
+import operator
+import os
+import re
+import time as clock
+import weakref
+from ctypes import byref
+
+import numpy as np
+
+from . import library as lib
+from .deck import DiskArrays, deck_text, value_text
+from .library import Messages, UserError, library, record
+from .result import structured
+
+NO_BODY = 0xFFFFFFFF
+BODIES = lib.PER_BODY, lib.PER_FREE  # their columns stay where they are
+PIECE_SECONDS = 0.05  # at most twice this long Ctrl-C waits
+OFTEN_SECONDS = 0.001  # shorter calls are made the shortest way
+
+
+class Handle:
+    """Owns what the library has made; views of columns hold on to it."""
+
+    def __init__(self, pointer, messages, model=None):
+        self.library, self.pointer, self.model = library(), pointer, model
+        self.messages, self.kept = messages, []  # what is kept: functions that the library calls
+        self.views = weakref.WeakSet()
+
+    def __del__(self):
+        self.library.sd_simulation_free(self.pointer)
+        self.library.sd_model_free(self.model)
+
+
+class Memory:
+    """Memory of the library as numpy sees it. An array made of it keeps the owner alive."""
+
+    def __init__(self, owner, address, n, dtype, writable=False):
+        self.owner = owner
+        self.__array_interface__ = {"version": 3, "shape": (n,), "typestr": dtype.str, "data": (address, not writable)}
+
+
+def view(owner, address, n, dtype, writable=False):
+    if n == 0:
+        return np.empty(0, dtype)
+    return np.asarray(Memory(owner, address, n, dtype, writable))
+
+
+class Columns(collections.abc.Mapping):
+    """Columns of a simulation by name, in the order of slots; `unit` and `meaning` of each."""
+
+    def __init__(self, simulation):
+        self._simulation = simulation
+
+    def _field(self, name):
+        field = library().fields.get(name)
+        if field is None:
+            raise lib.unknown(name, list(self), "the columns of a simulation")
+        return field
+
+    def _array(self, state, field):
+        handle = self._simulation._handle
+        n = handle.library.sd_extent_size(state, field.extent)
+        array = view(handle, handle.library.sd_field_data(state, byref(field)), n, lib.TYPES[field.type])
+        if field.extent not in BODIES:
+            return array.copy()  # does not stay where it is
+        if array.base is not None:
+            handle.views.add(array.base)
+        return array
+
+    def __getitem__(self, name):
+        field = self._field(name)
+        return self._array(self._simulation._state(), field)
+
+    def __iter__(self):
+        return iter(library().fields)
+
+    def __len__(self):
+        return len(library().fields)
+
+    def unit(self, name):
+        return self._field(name).unit.decode()
+
+    def meaning(self, name):
+        return self._field(name).meaning.decode()
+
+    def __repr__(self):
+        return "\n".join(f"{name:<28}{self.unit(name):<20}{self.meaning(name)}" for name in self)
+
+
+class Bodies(collections.abc.Mapping):
+    """Copies of the columns of disks, or of walls, in the order of their numbers; `angle` is turn + theta. What only free
+    disks have is nan (or -1) for others."""
+
+    def __init__(self, simulation, first, n):
+        self._columns, self._first, self._n = simulation.columns, first, n
+
+    def __getitem__(self, name):
+        if name == "angle":
+            return self["turn"] + self["theta"]
+        if name not in list(self):
+            raise lib.unknown(name, list(self), "the columns of bodies")
+        values = self._columns[name]
+        number = self._columns["id"][:len(values)].astype(np.int64) - self._first
+        mine = (number >= 0) & (number < self._n)
+        found = np.full(self._n, np.nan if values.dtype.kind == "f" else -1).astype(values.dtype)
+        found[number[mine]] = values[mine]
+        return found
+
+    def __iter__(self):
+        yield "angle"
+        yield from (name for name, field in library().fields.items() if field.extent in BODIES)
+
+    def __len__(self):
+        """How many columns; len(d["x"]) is how many bodies."""
+        return sum(1 for _ in self)
+
+    def __repr__(self):
+        return f"{self._n} bodies with " + ", ".join(self)
+
+
+class ForceColumns:
+    """What a force field sees, by slot: `id`, `x`, `y`, `theta`, `turn`, `vx`, `vy`, `omega`, `radius`, `mass`, `inertia`,
+    `material`, `group`, `activity`; `step`, `time`, `n_free`, `n_bodies`; and to be added to `force_x`, `force_y`,
+    `torque`, one for each of the n_free free disks. Valid during the call."""
+
+    __slots__ = ("step", "time", "n_free", "n_bodies", *(name for name, _ in lib.ForceColumns._fields_[4:]))
+    KINDS = {"id": "u4", "material": "i4", "group": "i4", "activity": "i4"}
+
+    def __init__(self, handle, struct):
+        self.n_free, self.n_bodies = struct.n_free, struct.n_bodies
+        for name, _ in struct._fields_[4:]:
+            written = name in ("force_x", "force_y", "torque")
+            n = self.n_free if written or name == "activity" else self.n_bodies
+            setattr(self, name, view(handle, getattr(struct, name), n, np.dtype(self.KINDS.get(name, "f8")), written))
+
+
+def often(simulation, steps):
+    """`advance` of a simulation for a number of steps that is given again and again: nothing but the call, since what
+    stands around it costs as much as twenty steps of three disks. Every 256th call looks for warnings."""
+    handle, me = simulation._handle, weakref.ref(simulation)
+    call, pointer, n, messages = handle.library.advance, handle.pointer, ctypes.c_int64(steps), simulation._list
+    left = 255
+
+    @functools.wraps(Simulation.advance)
+    def advance(given=None, *, time=None):
+        nonlocal left
+        if given is steps and left and time is None:
+            left -= 1
+            status = call(pointer, n, messages)
+            if status:
+                me()._end(status)
+            return
+        left = 255
+        if me() is None:
+            raise ReferenceError("the simulation is gone")
+        Simulation.advance(me(), given, time=time)
+
+    advance.handle = handle  # which must live as long as this
+    return advance
+
+
+class Simulation:
+    """A running system.
+
+    deck       path of a deck, or a dict with a deck's structure
+    overrides  {path: value}, as after -D: {"gravity.tilt": "0.04 pi"}
+    disks      arrays of disks: dict(x=..., y=..., radius=..., density=1.0, material="grain", ...). Keys are those of
+               `disks` in decks, each an array or one value for all. Their numbers follow those of the deck's own disks.
+    threads    0: chosen from the number of disks. Results do not depend on it.
+
+    A simulation is used by one thread at a time."""
+
+    def __init__(self, deck, overrides=None, *, disks=None, threads=0):
+        messages = Messages()
+        arrays, path = None, None
+        if disks is not None:
+            arrays = DiskArrays(disks)
+        if isinstance(deck, dict):
+            if arrays:
+                deck = {**deck, "disk_files": [*deck.get("disk_files", ()), arrays.group]}
+            text = deck_text(deck)
+        else:
+            path = deck_path(deck)
+            text = arrays and read(path) + "\n" + deck_text({"disk_files": [arrays.group]})
+        words = [f"{key}={value if isinstance(value, str) else value_text(value, key)}".encode()
+                 for key, value in (overrides or {}).items()]
+        words = (ctypes.c_char_p * len(words))(*words)
+
+        def line(message):
+            message = arrays.line(message) if arrays else message
+            return message if path else re.sub(r"^deck:\d+: ", "", message)
+
+        model, at = lib.out()
+        if text is None:
+            status = library().sd_deck_load(os.fsencode(path), len(words), words, at, messages.pointer)
+        else:
+            status = library().sd_deck_load_text(text.encode(), os.fsencode(path or "deck"), len(words), words, at,
+                                                 messages.pointer)
+        messages.check(status, line)
+        pointer, at = lib.out()
+        status = library().sd_simulation_new(model, threads, at, messages.pointer)
+        if status != lib.OK:
+            library().sd_model_free(model)
+        messages.check(status, line)
+        self._begin(Handle(pointer, messages, model))
+
+    def _begin(self, handle):
+        self._handle, self._pointer, self._library = handle, handle.pointer, library()
+        self._messages, self._list = handle.messages, ctypes.c_void_p(handle.messages.pointer)
+        self._piece = max(1, 1_000_000 // max(1000, self.n_disks))  # steps in a call of the library
+        self._again, self._raised, self._watched, self._forces = None, None, False, (None, None)
+
+    @classmethod
+    def _made(cls, pointer, messages):
+        self = cls.__new__(cls)
+        self._begin(Handle(pointer, messages))
+        return self
+
+    @classmethod
+    def _load(cls, function, *arguments, threads):
+        messages = Messages()
+        pointer, at = lib.out()
+        messages.check(function(*arguments, threads, at, messages.pointer), level=3)
+        return cls._made(pointer, messages)
+
+    @classmethod
+    def load(cls, path, threads=0):
+        """What `save` has written, or a checkpoint of `slipdisk run`. Observers and forces are added again."""
+        return cls._load(library().sd_simulation_load, os.fsencode(path), threads=threads)
+
+    @classmethod
+    def from_bytes(cls, data, threads=0):
+        """What `to_bytes` has made."""
+        return cls._load(library().sd_simulation_load_memory, data, len(data), threads=threads)
+
+    def save(self, path):
+        """Writes the whole system into a file; what is loaded from it goes on with the same bits."""
+        self._messages.check(self._library.sd_simulation_save(self._pointer, os.fsencode(path), self._list))
+
+    def to_bytes(self):
+        """The whole system as bytes: to be kept, or sent to another process (pickle does this)."""
+        data, at = lib.out()
+        size, size_at = lib.out(ctypes.c_size_t)
+        self._messages.check(self._library.sd_simulation_save_memory(self._pointer, at, size_at, self._list))
+        found = ctypes.string_at(data, size.value)
+        self._library.sd_free(data)
+        return found
+
+    def __reduce__(self):
+        return Simulation.from_bytes, (self.to_bytes(),)
+
+    def clone(self):
+        """Another one at the same step, which goes on with the same bits; without observers and forces."""
+        messages = Messages()
+        pointer, at = lib.out()
+        messages.check(self._library.sd_simulation_clone(self._pointer, at, messages.pointer))
+        return self._made(pointer, messages)
+
+    __copy__ = clone
+
+    def __deepcopy__(self, memo):
+        return self.clone()
+
+    # --- stepping -----------------------------------------------------------------------------------------------
+    def advance(self, steps=None, *, time=None):
+        """Advances by so many steps, or by a time, or without either to the end. Stops at the end of the last phase, or
+        where an observer returned True; raises what an observer or a force raised, and NumericError."""
+        if time is not None:
+            if steps is not None:
+                raise UserError("advance: expected steps or time, not both")
+            steps = round(time / self.dt)
+        if isinstance(steps, float) and steps.is_integer():
+            steps = int(steps)  # 1e6
+        if isinstance(steps, float):
+            raise UserError(f"advance: {steps} steps: expected a whole number; time=... takes a time")
+        steps = 2**62 if steps is None else operator.index(steps)
+        if steps < 0:
+            raise UserError(f"advance: {steps} steps: expected 0 or more")
+        asked, took = steps, 0.0
+        while steps > 0 and not self.finished:
+            piece, begin = min(steps, self._piece), clock.perf_counter()
+            status = self._library.sd_simulation_advance(self._pointer, piece, self._list)
+            if (status or self._library.sd_messages_count(self._list)) and self._end(status):
+                return
+            steps -= piece
+            took = clock.perf_counter() - begin
+            if took < PIECE_SECONDS and piece == self._piece:
+                self._piece *= 2
+            elif took > 2 * PIECE_SECONDS and self._piece > 1:
+                self._piece //= 2
+        if 0 < took < OFTEN_SECONDS and asked <= self._piece and asked is not self._again and type(self).advance is Simulation.advance:
+            self._again, self.advance = asked, often(self, asked)
+
+    def _end(self, status):
+        """After a piece with a status or messages; True: an observer stopped it."""
+        raised, self._raised = self._raised, None
+        if raised is not None:
+            self._messages.take()
+            raise raised
+        if status == lib.INTERRUPTED:
+            self._messages.take()
+            return True
+        self._messages.check(status, level=3)
+        return False
+
+    def _keep(self, error):
+        if self._raised is None:
+            self._raised = error
+
+    def observe(self, every, function=None):
+        """Calls function(simulation) after steps that are multiples of `every`; it only reads. When it returns True
+        `advance` stops there. Without a function it is a decorator: @simulation.observe(1000)."""
+        if function is None:
+            return lambda function: self.observe(every, function) or function
+        if operator.index(every) < 1:
+            raise UserError(f"observe: every = {every}: expected 1 or more steps")
+        me = weakref.ref(self)
+
+        def call(_pointer, _user):
+            simulation = me()
+            if simulation is None:
+                return lib.INTERRUPTED
+            try:
+                return lib.INTERRUPTED if function(simulation) is True else lib.OK
+            except BaseException as error:  # to be raised by advance
+                simulation._keep(error)
+                return lib.INTERRUPTED
+
+        self._observe(every, call)
+
+    def _observe(self, every, call):
+        kept = lib.OBSERVER(call)
+        if self._library.sd_simulation_observe(self._pointer, every, kept, None) != lib.OK:
+            raise MemoryError
+        self._handle.kept.append(kept)
+
+    def add_force(self, function):
+        """Adds a force on the free disks: function(columns) is called in every step and adds to columns.force_x,
+        .force_y, .torque (ForceColumns). It should be a function of the columns and of constants. Can be a decorator."""
+        me, failed = weakref.ref(self), False
+        same = lib.ForceColumns.n_free.offset  # what comes behind step and time changes seldom
+        size = ctypes.sizeof(lib.ForceColumns)
+
+        def call(pointer, _user):
+            simulation = me()
+            if failed or simulation is None or simulation._raised is not None:
+                return
+            try:
+                struct, key = lib.ForceColumns.from_address(pointer), ctypes.string_at(pointer + same, size - same)
+                if key != simulation._forces[0]:  # kept there: views hold the handle, which holds this function
+                    simulation._forces = key, ForceColumns(simulation._handle, struct)
+                columns = simulation._forces[1]
+                columns.step, columns.time = struct.step, struct.time
+                function(columns)
+            except BaseException as error:  # to be raised by advance
+                simulation._keep(error)
+
+        kept = lib.FORCE_FIELD(call)
+        self._handle.kept.append(kept)
+        self._messages.check(self._library.sd_simulation_add_force_field(self._pointer, kept, None, self._list))
+        if self._raised is not None:  # at step 0: as if it had not been added
+            failed = True
+            self._end(lib.INTERRUPTED)
+        if not self._watched:  # stops at the step whose force has failed
+            self._observe(1, lambda _pointer, _user: lib.OK if me()._raised is None else lib.INTERRUPTED)
+            self._watched = True
+        return function
+
+    # --- disks that come and go -----------------------------------------------------------------------------------
+    def add_disks(self, *, x, y, radius, mass=None, density=None, **columns):
+        """Adds free disks between two steps; each argument is an array, or one value for all: x, y, radius, mass or
+        density, theta, vx, vy, omega, inertia, force_x, force_y, torque, material (its number in the deck). Returns
+        their numbers. Views of columns must be gone (copy what is kept); walls move up."""
+        if (mass is None) == (density is None):
+            raise UserError("add_disks: expected mass or density")
+        given = dict(x=x, y=y, radius=radius, **columns)
+        given["mass"] = mass if mass is not None else density * np.pi * np.square(radius)
+        places = {"x": ("position", 0), "y": ("position", 1), "theta": ("position", 2), "vx": ("velocity", 0),
+                  "vy": ("velocity", 1), "omega": ("velocity", 2), "force_x": ("force", 0), "force_y": ("force", 1),
+                  "torque": ("force", 2)}
+        arrays = np.broadcast_arrays(*map(np.atleast_1d, given.values()))
+        rows = np.zeros(arrays[0].shape[0], lib.DISK)
+        rows["group"] = -1
+        for key, array in zip(given, arrays):
+            name, k = places.get(key, (key, None))
+            if key not in places and key not in ("radius", "mass", "inertia", "material"):
+                raise UserError(f"add_disks: {key}: expected one of {', '.join([*places, 'radius, mass, density, inertia, material'])}")
+            if k is None:
+                rows[name] = array
+            else:
+                rows[name][:, k] = array
+        if len(self._handle.views):
+            raise BufferError("add_disks: views of columns are still in use; delete them, or keep copies")
+        first, at = lib.out(ctypes.c_uint32)
+        self._messages.check(self._library.sd_simulation_add_disks(self._pointer, len(rows), rows.ctypes.data, at, self._list))
+        return np.arange(first.value, first.value + len(rows))
+
+    def remove_disks(self, disks):
+        """Takes disks (numbers or names) out between two steps; they keep their numbers, with activity 2."""
+        numbers = [self.find(d) if isinstance(d, str) else d for d in np.atleast_1d(disks).tolist()]
+        numbers = np.array(numbers, np.uint32)
+        self._messages.check(self._library.sd_simulation_remove_disks(self._pointer, len(numbers), numbers.ctypes.data, self._list))
+
+    # --- reading --------------------------------------------------------------------------------------------------
+    @property
+    def _model(self):
+        return self._library.sd_simulation_model(self._pointer)
+
+    @property
+    def step(self):
+        return self._library.sd_simulation_step(self._pointer)
+
+    @property
+    def time(self):
+        """step * dt"""
+        return self._library.sd_simulation_time(self._pointer)
+
+    @property
+    def dt(self):
+        return self._library.sd_model_dt(self._model)
+
+    @property
+    def steps(self):
+        """Steps of all phases: the most that there can be."""
+        return self._library.sd_model_steps(self._model)
+
+    @property
+    def finished(self):
+        return self._library.sd_simulation_finished(self._pointer)
+
+    @property
+    def stage(self):
+        """step, phase, phase_step; before: steps of the phase before this one."""
+        return record(self._library.sd_simulation_stage(self._pointer))
+
+    @property
+    def n_disks(self):
+        return self._library.sd_model_disks(self._model)
+
+    @property
+    def n_walls(self):
+        return self._library.sd_model_walls(self._model)
+
+    def find(self, name):
+        """Number of the disk or wall of this name."""
+        number = self._library.sd_model_find(self._model, name.encode())
+        if number == NO_BODY:
+            names = [self.name(k) for k in range(min(self.n_disks + self.n_walls, 100))]
+            raise lib.unknown(name, names, "the names of bodies")
+        return number
+
+    def name(self, number):
+        """Name of a body: its own, else "disk 17", "wall 3"."""
+        if not 0 <= number < self.n_disks + self.n_walls:
+            raise UserError(f"body {number}: expected 0 ... {self.n_disks + self.n_walls - 1}")
+        room = ctypes.create_string_buffer(256)
+        name = self._library.sd_model_body_name(self._model, number, room, len(room)).decode()
+        own = re.fullmatch(r'\w+ "(.*)"', name)
+        return own[1] if own else name
+
+    @property
+    def columns(self):
+        """columns["x"]: a read-only numpy view, without copying, in the order of slots (free disks, driven disks, walls;
+        columns["id"] has their numbers). Views of bodies follow the system; others are copies of the moment."""
+        return Columns(self)
+
+    @property
+    def disks(self):
+        """disks["x"]: a copy, in the order of the disks' numbers; also disks["angle"]."""
+        return Bodies(self, 0, self.n_disks)
+
+    @property
+    def walls(self):
+        """The same of walls: wall w is body n_disks + w."""
+        return Bodies(self, self.n_disks, self.n_walls)
+
+    @property
+    def contacts(self):
+        """Closed contacts now, a structured array (a copy): a, b (body numbers), part, force, overlap, zeta, ..."""
+        state, columns = self._state(), self.columns
+        found = {name[len("contact_"):]: columns._array(state, field) for name, field in library().fields.items()
+                 if field.extent == lib.PER_CONTACT}
+        return structured(found)
+
+    @property
+    def energy(self):
+        """The energy budget since step 0 (kinetic_translation, ..., work, viscous, friction, residual, scale)."""
+        return record(self._library.sd_simulation_energy(self._pointer))
+
+    def _state(self):
+        state = self._library.sd_simulation_state(self._pointer)
+        if not state:
+            raise MemoryError
+        return state
+
+    def _measured(self, kind, function, extent):
+        state, model = self._state(), self._model
+        n = self._library.sd_extent_size(state, extent)
+        return lib.structured([function(model, state, k) for k in range(n)], kind)
+
+    @property
+    def rotation(self):
+        """Mean angular velocity of each watched disk with its error bar, a structured array: disk, omega, error, scaled,
+        scaled_error, transient, measured, turned, converged."""
+        return self._measured(lib.Rotation, self._library.sd_rotation_of, lib.PER_ROTATION)
+
+    @property
+    def slide(self):
+        """Fractions of time in each configuration of sliding, of each watched pair of contacts."""
+        return self._measured(lib.Slide, self._library.sd_slide_of, lib.PER_SLIDE)
+
+    @property
+    def means(self):
+        """Means of every free disk, when the deck says measure = { disks = true; }."""
+        return self._measured(lib.DiskMean, self._library.sd_disk_mean_of, lib.PER_MEAN)
+
+    @property
+    def deck(self):
+        """The complete deck with all defaults; "" after disks were added."""
+        found = self._library.sd_model_deck(self._model)
+        return (found.contents.full or b"").decode() if found else ""
+
+    @property
+    def threads(self):
+        return self._library.sd_simulation_threads(self._pointer)
+
+    def hash(self):
+        """A number for all bits of the state: equal systems have equal ones."""
+        return self._library.sd_state_hash(self._state())
+
+    def __repr__(self):
+        return (f"<slipdisk.Simulation: {self.n_disks} disks, {self.n_walls} walls, step {self.step}, time {self.time:g}"
+                f"{', finished' if self.finished else ''}>")
+
+
+def deck_path(deck):
+    path = os.fspath(deck)
+    if "\n" in path or ";" in path:
+        raise UserError("expected the path of a deck, or a dict; this is the text of one")
+    return path
+
+
+def read(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except OSError as error:
+        raise lib.error([f"{path}: {error.strerror}"], lib.USER if isinstance(error, FileNotFoundError) else lib.IO) from None

@@ -1,0 +1,116 @@
+"""Folders that `slipdisk sweep` has made, complete or not; docs/sweep.md."""
+import collections.abc
+import csv
+import os
+
+import h5py
+import numpy as np
+
+from .library import FileError, unknown
+from .result import Result, plain, structured, to_pandas
+
+
+class Sweep(collections.abc.Sequence):
+    """A sweep: `table` and `means` as structured arrays, and its points as results, finished or not.
+
+    sweep["upper.omega"]   a column of the table
+    sweep[17]              the Result of point 17; also by its name, "tilt=0.04pi"
+
+    The table is the one that `slipdisk sweep` wrote last (every 15 s, and at the end); `refresh()` reads it again."""
+
+    def __init__(self, folder):
+        self.folder = os.fspath(folder).rstrip("/")
+        if not os.path.isdir(os.path.join(self.folder, "points")):
+            raise FileError(f"{self.folder}: not the folder of a sweep (no {self.folder}/points)")
+        self.refresh()
+
+    def refresh(self):
+        """Reads the tables again. Returns self."""
+        path = os.path.join(self.folder, "table.h5")
+        self._units, self._columns, self._means = {}, {}, {}
+        if os.path.exists(path):
+            try:
+                with h5py.File(path, "r") as file:
+                    self._columns = self._read(file, "points", "table.csv")
+                    self._means = self._read(file, "means", "means.csv")
+            except OSError as error:
+                raise FileError(f"{path}: {error}") from None
+        return self
+
+    def _read(self, file, group, ordered):
+        columns = {}
+        for name, item in file.get(group, {}).items():
+            self._units[name] = plain(item.attrs.get("unit", ""))
+            values = item[:]
+            columns[name] = np.array(plain(values), str) if values.dtype.kind in "SO" else values
+        try:  # HDF5 has its datasets by name
+            with open(os.path.join(self.folder, ordered), newline="", encoding="utf-8") as table:
+                names = [name for name in next(csv.reader(table), []) if name in columns]
+        except OSError:
+            names = []
+        return {name: columns[name] for name in [*names, *(name for name in columns if name not in names)]}
+
+    def _known(self, columns):
+        if not columns:
+            raise FileError(f"{self.folder}: no table yet; slipdisk sweep DECK -o {self.folder} --table makes it")
+        return columns
+
+    @property
+    def table(self):
+        """A row for each point: what it sets, and what was found; nan where it is not finished."""
+        return structured(self._known(self._columns))
+
+    @property
+    def done(self):
+        """The rows of the table that are finished."""
+        return self.table[self["status"] == "done"]
+
+    @property
+    def means(self):
+        """A row for each set of values: means over the replicas, with `_error` and `_scatter`."""
+        return structured(self._known(self._means))
+
+    def pandas(self, means=False):
+        """The table, or the means, as a pandas.DataFrame."""
+        return to_pandas(self._known(self._means if means else self._columns))
+
+    def unit(self, name):
+        return self._units[name]
+
+    @property
+    def names(self):
+        """Names of the points: all that the table has, else those that are begun."""
+        if self._columns:
+            return self._columns["name"].tolist()
+        found = os.listdir(os.path.join(self.folder, "points"))
+        return sorted({name.removesuffix(".parts").removesuffix(".h5") for name in found if name.endswith((".h5", ".h5.parts"))})
+
+    def path(self, name):
+        return os.path.join(self.folder, "points", name + ".h5")
+
+    def __len__(self):
+        return len(self.names)
+
+    def __getitem__(self, which):
+        if isinstance(which, str):
+            if which in self._columns:
+                return self._columns[which]
+            if which in self.names:
+                return Result(self.path(which))
+            raise unknown(which, [*self._columns, *self.names], f"the table of {self.folder}")
+        if isinstance(which, slice):
+            return [self[k] for k in range(*which.indices(len(self)))]
+        return Result(self.path(self.names[which]))
+
+    def results(self):
+        """(name, Result) of all points that have any result."""
+        for name in self.names:
+            if os.path.exists(self.path(name)) or os.path.exists(self.path(name) + ".parts"):
+                try:
+                    yield name, Result(self.path(name))
+                except FileError:
+                    continue  # begun, without a checkpoint
+
+    def __repr__(self):
+        done = int(np.sum(self._columns["status"] == "done")) if self._columns else "?"
+        return f"<slipdisk.Sweep {self.folder!r}: {len(self)} points, {done} done>"
