@@ -8,16 +8,16 @@ minutes on one core). Each run is a deck of inputs/ with overrides; the command 
 NAME.txt. Runs that are finished are not repeated. Needs python3 with h5py and numpy.
 """
 import argparse
-import json
 import math
 import os
-import subprocess
 import sys
 
-import h5py
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(ROOT, "tools", "python"))
+import slipdisk  # noqa: E402
+
 PI = math.pi
 
 
@@ -36,17 +36,13 @@ class Runner:
         text = " ".join(f"'{word}'" if any(c in word for c in " [(*") else word for word in command)
         done = os.path.exists(path) and os.path.exists(note) and open(note).read().strip() == text
         if not done:
-            result = subprocess.run(command + ["--force"], capture_output=True, text=True, check=False)
-            if result.returncode == 5:  # finished, in doubt
-                print(f"{text}\n{result.stderr}", file=sys.stderr)
-            elif result.returncode:
-                sys.exit(f"{text}\n{result.stderr}")
+            try:  # what is in doubt is warned of
+                slipdisk.run(command[2], path, overrides, force=True, program=self.program)
+            except slipdisk.Error as error:
+                sys.exit(f"{text}\n{error}")
             with open(note, "w") as file:
                 file.write(text + "\n")
-        info = subprocess.run([self.program, "info", path, "--json"], capture_output=True, text=True, check=True)
-        answer = json.loads(info.stdout)
-        answer["path"] = path
-        return answer
+        return {**slipdisk.info(path, self.program), "path": path}
 
 
 # --- theory: limits of strong drive, in units of Theta_b w_b --------------------------------------------------
@@ -138,7 +134,7 @@ def turn(r, opposite, wave, amplitude, w, dt=1e-5, tilt=0.04, time=None, integra
             "disks[0].omega": start * aim * unit, "phases.rest.motions": "(0, 1)" if opposite else "(0)",
             "phases.rest.steps": period * half, "phases.measure.steps": period * half,
             "phases.measure.series": period})
-        angle = h5py.File(d["path"])["observables/angle/value"][:, 0]
+        angle = slipdisk.Result(d["path"]).series["angle"][:, 0]
         ends.append((angle[-1] - angle[-2]) / (period * dt * unit))
     return {"aim": aim, "omega": sum(ends) / 2, "error": abs(ends[0] - ends[1]) / 2, "info": d,
             "periods": 2 * half}
@@ -190,9 +186,8 @@ def steady(r):
         for s1, s2 in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
             d = r.run(f"steady_{tilt_}_{s1}_{s2}", "three_disk/steady.cfg", **{
                 "gravity.tilt": f"{tilt_} pi", "motions.left.velocity": -s1, "motions.right.velocity": -s2})
-            with h5py.File(d["path"]) as f:
-                torque = f["state/torque"][0]
-                force = f["contacts/force"][-2:]
+            result = slipdisk.Result(d["path"])
+            torque, force = result.state["torque"][0], result.contacts.all("force")[-2:]
             aim, e = tep(tilt_ * PI, s1, s2), d["energy"]
             rows.append([f"{tilt_} pi", f"S{'+-'[s1 < 0]}{'+-'[s2 < 0]}", f"{torque:.6f}", f"{aim:.6f}",
                          f"{100 * (torque / aim - 1):+.2f} %", " ".join(f"{x:.5f}" for x in force),
@@ -227,7 +222,7 @@ def epo(r):
             else:
                 over["phases.measure.steps"] = 2 * 10**7
             d = r.run(f"epo_{wave}_{force}", "epo/asymmetric.cfg", **over)
-            x = h5py.File(d["path"])["particles/disks/position/value"][:, 0, 0]
+            x = slipdisk.Result(d["path"]).frames["position"][:, 0, 0]
             x = x[len(x) // 4:]  # the first quarter is transient
             v = np.diff(x) / 0.1
             blocks = v[:len(v) // 10 * 10].reshape(10, -1).mean(axis=1)

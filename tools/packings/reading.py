@@ -2,8 +2,8 @@
 import functools
 import os
 
-import h5py
 import numpy as np
+from report.runs import slipdisk
 
 
 def _parameters(path):
@@ -24,42 +24,38 @@ class Run:
 
     def __init__(self, path):
         self.path, self.parameters = path, _parameters(path)
-        with h5py.File(path, "r") as file:
-            head = dict(file["summary"].attrs)
-            self.dt, self.steps = float(head["dt"]), int(head["step"])
-            self.nanoseconds = float(head["step_nanoseconds"])
-            self.measured = float(head["measured"]) * self.dt
-            self.energy = {key: float(value) for key, value in file["summary/energy"].attrs.items()}
-            self.wall = float(file["parameters"].attrs["wall_seconds"])
-            self.step_seconds = float(file["parameters"].attrs["step_seconds"])
-            self.threads = int(file["parameters"].attrs["threads"])
-            self.seed = int(file["parameters"].attrs["seed"])
-            stage = file["summary/phase"]
-            self.phases = [{name: stage[name][k] for name in ("steps", "most", "reached", "target_goal")}
-                           for k in range(len(stage["steps"]))]
-            state = file["state"]
-            self.n_free, self.n_disks = int(state.attrs["n_free"]), int(state.attrs["n_disks"])
-            free = slice(0, self.n_free)
-            self.id = state["id"][free]
-            self.radius, self.mass = state["radius"][free], state["mass"][free]
-            self.x_end, self.y_end = state["x"][free], state["y"][free]
-            self.activity = state["activity"][:]
-            self.has_means = "disks" in file["summary"] and int(file["summary/disks"].attrs["disks"]) > 0
-            if self.has_means:
-                self._read_means(file["summary/disks"])
+        self.result = result = slipdisk.Result(path)
+        self.dt, self.steps = result.dt, result.step
+        self.nanoseconds = result.summary.step_nanoseconds
+        self.measured = result.summary.measured * self.dt
+        self.energy = result.energy
+        run = result.provenance
+        self.wall, self.step_seconds, self.threads, self.seed = run.wall_seconds, run.step_seconds, run.threads, run.seed
+        self.phases = result.phases
+        state = result.state
+        sizes = result.attributes("state")
+        self.n_free, self.n_disks = sizes.n_free, sizes.n_disks
+        free = slice(0, self.n_free)
+        self.id = state["id"][free]
+        self.radius, self.mass = state["radius"][free], state["mass"][free]
+        self.x_end, self.y_end = state["x"][free], state["y"][free]
+        self.activity = state["activity"]
+        totals = result.totals
+        self.has_means = bool(totals) and totals.disks > 0
+        if self.has_means:
+            self._read_means(result.means, totals)
 
-    def _read_means(self, means):
+    def _read_means(self, means, totals):
         """Columns of /summary/disks (docs/results.md), and the totals of the packing."""
-        self.omega, self.error = means["omega"][:], means["error"][:]
-        self.first, self.second = means["omega_first"][:], means["omega_second"][:]
-        self.contacts = means["coordination"][:]
+        self.omega, self.error = means["omega"], means["error"]
+        self.first, self.second = means["omega_first"], means["omega_second"]
+        self.contacts = means["coordination"]
         diameter = 2 * float(self.radius.mean())
-        totals = {key: float(value) for key, value in means.attrs.items() if np.isscalar(value)}
-        self.wander = totals["position_rms"]        # rms distance from the mean places, over the mean diameter
-        self.drift = totals["displacement_rms"]     # rms displacement since measuring began, likewise
-        self.farthest = float(np.nanmax(means["rms"][:])) / diameter
-        self.coordination, self.sliding_fraction = totals["coordination"], totals["sliding"]
-        self.openings, self.noise = totals["openings"], totals["omega_noise"]
+        self.wander = totals.position_rms        # rms distance from the mean places, over the mean diameter
+        self.drift = totals.displacement_rms     # rms displacement since measuring began, likewise
+        self.farthest = float(np.nanmax(means["rms"])) / diameter
+        self.coordination, self.sliding_fraction = totals.coordination, totals.sliding
+        self.openings, self.noise = totals.openings, totals.omega_noise
 
     # --- rotation ----------------------------------------------------------------------------------------
     def halves(self):
@@ -86,16 +82,11 @@ class Run:
     # --- contacts -----------------------------------------------------------------------------------------
     @functools.cached_property
     def _contacts(self):
-        with h5py.File(self.path, "r") as file:
-            state, particles = file["state"], file["particles"]
-            edges = particles["disks/box/edges"]
-            edges = edges["value"][-1] if isinstance(edges, h5py.Group) else edges[:]  # a group when it was compressed
-            periodic = [word in (b"periodic", "periodic") for word in particles["disks/box"].attrs["boundary"]]
-            box = [edge if p else 0.0 for edge, p in zip(edges, periodic)]
-            order = np.full(int(state.attrs["n_bodies"]), -1)
-            order[state["id"][:]] = np.arange(len(order))
-            return (order[state["contact_a"][:]], order[state["contact_b"][:]], state["contact_force"][:],
-                    state["x"][:], state["y"][:], state["radius"][:], box)
+        state, contacts = self.result.state, self.result.last_contacts
+        number = state["id"]
+        order = np.full(len(number), -1)
+        order[number] = np.arange(len(order))
+        return (order[contacts["a"]], order[contacts["b"]], contacts["force"], state["x"], state["y"], self.result.box)
 
     def neighbours(self):
         """(i, j, force) of closed contacts between free disks at the end; i and j count free disks."""
@@ -105,7 +96,7 @@ class Run:
 
     def contact_lines(self):
         """([n][2][2] end points, force) of the contacts between disks at the end, for drawing."""
-        a, b, force, x, y, _, box = self._contacts
+        a, b, force, x, y, box = self._contacts
         pair = (a < self.n_disks) & (b < self.n_disks)
         a, b, force = a[pair], b[pair], force[pair]
         near = np.ones(len(a), bool)
@@ -118,39 +109,31 @@ class Run:
     # --- walls and series -----------------------------------------------------------------------------------
     def walls(self):
         """(kind, points, radius) of the walls at the end: "round", "line" or "segment"."""
-        with h5py.File(self.path, "r") as file:
-            if "walls" not in file["particles"]:
-                return []
-            group = file["particles/walls"]
-            shape, place = group["shape"], group["position/value"][:]
-            kinds, counts, points = shape["kind"][:], shape["count"][:], shape["points"][:]
-            found, first = [], 0
-            for k, (kind, count) in enumerate(zip(kinds, counts)):
-                own = points[first:first + count] + place[-1, k] - place[0, k]  # given as in the deck
-                first += count
-                found.append((WALL_KINDS.get(int(kind), "segment"), own if count else place[-1, k:k + 1],
-                              float(shape["radius"][k])))
-            return found
+        frames = self.result.wall_frames
+        if not len(frames):
+            return []
+        place, found, first = frames["position"], [], 0
+        shape = {name: self.result.rows(f"particles/walls/shape/{name}") for name in ("kind", "count", "points", "radius")}
+        for k, (kind, count) in enumerate(zip(shape["kind"], shape["count"])):
+            own = shape["points"][first:first + count] + place[-1, k] - place[0, k]  # given as in the deck
+            first += count
+            found.append((WALL_KINDS.get(int(kind), "segment"), own if count else place[-1, k:k + 1],
+                          float(shape["radius"][k])))
+        return found
 
     def series(self, *names):
         """Time and these observables."""
-        with h5py.File(self.path, "r") as file:
-            table = file["observables"]
-            groups = [group for group in table.values() if isinstance(group, h5py.Group)]
-            clock = next(group["time"] for group in groups if "time" in group)
-            return [clock[:],
-                    *(table[name]["value"][:] for name in names)]
+        return [self.result.series[name] for name in ("time", *names)]
 
     def frames(self):
         """(times, positions [frame][disk][2]) of all disks, in the order of the deck."""
-        with h5py.File(self.path, "r") as file:
-            place = file["particles/disks/position"]
-            return place["time"][:], place["value"][:]
+        frames = self.result.frames
+        return frames.time, frames["position"]
 
     def velocities(self):
         """[n][2] of the free disks at the end."""
-        with h5py.File(self.path, "r") as file:
-            return np.column_stack([file["state/vx"][:self.n_free], file["state/vy"][:self.n_free]])
+        state = self.result.state
+        return np.column_stack([state["vx"][:self.n_free], state["vy"][:self.n_free]])
 
     def measured_residual(self):
         """What the budget of the measured time misses, over the work of driven bodies in it; nan where that is not

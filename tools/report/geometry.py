@@ -2,11 +2,11 @@
 import math
 import re
 
-import h5py
 import numpy as np
 from matplotlib.patches import Arc, Circle
 
 from .page import Figure, Numbers, Section
+from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, plt
 from .verdict import number, within
 
@@ -15,13 +15,12 @@ RUN = "sync_strong"
 
 def read(path):
     """Centres, radii, names and tilt of a result of a 3-disk deck; angles of the contact lines."""
-    with h5py.File(path) as file:
-        disks = file["particles/disks"]
-        names = disks["name"][()].decode().split("\n")
-        centre = {name: disks["position/value"][0][k] for k, name in enumerate(names) if name}
-        radius = {name: float(disks["radius"][k]) for k, name in enumerate(names) if name}
-        deck = file["parameters/deck_full"][()].decode()
-    tilt = angle_of(re.search(r"gravity\s*=\s*\{[^}]*\btilt\s*=\s*([^;]+);", deck))
+    result = slipdisk.Result(path)
+    named = [(k, name) for k, name in enumerate(result.names) if name]
+    place, radii = result.frames[0]["position"], result.disks["radius"]
+    centre = {name: place[k] for k, name in named}
+    radius = {name: float(radii[k]) for k, name in named}
+    tilt = angle_of(re.search(r"gravity\s*=\s*\{[^}]*\btilt\s*=\s*([^;]+);", result.deck))
     down = np.array([-math.sin(tilt), -math.cos(tilt)])
     alpha = []
     for name in ("left", "right"):

@@ -2,10 +2,10 @@
 import math
 import re
 
-import h5py
 import numpy as np
 
 from .page import Figure, Numbers, Section
+from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, zero_line
 from .verdict import SURE, Claim, decide, missing, number, within, OPEN
 
@@ -16,13 +16,12 @@ class Oscillator:
     """A disk that cannot turn, on a wall that is shaken along itself; x is that of the disk seen from the wall."""
 
     def __init__(self, path):
-        with h5py.File(path) as file:
-            deck = file["parameters/deck_full"][()].decode()
-            frames, contacts = file["particles/disks/position"], file["contacts"]
-            time, block = frames["time"][:], frames["value"][:, 0, 0]
-            wall = file["particles/walls/position/value"][:, 0, 0]
-            moment = contacts["time"][:][contacts["count"][:] == 1]  # one contact: with the wall
-            tau, sliding, weight = contacts["tau"][:], contacts["sliding"][:], contacts["force"][:]
+        result = slipdisk.Result(path)
+        deck, frames, contacts = result.deck, result.frames, result.contacts
+        time, block = frames.time, frames["position"][:, 0, 0]
+        wall = result.wall_frames["position"][:, 0, 0]
+        moment = contacts.time[contacts.count == 1]  # one contact: with the wall
+        tau, sliding, weight = map(contacts.all, ("tau", "sliding", "force"))
         self.push = float(re.search(r"\bforce = \(([^,)]+),", deck).group(1))
         self.mu = float(re.search(r"\bmu = ([^;]+);", deck).group(1))
         self.amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))

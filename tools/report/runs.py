@@ -1,13 +1,11 @@
 """Calls of the program: single runs, sweeps, theory curves. What is finished is not run again."""
 import concurrent.futures
-import json
 import os
 import shlex
 import shutil
 import subprocess
 import sys
 
-import h5py
 import numpy as np
 
 from . import levels
@@ -15,6 +13,9 @@ from .data import Table
 from .effort import Ledger, duration, machine
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.insert(0, os.path.join(ROOT, "tools", "python"))
+import slipdisk  # noqa: E402
+
 STOPPED = 75  # exit status of a run that a signal stopped
 IN_DOUBT = 5  # of one that is done, with doubts that stand in its table
 BOOKED = 5.0  # seconds after which the time of what runs is booked
@@ -72,9 +73,10 @@ class Results:
         """What `slipdisk info --json` says of a run, or None."""
         if not self.run(name):
             return None
-        found = subprocess.run([self.program, "info", self.run(name), "--json"], capture_output=True, text=True,
-                               check=False)
-        return json.loads(found.stdout) if found.returncode == 0 else None
+        try:
+            return slipdisk.info(self.run(name), self.program)
+        except slipdisk.Error:
+            return None
 
     def _make_run(self, name):
         deck, by_level, keys = levels.RUNS[name]
@@ -115,11 +117,7 @@ class Results:
         """(points that are finished, their steps) of a sweep, or of all "runs"."""
         if name == "runs":
             made = [self.run(run) for run in self.runs() if self.run(run)]
-            steps = 0.0
-            for path in made:
-                with h5py.File(path) as file:
-                    steps += float(file["state/step"][()].item())
-            return len(made), steps
+            return len(made), float(sum(slipdisk.Result(path).step for path in made))
         table = self._table(name)
         return len(table), float(np.nansum(table.column("steps")))
 

@@ -1,10 +1,10 @@
 """All statements of the paper with their verdicts: those of the figures, and some that need runs of their own."""
 import math
 
-import h5py
 import numpy as np
 
 from .page import Numbers, Section, badge, plain
+from .runs import slipdisk
 from .verdict import decide, missing, number, percent
 
 PI = math.pi
@@ -75,8 +75,7 @@ def torque_claims(results, out):
         if not path or not isinstance(aim, float):
             claims.append(missing(text, place))
             continue
-        with h5py.File(path) as file:
-            torque = float(file["state/torque"][0])
+        torque = float(slipdisk.Result(path).state["torque"][0])
         rows.append([name, torque, aim, 100 * (torque / aim - 1)])
         claims.append(decide(text, abs(torque / aim - 1) < 0.01, f"{number(torque, digits=5)}, theory "
                              f"{number(aim, digits=5)}: {percent(torque / aim - 1)} (counted as equal up to 1 %)",
@@ -95,9 +94,7 @@ def still_claim(results, name, out):
         out.missing.append(f"{name}: not run yet")
         return missing(text, place)
     spin, slide = info["rotation"][0], info["sliding"][0]
-    with h5py.File(results.run(name)) as file:
-        deck = file["parameters/deck_full"][()].decode()
-    amplitude = float(deck.split("amplitude = ")[1].split(";")[0])
+    amplitude = float(slipdisk.Result(results.run(name)).deck.split("amplitude = ")[1].split(";")[0])
     speed = spin["turned"] / spin["measured"] / (amplitude * 20 * PI)
     forces = ", ".join(number(c["force_min"]) for c in slide["contacts"])
     return decide(text, abs(speed) < 1e-3, f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time "

@@ -3,11 +3,11 @@ sync, async)."""
 import math
 import re
 
-import h5py
 import numpy as np
 
 from . import levels
 from .page import Figure, Numbers, Section
+from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, legend_below, power, zero_line
 from .verdict import Claim, decide, missing, number, percent, sliding, OPEN
 
@@ -19,10 +19,9 @@ class Wave:
     """One period of a run with dense frames; velocities in units of Theta_b w_b, time in periods."""
 
     def __init__(self, path):
-        with h5py.File(path) as file:
-            deck = file["parameters/deck_full"][()].decode()
-            disks = file["particles/disks"]
-            time, angle, spin = disks["angle/time"][:], disks["angle/value"][:], disks["angular_velocity/value"][:]
+        result = slipdisk.Result(path)
+        deck, frames = result.deck, result.frames
+        time, angle, spin = frames.time, frames["angle"], frames["angular_velocity"]
         self.amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
         self.omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
         self.period = 2 * math.pi / self.omega
