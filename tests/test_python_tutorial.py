@@ -1,0 +1,67 @@
+"""docs/python.md: every block of Python is run, in order, and prints what the block below it shows.
+
+    tests/test_python_tutorial.py --write    puts in what is printed now
+"""
+import contextlib
+import io
+import os
+import pathlib
+import re
+import sys
+import tempfile
+import traceback
+import warnings
+
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
+PAGE = ROOT / "docs/python.md"
+LIBRARY = BUILD / "libslipdisk.so"
+BLOCK = re.compile(r"```python\n(?P<code>.*?)```\n(?:\n```text\n(?P<shown>.*?)```\n)?", re.DOTALL)
+
+
+def printed(code, line, space):
+    """What a block prints; an error that it ends with is printed as its last line, as Python does."""
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out):
+        try:
+            exec(compile("\n" * line + code, str(PAGE), "exec"), space)
+        except Exception as error:
+            if "# fails" not in code:
+                raise
+            out.write("".join(traceback.format_exception_only(error)))
+    return out.getvalue()
+
+
+def main():
+    if not LIBRARY.exists():
+        print(f"no {LIBRARY} (sanitizer builds have none): the tutorial is left out")
+        return 0
+    os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
+    os.environ.setdefault("SLIPDISK_PROGRAM", str(BUILD / "slipdisk"))
+    sys.path.insert(0, str(ROOT / "tools" / "python"))
+    sys.dont_write_bytecode = True
+    warnings.simplefilter("error")
+    text, space, made, wrong = PAGE.read_text(encoding="utf-8"), {}, [], 0
+    end = 0
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        os.symlink(ROOT / "inputs", "inputs")
+        for block in BLOCK.finditer(text):
+            line = text[:block.start()].count("\n") + 1
+            out = printed(block["code"], line, space)
+            made.append(text[end:block.start()] + f"```python\n{block['code']}```\n" + (f"\n```text\n{out}```\n" if out else ""))
+            end = block.end()
+            if out != (block["shown"] or ""):
+                wrong += 1
+                print(f"{PAGE}:{line}: prints\n{out}\ninstead of\n{block['shown'] or ''}")
+        os.chdir(ROOT)
+    if "--write" in sys.argv:
+        PAGE.write_text("".join(made) + text[end:], encoding="utf-8")
+        return 0
+    print(f"{len(made)} blocks, {wrong} print something else")
+    assert len(made) > 15
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
