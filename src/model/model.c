@@ -151,386 +151,386 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "%s: material: no such material",
               sd_model_body_name(m, i, name, sizeof name));
   }
+}
 
-  static bool wall_is_finite(const sd_wall *w) {
-    bool good = isfinite(w->pivot[0]) && isfinite(w->pivot[1]) && isfinite(w->radius);
-    for (size_t k = 0; k < w->n_points; k++)
-      good = good && isfinite(w->points[k][0]) && isfinite(w->points[k][1]);
-    return good;
+static bool wall_is_finite(const sd_wall *w) {
+  bool good = isfinite(w->pivot[0]) && isfinite(w->pivot[1]) && isfinite(w->radius);
+  for (size_t k = 0; k < w->n_points; k++)
+    good = good && isfinite(w->points[k][0]) && isfinite(w->points[k][1]);
+  return good;
+}
+
+static void check_walls(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
+      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
+    if ((unsigned)wall->kind > SD_WALL_CIRCLE)
+      sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
+    if (!wall_is_finite(wall))
+      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite", name);
+    if (wall->kind == SD_WALL_CIRCLE) {
+      if (!(wall->radius > 0.0))
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
+      continue;
+    }
+    size_t least = 2;
+    if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
+      sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
+              wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
+      continue;
+    }
+    for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
+      size_t next = (k + 1) % wall->n_points;
+      if (wall->points[k][0] == wall->points[next][0] && wall->points[k][1] == wall->points[next][1])
+        sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
+    }
   }
+}
 
-  static void check_walls(const sd_model *m, sd_messages *msg) {
-    char name[96];
-    for (uint32_t w = 0; w < m->n_walls; w++) {
-      const sd_wall *wall = &m->walls[w];
-      sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
-      if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
-        sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
-      if ((unsigned)wall->kind > SD_WALL_CIRCLE)
-        sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
-      if (!wall_is_finite(wall))
-        sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite", name);
-      if (wall->kind == SD_WALL_CIRCLE) {
-        if (!(wall->radius > 0.0))
-          sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
-        continue;
-      }
-      size_t least = 2;
-      if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
-        sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
-                wall->kind == SD_WALL_POLYLINE ? "two or more" : "two");
-        continue;
-      }
-      for (size_t k = 0; k < wall->n_points - (wall->closed ? 0 : 1); k++) {
-        size_t next = (k + 1) % wall->n_points;
-        if (wall->points[k][0] == wall->points[next][0] && wall->points[k][1] == wall->points[next][1])
-          sd_fail(msg, SD_ERROR_USER, "%s: points %zu and %zu coincide", name, k, next);
+static void check_motions(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_motions; k++) {
+    const sd_motion *q = &m->motions[k];
+    const char *name = q->name ? q->name : "?";
+    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": it moves no disk and no wall", name);
+    for (size_t b = 0; b < q->n_bodies; b++)
+      if (q->bodies[b] >= sd_model_bodies(m))
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
+    if (!isfinite(q->amplitude) || !isfinite(q->omega) || !isfinite(q->phase) || !isfinite(q->velocity))
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": amplitude, omega, phase and velocity must be finite", name);
+    if (!(q->ramp >= 0.0))
+      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": ramp = %g: expected >= 0", name, q->ramp);
+    if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, name, msg);
+  }
+}
+
+static const char *material_name(const sd_model *m, size_t k) {
+  return m->materials[k].name ? m->materials[k].name : "?";
+}
+
+/* Laws must exist for every pair of materials that can meet. */
+static sd_status check_laws(const sd_model *m, sd_messages *msg) {
+  law_use *use = calloc(m->n_materials + 1, sizeof *use);
+  if (!use) return sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
+  size_t before = sd_messages_errors(msg);
+  laws_count_uses(m, use);
+  for (size_t a = 0, b = 0; laws_find_missing(m, use, &a, &b); b++)
+    sd_fail(msg, SD_ERROR_USER,
+            "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
+            material_name(m, a), material_name(m, b));
+  for (size_t a = 0; a < m->n_materials; a++)
+    for (size_t b = a; b < m->n_materials; b++)
+      if (law_is_given(sd_model_law(m, (int)a, (int)b)))
+        deck_key_check(&law_table, sd_model_law(m, (int)a, (int)b), material_name(m, a), msg);
+  free(use);
+  return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
+}
+
+static void check_memories(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_memories; k++) {
+    const sd_contact_memory *c = &m->memories[k];
+    if (c->a >= m->n_disks || c->b >= sd_model_bodies(m) || c->a == c->b)
+      sd_fail(msg, SD_ERROR_USER, "memories[%zu]: expected a disk, and another disk or a wall", k);
+  }
+}
+
+static void check_watches(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_rotations; k++)
+    if (m->rotations[k] >= m->n_disks)
+      sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
+  for (size_t k = 0; k < m->n_contact_disks; k++)
+    if (m->contact_disks[k] >= m->n_disks)
+      sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
+  for (size_t k = 0; k < m->n_slides; k++) {
+    const sd_slide_watch *s = &m->slides[k];
+    if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
+    else if (m->disks[s->disk].driven)
+      sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one", k);
+  }
+}
+
+static void check_until(const sd_model *m, sd_messages *msg) {
+  const sd_until *u = &m->until;
+  if (!u->asked || m->n_phases == 0) return;
+  const sd_phase *last = &m->phases[m->n_phases - 1];
+  if (u->rotation >= m->n_rotations)
+    sd_fail(msg, SD_ERROR_USER, "until.observable: expected a disk that measure.rotation watches");
+  if (!(u->error >= 0.0) || !(u->relative >= 0.0) || (u->error > 0.0) == (u->relative > 0.0))
+    sd_fail(msg, SD_ERROR_USER, "until: expected either error > 0 or relative > 0");
+  if (u->scaled && m->gravity[0] == 0.0 && m->gravity[1] == 0.0)
+    sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
+  if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
+  if (u->least < 1 || u->least > last->steps)
+    sd_fail(msg, SD_ERROR_USER, "until: expected 1 to %lld steps at least, the length of the last phase",
+            (long long)last->steps);
+}
+
+static void check_box(const sd_model *m, sd_messages *msg) {
+  double largest = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  for (int c = 0; c < 2; c++) {
+    if (!m->periodic[c]) continue;
+    double length = m->upper[c] - m->lower[c];
+    char axis = c == SD_X ? 'x' : 'y';
+    /* the minimum image is unique while no pair within reach has two */
+    if (!(length > 4.0 * largest * 1.2))
+      sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
+              axis, length, largest);
+    for (size_t i = 0; i < m->n_disks; i++) {
+      double p = m->disks[i].position[c];
+      if (p < m->lower[c] || p >= m->upper[c]) {
+        char name[96];
+        sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
+                sd_model_body_name(m, (uint32_t)i, name, sizeof name), axis, p, m->lower[c], m->upper[c]);
       }
     }
   }
+}
 
-  static void check_motions(const sd_model *m, sd_messages *msg) {
-    for (size_t k = 0; k < m->n_motions; k++) {
-      const sd_motion *q = &m->motions[k];
-      const char *name = q->name ? q->name : "?";
-      if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": it moves no disk and no wall", name);
-      for (size_t b = 0; b < q->n_bodies; b++)
-        if (q->bodies[b] >= sd_model_bodies(m))
-          sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
-      if (!isfinite(q->amplitude) || !isfinite(q->omega) || !isfinite(q->phase) || !isfinite(q->velocity))
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": amplitude, omega, phase and velocity must be finite",
-                name);
-      if (!(q->ramp >= 0.0))
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": ramp = %g: expected >= 0", name, q->ramp);
-      if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, name, msg);
-    }
-  }
-
-  static const char *material_name(const sd_model *m, size_t k) {
-    return m->materials[k].name ? m->materials[k].name : "?";
-  }
-
-  /* Laws must exist for every pair of materials that can meet. */
-  static sd_status check_laws(const sd_model *m, sd_messages *msg) {
-    law_use *use = calloc(m->n_materials + 1, sizeof *use);
-    if (!use) return sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
-    size_t before = sd_messages_errors(msg);
-    laws_count_uses(m, use);
-    for (size_t a = 0, b = 0; laws_find_missing(m, use, &a, &b); b++)
+static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  char name[96];
+  for (uint32_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].kind != SD_WALL_LINE)
       sd_fail(msg, SD_ERROR_USER,
-              "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
-              material_name(m, a), material_name(m, b));
-    for (size_t a = 0; a < m->n_materials; a++)
-      for (size_t b = a; b < m->n_materials; b++)
-        if (law_is_given(sd_model_law(m, (int)a, (int)b)))
-          deck_key_check(&law_table, sd_model_law(m, (int)a, (int)b), material_name(m, a), msg);
-    free(use);
-    return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
-  }
+              "phases[%zu].compress: %s has a size of its own, which does not change; expected lines only",
+              phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
+}
 
-  static void check_memories(const sd_model *m, sd_messages *msg) {
-    for (size_t k = 0; k < m->n_memories; k++) {
-      const sd_contact_memory *c = &m->memories[k];
-      if (c->a >= m->n_disks || c->b >= sd_model_bodies(m) || c->a == c->b)
-        sd_fail(msg, SD_ERROR_USER, "memories[%zu]: expected a disk, and another disk or a wall", k);
+/* The area would be that of the container as it was, not of what a lid has left of it. */
+static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  for (size_t q = 0; q < m->n_motions; q++) {
+    const sd_motion *motion = &m->motions[q];
+    bool moved = false;
+    for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
+    if (moved && motion_is_feedback(motion))
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].compress: the wall of motion \"%s\" may be anywhere by then; expected walls "
+              "that only "
+              "compression moves, or servo walls all the time",
+              phase, motion->name ? motion->name : "?");
+  }
+}
+
+static void check_compress(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_phase *p = &m->phases[k];
+    const sd_compress *c = &p->compress;
+    if (!c->asked) continue;
+    if ((c->pressure > 0.0) == (c->fraction > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
+    if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth per time "
+              "step",
+              k, c->rate, 1e-3 / m->dt);
+    if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
+      sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
+    check_compressed_walls(m, k, msg);
+    for (size_t q = 0; q < m->n_motions; q++)
+      if (p->active && p->active[q] && m->motions[q].coordinate != SD_THETA)
+        sd_fail(
+            msg, SD_ERROR_USER,
+            "phases[%zu].compress: motion \"%s\" prescribes positions that compression changes; expected a "
+            "phase in which it is off",
+            k, m->motions[q].name ? m->motions[q].name : "?");
+    check_moved_walls(m, k, msg);
+  }
+}
+
+/* Every disk that waits belongs to one rain, and only these wait. */
+static void check_rains(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  size_t waiting = 0, rained = 0;
+  for (uint32_t i = 0; i < m->n_disks; i++) waiting += m->disks[i].waiting;
+  for (size_t k = 0; k < m->n_rains; k++) {
+    const sd_rain *r = &m->rains[k];
+    if (r->count < 1 || r->first + r->count > m->n_disks || r->batch < 1 || r->interval < 1)
+      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
+    if (!(r->gap >= 0.0) || !isfinite(r->gap) || !isfinite(r->speed) || !isfinite(r->floor))
+      sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
+    for (size_t i = r->first; i < r->first + r->count && i < m->n_disks; i++, rained++) {
+      const sd_disk *d = &m->disks[i];
+      sd_model_body_name(m, (uint32_t)i, name, sizeof name);
+      if (!d->waiting || d->driven)
+        sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
+      if (!(2.0 * d->radius <= r->upper - r->lower))
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name, d->radius,
+                r->upper - r->lower);
     }
   }
-
-  static void check_watches(const sd_model *m, sd_messages *msg) {
-    for (size_t k = 0; k < m->n_rotations; k++)
-      if (m->rotations[k] >= m->n_disks)
-        sd_fail(msg, SD_ERROR_USER, "measure.rotation: disk %u does not exist", m->rotations[k]);
-    for (size_t k = 0; k < m->n_contact_disks; k++)
-      if (m->contact_disks[k] >= m->n_disks)
-        sd_fail(msg, SD_ERROR_USER, "measure.contacts: disk %u does not exist", m->contact_disks[k]);
-    for (size_t k = 0; k < m->n_slides; k++) {
-      const sd_slide_watch *s = &m->slides[k];
-      if (s->disk >= m->n_disks || s->partner[0] >= sd_model_bodies(m) || s->partner[1] >= sd_model_bodies(m))
-        sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: no such disk or wall", k);
-      else if (m->disks[s->disk].driven)
-        sd_fail(msg, SD_ERROR_USER, "measure.sliding[%zu]: the disk is prescribed; name a free one", k);
+  if (rained != waiting)
+    sd_fail(msg, SD_ERROR_USER, "%zu disks wait, %zu belong to rain: expected each to belong to one", waiting,
+            rained);
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t body = m->motions[k].bodies[b];
+      if (body < m->n_disks && m->disks[body].waiting)
+        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": %s waits for rain, which says where it begins",
+                m->motions[k].name ? m->motions[k].name : "?",
+                sd_model_body_name(m, body, name, sizeof name));
     }
-  }
+}
 
-  static void check_until(const sd_model *m, sd_messages *msg) {
-    const sd_until *u = &m->until;
-    if (!u->asked || m->n_phases == 0) return;
-    const sd_phase *last = &m->phases[m->n_phases - 1];
-    if (u->rotation >= m->n_rotations)
-      sd_fail(msg, SD_ERROR_USER, "until.observable: expected a disk that measure.rotation watches");
-    if (!(u->error >= 0.0) || !(u->relative >= 0.0) || (u->error > 0.0) == (u->relative > 0.0))
-      sd_fail(msg, SD_ERROR_USER, "until: expected either error > 0 or relative > 0");
-    if (u->scaled && m->gravity[0] == 0.0 && m->gravity[1] == 0.0)
-      sd_fail(msg, SD_ERROR_USER, "until.observable: t_g Omega does not exist without gravity");
-    if (!last->measure) sd_fail(msg, SD_ERROR_USER, "until: expected a last phase that measures");
-    if (u->least < 1 || u->least > last->steps)
-      sd_fail(msg, SD_ERROR_USER, "until: expected 1 to %lld steps at least, the length of the last phase",
-              (long long)last->steps);
+static void check_settle(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_settle *s = &m->phases[k].settle;
+    if (s->asked && (s->every < 1 || !(s->kinetic > 0.0 || s->unbalanced > 0.0)))
+      sd_fail(msg, SD_ERROR_USER,
+              "phases[%zu].settle: expected kinetic > 0 or unbalanced > 0, and every >= 1", k);
   }
+}
 
-  static void check_box(const sd_model *m, sd_messages *msg) {
-    double largest = 0.0;
-    for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
-    for (int c = 0; c < 2; c++) {
-      if (!m->periodic[c]) continue;
-      double length = m->upper[c] - m->lower[c];
-      char axis = c == SD_X ? 'x' : 'y';
-      /* the minimum image is unique while no pair within reach has two */
-      if (!(length > 4.0 * largest * 1.2))
-        sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
-                axis, length, largest);
-      for (size_t i = 0; i < m->n_disks; i++) {
-        double p = m->disks[i].position[c];
-        if (p < m->lower[c] || p >= m->upper[c]) {
-          char name[96];
-          sd_fail(msg, SD_ERROR_USER, "%s: %c = %g lies outside the periodic box [%g, %g)",
-                  sd_model_body_name(m, (uint32_t)i, name, sizeof name), axis, p, m->lower[c], m->upper[c]);
-        }
-      }
+static void check_bounds(const sd_model *m, sd_messages *msg) {
+  for (int c = 0; m->bounds.given && c < 2; c++)
+    if (!(m->bounds.lower[c] < m->bounds.upper[c]))
+      sd_fail(msg, SD_ERROR_USER, "bounds.%c: expected (lower, upper) with lower < upper",
+              c == SD_X ? 'x' : 'y');
+}
+
+/* Round walls, too, must be met in one image only. */
+static void check_round_walls(const sd_model *m, sd_messages *msg) {
+  char name[96], disk[96];
+  double largest = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (!m->disks[i].driven) largest = fmax(largest, m->disks[i].radius);
+  for (uint32_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    if (wall->kind != SD_WALL_CIRCLE) continue;
+    sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
+    double reach = wall->inside ? wall->radius : wall->radius + largest;
+    for (int c = 0; c < 2; c++)
+      if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
+                name, wall->radius, 2.0 * reach);
+    for (uint32_t i = 0; wall->inside && i < m->n_disks; i++)
+      if (!m->disks[i].driven && m->disks[i].radius >= wall->radius)
+        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
+                wall->radius, sd_model_body_name(m, i, disk, sizeof disk), m->disks[i].radius);
+  }
+}
+
+/* The reader of a deck says it with the line (deck.c). */
+static void check_step(const sd_model *m, sd_messages *msg) {
+  char *text = advice_unstable(m);
+  if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
+  free(text);
+}
+
+/* --- derived tables ---------------------------------------------------------------------------------- */
+
+sd_status model_find_driven(sd_model *m) {
+  unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
+  if (!held) return SD_ERROR_IO;
+  for (size_t i = 0; i < m->n_disks; i++)
+    for (int c = 0; c < 3; c++)
+      if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t body = m->motions[k].bodies[b];
+      if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
     }
+  m->n_free = 0;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    if (held[i] == 7) m->disks[i].driven = true;
+    m->n_free += !m->disks[i].driven;
   }
+  free(held);
+  assert(m->n_free <= m->n_disks);
+  return SD_OK;
+}
 
-  static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages *msg) {
-    char name[96];
-    for (uint32_t w = 0; w < m->n_walls; w++)
-      if (m->walls[w].kind != SD_WALL_LINE)
-        sd_fail(msg, SD_ERROR_USER,
-                "phases[%zu].compress: %s has a size of its own, which does not change; expected lines only",
-                phase, sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name));
+static void derive_numbers(sd_model *m) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    if (m->motions[k].interval < 1) m->motions[k].interval = 1;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    sd_disk *d = &m->disks[i];
+    if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
   }
+}
 
-  /* The area would be that of the container as it was, not of what a lid has left of it. */
-  static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
-    for (size_t q = 0; q < m->n_motions; q++) {
-      const sd_motion *motion = &m->motions[q];
-      bool moved = false;
-      for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
-      if (moved && motion_is_feedback(motion))
-        sd_fail(msg, SD_ERROR_USER,
-                "phases[%zu].compress: the wall of motion \"%s\" may be anywhere by then; expected walls "
-                "that only "
-                "compression moves, or servo walls all the time",
-                phase, motion->name ? motion->name : "?");
-    }
+static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size_t number) {
+  size_t n = wall_segments(w);
+  double arc = 0.0;
+  for (size_t k = 0; k < n; k++) {
+    sd_segment *s = &first[k];
+    const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+    *s = (sd_segment){.body = body,
+                      .start = {p[0] - w->pivot[0], p[1] - w->pivot[1]},
+                      .tangent = {dx / length, dy / length},
+                      .length = w->kind == SD_WALL_LINE ? HUGE_VAL : length,
+                      .arc = arc,
+                      .next = -1};
+    arc += length;
   }
-
-  static void check_compress(const sd_model *m, sd_messages *msg) {
-    for (size_t k = 0; k < m->n_phases; k++) {
-      const sd_phase *p = &m->phases[k];
-      const sd_compress *c = &p->compress;
-      if (!c->asked) continue;
-      if ((c->pressure > 0.0) == (c->fraction > 0.0))
-        sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: expected either pressure > 0 or fraction > 0", k);
-      if (!(c->rate > 0.0) || !(c->rate * m->dt <= 1e-3))
-        sd_fail(msg, SD_ERROR_USER,
-                "phases[%zu].compress.rate = %g: expected a number > 0 and at most %g, a thousandth per time "
-                "step",
-                k, c->rate, 1e-3 / m->dt);
-      if (!(m->region_upper[0] > m->region_lower[0] && m->region_upper[1] > m->region_lower[1]))
-        sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
-      check_compressed_walls(m, k, msg);
-      for (size_t q = 0; q < m->n_motions; q++)
-        if (p->active && p->active[q] && m->motions[q].coordinate != SD_THETA)
-          sd_fail(
-              msg, SD_ERROR_USER,
-              "phases[%zu].compress: motion \"%s\" prescribes positions that compression changes; expected a "
-              "phase in which it is off",
-              k, m->motions[q].name ? m->motions[q].name : "?");
-      check_moved_walls(m, k, msg);
-    }
+  for (size_t k = 0; k < n; k++) {
+    bool last = k + 1 == n, joined = !last || w->closed;
+    first[k].end_cap = !joined;
+    first[k].next = joined ? (int64_t)(number + (k + 1) % n) : -1;
+    bool has_previous = k > 0 || w->closed;
+    const sd_segment *before = &first[(k + n - 1) % n];
+    for (int c = 0; c < 2; c++)
+      first[k].previous[c] = has_previous ? before->tangent[c] : -first[k].tangent[c];
   }
+}
 
-  /* Every disk that waits belongs to one rain, and only these wait. */
-  static void check_rains(const sd_model *m, sd_messages *msg) {
-    char name[96];
-    size_t waiting = 0, rained = 0;
-    for (uint32_t i = 0; i < m->n_disks; i++) waiting += m->disks[i].waiting;
-    for (size_t k = 0; k < m->n_rains; k++) {
-      const sd_rain *r = &m->rains[k];
-      if (r->count < 1 || r->first + r->count > m->n_disks || r->batch < 1 || r->interval < 1)
-        sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected disks that exist, a batch and an interval >= 1", k);
-      if (!(r->gap >= 0.0) || !isfinite(r->gap) || !isfinite(r->speed) || !isfinite(r->floor))
-        sd_fail(msg, SD_ERROR_USER, "rains[%zu]: expected a gap >= 0, and a speed and a floor", k);
-      for (size_t i = r->first; i < r->first + r->count && i < m->n_disks; i++, rained++) {
-        const sd_disk *d = &m->disks[i];
-        sd_model_body_name(m, (uint32_t)i, name, sizeof name);
-        if (!d->waiting || d->driven)
-          sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
-        if (!(2.0 * d->radius <= r->upper - r->lower))
-          sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name, d->radius,
-                  r->upper - r->lower);
-      }
-    }
-    if (rained != waiting)
-      sd_fail(msg, SD_ERROR_USER, "%zu disks wait, %zu belong to rain: expected each to belong to one",
-              waiting, rained);
-    for (size_t k = 0; k < m->n_motions; k++)
-      for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-        uint32_t body = m->motions[k].bodies[b];
-        if (body < m->n_disks && m->disks[body].waiting)
-          sd_fail(msg, SD_ERROR_USER, "motion \"%s\": %s waits for rain, which says where it begins",
-                  m->motions[k].name ? m->motions[k].name : "?",
-                  sd_model_body_name(m, body, name, sizeof name));
-      }
+static sd_status derive_segments(sd_model *m) {
+  free(m->segments);
+  m->n_segments = 0;
+  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_segments(&m->walls[w]);
+  m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
+  if (!m->segments) return SD_ERROR_IO;
+  size_t at = 0;
+  for (size_t w = 0; w < m->n_walls; w++) {
+    derive_wall(&m->walls[w], (uint32_t)(m->n_disks + w), m->segments + at, at);
+    at += wall_segments(&m->walls[w]);
   }
+  assert(at == m->n_segments);
+  for (size_t k = 0; k < m->n_segments; k++)
+    assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
+  return SD_OK;
+}
 
-  static void check_settle(const sd_model *m, sd_messages *msg) {
-    for (size_t k = 0; k < m->n_phases; k++) {
-      const sd_settle *s = &m->phases[k].settle;
-      if (s->asked && (s->every < 1 || !(s->kinetic > 0.0 || s->unbalanced > 0.0)))
-        sd_fail(msg, SD_ERROR_USER,
-                "phases[%zu].settle: expected kinetic > 0 or unbalanced > 0, and every >= 1", k);
-    }
-  }
-
-  static void check_bounds(const sd_model *m, sd_messages *msg) {
-    for (int c = 0; m->bounds.given && c < 2; c++)
-      if (!(m->bounds.lower[c] < m->bounds.upper[c]))
-        sd_fail(msg, SD_ERROR_USER, "bounds.%c: expected (lower, upper) with lower < upper",
-                c == SD_X ? 'x' : 'y');
-  }
-
-  /* Round walls, too, must be met in one image only. */
-  static void check_round_walls(const sd_model *m, sd_messages *msg) {
-    char name[96], disk[96];
-    double largest = 0.0;
-    for (size_t i = 0; i < m->n_disks; i++)
-      if (!m->disks[i].driven) largest = fmax(largest, m->disks[i].radius);
-    for (uint32_t w = 0; w < m->n_walls; w++) {
-      const sd_wall *wall = &m->walls[w];
-      if (wall->kind != SD_WALL_CIRCLE) continue;
-      sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
-      double reach = wall->inside ? wall->radius : wall->radius + largest;
-      for (int c = 0; c < 2; c++)
-        if (m->periodic[c] && !(m->upper[c] - m->lower[c] > 2.0 * reach))
-          sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: the periodic box must be wider than %g to hold it",
-                  name, wall->radius, 2.0 * reach);
-      for (uint32_t i = 0; wall->inside && i < m->n_disks; i++)
-        if (!m->disks[i].driven && m->disks[i].radius >= wall->radius)
-          sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: %s, of radius %g, does not fit into it", name,
-                  wall->radius, sd_model_body_name(m, i, disk, sizeof disk), m->disks[i].radius);
-    }
-  }
-
-  /* The reader of a deck says it with the line (deck.c). */
-  static void check_step(const sd_model *m, sd_messages *msg) {
-    char *text = advice_unstable(m);
-    if (text) sd_fail(msg, SD_ERROR_USER, "dt = %g: %s", m->dt, text);
-    free(text);
-  }
-
-  /* --- derived tables ---------------------------------------------------------------------------------- */
-
-  sd_status model_find_driven(sd_model * m) {
-    unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
-    if (!held) return SD_ERROR_IO;
-    for (size_t i = 0; i < m->n_disks; i++)
-      for (int c = 0; c < 3; c++)
-        if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
-    for (size_t k = 0; k < m->n_motions; k++)
-      for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-        uint32_t body = m->motions[k].bodies[b];
-        if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
-      }
-    m->n_free = 0;
-    for (size_t i = 0; i < m->n_disks; i++) {
-      if (held[i] == 7) m->disks[i].driven = true;
-      m->n_free += !m->disks[i].driven;
-    }
-    free(held);
-    assert(m->n_free <= m->n_disks);
-    return SD_OK;
-  }
-
-  static void derive_numbers(sd_model * m) {
-    for (size_t k = 0; k < m->n_motions; k++)
-      if (m->motions[k].interval < 1) m->motions[k].interval = 1;
-    for (size_t i = 0; i < m->n_disks; i++) {
-      sd_disk *d = &m->disks[i];
-      if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
-    }
-  }
-
-  static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size_t number) {
-    size_t n = wall_segments(w);
-    double arc = 0.0;
-    for (size_t k = 0; k < n; k++) {
-      sd_segment *s = &first[k];
-      const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
-      double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
-      *s = (sd_segment){.body = body,
-                        .start = {p[0] - w->pivot[0], p[1] - w->pivot[1]},
-                        .tangent = {dx / length, dy / length},
-                        .length = w->kind == SD_WALL_LINE ? HUGE_VAL : length,
-                        .arc = arc,
-                        .next = -1};
-      arc += length;
-    }
-    for (size_t k = 0; k < n; k++) {
-      bool last = k + 1 == n, joined = !last || w->closed;
-      first[k].end_cap = !joined;
-      first[k].next = joined ? (int64_t)(number + (k + 1) % n) : -1;
-      bool has_previous = k > 0 || w->closed;
-      const sd_segment *before = &first[(k + n - 1) % n];
-      for (int c = 0; c < 2; c++)
-        first[k].previous[c] = has_previous ? before->tangent[c] : -first[k].tangent[c];
-    }
-  }
-
-  static sd_status derive_segments(sd_model * m) {
-    free(m->segments);
-    m->n_segments = 0;
-    for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_segments(&m->walls[w]);
-    m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
-    if (!m->segments) return SD_ERROR_IO;
-    size_t at = 0;
-    for (size_t w = 0; w < m->n_walls; w++) {
-      derive_wall(&m->walls[w], (uint32_t)(m->n_disks + w), m->segments + at, at);
-      at += wall_segments(&m->walls[w]);
-    }
-    assert(at == m->n_segments);
-    for (size_t k = 0; k < m->n_segments; k++)
-      assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
-    return SD_OK;
-  }
-
-  sd_status sd_model_finish(sd_model * m, sd_messages * msg) {
-    size_t before = sd_messages_errors(msg);
-    sd_messages *own = msg ? msg : sd_messages_new();
-    if (!own) return SD_ERROR_IO;
-    model_complete(m);
-    sd_status built = model_tell_mistakes(m, own);
-    if (built == SD_ERROR_IO) {
-      if (own != msg) sd_messages_free(own);
-      return built;
-    }
-    check_run(m, own);
-    check_disks(m, own);
-    check_walls(m, own);
-    check_motions(m, own);
-    loads_check(m, own);
-    check_box(m, own);
-    check_compress(m, own);
-    check_rains(m, own);
-    check_settle(m, own);
-    check_bounds(m, own);
-    check_memories(m, own);
-    check_watches(m, own);
-    check_until(m, own);
-    sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
-    if (status == SD_OK && (model_find_driven(m) != SD_OK || derive_segments(m) != SD_OK))
-      status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
-    if (status == SD_OK) derive_numbers(m);
-    if (status == SD_OK) status = check_laws(m, own);
-    if (status == SD_OK) check_round_walls(m, own);
-    if (status == SD_OK) loads_check_steps(m, own);
-    if (status == SD_OK && !m->deck) check_step(m, own);
-    if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
+sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
+  size_t before = sd_messages_errors(msg);
+  sd_messages *own = msg ? msg : sd_messages_new();
+  if (!own) return SD_ERROR_IO;
+  model_complete(m);
+  sd_status built = model_tell_mistakes(m, own);
+  if (built == SD_ERROR_IO) {
     if (own != msg) sd_messages_free(own);
-    m->finished = status == SD_OK;
-    return status;
+    return built;
   }
+  check_run(m, own);
+  check_disks(m, own);
+  check_walls(m, own);
+  check_motions(m, own);
+  loads_check(m, own);
+  check_box(m, own);
+  check_compress(m, own);
+  check_rains(m, own);
+  check_settle(m, own);
+  check_bounds(m, own);
+  check_memories(m, own);
+  check_watches(m, own);
+  check_until(m, own);
+  sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
+  if (status == SD_OK && (model_find_driven(m) != SD_OK || derive_segments(m) != SD_OK))
+    status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
+  if (status == SD_OK) derive_numbers(m);
+  if (status == SD_OK) status = check_laws(m, own);
+  if (status == SD_OK) check_round_walls(m, own);
+  if (status == SD_OK) loads_check_steps(m, own);
+  if (status == SD_OK && !m->deck) check_step(m, own);
+  if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
+  if (own != msg) sd_messages_free(own);
+  m->finished = status == SD_OK;
+  return status;
+}
 
-  sd_status model_finish_again(sd_model * m, sd_messages * msg) {
-    return sd_model_finish(m, NULL) == SD_OK ? SD_OK : sd_model_finish(m, msg);
-  }
+sd_status model_finish_again(sd_model *m, sd_messages *msg) {
+  return sd_model_finish(m, NULL) == SD_OK ? SD_OK : sd_model_finish(m, msg);
+}
