@@ -135,6 +135,7 @@ TABLES = {
         change("`g = (0, -9.81);`", "g = 9.81", "g = (0, -9.81)"),
         change("`density` and `mass`", "density = 3.57", "density = 3.57; mass = 1"),
         change('`material = "ruber";`', "density", 'material = "ruber"; density'),
+        change('`rotation = ("wheel");` in `measure`', "output", 'measure = { rotation = ("wheel"); };\noutput'),
         change('`type = "plane";`', '"line"', '"plane"'),
         change('`@include "x.inc"`, which is not there', "dt", '@include "x.inc"\ndt'),
         define("gravty.tilt=1"), define("disks.bal.radius=1"), define("gravity.tilt"),

@@ -39,7 +39,7 @@ static void test_container_mistakes(void **state) {
   refused(CONTAINER("type = \"bed\"; width = 10; height = 8; radius = 1e-9;"),
           "container.spacing: the floor would have 5e+09 disks; expected 1e6 at most");
   refused(CONTAINER("type = \"box\"; width = 10; height = 8; material = \"steel\";"),
-          "container.material = \"steel\": no material is called that");
+          "container.material = \"steel\": no material is called that; there is \"m\"");
   refused(HEAD ONE BOX "walls = ( { name = \"left\"; type = \"line\"; points = ((0, 0), (1, 0)); } );",
           "container.type = \"box\": it has a wall \"left\", but a wall or a disk of the deck is called so");
   refused(HEAD ONE BOX "disks = ( { name = \"floor\"; x = 0; y = 6; radius = 1; mass = 1; } );",
@@ -193,7 +193,7 @@ static void test_packing_mistakes(void **state) {
   refused(HEAD BOX PACKING("type = \"random\"; count = 3; mass = 1; " MONO),
           "packings[0].density = 2: given together with mass; expected one of them");
   refused(HEAD BOX PACKING("type = \"random\"; count = 3; material = \"n\"; " MONO),
-          "packings[0].material = \"n\": no material is called that");
+          "packings[0].material = \"n\": no material is called that; there is \"m\"");
   refused(HEAD BOX PACKING("type = \"square\"; spacing = 0.49; " MONO),
           "packings[0].spacing = 0.49: expected at least the largest diameter, 0.5");
   refused(HEAD BOX PACKING("type = \"square\"; spacing = 0.6; jitter = 1.1; " MONO),

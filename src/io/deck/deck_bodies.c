@@ -38,7 +38,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
   guess near = guess_start(name);
   deck_index_guess(d, &d->disks, &near);
   if (walls) deck_index_guess(d, &d->walls, &near);
-  deck_fail(d, node, "no %s is called that%s%s", what, deck_hint(d, &near), near.best ? "" : remark(d));
+  deck_fail(d, node, "no %s is called that%s%s", what,
+            near.best ? deck_hint(d, &near) : deck_index_list(d, &d->disks), near.best ? "" : remark(d));
   return false;
 }
 

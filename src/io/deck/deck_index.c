@@ -39,12 +39,24 @@ void deck_index_guess(const deck *d, const deck_index *x, guess *near) {
   for (size_t k = 0; k < x->n && k < MOST_GUESSES && !deck_told(d); k++) guess_add(near, x->name[k].name);
 }
 
+const char *deck_index_list(deck *d, const deck_index *x) {
+  enum { FEW = 8 };
+  const char *text = "", *before = x->n == 1 ? "; there is " : "; there are ";
+  for (size_t k = 0; k < x->n && x->n <= FEW && !deck_told(d); k++) {
+    const char *name = x->name[k].name;
+    text = deck_format(d, "%s%s\"%s\"", text, before, deck_quote(d, name, strlen(name)));
+    before = k + 2 < x->n ? ", " : " and ";
+  }
+  return text;
+}
+
 bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const deck_node *node,
                         const char *remark, uint32_t *number) {
   const char *name = node->type == DECK_STRING ? node->value.text : "";
   if (deck_index_find(x, name, number)) return true;
   guess near = guess_start(name);
   deck_index_guess(d, x, &near);
-  deck_fail(d, node, "no %s is called that%s%s", what, deck_hint(d, &near), near.best ? "" : remark);
+  deck_fail(d, node, "no %s is called that%s%s", what,
+            near.best ? deck_hint(d, &near) : deck_index_list(d, x), near.best ? "" : remark);
   return false;
 }

@@ -181,6 +181,8 @@ bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number);
  * else the remark. */
 bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const deck_node *node,
                         const char *remark, uint32_t *number);
+/* "; there are "a" and "b"", when there are few names. */
+const char *deck_index_list(deck *d, const deck_index *x);
 /* The nearest of its names. */
 void deck_index_guess(const deck *d, const deck_index *x, struct guess *near);
 
