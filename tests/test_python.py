@@ -448,6 +448,8 @@ class Errors(unittest.TestCase):
             self.assertEqual([w.category for w in caught], [slipdisk.Warning])
             self.assertIn("left the bounds", str(caught[0].message))
             self.assertEqual(caught[0].filename, __file__)
+        with self.assertWarnsRegex(slipdisk.Warning, "dt = 5e-05 is more than"):  # as check advises
+            slipdisk.Simulation(RATCHET, {"dt": 5e-5})
 
     def test_no_library(self):
         """Results are read without the library; what is missing is told when it is needed."""

@@ -183,11 +183,13 @@ FUNCTIONS = {
     "sd_messages_free": (None, c_void_p),
     "sd_messages_clear": (None, c_void_p),
     "sd_messages_count": (c_size_t, c_void_p),
+    "sd_messages_kind": (c_int, c_void_p, c_size_t),
     "sd_messages_text": (c_char_p, c_void_p, c_size_t),
     "sd_deck_load": (c_int, c_char_p, c_size_t, TEXTS, OUT, c_void_p),
     "sd_deck_load_text": (c_int, c_char_p, c_char_p, c_size_t, TEXTS, OUT, c_void_p),
     "sd_model_new": (c_void_p,),
     "sd_model_free": (None, c_void_p),
+    "sd_model_advise": (None, c_void_p, c_void_p),
     "sd_model_add_disks": (c_uint32, c_void_p, c_size_t, c_void_p),
     "sd_model_disk": (c_void_p, c_void_p, c_uint32),
     "sd_model_disks": (c_size_t, c_void_p),
@@ -267,18 +269,20 @@ class Messages:
             self.library.sd_messages_free(self.pointer)
 
     def take(self):
-        """Its lines; the list is empty then."""
-        count = self.library.sd_messages_count(self.pointer)
-        lines = [self.library.sd_messages_text(self.pointer, k).decode("utf-8", "replace") for k in range(count)]
+        """(errors, warnings), lists of lines; the list is empty then."""
+        found = [], []
+        for k in range(self.library.sd_messages_count(self.pointer)):
+            warning = self.library.sd_messages_kind(self.pointer, k) == OK
+            found[warning].append(self.library.sd_messages_text(self.pointer, k).decode("utf-8", "replace"))
         self.library.sd_messages_clear(self.pointer)
-        return lines
+        return found
 
-    def check(self, status, lines=lambda line: line, level=2):
-        """Raises the error of a status; without one the messages are warnings."""
-        texts = [lines(line) for line in self.take()]
+    def check(self, status, line=lambda text: text, level=2):
+        """Warns of warnings, and raises the error of a status."""
+        errors, warned = ([line(text) for text in texts] for texts in self.take())
+        warn(warned, level + 1)
         if status != OK:
-            raise error(texts, status)
-        warn(texts, level + 1)
+            raise error(errors, status)
 
 
 def structured(items, kind):

@@ -200,12 +200,17 @@ class Simulation:
         else:
             status = library().sd_deck_load_text(text.encode(), os.fsencode(path or "deck"), len(words), words, at,
                                                  messages.pointer)
-        messages.check(status, line)
+        if status == lib.OK:
+            library().sd_model_advise(model, messages.pointer)
         pointer, at = lib.out()
-        status = library().sd_simulation_new(model, threads, at, messages.pointer)
-        if status != lib.OK:
+        if status == lib.OK:
+            status = library().sd_simulation_new(model, threads, at, messages.pointer)
+        try:
+            messages.check(status, line)
+        except Exception:  # also a warning that is to be one
+            library().sd_simulation_free(pointer)
             library().sd_model_free(model)
-        messages.check(status, line)
+            raise
         self._begin(Handle(pointer, messages, model))
 
     def _begin(self, handle):
