@@ -99,12 +99,13 @@ class Bodies(collections.abc.Mapping):
         self._columns, self._first, self._n = simulation.columns, first, n
 
     def __getitem__(self, name):
-        if name == "angle":
-            return self["turn"] + self["theta"]
         if name not in list(self):
             raise lib.unknown(name, list(self), "the columns of bodies")
-        values = self._columns[name]
-        number = self._columns["id"][:len(values)].astype(np.int64) - self._first
+        state, fields = self._columns._simulation._state(), library().fields
+        number, *parts = (self._columns._array(state, fields[part])
+                          for part in ("id", *(("turn", "theta") if name == "angle" else (name,))))
+        values = sum(parts[1:], parts[0])
+        number = number[:len(values)].astype(np.int64) - self._first
         mine = (number >= 0) & (number < self._n)
         found = np.full(self._n, np.nan if values.dtype.kind == "f" else -1).astype(values.dtype)
         found[number[mine]] = values[mine]
