@@ -367,8 +367,8 @@ static void error_bars_cover(void **unused) {
     double tau, one, two; /* correlation time in bins; allowed deviation from 0.683 and 0.954 */
   } cases[] = {{0.05, 0.05, 0.04}, {0.5, 0.05, 0.04}, {1, 0.06, 0.05}, {2, 0.09, 0.08}, {4, 0.15, 0.14}};
   text deck = {0};
-  text_add(&deck,
-           "dt = 1.0; " LAW "disk_rows = ( { columns = (\"x\"); y = 0; radius = 0.1; mass = 1; rows = (");
+  text_add(&deck, "dt = 1.0; limits = { unstable_step = true; }; " LAW
+                  "disk_rows = ( { columns = (\"x\"); y = 0; radius = 0.1; mass = 1; rows = (");
   for (int i = 0; i < DISKS; i++) text_add(&deck, "%s(%d.0)", i ? ", " : "", i);
   text_add(&deck, "); } ); steps = 10000; measure = { disks = true; rotation = (); };\n");
   sd_model *m = model_of(deck.s);

@@ -78,6 +78,7 @@ class Ends(Runs):
         out, err = self.run_ok("run", self.deck(most=3000), "-o", self.result)
         self.assertIn('warning: phase "fall" has ended after all its 3000 steps and is not at rest; kinetic energy per disk', err)
         self.assertIn("asked for is 1e-08", err)
+        self.assertIn("; a longer phase is needed, or one more with relax = true\n", err)
         self.assertIn("NOT reached", out)
         with h5py.File(self.result) as file:
             self.assertEqual(list(file["summary/phase/reached"]), [0, 1])

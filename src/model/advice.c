@@ -55,7 +55,7 @@ char *advice_unstable(const sd_model *m) {
 /* Of the limit: a disk in a packing may blow up at a third of it. */
 static const double NEAR_LIMIT = 0.25;
 
-const char *advice_of_failure(const sd_model *m, char *text, size_t size) {
+const char *advice_of_failure(const sd_model *m, const char *otherwise, char *text, size_t size) {
   const sd_step_limit limit = sd_model_step_limit(m);
   if (m->dt > NEAR_LIMIT * limit.dt)
     snprintf(text, size,
@@ -64,7 +64,7 @@ const char *advice_of_failure(const sd_model *m, char *text, size_t size) {
              m->dt, m->dt / limit.dt, integrators[m->integrator], bound_text(limit.bound),
              NEAR_LIMIT / 2 * limit.dt);
   else
-    snprintf(text, size, "is dt too large?");
+    snprintf(text, size, "%s dt is %.2g of the limit of stability", otherwise, m->dt / limit.dt);
   return text;
 }
 

@@ -15,8 +15,8 @@ extern const size_t advice_count;
  * NULL. */
 char *advice_unstable(const sd_model *model);
 
-/* Whether a run that has failed had a dt near the limit, or else "is dt too large?"; in text[size]. */
-const char *advice_of_failure(const sd_model *model, char *text, size_t size);
+/* Why a run may have failed: dt near its limit, or else as asked, "is k_n too small?"; in text[size]. */
+const char *advice_of_failure(const sd_model *model, const char *otherwise, char *text, size_t size);
 
 /* The deepest overlap at the start of two bodies of which one is free to move, over the radius of the smaller disk; without
  * contacts that the model begins with. depth 0: none. */

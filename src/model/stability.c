@@ -25,11 +25,12 @@ typedef struct oscillator {
   double damping;              /* c of the normal one */
 } oscillator;
 
-/* tsuji: law_tsuji of the law. Tangential spring and rotation: physics.md 5. */
-static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji) {
-  bool still = d->locked[SD_X] && d->locked[SD_Y];
+/* tsuji: law_tsuji of the law; moved: bits 1 << coordinate that motions prescribe. Tangential spring and rotation: physics.md 5. */
+static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, double tsuji, unsigned moved) {
+  bool still = (d->locked[SD_X] || moved & 1u << SD_X) && (d->locked[SD_Y] || moved & 1u << SD_Y);
+  bool turns = !d->locked[SD_THETA] && !(moved & 1u << SD_THETA);
   double inverse_mass = still ? 0.0 : 1.0 / d->mass;
-  double inverse_inertia = d->locked[SD_THETA] ? 0.0 : d->radius * d->radius / d->inertia;
+  double inverse_inertia = turns ? d->radius * d->radius / d->inertia : 0.0;
   double gamma = law->gamma_n;
   if (tsuji > 0.0) gamma += tsuji * sqrt(d->mass * law->k_n) * sqrt(sqrt(0.01 * d->radius));
   return (oscillator){.normal2 = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass,
@@ -43,7 +44,7 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
     for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
       const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
       if (!law_is_given(law)) continue;
-      const oscillator o = oscillator_of(&m->disks[i], law, 0.0);
+      const oscillator o = oscillator_of(&m->disks[i], law, 0.0, 0);
       double w2 = fmax(o.normal2, o.tangential2);
       if (!(w2 > fastest)) continue;
       fastest = w2;
@@ -58,12 +59,22 @@ static double longest(const sd_model *m, double w2, double c) {
   return s > 0.0 ? 2.0 / s : HUGE_VAL;
 }
 
+static void note_moved(const sd_model *m, unsigned char *moved) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
+      uint32_t body = m->motions[k].bodies[b];
+      if (body < m->n_disks) moved[body] |= (unsigned char)(1u << m->motions[k].coordinate);
+    }
+}
+
 sd_step_limit sd_model_step_limit(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;
   double *tsuji = calloc(laws + 1, sizeof *tsuji);
   law_use *use = calloc(m->n_materials + 1, sizeof *use);
-  if (!tsuji || !use) shortage_note();
+  unsigned char *moved = calloc(m->n_disks + 1, 1);
+  if (!tsuji || !use || !moved) shortage_note();
+  if (moved) note_moved(m, moved);
   if (use) laws_count_uses(m, use);
   for (size_t k = 0; tsuji && k < laws; k++) tsuji[k] = law_tsuji(&m->laws[k]);
   for (uint32_t i = 0; i < m->n_disks; i++)
@@ -71,7 +82,8 @@ sd_step_limit sd_model_step_limit(const sd_model *m) {
       const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
       size_t others = use ? use[b].count - ((size_t)m->disks[i].material == b) : 1;
       if (!law_is_given(law) || others == 0) continue;
-      const oscillator o = oscillator_of(&m->disks[i], law, tsuji ? tsuji[law - m->laws] : 0.0);
+      const oscillator o =
+          oscillator_of(&m->disks[i], law, tsuji ? tsuji[law - m->laws] : 0.0, moved ? moved[i] : 0);
       double normal = longest(m, o.normal2, o.damping), tangential = longest(m, o.tangential2, 0.0);
       if (!(fmin(normal, tangential) < limit.dt)) continue;
       limit = (sd_step_limit){.dt = fmin(normal, tangential), .disk = i};
@@ -80,6 +92,7 @@ sd_step_limit sd_model_step_limit(const sd_model *m) {
                     : viscous > 0.5     ? SD_BOUND_VISCOSITY
                                         : SD_BOUND_NORMAL;
     }
+  free(moved);
   free(use);
   free(tsuji);
   return limit;

@@ -314,9 +314,12 @@ static void warn_of_phases(const session *s, sd_messages *messages) {
     const sd_compress *c = &s->model->phases[k].compress;
     tell_goal(text + n, sizeof text - n, c->pressure > 0.0 ? "pressure" : "packing fraction", p->target,
               p->target_goal, fabs(p->target - p->target_goal) > c->tolerance * p->target_goal);
-    sd_warn(messages, "phase \"%s\" has ended after %s%" PRId64 " steps and is not %s%s", f->stage_names[k],
+    sd_warn(messages, "phase \"%s\" has ended after %s%" PRId64 " steps and is not %s%s%s", f->stage_names[k],
             p->steps == p->most ? "all its " : "", p->steps,
-            p->asked & SUMMARY_SETTLE ? "at rest" : "at its target", text);
+            p->asked & SUMMARY_SETTLE ? "at rest" : "at its target", text,
+            p->asked & SUMMARY_SETTLE && !s->model->phases[k].relax
+                ? "; a longer phase is needed, or one more with relax = true"
+                : "");
   }
   if (f->waiting > 0)
     sd_warn(messages, "the run is over and %" PRId64 " disks still wait for their rain", f->waiting);

@@ -266,7 +266,7 @@ sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *me
     char name[96], hint[200];
     return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; %s",
                    (long long)step, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i],
-                   s->y[i], s->theta[i], advice_of_failure(e->model, hint, sizeof hint));
+                   s->y[i], s->theta[i], advice_of_failure(e->model, "is dt too large?", hint, sizeof hint));
   }
   return SD_OK;
 }

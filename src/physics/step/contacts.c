@@ -125,10 +125,11 @@ static sd_status check_overlap(engine *e, size_t k, sd_messages *messages) {
   char a[96], b[96], hint[200];
   return sd_fail(messages, SD_ERROR_NUMERIC,
                  "step %lld: %s and %s overlap by %g, more than max_overlap = %g of the radius %g; "
-                 "is k_n too small? %s",
+                 "%s",
                  (long long)s->step + 1, sd_model_body_name(e->model, s->id[p->a[k]], a, sizeof a),
                  sd_model_body_name(e->model, s->id[p->b[k]], b, sizeof b), PAIR(p, k, overlap),
-                 e->model->max_overlap, least, advice_of_failure(e->model, hint, sizeof hint));
+                 e->model->max_overlap, least,
+                 advice_of_failure(e->model, "is k_n too small for this speed or load?", hint, sizeof hint));
 }
 
 static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
