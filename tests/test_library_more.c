@@ -194,6 +194,26 @@ static void numbers_of_nothing_are_answered(void **state) {
   end(sim, m);
 }
 
+static sd_status rebuild(sd_simulation *sim, void *user) { return sd_simulation_rebuild(sim, user); }
+
+/* What is wrong is told to the caller of the step, whatever lists observers have. */
+static void an_observer_has_a_list_of_its_own(void **state) {
+  (void)state;
+  sd_model *m = base();
+  sd_simulation *sim;
+  sd_messages *own = sd_messages_new(), *messages = sd_messages_new();
+  sd_model_add_disk(m, &(sd_disk){.position = {1.0, 2.6}, .velocity = {0, -100}, .radius = 0.5, .mass = 1.0});
+  sim = begin(m);
+  assert_int_equal(sd_simulation_observe(sim, 50, rebuild, own), SD_OK);
+  assert_int_equal(sd_simulation_advance(sim, 1000, messages), SD_ERROR_NUMERIC);
+  assert_true(sd_simulation_step(sim) > 50);
+  assert_true(told(messages, "disk 0 and disk 3 overlap"));
+  assert_int_equal(sd_messages_count(own), 0);
+  sd_messages_free(own);
+  sd_messages_free(messages);
+  end(sim, m);
+}
+
 /* The box as it is now decides, not that of the model. */
 static void disks_are_added_inside_the_compressed_box(void **state) {
   (void)state;
@@ -254,6 +274,7 @@ int main(void) {
       cmocka_unit_test(a_copy_keeps_the_mistakes),
       cmocka_unit_test(a_model_that_was_changed_is_finished_again),
       cmocka_unit_test(numbers_of_nothing_are_answered),
+      cmocka_unit_test(an_observer_has_a_list_of_its_own),
       cmocka_unit_test(disks_are_added_inside_the_compressed_box),
       cmocka_unit_test(warnings_of_a_model_are_not_repeated),
   };

@@ -333,6 +333,7 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
     n -= done;
     sd_status status = simulation_pause(e, from, messages);
     if (status == SD_OK) status = observers_call(sim, messages);
+    engine_tell(e, messages); /* an observer may have called functions with a list of its own */
     if (status != SD_OK) return status;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */
