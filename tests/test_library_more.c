@@ -268,6 +268,56 @@ static void warnings_of_a_model_are_not_repeated(void **state) {
   end(sim, m);
 }
 
+/* A floor that shakes begins its next step without the force of disks that are gone: its work, and the budget, stay right. */
+static void a_floor_feels_removed_disks_no_more(void **state) {
+  (void)state;
+  for (int kind = 0; kind < 4; kind++) {
+    const bool verlet = kind % 2, round = kind / 2;
+    sd_model *m = sd_model_new();
+    double points[2][2] = {{0.0, 0.0}, {1.0, 0.1}};
+    sd_model_set(m, "dt", 1e-4);
+    sd_model_set_text(m, "integrator", verlet ? "verlet" : "gear5");
+    sd_model_set_gravity(m, 0.0, -10.0);
+    sd_model_add_material(m, "m", &law);
+    uint32_t floor = sd_model_add_wall(
+        m, round ? &(sd_wall){.kind = SD_WALL_CIRCLE, .pivot = {1.0, 20.0}, .radius = 20.0, .inside = true}
+                 : &(sd_wall){.kind = SD_WALL_LINE, .n_points = 2, .points = points, .pivot = {3.0, 0.0}});
+    for (int k = 0; k < 3; k++)
+      sd_model_add_disk(m,
+                        &(sd_disk){.position = {2.0 * k, 0.8 - 0.1 * (k == 1)}, .radius = 0.5, .mass = 1.0});
+    for (int c = 0; c < 3; c++)
+      sd_model_add_motion(m, &(sd_motion){.kind = SD_MOTION_HARMONIC,
+                                          .coordinate = c,
+                                          .n_bodies = 1,
+                                          .bodies = &floor,
+                                          .amplitude = 0.002,
+                                          .omega = 30.0 + c});
+    sd_simulation *sim = begin(m);
+    assert_int_equal(sd_simulation_advance(sim, 20000, NULL), SD_OK);
+    sd_column force[3];
+    const char *const names[3] = {"force_x", "force_y", "torque"};
+    const uint32_t slot = sd_simulation_slot(sim, floor);
+    double before[3] = {0};
+    for (int tries = 0; tries < 1000 && !(before[SD_Y] > 10.0); tries++) { /* disks bounce */
+      assert_int_equal(sd_simulation_advance(sim, 20, NULL), SD_OK);
+      for (int c = 0; c < 3; c++) {
+        assert_true(sd_simulation_column(sim, names[c], &force[c]));
+        before[c] = fabs(((const double *)force[c].data)[slot]);
+      }
+    }
+    assert_true(before[SD_Y] > 10.0 && before[SD_X] > 0.0 && before[SD_THETA] > 0.0);
+    const sd_energy old = sd_simulation_energy(sim);
+    assert_int_equal(sd_simulation_remove_disks(sim, 3, (const uint32_t[]){2, 0, 1}, NULL), SD_OK);
+    for (int c = 0; c < 3; c++) {
+      assert_true(sd_simulation_column(sim, names[c], &force[c]));
+      assert_true(fabs(((const double *)force[c].data)[slot]) < 1e-5 * before[SD_Y]);
+    }
+    assert_int_equal(sd_simulation_advance(sim, 1000, NULL), SD_OK);
+    assert_true(fabs(sd_simulation_energy(sim).residual - old.residual) < 1e-6 * old.scale);
+    end(sim, m);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_cannot_be_is_told),
@@ -277,6 +327,7 @@ int main(void) {
       cmocka_unit_test(an_observer_has_a_list_of_its_own),
       cmocka_unit_test(disks_are_added_inside_the_compressed_box),
       cmocka_unit_test(warnings_of_a_model_are_not_repeated),
+      cmocka_unit_test(a_floor_feels_removed_disks_no_more),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 
 #include "model/state.h"
 #include "physics/contact/energy.h"
+#include "physics/contact/evaluate.h"
 #include "physics/neighbours/order.h"
 #include "physics/small/lanes.h"
 #include "physics/step/access.h"
@@ -75,6 +76,23 @@ static void keep_residual(engine *e, double residual) {
   e->state->energy_start += energy_of(e).residual - residual;
 }
 
+/* Partners of disks that go feel them no more: the work of what is prescribed begins its next step with these forces. */
+static void take_forces_off(engine *e) {
+  sd_state *s = e->state;
+  for (size_t k = 0; k < engine_candidates(e); k++) {
+    if (!engine_contact_closed(e, k)) continue;
+    const size_t a = engine_contact_a(e, k), b = engine_contact_b(e, k);
+    if ((a >= s->n_free || body_in_play(s, a)) && (b >= s->n_free || body_in_play(s, b))) continue;
+    const contact_reaction r = contact_reaction_of(e, k);
+    s->force_x[a] += r.fx;
+    s->force_y[a] += r.fy;
+    s->torque[a] -= r.torque_a;
+    s->force_x[b] -= r.fx;
+    s->force_y[b] -= r.fy;
+    s->torque[b] -= r.torque_b;
+  }
+}
+
 static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   size_t kept = 0;
   for (size_t c = 0; c < s->n_contacts; c++) {
@@ -112,9 +130,10 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   sd_status status = store(sim, messages);
   if (status != SD_OK || n == 0) return status;
   const double residual = energy_of(e).residual;
+  for (size_t k = 0; k < n; k++) s->activity[engine_slot(e, disks[k])] = SD_REMOVED;
+  take_forces_off(e);
   for (size_t k = 0; k < n; k++) {
     const uint32_t i = engine_slot(e, disks[k]);
-    s->activity[i] = SD_REMOVED;
     for (int c = 0; c < SD_COORDINATES; c++) {
       const columns *q = engine_columns(e, c);
       q->v[i] = q->q2[i] = q->q3[i] = q->q4[i] = q->q5[i] = q->force[i] = 0.0;

@@ -12,6 +12,11 @@ typedef struct contact_geometry {
 } contact_geometry;
 
 contact_geometry contact_geometry_of(const engine *e, size_t pair);
+/* Force of a closed contact on b, and the torques about both centres, a wall's about its pivot. */
+typedef struct contact_reaction {
+  double fx, fy, torque_a, torque_b;
+} contact_reaction;
+contact_reaction contact_reaction_of(const engine *e, size_t pair);
 /* The contact with a wall segment once more, after its record has changed: history only, no forces on the bodies. */
 void contact_evaluate_again(engine *e, size_t pair);
 
