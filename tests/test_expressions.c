@@ -12,6 +12,7 @@
 #include <math.h>
 
 #include "io/deck/deck.h"
+#include "brief.h"
 #include "slipdisk/deck.h"
 
 #define REST                                                                                                 \
@@ -281,7 +282,7 @@ static void test_sweep(void **state) {
 
 static void test_hostile(void **state) {
   (void)state;
-  enum { LONG = 300000 };
+  enum { LONG = BRIEF(300000, 30000) };
   static char text[2 * LONG + 4096];
   static const char *const pieces[] = {"(",  "-",   "2^", "2^-",    "sqrt(", "1+",  "1*",
                                        "R*", "pi ", "1/", "min(1,", ")",     "((1)"};
