@@ -268,6 +268,23 @@ static void warnings_of_a_model_are_not_repeated(void **state) {
   end(sim, m);
 }
 
+static void advice_needs_no_names(void **state) {
+  (void)state;
+  sd_model *m = sd_model_new();
+  sd_messages *messages = sd_messages_new();
+  sd_model_set(m, "dt", 1e-4);
+  for (int k = 0; k < 2; k++) {
+    sd_model_add_material(m, NULL, &(sd_contact_law){.k_n = 1e4, .gamma_n = 1.0, .mu = 0.5});
+    sd_model_add_disk(m, &(sd_disk){.position = {3.0 * k}, .radius = 1.0, .mass = 1.0, .material = k});
+  }
+  sd_model_set_law(m, 0, 1, &(sd_contact_law){.k_n = 1e4, .k_t = 1e3});
+  assert_int_equal(sd_model_finish(m, messages), SD_OK);
+  sd_model_advise(m, messages);
+  assert_true(told(messages, "material_pairs (0, 1): k_t = 1000 without mu"));
+  sd_messages_free(messages);
+  sd_model_free(m);
+}
+
 /* A floor that shakes begins its next step without the force of disks that are gone: its work, and the budget, stay right. */
 static void a_floor_feels_removed_disks_no_more(void **state) {
   (void)state;
@@ -327,6 +344,7 @@ int main(void) {
       cmocka_unit_test(an_observer_has_a_list_of_its_own),
       cmocka_unit_test(disks_are_added_inside_the_compressed_box),
       cmocka_unit_test(warnings_of_a_model_are_not_repeated),
+      cmocka_unit_test(advice_needs_no_names),
       cmocka_unit_test(a_floor_feels_removed_disks_no_more),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

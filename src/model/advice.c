@@ -95,9 +95,13 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
 
 /* --- contact laws ---------------------------------------------------------------------------------------- */
 
+/* By numbers where a model that was built gives no names. */
 static char *law_name(const sd_model *m, size_t a, size_t b) {
-  return a == b ? format_text("materials.%s", m->materials[a].name)
-                : format_text("material_pairs (\"%s\", \"%s\")", m->materials[a].name, m->materials[b].name);
+  const char *one = m->materials[a].name, *other = m->materials[b].name;
+  if (!one || !other)
+    return a == b ? format_text("materials[%zu]", a) : format_text("material_pairs (%zu, %zu)", a, b);
+  return a == b ? format_text("materials.%s", one)
+                : format_text("material_pairs (\"%s\", \"%s\")", one, other);
 }
 
 /* Pairs of materials that have a law and bodies. */
