@@ -447,9 +447,15 @@ class Full(Started):
         """They are found when a run continues; nothing is removed, and nothing is left out."""
         words = long_deck()
         whole = self.whole(words)
-        self.stop(self.started(*words))
+        while True:  # a checkpoint soon after another may have no rows of its own
+            self.stop(self.started(*words))
+            counts = []
+            for path in self.parts.glob("checkpoint-*.h5"):
+                with h5py.File(path) as f:
+                    counts.append(f["checkpoint"].attrs["parts"])
+            if len(set(counts)) == 2 and min(counts) >= 1:
+                break
         parts = sorted(self.parts.glob("part-*.h5"))
-        self.assertGreater(len(parts), 1)
         first, last = parts[0].read_bytes(), parts[-1].read_bytes()
         there = sorted(p.name for p in self.parts.iterdir())
         for spoil in self.flip, lambda p: p.write_bytes(last), lambda p: p.unlink(), lambda p: p.write_bytes(b""):

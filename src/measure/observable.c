@@ -29,15 +29,24 @@ double observable_value(const observable *o, const void *row, size_t k) {
   return ((const bool *)at)[k] ? 1 : 0;
 }
 
+/* A damaged file may hold any number: what an integer cannot hold is 0. The upper limits are no numbers of the types. */
+static double within(double value, double lower, double upper) {
+  return value >= lower && value < upper ? value : 0.0;
+}
+static int64_t as_i64(double value) { return (int64_t)within(value, -0x1p63, 0x1p63); }
+static int32_t as_i32(double value) { return (int32_t)within(value, -0x1p31, 0x1p31); }
+static uint32_t as_u32(double value) { return (uint32_t)within(value, 0.0, 0x1p32); }
+static size_t as_size(double value) { return (size_t)within(value, 0.0, 0x1p63); }
+
 void observable_set(const observable *o, void *row, size_t k, double value) {
   if (o->get) return;
   void *at = (char *)row + o->offset;
   switch (o->type) {
     case OBSERVABLE_F64: ((double *)at)[k] = value; break;
-    case OBSERVABLE_I64: ((int64_t *)at)[k] = (int64_t)value; break;
-    case OBSERVABLE_I32: ((int32_t *)at)[k] = (int32_t)value; break;
-    case OBSERVABLE_U32: ((uint32_t *)at)[k] = (uint32_t)value; break;
-    case OBSERVABLE_SIZE: ((size_t *)at)[k] = (size_t)value; break;
+    case OBSERVABLE_I64: ((int64_t *)at)[k] = as_i64(value); break;
+    case OBSERVABLE_I32: ((int32_t *)at)[k] = as_i32(value); break;
+    case OBSERVABLE_U32: ((uint32_t *)at)[k] = as_u32(value); break;
+    case OBSERVABLE_SIZE: ((size_t *)at)[k] = as_size(value); break;
     case OBSERVABLE_FLAG: ((bool *)at)[k] = value != 0; break;
   }
 }
@@ -55,9 +64,9 @@ double observable_load(const observable *o, const void *dense, size_t k) {
 void observable_store(const observable *o, void *dense, size_t k, double value) {
   switch (observable_stored(o)) {
     case SD_F64: ((double *)dense)[k] = value; break;
-    case SD_I64: ((int64_t *)dense)[k] = (int64_t)value; break;
-    case SD_U32: ((uint32_t *)dense)[k] = (uint32_t)value; break;
-    case SD_I32: ((int32_t *)dense)[k] = (int32_t)value; break;
+    case SD_I64: ((int64_t *)dense)[k] = as_i64(value); break;
+    case SD_U32: ((uint32_t *)dense)[k] = as_u32(value); break;
+    case SD_I32: ((int32_t *)dense)[k] = as_i32(value); break;
   }
 }
 
