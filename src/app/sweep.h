@@ -35,7 +35,7 @@ void sweep_show_strangers(FILE *out, const sweep *s);
 void sweep_count_doubts(unsigned doubts, size_t count[DOUBT_KINDS]);
 void sweep_show_doubts(FILE *out, const size_t count[DOUBT_KINDS]);
 
-/* What the folder holds of all points, as JSON. */
+/* All points of the folder, as JSON. */
 sd_status sweep_print_json(const sweep *s, sd_messages *messages);
 
 /* Checks all points before any of them runs: mistakes, and a warning when time steps are too large. steps[n_points]:

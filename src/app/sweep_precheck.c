@@ -14,7 +14,7 @@ enum { MOST_KINDS = 64 };
 /* Points that --point K looks at besides its own. */
 enum { SAMPLE = 8 };
 
-/* What one check says of the points. */
+/* Messages of one check about the points. */
 typedef struct advice {
   size_t n, point; /* sets of values with a warning, a point of the worst */
   double worst;

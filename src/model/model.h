@@ -144,7 +144,7 @@ struct sd_model {
   size_t n_free; /* disks that are not driven */
 };
 
-/* What sd_model_finish does for models that were built by functions: default phase, numbers of walls, random streams. */
+/* Completes a model that was built by functions: default phase, numbers of walls, random streams. */
 void model_complete(sd_model *model);
 sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
 /* SD_ERROR_IO: no memory. */

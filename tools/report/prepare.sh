@@ -1,4 +1,4 @@
-# What reproduce.sh, packings.sh and compare_peers.sh need before they begin: a python3 in $python and the program. To be
+# Needed by reproduce.sh, packings.sh and compare_peers.sh before they begin: a python3 in $python and the program. To be
 # sourced, with the root of the source tree in $root. With --help, --draw or --no-install nothing is installed or built.
 
 help=no passive=no named=no
