@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "app/options.h"
+#include "io/results/frames.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
 #include "model/model.h"
@@ -124,6 +125,13 @@ sd_status place_find(place *p, const char *name, sd_messages *messages);
 void place_free(place *p);
 /* Opens the newest checkpoint that is not damaged; no lock is needed. */
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
+
+/* --- stored.c: the frames of a result, or of an unfinished run ---------------------------------------- */
+/* name as for place_find, or a part. alone: a part was named, whose frames are all there is. frames_close also when it
+ * fails. */
+sd_status stored_open(frames *f, const char *name, bool *alone, sd_messages *messages);
+/* How many there are with the state, which is the last one where it is newer than the newest frame. */
+sd_status stored_count(const frames *f, bool alone, size_t *count, sd_messages *messages);
 
 /* --- arguments -------------------------------------------------------------------------------------- */
 /* "NAME.ending" for a deck ".../NAME.cfg", in the current folder; to be freed, NULL: no memory. */

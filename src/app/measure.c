@@ -8,9 +8,7 @@
 
 #include "app/app.h"
 #include "base/guess.h"
-#include "io/results/checkpoint.h"
 #include "io/store/file.h"
-#include "io/store/folder.h"
 #include "io/results/frames.h"
 
 typedef struct arguments {
@@ -66,66 +64,6 @@ static int parse(int argc, char **argv, arguments *a) {
   return 0;
 }
 
-/* --- which files -------------------------------------------------------------------------------------- */
-
-/* Parts that belong to the checkpoint at `base`. */
-static sd_status open_parts(frames *f, const place *p, const char *base, int64_t parts,
-                            sd_messages *messages) {
-  char **list = calloc((size_t)(parts > 0 ? parts : 0) + 1, sizeof *list);
-  size_t n = 0;
-  if (!list) return sd_fail(messages, SD_ERROR_IO, "no memory");
-  sd_status status = SD_OK;
-  for (int64_t k = 1; status == SD_OK && k <= parts; k++) {
-    char *path = folder_part(p->folder, k);
-    if (!path) status = sd_fail(messages, SD_ERROR_IO, "no memory");
-    if (path && file_exists(path)) {
-      list[n++] = path;
-    } else if (path) {
-      sd_warn(messages, "%s is missing: its frames are left out", path);
-      free(path);
-    }
-  }
-  if (status == SD_OK) status = frames_open(f, base, n, (const char *const *)list, messages);
-  for (size_t k = 0; k < n; k++) free(list[k]);
-  free(list);
-  return status;
-}
-
-/* alone: a part was named, whose frames are all there is. */
-static sd_status open_unfinished(frames *f, place *p, bool *alone, sd_messages *messages) {
-  char *part = NULL, *base = NULL;
-  if (p->checkpoint && frames_is_part(p->checkpoint)) {
-    part = p->checkpoint;
-    p->checkpoint = NULL; /* the newest one has the constants */
-  }
-  bool named = p->checkpoint;
-  h5_file *file = NULL;
-  sd_status status = place_open_checkpoint(p, &file, &base, messages);
-  int64_t parts = status == SD_OK ? checkpoint_get_parts(file) : 0;
-  h5_close(file, NULL);
-  *alone = part;
-  if (status == SD_OK && part)
-    status = frames_open(f, base, 1, (const char *const *)&part, messages);
-  else if (status == SD_OK)
-    status = open_parts(f, p, base, named ? 0 : parts, messages);
-  free(part);
-  free(base);
-  return status;
-}
-
-static sd_status open_frames(frames *f, const char *name, bool *alone, sd_messages *messages) {
-  place p;
-  *alone = false;
-  sd_status status = place_find(&p, name, messages);
-  const char *result = p.result;
-  if (status == SD_OK && file_exists(result) && !p.checkpoint && !file_is_folder(name))
-    status = frames_open(f, result, 1, &result, messages);
-  else if (status == SD_OK)
-    status = open_unfinished(f, &p, alone, messages);
-  place_free(&p);
-  return status;
-}
-
 /* --- which frames ------------------------------------------------------------------------------------- */
 
 /* Numbers first ... last - 1; frames.n is the state. */
@@ -138,12 +76,8 @@ static sd_status choose(const arguments *a, const frames *f, bool alone, size_t 
   if (a->frame >= 0 && (size_t)a->frame >= f->n)
     return sd_fail(messages, SD_ERROR_USER, "%s: frame %ld: there are 0 to %zu", a->name, a->frame, f->n - 1);
   if (a->all) {
-    frame_entry newest = {.step = -1};
-    sd_status status = f->n > 0 ? frames_entry(f, f->n - 1, &newest, messages) : SD_OK;
-    bool repeated = newest.step == f->state_step;
     *first = 0;
-    *last = f->n + !(alone || repeated);
-    return status;
+    return stored_count(f, alone, last, messages);
   }
   *first = a->frame >= 0 ? (size_t)a->frame : f->n - alone;
   sd_status status = a->time.given ? frames_nearest(f, a->time.value, first, messages) : SD_OK;
@@ -243,7 +177,7 @@ static sd_status measure(const arguments *a, sd_messages *messages) {
   bool *wanted = NULL;
   bool alone;
   size_t first = 0, last = 0;
-  sd_status status = open_frames(&f, a->name, &alone, messages);
+  sd_status status = stored_open(&f, a->name, &alone, messages);
   if (status == SD_OK) status = choose(a, &f, alone, &first, &last, messages);
   if (status == SD_OK) status = choose_bodies(a, f.constants, &wanted, messages);
   if (status != SD_OK) {

@@ -31,6 +31,56 @@ bool options_reals(const char *text, size_t n, double *value) {
   return true;
 }
 
+/* Up to three whole numbers with colons between; numbers that are left out stay. Returns the colons, -1: it is no range. */
+static int read_slice(const char *text, long value[3], bool given[3]) {
+  int colons = 0;
+  for (;; text++) {
+    char *end = (char *)text;
+    errno = 0;
+    long number = *text == ':' || !*text ? 0 : strtol(text, &end, 10);
+    given[colons] = end > text;
+    if (errno != 0 || (*end && *end != ':')) return -1;
+    if (given[colons]) value[colons] = number;
+    text = end;
+    if (!*text) return colons > 0 || given[0] ? colons : -1;
+    if (++colons == 3) return -1;
+  }
+}
+
+static size_t magnitude(long value) { return value < 0 ? 0 - (size_t)value : (size_t)value; }
+
+/* An end of a slice among n: from the back when negative, and clipped. */
+static size_t clip(long value, size_t n) {
+  size_t size = magnitude(value) < n ? magnitude(value) : n;
+  return value < 0 ? n - size : size;
+}
+
+sd_status options_range(const char *text, size_t count, const char *file, option_range *out,
+                        sd_messages *messages) {
+  long value[3] = {0, 0, 1};
+  bool given[3] = {false};
+  *out = (option_range){.first = 0, .step = 1, .n = count};
+  int colons = text ? read_slice(text, value, given) : 2;
+  if (colons < 0 || value[2] <= 0)
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "--frames %s: expected a frame (5, -1 the last) or FIRST:END:STEP, as slices in Python (-1:, "
+        "::10, 0:100:10), with a step of at least 1",
+        text);
+  if (count == SIZE_MAX) return SD_OK;
+  if (count == 0) return sd_fail(messages, SD_ERROR_USER, "%s has no frames", file);
+  if (colons == 0 && magnitude(value[0]) + (value[0] >= 0) > count)
+    return sd_fail(messages, SD_ERROR_USER, "--frames %s: %s has frames 0 to %zu", text, file, count - 1);
+  size_t first = clip(value[0], count), end = given[1] ? clip(value[1], count) : count;
+  if (colons == 0) end = first + 1;
+  if (end <= first)
+    return sd_fail(messages, SD_ERROR_USER, "--frames %s chooses none of the frames 0 to %zu of %s", text,
+                   count - 1, file);
+  size_t step = (size_t)value[2];
+  *out = (option_range){.first = first, .step = step, .n = (end - first - 1) / step + 1};
+  return SD_OK;
+}
+
 static int refuse_unknown(const command_line *line, const char *given) {
   char word[64];
   snprintf(word, sizeof word, "%.*s", (int)strcspn(given, "="), given);

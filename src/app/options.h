@@ -61,6 +61,15 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
 bool options_number(const char *text, long least, long most, long *out);
 /* n finite numbers with commas between. */
 bool options_reals(const char *text, size_t n, double *value);
+/* Frames first, first + step, ...: n of them, n > 0. */
+typedef struct option_range {
+  size_t first, step, n;
+} option_range;
+/* The frames among `count` that text (of --frames) chooses, as Python does: "5", "-1" one frame, "0:100:10" a slice, whose
+ * ends may lie beyond; NULL: all. The step is positive. SD_ERROR_USER: not a range, or no frame is in it; `file` is for the
+ * message. count = SIZE_MAX, before a file is open: tells only whether this can be a range. */
+sd_status options_range(const char *text, size_t count, const char *file, option_range *out,
+                        sd_messages *messages);
 /* The help of a command, from its table. */
 void options_help(FILE *out, const command_line *line);
 /* Prints "error: slipdisk COMMAND: what; see slipdisk COMMAND --help" and returns the exit status of a user's mistake. */
