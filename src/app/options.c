@@ -94,6 +94,15 @@ static int refuse_unknown(const command_line *line, const char *given) {
   return app_misuse(line->name, "unknown option %s", given);
 }
 
+/* Is it one of the words "a|b|c"? */
+static bool is_choice(const char *words, const char *text) {
+  for (size_t n; *words; words += n + (words[n] == '|')) {
+    n = strcspn(words, "|");
+    if (strlen(text) == n && strncmp(words, text, n) == 0) return true;
+  }
+  return false;
+}
+
 /* Takes one option with its value; 0, or the exit status of a mistake. */
 static int take(const command_line *line, const option_row *row, const char *value, void *arguments) {
   void *field = (char *)arguments + row->offset;
@@ -117,6 +126,11 @@ static int take(const command_line *line, const option_row *row, const char *val
       *text = value;
       break;
     }
+    case OPTION_CHOICE:
+      if (!is_choice(row->value, value))
+        return app_misuse(line->name, "%s %s: expected %s", shown, value, row->value);
+      *(const char **)field = value;
+      break;
     case OPTION_PATH:
     case OPTION_STREAM:
       *(const char **)field = value;
@@ -217,4 +231,10 @@ void options_help(FILE *out, const command_line *line) {
   fputc('\n', out);
   for (size_t k = 0; k < line->n; k++) print_option(out, &line->rows[k]);
   print_option(out, &help);
+  if (line->examples) fputs("\nExamples:\n", out);
+  for (const char *text = line->examples; text && *text;) {
+    int n = (int)strcspn(text, "\n");
+    fprintf(out, "  %.*s\n", n, text);
+    text += n + (text[n] == '\n');
+  }
 }

@@ -14,6 +14,7 @@ typedef enum option_kind {
   OPTION_NUMBER, /* a whole number from least to most; long */
   OPTION_REAL,   /* a finite number; option_real */
   OPTION_TEXT,   /* any text, once; const char * */
+  OPTION_CHOICE, /* one of the words of `value`, as in "csv|vtk"; const char * */
   OPTION_PATH,   /* a file or a folder; const char * */
   OPTION_STREAM, /* the same, or - for the standard output */
   OPTION_LIST    /* any text, again and again; option_list */
@@ -53,6 +54,7 @@ typedef struct command_line {
   const char *operands; /* in the help: "DECK" */
   const char *summary;  /* a line of the list of commands */
   const char *more;     /* lines of its own help; NULL: none */
+  const char *examples; /* command lines, each with its comment: "slipdisk run deck.cfg   # ...\n" */
 } command_line;
 
 /* Fills `arguments`; 0, or the exit status of a mistake, which has been told. */
