@@ -497,6 +497,34 @@ class Periodic(Files):
         Contacts.assert_same_contacts(self, contacts(go, -1), 1e-3)
 
 
+class Servo(Files):
+    """Walls that a servo has moved far from where the deck has them."""
+
+    def test_goes_on_at_the_same_pressure(self):
+        walls = """integrator = "verlet"; dt = 2e-3; materials = ( { name = "m"; k_n = 500; gamma_n = 10; } );
+container = { type = "box"; width = 14; height = 14; open = false; };
+motions = (
+  { name = "sides"; wall = ("left", "right"); coordinate = "x"; type = "servo"; pressure = 1; speed = 0.2; },
+  { name = "ends"; wall = ("floor", "lid"); coordinate = "y"; type = "servo"; pressure = 1; speed = 0.2; },
+  { name = "raise"; wall = "lid"; coordinate = "y"; type = "velocity"; velocity = 0.3; } );
+measure = { box = true; stress = true; walls = true; };
+"""
+        press = """packings = ( { type = "random"; count = 100; radius = 0.5; density = 1; } );
+phases = ( { time = 400; motions = ("sides", "ends"); settle = { kinetic = 1e-8; unbalanced = 1e-4; }; } );"""
+        self.run_deck(walls + press, name="pressed")
+        on = walls + 'disk_files = ( { file = "pressed.h5"; contacts = true; } ); phases = ( %s );'
+        with h5py.File(self.run_deck(on % '{ time = 20; motions = ("sides", "ends"); }')) as file:
+            values = {name: file[f"observables/{name}/value"][:] for name in ("stress_xx", "stress_yy", "width")}
+        self.assertLess(values["width"].max(), 10.5)
+        for name in ("stress_xx", "stress_yy"):
+            self.assertLess(abs(values[name] - 1).max(), 0.01, name)
+        # the region goes with a wall that leaves the container of the deck, too
+        with h5py.File(self.run_deck(on % '{ time = 20; motions = ("raise"); }')) as file:
+            height, lid = file["observables/height/value"][:], file["observables/wall_force_y/value"][:, 3]
+        self.assertLess(abs(height[-1] - height[0] - 6), 1e-6)
+        self.assertEqual(lid[-1], 0)
+
+
 class Gone(Files):
     """Disks that have been taken out are not in the packing, and numbers close up."""
 

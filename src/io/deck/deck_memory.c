@@ -46,6 +46,22 @@ static void move_wall(sd_wall *w, double x, double y, double angle, double scale
   w->pivot[1] = y;
 }
 
+/* An edge of the region that is a straight wall goes where the file has put the wall: servo walls and compression measure
+ * the container by its region. */
+static void move_edges(sd_model *m, const sd_wall *w, double x, double y) {
+  const double to[2] = {x, y};
+  for (int c = 0; c < 2; c++) {
+    double *edges[2] = {&m->region_lower[c], &m->region_upper[c]};
+    double near = 1e-9 * (*edges[1] - *edges[0]);
+    if (w->kind != SD_WALL_LINE || fabs(w->points[0][c] - w->points[1][c]) > near) continue;
+    for (int k = 0; k < 2; k++)
+      if (fabs(w->points[0][c] - *edges[k]) <= near) {
+        *edges[k] += to[c] - w->pivot[c];
+        break;
+      }
+  }
+}
+
 static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_t w) {
   const deck_result *r = t->result;
   size_t body = r->n_disks + k;
@@ -63,6 +79,7 @@ static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_
                   y, wall->pivot[0], wall->pivot[1]);
   }
   if (ours->placed[w]) return;
+  if (moved && angle == 0) move_edges(ours->d->model, wall, x, y);
   if (moved || angle != 0 || scale != 1) move_wall(wall, x, y, angle, scale);
   own->angle = angle;
   own->scale = scale;
