@@ -100,9 +100,9 @@ def head(results, sections, counts):
 
 def lead(results, counts):
     """What stands above the Markdown."""
-    by = effort.told(results, html=True) or f"Drawn with {escape(results.program_line())}."
     if results.level in levels.STUDIES:
-        return [f"What `tools/reproduce.sh --errors` gives: {levels.DESCRIPTIONS[results.level]}.", "", by]
+        return [f"`tools/reproduce.sh --errors`: {levels.DESCRIPTIONS[results.level]}."]
+    by = effort.told(results, html=True) or f"Drawn with {escape(results.program_line())}."
     return ["Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, *Sustained rotation in a vibrated disk with "
             "asymmetric supports*. R = mg = 1, g = 10; error bars are single standard errors. Every verdict is computed "
             "from the numbers beside it; [reproduce.md](reproduce.md) has the rules and the reasons of what is not "

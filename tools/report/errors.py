@@ -178,26 +178,53 @@ def sections(results):
     interval = random_series("error_interval", "interval, step 2&times;10<sup>&minus;5</sup>", "h",
                              found["error_interval"], False)
     turning = turning_series(found["error_turning"])
-    out = Section("errors", "How far time step and noise interval can be raised", "Random vibration "
-                  "(&epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt 0.04&pi;), decks "
-                  "<code>inputs/paper/error_both.cfg</code> (noise drawn at each step), <code>error_step.cfg</code> "
-                  "(the same noise at all steps: pairs of runs), <code>error_interval.cfg</code>; turning supports, "
-                  "<code>error_turning.cfg</code> (&Theta;<sub>b</sub> = 0.004 and 0.04, tilt 0.02&pi; and 0.06&pi;; "
-                  "the run that changes most counts). A setting is as good as the finer ones when &Omega; differs from "
-                  "their mean (pairs, turning supports: from the finest) by less than "
-                  f"{100 * ALLOWED:g} %, or by less than {LEVEL:g} errors of the difference, which chance exceeds in "
-                  "one case of a hundred; a series ends with the first that is not. Time to 1 %: core-time of one run "
-                  "until the error bar of &Omega; is 1 %, from the error bars found (all good settings of a series "
-                  "together) and the measured time of a step; with turning supports until the transient is over and "
-                  "one period (or as many as the error bar wants) is measured.", new=True,
-                  missing=[line for table in found.values() for line in table.missing])
-    out.figures.append(draw(both, step, interval, turning))
     everything = [*both, *step, *interval, *turning]
+    out = Section("errors", "How far time step and noise interval can be raised", "Core-time until the error bar of &Omega; "
+                  "is 1 %, at the largest setting that leaves &Omega; as it is. <i>dt</i>: time step; <i>h</i>: time between "
+                  "draws of the noise.", new=True, missing=[line for table in found.values() for line in table.missing])
+    out.figures.append(draw(both, step, interval, turning))
     out.tables.append(summary(everything))
-    for series in everything:
-        if series.settings:
-            out.tables.append(numbers(series))
-    return [out]
+    details = Section("errors-settings", "All settings", "Random vibration: &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, "
+                      "tilt 0.04&pi;; decks <code>inputs/paper/error_both.cfg</code> (noise drawn at each step), "
+                      "<code>error_step.cfg</code> (the same noise at all steps: pairs of runs), "
+                      "<code>error_interval.cfg</code>. Turning supports: <code>error_turning.cfg</code>, &Theta;<sub>b</sub> "
+                      "= 0.004 and 0.04, tilt 0.02&pi; and 0.06&pi;; the run that changes most counts. A setting is good when "
+                      "&Omega; differs from the mean of the finer ones (pairs, turning supports: from the finest) by less "
+                      f"than {100 * ALLOWED:g} %, or by less than {LEVEL:g} errors of the difference (chance exceeds that in "
+                      "one case of a hundred), and all finer ones are good. Core-time follows from the error bars of all good "
+                      "settings and the measured time of a step; with turning supports it is that of the transient and one "
+                      "period, or as many as the error bar wants.", new=True)
+    details.tables += [Numbers(title, columns, rows) for title, columns, rows in
+                       (side_by_side(everything[k:k + 2]) for k in range(0, len(everything), 2)) if rows]
+    details.tables += [numbers(series) for series in everything if series.settings]
+    return [out, details]
+
+
+def number(value):
+    return f"{value:.3g}" if math.isfinite(value) else ""
+
+
+def with_error(value, error):
+    """As -1.0 &plusmn; 2.7: two digits of the error, three decimals at most."""
+    if not math.isfinite(value):
+        return ""
+    digits = min(3, max(0, 1 - math.floor(math.log10(error)))) if error > 0 else 3
+    return f"{value:.{digits}f} &plusmn; {error:.{digits}f}"
+
+
+def side_by_side(pair):
+    """A series with Gear and with Verlet: change of Omega with Gear, cost with both."""
+    gear, verlet = ({(s.dt, s.h if s.h == s.h else 0): s for s in series.settings} for series in pair)
+    turning, rows = pair[0].name == "error_turning", []
+    for key in sorted({*gear} & {*verlet}, key=lambda key: key[pair[0].raised == "h"]):
+        a, b = gear[key], verlet[key]
+        rows.append([number(a.dt), *([] if turning else [number(a.h)]), with_error(100 * a.change, 100 * a.spread),
+                     "yes" if a.good and b.good else "no", number(a.cost if a.good else math.nan),
+                     number(b.cost if b.good else math.nan)])
+    kind = "Turning supports" if turning else "Random vibration"
+    return (f"{kind}: {pair[0].title.rsplit(',', 1)[0]}",
+            ["<i>dt</i>", *([] if turning else ["<i>h</i>"]), "change of &Omega; (Gear), %", "good", "core-s to 1 %, Gear",
+             "Verlet"], rows)
 
 
 def paper_cost(series):
@@ -217,12 +244,12 @@ def summary(everything):
         kind = "turning" if series.name == "error_turning" else "random"
         same = [s for s in kinds[kind] if kind == "random" or s.title.split(",")[0] == series.title.split(",")[0]]
         ends = best is series.settings[-1]
-        rows.append([("random: " if kind == "random" else "turning: ") + series.title, best.dt, best.h,
-                     100 * best.change, 100 * best.spread, "all tried" if ends else "", best.ns, best.cost,
-                     paper_cost(same) / best.cost])
-    return Numbers("How far they can be raised", ["", "largest <i>dt</i>", "<i>h</i>", "change of &Omega;, %",
-                                                  "error, %", "", "ns per step", "core-s to 1 %",
-                                                  "times as fast as Gear at the finest step"], rows, shown=True)
+        rows.append([("random: " if kind == "random" else "turning: ") + series.title, number(best.dt), number(best.h),
+                     with_error(100 * best.change, 100 * best.spread), "all tried" if ends else "", number(best.cost),
+                     number(paper_cost(same) / best.cost)])
+    return Numbers("How far they can be raised", ["", "largest <i>dt</i>", "<i>h</i>", "change of &Omega;, %", "",
+                                                  "core-s to 1 %", "times as fast as Gear at the finest step"], rows,
+                   shown=True)
 
 
 def numbers(series):
@@ -233,7 +260,8 @@ def numbers(series):
     kind = "Turning supports" if turning else "Random vibration"
     return Numbers(f"{kind}: {series.title}",
                    ["<i>dt</i>", *([] if turning else ["<i>h</i>", "<i>t<sub>g</sub></i>&Omega;", "error"]),
-                    "change, %", "error, %", "as good", "runs", "measured time", "ns per step", "core-s to 1 %"], rows)
+                    "change, %", "error, %", "as good", "runs", "measured time", "ns per step", "core-s to 1 %"], rows,
+                   kept=False)
 
 
 def draw(both, step, interval, turning):

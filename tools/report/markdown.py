@@ -51,7 +51,7 @@ def write(path, title, lead, sections, pictures=None):
             claims = [[f"**{c.verdict}**", c.text + (f" ({c.place})" if c.place else ""), c.numbers] for c in section.claims]
             out += [*_table(["verdict", "statement", "found"], claims), ""]
         for table in section.tables:
-            if 0 < len(table.rows) <= LONGEST:
+            if table.kept and 0 < len(table.rows) <= LONGEST:
                 out += [f"{_line(table.title)}:", "", *_table(table.columns, table.rows), ""]
     temporary = path + ".new"
     with open(temporary, "w") as file:

@@ -27,6 +27,7 @@ class Numbers:
     columns: list
     rows: list
     shown: bool = False  # without being asked for
+    kept: bool = True    # in the Markdown too
 
 
 @dataclasses.dataclass
