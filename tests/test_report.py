@@ -24,7 +24,7 @@ except ImportError:
 from report import __main__ as report  # noqa: E402
 from report import configurations, effort, errors, fits, levels, markdown, turning, verdict, vibration  # noqa: E402
 from report.data import Table  # noqa: E402
-from report.page import Page, Section  # noqa: E402
+from report.page import Numbers, Page, Section  # noqa: E402
 from report.runs import Results, overrides  # noqa: E402
 from report.style import plt  # noqa: E402
 
@@ -325,6 +325,8 @@ class Pages(unittest.TestCase):
     def test_markdown(self):
         with tempfile.TemporaryDirectory() as folder:
             section = vibration.sections(Synthetic(folder))[0]
+            long = section.tables[0]  # 33 rows: on the HTML page only
+            section.tables.append(Numbers("The first rows", long.columns, long.rows[:5]))
             Page(folder).add(section)
             path, docs = os.path.join(folder, "report.md"), os.path.join(folder, "docs")
             markdown.write(path, "Title", ["Lead."], [section], "figures")
@@ -334,7 +336,7 @@ class Pages(unittest.TestCase):
                 lines = file.read().splitlines()
         tables = [line for line in lines if line.startswith("|")]
         self.assertEqual(sum(line.startswith("| **") for line in tables), len(section.claims))
-        self.assertEqual(len(tables), len(section.claims) + 2 + 33 + 2)
+        self.assertEqual(len(tables), len(section.claims) + 2 + 5 + 2)
         self.assertIn(f"![{section.figures[0].alt}](figures/random-ex-vel.png)", lines)
         for line in tables:  # as many cells as the head of the table
             self.assertIn(line.count("|"), (4, len(section.tables[0].columns) + 1), line)

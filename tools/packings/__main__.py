@@ -6,8 +6,6 @@ import signal
 import sys
 import time
 
-from PIL import Image
-
 from report import markdown
 from report.__main__ import escape
 from report.page import Page, badge, missing_list
@@ -18,7 +16,6 @@ from . import budget, controls, drive, flows, jamming, large, limits, low, plan
 from .runs import ROOT, Campaign, Stopped
 
 TITLE = "Packings: shaken, compressed, poured"
-LARGE = 1 << 20  # bytes of a picture that is kept at half its size
 MODULES = (low, drive, controls, budget, jamming, flows, large)
 
 
@@ -110,7 +107,7 @@ def lead(campaign, counts):
 
 
 def keep_in(folder, page, figures):
-    """Copies the Markdown page and its figures, with few colours, to where they stay."""
+    """Copies the Markdown page and its figures to where they stay."""
     place = os.path.join(folder, "figures", "packings")
     os.makedirs(place, exist_ok=True)
     with open(page) as file:
@@ -118,12 +115,7 @@ def keep_in(folder, page, figures):
     with open(os.path.join(folder, "packings_study.md"), "w") as file:
         file.write(text.replace("](figures/", "](figures/packings/"))
     for name in figures:
-        with Image.open(os.path.join(os.path.dirname(page), "figures", name + ".png")) as picture:
-            colours = picture.convert("RGB")
-            if os.path.getsize(picture.filename) > LARGE:
-                colours = colours.reduce(2)
-            small = colours.quantize(128, dither=Image.Dither.NONE)
-            small.save(os.path.join(place, name + ".png"), optimize=True)
+        markdown.keep_picture(os.path.join(os.path.dirname(page), "figures", name + ".png"), place)
 
 
 def main():

@@ -210,8 +210,11 @@ def hopper_figure(found, width, rate, error, free, fixed):
     picture, axes = figure(columns=2, height=3.2)
     colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(found)))
     for colour, (size, some) in zip(colours, found.items()):
-        flow = some[0]
-        axes[0].plot(flow.time - flow.time[np.argmax(flow.out > 0)], flow.out, color=colour, label=f"{size:g}")
+        clocks = [flow.time - flow.time[np.argmax(flow.out > 0)] for flow in some]
+        clock = np.linspace(0, min(c[-1] for c in clocks), 400)
+        out = np.array([np.interp(clock, c, flow.out) for c, flow in zip(clocks, some)])
+        axes[0].plot(clock, out.mean(axis=0), color=colour, label=f"{size:g}")
+        axes[0].fill_between(clock, out.min(axis=0), out.max(axis=0), color=colour, alpha=0.3, lw=0)
     axes[0].set_xlabel(r"time since opening / $\sqrt{d/g}$")
     axes[0].set_ylabel("disks out")
     axes[0].set_xlim(0, None)
@@ -224,8 +227,8 @@ def hopper_figure(found, width, rate, error, free, fixed):
     axes[1].set_xlabel("outlet $D/d$")
     axes[1].set_ylabel(r"rate $W$ ($\sqrt{g/d}$)")
     axes[1].legend(loc="upper left", fontsize=9)
-    return Figure("hopper", picture, "Left: disks that are out against time (first replica). Right: rate against "
-                                     "outlet with the fits "
+    return Figure("hopper", picture, "Left: disks that are out against time, mean and range of the replicas. "
+                                     "Right: rate against outlet with the fits "
                   "<i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k d</i>)<sup><i>a</i></sup>.", "Discharge of a hopper "
                       "against time and outlet")
 

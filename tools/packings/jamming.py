@@ -12,12 +12,10 @@ NEAR = 0.1      # coordination counts as equal
 TARGET = 0.05   # targets below are pressures in units of k_n, above packing fractions
 
 
-def coordination(run, least):
-    """(contacts per disk, the same without rattlers, their fraction, isostatic value of this many disks).
+def coordination(a, b, n, least):
+    """(contacts per disk, the same without rattlers, their fraction, isostatic value of this many disks) of contacts a-b.
 
     Rattlers have fewer than `least` contacts; they are taken away until none is left."""
-    a, b, _ = run.neighbours()
-    n = run.n_free
     alive = np.ones(n, bool)
     while True:
         held = alive[a] & alive[b]
@@ -39,13 +37,15 @@ def final(run):
 
 
 def stages(run):
-    """[(pressure asked for, pressure, packing fraction, contacts per disk)] where phases that seek a pressure end."""
+    """[(pressure asked for, pressure, packing fraction, contacts per disk, the same without rattlers)] where phases that
+    seek a pressure end; contacts are those of the last table in the phase."""
     time, pressure, fraction, contacts = run.series("pressure", "packing_fraction", "contacts")
     found = []
     for phase, end in zip(run.phases, np.cumsum([phase["steps"] for phase in run.phases])):
         row = int(np.searchsorted(time, (end + 0.5) * run.dt)) - 1
         if 0 < phase["target_goal"] < TARGET:
-            found.append((phase["target_goal"], pressure[row], fraction[row], 2 * contacts[row] / run.n_free))
+            found.append((phase["target_goal"], pressure[row], fraction[row], 2 * contacts[row] / run.n_free,
+                          coordination(*run.neighbours_at((end + 0.5) * run.dt), run.n_free, 3)[1]))
     return found
 
 
@@ -68,14 +68,14 @@ def frictionless(campaign):
         out.claims.append(missing(text))
         return out
     table = [sorted(stages(run)) for run in runs]
-    rows = [[mean_error([stage[k][j] for stage in table]) for j in range(4)] for k in range(len(table[0]))]
+    rows = [[mean_error([stage[k][j] for stage in table]) for j in range(5)] for k in range(len(table[0]))]
     few = max(2, len(rows) // 2)  # the least pressures, where the line is straight
     phi, error = jackknife(lambda some: float(np.mean([line(*np.array(t)[:few, 1:3].T)[2] for t in some])), table)
     out.claims.append(decide(text, bool(abs(phi - PHI) < TOLERANCE),
                              f"{number(phi, error)} from {len(runs)} packing{'s' * (len(runs) > 1)} of {runs[0].n_free} disks and the {few} "
                              f"least pressures; "
                              f"counted as equal up to {TOLERANCE:g}"))
-    z = np.array([coordination(run, 3) for run in runs])
+    z = np.array([coordination(*run.neighbours()[:2], run.n_free, 3) for run in runs])
     mean, spread = mean_error(z[:, 1])
     out.claims.append(decide("Without rattlers the coordination number tends to 4, the isostatic "
                              "value.", bool(abs(mean - 4) < NEAR),
@@ -85,8 +85,8 @@ def frictionless(campaign):
                              f"{100 * z[:, 2].mean():.1f} % rattlers"))
     out.tables.append(Numbers("Compressed packings, at each pressure",
                               ["pressure/<i>k<sub>n</sub></i>", "reached", "packing fraction", "contacts per disk, "
-                                  "rattlers included"],
-                              [[float(r[0][0]), *(number(*r[j]) for j in (1, 2, 3))] for r in rows]))
+                                  "rattlers included", "without rattlers"],
+                              [[float(r[0][0]), *(number(*r[j]) for j in (1, 2, 3, 4))] for r in rows]))
     out.figures.append(jamming_figure(rows, few, phi))
     return out
 
@@ -94,21 +94,22 @@ def frictionless(campaign):
 def jamming_figure(rows, few, phi):
     picture, axes = figure(columns=2, height=3.2)
     pressure = np.array([r[1][0] for r in rows])
-    for panel, k, label in ((axes[0], 2, "packing fraction"), (axes[1], 3, "contacts per disk")):
+    for panel, k, colour, label in ((axes[0], 2, 0, None), (axes[1], 4, 0, "without rattlers"), (axes[1], 3, 4, "all")):
         value, error = np.array([r[k] for r in rows]).T
-        points(panel, pressure, value, np.nan_to_num(error), None, 0, "o", line="none")
+        points(panel, pressure, value, np.nan_to_num(error), label, colour, "os"[colour > 0], line="none")
         panel.set_xscale("log")
         panel.set_xlabel("pressure / $k_n$")
-        panel.set_ylabel(label)
     x = np.geomspace(pressure.min(), pressure[:few].max() * 3, 50)
     slope, _, offset, _ = line(pressure[:few], [r[2][0] for r in rows[:few]])
     axes[0].plot(x, offset + slope * x, color=COLOURS[1], label=f"line, {phi:.4f} at zero")
-    axes[0].axhline(PHI, color=LIGHT, lw=0.8, gid="guide")
+    axes[0].set_ylabel("packing fraction")
     axes[0].legend(loc="upper left")
-    axes[1].axhline(4, color=GREY, lw=0.8, gid="guide")
-    return Figure("jamming", picture, "Packing fraction and contacts (those of rattlers counted) of compressed "
-                                      "frictionless disks "
-                  "against pressure.", "Packing fraction and coordination against pressure")
+    axes[1].axhline(4, color=GREY, lw=0.8, ls="--", gid="guide", label="isostatic, without rattlers")
+    axes[1].set_ylabel("contacts per disk")
+    axes[1].legend(loc="upper left")
+    return Figure("jamming", picture, "Packing fraction and contacts per disk of compressed frictionless disks against "
+                  "pressure; the isostatic value 4 is that of contacts without rattlers.",
+                  "Packing fraction and coordination against pressure")
 
 
 def friction(campaign):
@@ -122,7 +123,8 @@ def friction(campaign):
     for run in campaign.runs("jam_friction"):
         mu = run.parameters.get("mu", 0.0)
         pressure, fraction = final(run)
-        table.setdefault(mu, []).append((pressure, fraction, *coordination(run, 3 if mu == 0 else 2)))
+        table.setdefault(mu, []).append((pressure, fraction,
+                                         *coordination(*run.neighbours()[:2], run.n_free, 3 if mu == 0 else 2)))
     text = "With friction the coordination number falls from 4 towards 3."
     if len(table) < 3:
         out.claims.append(missing(text))

@@ -48,7 +48,7 @@ ENTRIES = {
     "repose": Entry("repose.cfg", {}, {"packings[0].count": 400, "sweep.replicas": 1,
                                        "sweep.parameters.mu.values": "(0.1, 0.5)"}, first=1),
     "jam": Entry("jam.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
-    "jam_friction": Entry("jam_friction.cfg", {}, _SMALL),
+    "jam_friction": Entry("jam_friction.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
     "deposit_1e4": Entry("deposit_1e4.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
     "shake_1e4": Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5"}, sweep=False,
                        threads=True, skip_quick=True),

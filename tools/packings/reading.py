@@ -94,6 +94,16 @@ class Run:
         pair = (a < self.n_free) & (b < self.n_free)
         return a[pair], b[pair], force[pair]
 
+    def neighbours_at(self, time):
+        """(a, b) of the contacts between free disks in the last table until this time; empty without tables."""
+        tables = self.result.contacts
+        k = int(np.searchsorted(tables.time, time, side="right")) - 1
+        if k < 0:
+            return np.empty(0, int), np.empty(0, int)
+        a, b = tables[k]["a"], tables[k]["b"]
+        pair = (a < self.n_free) & (b < self.n_free)  # in these decks free disks come first
+        return a[pair], b[pair]
+
     def contact_lines(self):
         """([n][2][2] end points, force) of the contacts between disks at the end, for drawing."""
         a, b, force, x, y, box = self._contacts

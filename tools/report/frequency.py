@@ -32,7 +32,7 @@ def sections(results):
     turning = matched(results, "frequency", "frequency.cfg", sweep_points(results, "frequency"))
     random = results.sweep("frequency_random").joined()
     out.missing = turning.missing + random.missing
-    picture, axes = figure(3, 1, height=3.6, width=7.6)
+    picture, axes = figure(3, 1, height=4.0, width=7.6)
     rows = []
     for k, (phase, title) in enumerate(((0.0, "in phase"), (PI, "opposite phases"))):
         for n, (name, line) in enumerate(split(turning.where(phase=phase), "theta_b", "omega_b",
@@ -44,11 +44,12 @@ def sections(results):
                    if n == 0 else "fixed $\\Theta_b\\omega_b^2$", n, "os"[n], line="none")
             exact = line.column("theory.mean") / unit
             if np.isfinite(exact).any():
-                axes[k].plot(w / PI, exact, color=BLACK, ls="-" if n == 0 else "--", lw=0.9, label="exact")
+                axes[k].plot(w / PI, exact, color=BLACK, ls="-" if n == 0 else "--", lw=0.9,
+                             label="exact, fixed $\\Theta_b$" if n == 0 else "exact, $\\Theta_b\\omega_b^2$")
             rows += [[f"{title}, {name}", row["theta_b"], row["omega_b"] / PI, row["upper.omega"] / u,
                       row["upper.omega_error"] / u, x, row["upper.left.openings"] + row["upper.right.openings"]]
                      for row, u, x in zip(line.rows, unit, exact)]
-        axes[k].set_title(title, pad=38)
+        axes[k].set_title(title, pad=66)
         axes[k].set_xlabel(r"frequency $\omega_b$")
         axes[k].set_ylabel(r"$\Omega/\Theta_b\omega_b$")
     for n, (name, line) in enumerate(split(random, "eps_b", "omega_b", BASE_EPS).items()):
@@ -57,7 +58,7 @@ def sections(results):
                    "fixed $\\epsilon_b$" if n == 0 else "fixed $\\epsilon_b\\omega^2$", n, "os"[n])
         rows += [[f"random, {name}", row["eps_b"], row["omega_b"] / PI, row["upper.scaled"], row["upper.scaled_error"],
                   math.nan, row["upper.left.openings"] + row["upper.right.openings"]] for row in line.rows]
-    axes[2].set_title("random vibration", pad=38)
+    axes[2].set_title("random vibration", pad=66)
     axes[2].set_xlabel(r"frequency $\omega$")
     axes[2].set_ylabel(r"$t_g\,\Omega\times10^{4}$")
     for axis in axes:
@@ -68,7 +69,7 @@ def sections(results):
         axis.set_xlim(4, 100)
         zero_line(axis)
         if axis.get_legend_handles_labels()[0]:
-            legend_above(axis, 2, fontsize=9, handlelength=1.5, labelspacing=0.2)
+            legend_above(axis, 1, fontsize=9, handlelength=1.5, labelspacing=0.2)
     out.figures.append(Figure("frequency", picture, "Rotation against the frequency of the drive. Lines on the left "
                               "and in the middle: exact solution of permanent sliding at the same amplitude and "
                               "frequency; on the right they join points.",

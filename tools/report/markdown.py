@@ -8,7 +8,7 @@ from PIL import Image
 
 from .page import cell
 
-LONGEST = 70  # rows: longer tables are in the CSV files
+LONGEST = 16  # rows: longer tables are on the HTML page, and there as CSV files
 
 
 def _line(text):
@@ -26,16 +26,20 @@ def _table(columns, rows):
 
 
 def keep(folder, page, figures, name="paper.md"):
-    """Copies a page of write() to a file in the folder, and its figures (names), with few colours, to folder/figures."""
+    """Copies a page of write() to a file in the folder, and its figures (names) to folder/figures."""
     os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
     with open(page) as file:
         text = file.read()
     with open(os.path.join(folder, name), "w") as file:
         file.write(text)
     for figure in figures:
-        with Image.open(os.path.join(os.path.dirname(page), "figures", figure + ".png")) as picture:
-            small = picture.convert("RGB").quantize(64, dither=Image.Dither.NONE)
-            small.save(os.path.join(folder, "figures", figure + ".png"), optimize=True)
+        keep_picture(os.path.join(os.path.dirname(page), "figures", figure + ".png"), os.path.join(folder, "figures"))
+
+
+def keep_picture(path, folder):
+    """Copies a picture in all its colours, packed as well as PNG allows."""
+    with Image.open(path) as picture:
+        picture.convert("RGB").save(os.path.join(folder, os.path.basename(path)), optimize=True)
 
 
 def write(path, title, lead, sections, pictures=None):

@@ -93,10 +93,10 @@ def draw(lines, level, stiff, curves):
                 points(panel, line.psi / PI, line.omega, line.error, word, n, "os"[n], line="none", ms=4)
             if curve:
                 panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n], lw=1,
-                           label="exact")
-        panel.set_title(f"$\\Theta_b={amplitude:g}$, $\\theta_T=0.04\\pi$", pad=26)
+                           label=f"{word}, exact")
+        panel.set_title(f"$\\Theta_b={amplitude:g}$, $\\theta_T=0.04\\pi$", pad=36)
         if any(lines[amplitude, wave] for wave, _ in WAVES):
-            legend_above(panel, 4, fontsize=9, handlelength=1.4)
+            legend_above(panel, 2, fontsize=9, handlelength=1.4, labelspacing=0.2)
         in_pi(panel.xaxis, 0.5)
     panel = axes[1, 0]
     for n, amplitude in enumerate((0.004, STRONG)):
@@ -106,13 +106,13 @@ def draw(lines, level, stiff, curves):
         curve = curves[amplitude, "parabolic"].such(lambda row: row["phase"] > -1e-9)
         if curve:
             panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=COLOURS[n + 2], lw=1,
-                       label="exact")
+                       label=f"{amplitude:g}, exact")
     panel.axvline(0.2425, color=GREY, lw=0.8, ls=":", gid="guide")
-    panel.set_title("parabola, half sum of $\\psi$ and $-\\psi$", pad=26)
+    panel.set_title("parabola, half sum of $\\psi$ and $-\\psi$", pad=36)
     panel.set_xlabel(r"phase $|\psi|$")
     in_pi(panel.xaxis, 0.25)
     if panel.get_legend_handles_labels()[0]:
-        legend_above(panel, 4, fontsize=9, handlelength=1.4)
+        legend_above(panel, 2, fontsize=9, handlelength=1.4, labelspacing=0.2)
     panel = axes[1, 1]
     for n, (line, word) in enumerate(((level, "no tilt"), (stiff, "$k_n=10^5$"))):
         if line:
@@ -121,7 +121,7 @@ def draw(lines, level, stiff, curves):
     if curve:
         panel.plot(curve.column("phase") / PI, curve.column("mean_normalised"), color=BLACK, lw=1,
                    label="exact, $0.04\\pi$")
-    panel.set_title(f"parabola, $\\Theta_b={STRONG:g}$", pad=26)
+    panel.set_title(f"parabola, $\\Theta_b={STRONG:g}$", pad=36)
     panel.set_xlabel(r"phase $\psi$")
     in_pi(panel.xaxis, 0.5)
     if panel.get_legend_handles_labels()[0]:

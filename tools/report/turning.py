@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from .page import Figure, Numbers, Section
-from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_right, marker, points,
+from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_below, legend_right, marker, plt, points,
                     power, zero_line)
 from .verdict import NO, OPEN, YES, Claim, decide, missing, number, percent, signed
 
@@ -84,26 +84,36 @@ def tilt_section(results, kind):
 
 
 def velocity_figure(table, curve, kind, facts):
-    picture, axes = figure(height=4.4)
+    picture, (left, right) = figure(2, 1, width=7.6, height=4.2, legend=True)
+    formula = facts["formula"].split(",")[0]
     for k, theta in enumerate(table.values("theta_b")):
         line = table.where(theta_b=theta).sorted("tilt")
         rank, sign = marker(TURNING_MARKERS, theta, k)
-        points(axes, line.column("tilt") / PI, OMEGA_B * line.column("size"), OMEGA_B * line.column("size_error"),
-               f"${power(theta)}$", rank, sign, line="--", ms=8 if sign in "*+" else 5)
+        look = {"line": "--", "ms": 8 if sign in "*+" else 5}
+        points(left, line.column("tilt") / PI, OMEGA_B * line.column("size"), OMEGA_B * line.column("size_error"),
+               f"${power(theta)}$", rank, sign, **look)
+        tilted = line.such(lambda row: row["tilt"] > 0)
+        unit = tilted.column("theory.first_order") / tilted.column("theta_b") / OMEGA_B
+        points(right, tilted.column("tilt") / PI, tilted.column("size") / unit,
+               tilted.column("size_error") / np.abs(unit), None, rank, sign, **look)
     if curve:
-        unit = 0.1
-        axes.plot(curve.column("tilt") / PI, curve.column("first_order") / unit, color=BLACK, lw=1.3,
-                  label=facts["formula"].split(",")[0], zorder=1)
-        axes.plot(curve.column("tilt") / PI, curve.column("limit") / unit, color=BLACK, lw=1.3, ls=":",
-                  label="exact limit", zorder=1)
-    zero_line(axes)
-    in_pi(axes.xaxis, 0.02)
-    axes.set_xlabel(r"tilt $\theta_T$")
-    axes.set_ylabel(r"$\Omega/\Theta_b$")
+        tilt, first = curve.column("tilt") / PI, curve.column("first_order")
+        left.plot(tilt, first / 0.1, color=BLACK, lw=1.3, label=formula, zorder=1)
+        left.plot(tilt, curve.column("limit") / 0.1, color=BLACK, lw=1.3, ls=":", label="exact limit", zorder=1)
+        some = tilt > 0
+        right.plot(tilt[some], curve.column("limit")[some] / first[some], color=BLACK, lw=1.3, ls=":", zorder=1)
+    zero_line(left)
+    right.axhline(1, color=BLACK, lw=1.3, zorder=1, gid="guide")
+    for axes in (left, right):
+        in_pi(axes.xaxis, 0.02)
+        axes.set_xlabel(r"tilt $\theta_T$")
+    left.set_ylabel(r"$\Omega/\Theta_b$")
+    right.set_ylabel(r"$\Omega/\Omega_{" + formula.replace("(", "").replace(")", "") + "}$")
     if table or curve:
-        legend_right(axes, r"amplitude $\Theta_b$")
-    return Figure(f"{kind}-vel", picture, "Mean angular velocity over amplitude against tilt, for seven amplitudes, "
-                  "with theory. Dashed lines join points; error bars are smaller than the symbols.",
+        legend_below(picture, left, 9, title=r"amplitude $\Theta_b$", fontsize=9, handlelength=1.6, columnspacing=1)
+    return Figure(f"{kind}-vel", picture, "Left: mean angular velocity over amplitude against tilt, for seven amplitudes, "
+                  f"with theory. Right: the same over {formula}, which tells the amplitudes apart. Dashed lines join "
+                  "points; error bars are smaller than the symbols.",
                   f"Angular velocity over amplitude against tilt, supports {kind}, with theory curves")
 
 
@@ -111,19 +121,22 @@ def deviation_figure(table, kind, facts):
     # In phase the parabola's (30) is the exact solution: one panel says it all.
     columns = [("off.first_order", f"from {facts['formula']}"), ("off.mean", "from the exact solution")]
     columns = columns[:1] if kind == "sync" else columns
-    picture, axes = figure(len(columns), 1, height=3.0, sharey=True, squeeze=False)
+    picture, axes = figure(len(columns), 1, height=3.4, sharey=True, squeeze=False)
     for (column, title), axis in zip(columns, axes[0]):
         tilts = [t for t in table.values("tilt") if t > 0]
         for k, tilt in enumerate(tilts):
             line = table.where(tilt=tilt).sorted("theta_b")
-            shade = 0.15 + 0.75 * k / max(1, len(tilts) - 1)
-            axis.plot(line.column("theta_b"), 100 * line.column(column), "o-", ms=4, lw=0.8, mfc="white",
-                      color=(0.05, 0.45 * (1 - shade), 0.35 + 0.6 * (1 - shade)), label=f"{tilt / PI:g}$\\pi$")
+            axis.plot(line.column("theta_b"), 100 * line.column(column), "osv^D<>p"[k % 8] + "-", ms=4, lw=0.8, mfc="white",
+                      color=plt.get_cmap("viridis")(0.9 * k / max(1, len(tilts) - 1)), label=f"{tilt / PI:g}$\\pi$")
         zero_line(axis)
         axis.set_xscale("log")
         axis.set_yscale("symlog", linthresh=1, linscale=0.6)
         axis.set_yticks([-100, -10, -1, 0, 1, 10, 100], ["$-100$", "$-10$", "$-1$", "0", "1", "10", "100"])
         axis.set_yticks([], minor=True)
+    off = 100 * np.array([row[column] for row in table.rows for column, _ in columns], float)
+    if np.isfinite(off).any():
+        axes[0, 0].set_ylim(min(1.5 * np.nanmin(off), -0.5), max(1.5 * np.nanmax(off), 0.5))
+    for (_, title), axis in zip(columns, axes[0]):
         axis.set_title(title)
         axis.set_xlabel(r"amplitude $\Theta_b$")
     axes[0, 0].set_ylabel("deviation of $\\Omega$ (%)")

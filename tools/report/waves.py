@@ -118,9 +118,10 @@ def labels(above, below, kind, moments):
     edges = [0.0] + [moment for moment, _ in moments] + [1.0]
     names = [moments[-1][1]] + [name for _, name in moments] if moments else []
     for first, second, name in zip(edges[:-1], edges[1:], names):
-        if second - first > 0.1:
-            below.text((first + second) / 2, 0.03, "$S^{" + name + "}$", transform=below.get_xaxis_transform(),
-                       ha="center", va="bottom", color=GREY)
+        middle, short = (first + second) / 2, second - first < 0.1
+        below.annotate("$S^{" + name + "}$", (middle, 0.21 if short else 0.03), (middle + 0.05 * short, 0.13 if short else 0.03),
+                       xycoords=below.get_xaxis_transform(), ha="left" if short else "center", va="bottom", color=GREY,
+                       arrowprops={"arrowstyle": "-", "color": GREY, "lw": 0.6, "shrinkA": 0, "shrinkB": 0} if short else None)
 
 
 def numbers(kind, wave, theory, moments):
