@@ -51,7 +51,9 @@ const command_line app_check_line = {
         "Told are numbers of disks, walls and contacts, the time step against the shortest contact period,\n"
         "restitution of each pair of materials, size of the result, speed and length of the run. All points "
         "of a\n"
-        "sweep are checked, too. A DECK of - is the standard input.\n"};
+        "sweep are checked, too. A DECK of - is the standard input.\n",
+    .examples = "slipdisk check deck.cfg                 # mistakes, all keys, limits, run time\n"
+                "slipdisk check deck.cfg --brief -D gravity.tilt=0.2\n"};
 
 /* --- restitution ----------------------------------------------------------------------------------------- */
 

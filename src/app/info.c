@@ -286,15 +286,18 @@ static const option_row rows[] = {
     {"names", 0, OPTION_FLAG, offsetof(arguments, names), 0, 0, NULL, NULL,
      "print the tables of all observables, and nothing else"},
 };
-const command_line app_info_line = {.name = "info",
-                                    .n = sizeof rows / sizeof *rows,
-                                    .rows = rows,
-                                    .operand = OPERAND_RESULTS,
-                                    .offset = offsetof(arguments, first),
-                                    .optional = true,
-                                    .operands = "FILE...",
-                                    .summary = "Tells what a run has found, finished or not",
-                                    .more = NULL};
+const command_line app_info_line = {
+    .name = "info",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_RESULTS,
+    .offset = offsetof(arguments, first),
+    .optional = true,
+    .operands = "FILE...",
+    .summary = "Tells what a run has found, finished or not",
+    .more = NULL,
+    .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
+                "slipdisk info deck.h5 --json\n"};
 
 /* All observables: the section "Names" of docs/results.md. */
 static int print_names(void) {

@@ -10,22 +10,12 @@
 #include <unistd.h>
 
 #include "app/app.h"
+#include "app/manual.h"
 #include "base/shortage.h"
 #include "base/limits.h"
 #include "base/text.h"
 #include "base/guess.h"
 #include "version.h"
-
-static const char statuses[] =
-    "\n"
-    "  slipdisk COMMAND --help     the options of a command\n"
-    "  slipdisk version            also -V, --version\n"
-    "\n"
-    "Exit status: 0 done, 2 mistake in deck or command, 3 numerical error, 4 input or output failed or no\n"
-    "memory, 5 done, but the result is in doubt (energy budget, open contacts, disks too fast: see its\n"
-    "warnings), 75 stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give "
-    "the\n"
-    "command again to continue.\n";
 
 char *app_default_name(const char *deck, const char *ending) {
   const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck;
@@ -69,6 +59,32 @@ static int app_version(int argc, char **argv) {
 
 static int app_help(int argc, char **argv);
 
+typedef struct help_arguments {
+  const char *command;
+  bool man, bash;
+} help_arguments;
+
+static const option_row help_rows[] = {
+    {"man", 0, OPTION_FLAG, offsetof(help_arguments, man), 0, 0, NULL, NULL,
+     "as a page of the manual, for man -l -"},
+    {"bash", 0, OPTION_FLAG, offsetof(help_arguments, bash), 0, 0, NULL, NULL,
+     "completion for bash, to be read by its command source"},
+};
+static const command_line help_line = {
+    .name = "help",
+    .n = sizeof help_rows / sizeof *help_rows,
+    .rows = help_rows,
+    .operand = OPERAND_COMMAND,
+    .offset = offsetof(help_arguments, command),
+    .optional = true,
+    .operands = "[COMMAND]",
+    .summary = "Tells the options of a command; without one, all commands",
+    .examples =
+        "slipdisk help run                       # the same as slipdisk run --help\n"
+        "slipdisk help --man run | man -l -\n"
+        "source <(slipdisk help --bash)          # the tab key completes commands, options, decks, results\n",
+};
+
 static const struct command {
   const char *name;
   int (*main)(int argc, char **argv);
@@ -83,7 +99,7 @@ static const struct command {
     {"measure", app_measure, &app_measure_line, true},
     {"verify", app_verify, &app_verify_line, true},
     {"theory", app_theory, &app_theory_line, true},
-    {"help", app_help, NULL, false},
+    {"help", app_help, &help_line, false},
     {"version", app_version, NULL, false},
     {"--version", app_version, NULL, false},
     {"-V", app_version, NULL, false},
@@ -91,20 +107,30 @@ static const struct command {
     {"--help", app_help, NULL, false},
     {"-h", app_help, NULL, false},
 };
+enum { N_COMMANDS = sizeof commands / sizeof *commands };
 
 static const struct command *find_command(const char *name) {
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+  for (size_t k = 0; k < N_COMMANDS; k++)
     if (strcmp(name, commands[k].name) == 0) return &commands[k];
   return NULL;
 }
 
 static void print_commands(FILE *out) {
+  int name = 0, operands = 0;
+  for (size_t k = 0; k < N_COMMANDS; k++) {
+    const command_line *line = commands[k].line;
+    if (line && (int)strlen(line->name) > name) name = (int)strlen(line->name);
+    if (line && (int)strlen(line->operands) > operands) operands = (int)strlen(line->operands);
+  }
   fputs("slipdisk: frictional disks in two dimensions\n\n", out);
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++)
+  for (size_t k = 0; k < N_COMMANDS; k++)
     if (commands[k].line)
-      fprintf(out, "  slipdisk %-7s %-8s %s\n", commands[k].name, commands[k].line->operands,
+      fprintf(out, "  slipdisk %-*s %-*s  %s\n", name, commands[k].name, operands, commands[k].line->operands,
               commands[k].line->summary);
-  fputs(statuses, out);
+  fputs("\n  slipdisk COMMAND --help     the options of a command\n"
+        "  slipdisk version            also -V, --version\n\n",
+        out);
+  manual_statuses(out);
 }
 
 static int unknown_command(const char *name) {
@@ -113,7 +139,7 @@ static int unknown_command(const char *name) {
     return SD_ERROR_USER;
   }
   guess near = guess_start(name);
-  for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) guess_add(&near, commands[k].name);
+  for (size_t k = 0; k < N_COMMANDS; k++) guess_add(&near, commands[k].name);
   char *shown = text_escaped(name, LIMIT_QUOTE);
   fprintf(stderr, "error: there is no command \"%s\"; ", shown ? shown : "");
   free(shown);
@@ -122,11 +148,28 @@ static int unknown_command(const char *name) {
   return SD_ERROR_USER;
 }
 
-/* help, help COMMAND */
+static void print_manual(const command_line *one, bool bash) {
+  const command_line *lines[N_COMMANDS];
+  size_t n = 0;
+  for (size_t k = 0; k < N_COMMANDS; k++)
+    if (commands[k].line) lines[n++] = commands[k].line;
+  if (bash)
+    manual_bash(stdout, n, lines);
+  else if (one)
+    manual_command(stdout, one);
+  else
+    manual_overview(stdout, n, lines);
+}
+
 static int app_help(int argc, char **argv) {
-  const struct command *one = argc > 1 ? find_command(argv[1]) : NULL;
-  if (argc > 1 && !one) return unknown_command(argv[1]);
-  if (one && one->line)
+  help_arguments a = {0};
+  int status = options_parse(&help_line, argc, argv, &a);
+  if (status) return status;
+  const struct command *one = a.command ? find_command(a.command) : NULL;
+  if (a.command && !one) return unknown_command(a.command);
+  if (a.man || a.bash)
+    print_manual(one ? one->line : NULL, a.bash);
+  else if (one && one->line)
     options_help(stdout, one->line);
   else
     print_commands(stdout);
@@ -146,7 +189,11 @@ static int run_command(int argc, char **argv) {
   }
   const struct command *one = find_command(argv[1]);
   if (!one) return unknown_command(argv[1]);
-  int status = one->line && wants_help(argc, argv) ? app_help(2, argv) : one->main(argc - 1, argv + 1);
+  int status = 0;
+  if (one->line && wants_help(argc, argv))
+    options_help(stdout, one->line);
+  else
+    status = one->main(argc - 1, argv + 1);
   /* results may have been printed into a full disk */
   if ((fflush(stdout) != 0 || ferror(stdout)) && status == 0) {
     fprintf(stderr, "error: cannot write to the standard output: %s\n", strerror(errno));

@@ -49,7 +49,9 @@ const command_line app_measure_line = {
     .optional = false,
     .operands = "FILE",
     .summary = "Measures a packing: contacts, packing fractions, stress, fabric, forces",
-    .more = "Of the last state, or of stored frames.\n"};
+    .more = "Of the last state, or of stored frames.\n",
+    .examples = "slipdisk measure deck.h5                # of the last state\n"
+                "slipdisk measure deck.h5 --all --csv tables\n"};
 
 static int parse(int argc, char **argv, arguments *a) {
   int mistake = options_parse(&app_measure_line, argc, argv, a);

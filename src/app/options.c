@@ -149,15 +149,17 @@ static int take(const command_line *line, const option_row *row, const char *val
 }
 
 static int take_operand(const command_line *line, int argc, char **argv, void *arguments) {
-  static const char *const missing[] = {"no deck is given", "one result is expected", "no result is given"};
+  static const char *const missing[] = {"no deck is given", "one result is expected", "no result is given",
+                                        "no command is given"};
   void *field = (char *)arguments + line->offset;
   int n = argc - optind;
   if (n == 0 && line->optional) return 0;
+  if (n > 1 && line->operand == OPERAND_COMMAND) return app_misuse(line->name, "one command is expected");
   if (n == 0 || (n > 1 && line->operand == OPERAND_RESULT))
     return app_misuse(line->name, "%s", missing[line->operand]);
   if (n > 1 && line->operand == OPERAND_DECK)
     return app_misuse(line->name, "one deck is expected, \"%s\" is a second", argv[optind + 1]);
-  for (int k = optind; k < argc && line->operand != OPERAND_DECK; k++)
+  for (int k = optind; k < argc && line->operand != OPERAND_DECK && line->operand != OPERAND_COMMAND; k++)
     if (strcmp(argv[k], "-") == 0)
       return app_misuse(line->name,
                         "results are not read from the standard input; expected the name of a file");
@@ -200,28 +202,36 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
 enum { HELP_COLUMN = 25, HELP_WIDTH = 100 };
 
 /* Words from this column on, broken at blanks; at: where the line stands. */
-static void print_words(FILE *out, const char *text, size_t at) {
+static void print_words(FILE *out, const char *text, size_t at, size_t column) {
   for (const char *next; *text; text = next) {
     size_t n = strcspn(text, " ");
     next = text + n + strspn(text + n, " ");
-    if (at > HELP_COLUMN && at + 1 + n > HELP_WIDTH) {
+    if (at > column && at + 1 + n > HELP_WIDTH) {
       fputc('\n', out);
       at = 0;
     }
-    fprintf(out, "%*s%.*s", at < HELP_COLUMN ? (int)(HELP_COLUMN - at) : 1, "", (int)n, text);
-    at = (at < HELP_COLUMN ? HELP_COLUMN : at + 1) + n;
+    fprintf(out, "%*s%.*s", at < column ? (int)(column - at) : 1, "", (int)n, text);
+    at = (at < column ? column : at + 1) + n;
   }
   fputc('\n', out);
+}
+
+void options_entry(FILE *out, const char *head, const char *text, size_t column) {
+  size_t at = strlen(head);
+  fputs(head, out);
+  if (at >= column) {
+    fputc('\n', out);
+    at = 0;
+  }
+  print_words(out, text, at, column);
 }
 
 static void print_option(FILE *out, const option_row *row) {
   char head[80];
   int n = row->letter ? snprintf(head, sizeof head, "  -%c, --%s", row->letter, row->name)
                       : snprintf(head, sizeof head, "      --%s", row->name);
-  if (row->value) n += snprintf(head + n, sizeof head - (size_t)n, " %s", row->value);
-  fputs(head, out);
-  if (n >= HELP_COLUMN) fputc('\n', out);
-  print_words(out, row->help, n >= HELP_COLUMN ? 0 : (size_t)n);
+  if (row->value) snprintf(head + n, sizeof head - (size_t)n, " %s", row->value);
+  options_entry(out, head, row->help, HELP_COLUMN);
 }
 
 void options_help(FILE *out, const command_line *line) {

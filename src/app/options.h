@@ -42,7 +42,7 @@ typedef struct option_row {
 } option_row;
 
 /* Operands of a command. A deck may be -, the standard input. The field behind offset is a const char *; of RESULTS a size_t, place in argv of the first. */
-typedef enum operand_kind { OPERAND_DECK, OPERAND_RESULT, OPERAND_RESULTS } operand_kind;
+typedef enum operand_kind { OPERAND_DECK, OPERAND_RESULT, OPERAND_RESULTS, OPERAND_COMMAND } operand_kind;
 
 typedef struct command_line {
   const char *name; /* of the command */
@@ -72,6 +72,8 @@ typedef struct option_range {
  * message. count = SIZE_MAX, before a file is open: tells only whether this can be a range. */
 sd_status options_range(const char *text, size_t count, const char *file, option_range *out,
                         sd_messages *messages);
+/* A head and, from this column on, words; for lists in helps. */
+void options_entry(FILE *out, const char *head, const char *text, size_t column);
 /* The help of a command, from its table. */
 void options_help(FILE *out, const command_line *line);
 /* Prints "error: slipdisk COMMAND: what; see slipdisk COMMAND --help" and returns the exit status of a user's mistake. */

@@ -16,16 +16,18 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {DRIVE_OPTIONS(arguments, drive)};
-const command_line app_resume_line = {.name = "resume",
-                                      .n = sizeof rows / sizeof *rows,
-                                      .rows = rows,
-                                      .operand = OPERAND_RESULT,
-                                      .offset = offsetof(arguments, name),
-                                      .optional = false,
-                                      .operands = "FILE",
-                                      .summary = "Continues a run from what it has stored",
-                                      .more = "FILE is the name of the result, its folder FILE.parts, or a "
-                                              "checkpoint in it. The deck is not needed.\n"};
+const command_line app_resume_line = {
+    .name = "resume",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_RESULT,
+    .offset = offsetof(arguments, name),
+    .optional = false,
+    .operands = "FILE",
+    .summary = "Continues a run from what it has stored",
+    .more = "FILE is the name of the result, its folder FILE.parts, or a "
+            "checkpoint in it. The deck is not needed.\n",
+    .examples = "slipdisk resume deck.h5                 # without the deck, with all keys that it had\n"};
 
 static int resume(const char *name, drive_options *drive, sd_messages *messages) {
   place p;

@@ -34,7 +34,10 @@ const command_line app_run_line = {
     .summary = "Runs a deck",
     .more =
         "A run that was stopped or killed continues from its last checkpoint when the same command is given\n"
-        "again. A DECK of - is the standard input.\n"};
+        "again. A DECK of - is the standard input.\n",
+    .examples =
+        "slipdisk run deck.cfg                   # makes deck.h5; given again after a stop it continues\n"
+        "slipdisk run deck.cfg -D seed=2 -o two.h5\n"};
 
 int app_run(int argc, char **argv) {
   app_catch_signals();

@@ -52,7 +52,10 @@ const command_line app_sweep_line = {
     .summary = "Runs all points of the deck's group `sweep`, and writes a table of the results",
     .more = "Given again it continues; points that failed are tried again. Under mpirun (in a build with "
             "MPI) the ranks\n"
-            "share the points. A DECK of - is the standard input.\n"};
+            "share the points. A DECK of - is the standard input.\n",
+    .examples = "slipdisk sweep sweep.cfg --list\n"
+                "slipdisk sweep sweep.cfg -j 2           # makes sweep.sweep/, with means.csv\n"
+                "slipdisk sweep sweep.cfg --status\n"};
 
 static int parse(int argc, char **argv, sweep_command *c) {
   int mistake = options_parse(&app_sweep_line, argc, argv, c);

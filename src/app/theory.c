@@ -35,7 +35,9 @@ const command_line app_theory_line = {
     .optional = false,
     .operands = "DECK",
     .summary = "Says what theory knows of a disk on two turning supports",
-    .more = "Torques, periodic states, mean rotation. A DECK of - is the standard input.\n"};
+    .more = "Torques, periodic states, mean rotation. A DECK of - is the standard input.\n",
+    .examples = "slipdisk theory deck.cfg\n"
+                "slipdisk theory deck.cfg --wave wave.csv\n"};
 
 static int parse(int argc, char **argv, arguments *a) {
   int mistake = options_parse(&app_theory_line, argc, argv, a);

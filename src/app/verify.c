@@ -33,7 +33,8 @@ const command_line app_verify_line = {
     .optional = false,
     .operands = "FILE...",
     .summary = "Compares all bytes of results, unfinished runs or sweeps with their checksums",
-    .more = "Exit status 4 when one is damaged.\n"};
+    .more = "Exit status 4 when one is damaged.\n",
+    .examples = "slipdisk verify deck.h5 sweep.sweep     # is every byte as it was written?\n"};
 
 /* Prints why, and counts. */
 static void tell_damaged(verifier *v, const char *path, const sd_messages *why) {

@@ -1,0 +1,17 @@
+# Lets PROGRAM write its pages of the manual and its completion for bash into FOLDER. Its commands are those that it lists.
+function(write_output file)
+  execute_process(COMMAND ${PROGRAM} help ${ARGN} OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+  file(WRITE ${FOLDER}/${file} "${text}")
+endfunction()
+
+execute_process(COMMAND ${PROGRAM} help OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCHALL "\n  slipdisk [a-z]+ +[[]?[A-Z]" commands "${listed}")
+file(REMOVE_RECURSE ${FOLDER})
+write_output(man/slipdisk.1 --man)
+foreach(command ${commands})
+  string(REGEX REPLACE "\n  slipdisk ([a-z]+) .*" "\\1" command "${command}")
+  if(NOT command STREQUAL "COMMAND")
+    write_output(man/slipdisk-${command}.1 --man ${command})
+  endif()
+endforeach()
+write_output(slipdisk --bash)
