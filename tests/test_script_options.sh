@@ -51,6 +51,16 @@ quiet 2 "no python3 with" bash "$work/tree/tools/reproduce.sh" --draw
 quiet 2 "tools/quickstart.sh" bash "$work/tree/tools/quickstart.sh" --unknown
 quiet 2 "tools/install_deps.sh" bash "$work/tree/tools/install_deps.sh" --unknown
 unset PYTHONHOME
+# what each option adds, on a machine that has nothing and where sudo is called
+printf '#!/bin/sh\nexit 1\n' >"$work/stubs/dpkg-query"
+printf '#!/bin/sh\necho 1000\n' >"$work/stubs/id"
+chmod +x "$work/stubs/dpkg-query" "$work/stubs/id"
+for pair in --tests:libcmocka-dev --tests:python3-sphinx --tests:lintian --docs:python3-sphinx --deb:lintian --mpi:libopenmpi-dev; do
+  PATH=$work/stubs:$PATH bash "$work/tree/tools/install_deps.sh" "${pair%%:*}" --mpi >"$work/out" 2>&1 || true
+  grep -q "^Packages to install:.* libgsl-dev .*${pair#*:}\b.*openmpi-bin" "$work/out" ||
+    { failures=$((failures + 1)); echo "FAILED: install_deps.sh ${pair%%:*}"; cat "$work/out"; }
+done
+rm "$work/stubs/dpkg-query" "$work/stubs/id"
 quiet 0 "deck_docs.py" python3 "$work/tree/tools/deck_docs.py" --help
 
 # the stubs are what a script would call

@@ -1,16 +1,21 @@
 #!/usr/bin/env bash
 # Installs what slipdisk needs on Debian or Ubuntu, and only what is missing.
 #   tools/install_deps.sh           to build and run
-#   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need
+#   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need; --docs is part of it
+#   tools/install_deps.sh --docs    also what makes the documentation site
+#   tools/install_deps.sh --deb     also what makes and checks the .deb
 #   tools/install_deps.sh --mpi     also Open MPI, for builds with -DSLIPDISK_MPI=ON
-# Both may be given. Needs root (or sudo) only when something is missing.
+# Several may be given. Needs root (or sudo) only when something is missing.
 set -euo pipefail
 case " $* " in
   *" -h "* | *" --help "*) sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
-          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev)
+          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev libmicrohttpd-dev zlib1g-dev)
+site=(python3-sphinx python3-myst-parser python3-breathe doxygen furo python3-sphinx-copybutton libjs-katex fonts-katex
+      node-normalize.css python3-numpy python3-h5py)
+deb=(dpkg-dev fakeroot lintian)
 tests=no
 for option in "$@"; do
   case "$option" in
@@ -18,7 +23,11 @@ for option in "$@"; do
       tests=yes
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14 libomp-dev
                  python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
-                 ccache gcovr) ;;
+                 ccache gcovr
+                 chromium chromium-driver python3-selenium ffmpeg python3-mdanalysis python3-vtk9 python3-ase
+                 poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}") ;;
+    --docs) packages+=("${site[@]}") ;;
+    --deb) packages+=("${deb[@]}") ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
     *) "$0" --help >&2; exit 2 ;;
   esac
