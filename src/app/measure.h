@@ -31,6 +31,10 @@ sd_status measure_list_add(measure_list *l, const measurement *m, sd_messages *m
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);
 
 /* --- measure_tables.c: one file per table in a folder ------------------------------------------------- */
+#define MEASURE_CONTACT_COLUMNS                                                                              \
+  "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y,zeta"
+/* Rows of these columns: contacts of a frame in which one of the bodies is wanted; NULL: all. */
+void measure_contacts(FILE *out, const configuration *c, const bool *wanted);
 enum { MEASURE_FRAMES, MEASURE_DISKS, MEASURE_CONTACTS, MEASURE_PAIRS, MEASURE_FORCES, MEASURE_TABLES };
 typedef struct measure_tables {
   file_stream file[MEASURE_TABLES];

@@ -14,8 +14,7 @@ static const struct table {
     [MEASURE_DISKS] = {"disks.csv",
                        "step,disk,x,y,radius,prescribed,rattler,contacts,bearing,pressure,cell,closed,"
                        "fraction,resultant_x,resultant_y"},
-    [MEASURE_CONTACTS] = {"contacts.csv",
-                          "step,a,b,part,x,y,nx,ny,overlap,force,tau,mobilised,sliding,force_x,force_y,zeta"},
+    [MEASURE_CONTACTS] = {"contacts.csv", MEASURE_CONTACT_COLUMNS},
     [MEASURE_PAIRS] = {"gr.csv", "step,r,g"},
     [MEASURE_FORCES] = {"forces.csv",
                         "step,low,high,normal,tangential,mobilised_low,mobilised_high,mobilised"},
@@ -93,17 +92,17 @@ static uint32_t deck_number(const configuration *c, uint32_t body) {
   return body < n ? c->number[body] : (uint32_t)(c->n_deck + (body - n));
 }
 
-static void add_contacts(const measure_tables *t, FILE *out, const measurement *m) {
-  for (size_t k = 0; k < m->c.n_contacts; k++) {
-    const config_contact *q = &m->c.contacts[k];
-    uint32_t a = deck_number(&m->c, q->a), b = deck_number(&m->c, q->b);
-    if (t->wanted && !t->wanted[a] && !t->wanted[b]) continue;
-    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", m->c.step, a, b, q->part, q->x,
+void measure_contacts(FILE *out, const configuration *c, const bool *wanted) {
+  for (size_t k = 0; k < c->n_contacts; k++) {
+    const config_contact *q = &c->contacts[k];
+    uint32_t a = deck_number(c, q->a), b = deck_number(c, q->b);
+    if (wanted && !wanted[a] && !wanted[b]) continue;
+    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", c->step, a, b, q->part, q->x,
             q->y, q->nx, q->ny, q->overlap, q->force);
     bool known = isfinite(q->tau);
     number(out, q->tau);
     number(out, known && q->mu > 0.0 && q->force > 0.0 ? fabs(q->tau) / (q->mu * q->force) : NAN);
-    if (m->c.recomputed)
+    if (c->recomputed)
       fputc(',', out);
     else
       fprintf(out, ",%d", q->slide);
@@ -136,7 +135,7 @@ static void add_forces(FILE *out, const measurement *m) {
 void measure_tables_add(const measure_tables *t, const measurement *m) {
   add_frame(t->out[MEASURE_FRAMES], m);
   add_disks(t->out[MEASURE_DISKS], m, t->wanted);
-  add_contacts(t, t->out[MEASURE_CONTACTS], m);
+  measure_contacts(t->out[MEASURE_CONTACTS], &m->c, t->wanted);
   add_pairs(t->out[MEASURE_PAIRS], m);
   add_forces(t->out[MEASURE_FORCES], m);
 }

@@ -19,7 +19,8 @@ sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messa
   f->angle = calloc(n + 1, sizeof *f->angle);
   f->spin = calloc(n + 1, sizeof *f->spin);
   f->activity = calloc(n_disks + 1, sizeof *f->activity);
-  if (f->position && f->velocity && f->angle && f->spin && f->activity) return SD_OK;
+  f->image = calloc(n_disks + 1, sizeof *f->image);
+  if (f->position && f->velocity && f->angle && f->spin && f->activity && f->image) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for a frame of %zu bodies", n);
 }
 
@@ -38,7 +39,7 @@ sd_status frame_data_contacts(frame_data *f, size_t n, sd_messages *messages) {
 }
 
 void frame_data_free(frame_data *f) {
-  void *all[] = {f->position, f->velocity, f->angle,   f->spin,  f->activity, f->a,
+  void *all[] = {f->position, f->velocity, f->angle,   f->spin,  f->activity, f->image, f->a,
                  f->b,        f->part,     f->overlap, f->force, f->tau,      f->slide};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
   *f = (frame_data){0};
@@ -60,6 +61,9 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *
     f->spin[body] = s->omega[k];
     f->angle[body] = s->turn[k] + s->theta[k];
     if (k < s->n_free) f->activity[body] = s->activity[k];
+    if (body >= m->n_disks) continue;
+    f->image[body][0] = s->image_x[k];
+    f->image[body][1] = s->image_y[k];
   }
   for (size_t k = 0; k < s->n_contacts; k++) {
     f->a[k] = s->contact_a[k];
@@ -74,8 +78,6 @@ sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *
 }
 
 /* --- bodies ------------------------------------------------------------------------------------------- */
-
-static bool in_play(int32_t activity) { return activity == SD_IN_PLAY || activity == SD_OUTSIDE; }
 
 /* Edges of box and region now: everything is stretched about the lower corner. */
 static void fill_space(sd_model *m, const sd_model *from, double scale) {
@@ -119,7 +121,7 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
     int32_t activity = from->disks[i].driven ? SD_IN_PLAY : f->activity[i];
     c->n_waiting += activity == SD_WAITING;
     c->n_removed += activity == SD_REMOVED;
-    if (!in_play(activity)) continue;
+    if (!configuration_in_play(activity)) continue;
     const sd_disk *d = &from->disks[i];
     renumbered[i] = (uint32_t)m->n_disks;
     c->number[m->n_disks] = i;
@@ -136,9 +138,15 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
   }
 }
 
-/* Points turn about the pivot, and go where it goes. */
+void configuration_wall_point(const sd_wall *wall, const frame_data *f, size_t body, size_t k, double at[2]) {
+  double cosine = cos(f->angle[body]), sine = sin(f->angle[body]);
+  double x = f->scale * (wall->points[k][0] - wall->pivot[0]);
+  double y = f->scale * (wall->points[k][1] - wall->pivot[1]);
+  at[0] = f->position[body][0] + cosine * x - sine * y;
+  at[1] = f->position[body][1] + sine * x + cosine * y;
+}
+
 static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size_t body) {
-  double angle = f->angle[body], cosine = cos(angle), sine = sin(angle);
   *w = (sd_wall){.kind = from->kind,
                  .material = from->material,
                  .pivot = {f->position[body][0], f->position[body][1]},
@@ -149,12 +157,7 @@ static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f,
   w->points = calloc(from->n_points + 1, sizeof *w->points);
   if (!w->points) return SD_ERROR_IO;
   w->n_points = from->n_points;
-  for (size_t k = 0; k < w->n_points; k++) {
-    double x = f->scale * (from->points[k][0] - from->pivot[0]);
-    double y = f->scale * (from->points[k][1] - from->pivot[1]);
-    w->points[k][0] = w->pivot[0] + cosine * x - sine * y;
-    w->points[k][1] = w->pivot[1] + sine * x + cosine * y;
-  }
+  for (size_t k = 0; k < w->n_points; k++) configuration_wall_point(from, f, body, k, w->points[k]);
   return SD_OK;
 }
 

@@ -25,8 +25,9 @@ typedef struct frame_data {
   size_t n_bodies, n_disks;
   double (*position)[2], (*velocity)[2]; /* in the periodic box */
   double *angle, *spin;
-  int32_t *activity; /* [n_disks] SD_IN_PLAY ... */
-  bool has_contacts; /* a table is there, maybe with no rows */
+  int32_t *activity;   /* [n_disks] SD_IN_PLAY ... */
+  int32_t (*image)[2]; /* [n_disks] absolute position = position + image * length of the box */
+  bool has_contacts;   /* a table is there, maybe with no rows */
   size_t n_contacts;
   uint32_t *a, *b, *part; /* body numbers of the run */
   double *overlap, *force, *tau;
@@ -89,6 +90,13 @@ static inline double configuration_tau(const sd_model *m, uint32_t a, uint32_t b
 /* b of a contact can be a disk that moves. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {
   return body < c->model->n_disks && !c->model->disks[body].driven;
+}
+/* Point k of a wall of the run as it stands in a frame: turned about its pivot, and gone where that went. */
+void configuration_wall_point(const sd_wall *wall, const frame_data *frame, size_t body, size_t k,
+                              double at[2]);
+/* Is a disk of this activity there: neither waiting nor removed? */
+static inline bool configuration_in_play(int32_t activity) {
+  return activity == SD_IN_PLAY || activity == SD_OUTSIDE;
 }
 /* Shortest vector between two points. */
 static inline double configuration_nearest(const configuration *c, int k, double d) {

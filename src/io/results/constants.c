@@ -330,12 +330,31 @@ static void read_walls(reader *r, sd_model *m) {
   free(points);
 }
 
+/* Names of materials and groups, from the lines of deck_bodies (io/deck/deck_result.c); older files have none. */
+static void read_words(reader *r, sd_model *m) {
+  char *text = r->status == SD_OK ? h5_get_text(r->file, "/parameters/deck_bodies") : NULL, *rest = NULL;
+  size_t materials = 0;
+  for (char *line = text ? strtok_r(text, "\n", &rest) : NULL; line; line = strtok_r(NULL, "\n", &rest)) {
+    char *name = strchr(line, '\t');
+    if (!name) continue;
+    *name++ = 0;
+    if (strcmp(line, "material") == 0 && materials < m->n_materials)
+      m->materials[materials++].name = format_text("%s", name);
+    if (strcmp(line, "group") != 0 || m->n_groups == LIMIT_ENTRIES) continue;
+    char **groups = realloc(m->groups, (m->n_groups + 1) * sizeof *groups);
+    if (groups) m->groups = groups;
+    if (groups && (groups[m->n_groups] = format_text("%s", name))) m->n_groups++;
+  }
+  free(text);
+}
+
 static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messages) {
   reader r = {file, SD_OK, messages};
   read_space(&r, m);
   if (r.status == SD_OK) read_laws(&r, m);
   if (r.status == SD_OK) read_disks(&r, m);
   if (r.status == SD_OK) read_walls(&r, m);
+  read_words(&r, m);
   return r.status;
 }
 

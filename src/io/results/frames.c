@@ -170,8 +170,13 @@ static void state_bodies(reader *r, frame_data *f) {
     if (k < n_free) f->activity[body] = activity[k];
   }
   for (int c = 0; c < COLUMNS; c++) free(column[c]);
-  free(id);
   free(activity);
+  int32_t *image[2] = {state_column(r, "image_x", SD_I32, n), state_column(r, "image_y", SD_I32, n)};
+  for (size_t k = 0; r->status == SD_OK && k < n; k++)
+    for (int c = 0; c < 2 && id[k] < f->n_disks; c++) f->image[id[k]][c] = image[c][k];
+  free(image[0]);
+  free(image[1]);
+  free(id);
 }
 
 /* Of the state, without its contacts, when a frame does not say it itself. */
@@ -325,6 +330,9 @@ static sd_status read_frame(const frames *f, const h5_file *file, const frame_en
     status = frame_element(file, "velocity", e->row, 2, out, &out->velocity[0][0], messages);
   if (status == SD_OK) status = frame_element(file, "angle", e->row, 1, out, out->angle, messages);
   if (status == SD_OK) status = frame_element(file, "angular_velocity", e->row, 1, out, out->spin, messages);
+  if (status == SD_OK && h5_exists(file, DISKS "/image/value"))
+    status =
+        h5_get_values(file, DISKS "/image/value", SD_I32, e->row, 1, 2 * out->n_disks, out->image, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/box/scale/value"))
     status = h5_get_values(file, DISKS "/box/scale/value", SD_F64, e->row, 1, 1, &out->scale, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/activity/value")) {

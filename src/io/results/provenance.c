@@ -86,11 +86,16 @@ static void make_run_id(char text[33]) {
   snprintf(text, 33, "%016llx%016llx", (unsigned long long)bits[0], (unsigned long long)bits[1]);
 }
 
-/* The account's full name, else its short one, else "unknown". */
+/* SLIPDISK_AUTHOR, else the account's full name, else its short one; "unknown" of root and of accounts of the system, which are
+ * no persons. */
 static void author_of(char *text, size_t size) {
+  enum { FIRST_PERSON = 1000 };
   struct passwd entry, *found = NULL;
   char buffer[2048];
-  snprintf(text, size, "unknown");
+  const char *given = getenv("SLIPDISK_AUTHOR");
+  snprintf(text, size, "%s", given && *given ? given : "unknown");
+  text_clean(text);
+  if ((given && *given) || getuid() < FIRST_PERSON) return;
   if (getpwuid_r(getuid(), &entry, buffer, sizeof buffer, &found) != 0 || !found) return;
   int length = found->pw_gecos ? (int)strcspn(found->pw_gecos, ",") : 0;
   if (length > 0)

@@ -56,6 +56,17 @@ sd_status file_stream_open(const char *path, file_stream *s,
 /* Publishes what was written (replaces what is there) when `status`, the caller's, is SD_OK, else drops it. Returns the
  * first of what went wrong. */
 sd_status file_stream_close(file_stream *s, sd_status status, sd_messages *messages);
+/* A folder that gets its name when all files in it are written. */
+typedef struct file_folder {
+  char *path, *draft;
+} file_folder;
+/* SD_ERROR_USER: something of this name, other than an empty folder, is there. file_folder_close also when it fails. */
+sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages);
+/* A new file in it, for file_folder_end, which closes it and returns the first of what went wrong; NULL: reported. */
+FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messages);
+sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status, sd_messages *messages);
+/* Publishes the folder when `status` is SD_OK, else removes what was written. Returns the first of what went wrong. */
+sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messages);
 /* openat, closed on exec, again where a signal comes; folder may be AT_FDCWD. */
 int file_open_at(int folder, const char *name, int flags);
 /* All of it, through short writes and signals; false with errno set when it cannot be. */

@@ -1,0 +1,91 @@
+/* file_folder.c: folders that are there whole or not at all; see file.h. */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* syncfs */
+#endif
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/text.h"
+#include "io/store/file.h"
+
+static sd_status fail(sd_messages *messages, const char *what, const char *path) {
+  return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
+}
+
+sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages) {
+  *f = (file_folder){0};
+  size_t length = strlen(path);
+  while (length > 1 && path[length - 1] == '/') length--;
+  f->path = format_text("%.*s", (int)length, path);
+  if (!f->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  /* an empty folder of this name gives way to the new one */
+  if (file_exists(f->path) && (rmdir(f->path) != 0 || mkdir(f->path, 0777) != 0))
+    return sd_fail(messages, SD_ERROR_USER, "%s is there already: remove it, or name another", f->path);
+  for (int attempt = 0; attempt < 8 && !f->draft; attempt++) {
+    uint64_t bits = (uint64_t)getpid();
+    ssize_t got = getrandom(&bits, sizeof bits, GRND_NONBLOCK);
+    (void)got; /* without it the process number has to do */
+    f->draft = format_text("%s.%016" PRIx64 ".tmp", f->path, bits);
+    if (!f->draft) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+    if (mkdir(f->draft, 0777) == 0) return SD_OK;
+    free(f->draft);
+    f->draft = NULL;
+    if (errno != EEXIST) break;
+  }
+  return fail(messages, "make folder", f->path);
+}
+
+FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messages) {
+  char *path = format_text("%s/%s", f->draft, name);
+  int fd = path ? file_open_at(AT_FDCWD, path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW) : -1;
+  FILE *out = fd < 0 ? NULL : fdopen(fd, "w");
+  if (!out) fail(messages, "write", path ? path : f->path);
+  if (fd >= 0 && !out) close(fd);
+  free(path);
+  return out;
+}
+
+sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status, sd_messages *messages) {
+  if (!out) return status;
+  bool bad = ferror(out) != 0;
+  bad = fclose(out) != 0 || bad;
+  return bad && status == SD_OK ? fail(messages, "write", f->path) : status;
+}
+
+/* Makes all files in it durable at once. */
+static bool sync_all(const char *path) {
+  int fd = file_open_at(AT_FDCWD, path, O_RDONLY | O_DIRECTORY);
+  bool good = fd >= 0 && syncfs(fd) == 0;
+  if (fd >= 0) close(fd);
+  return good;
+}
+
+static void remove_draft(const file_folder *f) {
+  DIR *directory = opendir(f->draft);
+  for (struct dirent *entry; directory && (entry = readdir(directory));)
+    if (entry->d_name[0] != '.') unlinkat(dirfd(directory), entry->d_name, 0);
+  if (directory) closedir(directory);
+  rmdir(f->draft);
+}
+
+sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messages) {
+  if (f->draft) {
+    if (status == SD_OK && (!sync_all(f->draft) || rename(f->draft, f->path) != 0))
+      status = fail(messages, "write", f->path);
+    if (status == SD_OK)
+      status = file_sync_folder(-1, f->path, messages);
+    else
+      remove_draft(f);
+  }
+  free(f->path);
+  free(f->draft);
+  *f = (file_folder){0};
+  return status;
+}
