@@ -98,6 +98,7 @@ static const struct command {
     {"info", app_info, &app_info_line, true},
     {"measure", app_measure, &app_measure_line, true},
     {"export", app_export, &app_export_line, false},
+    {"view", app_view, &app_view_line, false},
     {"verify", app_verify, &app_verify_line, true},
     {"theory", app_theory, &app_theory_line, true},
     {"help", app_help, &help_line, false},

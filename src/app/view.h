@@ -1,0 +1,18 @@
+/* view.h: the parts of the command view. */
+#ifndef SLIPDISK_APP_VIEW_H
+#define SLIPDISK_APP_VIEW_H
+
+#include "app/app.h"
+
+typedef struct view_options {
+  const char *name, *output, *frames;
+  option_list overrides;
+  bool open, live;
+} view_options;
+
+/* view_file.c: what a run has left. *path: of the page, to be freed. */
+sd_status view_file(const view_options *o, char **path, sd_messages *messages);
+/* view_deck.c: a run before it begins. */
+sd_status view_deck(const view_options *o, char **path, sd_messages *messages);
+
+#endif
