@@ -105,7 +105,19 @@ static sd_status write_page(job *j, const char *path, sd_messages *messages) {
   return view_page_close(&page, status, messages);
 }
 
-sd_status view_file(const view_options *o, char **path, sd_messages *messages) {
+static void tell(const job *j) {
+  size_t n = j->wanted.n;
+  printf("%zu disks, %zu walls, %zu frame%s", j->f.constants->n_disks, j->f.constants->n_walls, n,
+         n == 1 ? "" : "s");
+  if (n < j->count) printf(" of %zu", j->count);
+  if (n > 1 && j->wanted.step > 1) printf(", one in %zu", j->wanted.step);
+  if (!j->options->frames && n < j->count) printf(" (--frames : takes all)");
+  putchar('\n');
+  if (!j->options->frames && j->count <= 2)
+    printf("for more frames give the deck's phases `frames`: phases = ( { ...; frames = 1e4; } )\n");
+}
+
+sd_status view_file(const view_options *o, char **path, bool *made, sd_messages *messages) {
   job j = {.options = o};
   place p;
   bool alone;
@@ -120,8 +132,8 @@ sd_status view_file(const view_options *o, char **path, sd_messages *messages) {
   if (status == SD_OK) status = note_first(&j, messages);
   if (status == SD_OK) status = describe(&j, messages);
   if (status == SD_OK) status = write_page(&j, *path, messages);
-  if (status == SD_OK && j.wanted.n < j.count)
-    printf("%zu of %zu frames, every %zu\n", j.wanted.n, j.count, j.wanted.step);
+  *made = status == SD_OK;
+  if (*made) tell(&j);
   json_decref(j.meta);
   summary_free(&j.found);
   free(j.first);

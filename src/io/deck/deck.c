@@ -126,6 +126,7 @@ static void read_all(deck *d, bool point) {
   read_limits(d);
   read_sweep(d, point);
   deck_check_laws(d);
+  d->readable = d->reported == 0;
   if (scanned == 0) deck_check_overlaps(d);
 }
 
@@ -198,7 +199,7 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
 typedef struct model_task {
   size_t n_settings;
   const deck_setting *settings;
-  bool point;
+  bool point, unfinished; /* wanted even so */
   sd_model *model;
 } model_task;
 
@@ -212,27 +213,37 @@ static sd_status make_model(deck *d, void *user) {
   own->overrides = join_settings(d, t->n_settings, t->settings);
   read_all(d, t->point);
   sd_status status = finish(d);
-  t->model = status == SD_OK ? d->model : NULL;
+  bool given = status == SD_OK || (t->unfinished && d->readable);
+  t->model = given ? d->model : NULL;
+  if (given) d->model = NULL;
   return status;
 }
 
 sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     bool point, sd_model **out, sd_messages *messages) {
-  model_task t = {n_settings, settings, point, NULL};
+  model_task t = {n_settings, settings, point, false, NULL};
   sd_status status = deck_open(text, path, n_settings, settings, make_model, &t, messages);
   *out = t.model;
   return status;
 }
 
-sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
-                            const char *const *overrides, sd_model **out, sd_messages *messages) {
+static sd_status load_text(const char *text, const char *path, size_t n_overrides,
+                           const char *const *overrides, bool unfinished, sd_model **out,
+                           sd_messages *messages) {
   deck_setting *settings = calloc(n_overrides + 1, sizeof *settings);
   *out = NULL;
   if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   for (size_t k = 0; k < n_overrides; k++) settings[k].text = overrides[k];
-  sd_status status = deck_load(text, path, n_overrides, settings, false, out, messages);
+  model_task t = {n_overrides, settings, false, unfinished, NULL};
+  sd_status status = deck_open(text, path, n_overrides, settings, make_model, &t, messages);
+  *out = t.model;
   free(settings);
   return status;
+}
+
+sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
+                            const char *const *overrides, sd_model **out, sd_messages *messages) {
+  return load_text(text, path, n_overrides, overrides, false, out, messages);
 }
 
 /* Read once: a command may load its deck several times. */
@@ -268,12 +279,22 @@ char *deck_file_text(const char *path, sd_messages *messages, sd_status *status)
 
 const char *deck_source(const char *path) { return strcmp(path, "-") == 0 ? "stdin" : path; }
 
-sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
-                       sd_messages *messages) {
+static sd_status load(const char *path, size_t n_overrides, const char *const *overrides, bool unfinished,
+                      sd_model **out, sd_messages *messages) {
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   *out = NULL;
-  if (text) status = sd_deck_load_text(text, deck_source(path), n_overrides, overrides, out, messages);
+  if (text) status = load_text(text, deck_source(path), n_overrides, overrides, unfinished, out, messages);
   free(text);
   return status;
+}
+
+sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
+                       sd_messages *messages) {
+  return load(path, n_overrides, overrides, false, out, messages);
+}
+
+sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
+                    sd_messages *messages) {
+  return load(path, n_overrides, overrides, true, out, messages);
 }

@@ -67,6 +67,11 @@ sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd
 typedef void deck_difference(void *user, const char *path, const char *there, const char *here);
 bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell, void *user);
 
+/* As sd_deck_load; and where the deck could be read, but bodies overlap too much or sd_model_finish finds a mistake, *out is
+ * a model that is not finished, to be looked at. */
+sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
+                    sd_messages *messages);
+
 /* All keys as Markdown, the way docs/deck.md shows them. */
 void deck_keys_print(FILE *out);
 
