@@ -22,6 +22,7 @@ static const struct stored {
                     {"f32", 4, 0, 0},
                     {"f64", 8, 0, 0}};
 enum { U8, I8, U16, I16, U32, I32, F32, F64 };
+enum { RANGE = 4095 }; /* more could not be seen, and does not compress */
 
 void view_chunk_begin(view_chunk *c, bool shuffle) {
   *c = (view_chunk){.head = json_pack("{s:[]}", "columns"), .shuffle = shuffle};
@@ -78,7 +79,7 @@ static int choose(view_form form, sd_type type, const void *values, size_t n, si
   }
   if (!finite || !isfinite(most - least)) return F32;
   *zero = least;
-  if (most > least) *scale = (most - least) / 65535;
+  if (most > least) *scale = (most - least) / RANGE;
   return U16;
 }
 

@@ -15,7 +15,7 @@
 typedef enum view_form {
   VIEW_EXACT, /* f64 */
   VIEW_REAL,  /* f32, rounded to multiples of view_chunk.grain where that is > 0 */
-  VIEW_RANGE, /* u16 from the least value to the largest; like VIEW_REAL when one is not finite */
+  VIEW_RANGE, /* 12 bits from the least value to the largest; like VIEW_REAL when one is not finite */
   VIEW_WHOLE  /* whole numbers, in the smallest type that takes them */
 } view_form;
 

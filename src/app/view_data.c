@@ -49,6 +49,21 @@ static json_t *wall_json(const sd_wall *w) {
                    "inside", (int)w->inside, "material", w->material, "points", points);
 }
 
+/* k_n, k_t, gamma_n, mu of each pair of materials; null where none is given. */
+static json_t *laws_json(const sd_model *m) {
+  json_t *list = json_array();
+  for (size_t a = 0; a < m->n_materials; a++) {
+    json_t *row = json_array();
+    for (size_t b = 0; b < m->n_materials; b++) {
+      const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+      const double values[] = {law->k_n, law->k_t, law->gamma_n, law->mu};
+      json_array_append_new(row, law->k_n > 0 ? json_numbers(4, values) : json_null());
+    }
+    json_array_append_new(list, row);
+  }
+  return list;
+}
+
 json_t *view_meta(const sd_model *m, const char *kind, const char *title, const char *source) {
   double edges[2];
   trajectory_edges(m, 1.0, edges);
@@ -63,12 +78,12 @@ json_t *view_meta(const sd_model *m, const char *kind, const char *title, const 
                 "work", "nonconservative_work", "lost", "viscous", "friction", "opening", "relaxed",
                 "residual", "residual", "scale", "scale");
   return json_pack(
-      "{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:[], s:o, s:[], s:[], s:{}}", "format",
-      1, "title", json_text(title ? title : ""), "source", json_text(source), "kind", kind, "version",
-      SD_VERSION, "box", box, "gravity", json_numbers(2, m->gravity), "disks", (json_int_t)m->n_disks,
-      "disk_names", names_of(m->n_disks, disk_name, m), "groups", names_of(m->n_groups, group_name, m),
-      "materials", names_of(m->n_materials, material_name, m), "walls", walls, "series", "budget", budget,
-      "phases", "messages", "summary");
+      "{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:[], s:o, s:[], s:[], s:{}}",
+      "format", 1, "title", json_text(title ? title : ""), "source", json_text(source), "kind", kind,
+      "version", SD_VERSION, "box", box, "gravity", json_numbers(2, m->gravity), "disks",
+      (json_int_t)m->n_disks, "disk_names", names_of(m->n_disks, disk_name, m), "groups",
+      names_of(m->n_groups, group_name, m), "materials", names_of(m->n_materials, material_name, m), "walls",
+      walls, "laws", laws_json(m), "series", "budget", budget, "phases", "messages", "summary");
 }
 
 void view_meta_phase(json_t *meta, const char *name, double from, double to) {
@@ -161,27 +176,21 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
 static void add_turned(view_chunk *c, const frame_data *f, const double *first, size_t n) {
   double *turned = have(c, n, sizeof *turned);
   for (size_t k = 0; turned && k < n; k++) turned[k] = f->angle[k] - first[k];
+  /* a thousandth of a radian can be seen */
+  c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
   if (turned) view_chunk_add(c, "turned", VIEW_REAL, SD_F64, turned, n, 1);
   free(turned);
 }
 
-static void add_contacts(view_chunk *c, const sd_model *m, const frame_data *f, view_form form) {
+static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
   size_t n = f->n_contacts;
-  double *zeta = have(c, n, sizeof *zeta);
-  for (size_t k = 0; zeta && k < n; k++) {
-    const sd_contact_law *law =
-        sd_model_law(m, configuration_material(m, f->a[k]), configuration_material(m, f->b[k]));
-    zeta[k] = law && law->k_t > 0 ? -f->tau[k] / law->k_t : 0;
-  }
   view_chunk_add(c, "contact_a", VIEW_WHOLE, SD_U32, f->a, n, 1);
   view_chunk_add(c, "contact_b", VIEW_WHOLE, SD_U32, f->b, n, 1);
   view_chunk_add(c, "contact_part", VIEW_WHOLE, SD_U32, f->part, n, 1);
   view_chunk_add(c, "contact_force", form, SD_F64, f->force, n, 1);
   view_chunk_add(c, "contact_tau", form, SD_F64, f->tau, n, 1);
-  if (zeta) view_chunk_add(c, "contact_zeta", form, SD_F64, zeta, n, 1);
   view_chunk_add(c, "contact_overlap", form, SD_F64, f->overlap, n, 1);
   view_chunk_add(c, "contact_sliding", VIEW_WHOLE, SD_I32, f->slide, n, 1);
-  free(zeta);
 }
 
 void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const double *first, bool shuffle) {
@@ -198,8 +207,8 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const dou
   c->grain = grain(m);
   view_chunk_add(c, "x", VIEW_REAL, SD_F64, &f->position[0][0], n, 2);
   view_chunk_add(c, "y", VIEW_REAL, SD_F64, &f->position[0][1], n, 2);
-  c->grain = 0;
   add_turned(c, f, first, n);
+  c->grain = 0;
   view_chunk_add(c, "spin", form, SD_F64, f->spin, n, 1);
   view_chunk_add(c, "vx", form, SD_F64, &f->velocity[0][0], n, 2);
   view_chunk_add(c, "vy", form, SD_F64, &f->velocity[0][1], n, 2);
@@ -211,5 +220,5 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const dou
     view_chunk_add(c, "wall_y", VIEW_EXACT, SD_F64, &f->position[n][1], walls, 2);
     view_chunk_add(c, "wall_angle", VIEW_EXACT, SD_F64, &f->angle[n], walls, 1);
   }
-  if (f->has_contacts) add_contacts(c, m, f, form);
+  if (f->has_contacts) add_contacts(c, f, form);
 }

@@ -10,7 +10,7 @@
 #include "base/text.h"
 #include "io/store/folder.h"
 
-enum { MOST_FRAMES = 500 }; /* when none are asked for */
+enum { MOST_FRAMES = 501 }; /* when none are asked for: 500 and the end */
 
 typedef struct job {
   const view_options *options;
