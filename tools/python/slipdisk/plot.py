@@ -1,0 +1,371 @@
+"""Pictures of results and sweeps: `slipdisk plot`, and functions for notebooks; docs/plots.md.
+
+page(path)                       the picture that fits the file, as a matplotlib Figure
+rotation, spin, configurations, energy_budget, energies, energy_residual, compression, stress, strain, walls, flow, paths,
+contact_forces, contact_loop, map, network, forces, gr, profile, means, curve
+                                 one of them into axes of your own: slipdisk.plot.map(result, ax=axes, color="spin")
+"""
+import argparse
+import os
+import sys
+import warnings
+
+import numpy as np
+
+from . import library as lib
+from . import plot_style as style
+from .plot_packing import forces, gr, map, means, network, profile  # noqa: A004
+from .plot_scene import extent
+from .plot_series import (compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
+                          paths, rotation, spin, strain, stress, walls)
+from .plot_source import QUANTITIES, Source
+from .plot_sweep import Curves, curve, theory
+from .sweep import Sweep
+
+__all__ = ["KINDS", "Source", "compression", "configurations", "contact_forces", "contact_loop", "curve", "energies", "energy_budget",
+           "energy_residual", "flow", "forces", "gr", "map", "means", "network", "page", "paths", "profile", "rotation", "spin",
+           "strain", "stress", "walls"]
+
+FEW = 10  # disks that are told apart by name
+
+
+# --- what there can be ------------------------------------------------------------------------------------------------
+class Kind:
+    """name; what it shows; lacks(source): what is missing for it, or None; panels(source, o): ([[axes functions]], width, height)
+    in inches, rows of panels from the top."""
+
+    def __init__(self, name, text, lacks, panels):
+        self.name, self.text, self.lacks, self.panels = name, text, lacks, panels
+
+
+def _series(*names, hint):
+    def lacks(source):
+        return None if all(name in source.series for name in names) and len(source.series["time"]) > 1 else hint
+    return lacks
+
+
+def _watched(source):
+    if source.rotation is None or not len(source.rotation):
+        return "needs watched disks: measure = { rotation = (...); } in the deck"
+    return _series("angle", hint="needs a time series: series in the phase")(source)
+
+
+def _sliding(source):
+    return None if source.slide is not None and len(source.slide) else "needs a watched pair of contacts: measure.sliding in the deck"
+
+
+def _framed(source):
+    return None if source.n_frames else "needs a frame: none is stored yet"
+
+
+def _filled(source):
+    if _framed(source):
+        return _framed(source)
+    return None if (~source.driven).sum() > FEW else f"needs more than {FEW} free disks"
+
+
+def _moving(source):
+    if source.n_frames < 3:
+        return "needs frames: set frames in the phase"
+    return None if len(source.radius) <= 50 else "is for 50 disks at most; see kind map with --color moved"
+
+
+def _tables(source):
+    if len(source.radius) > FEW:
+        return f"is for {FEW} disks at most"
+    return None if len(source.result.contacts) > 2 and source.result.contacts.count.sum() else "needs contact tables: set contacts in the phase"
+
+
+def _compressed(source):
+    return _series("pressure", "packing_fraction", hint="needs a phase that compresses: compress = { ... } in the deck")(source)
+
+
+def _out(source):
+    lacks = _series("outside", hint="needs bounds in the deck")(source)
+    return lacks or (None if source.series["outside"].max() > 0 else "shows disks that left the bounds: none has")
+
+
+def _mean_disks(source):
+    return QUANTITIES["omega"].lacks(source)
+
+
+def _one(draw, width=6.0, height=4.0, **options):
+    """A kind of one panel; options: of the function, by name of the command's option."""
+    return lambda source, o: ([[lambda ax: draw(source, ax, **{own: getattr(o, given) for own, given in options.items()})]], width, height)
+
+
+def _map_size(source, k, bar):
+    (x0, x1), (y0, y1) = extent(source, [k])
+    aspect = float(np.clip((y1 - y0) / (x1 - x0), 0.2, 3))
+    width = 6.0 if aspect < 1 else 6.0 / aspect
+    return max(width, 2.2) + bar, max(width, 2.2) * aspect + 0.7
+
+
+def _scene(draw, bar, *names):
+    def panels(source, o):
+        k = source.frame_number(o.frame)
+        return [[lambda ax: draw(source, ax, frame=k, **{name: getattr(o, name) for name in names})]], *_map_size(source, k, bar)
+    return panels
+
+
+def _energy(source, o):
+    return [[lambda ax: energy_budget(source, ax, time=o.time)], [lambda ax: energies(source, ax, time=o.time)],
+            [lambda ax: energy_residual(source, ax, time=o.time)]], 6.0, 9.0
+
+
+def _compression(source, o):
+    def panel(x, y):
+        return lambda ax: compression(source, ax, x=x, y=y, time=o.time)
+    return [[panel("time", "pressure"), panel("fraction", "pressure")], [panel("time", "fraction"), panel("pressure", "contacts")],
+            [panel("time", "contacts"), panel("fraction", "contacts")]], 9.0, 8.5
+
+
+def _stress(source, o):
+    own = [lambda ax: stress(source, ax, time=o.time)]
+    if {"width", "height"} <= set(source.series):
+        own.append(lambda ax: strain(source, ax, time=o.time))
+    return [own], 4.0 * len(own) + 1, 4.0
+
+
+def _profile(source, o):
+    color = o.color if o.color in QUANTITIES and o.color not in ("contacts", "fraction", "group") else None
+    turning = color or next(name for name in ("omega", "turned", "spin") if not QUANTITIES[name].lacks(source))
+    return [[(lambda of: lambda ax: profile(source, ax, of=of, frame=o.frame, first=o.first))(of)
+             for of in ("fraction", "contacts", turning)]], 7.0, 4.0
+
+
+def _contact(source, o):
+    return [[lambda ax: contact_forces(source, ax, time=o.time), lambda ax: contact_loop(source, ax, time=o.time)]], 10.0, 4.0
+
+
+def _walls(source, o):
+    return [[lambda ax: walls(source, ax, time=o.time)], [lambda ax: walls(source, ax, time=o.time, component="tangential")]], 6.0, 6.0
+
+
+KINDS = {kind.name: kind for kind in (
+    Kind("rotation", "mean angular velocity of the watched disks in time, with its error band", _watched, _one(rotation, time="time")),
+    Kind("spin", "angular velocity of the watched disks at each moment", _watched, _one(spin, time="time")),
+    Kind("configurations", "fractions of time in the configurations of sliding", _sliding, _one(configurations)),
+    Kind("energy", "energy budget: put in, lost, stored, missing", _series("work", "residual", hint="needs a time series: series in the phase"),
+         _energy),
+    Kind("contact", "forces of single contacts in time, and against their displacement", _tables, _contact),
+    Kind("paths", "paths of the disks", _moving, _one(paths, 5.5, 5.0, time="time")),
+    Kind("map", "disks coloured by a quantity (--color)", _framed, _scene(map, 1.0, "color", "first")),
+    Kind("network", "contacts as lines as wide as their force", _filled, _scene(network, 0.0)),
+    Kind("forces", "distribution of the contact forces", _filled, _one(forces, 5.0, 4.0, frame="frame")),
+    Kind("gr", "pair correlation function", _filled, _one(gr, 5.0, 4.0, frame="frame")),
+    Kind("profile", "packing fraction, contacts and rotation over height", _filled, _profile),
+    Kind("means", "mean rotation of every disk: second half of the time against the first", _mean_disks, _one(means, 5.0, 5.0)),
+    Kind("compression", "pressure, packing fraction and contacts in time and against each other", _compressed, _compression),
+    Kind("stress", "stress in time, deviator against strain",
+         _series("stress_xx", hint="needs the stress in time: measure = { stress = true; } in the deck"), _stress),
+    Kind("walls", "forces on the walls in time", _series("wall_normal", hint="needs measure = { walls = true; } in the deck"), _walls),
+    Kind("flow", "disks outside the bounds in time", _out, _one(flow, time="time")),
+)}
+
+
+def default_kinds(source):
+    """What is worth seeing of this result."""
+    if not _sliding(source):
+        wanted = ["rotation", "configurations", "spin", "energy"]
+    elif (~source.driven).sum() <= FEW:
+        wanted = ["paths", "contact", "spin", "energy"]
+        if source.n_frames < 3:
+            wanted = ["contact", "spin", "energy"]
+        spins = source.series["angular_velocity"] if "angular_velocity" in source.series else np.zeros(1)
+        if not np.abs(spins).max(initial=0) > 0:
+            wanted.remove("spin")
+    elif not _compressed(source):
+        wanted = ["compression", "map", "network"]
+    elif "stress_xx" in source.series:
+        wanted = ["stress", "map", "network", "profile", "forces", "gr"]
+    elif not _out(source):
+        wanted = ["flow", "map", "network", "profile"]
+    else:
+        wanted = ["map", "network", "profile", "forces", "gr", "energy"]
+        if not _mean_disks(source):
+            wanted[5] = "means"
+    return [name for name in wanted if not KINDS[name].lacks(source)]
+
+
+# --- a page -----------------------------------------------------------------------------------------------------------
+def _draw(place, panels):
+    axes = place.subplots(len(panels), len(panels[0]), squeeze=False)
+    for row, line in zip(axes, panels):
+        for ax, draw in zip(row, line):
+            draw(ax)
+        for ax in row[1:]:  # heights are told once
+            if ax.get_ylabel() == row[0].get_ylabel():
+                ax.set_ylabel("")
+
+
+def _columns(parts):
+    """Columns of the parts (name, panels, width, height): the tallest part goes to the shortest column; within a column, and of
+    columns, the order is that of the parts."""
+    columns = [[] for _ in range(1 if len(parts) == 1 else 2 if len(parts) < 5 else 3)]
+    for k in sorted(range(len(parts)), key=lambda k: (-parts[k][3], k)):
+        min(columns, key=lambda column: sum(parts[i][3] for i in column)).append(k)
+    return [[parts[k] for k in sorted(column)] for column in sorted(columns, key=min)]
+
+
+def page_of_result(source, names, options):
+    parts = [(name, *KINDS[name].panels(source, options)) for name in names]
+    columns = _columns(parts)
+    widths = [max(part[2] for part in column) for column in columns]
+    heights = [sum(part[3] for part in column) for column in columns]
+    picture = style.figure(*(options.size or (sum(widths), np.mean(heights) + 0.3)))
+    places = np.atleast_1d(picture.subfigures(1, len(columns), width_ratios=widths)) if len(columns) > 1 else [picture]
+    for place, column in zip(places, columns):
+        cells = np.atleast_1d(place.subfigures(len(column), 1, height_ratios=[part[3] for part in column])) if len(column) > 1 else [place]
+        for cell, part in zip(cells, column):
+            _draw(cell, part[1])
+    title = f"{os.path.basename(source.path)}" + (f": {source.title}" if source.title else "")
+    picture.suptitle(title + ("" if source.result.finished else f" (unfinished, t = {source.result.time:g})"), x=0.01, ha="left", fontsize=10)
+    return picture
+
+
+def page_of_sweep(sweep, options):
+    c = Curves(sweep, options.x, options.quantity)
+    expected = theory(sweep) if c.y.endswith(".omega") else {}
+    if c.apart:
+        columns = min(len(c.groups), 3)
+        rows = -(-len(c.groups) // columns)
+        picture = style.figure(*(options.size or (4.0 * columns, 3.0 * rows + 0.4)))
+        axes = picture.subplots(rows, columns, squeeze=False, sharex=True).ravel()
+        for k, ax in enumerate(axes):
+            if k >= len(c.groups):
+                ax.set_axis_off()
+                continue
+            curve(sweep, ax, curves=c, only=k, rows_of_theory=expected)
+            ax.tick_params(labelbottom=True)
+            if k < len(c.groups) - columns:
+                ax.set_xlabel("")
+            if k % columns:
+                ax.set_ylabel("")
+    else:
+        picture = style.figure(*(options.size or (7.0, 4.5)))
+        curve(sweep, picture.subplots(), curves=c, rows_of_theory=expected)
+    done = int((sweep["status"] == "done").sum())
+    picture.suptitle(os.path.basename(sweep.folder) + ("" if done == len(sweep) else f" ({done} of {len(sweep)} points)"), x=0.01, ha="left",
+                     fontsize=10)
+    return picture
+
+
+class Options(argparse.Namespace):
+    """frame, time, color, first, size, x, quantity: what `page` understands."""
+    frame, time, color, first, size, x, quantity, dark = -1, None, None, 0, None, None, None, False
+
+
+def page(path, kinds=None, **options):
+    """The picture of a result or a folder of a sweep, a matplotlib Figure: of these kinds, else what fits."""
+    options = Options(**options)
+    with style.look(options.dark):
+        if isinstance(path, Sweep) or (isinstance(path, (str, os.PathLike)) and os.path.isdir(os.path.join(path, "points"))):
+            sweep = path if isinstance(path, Sweep) else Sweep(path)
+            if kinds and list(kinds) != ["curve"]:
+                raise lib.UserError(f"{sweep.folder}: a sweep has kind curve only; expected a result, {sweep.folder}/points/....h5, for {kinds[0]}")
+            return page_of_sweep(sweep, options)
+        source = Source.of(path)
+        return page_of_result(source, _checked(source, kinds), options)
+
+
+def _checked(source, kinds):
+    if not kinds:
+        kinds = default_kinds(source)
+        if not kinds:
+            raise lib.UserError(f"{source.path}: there is nothing to be drawn yet")
+    for name in kinds:
+        if name not in KINDS:
+            raise lib.unknown(name, [*KINDS, "list"], "the kinds of pictures")
+        missing = KINDS[name].lacks(source)
+        if missing:
+            has = ", ".join(other for other in KINDS if not KINDS[other].lacks(source))
+            raise lib.UserError(f"{source.path}: kind {name} {missing}; this file has: {has}")
+    return list(kinds)
+
+
+def list_kinds(path):
+    """Lines on what there can be of this file."""
+    if os.path.isdir(os.path.join(path, "points")):
+        sweep = Sweep(path)
+        c = Curves(sweep)
+        return [f"curve          {c.y} against {c.x} (--quantity, --x name others)"]
+    source = Source(path)
+    first = default_kinds(source)
+    lines = []
+    for name, kind in KINDS.items():
+        missing = kind.lacks(source)
+        lines.append(f"{'*' if name in first else '-' if missing else ' '} {name:<15}{missing or kind.text}")
+    return [*lines, "* without --kind; - not of this file"]
+
+
+# --- the command ------------------------------------------------------------------------------------------------------
+def pair(text, kind=float, separator="x"):
+    low, _, high = text.partition(separator)
+    return kind(low), kind(high)
+
+
+def span(text):
+    low, _, high = text.partition(":")
+    return (float(low) if low else None), (float(high) if high else None)
+
+
+def default_output(path, ending):
+    """NAME.ending in the current folder."""
+    name = os.path.basename(os.path.normpath(path))
+    stem = os.path.splitext(name.removesuffix(".parts"))[0] or name
+    return stem + ending
+
+
+def tell(command, work):
+    """Runs a command; messages on stderr, and the exit status that they have."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", lib.Warning)
+            work()
+            sys.stdout.flush()
+        return 0
+    except lib.Error as error:
+        for line in error.messages:
+            print(f"error: {line}", file=sys.stderr)
+        return error.status or lib.USER
+    except MemoryError:
+        print(f"error: slipdisk {command}: no memory", file=sys.stderr)
+    except OSError as error:
+        print(f"error: {error}", file=sys.stderr)
+    except KeyboardInterrupt:
+        return 130
+    return lib.IO
+
+
+def plot(a):
+    if a.kind == ["list"]:
+        print("\n".join(list_kinds(a.file)))
+        return
+    output = a.output or default_output(a.file, ".png")
+    style.check_ending(output, style.ENDINGS)
+    with style.look(a.dark):
+        picture = page(a.file, a.kind, frame=a.frame, time=a.time, color=a.color, size=a.size, x=a.x, quantity=a.quantity, dark=a.dark)
+        style.save(picture, output, a.dpi)
+    print(output)
+
+
+def main(words=None):
+    parser = argparse.ArgumentParser(prog="slipdisk plot", allow_abbrev=False)
+    parser.add_argument("file")
+    parser.add_argument("--output")
+    parser.add_argument("--kind", action="append")
+    parser.add_argument("--frame", type=int, default=-1)
+    parser.add_argument("--time", type=span)
+    parser.add_argument("--color")
+    parser.add_argument("--quantity")
+    parser.add_argument("--x")
+    parser.add_argument("--size", type=pair)
+    parser.add_argument("--dpi", type=float, default=200)
+    parser.add_argument("--dark", action="store_true")
+    a = parser.parse_args(words)
+    return tell("plot", lambda: plot(a))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,199 @@
+"""Disks, walls and contacts of a frame as collections of matplotlib, which a film moves on from frame to frame."""
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize, to_rgba
+
+from . import plot_style as style
+from .plot_source import CIRCLE, LINE, Source, quantity
+
+
+def extent(source, ks):
+    """((x0, x1), (y0, y1)) that shows the disks of these frames, and round walls about them."""
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for k in ks:
+        here = source.in_play(k)
+        if here.any():
+            place, radius = source.place(k)[here], source.radius[here][:, None]
+            low, high = np.minimum(low, (place - radius).min(0)), np.maximum(high, (place + radius).max(0))
+        for kind, points, radius, _ in source.walls(k):
+            if kind == CIRCLE:
+                low, high = np.minimum(low, points[0] - radius), np.maximum(high, points[0] + radius)
+    if not np.isfinite(low).all():
+        low, high = np.zeros(2), np.ones(2)
+    rim = 0.02 * (high - low).max()
+    low, high = low - rim, high + rim
+    lower, _, periodic = source.box_at(ks[0])
+    edges = np.max([source.box_at(k)[1] for k in ks], axis=0)
+    low, high = np.where(periodic, lower, low), np.where(periodic, lower + np.nan_to_num(edges), high)
+    return (low[0], high[0]), (low[1], high[1])
+
+
+def colour_norm(one, values, source):
+    """(norm, colour map, which ends of the bar go on) of these values: symmetric about 0 where signs count, and cut where less
+    than one disk in a hundred is beyond."""
+    values = values[np.isfinite(values)]
+    if one.kind == "groups":
+        n = max(len(source.groups), 1)
+        return BoundaryNorm(np.arange(n + 1) - 0.5, n), ListedColormap([style.colour(k) for k in range(n)]), "neither"
+    if one.kind == "diverging":
+        largest = float(np.abs(values).max()) if len(values) else 0.0
+        top = float(np.percentile(np.abs(values), 99)) if len(values) > 50 else largest
+        if top < 1e-3 * largest:
+            top = largest
+        return Normalize(-(top or 1.0), top or 1.0), style.DIVERGING, "both" if top < largest else "neither"
+    low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
+    top = float(np.percentile(values, 99)) if len(values) > 50 else high
+    if top <= low + 1e-3 * (high - low):
+        top = high
+    if one.name in ("speed", "moved", "pressure"):
+        low = 0.0
+    return Normalize(low, top if top > low else low + (abs(low) or 1.0)), style.SEQUENTIAL, "max" if top < high else "neither"
+
+
+def points_per_length(ax):
+    """Points of print per unit of length, from the limits and the place of the axes."""
+    box = ax.get_window_extent()
+    width, height = (abs(np.diff(lim()))[0] for lim in (ax.get_xlim, ax.get_ylim))
+    return min(box.width / width, box.height / height) * 72 / ax.figure.dpi
+
+
+class Scene:
+    """Disks of a result in `ax`, coloured by a quantity; `show(k)` moves all to frame k."""
+
+    def __init__(self, source, ax, ks, color=None, network=False, first=0, marks=None, plain=False):
+        self.source, self.ax, self.first, self.network = Source.of(source), ax, first, network
+        self.one = None if plain else quantity(self.source, color)
+        ax.set_xlim(*(reach := extent(self.source, ks))[0])
+        ax.set_ylim(*reach[1])
+        ax.set_aspect("equal")
+        scale = points_per_length(ax)
+        size = 2 * float(np.median(self.source.radius)) * scale
+        self.thick = max(size, 1.0)
+        self.line = min(0.09 * self.thick, 2.0)  # points, of the mean force
+        self.ends = "neither"
+        edge = float(np.clip(0.04 * size, 0.0, 0.7))
+        colours = {"edgecolors": style.faint(), "facecolors": ax.get_facecolor()} if plain else {"edgecolors": "#404040"}
+        self.disks = EllipseCollection([], [], [], units="xy", offsets=np.empty((0, 2)), transOffset=ax.transData, zorder=2,
+                                       linewidths=edge, **colours)
+        if not plain:
+            sample = ks if len(ks) <= 20 else [ks[i] for i in np.linspace(0, len(ks) - 1, 20).astype(int)]
+            values = np.concatenate([self.one.of(self.source, k, first)[self.source.in_play(k)] for k in sample])
+            self.norm, cmap, self.ends = colour_norm(self.one, values, self.source)
+            self.disks.set_norm(self.norm)
+            self.disks.set_cmap(cmap)
+            self.disks.cmap = self.disks.cmap.with_extremes(bad="#B5B5B5")
+        self.radii = LineCollection([], colors=style.ink() if plain else "#202020", linewidths=max(edge, 0.3), zorder=3,
+                                    capstyle="butt")
+        self.with_marks = size > 5 if marks is None else marks
+        self.walls = LineCollection([], colors=style.ink(), linewidths=1.3, zorder=1, capstyle="butt")
+        self.forces = LineCollection([], zorder=4, capstyle="round")
+        self.moving = [self.walls, self.disks, self.radii, self.forces]
+        for artist in self.moving:
+            ax.add_collection(artist, autolim=False)
+        self.mean_force = None
+
+    def show(self, k):
+        """Moves all to frame k."""
+        source = self.source
+        which = np.flatnonzero(source.in_play(k))
+        place, radius, angle = source.place(k)[which], source.radius[which], source.frame("angle", k)[which]
+        images, own = [place], [np.arange(len(which))]
+        lower, edges, periodic = source.box_at(k)
+        for axis in np.flatnonzero(periodic):  # disks that stick out on one side are seen on the other
+            for i in range(len(images)):
+                for side, near in ((1, images[i][:, axis] - radius[own[i]] < lower[axis]),
+                                   (-1, images[i][:, axis] + radius[own[i]] > lower[axis] + edges[axis])):
+                    shift = np.zeros(2)
+                    shift[axis] = side * edges[axis]
+                    images.append(images[i][near] + shift)
+                    own.append(own[i][near])
+        place, own = np.concatenate(images), np.concatenate(own)
+        radius, angle = radius[own], angle[own]
+        disks = self.disks
+        disks._widths = disks._heights = radius  # half the lengths, as the collection keeps them
+        disks._angles = np.zeros(len(radius))
+        disks.set_offsets(place)
+        if self.one:
+            disks.set_array(np.ma.masked_invalid(self.one.of(source, k, self.first)[which][own]))
+        if self.with_marks:
+            tip = place + radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+            self.radii.set_segments(np.stack([place, tip], axis=1))
+        self.walls.set_segments(self._wall_lines(k))
+        if self.network:
+            self._show_forces(k)
+        return self
+
+    def _wall_lines(self, k):
+        (x0, x1), (y0, y1) = self.ax.get_xlim(), self.ax.get_ylim()
+        size, lines = 2 * np.hypot(x1 - x0, y1 - y0), []
+        for kind, points, radius, angle in self.source.walls(k):
+            if kind == CIRCLE:
+                turn = np.linspace(0, 2 * np.pi, 361) + angle
+                rim = points[0] + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+                lines += [rim, np.array([rim[0], points[0] + 0.96 * (rim[0] - points[0])])]
+            elif kind == LINE:
+                middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
+                along = (points[1] - points[0]) / np.hypot(*(points[1] - points[0]))
+                foot = points[0] + along * ((middle - points[0]) @ along)
+                lines.append(np.array([foot - size * along, foot + size * along]))
+            else:
+                lines.append(points)
+        lower, edges, periodic = self.source.box_at(k)
+        upper = lower + np.nan_to_num(edges)
+        for axis in np.flatnonzero(periodic):
+            low = np.where(np.arange(2) == axis, lower, [x0, y0])
+            high = np.where(np.arange(2) == axis, upper, [x1, y1])
+            for value in (lower[axis], upper[axis]):
+                ends = np.array([low, high])
+                ends[:, axis] = value
+                lines.append(ends)
+        return lines
+
+    def _show_forces(self, k):
+        """Lines from centre to contact, as wide as the normal force."""
+        source, table = self.source, self.source.measured(k)["contacts"]
+        force = table["force"]
+        bearing = force > 0
+        if self.mean_force is None and bearing.any():
+            self.mean_force = float(force[bearing].mean())
+        point = np.column_stack([table["x"], table["y"]])
+        n, place = len(source.radius), source.place(k)
+        lower, edges, periodic = source.box_at(k)
+        lines, widths, slides = [], [], []
+        width = np.clip(force / (self.mean_force or 1.0) * self.line, 0, 0.5 * self.thick)
+        for column in ("a", "b"):
+            body = table[column].astype(int)
+            own = bearing & (body < n)
+            centre, end = place[body[own]], point[own]
+            for axis in np.flatnonzero(periodic):
+                end[:, axis] = centre[:, axis] + (end - centre)[:, axis] - edges[axis] * np.round((end - centre)[:, axis] / edges[axis])
+            lines.append(np.stack([centre, end], axis=1))
+            widths.append(width[own])
+            slides.append((np.nan_to_num(table["sliding"]) * np.nan_to_num(table["tau"]))[own] != 0)
+        slides = np.concatenate(slides)
+        self.forces.set_segments(np.concatenate(lines))
+        self.forces.set_linewidths(np.concatenate(widths))
+        self.forces.set_colors(np.where(slides[:, None], sliding_colour(), stuck_colour()) if len(slides) else [])
+
+    @property
+    def mappable(self):
+        return ScalarMappable(self.norm, self.disks.cmap)
+
+    def colour_bar(self):
+        """The bar beside the axes, as high as they are."""
+        one, beside = self.one, self.ax.inset_axes([1.03, 0, 0.035, 1])
+        bar = self.ax.figure.colorbar(self.mappable, cax=beside, label=style.label(one.text, one.unit), extend=self.ends)
+        if one.kind == "groups":
+            bar.set_ticks(range(len(self.source.groups)), labels=self.source.groups)
+        elif one.name in ("contacts",):
+            bar.locator.set_params(integer=True)
+        return bar
+
+
+def stuck_colour():
+    return np.array(to_rgba(style.ink()))
+
+
+def sliding_colour():
+    return np.array(to_rgba("#D55E00"))

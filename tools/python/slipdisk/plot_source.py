@@ -1,0 +1,258 @@
+"""What pictures are made from: a result with its frames, walls, contacts and measured tables; quantities that colour disks."""
+import csv
+import functools
+import os
+import re
+import tempfile
+
+import numpy as np
+
+from . import library as lib
+from .program import call
+from .result import Result
+
+LINE, SEGMENT, POLYLINE, CIRCLE = range(4)
+
+
+def read_csv(path):
+    """{column: array} of a table of numbers; empty cells are nan."""
+    with open(path, newline="", encoding="utf-8") as file:
+        names = next(csv.reader(file))
+        rows = [[float(cell) if cell else np.nan for cell in row] for row in csv.reader(file)]
+    table = np.array(rows, float).reshape(len(rows), len(names))
+    return {name: table[:, k] for k, name in enumerate(names)}
+
+
+class Source:
+    """A result, and what pictures ask of it; what has been read or measured once is kept."""
+
+    def __init__(self, result):
+        self.result = result if isinstance(result, Result) else Result(result)
+        self.path = self.result.path
+
+    @classmethod
+    def of(cls, result):
+        return result if isinstance(result, cls) else cls(result)
+
+    # --- what it is -------------------------------------------------------------------------------------------
+    @functools.cached_property
+    def series(self):
+        return self.result.series
+
+    @functools.cached_property
+    def frames(self):
+        return self.result.frames
+
+    @functools.cached_property
+    def n_frames(self):
+        return len(self.frames)
+
+    @functools.cached_property
+    def frame_times(self):
+        return self.frames.time
+
+    @functools.cached_property
+    def rotation(self):
+        return self.result.rotation
+
+    @functools.cached_property
+    def slide(self):
+        return self.result.slide
+
+    @functools.cached_property
+    def title(self):
+        found = re.search(r'^title = "((?:[^"\\]|\\.)*)"', self.result.deck, re.M)
+        return found[1] if found else ""
+
+    @functools.cached_property
+    def gravity(self):
+        return np.asarray(self.result.rows("parameters/model/gravity"), float)
+
+    @functools.cached_property
+    def phases(self):
+        """[(name, begin, end)] in time, of those that have begun."""
+        found, begin, rows = [], 0, self.result.phases
+        for row in rows if rows is not None else []:
+            end = begin + int(row["steps"]) if row["steps"] else self.result.step
+            if end > begin:
+                found.append((str(row["name"]), begin * self.result.dt, end * self.result.dt))
+            begin = end
+        return found
+
+    @functools.cached_property
+    def radius(self):
+        return self.result.rows("particles/disks/radius")
+
+    @functools.cached_property
+    def driven(self):
+        return self.result.rows("particles/disks/driven") != 0
+
+    def disk_name(self, number):
+        return self.names[number] or f"disk {number}"
+
+    @functools.cached_property
+    def names(self):
+        return self.result.names
+
+    @functools.cached_property
+    def body_names(self):
+        """Names of all bodies: disks, then walls."""
+        walls = [line.split("\t")[1] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith("wall\t")]
+        return [self.disk_name(k) for k in range(self.result.summary["disks"])] + walls
+
+    @functools.cached_property
+    def groups(self):
+        return [line.split("\t")[1] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith("group\t")]
+
+    # --- frames -------------------------------------------------------------------------------------------------
+    def frame_number(self, frame):
+        """0 ... n - 1 of a number that may count from the end."""
+        number = frame + self.n_frames if frame < 0 else frame
+        if not 0 <= number < self.n_frames:
+            raise lib.UserError(f"{self.path}: there is no frame {frame}; it has {self.n_frames} frames")
+        return number
+
+    def frame(self, name, k, group="disks"):
+        """Quantity `name` of frame k."""
+        return self.result.rows(f"particles/{group}/{name}/value", k, k + 1)[0]
+
+    @functools.lru_cache(maxsize=4)  # noqa: B019  a source lives as long as its picture
+    def in_play(self, k):
+        """Which disks are there: neither waiting nor taken out."""
+        if "activity" not in self.frames._names:
+            return np.ones(len(self.radius), bool)
+        return self.frame("activity", k) == 0
+
+    @functools.cached_property
+    def box(self):
+        """(lower corner, edges, periodic) of the deck's box."""
+        info = self.result.attributes("particles/disks/box")
+        periodic = np.array([word == "periodic" for word in info.boundary])
+        if "edges" in self.result.groups("particles/disks/box"):
+            edges = self.result.rows("particles/disks/box/edges/value")
+        else:
+            edges = self.result.rows("particles/disks/box/edges")
+        return np.asarray(info.lower, float), np.asarray(edges, float), periodic
+
+    def box_at(self, k):
+        """(lower corner, edges, periodic) at frame k: compression changes the edges."""
+        lower, edges, periodic = self.box
+        return lower, edges[k] if edges.ndim == 2 else edges, periodic
+
+    def place(self, k, whole=False):
+        """[disk][2] of frame k; whole: with the periodic images that were crossed."""
+        place = self.frame("position", k)
+        return place + self.frame("image", k) * np.nan_to_num(self.box_at(k)[1]) if whole else place
+
+    @functools.cached_property
+    def shapes(self):
+        """[(kind, points, pivot, radius, closed)] of the walls as the deck has them."""
+        if not len(self.result.wall_frames):
+            return []
+        at = "particles/walls/shape/"
+        kind, count, points, pivot, radius, closed = (self.result.rows(at + name) for name in
+                                                      ("kind", "count", "points", "pivot", "radius", "closed"))
+        last = np.cumsum(count)
+        return [(int(kind[i]), points[last[i] - count[i]:last[i]], pivot[i], float(radius[i]), bool(closed[i]))
+                for i in range(len(kind))]
+
+    def walls(self, k):
+        """[(kind, points, radius, angle)] at frame k; of a circle the point is its centre."""
+        if not self.shapes:
+            return []
+        place, angle = self.frame("position", k, "walls"), self.frame("angle", k, "walls")
+        found = []
+        for i, (kind, points, pivot, radius, closed) in enumerate(self.shapes):
+            c, s = np.cos(angle[i]), np.sin(angle[i])
+            if kind == CIRCLE:
+                found.append((kind, place[i][None], radius, float(angle[i])))
+                continue
+            moved = (points - pivot) @ np.array([[c, s], [-s, c]]) + place[i]
+            found.append((kind, np.vstack([moved, moved[:1]]) if closed else moved, 0.0, float(angle[i])))
+        return found
+
+    # --- tables of `slipdisk measure` -------------------------------------------------------------------------------
+    def _measure(self, words):
+        with tempfile.TemporaryDirectory(prefix="slipdisk-plot-") as folder:
+            call("measure", self.path, *words, "--csv", folder, "-o", os.path.join(folder, "page.json"))
+            return {name.removesuffix(".csv"): read_csv(os.path.join(folder, name)) for name in os.listdir(folder)
+                    if name.endswith(".csv") and name not in ("rotation.csv", "means.csv")}
+
+    @functools.lru_cache(maxsize=2)  # noqa: B019
+    def measured(self, k):
+        """Tables of frame k by name: frames, disks, contacts, gr, forces."""
+        return self._measure(["--frame", k])
+
+    @functools.cached_property
+    def measured_frames(self):
+        """The table of all frames, a row each."""
+        return self._measure(["--all"])["frames"]
+
+
+# --- what colours disks -------------------------------------------------------------------------------------------------
+class Quantity:
+    """name, label, unit and kind of colours ("diverging", "sequential", "groups"); lacks(source): what is missing for it, else
+    None; of(source, frame, first): a value per disk, nan where there is none."""
+
+    def __init__(self, name, text, unit, kind, of, lacks=lambda source: None):
+        self.name, self.text, self.unit, self.kind, self.of, self.lacks = name, text, unit, kind, of, lacks
+
+
+def _omega(source, k, first):
+    means = source.result.means
+    values = np.full(len(source.radius), np.nan)
+    values[means["id"]] = means["omega"]
+    return values
+
+
+def _measured_column(column):
+    def of(source, k, first):
+        disks = source.measured(k)["disks"]
+        values = np.full(len(source.radius), np.nan)
+        values[disks["disk"].astype(int)] = disks[column]
+        return values
+    return of
+
+
+def _needs_frames(source):
+    if source.n_frames < 2 or source.frame_times[-1] <= source.frame_times[0]:
+        return "needs two frames: set frames in a phase of the deck"
+    return None
+
+
+def _velocity(axis):
+    return lambda source, k, first: source.frame("velocity", k)[:, axis]
+
+
+QUANTITIES = {quantity.name: quantity for quantity in (
+    Quantity("omega", r"mean angular velocity $\Omega$", "rad/time", "diverging", _omega,
+             lambda source: None if source.result.means is not None and len(source.result.means)
+             else "needs means of every disk: measure = { disks = true; } in the deck"),
+    Quantity("turned", "angle turned", "rad", "diverging",
+             lambda source, k, first: source.frame("angle", k) - source.frame("angle", first), _needs_frames),
+    Quantity("spin", r"spin $\omega$", "rad/time", "diverging", lambda source, k, first: source.frame("angular_velocity", k)),
+    Quantity("speed", "speed", "length/time", "sequential",
+             lambda source, k, first: np.hypot(*source.frame("velocity", k).T)),
+    Quantity("vx", "$v_x$", "length/time", "diverging", _velocity(0)),
+    Quantity("vy", "$v_y$", "length/time", "diverging", _velocity(1)),
+    Quantity("moved", "distance moved", "length", "sequential",
+             lambda source, k, first: np.hypot(*(source.place(k, True) - source.place(first, True)).T), _needs_frames),
+    Quantity("radius", "radius", "length", "sequential", lambda source, k, first: source.radius),
+    Quantity("contacts", "contacts of a disk", "1", "sequential", _measured_column("contacts")),
+    Quantity("pressure", "pressure on a disk", "force/length", "sequential", _measured_column("pressure")),
+    Quantity("fraction", r"local packing fraction", "1", "sequential", _measured_column("fraction")),
+    Quantity("group", "group", "1", "groups", lambda source, k, first: source.result.rows("particles/disks/group").astype(float),
+             lambda source: None if source.groups else "needs groups of disks in the deck"),
+)}
+
+
+def quantity(source, name=None):
+    """The quantity of this name; without one what is worth seeing in this file."""
+    if name is None:
+        name = next(one for one in ("omega", "turned", "spin") if not QUANTITIES[one].lacks(source))
+    if name not in QUANTITIES:
+        raise lib.unknown(name, list(QUANTITIES), "the quantities that colour disks")
+    missing = QUANTITIES[name].lacks(source)
+    if missing:
+        raise lib.UserError(f"{source.path}: colour {name} {missing}")
+    return QUANTITIES[name]

@@ -1,0 +1,173 @@
+"""Curves of sweeps: a quantity against what is swept, with error bars, and with theory where there is one."""
+import concurrent.futures
+import os
+import warnings
+
+import numpy as np
+
+from . import library as lib
+from . import plot_style as style
+from .plot_style import axes_of, guide, label
+from .plot_theory import theory_row
+from .result import Result
+from .sweep import Sweep
+
+PREFERRED = ("omega_rms", "coordination", "z", "kinetic_translation")
+
+
+def keys(sweep):
+    """Names of what is swept, the one with the most values first."""
+    means = sweep.means
+    names = means.dtype.names[1:means.dtype.names.index("replicas")]
+    found = [name for name in names if len(np.unique(means[name][_known(means[name])])) > 1]
+    return sorted(found, key=lambda name: -len(np.unique(means[name][_known(means[name])])))
+
+
+def _known(column):
+    return column != "" if column.dtype.kind in "US" else np.isfinite(column)
+
+
+def quantities(sweep):
+    """Names of columns that can be drawn."""
+    names = sweep.means.dtype.names
+    after = names[names.index("replicas") + 1:]
+    return [name for name in after if not name.endswith(("_error", "_scatter"))]
+
+
+def default_quantity(sweep):
+    names = quantities(sweep)
+    for wanted in [name for name in names if name.endswith(".omega")] + list(PREFERRED):
+        if wanted in names:
+            return wanted
+    return next((name for name in names if name != "time"), names[0])
+
+
+def _error(means, name):
+    """The larger of the error from error bars and from the scatter of replicas; None when there is neither."""
+    found = [means[name + end] for end in ("_error", "_scatter") if name + end in means.dtype.names]
+    found = [column for column in found if np.isfinite(column).any()]
+    return np.fmax.reduce(found) if found else None
+
+
+def theory(sweep):
+    """{set: row of `slipdisk theory --csv`} of the sets with a finished point whose deck fits."""
+    decks, table = {}, sweep.table
+    for k in np.flatnonzero(table["status"] == "done"):
+        decks.setdefault(int(table["set"][k]), sweep.path(str(table["name"][k])))
+
+    def row(path):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", lib.Warning)
+            return theory_row(Result(path).deck)
+    sets = list(decks)
+    if not sets or row(decks[sets[0]]) is None:
+        return {}
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        rows = dict(zip(sets, pool.map(row, [decks[one] for one in sets])))
+    return {one: found for one, found in rows.items() if found}
+
+
+def _in_pi(values, unit):
+    """Whether an axis of angles reads better in units of pi."""
+    turns = values / np.pi
+    return unit == "rad" and np.abs(turns).max() > 0 and np.allclose(turns, np.round(turns, 4), atol=1e-9)
+
+
+def _log(values):
+    values = np.unique(values)
+    if len(values) < 3 or values[0] <= 0 or values[-1] / values[0] < 8:
+        return False
+    steps = np.diff(values)
+    return np.ptp(np.diff(np.log(values))) < 0.5 * np.ptp(steps / steps.max()) * np.log(values[-1] / values[0]) or values[-1] / values[0] > 100
+
+
+class Curves:
+    """What of a sweep is drawn: `groups`, a list of (name, rows of means) with a curve each."""
+
+    def __init__(self, sweep, x=None, quantity=None):
+        self.sweep = sweep
+        self.means = sweep.means
+        all_keys = keys(sweep)
+        if not all_keys:
+            raise lib.UserError(f"{sweep.folder}: nothing in it is swept; expected a key with two values or more")
+        numeric = [name for name in all_keys if self.means[name].dtype.kind not in "US"]
+        self.x = x or (numeric or all_keys)[0]
+        if self.x not in all_keys:
+            raise lib.unknown(self.x, all_keys, f"the keys that {sweep.folder} sweeps")
+        self.y = quantity or default_quantity(sweep)
+        if self.y not in quantities(sweep):
+            raise lib.unknown(self.y, quantities(sweep), f"the quantities of {sweep.folder}")
+        x_values = self.means[self.x]
+        self.words = sorted(set(x_values.tolist())) if x_values.dtype.kind in "US" else None
+        self.xs = np.array([self.words.index(v) for v in x_values], float) if self.words else x_values.astype(float)
+        self.pi = not self.words and _in_pi(self.xs[np.isfinite(self.xs)], sweep.unit(self.x))
+        others = [name for name in all_keys if name != self.x]
+        groups = {}
+        for row in range(len(self.means)):
+            known = [name for name in others if _known(self.means[name][row:row + 1])[0]]
+            name = tuple((name, self.means[name][row].item()) for name in known)
+            groups.setdefault(name, []).append(row)
+        self.groups = [(self._text(name), np.array(sorted(rows, key=lambda r: self.xs[r]))) for name, rows in groups.items()]
+        useful = [(name, rows) for name, rows in self.groups if np.isfinite(self.xs[rows]).sum() > 1]
+        self.groups = useful or self.groups
+        self.values, self.errors = self.means[self.y].astype(float), _error(self.means, self.y)
+        finite = [np.abs(self.values[rows])[np.isfinite(self.values[rows])].max(initial=0) for _, rows in self.groups]
+        tops = [top for top in finite if top > 0]
+        self.apart = 1 < len(self.groups) <= 12 and len(tops) > 1 and max(tops) > 15 * min(tops)
+
+    def _text(self, name):
+        def one(key, value):
+            if isinstance(value, str):
+                return f"{key} = {value}"
+            if self.sweep.unit(key) == "rad" and value and np.isclose(value / np.pi, np.round(value / np.pi, 4), atol=1e-9):
+                return rf"{key} = {np.round(value / np.pi, 4):g}$\pi$"
+            return f"{key} = {value:.4g}"
+        return ", ".join(one(*item) for item in name)
+
+
+def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True, curves=None, rows_of_theory=None):
+    """A quantity of a sweep (by default the rotation of the watched disk) against the key with the most values, a curve for each
+    combination of the others; bars are one standard error, of replicas the larger of their own and of their scatter. `only`: the
+    number of one of the curves."""
+    ax = axes_of(ax)
+    sweep = result if isinstance(result, Sweep) else Sweep(result)
+    c = curves or Curves(sweep, x, quantity)
+    if rows_of_theory is None:
+        rows_of_theory = theory(sweep) if with_theory and c.y.endswith(".omega") else {}
+    scale = np.pi if c.pi else 1.0
+    drawn_theory = False
+    for k, (name, rows) in enumerate(c.groups):
+        if only is not None and k != only:
+            continue
+        good = rows[np.isfinite(c.values[rows]) & np.isfinite(c.xs[rows])]
+        colour = style.colour(k)
+        error = c.errors[good] if c.errors is not None else None
+        ax.errorbar(c.xs[good] / scale, c.values[good], None if error is None else np.nan_to_num(error), label=name or None,
+                    fmt=style.MARKERS[k % len(style.MARKERS)], color=colour, mfc=ax.get_facecolor(), lw=0.9, ms=4.5, gid=f"curve {k}",
+                    ls="none" if rows_of_theory else "-")
+        expected = [(c.xs[r] / scale, rows_of_theory[int(c.means["set"][r])]["mean"]) for r in rows
+                    if int(c.means["set"][r]) in rows_of_theory and np.isfinite(rows_of_theory[int(c.means["set"][r])].get("mean", np.nan))]
+        if expected:
+            ax.plot(*np.array(expected).T, color=colour, lw=1.0, ls="--", marker="", gid=f"theory {k}")
+            drawn_theory = True
+    if drawn_theory:
+        ax.plot([], [], color=style.ink(), lw=1.0, ls="--", label="theory")
+    if c.words:
+        ax.set_xticks(range(len(c.words)), c.words)
+    elif _log(c.xs[np.isfinite(c.xs)]):
+        ax.set_xscale("log")
+    if c.y.endswith((".omega", ".scaled")):
+        guide(ax, y=0)
+    ax.set_xlabel(f"{c.x} / π" if c.pi else label(c.x, sweep.unit(c.x)))
+    names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
+    disk, _, what = c.y.rpartition(".")
+    text = f"{names[what]} of {disk}" if what in names else c.y.replace("_", " ")
+    ax.set_ylabel(label(text, sweep.unit(c.y)))
+    if only is not None:
+        ax.set_title(c.groups[only][0], fontsize=9)
+        if drawn_theory and only == 0:
+            ax.legend(loc="best")
+    elif len(c.groups) > 1 or drawn_theory:
+        n = len(c.groups) + drawn_theory
+        ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), ncol=1 + n // 24)
+    return ax
