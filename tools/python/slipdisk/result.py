@@ -77,15 +77,19 @@ class Columns(collections.abc.Mapping):
         return len(self._paths)
 
     def unit(self, name):
+        """Unit of a column, in terms of length, mass, time."""
         return self._result.attribute(self._path(name), "unit")
 
     def meaning(self, name):
+        """Meaning of a column, in a few words."""
         return self._result.attribute(self._path(name), "description")
 
     def array(self, *names):
+        """The columns of these names, or all, as a structured array."""
         return structured({name: self[name] for name in names or self})
 
     def pandas(self, *names):
+        """The columns of these names, or all, as a pandas.DataFrame."""
         return to_pandas({name: self[name] for name in names or self})
 
     def __repr__(self):
@@ -120,10 +124,12 @@ class Frames(collections.abc.Sequence):
 
     @property
     def step(self):
+        """Step of each frame."""
         return self._result.rows(f"{self._group}/{self._names[0]}/step") if self._names else np.empty(0, "i8")
 
     @property
     def time(self):
+        """Time of each frame."""
         return self._result.rows(f"{self._group}/{self._names[0]}/time") if self._names else np.empty(0)
 
 
@@ -154,14 +160,17 @@ class Contacts(collections.abc.Sequence):
 
     @property
     def step(self):
+        """Step of each table."""
         return self._result.rows("contacts/step") if self._names else np.empty(0, "i8")
 
     @property
     def time(self):
+        """Time of each table."""
         return self._result.rows("contacts/time") if self._names else np.empty(0)
 
     @property
     def count(self):
+        """Number of contacts in each table."""
         return self._result.rows("contacts/count") if self._names else np.empty(0, "i8")
 
 
@@ -255,11 +264,13 @@ class Result:
             return [name for name in group if isinstance(group[name], h5py.Group) and "value" in group[name]]
 
     def datasets(self, path):
+        """Names of the datasets in a group."""
         with self._file(self._some(path)) as file:
             group = file.get(path, {})
             return [name for name in group if isinstance(group[name], h5py.Dataset)]
 
     def attribute(self, path, name):
+        """An attribute of a group or dataset; an empty text where there is none."""
         with self._file(self._some(path)) as file:
             return plain(file[path].attrs.get(name, ""))
 
@@ -288,14 +299,17 @@ class Result:
     # --- the run ------------------------------------------------------------------------------------------------------
     @property
     def step(self):
+        """Step of the last state."""
         return self.summary["step"]
 
     @property
     def time(self):
+        """Time of the last state."""
         return self.summary["time"]
 
     @property
     def dt(self):
+        """Time step."""
         return self.summary["dt"]
 
     @property

@@ -82,9 +82,11 @@ class Columns(collections.abc.Mapping):
         return len(library().fields)
 
     def unit(self, name):
+        """Unit of a column, in terms of length, mass, time."""
         return self._field(name).unit.decode()
 
     def meaning(self, name):
+        """Meaning of a column, in a few words."""
         return self._field(name).meaning.decode()
 
     def __repr__(self):
@@ -418,6 +420,7 @@ class Simulation:
 
     @property
     def step(self):
+        """Steps made so far."""
         return self._library.sd_simulation_step(self._pointer)
 
     @property
@@ -427,6 +430,7 @@ class Simulation:
 
     @property
     def dt(self):
+        """Time step."""
         return self._library.sd_model_dt(self._model)
 
     @property
@@ -436,6 +440,7 @@ class Simulation:
 
     @property
     def finished(self):
+        """True at the end of the last phase."""
         return self._library.sd_simulation_finished(self._pointer)
 
     @property
@@ -445,10 +450,12 @@ class Simulation:
 
     @property
     def n_disks(self):
+        """How many disks there are, fixed ones included."""
         return self._library.sd_model_disks(self._model)
 
     @property
     def n_walls(self):
+        """How many walls there are."""
         return self._library.sd_model_walls(self._model)
 
     def find(self, name):
@@ -532,6 +539,7 @@ class Simulation:
 
     @property
     def threads(self):
+        """Threads that it is stepped with."""
         return self._library.sd_simulation_threads(self._pointer)
 
     def hash(self):

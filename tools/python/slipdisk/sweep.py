@@ -75,6 +75,7 @@ class Sweep(collections.abc.Sequence):
         return to_pandas(self._known(self._means if means else self._columns))
 
     def unit(self, name):
+        """Unit of a column of the table."""
         return self._units[name]
 
     @property
@@ -86,6 +87,7 @@ class Sweep(collections.abc.Sequence):
         return sorted({name.removesuffix(".parts").removesuffix(".h5") for name in found if name.endswith((".h5", ".h5.parts"))})
 
     def path(self, name):
+        """Path of the result of a point."""
         return os.path.join(self.folder, "points", name + ".h5")
 
     def __len__(self):

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Builds the documentation site: pages of docs/, the C interface from the headers, the Python interface from its docstrings.
+# It needs no network and no server: open build/site/index.html. A broken link or reference is an error.
+#   tools/docs.sh                 installs what is missing, builds into build/site
+#   tools/docs.sh --no-install    without the packages
+#   tools/docs.sh --output DIR    builds into DIR
+set -euo pipefail
+usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; }
+install=yes output=
+while [ $# -gt 0 ]; do
+  case "$1" in
+    -h | --help) usage; exit 0 ;;
+    --no-install) install=no ;;
+    --output) shift; output=$(realpath -m -- "${1:?--output needs a folder}") ;;
+    *) usage >&2; exit 2 ;;
+  esac
+  shift
+done
+cd "$(dirname "$0")/.."
+output=${output:-$PWD/build/site}
+work=$output.work # doxygen's XML and Sphinx's own files
+if [ $install = yes ]; then tools/install_deps.sh --docs; fi
+for tool in doxygen sphinx-build; do
+  command -v $tool >/dev/null || { echo "$tool is missing: tools/install_deps.sh --docs" >&2; exit 1; }
+done
+
+mkdir -p "$work/doxygen"
+SLIPDISK_SOURCE=$PWD SLIPDISK_OUTPUT=$work/doxygen doxygen tools/docs/Doxyfile
+SLIPDISK_DOXYGEN_XML=$work/doxygen/xml PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m sphinx -W --keep-going -n -q \
+  -d "$work/doctrees" docs "$output"
+echo "site    $output/index.html"
