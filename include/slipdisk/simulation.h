@@ -107,7 +107,7 @@ SD_API uint32_t sd_simulation_slot(const sd_simulation *simulation, uint32_t bod
 /* Angle turned since the start of the deck, rad (turn + theta). NAN: no such body. */
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);
 
-/* Energies and their changes since step 0 (physics.md 9). All in units of energy.
+/* Energies and their changes since step 0 (physics.md 8). All in units of energy.
  * residual = (kinetic + elastic_normal + elastic_tangential + external) - start
  *            - (work + nonconservative_work) + viscous + friction + opening + relaxed, ideally 0. */
 typedef struct sd_energy {

@@ -5,7 +5,7 @@
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 
-/* e(b) of a damped oscillator with w_0 = 1 whose force never pulls (physics.md 9). It falls from 1 towards 0. */
+/* e(b) of a damped oscillator with w_0 = 1 whose force never pulls (physics.md 2). It falls from 1 towards 0. */
 static double restitution_of(double b) {
   double t;
   if (b < 1.0) {

@@ -228,7 +228,7 @@ def random_floor(campaign):
     out = Section("random", "Random vibration of the floor",
                   "<code>inputs/packing/shake_random.cfg</code>: the height of the floor is the randomly forced "
                   "oscillator of "
-                  "physics.md, section 5, with &omega; = 2&pi; 80 Hz, <i>c</i> = 0.5; its rms displacement is that of "
+                  "physics.md, section 7, with &omega; = 2&pi; 80 Hz, <i>c</i> = 0.5; its rms displacement is that of "
                   "a harmonic "
                   "motion, <i>a</i>/&omega;&sup2;, with the acceleration <i>a</i> that is "
                   "given.", missing=campaign.missing("random"))

@@ -12,7 +12,7 @@
  * CONTACT_REBASE, so that three terms of the series of asin(e x n) are exact to rounding.
  *
  * History is committed in the one evaluation whose forces act: with velocity Verlet at the new positions, with Gear at the
- * predicted ones (PEC). The losses of a step are the trapezoid between the evaluation before and this one (physics.md 9).
+ * predicted ones (PEC). The losses of a step are the trapezoid between the evaluation before and this one (physics.md 8).
  */
 #include "model/normal_laws.h"
 

@@ -1,4 +1,4 @@
-/* energy.h: the energy budget (physics.md 9). */
+/* energy.h: the energy budget (physics.md 8). */
 #ifndef PHYSICS_ENERGY_H
 #define PHYSICS_ENERGY_H
 

@@ -11,7 +11,7 @@ typedef struct LANE(nearest_points) {
 } LANE(nearest_points);
 
 /* The nearest point of a segment is a surface of radius 0, and
- * lambda = R_a (th_a - turned) + side * (arc length of that point). physics.md 3. active: a neighbouring segment owns no
+ * lambda = R_a (th_a - turned) + side * (arc length of that point). physics.md 4. active: a neighbouring segment owns no
  * part of this region. */
 LANE_INLINE LANE(mask)
     LANE(nearest_of)(const engine *e, size_t at, LANE(pair_input) * in, LANE(nearest_points) * found) {

@@ -21,7 +21,7 @@ typedef struct batch {
   double *u, *v, *low; /* where values go that are not elsewhere already */
 } batch;
 
-/* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 2, trap 4). */
+/* p = c l exactly as p + low: a support that turned 1e4 rad is still placed to 1e-15 (physics.md 1). */
 static void fill_steady(batch *b) {
   double c = b->motion->velocity * b->e->work.dt;
   for (int k = 0; k < MOTION_BATCH; k++) {

@@ -1,7 +1,7 @@
 /* integrate_pass.h: predictor and corrector of LANE_WIDTH disks, one coordinate at a time; included once per
  * width after base/lane.h.
  *
- * Gear, fifth order, Nordsieck form for second-order equations (physics.md 4): column k holds dt^k/k! times
+ * Gear, fifth order, Nordsieck form for second-order equations (physics.md 5): column k holds dt^k/k! times
  * the k-th derivative; velocities are kept as such. Velocity Verlet uses column 2 only; its forces see the
  * velocity predicted with the old acceleration.
  */
