@@ -1,4 +1,4 @@
-"""docs/results.md against the lists of what is measured, both ways; and names of format 4, which are still read."""
+"""docs/names.md against the lists of what is measured, both ways; and names of format 4, which are still read."""
 import json
 import pathlib
 import re
@@ -17,12 +17,12 @@ class Names(unittest.TestCase):
     def test_the_page_has_what_the_program_prints(self):
         status, out, err = run("info", "--names")
         self.assertEqual((status, err), (0, ""))
-        page = (ROOT / "docs/results.md").read_text()
+        page = (ROOT / "docs/names.md").read_text()
         block = re.search(r"<!-- names: slipdisk info --names -->\n(.*?)<!-- end of names -->", page, re.S).group(1)
         said, written = out.splitlines(), block.splitlines()
         missing = [line for line in said if line and line not in written]
         stale = [line for line in written if line and line not in said]
-        self.assertEqual((missing, stale), ([], []), "put the output of `slipdisk info --names` into docs/results.md")
+        self.assertEqual((missing, stale), ([], []), "put the output of `slipdisk info --names` into docs/names.md")
 
     def test_columns_of_measure_are_on_its_page(self):
         page = (ROOT / "docs/measure.md").read_text()

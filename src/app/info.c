@@ -299,7 +299,7 @@ const command_line app_info_line = {
     .examples = "slipdisk info deck.h5                   # means with error bars, energy budget\n"
                 "slipdisk info deck.h5 --json\n"};
 
-/* All observables: the section "Names" of docs/results.md. */
+/* All observables: the tables of docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
       &energy_observables,     &series_observables,     &frame_observables,    &contact_observables,
