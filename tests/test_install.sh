@@ -21,7 +21,7 @@ done
 # All of them in a program in C++, where there is a compiler for it.
 if echo "int main() {}" | "${CC:-cc}" -x c++ -fsyntax-only - 2>/dev/null; then
   echo '#include "slipdisk/slipdisk.h"
-int main() { sd_disk disk = {}; return disk.radius == 0 && SD_VERSION_NUMBER >= 200 ? 0 : 1; }' |
+int main() { sd_disk disk = {}; return disk.radius == 0 && SD_VERSION_NUMBER >= 300 ? 0 : 1; }' |
     "${CC:-cc}" -x c++ -fsyntax-only -Wall -Wextra -Werror -I"$work/prefix/include" -
 fi
 
@@ -32,7 +32,7 @@ test -n "$printed"
 cat >"$work/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.22)
 project(consumer LANGUAGES C)
-find_package(slipdisk 0.2 REQUIRED)
+find_package(slipdisk 0.3 REQUIRED)
 add_executable(consumer main.c)
 target_link_libraries(consumer PRIVATE slipdisk::slipdisk)
 END
