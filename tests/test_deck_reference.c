@@ -81,25 +81,25 @@ static void test_defaults_in_range(void **state) {
     }
 }
 
-/* The code blocks of the three worked examples are decks that load. */
+/* The code blocks of the worked examples are decks that load. */
 static void test_examples(void **state) {
   (void)state;
   char folder[] = "/tmp/slipdisk-doc-XXXXXX", csv[64];
   assert_non_null(mkdtemp(folder));
   snprintf(csv, sizeof csv, "%s/grains.csv", folder);
-  char *doc = read_all(SLIPDISK_SOURCE_DIR "/docs/deck.md"), *block[4],
-       *p = strstr(doc, "## Three worked examples\n");
+  char *doc = read_all(SLIPDISK_SOURCE_DIR "/docs/deck.md"), *block[3],
+       *p = strstr(doc, "## Worked examples\n");
   assert_non_null(p);
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; k < 3; k++) {
     block[k] = strchr(strstr(p, "\n```") + 1, '\n') + 1;
     p = strstr(block[k], "\n```") + 1;
     *p++ = 0;
   }
   FILE *out = fopen(csv, "w");
   assert_non_null(out);
-  fputs(block[3], out);
+  fputs(block[2], out);
   fclose(out);
-  for (int k = 0; k < 3; k++) {
+  for (int k = 0; k < 2; k++) {
     char path[64];
     snprintf(path, sizeof path, "%s/example.cfg", folder);
     sd_messages *messages = sd_messages_new();

@@ -33,8 +33,7 @@ TABLE_WITH(deck_pairs, "material_pairs", false, "The law of contacts between two
       {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL,                                         \
        "mass per area: mass = density pi R^2"},                                                              \
       {"inertia", NUMBER(DECK_NOT_NEGATIVE, "mass length^2"), "0.0", NULL, "moment of inertia; 0: m R^2/2"}, \
-      {"material", TEXT, "(the only one)", NULL,                                                             \
-       "name of the material; may be left out when there is one only"},                                      \
+      {"material", TEXT, "(the only one)", NULL, "name of the material"},                                    \
       {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},                            \
       {"fixed", BOOL, "false", NULL, "held still, or moved by motions only, whatever pushes"},               \
       {"locked", COORDINATES, "()", NULL, "coordinates that never change"},                                  \
@@ -101,8 +100,7 @@ static const deck_shape wall_kinds[] = {
 static const deck_key wall_keys[] = {
     {"name", TEXT, "-", NULL, "name by which other groups refer to it", SETS(sd_wall, name)},
     {"type", CHOICE, "required", wall_kinds, "shape, see below", SETS(sd_wall, kind)},
-    {"material", TEXT, "(the only one)", NULL,
-     "name of the material; may be left out when there is one only"},
+    {"material", TEXT, "(the only one)", NULL, "name of the material"},
     {"points", POINTS, "-", NULL, "list of (x, y)"},
     {"pivot", NUMBERS(DECK_ANY, "length"), "(mean of the points)", NULL, "(x, y) about which it turns",
      SETS(sd_wall, pivot)},
@@ -217,8 +215,7 @@ static const deck_key packing_keys[] = {
     {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL, "mass per area; either this or mass",
      SETS(deck_packing_values, density)},
     {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass of every disk", SETS(deck_packing_values, mass)},
-    {"material", TEXT, "(the only one)", NULL,
-     "name of the material; may be left out when there is one only"},
+    {"material", TEXT, "(the only one)", NULL, "name of the material"},
     {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},
 };
 TABLE_EITHER(deck_packings, "packings", false,
@@ -377,17 +374,39 @@ static void print_key(FILE *out, const deck_key *key) {
   fprintf(out, " | %s | %s | %s |\n", key->unit, key->initial, key->meaning);
 }
 
+/* The table whose keys this one has, too. */
+static const deck_table *base_of(const deck_table *table) {
+  if (table == &deck_pairs) return &deck_materials;
+  return table == &deck_disk_rows || table == &deck_disk_files ? &deck_disks : NULL;
+}
+
+static bool repeats(const deck_table *base, const deck_key *key) {
+  const deck_key *other = base ? deck_key_find(base, key->name) : NULL;
+  return other && other->kind == key->kind && strcmp(other->meaning, key->meaning) == 0;
+}
+
+/* One row for all keys of the base. */
+static void print_repeated(FILE *out, const deck_table *table, const deck_table *base) {
+  const deck_key *key;
+  fprintf(out, "| the same as in [`%s`](#%s) | | | | |", base->name, base->name);
+  for (size_t k = 0; (key = deck_key_at(table, k)); k++)
+    if (repeats(base, key)) fprintf(out, " `%s`", key->name);
+  fprintf(out, " |\n");
+}
+
 void deck_keys_print(FILE *out) {
   for (size_t t = 0; t < deck_table_count; t++) {
-    const deck_table *table = deck_tables[t];
+    const deck_table *table = deck_tables[t], *base = base_of(table);
     fprintf(out,
             "### %s\n\n%s\n\n| key | type | range | unit | default | meaning |\n|---|---|---|---|---|---|\n",
             table->name, table->meaning);
     const deck_key *key;
-    for (size_t k = 0; (key = deck_key_at(table, k)); k++) print_key(out, key);
+    for (size_t k = 0; (key = deck_key_at(table, k)); k++)
+      if (!repeats(base, key)) print_key(out, key);
+    if (base) print_repeated(out, table, base);
     fprintf(out, "\n");
     for (size_t k = 0; (key = deck_key_at(table, k)); k++) {
-      if (!key->words || !key->words[0].keys) continue;
+      if (!key->words || !key->words[0].keys || repeats(base, key)) continue;
       char heading[96];
       size_t n = strlen(table->name) - !table->one; /* "walls": "wall type" */
       snprintf(heading, sizeof heading, "%.*s type", (int)n, table->name);
