@@ -8,18 +8,20 @@
 #include <sys/stat.h>
 
 #include "app/app.h"
-#include "base/guess.h"
 #include "base/text.h"
 #include "io/store/file.h"
+
+#define FORMAT_NAMES "h5md3d|lammps-dump|lammps-data|extxyz|vtk|csv"
 
 static const struct format {
   const char *name, *ending;
   bool single; /* one frame: the last, where none is chosen */
+  bool folder;
   export_writer *write;
 } formats[] = {
-    {"h5md3d", "h5md", false, export_h5md},     {"lammps-dump", "dump", false, export_dump},
-    {"lammps-data", "data", true, export_data}, {"extxyz", "extxyz", false, export_xyz},
-    {"vtk", "vtk", false, export_vtk},          {"csv", "tables", false, export_csv},
+    {"h5md3d", "h5md", false, false, export_h5md},     {"lammps-dump", "dump", false, false, export_dump},
+    {"lammps-data", "data", true, false, export_data}, {"extxyz", "extxyz", false, false, export_xyz},
+    {"vtk", "vtk", false, true, export_vtk},           {"csv", "tables", false, true, export_csv},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
@@ -28,8 +30,8 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"to", 0, OPTION_TEXT, offsetof(arguments, format), 0, 0, NULL, "FORMAT",
-     "h5md3d, lammps-dump, lammps-data, extxyz, vtk or csv"},
+    {"to", 0, OPTION_CHOICE, offsetof(arguments, format), 0, 0, NULL, FORMAT_NAMES,
+     "what it is written as; must be given"},
     {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL, "OUT",
      "file, or folder of vtk and csv; by default the name of FILE with the format's ending, in the current "
      "folder"},
@@ -51,7 +53,10 @@ const command_line app_export_line = {
             "  lammps-data  one frame as the start of a run of LAMMPS\n"
             "  extxyz       extended XYZ: OVITO, ASE\n"
             "  vtk          folder with vtp files and pvd lists of disks, contacts, walls: ParaView, VTK\n"
-            "  csv          folder with tables of disks, contacts, series\n"};
+            "  csv          folder with tables of disks, contacts, series\n",
+    .examples = "slipdisk export deck.h5 --to csv                        # the folder deck.tables\n"
+                "slipdisk export deck.h5 --to vtk --frames ::10          # every tenth frame, for ParaView\n"
+                "slipdisk export deck.h5 --to lammps-data -o start.data  # the last frame\n"};
 
 /* --- frames ---------------------------------------------------------------------------------------------- */
 
@@ -141,21 +146,9 @@ static sd_status find_types(export_job *job) {
 static int parse(int argc, char **argv, arguments *a, const struct format **format) {
   int mistake = options_parse(&app_export_line, argc, argv, a);
   if (mistake) return mistake;
-  if (!a->format)
-    return app_misuse("export",
-                      "which format is not said; expected --to h5md3d, lammps-dump, lammps-data, extxyz, "
-                      "vtk or csv");
-  guess near = guess_start(a->format);
-  for (size_t k = 0; k < FORMATS; k++) {
-    guess_add(&near, formats[k].name);
+  for (size_t k = 0; a->format && k < FORMATS; k++)
     if (strcmp(formats[k].name, a->format) == 0) *format = &formats[k];
-  }
-  if (*format) return 0;
-  return app_misuse("export",
-                    "--to %s: there is no such format%s%s%s; expected h5md3d, lammps-dump, lammps-data, "
-                    "extxyz, vtk or csv",
-                    a->format, near.best ? " (did you mean " : "", near.best ? near.best : "",
-                    near.best ? "?)" : "");
+  return *format ? 0 : app_misuse("export", "the format is not said; expected --to %s", FORMAT_NAMES);
 }
 
 static bool is_same_file(const char *a, const char *b) {
@@ -164,7 +157,9 @@ static bool is_same_file(const char *a, const char *b) {
 }
 
 /* The file that is read is not to be written over. */
-static sd_status check_output(const export_job *job) {
+static sd_status check_output(const export_job *job, const struct format *format) {
+  if (!format->folder && file_is_folder(job->out))
+    return sd_fail(job->messages, SD_ERROR_USER, "-o %s is a folder; expected the name of a file", job->out);
   bool same = is_same_file(job->out, job->f->path) || is_same_file(job->out, job->source);
   for (size_t k = 0; k < job->f->n_sources; k++)
     same = same || is_same_file(job->out, job->f->sources[k].path);
@@ -204,7 +199,7 @@ static sd_status export(const arguments *a, const struct format *format, sd_mess
   if (status == SD_OK) status = options_range(range, count, a->name, &job.range, messages);
   if (status == SD_OK && format->single) status = check_single(&job, format->name, a);
   job.m = f.constants;
-  if (status == SD_OK) status = check_output(&job);
+  if (status == SD_OK) status = check_output(&job, format);
   if (status == SD_OK) status = find_types(&job);
   if (status == SD_OK) status = format->write(&job);
   if (status == SD_OK) tell(&job);

@@ -67,6 +67,10 @@ static void make_elements(const export_job *job, h5_file *file) {
     h5_link(file, path_of(clock, "position", "step"), path_of(path, name, "step"));
     h5_link(file, path_of(clock, "position", "time"), path_of(path, name, "time"));
   }
+  /* MDAnalysis reads three elements of particles, and all observables, into Timestep.data */
+  h5_link(file, GROUP "/angle", "/observables/angle");
+  h5_link(file, GROUP "/angular_velocity", "/observables/angular_velocity");
+  h5_link(file, GROUP "/activity", "/observables/activity");
 }
 
 static void put_column(h5_file *file, const char *name, sd_type type, size_t n, const void *data,

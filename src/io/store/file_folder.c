@@ -28,18 +28,21 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
   /* an empty folder of this name gives way to the new one */
   if (file_exists(f->path) && (rmdir(f->path) != 0 || mkdir(f->path, 0777) != 0))
     return sd_fail(messages, SD_ERROR_USER, "%s is there already: remove it, or name another", f->path);
-  for (int attempt = 0; attempt < 8 && !f->draft; attempt++) {
+  sd_status status = SD_ERROR_IO;
+  for (int attempt = 0;; attempt++) {
     uint64_t bits = (uint64_t)getpid();
     ssize_t got = getrandom(&bits, sizeof bits, GRND_NONBLOCK);
     (void)got; /* without it the process number has to do */
     f->draft = format_text("%s.%016" PRIx64 ".tmp", f->path, bits);
     if (!f->draft) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
     if (mkdir(f->draft, 0777) == 0) return SD_OK;
+    bool taken = errno == EEXIST && attempt < 8;
+    if (!taken) status = file_make_folder(f->draft, messages); /* says why it cannot be made */
+    if (status == SD_OK) return SD_OK;
     free(f->draft);
     f->draft = NULL;
-    if (errno != EEXIST) break;
+    if (!taken) return status;
   }
-  return fail(messages, "make folder", f->path);
 }
 
 FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messages) {
