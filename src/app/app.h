@@ -45,6 +45,7 @@ typedef struct drive_options {
   const char *log;   /* file for progress lines, or NULL */
   long threads;      /* 0: chosen from the size of the system */
   bool force, quiet, verbose;
+  bool live;                                               /* shown in a browser while it runs */
   void (*failed)(void *user, const sd_messages *messages); /* may be NULL; told why a run failed */
   void *user;
 } drive_options;
@@ -72,6 +73,15 @@ typedef struct drive_options {
        " is not a number of threads",                                                                        \
        "N",                                                                                                  \
        "threads; by default as many as the number of disks is worth"},                                       \
+      {"live",                                                                                               \
+       0,                                                                                                    \
+       OPTION_FLAG,                                                                                          \
+       offsetof(arguments, drive.live),                                                                      \
+       0,                                                                                                    \
+       0,                                                                                                    \
+       NULL,                                                                                                 \
+       NULL,                                                                                                 \
+       "show the run in a browser on this machine, at the address that is printed"},                         \
   {                                                                                                          \
     "log", 0, OPTION_PATH, offsetof(arguments, drive.log), 0, 0, NULL, "FILE",                               \
         "append progress and result to a file"                                                               \

@@ -15,6 +15,7 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "app/app.h"
+#include "app/live.h"
 #include "io/store/file.h"
 #include "run/session.h"
 #include "run/simulation_private.h"
@@ -26,6 +27,7 @@ typedef struct teller {
   bool terminal, line_open;
   FILE *log;
   double began, told_at; /* plain lines */
+  live *page;            /* NULL: not asked for */
 } teller;
 
 /* Plain lines come often at first, then each after a quarter of the time so far. */
@@ -153,6 +155,20 @@ static void tell_start(teller *t, const drive_options *options, const sd_model *
   }
 }
 
+/* A page that cannot be shown is no reason not to run. */
+static void open_page(teller *t, const sd_model *model, const char *result) {
+  sd_messages *why = app_messages();
+  if (live_open(model, result, &t->page, why) == SD_OK) fprintf(stderr, "live: %s\n", live_address(t->page));
+  for (size_t k = 0; k < sd_messages_count(why); k++)
+    fprintf(stderr, "warning: %s; the run goes on without\n", sd_messages_text(why, k));
+  sd_messages_free(why);
+}
+
+static void look(void *user, sd_simulation *simulation) {
+  teller *t = user;
+  if (t->page) live_look(t->page, simulation);
+}
+
 /* True: the result is in doubt. */
 static bool warn_of_doubts(const session *s, sd_messages *messages) {
   const summary *found = session_summary(s);
@@ -198,6 +214,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .force = options->force,
                          .stop = &app_stop,
                          .progress = show,
+                         .look = options->live ? look : NULL,
                          .user = t};
   session *s;
   sd_model_advise(model, messages);
@@ -211,8 +228,10 @@ static int run_session(const sd_model *model, const drive_options *options, tell
     return status;
   }
   tell_start(t, options, model, s);
+  if (options->live && !session_was_finished(s)) open_page(t, model, options->result);
   sd_messages *later = app_messages();
   status = session_run(s, later);
+  live_close(t->page);
   bool in_doubt = status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);
   tell_messages(t, later);
   if (status != SD_OK && status != SD_INTERRUPTED && options->failed) options->failed(options->user, later);

@@ -19,23 +19,28 @@ static const option_row rows[] = {
      "frames of a FILE, as slices in Python: 5, -1:, ::10; by default at most 500, evenly chosen"},
     {"define", 'D', OPTION_LIST, offsetof(view_options, overrides), 0, 0, NULL, "PATH=VALUE",
      "set a key of the DECK, as in -D gravity.tilt=0.1; may be repeated"},
+    {"live", 0, OPTION_FLAG, offsetof(view_options, live), 0, 0, NULL, NULL,
+     "run the DECK in memory, and show it as it goes, at the address that is printed"},
+    {"threads", 0, OPTION_NUMBER, offsetof(view_options, threads), 1, 4096, " is not a number of threads",
+     "N", "threads of the run; by default as many as the number of disks is worth"},
 };
-const command_line app_view_line = {.name = "view",
-                                    .n = sizeof rows / sizeof *rows,
-                                    .rows = rows,
-                                    .operand = OPERAND_RESULT,
-                                    .offset = offsetof(view_options, name),
-                                    .optional = false,
-                                    .operands = "FILE|DECK",
-                                    .summary = "Makes a page that shows a run in a browser",
-                                    .more = "Of a DECK it shows how it begins, with all bodies that overlap. "
-                                            "The page needs nothing beside it, and\n"
-                                            "no network.\n",
-                                    .examples =
-                                        "slipdisk view deck.h5   # makes deck.html\n"
-                                        "slipdisk view deck.h5 --frames=-1: -o last.html   # the last frame\n"
-                                        "slipdisk view deck.cfg   # how the deck begins: deck.start.html\n"
-                                        "slipdisk view deck.h5 --open   # in the browser\n"};
+const command_line app_view_line = {
+    .name = "view",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_RESULT,
+    .offset = offsetof(view_options, name),
+    .optional = false,
+    .operands = "FILE|DECK",
+    .summary = "Makes a page that shows a run in a browser",
+    .more = "Of a DECK it shows how it begins, with all bodies that overlap. "
+            "The page needs nothing beside it, and\n"
+            "no network.\n",
+    .examples = "slipdisk view deck.h5   # makes deck.html\n"
+                "slipdisk view deck.h5 --frames=-1: -o last.html   # the last frame\n"
+                "slipdisk view deck.cfg   # how the deck begins: deck.start.html\n"
+                "slipdisk view deck.h5 --open   # in the browser\n"
+                "slipdisk view deck.cfg --live   # runs it, and shows it as it goes\n"};
 
 /* A result, its folder or a checkpoint; anything else is read as a deck. */
 static bool is_result(const char *name) {
@@ -56,8 +61,7 @@ static bool is_same(const char *a, const char *b) {
   return stat(a, &one) == 0 && stat(b, &two) == 0 && one.st_dev == two.st_dev && one.st_ino == two.st_ino;
 }
 
-/* The browser is not waited for. */
-static sd_status open_browser(const char *path, sd_messages *messages) {
+sd_status view_open(const char *path, sd_messages *messages) {
   extern char **environ;
   char *const words[] = {"xdg-open", (char *)path, NULL};
   pid_t child;
@@ -77,6 +81,13 @@ static sd_status open_browser(const char *path, sd_messages *messages) {
 static sd_status view(const view_options *o, sd_messages *messages) {
   char *path = NULL;
   bool result = is_result(o->name), made = false;
+  if (o->live && (result || o->output || o->frames))
+    return (sd_status)app_misuse("view",
+                                 result ? "--live runs a deck; %s is a result"
+                                        : "--live of %s writes no page: no -o and no --frames",
+                                 o->name);
+  if (o->live) return view_live(o, messages);
+  if (o->threads > 0) return (sd_status)app_misuse("view", "--threads: nothing is run without --live");
   if (result && o->overrides.n > 0)
     return (sd_status)app_misuse("view", "-D sets keys of a deck; %s is a result", o->name);
   if (!result && o->frames) return (sd_status)app_misuse("view", "--frames: %s is no result", o->name);
@@ -86,7 +97,7 @@ static sd_status view(const view_options *o, sd_messages *messages) {
   if (made) app_line(stdout, "page: %s (%.3g MB)", path, (double)file_size(path) / 1e6);
   if (made && o->open) {
     fflush(stdout);
-    sd_status opened = open_browser(path, messages);
+    sd_status opened = view_open(path, messages);
     if (status == SD_OK) status = opened;
   }
   free(path);

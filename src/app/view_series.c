@@ -92,31 +92,57 @@ static const char *section_of(const observable *o, bool energy) {
   return strstr(o->name, "contacts") || strcmp(o->name, "outside") == 0 ? "contacts" : "region";
 }
 
-void view_series_describe(json_t *meta, const observable *o, bool energy, const char *name) {
+static void describe(json_t *meta, const observable *o, bool energy, const char *name) {
   json_array_append_new(json_object_get(meta, "series"),
                         json_pack("{s:o, s:s, s:s, s:s}", "name", json_text(name), "unit", o->unit,
                                   "description", o->meaning, "section", section_of(o, energy)));
 }
 
-/* Names of the elements of a quantity, one per line or as numbers, to be freed; an unfinished run's are its model's. */
-static char *element_name(const reader *r, const observable *o, size_t k) {
-  const sd_model *m = r->f->constants;
+/* Number of the body that element k of a quantity is about, as the file says it, else as the model does; UINT32_MAX: none. */
+static uint32_t element_body(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
+  bool watched = o->width == OBSERVABLE_WATCHED, chosen = o->width == OBSERVABLE_CHOSEN;
   uint32_t body = UINT32_MAX;
-  if (o->width == OBSERVABLE_WALLS) body = (uint32_t)(m->n_disks + k);
-  const char *path = o->width == OBSERVABLE_WATCHED  ? "/observables/watched_disks"
-                     : o->width == OBSERVABLE_CHOSEN ? "/observables/contact_disks"
-                                                     : NULL;
-  if (path && h5_exists(r->f->base, path)) h5_get_rows(r->f->base, path, SD_U32, k, 1, &body, NULL);
-  if (path && body == UINT32_MAX && o->width == OBSERVABLE_WATCHED && k < m->n_rotations)
-    body = m->rotations[k];
-  if (path && body == UINT32_MAX && o->width == OBSERVABLE_CHOSEN && k < m->n_contact_disks)
-    body = m->contact_disks[k];
-  if (o->width == OBSERVABLE_GROUPS && k < m->n_groups) return format_text("%s", m->groups[k]);
-  const char *name = body < m->n_disks           ? m->disks[body].name
-                     : body < sd_model_bodies(m) ? m->walls[body - m->n_disks].name
-                                                 : NULL;
-  if (name) return format_text("%s", name);
-  return format_text("%" PRIu32, body < m->n_disks ? body : (uint32_t)k);
+  if (o->width == OBSERVABLE_WALLS) return (uint32_t)(m->n_disks + k);
+  if (!watched && !chosen) return body;
+  const char *path = watched ? "/observables/watched_disks" : "/observables/contact_disks";
+  if (file && h5_exists(file, path)) {
+    h5_get_rows(file, path, SD_U32, k, 1, &body, NULL);
+    return body;
+  }
+  if (watched && k < m->n_rotations) body = m->rotations[k];
+  if (chosen && k < m->n_contact_disks) body = m->contact_disks[k];
+  return body;
+}
+
+/* "contacts", "angle[upper]", "wall_force_x[3]"; to be freed. */
+static char *series_name(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
+  if (o->width == 1) return format_text("%s", o->name);
+  uint32_t body = element_body(m, file, o, k);
+  const char *name = NULL;
+  if (o->width == OBSERVABLE_GROUPS && k < m->n_groups) name = m->groups[k];
+  if (body < m->n_disks) name = m->disks[body].name;
+  if (body >= m->n_disks && body < sd_model_bodies(m)) name = m->walls[body - m->n_disks].name;
+  if (name) return format_text("%s[%s]", o->name, name);
+  return format_text("%s[%" PRIu32 "]", o->name, body < m->n_disks ? body : (uint32_t)k);
+}
+
+bool view_series_each(const sd_model *m, json_t *meta, view_series_visitor *visit, void *user) {
+  const observable_list *lists[] = {&energy_observables, &series_observables};
+  size_t column = 2; /* behind step and time */
+  for (size_t l = 0; l < 2; l++)
+    for (const observable *o = lists[l]->rows; o < lists[l]->rows + lists[l]->n; o++) {
+      if (o->when && !o->when(m)) continue;
+      size_t width = observable_width(o, m);
+      for (size_t k = 0; k < width && k < MOST_ELEMENTS; k++) {
+        char *name = series_name(m, NULL, o, k);
+        if (!name) return false;
+        if (meta) describe(meta, o, l == 0, name);
+        if (visit) visit(user, o, column, k, name);
+        free(name);
+      }
+      column++;
+    }
+  return true;
 }
 
 static void add_series(reader *r, view_chunk *c, json_t *meta, const observable *o, bool energy) {
@@ -129,15 +155,13 @@ static void add_series(reader *r, view_chunk *c, json_t *meta, const observable 
   if (!there || r->status != SD_OK) return;
   double *values = read_all(r, path, width);
   for (size_t k = 0; r->status == SD_OK && k < width && k < MOST_ELEMENTS; k++) {
-    char *element = o->width == 1 ? NULL : element_name(r, o, k);
-    char *name = element ? format_text("%s[%s]", o->name, element) : format_text("%s", o->name);
+    char *name = series_name(r->f->constants, r->f->base, o, k);
     if (name) {
       view_chunk_add(c, name, VIEW_EXACT, SD_F64, values + k, r->kept, width);
-      view_series_describe(meta, o, energy, name);
+      describe(meta, o, energy, name);
     } else {
       c->failed = true;
     }
-    free(element);
     free(name);
   }
   free(values);

@@ -241,6 +241,7 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
     status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
   if (status == SD_OK && record_bytes(&s->rows) > most_bytes) status = seal(s, messages);
   if (status == SD_OK) session_report(s, false);
+  if (status == SD_OK && s->options.look) s->options.look(s->options.user, s->simulation);
   return status;
 }
 

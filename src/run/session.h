@@ -41,6 +41,7 @@ typedef struct session_options {
   bool force;         /* start over, whatever is there; an old result stays until the new one replaces it */
   const volatile sig_atomic_t *stop; /* may be NULL; when it becomes true the run stops at a checkpoint */
   void (*progress)(void *user, const session_progress *progress); /* may be NULL; about 5 times a second */
+  void (*look)(void *user, sd_simulation *simulation); /* may be NULL; between pieces of steps; reads only */
   void *user;
 } session_options;
 
