@@ -18,7 +18,7 @@ from .plot_packing import forces, gr, map, means, network, profile  # noqa: A004
 from .plot_scene import extent
 from .plot_series import (compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
                           paths, rotation, spin, strain, stress, walls)
-from .plot_source import QUANTITIES, Source
+from .plot_source import QUANTITIES, Source, usual_quantity
 from .plot_sweep import Curves, curve, theory
 from .sweep import Sweep
 
@@ -98,7 +98,7 @@ def _map_size(source, k, bar):
     (x0, x1), (y0, y1) = extent(source, [k])
     aspect = float(np.clip((y1 - y0) / (x1 - x0), 0.2, 3))
     width = 6.0 if aspect < 1 else 6.0 / aspect
-    return max(width, 2.2) + bar, max(width, 2.2) * aspect + 0.7
+    return max(width, 2.2) + bar, max(width, 2.2) * aspect + (1.5 if bar and aspect < 0.5 else 0.7)
 
 
 def _scene(draw, bar, *names):
@@ -129,7 +129,7 @@ def _stress(source, o):
 
 def _profile(source, o):
     color = o.color if o.color in QUANTITIES and o.color not in ("contacts", "fraction", "group") else None
-    turning = color or next(name for name in ("omega", "turned", "spin") if not QUANTITIES[name].lacks(source))
+    turning = color or usual_quantity(source)
     return [[(lambda of: lambda ax: profile(source, ax, of=of, frame=o.frame, first=o.first))(of)
              for of in ("fraction", "contacts", turning)]], 7.0, 4.0
 
@@ -197,6 +197,8 @@ def _draw(place, panels):
         for ax in row[1:]:  # heights are told once
             if ax.get_ylabel() == row[0].get_ylabel():
                 ax.set_ylabel("")
+                row[0].set_ylim(min(ax.get_ylim()[0], row[0].get_ylim()[0]), max(ax.get_ylim()[1], row[0].get_ylim()[1]))
+                ax.sharey(row[0])
 
 
 def _columns(parts):
@@ -253,7 +255,7 @@ def page_of_sweep(sweep, options):
 
 class Options(argparse.Namespace):
     """frame, time, color, first, size, x, quantity: what `page` understands."""
-    frame, time, color, first, size, x, quantity, dark = -1, None, None, 0, None, None, None, False
+    frame, time, color, first, size, x, quantity, dark = None, None, None, 0, None, None, None, False
 
 
 def page(path, kinds=None, **options):
@@ -355,7 +357,7 @@ def main(words=None):
     parser.add_argument("file")
     parser.add_argument("--output")
     parser.add_argument("--kind", action="append")
-    parser.add_argument("--frame", type=int, default=-1)
+    parser.add_argument("--frame", type=int)
     parser.add_argument("--time", type=span)
     parser.add_argument("--color")
     parser.add_argument("--quantity")

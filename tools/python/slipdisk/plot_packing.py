@@ -4,7 +4,7 @@ from matplotlib.lines import Line2D
 
 from . import library as lib
 from . import plot_style as style
-from .plot_scene import Scene, sliding_colour
+from .plot_scene import Scene, in_reach, sliding_colour
 from .plot_source import QUANTITIES, Source
 from .plot_style import axes_of, guide, label
 
@@ -12,10 +12,12 @@ from .plot_style import axes_of, guide, label
 def _named(ax, source, k):
     ax.set_xlabel(label("$x$", "length"))
     ax.set_ylabel(label("$y$", "length"))
-    ax.set_title(f"t = {source.frame_times[k]:.6g}", fontsize=9)
+    inside = in_reach(source.place(k), source.radius, ax.get_xlim(), ax.get_ylim())
+    beyond = int((source.in_play(k) & ~inside).sum())
+    ax.set_title(f"t = {source.frame_times[k]:.6g}" + (f" ({beyond} disk{'s' * (beyond > 1)} outside the picture)" if beyond else ""), fontsize=9)
 
 
-def map(result, ax=None, *, frame=-1, color=None, network=False, first=0):
+def map(result, ax=None, *, frame=None, color=None, network=False, first=0):
     """Disks of a frame coloured by a quantity: omega, turned, spin, speed, vx, vy, moved, radius, contacts, pressure, fraction,
     group; by default what the file has of the first three. `first`: the frame from which angles and distances count."""
     source, ax = Source.of(result), axes_of(ax)
@@ -23,12 +25,12 @@ def map(result, ax=None, *, frame=-1, color=None, network=False, first=0):
     scene = Scene(source, ax, [k], color, network, source.frame_number(first)).show(k)
     bar = scene.colour_bar()
     if scene.one.name in ("turned", "moved"):
-        bar.set_label(f"{bar.ax.get_ylabel()} since t = {source.frame_times[source.frame_number(first)]:.6g}")
+        bar.set_label(f"{bar.ax.get_ylabel() or bar.ax.get_xlabel()} since t = {source.frame_times[source.frame_number(first)]:.6g}")
     _named(ax, source, k)
     return ax
 
 
-def network(result, ax=None, *, frame=-1):
+def network(result, ax=None, *, frame=None):
     """Contacts of a frame as lines as wide as the normal force; sliding ones in another colour."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
@@ -54,7 +56,7 @@ def _merged(values, m):
     return values[:n].reshape(-1, m).mean(1)
 
 
-def forces(result, ax=None, *, frame=-1):
+def forces(result, ax=None, *, frame=None):
     """Densities of the normal forces (and tangential ones) over their means, with the counting error; the dashed line is e^-f."""
     source, ax = Source.of(result), axes_of(ax)
     tables = source.measured(source.frame_number(frame))
@@ -83,7 +85,7 @@ def forces(result, ax=None, *, frame=-1):
     return ax
 
 
-def gr(result, ax=None, *, frame=-1):
+def gr(result, ax=None, *, frame=None):
     """Pair correlation function, over the mean diameter."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
@@ -103,7 +105,7 @@ def gr(result, ax=None, *, frame=-1):
 
 
 # --- profiles -------------------------------------------------------------------------------------------------------------
-def profile(result, ax=None, *, of="fraction", frame=-1, bins=None, first=0):
+def profile(result, ax=None, *, of="fraction", frame=None, bins=None, first=0):
     """Means over layers of height with their standard errors: "fraction" (area of disks over that of their closed cells),
     "contacts" per disk, or a quantity of `map`."""
     source, ax = Source.of(result), axes_of(ax)
@@ -115,7 +117,7 @@ def profile(result, ax=None, *, of="fraction", frame=-1, bins=None, first=0):
     up = -g / np.hypot(*g) if np.hypot(*g) > 0 else np.array([0.0, 1.0])
     height = disks["x"] * up[0] + disks["y"] * up[1]
     diameter = 2 * float(disks["radius"][free].mean())
-    bins = bins or int(np.clip(np.ptp(height[free]) / (1.5 * diameter), 3, 40))
+    bins = bins or int(np.clip(np.ptp(height[free]) / diameter, 3, 40))
     edges = np.linspace(height[free].min(), height[free].max() * (1 + 1e-12) + 1e-300, bins + 1)
     layer = np.clip(np.digitize(height, edges) - 1, 0, bins - 1)
     middle = (edges[1:] + edges[:-1]) / 2

@@ -8,13 +8,34 @@ from . import plot_style as style
 from .plot_source import CIRCLE, LINE, Source, quantity
 
 
+def _trimmed(place, radius):
+    """Which disks are not strays: few (5 %) that are ten diameters away from the rest."""
+    keep = np.ones(len(place), bool)
+    gap, most = 20 * float(np.median(radius)), len(place) // 20
+    for axis in range(2):
+        order = np.argsort(place[:, axis])
+        wide = np.flatnonzero(np.diff(place[order, axis]) > gap)
+        for after in wide[wide < most]:
+            keep[order[:after + 1]] = False
+        for after in wide[wide >= len(order) - 1 - most]:
+            keep[order[after + 1:]] = False
+    return keep
+
+
+def in_reach(place, radius, xlim, ylim):
+    """Which disks are seen within these limits."""
+    return ((place + radius[:, None] > [xlim[0], ylim[0]]) & (place - radius[:, None] < [xlim[1], ylim[1]])).all(1)
+
+
 def extent(source, ks):
     """((x0, x1), (y0, y1)) that shows the disks of these frames, and round walls about them."""
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for k in ks:
         here = source.in_play(k)
         if here.any():
-            place, radius = source.place(k)[here], source.radius[here][:, None]
+            place, radius = source.place(k)[here], source.radius[here]
+            keep = _trimmed(place, radius)
+            place, radius = place[keep], radius[keep][:, None]
             low, high = np.minimum(low, (place - radius).min(0)), np.maximum(high, (place + radius).max(0))
         for kind, points, radius, _ in source.walls(k):
             if kind == CIRCLE:
@@ -67,15 +88,10 @@ class Scene:
         ax.set_xlim(*(reach := extent(self.source, ks))[0])
         ax.set_ylim(*reach[1])
         ax.set_aspect("equal")
-        scale = points_per_length(ax)
-        size = 2 * float(np.median(self.source.radius)) * scale
-        self.thick = max(size, 1.0)
-        self.line = min(0.09 * self.thick, 2.0)  # points, of the mean force
         self.ends = "neither"
-        edge = float(np.clip(0.04 * size, 0.0, 0.7))
         colours = {"edgecolors": style.faint(), "facecolors": ax.get_facecolor()} if plain else {"edgecolors": "#404040"}
         self.disks = EllipseCollection([], [], [], units="xy", offsets=np.empty((0, 2)), transOffset=ax.transData, zorder=2,
-                                       linewidths=edge, **colours)
+                                       **colours)
         if not plain:
             sample = ks if len(ks) <= 20 else [ks[i] for i in np.linspace(0, len(ks) - 1, 20).astype(int)]
             values = np.concatenate([self.one.of(self.source, k, first)[self.source.in_play(k)] for k in sample])
@@ -83,15 +99,25 @@ class Scene:
             self.disks.set_norm(self.norm)
             self.disks.set_cmap(cmap)
             self.disks.cmap = self.disks.cmap.with_extremes(bad="#B5B5B5")
-        self.radii = LineCollection([], colors=style.ink() if plain else "#202020", linewidths=max(edge, 0.3), zorder=3,
-                                    capstyle="butt")
-        self.with_marks = size > 5 if marks is None else marks
+        self.radii = LineCollection([], colors=style.ink() if plain else "#202020", zorder=3, capstyle="butt")
+        self.marks = marks
         self.walls = LineCollection([], colors=style.ink(), linewidths=1.3, zorder=1, capstyle="butt")
         self.forces = LineCollection([], zorder=4, capstyle="round")
         self.moving = [self.walls, self.disks, self.radii, self.forces]
         for artist in self.moving:
             ax.add_collection(artist, autolim=False)
         self.mean_force = None
+        self.resize()
+
+    def resize(self):
+        """Widths of lines, from the size of the disks in print."""
+        size = 2 * float(np.median(self.source.radius)) * points_per_length(self.ax)
+        edge = float(np.clip(0.04 * size, 0.0, 0.7))
+        self.thick = max(size, 1.0)
+        self.line = min(0.09 * self.thick, 2.0)  # points, of the mean force
+        self.with_marks = size > 5 if self.marks is None else self.marks
+        self.disks.set_linewidths(edge)
+        self.radii.set_linewidths(max(edge, 0.3))
 
     def show(self, k):
         """Moves all to frame k."""
@@ -181,9 +207,12 @@ class Scene:
         return ScalarMappable(self.norm, self.disks.cmap)
 
     def colour_bar(self):
-        """The bar beside the axes, as high as they are."""
-        one, beside = self.one, self.ax.inset_axes([1.03, 0, 0.035, 1])
-        bar = self.ax.figure.colorbar(self.mappable, cax=beside, label=style.label(one.text, one.unit), extend=self.ends)
+        """The bar beside the axes, as high as they are; below low ones."""
+        one = self.one
+        (x0, x1), (y0, y1) = self.ax.get_xlim(), self.ax.get_ylim()
+        low = y1 - y0 < 0.5 * (x1 - x0)
+        where = {"ax": self.ax, "location": "bottom", "aspect": 50} if low else {"cax": self.ax.inset_axes([1.03, 0, 0.035, 1])}
+        bar = self.ax.figure.colorbar(self.mappable, label=style.label(one.text, one.unit), extend=self.ends, **where)
         if one.kind == "groups":
             bar.set_ticks(range(len(self.source.groups)), labels=self.source.groups)
         elif one.name in ("contacts",):

@@ -271,10 +271,10 @@ def stress(result, ax=None, *, time=None):
 
 
 def strain(result, ax=None, *, time=None):
-    """Deviator over pressure against the strain of the height (measure.box and measure.stress)."""
+    """Deviator over pressure against the strain since the last phase began (measure.box and measure.stress)."""
     source, ax = Source.of(result), axes_of(ax)
     s, t = source.series, source.series["time"]
-    keep = within(t, time)
+    keep = within(t, time or (source.phases[-1][1] if len(source.phases) > 1 else None, None))
     xx, yy, xy = s["stress_xx"][keep], s["stress_yy"][keep], (s["stress_xy"] + s["stress_yx"])[keep] / 2
     p, q = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
     for k, (name, sign) in enumerate((("height", r"$\varepsilon_{yy}$"), ("width", r"$\varepsilon_{xx}$"))):

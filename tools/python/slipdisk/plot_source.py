@@ -104,9 +104,21 @@ class Source:
     def groups(self):
         return [line.split("\t")[1] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith("group\t")]
 
+    @functools.cached_property
+    def usual_frame(self):
+        """The last frame in which at least half of the disks are there that ever are: a hopper is empty at the end."""
+        if "activity" not in self.frames._names:
+            return self.n_frames - 1
+        count = (self.frames["activity"] == 0).sum(1)
+        return int(np.flatnonzero(2 * count >= count.max())[-1])
+
     # --- frames -------------------------------------------------------------------------------------------------
     def frame_number(self, frame):
-        """0 ... n - 1 of a number that may count from the end."""
+        """0 ... n - 1 of a number that may count from the end; None: the usual one."""
+        if not self.n_frames:
+            raise lib.UserError(f"{self.path}: there is no frame yet")
+        if frame is None:
+            return self.usual_frame
         number = frame + self.n_frames if frame < 0 else frame
         if not 0 <= number < self.n_frames:
             raise lib.UserError(f"{self.path}: there is no frame {frame}; it has {self.n_frames} frames")
@@ -246,10 +258,19 @@ QUANTITIES = {quantity.name: quantity for quantity in (
 )}
 
 
+def usual_quantity(source):
+    """Rotation as the file has it; pressures where nothing turns."""
+    if not QUANTITIES["omega"].lacks(source):
+        return "omega"
+    if not np.ptp(source.frame("angle", source.n_frames - 1) - source.frame("angle", 0)):
+        return "pressure"
+    return "spin" if QUANTITIES["turned"].lacks(source) else "turned"
+
+
 def quantity(source, name=None):
     """The quantity of this name; without one what is worth seeing in this file."""
     if name is None:
-        name = next(one for one in ("omega", "turned", "spin") if not QUANTITIES[one].lacks(source))
+        name = usual_quantity(source)
     if name not in QUANTITIES:
         raise lib.unknown(name, list(QUANTITIES), "the quantities that colour disks")
     missing = QUANTITIES[name].lacks(source)

@@ -15,7 +15,7 @@ DIVERGING, SEQUENTIAL = "RdBu_r", "viridis"
 ENDINGS = (".png", ".svg", ".pdf")
 LOOK = {
     "font.family": ["DejaVu Sans"], "font.size": 9, "axes.labelsize": 9.5, "axes.titlesize": 10, "legend.fontsize": 8.5,
-    "axes.linewidth": 0.7, "lines.linewidth": 1.2, "lines.markersize": 4, "legend.frameon": False,
+    "axes.linewidth": 0.7, "lines.linewidth": 1.2, "lines.markersize": 4, "legend.frameon": True, "legend.framealpha": 0.8, "legend.edgecolor": "none", "legend.fancybox": False,
     "errorbar.capsize": 2, "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
     "axes.prop_cycle": matplotlib.cycler(color=COLOURS), "pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "slipdisk",
     "axes.titlelocation": "left", "axes.spines.top": False, "axes.spines.right": False,

@@ -3,16 +3,27 @@ import concurrent.futures
 import os
 import warnings
 
+import h5py
+import matplotlib
 import numpy as np
 
 from . import library as lib
 from . import plot_style as style
+from .plot_source import Source
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_row
-from .result import Result
+from .result import Result, plain
 from .sweep import Sweep
 
-PREFERRED = ("omega_rms", "coordination", "z", "kinetic_translation")
+PREFERRED = ("omega_rms", "coordination")
+
+
+# Columns of frames.csv that a sweep can be drawn by, measured when asked for: (text, unit).
+MEASURED = {"z": ("contacts per disk $z$", "1"), "z_bearing": ("load-bearing contacts per disk", "1"),
+            "z_backbone": ("contacts per disk without rattlers $z$", "1"), "fraction": (r"packing fraction $\phi$", "1"),
+            "fraction_inside": (r"packing fraction $\phi$ of closed cells", "1"), "pressure": ("pressure $p$", "force/length"),
+            "deviator": ("deviator $q$", "force/length"), "anisotropy": ("anisotropy $a$", "1"), "mobilised_mean": (r"mean $|\tau|/\mu F_n$", "1"),
+            "unbalanced": ("unbalanced force", "1")}
 
 
 def keys(sweep):
@@ -21,6 +32,13 @@ def keys(sweep):
     names = means.dtype.names[1:means.dtype.names.index("replicas")]
     found = [name for name in names if len(np.unique(means[name][_known(means[name])])) > 1]
     return sorted(found, key=lambda name: -len(np.unique(means[name][_known(means[name])])))
+
+
+def unit(sweep, name):
+    """Unit of a column: of keys that are angles rad, of other keys none."""
+    with h5py.File(os.path.join(sweep.folder, "table.h5"), "r") as file:
+        path = plain(file["parameters"].attrs.get(name, ""))
+    return "rad" if path.endswith(("tilt", "phase", "angle")) else sweep.unit(name)
 
 
 def _known(column):
@@ -39,7 +57,21 @@ def default_quantity(sweep):
     for wanted in [name for name in names if name.endswith(".omega")] + list(PREFERRED):
         if wanted in names:
             return wanted
-    return next((name for name in names if name != "time"), names[0])
+    compressed = "packing_fraction" in next((result.series for _, result in sweep.results()), ())
+    return "z_backbone" if compressed else next((name for name in names if name != "time"), names[0])
+
+
+def measured(sweep, name):
+    """(means, errors) over replicas of a column of frames.csv of `slipdisk measure`, in the last state; nan where no point of a set
+    is done."""
+    table, sets = sweep.table, sweep.means["set"]
+    found = {}
+    for k in np.flatnonzero(table["status"] == "done"):
+        source = Source(sweep.path(str(table["name"][k])))
+        found.setdefault(int(table["set"][k]), []).append(float(source.measured(source.n_frames - 1)["frames"][name][0]))
+    values = np.array([np.mean(found[int(s)]) if int(s) in found else np.nan for s in sets])
+    errors = np.array([np.std(found[int(s)], ddof=1) / np.sqrt(len(found[int(s)])) if len(found.get(int(s), ())) > 1 else np.nan for s in sets])
+    return values, errors if np.isfinite(errors).any() else None
 
 
 def _error(means, name):
@@ -95,12 +127,13 @@ class Curves:
         if self.x not in all_keys:
             raise lib.unknown(self.x, all_keys, f"the keys that {sweep.folder} sweeps")
         self.y = quantity or default_quantity(sweep)
-        if self.y not in quantities(sweep):
-            raise lib.unknown(self.y, quantities(sweep), f"the quantities of {sweep.folder}")
+        own = quantities(sweep)
+        if self.y not in own and self.y not in MEASURED:
+            raise lib.unknown(self.y, [*own, *MEASURED], f"the quantities of {sweep.folder}")
         x_values = self.means[self.x]
         self.words = sorted(set(x_values.tolist())) if x_values.dtype.kind in "US" else None
         self.xs = np.array([self.words.index(v) for v in x_values], float) if self.words else x_values.astype(float)
-        self.pi = not self.words and _in_pi(self.xs[np.isfinite(self.xs)], sweep.unit(self.x))
+        self.pi = not self.words and _in_pi(self.xs[np.isfinite(self.xs)], unit(sweep, self.x))
         others = [name for name in all_keys if name != self.x]
         groups = {}
         for row in range(len(self.means)):
@@ -110,16 +143,17 @@ class Curves:
         self.groups = [(self._text(name), np.array(sorted(rows, key=lambda r: self.xs[r]))) for name, rows in groups.items()]
         useful = [(name, rows) for name, rows in self.groups if np.isfinite(self.xs[rows]).sum() > 1]
         self.groups = useful or self.groups
-        self.values, self.errors = self.means[self.y].astype(float), _error(self.means, self.y)
-        finite = [np.abs(self.values[rows])[np.isfinite(self.values[rows])].max(initial=0) for _, rows in self.groups]
-        tops = [top for top in finite if top > 0]
-        self.apart = 1 < len(self.groups) <= 12 and len(tops) > 1 and max(tops) > 15 * min(tops)
+        self.values, self.errors = (self.means[self.y].astype(float), _error(self.means, self.y)) if self.y in own else measured(sweep, self.y)
+        noise = np.zeros(len(self.values)) if self.errors is None else np.nan_to_num(self.errors)
+        seen = np.where(np.abs(self.values) > 2 * noise, np.abs(self.values), 0.0)
+        tops = [top for top in (seen[rows].max(initial=0) for _, rows in self.groups) if top > 0]
+        self.apart = 1 < len(self.groups) <= 12 and len(tops) > 1 and max(tops) > 30 * min(tops)
 
     def _text(self, name):
         def one(key, value):
             if isinstance(value, str):
                 return f"{key} = {value}"
-            if self.sweep.unit(key) == "rad" and value and np.isclose(value / np.pi, np.round(value / np.pi, 4), atol=1e-9):
+            if unit(self.sweep, key) == "rad" and value and np.isclose(value / np.pi, np.round(value / np.pi, 4), atol=1e-9):
                 return rf"{key} = {np.round(value / np.pi, 4):g}$\pi$"
             return f"{key} = {value:.4g}"
         return ", ".join(one(*item) for item in name)
@@ -140,9 +174,9 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
         if only is not None and k != only:
             continue
         good = rows[np.isfinite(c.values[rows]) & np.isfinite(c.xs[rows])]
-        colour = style.colour(k)
+        colour = style.colour(k) if len(c.groups) <= 7 else matplotlib.colormaps[style.SEQUENTIAL](0.92 * k / (len(c.groups) - 1))
         error = c.errors[good] if c.errors is not None else None
-        ax.errorbar(c.xs[good] / scale, c.values[good], None if error is None else np.nan_to_num(error), label=name or None,
+        ax.errorbar(c.xs[good] / scale, c.values[good], None if error is None else np.nan_to_num(error), label=(name or None) if only is None else None,
                     fmt=style.MARKERS[k % len(style.MARKERS)], color=colour, mfc=ax.get_facecolor(), lw=0.9, ms=4.5, gid=f"curve {k}",
                     ls="none" if rows_of_theory else "-")
         expected = [(c.xs[r] / scale, rows_of_theory[int(c.means["set"][r])]["mean"]) for r in rows
@@ -158,11 +192,11 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
         ax.set_xscale("log")
     if c.y.endswith((".omega", ".scaled")):
         guide(ax, y=0)
-    ax.set_xlabel(f"{c.x} / π" if c.pi else label(c.x, sweep.unit(c.x)))
+    ax.set_xlabel(f"{c.x} / π" if c.pi else label(c.x, unit(sweep, c.x)))
     names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
     disk, _, what = c.y.rpartition(".")
     text = f"{names[what]} of {disk}" if what in names else c.y.replace("_", " ")
-    ax.set_ylabel(label(text, sweep.unit(c.y)))
+    ax.set_ylabel(label(*MEASURED[c.y]) if c.y in MEASURED and c.y not in quantities(sweep) else label(text, sweep.unit(c.y)))
     if only is not None:
         ax.set_title(c.groups[only][0], fontsize=9)
         if drawn_theory and only == 0:
