@@ -185,6 +185,9 @@ const char *live_address(const live *l) { return l->address; }
 
 void live_close(live *l) {
   if (!l) return;
+  pthread_mutex_lock(&l->lock);
+  l->status.stopped = !l->status.finished;
+  pthread_mutex_unlock(&l->lock);
   double until = clock_seconds() + LINGER_SECONDS;
   while (l->server && is_present(l) && !atomic_load(&l->told_end) && clock_seconds() < until) {
     const struct timespec nap = {.tv_nsec = 20000000};

@@ -18,8 +18,8 @@ typedef struct live_frame {
 
 typedef struct live_status {
   int64_t step, steps, phase;
-  double time, rate; /* steps per second, lately */
-  bool finished;
+  double time, rate;      /* steps per second, lately */
+  bool finished, stopped; /* before its end */
 } live_status;
 
 enum { LIVE_TOKEN = 32 }; /* hexadecimal digits */

@@ -115,10 +115,10 @@ static answer get_status(live *l, connection *c) {
   live_status s = live_status_now(l);
   bool running = s.phase < (int64_t)l->model->n_phases;
   const char *phase = running ? l->model->phases[s.phase].name : NULL;
-  json_t *object =
-      json_pack("{s:I, s:I, s:f, s:f, s:s, s:b}", "step", (json_int_t)s.step, "steps", (json_int_t)s.steps,
-                "time", s.time, "rate", s.rate, "phase", phase ? phase : "", "finished", (int)s.finished);
-  if (s.finished) atomic_store(&l->told_end, true);
+  json_t *object = json_pack("{s:I, s:I, s:f, s:f, s:s, s:b, s:b}", "step", (json_int_t)s.step, "steps",
+                             (json_int_t)s.steps, "time", s.time, "rate", s.rate, "phase", phase ? phase : "",
+                             "finished", (int)s.finished, "stopped", (int)s.stopped);
+  if (s.finished || s.stopped) atomic_store(&l->told_end, true);
   answer a = of_json(object);
   json_decref(object);
   return a;

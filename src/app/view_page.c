@@ -70,10 +70,15 @@ static void write_base64(FILE *out, const unsigned char *bytes, size_t n) {
 sd_status view_page_add(view_page *p, const char *name, view_chunk *c, sd_messages *messages) {
   unsigned char *stream;
   size_t size;
+  FILE *out = p->file.out;
+  fprintf(out, "<script type=\"text/plain\" class=\"slipdisk-chunk\" data-name=\"%s\"", name);
+  const json_t *time = c->head ? json_object_get(c->head, "time") : NULL;
+  if (time)
+    fprintf(out, " data-time=\"%.17g\" data-step=\"%lld\"", json_number_value(time),
+            (long long)json_integer_value(json_object_get(c->head, "step")));
+  fputs(">", out);
   sd_status status = view_chunk_end(c, LEVEL, &stream, &size, messages);
   if (status != SD_OK) return status;
-  FILE *out = p->file.out;
-  fprintf(out, "<script type=\"text/plain\" class=\"slipdisk-chunk\" data-name=\"%s\">", name);
   write_base64(out, stream, size);
   fputs("</script>\n", out);
   free(stream);
