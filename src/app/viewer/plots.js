@@ -1,0 +1,186 @@
+/* plots.js: time series as plots, with a line at the time that is shown. */
+"use strict";
+
+const PLOT_COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a8a00", "#7f7f7f"];
+const PLOT_DASHES = [[], [6, 3], [2, 3]];
+
+function cssColor(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/* One plot: lines [{label, unit, title}], data [times, values...]; jump(t) when it is clicked. */
+class Plot {
+  constructor(parent, lines, data, jump, height = 150) {
+    this.parent = parent;
+    this.data = data;
+    this.marker = document.createElement("div");
+    this.marker.className = "plot-now";
+    const grid = { stroke: () => cssColor("--grid"), width: 1 };
+    const axis = { stroke: () => cssColor("--quiet"), grid, ticks: grid, font: "11px system-ui, sans-serif" };
+    const plain = (u, values) => values.map((v) => (v === null ? "" : formatNumber(v, 4)));
+    const options = {
+      width: Math.max(parent.clientWidth, 120),
+      height,
+      legend: { live: true },
+      cursor: { drag: { x: true, y: false }, points: { size: 6 } },
+      scales: { x: { time: false } },
+      axes: [
+        { ...axis, space: 70, size: 26, values: plain },
+        { ...axis, space: 28, size: 58, values: plain },
+      ],
+      series: [{ label: "t", value: (u, v) => formatNumber(v) }, ...lines.map((line, k) => Plot.line(line, k))],
+      hooks: { draw: [() => this.place()], setSize: [() => this.place()] },
+    };
+    this.plot = new uPlot(options, data, parent);
+    this.plot.over.append(this.marker);
+    this.plot.over.addEventListener("click", (event) => {
+      const box = this.plot.over.getBoundingClientRect();
+      if (this.plot.select.width < 3) jump(this.plot.posToVal(event.clientX - box.left, "x"));
+    });
+    this.observer = new ResizeObserver(() => this.resize());
+    this.observer.observe(parent);
+  }
+
+  static line(line, k) {
+    return {
+      label: line.label,
+      stroke: line.stroke || PLOT_COLORS[k % PLOT_COLORS.length],
+      dash: PLOT_DASHES[Math.floor(k / PLOT_COLORS.length) % PLOT_DASHES.length],
+      width: 1.5,
+      points: { show: false },
+      value: (u, v) => formatNumber(v, 5),
+    };
+  }
+
+  resize() {
+    const width = this.parent.clientWidth;
+    if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.plot.height });
+  }
+
+  setData(data) {
+    this.data = data;
+    this.plot.setData(data);
+  }
+
+  /* Moves the line, and tells the values there. */
+  setTime(t) {
+    this.time = t;
+    this.place();
+    const times = this.data[0];
+    if (times.length > 0 && !this.plot.over.matches(":hover")) this.plot.setLegend({ idx: nearestIndex(times, t) }, false);
+  }
+
+  place() {
+    if (this.time === undefined || !this.plot) return;
+    const left = this.plot.valToPos(this.time, "x");
+    const inside = left >= -1 && left <= this.plot.over.clientWidth + 1;
+    this.marker.style.display = inside ? "block" : "none";
+    this.marker.style.transform = `translateX(${left}px)`;
+  }
+
+  redraw() {
+    this.plot.redraw(false, true);
+  }
+
+  destroy() {
+    this.observer.disconnect();
+    this.plot.destroy();
+  }
+}
+
+/* Which series go into one plot: [{title, names}]; energies by their part in the budget, others by quantity. */
+function plotGroups(meta) {
+  const series = meta.series || [], budget = meta.budget || {}, groups = new Map();
+  const put = (title, s) => groups.set(title, [...(groups.get(title) || []), s]);
+  const stored = new Set(budget.stored), moved = new Set([...(budget.supplied || []), ...(budget.lost || [])]);
+  moved.delete("start");
+  for (const s of series) {
+    const base = s.name.replace(/\[.*\]$/, "");
+    if (s.section !== "energy") put(seriesTitle(s, base), s);
+    else if (stored.has(s.name)) put("Energy stored", s);
+    else if (moved.has(s.name)) put("Work and losses", s);
+    else if (s.name === budget.residual) put("Residual of the energy budget", s);
+  }
+  return [...groups].map(([title, list]) => ({ title, series: list }));
+}
+
+const SERIES_FAMILIES = [
+  [/^(sliding_)?contacts$/, "Contacts"], [/^stress_/, "Stress"], [/^kinetic_[xy]/, "Kinetic stress"],
+  [/^(width|height)$/, "Size of the region"],
+];
+
+function seriesTitle(series, base) {
+  const family = SERIES_FAMILIES.find(([pattern]) => pattern.test(base));
+  if (family) return family[1];
+  const words = base.replaceAll("_", " ");
+  return words[0].toUpperCase() + words.slice(1);
+}
+
+/* The plots of the side panel. Closed ones are made when they are opened. */
+class SeriesPlots {
+  constructor(parent, meta, chunk, jump) {
+    Object.assign(this, { parent, meta, jump });
+    this.columns = new Map();
+    this.open = [];
+    for (const name of ["time", ...(meta.series || []).map((s) => s.name)])
+      this.columns.set(name, chunk?.get(name) || new Float64Array(0));
+    plotGroups(meta).forEach((group, k) => this.addGroup(group, k < 3));
+  }
+
+  get rows() {
+    return this.columns.get("time").length;
+  }
+
+  addGroup(group, open) {
+    const shown = group.series.filter((s) => this.meta.kind === "live" || this.columns.get(s.name).some((v) => v !== 0));
+    if (shown.length === 0) return;
+    const unit = shown[0].unit && shown[0].unit !== "1" ? ` (${shown[0].unit})` : "";
+    const details = document.createElement("details"), summary = document.createElement("summary");
+    const place = document.createElement("div");
+    details.className = "plot";
+    summary.textContent = group.title + unit;
+    summary.title = shown.map((s) => `${s.name}: ${s.description}`).join("\n");
+    details.append(summary, place);
+    details.addEventListener("toggle", () => {
+      if (details.open) this.make(place, shown);
+    });
+    this.parent.append(details);
+    details.open = open;
+  }
+
+  make(place, shown) {
+    if (place.plot) return;
+    const prefix = shown.length > 1 && shown.every((s) => s.name.includes("["));
+    const lines = shown.map((s) => ({ label: prefix ? s.name.replace(/^.*\[(.*)\]$/, "$1") : s.name.replaceAll("_", " ") }));
+    place.plot = new Plot(place, lines, this.dataOf(shown), this.jump);
+    place.plot.shown = shown;
+    this.open.push(place.plot);
+    if (this.time !== undefined) place.plot.setTime(this.time);
+  }
+
+  dataOf(shown) {
+    return [this.columns.get("time"), ...shown.map((s) => this.columns.get(s.name))];
+  }
+
+  /* More rows of a running simulation. */
+  append(chunk) {
+    for (const [name, old] of this.columns) {
+      const more = chunk.get(name) || new Float64Array(chunk.get("time").length).fill(NaN);
+      const values = new Float64Array(old.length + more.length);
+      values.set(old);
+      values.set(more, old.length);
+      this.columns.set(name, values);
+    }
+    for (const plot of this.open) plot.setData(this.dataOf(plot.shown));
+    this.setTime(this.time);
+  }
+
+  setTime(t) {
+    this.time = t;
+    for (const plot of this.open) plot.setTime(t);
+  }
+
+  redraw() {
+    for (const plot of this.open) plot.redraw();
+  }
+}

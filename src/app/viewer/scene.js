@@ -1,0 +1,224 @@
+/* scene.js: what a frame looks like: walls, box, contacts, marks; geometry of contacts. */
+"use strict";
+
+const TURN_TICKS = 12; /* marks on a round wall that show its turning */
+
+/* Pose of wall w in a frame, and its points in the plane. */
+function wallPose(model, frame, w) {
+  const wall = model.walls[w], scale = frame.head.scale ?? 1;
+  const x = frame.at("wall_x", w), y = frame.at("wall_y", w), angle = frame.at("wall_angle", w) || 0;
+  const c = Math.cos(angle) * scale, s = Math.sin(angle) * scale;
+  return { x, y, angle, points: wall.points.map(([px, py]) => [x + c * px - s * py, y + s * px + c * py]) };
+}
+
+/* Nearest point to (x, y) of the line through a and b; endless or between them. */
+function nearestOnLine(a, b, x, y, endless) {
+  const dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
+  let t = square > 0 ? ((x - a[0]) * dx + (y - a[1]) * dy) / square : 0;
+  if (!endless) t = Math.min(Math.max(t, 0), 1);
+  return [a[0] + t * dx, a[1] + t * dy];
+}
+
+/* Where a disk at (x, y) touches a wall. */
+function wallContact(wall, pose, part, x, y) {
+  if (wall.kind === "circle") {
+    const dx = x - pose.x, dy = y - pose.y, away = Math.hypot(dx, dy) || 1;
+    return [pose.x + (dx / away) * wall.radius, pose.y + (dy / away) * wall.radius];
+  }
+  const n = pose.points.length, k = Math.min(part, n - 1);
+  return nearestOnLine(pose.points[k], pose.points[(k + 1) % n], x, y, wall.kind === "line");
+}
+
+class Scene {
+  constructor(model, renderer) {
+    this.model = model;
+    this.renderer = renderer;
+  }
+
+  /* Lower corner and edges of the periodic box in a frame. */
+  box(frame) {
+    const box = this.model.meta.box || { lower: [0, 0], edges: [0, 0], periodic: [false, false] };
+    return { lower: frame?.head.lower ?? box.lower, edges: frame?.head.edges ?? box.edges, periodic: box.periodic };
+  }
+
+  /* Difference b - a, through periodic edges where that is nearer. */
+  between(box, ax, ay, bx, by) {
+    let dx = bx - ax, dy = by - ay;
+    if (box.periodic[0]) dx -= box.edges[0] * Math.round(dx / box.edges[0]);
+    if (box.periodic[1]) dy -= box.edges[1] * Math.round(dy / box.edges[1]);
+    return [dx, dy];
+  }
+
+  poses(frame) {
+    if (!frame.has("wall_x")) return [];
+    return this.model.walls.map((_, w) => wallPose(this.model, frame, w));
+  }
+
+  /* Rectangle around all that is to be seen: disks in play, walls, box. */
+  bounds(frame) {
+    const all = [Infinity, Infinity, -Infinity, -Infinity];
+    const grow = (x, y, r) => {
+      if (!Number.isFinite(x + y)) return;
+      all[0] = Math.min(all[0], x - r);
+      all[1] = Math.min(all[1], y - r);
+      all[2] = Math.max(all[2], x + r);
+      all[3] = Math.max(all[3], y + r);
+    };
+    const x = frame.get("x"), y = frame.get("y"), radius = this.model.column("radius"), activity = frame.get("activity");
+    for (let k = 0; k < x.length; k++) if (!activity || activity[k] === 0) grow(x[k], y[k], radius[k]);
+    this.poses(frame).forEach((pose, w) => {
+      const wall = this.model.walls[w];
+      if (wall.kind === "circle") grow(pose.x, pose.y, wall.radius);
+      else if (wall.kind === "line") growAcross(grow, all, pose.points);
+      else for (const [px, py] of pose.points) grow(px, py, 0);
+    });
+    const box = this.box(frame), [lx, ly] = box.lower, [ex, ey] = box.edges;
+    if (box.periodic[0]) [lx, lx + ex].forEach((px) => grow(px, (all[1] + all[3]) / 2, 0));
+    if (box.periodic[1]) [ly, ly + ey].forEach((py) => grow((all[0] + all[2]) / 2, py, 0));
+    if (all[0] > all[2]) return [-1, -1, 1, 1];
+    return all;
+  }
+
+  /* Lines of walls and box, which may reach as far as is seen. */
+  buildFixed(frame, camera, theme) {
+    this.renderer.under.clear();
+    this.renderer.circles.clear();
+    this.buildBox(this.box(frame), camera, theme);
+    this.poses(frame).forEach((pose, w) => this.buildWall(this.model.walls[w], pose, camera, theme));
+  }
+
+  /* Contacts and marks: the same for every camera. */
+  buildContacts(frame, layers, theme) {
+    this.renderer.forces.clear();
+    this.renderer.marks.clear();
+    const box = this.box(frame), poses = this.poses(frame);
+    if (frame.has("contact_a")) {
+      if (layers.forces) this.buildForces(frame, box, poses, layers, theme);
+      if (layers.overlaps) this.buildOverlaps(frame, box, poses, layers, theme);
+    }
+    this.buildMarks(frame, layers, theme);
+  }
+
+  buildBox(box, camera, theme) {
+    const [lx, ly] = box.lower, [ex, ey] = box.edges;
+    const reach = this.reach(camera);
+    const y0 = box.periodic[1] ? ly : reach[1], y1 = box.periodic[1] ? ly + ey : reach[3];
+    const x0 = box.periodic[0] ? lx : reach[0], x1 = box.periodic[0] ? lx + ex : reach[2];
+    const line = (ax, ay, bx, by) => this.renderer.under.add(ax, ay, bx, by, 0, 1.25, 9, ...theme.edge, 1);
+    if (box.periodic[0]) [lx, lx + ex].forEach((x) => line(x, y0, x, y1));
+    if (box.periodic[1]) [ly, ly + ey].forEach((y) => line(x0, y, x1, y));
+  }
+
+  /* Rectangle that is seen. */
+  reach(camera) {
+    const [x0, y1] = camera.toWorld(0, 0), [x1, y0] = camera.toWorld(camera.width, camera.height);
+    return [x0, y0, x1, y1];
+  }
+
+  buildWall(wall, pose, camera, theme) {
+    const line = (a, b, width) => this.renderer.under.add(...a, ...b, 0, width, 0, ...theme.wall, 1);
+    if (wall.kind === "circle") {
+      const { x, y } = pose, r = wall.radius, tick = wall.inside ? 1.035 : 0.9;
+      this.renderer.circles.add(x, y, r, 2, 2.5, wall.inside ? 0 : 0.25, ...theme.wall, 1);
+      const n = wall.inside ? TURN_TICKS : 1;
+      for (let k = 0; k < n; k++) {
+        const a = pose.angle + (2 * Math.PI * k) / n, c = Math.cos(a) * r, s = Math.sin(a) * r;
+        const far = k === 0 && wall.inside ? 1.07 : tick, near = wall.inside ? 1 : 0;
+        line([x + c * near, y + s * near], [x + c * far, y + s * far], k === 0 ? 3 : 1.5);
+      }
+      return;
+    }
+    const n = pose.points.length;
+    if (wall.kind === "line" && n > 1) {
+      const [a, b] = pose.points, dx = b[0] - a[0], dy = b[1] - a[1], size = Math.hypot(dx, dy) || 1;
+      const [cx, cy] = nearestOnLine(a, b, camera.x, camera.y, true);
+      const long = (camera.width + camera.height) / camera.zoom;
+      line([cx - (dx / size) * long, cy - (dy / size) * long], [cx + (dx / size) * long, cy + (dy / size) * long], 2.5);
+      return;
+    }
+    for (let k = 0; k + 1 < n + (wall.closed ? 1 : 0); k++) line(pose.points[k], pose.points[(k + 1) % n], 2.5);
+  }
+
+  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. */
+  buildForces(frame, box, poses, layers, theme) {
+    const a = frame.get("contact_a"), b = frame.get("contact_b"), part = frame.get("contact_part");
+    const force = frame.get("contact_force"), sliding = frame.get("contact_sliding");
+    const x = frame.get("x"), y = frame.get("y"), n = this.model.disks;
+    const { forces } = this.renderer, thick = (0.9 * this.model.meanRadius * layers.thickness) / layers.forceScale;
+    for (let k = 0; k < a.length; k++) {
+      const ax = x[a[k]], ay = y[a[k]];
+      let dx, dy;
+      if (b[k] < n) {
+        [dx, dy] = this.between(box, ax, ay, x[b[k]], y[b[k]]);
+      } else {
+        const [px, py] = wallContact(this.model.walls[b[k] - n], poses[b[k] - n], part[k], ax, ay);
+        [dx, dy] = this.between(box, ax, ay, px, py);
+      }
+      const slides = sliding && sliding[k] !== 0, tone = slides ? theme.sliding : theme.force;
+      const width = Math.min(force[k] * thick, 1.6 * this.model.meanRadius);
+      forces.add(ax, ay, ax + dx, ay + dy, width, slides ? 1.2 : 0.7, slides ? 9 : 0, ...tone, 1);
+    }
+  }
+
+  /* A ring and a dot at every overlap that counts. */
+  buildOverlaps(frame, box, poses, layers, theme) {
+    const a = frame.get("contact_a"), b = frame.get("contact_b"), part = frame.get("contact_part");
+    const overlap = frame.get("contact_overlap"), radius = this.model.column("radius");
+    const x = frame.get("x"), y = frame.get("y"), n = this.model.disks;
+    for (let k = 0; k < a.length; k++) {
+      if (!(overlap[k] > layers.overlapLimit * radius[a[k]])) continue;
+      const ax = x[a[k]], ay = y[a[k]];
+      let px, py;
+      if (b[k] < n) {
+        const [dx, dy] = this.between(box, ax, ay, x[b[k]], y[b[k]]), away = Math.hypot(dx, dy) || 1;
+        const deep = (radius[a[k]] - overlap[k] / 2) / away;
+        [px, py] = [ax + dx * deep, ay + dy * deep];
+      } else {
+        [px, py] = wallContact(this.model.walls[b[k] - n], poses[b[k] - n], part[k], ax, ay);
+      }
+      this.renderer.marks.add(px, py, overlap[k] / 2, 5, 2, 0.35, ...theme.overlap, 1);
+    }
+  }
+
+  /* Rings around the selected disk and those that a message names. */
+  buildMarks(frame, layers, theme) {
+    const radius = this.model.column("radius");
+    const ring = (k, tone, line) => this.renderer.marks.add(frame.at("x", k), frame.at("y", k), radius[k], 4, line, 0, ...tone, 1);
+    for (const k of layers.highlighted) ring(k, theme.overlap, 2.5);
+    if (layers.selected >= 0) {
+      ring(layers.selected, theme.halo, 5.5);
+      ring(layers.selected, theme.accent, 3);
+    }
+  }
+
+  /* Shifts under which the disks are drawn: themselves first, then copies across periodic edges. */
+  copies(frame, wanted) {
+    const box = this.box(frame), [ex, ey] = box.edges;
+    const margin = wanted ? 2 * this.model.meanRadius : 0;
+    const lower = box.lower.map((v, k) => (box.periodic[k] ? v - margin : -1e30));
+    const upper = box.lower.map((v, k) => (box.periodic[k] ? v + box.edges[k] + margin : 1e30));
+    const list = [];
+    for (const i of box.periodic[0] && wanted ? [-1, 1, 0] : [0])
+      for (const j of box.periodic[1] && wanted ? [-1, 1, 0] : [0])
+        list.push({ shift: [i * ex, j * ey], lower, upper, faded: i !== 0 || j !== 0 });
+    return list;
+  }
+
+  /* The disk under a point of the plane, or near it by some pixels; -1: none. */
+  pick(frame, x, y, reach) {
+    const px = frame.get("x"), py = frame.get("y"), radius = this.model.column("radius"), activity = frame.get("activity");
+    let best = -1, least = reach;
+    for (let k = px.length - 1; k >= 0; k--) {
+      if (activity && (activity[k] === 1 || activity[k] === 2)) continue;
+      const away = Math.hypot(px[k] - x, py[k] - y) - radius[k];
+      if (away < least) [best, least] = [k, away];
+    }
+    return best;
+  }
+}
+
+/* An endless line counts in the direction across it only. */
+function growAcross(grow, all, [a, b]) {
+  const x = Number.isFinite(all[0]) ? (all[0] + all[2]) / 2 : a[0], y = Number.isFinite(all[1]) ? (all[1] + all[3]) / 2 : a[1];
+  grow(...nearestOnLine(a, b, x, y, true), 0);
+}
