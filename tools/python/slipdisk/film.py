@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from . import library as lib
 from . import plot_style as style
-from .plot import default_output, pair, tell
+from .plot import default_output, pair, region_of, tell
 from .plot_scene import Scene, extent
 from .plot_source import Source, usual_quantity
 
@@ -46,10 +46,10 @@ def frame_list(text, n, path):
 class Canvas:
     """A picture of fixed size in which only disks, walls, contacts and time are drawn anew for each frame."""
 
-    def __init__(self, source, ks, color=None, network=False, size=None):
+    def __init__(self, source, ks, color=None, network=False, size=None, region=None):
         few = ks if len(ks) * len(source.radius) <= MOST else [ks[i] for i in np.unique(np.linspace(0, len(ks) - 1, MOST // len(source.radius))
                                                                                          .astype(int))]
-        (x0, x1), (y0, y1) = extent(source, few)
+        (x0, x1), (y0, y1) = extent(source, few, region)
         low = y1 - y0 < 0.5 * (x1 - x0)
         aside, above = (0.4, 1.4) if low else (1.7, 0.6)  # inches for the colour bar, the time and the rim
         if size is None:
@@ -61,12 +61,13 @@ class Canvas:
         picture.set_dpi(DPI)
         self.canvas = FigureCanvasAgg(picture)
         ax = picture.subplots()
-        ax.set_axis_off()
+        ax.set(xticks=[], yticks=[])
+        ax.spines[:].set_visible(False)
         if color is None and usual_quantity(source) == "pressure":
             color = "speed"  # it is there without measuring each frame
         ax.set(xlim=(x0, x1), ylim=(y0, y1))
         ax.set_aspect("equal")
-        self.scene = Scene(source, ax, few, color, network, first=ks[0])
+        self.scene = Scene(source, ax, few, color, network, first=ks[0], region=region)
         self.scene.colour_bar()
         self.time = ax.text(0, 1.01, "t = 0", transform=ax.transAxes, fontsize=10, va="bottom", family="monospace")
         self.canvas.draw()  # the layout is made
@@ -117,7 +118,7 @@ def _ffmpeg(words, frames, path):
             raise lib.FileError(f"{path}: ffmpeg: {lines[-1] if lines else f'status {status}'}")
 
 
-def film(result, output, *, frames=None, color=None, network=False, fps=None, size=None, dark=False, progress=None):
+def film(result, output, *, frames=None, color=None, network=False, fps=None, size=None, region=None, dark=False, progress=None):
     """Makes a film of frames (text FIRST:LAST:STEP as a slice, all by default); fps: by default so many that it takes ten
     seconds, from 5 to 30. Returns (frames, fps, size)."""
     ending = style.check_ending(output, ENDINGS)
@@ -130,7 +131,7 @@ def film(result, output, *, frames=None, color=None, network=False, fps=None, si
                             "of the deck, or see slipdisk plot")
     fps = fps or float(np.clip(np.round(len(ks) / 10), 5, 30))
     with style.look(dark), style.written(output) as part:
-        canvas = Canvas(source, ks, color, network, size)
+        canvas = Canvas(source, ks, color, network, size, region)
         raw = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", "{}x{}".format(*canvas.size), "-r", f"{fps:g}", "-i", "-"]
 
         def drawn(numbers):
@@ -156,7 +157,7 @@ def show_progress(done, total):
 
 def make(a):
     output = a.output or default_output(a.file, ".mp4")
-    n, fps, size = film(a.file, output, frames=a.frames, color=a.color, network=a.network, fps=a.fps, size=a.size, dark=a.dark,
+    n, fps, size = film(a.file, output, frames=a.frames, color=a.color, network=a.network, fps=a.fps, size=a.size, region=a.region, dark=a.dark,
                         progress=show_progress if sys.stderr.isatty() else None)
     print(f"{output}: {n} frames, {n / fps:.3g} s, {size[0]} x {size[1]} pixels")
 
@@ -170,6 +171,7 @@ def main(words=None):
     parser.add_argument("--network", action="store_true")
     parser.add_argument("--fps", type=float)
     parser.add_argument("--size", type=lambda text: pair(text, int))
+    parser.add_argument("--region", type=region_of)
     parser.add_argument("--dark", action="store_true")
     a = parser.parse_args(words)
     return tell("film", lambda: make(a))

@@ -94,8 +94,8 @@ def _one(draw, width=6.0, height=4.0, **options):
     return lambda source, o: ([[lambda ax: draw(source, ax, **{own: getattr(o, given) for own, given in options.items()})]], width, height)
 
 
-def _map_size(source, k, bar):
-    (x0, x1), (y0, y1) = extent(source, [k])
+def _map_size(source, k, bar, region):
+    (x0, x1), (y0, y1) = extent(source, [k], region)
     aspect = float(np.clip((y1 - y0) / (x1 - x0), 0.2, 3))
     width = 6.0 if aspect < 1 else 6.0 / aspect
     return max(width, 2.2) + bar, max(width, 2.2) * aspect + (1.5 if bar and aspect < 0.5 else 0.7)
@@ -104,7 +104,7 @@ def _map_size(source, k, bar):
 def _scene(draw, bar, *names):
     def panels(source, o):
         k = source.frame_number(o.frame)
-        return [[lambda ax: draw(source, ax, frame=k, **{name: getattr(o, name) for name in names})]], *_map_size(source, k, bar)
+        return [[lambda ax: draw(source, ax, frame=k, **{name: getattr(o, name) for name in names})]], *_map_size(source, k, bar, o.region)
     return panels
 
 
@@ -150,8 +150,8 @@ KINDS = {kind.name: kind for kind in (
          _energy),
     Kind("contact", "forces of single contacts in time, and against their displacement", _tables, _contact),
     Kind("paths", "paths of the disks", _moving, _one(paths, 5.5, 5.0, time="time")),
-    Kind("map", "disks coloured by a quantity (--color)", _framed, _scene(map, 1.0, "color", "first")),
-    Kind("network", "contacts as lines as wide as their force", _filled, _scene(network, 0.0)),
+    Kind("map", "disks coloured by a quantity (--color)", _framed, _scene(map, 1.0, "color", "first", "region")),
+    Kind("network", "contacts as lines as wide as their force", _filled, _scene(network, 0.0, "region")),
     Kind("forces", "distribution of the contact forces", _filled, _one(forces, 5.0, 4.0, frame="frame")),
     Kind("gr", "pair correlation function", _filled, _one(gr, 5.0, 4.0, frame="frame")),
     Kind("profile", "packing fraction, contacts and rotation over height", _filled, _profile),
@@ -254,8 +254,8 @@ def page_of_sweep(sweep, options):
 
 
 class Options(argparse.Namespace):
-    """frame, time, color, first, size, x, quantity: what `page` understands."""
-    frame, time, color, first, size, x, quantity, dark = None, None, None, 0, None, None, None, False
+    """frame, time, color, first, size, x, quantity, region, dark: what `page` understands."""
+    frame, time, color, first, size, x, quantity, region, dark = None, None, None, 0, None, None, None, None, False
 
 
 def page(path, kinds=None, **options):
@@ -312,6 +312,10 @@ def span(text):
     return (float(low) if low else None), (float(high) if high else None)
 
 
+def region_of(text):
+    return tuple(float(word) for word in text.split(","))
+
+
 def default_output(path, ending):
     """NAME.ending in the current folder."""
     name = os.path.basename(os.path.normpath(path))
@@ -347,7 +351,8 @@ def plot(a):
     output = a.output or default_output(a.file, ".png")
     style.check_ending(output, style.ENDINGS)
     with style.look(a.dark):
-        picture = page(a.file, a.kind, frame=a.frame, time=a.time, color=a.color, size=a.size, x=a.x, quantity=a.quantity, dark=a.dark)
+        picture = page(a.file, a.kind, frame=a.frame, time=a.time, color=a.color, size=a.size, x=a.x, quantity=a.quantity, region=a.region,
+                       dark=a.dark)
         style.save(picture, output, a.dpi)
     print(output)
 
@@ -363,6 +368,7 @@ def main(words=None):
     parser.add_argument("--quantity")
     parser.add_argument("--x")
     parser.add_argument("--size", type=pair)
+    parser.add_argument("--region", type=region_of)
     parser.add_argument("--dpi", type=float, default=200)
     parser.add_argument("--dark", action="store_true")
     a = parser.parse_args(words)

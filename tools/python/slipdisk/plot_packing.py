@@ -14,15 +14,16 @@ def _named(ax, source, k):
     ax.set_ylabel(label("$y$", "length"))
     inside = in_reach(source.place(k), source.radius, ax.get_xlim(), ax.get_ylim())
     beyond = int((source.in_play(k) & ~inside).sum())
-    ax.set_title(f"t = {source.frame_times[k]:.6g}" + (f" ({beyond} disk{'s' * (beyond > 1)} outside the picture)" if beyond else ""), fontsize=9)
+    ax.set_title(f"t = {source.frame_times[k]:.6g}" + (f" ({beyond} disk{'s' * (beyond > 1)} outside the picture)" if beyond else ""),
+                 fontsize=9)
 
 
-def map(result, ax=None, *, frame=None, color=None, network=False, first=0):
+def map(result, ax=None, *, frame=None, color=None, network=False, first=0, region=None):
     """Disks of a frame coloured by a quantity: omega, turned, spin, speed, vx, vy, moved, radius, contacts, pressure, fraction,
     group; by default what the file has of the first three. `first`: the frame from which angles and distances count."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
-    scene = Scene(source, ax, [k], color, network, source.frame_number(first)).show(k)
+    scene = Scene(source, ax, [k], color, network, source.frame_number(first), region=region).show(k)
     bar = scene.colour_bar()
     if scene.one.name in ("turned", "moved"):
         bar.set_label(f"{bar.ax.get_ylabel() or bar.ax.get_xlabel()} since t = {source.frame_times[source.frame_number(first)]:.6g}")
@@ -30,11 +31,11 @@ def map(result, ax=None, *, frame=None, color=None, network=False, first=0):
     return ax
 
 
-def network(result, ax=None, *, frame=None):
+def network(result, ax=None, *, frame=None, region=None):
     """Contacts of a frame as lines as wide as the normal force; sliding ones in another colour."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
-    scene = Scene(source, ax, [k], network=True, plain=True, marks=False).show(k)
+    scene = Scene(source, ax, [k], network=True, plain=True, marks=False, region=region).show(k)
     _named(ax, source, k)
     if scene.mean_force:
         width = scene.line

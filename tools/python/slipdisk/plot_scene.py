@@ -27,8 +27,10 @@ def in_reach(place, radius, xlim, ylim):
     return ((place + radius[:, None] > [xlim[0], ylim[0]]) & (place - radius[:, None] < [xlim[1], ylim[1]])).all(1)
 
 
-def extent(source, ks):
-    """((x0, x1), (y0, y1)) that shows the disks of these frames, and round walls about them."""
+def extent(source, ks, region=None):
+    """((x0, x1), (y0, y1)) that shows the disks of these frames, and round walls about them; or region = (x0, x1, y0, y1)."""
+    if region:
+        return tuple(region[:2]), tuple(region[2:])
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for k in ks:
         here = source.in_play(k)
@@ -82,7 +84,7 @@ def points_per_length(ax):
 class Scene:
     """Disks of a result in `ax`, coloured by a quantity; `show(k)` moves all to frame k."""
 
-    def __init__(self, source, ax, ks, color=None, network=False, first=0, marks=None, plain=False):
+    def __init__(self, source, ax, ks, color=None, network=False, first=0, marks=None, plain=False, region=None):
         self.source, self.ax, self.first, self.network = Source.of(source), ax, first, network
         self.one = None if plain else quantity(self.source, color)
         ax.set_xlim(*(reach := extent(self.source, ks))[0])
