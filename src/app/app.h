@@ -24,10 +24,13 @@ int app_verify(int argc, char **argv);
 int app_theory(int argc, char **argv);
 int app_sweep(int argc, char **argv);
 int app_view(int argc, char **argv);
+int app_plot(int argc, char **argv);
+int app_film(int argc, char **argv);
 
 /* Their options, for the help. */
 extern const command_line app_run_line, app_resume_line, app_check_line, app_info_line, app_measure_line,
-    app_export_line, app_verify_line, app_theory_line, app_sweep_line, app_view_line;
+    app_export_line, app_verify_line, app_theory_line, app_sweep_line, app_view_line, app_plot_line,
+    app_film_line;
 
 /* --- signals.c --------------------------------------------------------------------------------------- */
 extern volatile sig_atomic_t app_stop; /* number of the signal that asks to stop at a checkpoint; 0: none */

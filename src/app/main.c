@@ -99,6 +99,8 @@ static const struct command {
     {"measure", app_measure, &app_measure_line, true},
     {"export", app_export, &app_export_line, false},
     {"view", app_view, &app_view_line, false},
+    {"plot", app_plot, &app_plot_line, false},
+    {"film", app_film, &app_film_line, false},
     {"verify", app_verify, &app_verify_line, true},
     {"theory", app_theory, &app_theory_line, true},
     {"help", app_help, &help_line, false},

@@ -29,6 +29,9 @@ static const manual_row environment[] = {
      "`passive`: threads sleep while they wait for each other, for machines that are busy"},
     {"SLIPDISK_PATH", "instruction set of the kernels, `baseline`, `avx2` or `avx512`, to the same bits; by "
                       "default the best that the machine has"},
+    {"SLIPDISK_PYTHON",
+     "the interpreter that `plot` and `film` run, with numpy, h5py and matplotlib; by default "
+     "/usr/bin/python3, else python3"},
     {"SLIPDISK_LIBRARY",
      "the shared library that the Python package loads; by default that of its installation"},
     {"SLIPDISK_PROGRAM", "the program that the Python package runs; by default that of its installation"},

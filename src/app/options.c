@@ -227,7 +227,7 @@ void options_entry(FILE *out, const char *head, const char *text, size_t column)
 }
 
 static void print_option(FILE *out, const option_row *row) {
-  char head[80];
+  char head[128];
   int n = row->letter ? snprintf(head, sizeof head, "  -%c, --%s", row->letter, row->name)
                       : snprintf(head, sizeof head, "      --%s", row->name);
   if (row->value) snprintf(head + n, sizeof head - (size_t)n, " %s", row->value);

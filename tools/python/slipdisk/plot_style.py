@@ -114,6 +114,8 @@ def written(path):
     try:
         yield part
         os.replace(part, path)
+    except FileError:
+        raise
     except OSError as error:
         raise FileError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
