@@ -94,7 +94,7 @@ static void author_of(char *text, size_t size) {
   char buffer[2048];
   const char *given = getenv("SLIPDISK_AUTHOR");
   snprintf(text, size, "%s", given && *given ? given : "unknown");
-  text_clean(text);
+  text_clean(text)[strcspn(text, "\n\t")] = 0;
   if ((given && *given) || getuid() < FIRST_PERSON) return;
   if (getpwuid_r(getuid(), &entry, buffer, sizeof buffer, &found) != 0 || !found) return;
   int length = found->pw_gecos ? (int)strcspn(found->pw_gecos, ",") : 0;
