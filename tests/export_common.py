@@ -1,4 +1,6 @@
 """What the tests of slipdisk export share: a run with all that frames can hold."""
+import atexit
+import functools
 import pathlib
 import shutil
 import tempfile
@@ -67,22 +69,23 @@ phases = ( { name = "fly"; time = 0.2; frames = 500; } );
 DECKS = {"rich": RICH, "shrinking": SHRINKING, "open": OPEN}
 
 
+@functools.cache
+def make_results():
+    """The folder of the decks and their results; they are run once."""
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-export-"))
+    atexit.register(shutil.rmtree, folder)
+    for name, deck in DECKS.items():
+        (folder / f"{name}.cfg").write_text(deck)
+        status, _, err = run("run", folder / f"{name}.cfg", "--quiet", "-o", folder / f"{name}.h5")
+        assert status == 0, err
+    return folder
+
+
 class Exports(unittest.TestCase):
-    """The decks are run once; each test has a folder of its own."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.made = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-export-"))
-        for name, deck in DECKS.items():
-            (cls.made / f"{name}.cfg").write_text(deck)
-            status, _, err = run("run", cls.made / f"{name}.cfg", "--quiet", "-o", cls.made / f"{name}.h5")
-            assert status == 0, err
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.made)
+    """Each test has a folder of its own."""
 
     def setUp(self):
+        self.made = make_results()
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-test-"))
 
     def tearDown(self):
