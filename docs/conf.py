@@ -20,6 +20,7 @@ KATEX = JAVASCRIPT / "katex"
 KATEX_LICENCE = pathlib.Path("/usr/share/doc/libjs-katex/copyright")
 NORMALIZE_IMPORT = "@import url(/javascript/normalize.css/normalize.css);"
 GUMSHOE_IMPORT = 'import Gumshoe from "./gumshoe-patched.js";'
+DARK_COLOURS = re.compile(r'body\[data-theme="dark"\] \{([^}]*)\}')
 sys.path.insert(0, str(ROOT / "tools/python"))
 
 project = "slipdisk"
@@ -85,6 +86,15 @@ def resolve_header(app, env, node, contnode):
     return None
 
 
+def name_pages(app, doctree, docname):
+    """Links whose text is the name of a file, as they read well without a site, have the title of the page here."""
+    for link in doctree.findall(nodes.reference):
+        target = pathlib.PurePosixPath(docname).parent / link.get("refuri", "").split("#")[0]
+        page = os.path.normpath(target).removesuffix(app.builder.out_suffix) if app.builder.format == "html" else ""
+        if page in app.env.titles and re.fullmatch(r"[\w/.]+\.md", link.astext()):
+            link.children = [nodes.inline(text=app.env.titles[page].astext())]
+
+
 def columns_to_fields(app, what, name, thing, options, lines):
     """Lines of a docstring such as "deck    path of a deck" become a list of fields."""
     column = re.compile(r"^(\w[\w, ]*?)\s{2,}(\S.*)$")
@@ -110,11 +120,15 @@ def copy_formulas(static):
 
 def complete_theme(static):
     """Debian's furo refers to a style sheet of the machine and to a module of JavaScript, which browsers do not load
-    from files: both are put in."""
+    from files: both are put in. Its dark colours, which only the button brings, are also those of dark systems."""
     style, script = static / "styles/furo.css", static / "scripts/furo.js"
     text = style.read_text()
     if text.startswith(NORMALIZE_IMPORT):
-        style.write_text((JAVASCRIPT / "normalize.css/normalize.css").read_text() + text.removeprefix(NORMALIZE_IMPORT))
+        text = (JAVASCRIPT / "normalize.css/normalize.css").read_text() + text.removeprefix(NORMALIZE_IMPORT)
+    dark = DARK_COLOURS.search(text)
+    if dark and "prefers-color-scheme" not in text:
+        text += f'@media screen and (prefers-color-scheme: dark) {{ body:not([data-theme="light"]) {{{dark[1]}}} }}\n'
+    style.write_text(text)
     text = script.read_text()
     if text.startswith(GUMSHOE_IMPORT):
         gumshoe = static / "scripts/gumshoe-patched.js"
@@ -130,6 +144,7 @@ def complete(app, exception):
 
 def setup(app):
     app.connect("missing-reference", resolve_header)
+    app.connect("doctree-resolved", name_pages)
     app.connect("autodoc-process-docstring", columns_to_fields)
     app.connect("html-page-context", add_formulas)
     app.connect("build-finished", complete)
