@@ -2,7 +2,7 @@
 
 Loops, of two disks that overlap and stick. "circle": one is led round a small circle beside the other and does not
 turn. "turn": both turn about the centre of one of them like a rigid body. Back where they began nothing should be left
-of the skin's stretch. slipdisk's stretch is a function of coordinates, lambda (docs/physics.md, 3): nothing is. The
+of the tangential displacement. slipdisk's is a function of coordinates, lambda (docs/physics.md, 3): nothing is. The
 others add up velocities times dt. Even with infinitely small steps this leaves the integral of r dbeta over the circle,
 since r changes on the way; and LAMMPS takes the turning of surfaces from radii, the moving of centres from their
 distance r, so that its stretch changes by R_a + R_b - r times the angle of a rigid turn.

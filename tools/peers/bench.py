@@ -1,6 +1,6 @@
 """Packings: the same one through each program. First whether the physics agrees, then the time of a step.
 
-Physics: all begin with the same positions and velocities and unstretched skins; frames are compared. Time: slipdisk
+Physics: all begin with the same positions and velocities and relaxed tangential springs; frames are compared. Time: slipdisk
 goes on from a result of its own, one period later, contacts and all; the others run some steps first and are timed
 then."""
 import dataclasses

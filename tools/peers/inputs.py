@@ -1,6 +1,6 @@
 """What each program is given: decks of slipdisk, input scripts of LAMMPS and LIGGGHTS. Here parameters are matched.
 
-Law: F_n = max(k_n delta - gamma_n u_n, 0), skin k_t without viscosity, friction mu (docs/physics.md, 2 and 3).
+Law: F_n = max(k_n delta - gamma_n u_n, 0), tangential spring k_t without viscosity, friction mu (docs/physics.md, 2 and 3).
 
   LAMMPS "granular"  pair_style granular, `hooke` with `damping velocity`: viscosity gamma_n as it is; limit_damping
   LAMMPS "hooke"     pair_style gran/hooke/history: viscosity is m_eff times a number. It is chosen for disks of the

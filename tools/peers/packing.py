@@ -2,7 +2,7 @@
 x, then shaken for a while; much like that of tests/bench/cases.h.
 
 slipdisk makes a packing of at most BASE disks; larger ones are copies of it side by side. Positions and velocities go
-to all programs; memories of contacts do not, since the others cannot read them: all begin with unstretched skins."""
+to all programs; memories of contacts do not, since the others cannot read them: all begin with relaxed tangential springs."""
 import dataclasses
 import os
 

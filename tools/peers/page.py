@@ -37,33 +37,43 @@ def time_cells(values, reference):
 def packings(sizes):
     """sizes: {disks: what bench.compare gives}"""
     out, rows = [], []
-    for count, found in sorted(sizes.items(), key=lambda item: int(item[0])):
+    for cores in ("1", "2"):
+        out += times_of(in_order(sizes), cores)
+    for count, found in in_order(sizes):
         for name in names_in(found["physics"]):
             it = found["physics"][name]
             off = it["off"]
-            rows.append([f"{power(int(count))}, {name}", f"{it['contacts']:.4f}", percent(off["contacts"]),
-                         f"{it['overlap']:.4e}", percent(off["overlap"]), f"{it['kinetic']:.3e}",
-                         percent(off["kinetic"]), f"{it['distance']:.1e}", "yes" if it["agrees"] else "**no**"])
+            cells = [f"{it['contacts']:.4f}", f"{it['overlap']:.4e}", f"{it['kinetic']:.3e} J"]
+            if name != "slipdisk":
+                cells = [percent(off[what]) for what in ("contacts", "overlap", "kinetic")]
+            rows.append([f"{power(int(count))}, {name}", *cells, f"{it['distance']:.1e}", "yes" if it["agrees"] else "**no**"])
     bounds = ", ".join(f"{what} {100 * bound:g} %" for what, bound in bench.TOLERANCES.items())
-    out += ["Physics, means over "
+    return [*out, "Physics, means over "
             + ", ".join(f"{found['frames']} frames of {found['check_steps']} steps ({power(int(count))})"
                         for count, found in in_order(sizes))
-            + f"; differences to slipdisk; agreement within {bounds}. Lengths in mean radii:", "",
-            *table(["disks, program", "contacts per disk", "differs", "mean overlap", "differs",
-                    "kinetic energy per disk, J", "differs", "distance at the end", "agrees"], rows), ""]
-    for cores in ("1", "2"):
-        rows = []
-        for count, found in in_order(sizes):
-            times = found["times"].get(cores)
-            for name in names_in(times or {}):
-                rows.append([f"{power(int(count))}, {name}", *time_cells(times[name], times["slipdisk"]),
-                             str(len(times[name])), str(found["steps"])])
-        if rows:
-            title = "one core" if cores == "1" else "two cores (slipdisk: two threads; LAMMPS, LIGGGHTS: two ranks)"
-            out += [f"Time, {title}, ns per disk-step; in parentheses the quartiles' distance over the median, and the "
-                    "least and largest ratio of neighbouring repeats:", "",
-                    *table(["disks, program", "median", "ratio to slipdisk", "repeats", "steps"], rows), ""]
-    return out
+            + f"; of the others the difference to slipdisk; agreement within {bounds}. Lengths in mean radii:", "",
+            *table(["disks, program", "contacts per disk", "mean overlap", "kinetic energy per disk", "distance at the end",
+                    "agrees"], rows), ""]
+
+
+def times_of(sizes, cores):
+    """Rows are programs, columns sizes."""
+    sizes = [(count, found) for count, found in sizes if found["times"].get(cores)]
+    if not sizes:
+        return []
+    columns, rows = ["program"], {}
+    for count, found in sizes:
+        times = found["times"][cores]
+        columns += [power(int(count)), "ratio"]
+        for name in names_in(times):
+            rows.setdefault(name, {})[count] = time_cells(times[name], times["slipdisk"])
+    title = "one core" if cores == "1" else "two cores (slipdisk: two threads; LAMMPS, LIGGGHTS: two ranks)"
+    repeats = ", ".join(f"{len(found['times'][cores]['slipdisk'])} repeats of {found['steps']} steps ({power(int(count))})"
+                        for count, found in sizes)
+    return [f"Time, {title}, ns per disk-step and ratio to slipdisk; in parentheses the quartiles' distance over the median, the "
+            f"least and largest ratio of neighbouring repeats. {repeats}:", "",
+            *table(columns, [[name, *(cell for count, _ in sizes for cell in rows[name].get(count, ["", ""]))]
+                             for name in names_in(rows)]), ""]
 
 
 def in_order(sizes):
@@ -86,7 +96,7 @@ def accuracy(found):
     rows = [[f"{row['loop']}, {row['program']}", *(f"{value:.2e}" for value in row["left"]), f"{row['expected']:.2e}"]
             for row in found["loops"]]
     cycles = [f"{cycle} times" if cycle > 1 else "once" for cycle in found["cycles"]]
-    out = ["What is left of the stretch of the skin when the bodies are back where they began, in radii:", "",
+    out = ["What is left of the tangential displacement when the bodies are back where they began, in radii:", "",
            *table(["loop, program", *cycles, "expected, once"], rows), ""]
     rows = [[row["program"], "yes" if row["same"] else "no", *(f"{value:.1e}" for value in row["off"])]
             for row in found["restarts"]]
