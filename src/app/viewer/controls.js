@@ -121,6 +121,7 @@ class Controls {
   zoom(factor) {
     const { camera } = this.viewer;
     camera.zoomAt(camera.width / 2, camera.height / 2, factor);
+    this.viewer.untouched = false;
     this.viewer.draw();
   }
 
@@ -185,7 +186,7 @@ class Controls {
         viewer.camera.zoomAt(...other, away(now) / Math.max(away(before), 1));
       } else {
         viewer.camera.pan(now[0] - before[0], before[1] - now[1]);
-        if (moved > 4) viewer.following = false;
+        if (moved > 4) viewer.following = viewer.untouched = false;
       }
       moved += Math.hypot(now[0] - before[0], now[1] - before[1]);
       held.set(event.pointerId, now);
@@ -205,6 +206,7 @@ class Controls {
       event.preventDefault();
       const pixels = event.deltaY * (event.deltaMode === 1 ? 16 : 1);
       viewer.camera.zoomAt(event.offsetX, event.offsetY, Math.exp(-Math.max(-200, Math.min(200, pixels)) * 0.002));
+      viewer.untouched = false;
       viewer.draw();
     }, { passive: false });
   }
@@ -339,7 +341,9 @@ class Controls {
       byId("legend-names").replaceChildren(...items);
     } else {
       byId("legend-gradient").style.background = paletteGradient(q.kind === "signed" ? "diverging" : "sequential");
-      byId("legend-numbers").replaceChildren(...[low, (low + high) / 2, high].map((v) => element("span", formatNumber(v, 3))));
+      const beyond = viewer.clipped ? ["≤ ", "", "≥ "] : ["", "", ""];
+      if (q.kind !== "signed") beyond[0] = "";
+      byId("legend-numbers").replaceChildren(...[low, (low + high) / 2, high].map((v, k) => element("span", beyond[k] + formatNumber(v, 3))));
       if (document.activeElement !== byId("range-low")) byId("range-low").value = Number(low.toPrecision(4));
       if (document.activeElement !== byId("range-high")) byId("range-high").value = Number(high.toPrecision(4));
     }

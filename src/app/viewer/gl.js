@@ -54,15 +54,15 @@ void main() {
   }
   fill = mix(fill, background, fade);
   float light = dot(fill, vec3(0.3, 0.59, 0.11));
-  if (pixels > 3.5) {
-    float width = clamp(pixels * 0.05, 0.7, 1.6);
-    fill = mix(fill, outline, 0.8 * smoothstep(pixels - width - 1.0, pixels - width, away));
+  if (pixels > 2.0) {
+    float width = clamp(pixels * 0.05, 0.6, 1.6);
+    fill = mix(fill, outline, 0.8 * smoothstep(2.0, 6.0, pixels) * smoothstep(pixels - width - 1.0, pixels - width, away));
   }
   if (marks && pixels > 4.0) {
     float width = clamp(pixels * 0.055, 0.55, 2.2);
     float along = dot(p, direction), across = abs(p.x * direction.y - p.y * direction.x);
     float mark = clamp(width - across + 0.5, 0.0, 1.0) * step(0.0, along);
-    float dot_radius = max(width, pinned > 0.5 ? pixels * 0.16 : 0.0);
+    float dot_radius = max(width, pinned > 0.5 ? pixels * 0.12 : 0.0);
     mark = max(mark, clamp(dot_radius - away + 0.5, 0.0, 1.0));
     fill = mix(fill, light > 0.5 ? vec3(0.08) : vec3(0.97), 0.85 * mark * (1.0 - 0.6 * fade));
   }
@@ -71,19 +71,20 @@ void main() {
 
 const LINE_VERTEX = `${CAMERA_GLSL}${CORNER_GLSL}
 in vec4 ends;
-in vec3 style;   /* width in the world, least width in pixels, dash in pixels */
+in vec3 style;   /* width in units, least width in pixels, 1: dashed */
 in vec4 paint;
+uniform float unit;   /* pixels */
 out vec4 tone;
 out float across, half_width, along, dash;
 void main() {
   vec2 a = (ends.xy - centre) * zoom, b = (ends.zw - centre) * zoom;
   float span = max(length(b - a), 1e-6);
   vec2 t = (b - a) / span, n = vec2(-t.y, t.x);
-  half_width = 0.5 * max(style.x * zoom, style.y);
+  half_width = 0.5 * max(style.x * unit, style.y);
   vec2 c = corner();
   across = c.y * (half_width + 1.0);
   along = c.x < 0.0 ? 0.0 : span;
-  dash = style.z;
+  dash = style.z > 0.0 ? 7.0 + 3.0 * half_width : 0.0;
   tone = paint;
   gl_Position = place(mix(a, b, 0.5 * c.x + 0.5) + n * across);
 }`;
@@ -262,7 +263,7 @@ class Renderer {
     return program.at;
   }
 
-  /* look: range, fade, marks, colours; copies: shifts of periodic copies with the region around them. */
+  /* look: range, fade, marks, colours, unit of thickness in pixels; copies: shifts of periodic copies with the region around them. */
   draw(camera, look, copies) {
     const gl = this.gl;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -272,7 +273,8 @@ class Renderer {
     this.use(this.rings, camera);
     this.circles.draw();
     if (this.count > 0) this.drawDisks(camera, look, copies);
-    this.use(this.lines, camera);
+    const at = this.use(this.lines, camera);
+    gl.uniform1f(at.unit, look.unit * camera.ratio);
     this.under.draw();
     this.forces.draw();
     this.use(this.rings, camera);

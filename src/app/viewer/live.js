@@ -65,7 +65,7 @@ class LiveStore {
 
   async takeSeries() {
     const rows = await this.chunk(`series?from=${this.rows}`);
-    this.rows += rows?.get("time")?.length ?? 0;
+    if (rows) this.rows = (rows.head.from ?? this.rows) + rows.get("time").length;
     return rows;
   }
 

@@ -81,7 +81,7 @@ class DiskPanel {
       contacts.replaceChildren(element("p", "This frame has no table of contacts (key contacts of the phase in the deck).", { class: "quiet" }));
       return;
     }
-    const table = element("table"), known = frame.has("contact_force");
+    const table = element("table"), known = this.model.meta.kind !== "deck";
     const heads = known ? ["contact with", "Fₙ", "τ", "overlap", ""] : ["contact with", "overlap"];
     table.append(tableRow(heads, "th"));
     for (let k = 0; k < a.length; k++) {
@@ -90,7 +90,7 @@ class DiskPanel {
       const name = other < this.model.disks ? element("button", this.model.bodyName(other), { class: "link", type: "button" }) : element("span", this.model.bodyName(other));
       if (other < this.model.disks) name.addEventListener("click", () => this.select(other));
       const number = (column) => formatNumber(frame.at(column, k), 4);
-      const slides = frame.at("contact_sliding", k) !== 0 && frame.has("contact_sliding");
+      const slides = frame.at("contact_sliding", k) !== 0 && frame.at("contact_tau", k) !== 0;
       table.append(tableRow(known ? [name, number("contact_force"), number("contact_tau"), number("contact_overlap"), slides ? "slides" : "sticks"]
         : [name, number("contact_overlap")]));
     }
@@ -124,7 +124,7 @@ class DiskPanel {
       }
       const place = element("div", undefined, { class: "own-plot" });
       this.places.series.append(place);
-      this.plots[c] = new Plot(place, [{ label: s.label, stroke: PLOT_COLORS[c] }], [times, values[c]], this.jump, 110);
+      this.plots[c] = new Plot(place, [{ label: s.label, color: c }], [times, values[c]], this.jump, 110);
     });
     for (const plot of this.plots) plot.setTime(this.time ?? times[0]);
   }
@@ -145,9 +145,21 @@ function fillMessages(list, messages, show) {
     const named = message.disks?.length > 0;
     const text = element(named ? "button" : "span", message.text, named ? { type: "button", class: "link" } : {});
     if (named) text.addEventListener("click", () => show(message.disks));
-    item.append(element("strong", message.level === "error" ? "Error" : "Warning"), " ", text);
+    item.append(element("strong", message.level[0].toUpperCase() + message.level.slice(1)), " ", text);
     list.append(item);
   }
+}
+
+/* Overlaps at the start of a deck, the deepest ones. */
+function fillOverlaps(list, overlaps, model, show) {
+  for (const { a, b, overlap, part } of overlaps.slice(0, 100)) {
+    const item = element("li"), names = `${model.bodyName(a)} and ${model.bodyName(b)}`;
+    const text = element("button", names, { type: "button", class: "link" });
+    text.addEventListener("click", () => show(b < model.disks ? [a, b] : [a]));
+    item.append(text, ` overlap by ${formatNumber(overlap, 3)}, ${formatNumber(100 * part, 2)} % of the radius`);
+    list.append(item);
+  }
+  if (overlaps.length > 100) list.append(element("li", `and ${overlaps.length - 100} more`, { class: "quiet" }));
 }
 
 /* Numbers of the run that fit a small table. */

@@ -1,11 +1,19 @@
 /* plots.js: time series as plots, with a line at the time that is shown. */
 "use strict";
 
-const PLOT_COLORS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a8a00", "#7f7f7f"];
+const PLOT_COLORS = {
+  light: ["#0072b2", "#d55e00", "#009e73", "#b5588c", "#3d9bd1", "#b97f00", "#7a7a00", "#6f6f6f"],
+  dark: ["#4aa3df", "#f08a4b", "#35c39a", "#e0a0c4", "#8fd0f5", "#f2bb4a", "#cfcf4a", "#aaaaaa"],
+};
 const PLOT_DASHES = [[], [6, 3], [2, 3]];
 
 function cssColor(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+function plotColor(k) {
+  const colors = PLOT_COLORS[document.documentElement.dataset.theme] || PLOT_COLORS.light;
+  return colors[k % colors.length];
 }
 
 /* One plot: lines [{label, unit, title}], data [times, values...]; jump(t) when it is clicked. */
@@ -13,6 +21,7 @@ class Plot {
   constructor(parent, lines, data, jump, height = 150) {
     this.parent = parent;
     this.data = data;
+    this.colors = lines.map((line, k) => line.color ?? k);
     this.marker = document.createElement("div");
     this.marker.className = "plot-now";
     const grid = { stroke: () => cssColor("--grid"), width: 1 };
@@ -44,8 +53,8 @@ class Plot {
   static line(line, k) {
     return {
       label: line.label,
-      stroke: line.stroke || PLOT_COLORS[k % PLOT_COLORS.length],
-      dash: PLOT_DASHES[Math.floor(k / PLOT_COLORS.length) % PLOT_DASHES.length],
+      stroke: () => plotColor(line.color ?? k),
+      dash: PLOT_DASHES[Math.floor(k / 8) % PLOT_DASHES.length],
       width: 1.5,
       points: { show: false },
       value: (u, v) => formatNumber(v, 5),
@@ -78,7 +87,11 @@ class Plot {
     this.marker.style.transform = `translateX(${left}px)`;
   }
 
+  /* After a change of theme. */
   redraw() {
+    this.plot.root.querySelectorAll(".u-series:not(:first-child) .u-marker").forEach((marker, k) => {
+      marker.style.borderColor = plotColor(this.colors[k]);
+    });
     this.plot.redraw(false, true);
   }
 
@@ -164,7 +177,9 @@ class SeriesPlots {
 
   /* More rows of a running simulation. */
   append(chunk) {
-    for (const [name, old] of this.columns) {
+    const kept = Math.min(chunk.head.from ?? this.rows, this.rows);
+    for (const [name, all] of this.columns) {
+      const old = all.subarray(0, kept);
       const more = chunk.get(name) || new Float64Array(chunk.get("time").length).fill(NaN);
       const values = new Float64Array(old.length + more.length);
       values.set(old);

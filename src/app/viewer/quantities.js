@@ -94,7 +94,7 @@ function quantitiesOf(model) {
   });
 }
 
-/* Range of values for the colour bar: the extremes without the outermost half per cent; a rare outlier would hide the rest. */
+/* Range of values for the colour bar, and whether some are beyond it: two per cent are, since few fast disks would hide the rest. */
 function rangeOf(quantity, lists) {
   if (quantity.kind === "names") return [0, 256];
   const all = [];
@@ -108,10 +108,10 @@ function rangeOf(quantity, lists) {
   }
   if (all.length === 0) return quantity.kind === "signed" ? [-1, 1] : [0, 1];
   const sorted = Float64Array.from(all).sort();
-  const most = sorted[sorted.length - 1 - Math.floor(sorted.length * 0.005)];
-  const least = sorted[Math.floor(sorted.length * 0.005)];
-  if (quantity.kind === "signed") return most > 0 ? [-most, most] : [-1, 1];
-  if (quantity.kind === "count") return [0, Math.max(1, sorted[sorted.length - 1])];
-  if (quantity.constant) return most > least ? [least, most] : [least - Math.abs(least || 1) / 10, most + Math.abs(most || 1) / 10];
-  return [0, most > 0 ? most : 1];
+  const last = sorted[sorted.length - 1], least = sorted[0];
+  const most = sorted[sorted.length - 1 - Math.floor(sorted.length * 0.02)] || last;
+  if (quantity.kind === "signed") return most > 0 ? [-most, most, last > most] : [-1, 1];
+  if (quantity.kind === "count") return [0, Math.max(1, last)];
+  if (quantity.constant) return last > least ? [least, last] : [0.9 * least, 1.1 * last || 1];
+  return most > 0 ? [0, most, last > most] : [0, 1];
 }

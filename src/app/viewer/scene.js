@@ -54,8 +54,14 @@ class Scene {
     return this.model.walls.map((_, w) => wallPose(this.model, frame, w));
   }
 
-  /* Rectangle around all that is to be seen: disks in play, walls, box. */
-  bounds(frame) {
+  /* Rectangle around all that is to be seen in some frames: disks in play, box, walls where they stand at first. */
+  bounds(frames) {
+    const parts = frames.map((frame, k) => this.boundsOf(frame, k === 0));
+    const extreme = (k) => (k < 2 ? Math.min : Math.max)(...parts.map((part) => part[k]));
+    return [0, 1, 2, 3].map(extreme);
+  }
+
+  boundsOf(frame, withWalls) {
     const all = [Infinity, Infinity, -Infinity, -Infinity];
     const grow = (x, y, r) => {
       if (!Number.isFinite(x + y)) return;
@@ -68,6 +74,7 @@ class Scene {
     for (let k = 0; k < x.length; k++) if (!activity || activity[k] === 0) grow(x[k], y[k], radius[k]);
     this.poses(frame).forEach((pose, w) => {
       const wall = this.model.walls[w];
+      if (!withWalls) return;
       if (wall.kind === "circle") grow(pose.x, pose.y, wall.radius);
       else if (wall.kind === "line") growAcross(grow, all, pose.points);
       else for (const [px, py] of pose.points) grow(px, py, 0);
@@ -104,7 +111,7 @@ class Scene {
     const reach = this.reach(camera);
     const y0 = box.periodic[1] ? ly : reach[1], y1 = box.periodic[1] ? ly + ey : reach[3];
     const x0 = box.periodic[0] ? lx : reach[0], x1 = box.periodic[0] ? lx + ex : reach[2];
-    const line = (ax, ay, bx, by) => this.renderer.under.add(ax, ay, bx, by, 0, 1.25, 9, ...theme.edge, 1);
+    const line = (ax, ay, bx, by) => this.renderer.under.add(ax, ay, bx, by, 0, 1.25, 1, ...theme.edge, 1);
     if (box.periodic[0]) [lx, lx + ex].forEach((x) => line(x, y0, x, y1));
     if (box.periodic[1]) [ly, ly + ey].forEach((y) => line(x0, y, x1, y));
   }
@@ -139,12 +146,12 @@ class Scene {
     for (let k = 0; k + 1 < n + (wall.closed ? 1 : 0); k++) line(pose.points[k], pose.points[(k + 1) % n], 2.5);
   }
 
-  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. */
+  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. Without friction none slides. */
   buildForces(frame, box, poses, layers, theme) {
     const a = frame.get("contact_a"), b = frame.get("contact_b"), part = frame.get("contact_part");
     const force = frame.get("contact_force"), sliding = frame.get("contact_sliding");
     const x = frame.get("x"), y = frame.get("y"), n = this.model.disks;
-    const { forces } = this.renderer, thick = (0.9 * this.model.meanRadius * layers.thickness) / layers.forceScale;
+    const tau = frame.get("contact_tau"), { forces } = this.renderer;
     for (let k = 0; k < a.length; k++) {
       const ax = x[a[k]], ay = y[a[k]];
       let dx, dy;
@@ -154,9 +161,9 @@ class Scene {
         const [px, py] = wallContact(this.model.walls[b[k] - n], poses[b[k] - n], part[k], ax, ay);
         [dx, dy] = this.between(box, ax, ay, px, py);
       }
-      const slides = sliding && sliding[k] !== 0, tone = slides ? theme.sliding : theme.force;
-      const width = Math.min(force[k] * thick, 1.6 * this.model.meanRadius);
-      forces.add(ax, ay, ax + dx, ay + dy, width, slides ? 1.2 : 0.7, slides ? 9 : 0, ...tone, 1);
+      const slides = sliding && sliding[k] !== 0 && tau[k] !== 0, tone = slides ? theme.sliding : theme.force;
+      const width = Math.min(force[k] / layers.forceScale, 2.5);
+      forces.add(ax, ay, ax + dx, ay + dy, width, slides ? 1.2 : 0.7, slides ? 1 : 0, ...tone, 1);
     }
   }
 
@@ -189,6 +196,17 @@ class Scene {
       ring(layers.selected, theme.halo, 5.5);
       ring(layers.selected, theme.accent, 3);
     }
+  }
+
+  /* Overlaps that count, the deepest first: [{a, b, overlap, part of the radius}]. */
+  overlaps(frame, limit) {
+    const a = frame.get("contact_a") || [], b = frame.get("contact_b"), overlap = frame.get("contact_overlap");
+    const radius = this.model.column("radius"), found = [];
+    for (let k = 0; k < a.length; k++) {
+      const small = b[k] < this.model.disks ? Math.min(radius[a[k]], radius[b[k]]) : radius[a[k]];
+      if (overlap[k] > limit * small) found.push({ a: a[k], b: b[k], overlap: overlap[k], part: overlap[k] / small });
+    }
+    return found.sort((p, q) => q.part - p.part);
   }
 
   /* Shifts under which the disks are drawn: themselves first, then copies across periodic edges. */

@@ -34,7 +34,7 @@ class Viewer {
       thickness: 1, forceScale: 1, overlapLimit: OVERLAP_LIMIT, selected: -1, highlighted: [],
     };
     this.quantities = quantitiesOf(this.model);
-    this.quantity = this.quantities[meta.kind === "deck" ? Math.max(0, this.quantities.findIndex((q) => q.key === "overlap")) : 0];
+    this.quantity = this.quantities[0];
     this.rangeMode = "all";
     this.range = [-1, 1];
     this.drawn = 0;
@@ -108,6 +108,7 @@ class Viewer {
 
   setRange(range) {
     this.range = this.quantity.kind === "names" ? [0, 255] : range;
+    this.clipped = range[2];
     this.controls?.refreshLegend();
   }
 
@@ -139,6 +140,8 @@ class Viewer {
     }
     this.samples = found;
     this.refreshRange();
+    this.uploadValues();
+    if (this.untouched) this.fit();
     this.contentChanged = true;
     this.controls.refresh();
     this.draw();
@@ -204,6 +207,7 @@ class Viewer {
       box[3] = Math.max(box[3], y + r);
     }
     this.camera.fit(box);
+    this.untouched = false;
     this.draw();
   }
 
@@ -217,7 +221,8 @@ class Viewer {
     if (!this.frame) return;
     this.following = false;
     const low = this.camera.height < 420;
-    this.camera.fit(this.scene.bounds(this.frame), low ? [16, 16, 52, 60] : [20, 20, 52, 84]);
+    this.untouched = true;
+    this.camera.fit(this.scene.bounds(this.samples.length ? this.samples : [this.frame]), low ? [16, 16, 52, 60] : [20, 20, 52, 84]);
     this.controls?.refresh();
     this.draw();
   }
@@ -247,7 +252,8 @@ class Viewer {
       if (this.contentChanged) scene.buildContacts(frame, layers, theme);
       this.contentChanged = false;
     }
-    const look = { ...theme, range: this.range, marks: layers.marks, fade: layers.forces ? 0.6 : 0 };
+    const unit = layers.thickness * Math.min(0.5 * this.model.meanRadius * camera.zoom, 14);
+    const look = { ...theme, unit, range: this.range, marks: layers.marks, fade: layers.forces ? 0.5 : 0 };
     renderer.draw(camera, look, frame ? scene.copies(frame, layers.copies) : []);
     this.drawn++;
     this.controls.refreshScale();
@@ -274,6 +280,14 @@ function publish(viewer) {
   });
   const screen = (k) => viewer.camera.toScreen(viewer.frame.at("x", k), viewer.frame.at("y", k));
   window.slipdisk = Object.freeze({ get state() { return shot(); }, screen, column: (name, k) => viewer.frame.at(name, k) });
+}
+
+/* A deck: overlaps, or sizes and groups when there are none. */
+function showStart(viewer) {
+  const overlaps = viewer.scene.overlaps(viewer.frame, OVERLAP_LIMIT), has = (key) => viewer.quantities.some((q) => q.key === key);
+  fillOverlaps(byId("overlap-list"), overlaps, viewer.model, (disks) => viewer.showMessage(disks));
+  byId("overlaps").hidden = overlaps.length === 0;
+  viewer.setQuantity(overlaps.length > 0 ? "overlap" : ["group", "material", "radius"].find(has));
 }
 
 async function startLive(viewer, store) {
@@ -308,8 +322,10 @@ async function start() {
   const store = live ? new LiveStore() : new PageStore(source);
   const fixed = await (source ?? store).one("static");
   const series = live ? null : await source.one("series");
+  const theme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
+  document.documentElement.dataset.theme = theme;
   const viewer = new Viewer(meta, fixed, store, series, renderer);
-  viewer.setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  viewer.setTheme(theme);
   viewer.setQuantity(viewer.quantity.key);
   viewer.controls.observe();
   if (live) startLive(viewer, store);
@@ -319,6 +335,7 @@ async function start() {
   if (!live && store.end > 0) {
     viewer.model.firstTime = store.time(0);
     await viewer.player.go(0);
+    if (meta.kind === "deck") showStart(viewer);
     await viewer.sample();
   }
   publish(viewer);
