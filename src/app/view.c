@@ -2,6 +2,7 @@
 #include "app/view.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -107,6 +108,7 @@ static sd_status view(const view_options *o, sd_messages *messages) {
 int app_view(int argc, char **argv) {
   view_options o = {0};
   sd_messages *messages = app_messages();
+  signal(SIGXFSZ, SIG_IGN); /* a limit of file sizes is an error of a write */
   int status = options_parse(&app_view_line, argc, argv, &o);
   if (status == SD_OK) status = (int)view(&o, messages);
   fflush(stdout);

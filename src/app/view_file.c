@@ -11,6 +11,7 @@
 #include "io/store/folder.h"
 
 enum { MOST_FRAMES = 501 }; /* when none are asked for: 500 and the end */
+enum { FEW_FRAMES = 200 };  /* suggested */
 
 typedef struct job {
   const view_options *options;
@@ -113,8 +114,12 @@ static void tell(const job *j) {
   if (n > 1 && j->wanted.step > 1) printf(", one in %zu", j->wanted.step);
   if (!j->options->frames && n < j->count) printf(" (--frames : takes all)");
   putchar('\n');
-  if (!j->options->frames && j->count <= 2)
-    printf("for more frames give the deck's phases `frames`: phases = ( { ...; frames = 1e4; } )\n");
+  int64_t every = j->found.step / FEW_FRAMES;
+  if (!j->options->frames && j->count <= 2 && every > 0)
+    printf(
+        "for more frames give the deck's phases `frames`, the steps from one to the next: frames = %" PRId64
+        " makes %d\n",
+        every, FEW_FRAMES);
 }
 
 sd_status view_file(const view_options *o, char **path, bool *made, sd_messages *messages) {
