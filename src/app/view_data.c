@@ -7,7 +7,6 @@
 
 #include "app/json.h"
 #include "base/shortage.h"
-#include "io/results/trajectory.h"
 #include "version.h"
 
 /* --- about the run ---------------------------------------------------------------------------------- */
@@ -64,14 +63,23 @@ static json_t *laws_json(const sd_model *m) {
   return list;
 }
 
+/* Of the periodic box: its lower corner, which stays where it is, and its lengths; 0 where it is open. */
+static json_t *lower_json(const sd_model *m) {
+  return pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0);
+}
+
+static json_t *edges_json(const sd_model *m, double scale) {
+  double edges[2] = {0};
+  for (int c = 0; c < 2; c++)
+    if (m->periodic[c]) edges[c] = scale * (m->upper[c] - m->lower[c]);
+  return json_numbers(2, edges);
+}
+
 json_t *view_meta(const sd_model *m, const char *kind, const char *title, const char *source) {
-  double edges[2];
-  trajectory_edges(m, 1.0, edges);
   json_t *walls = json_array();
   for (size_t k = 0; k < m->n_walls; k++) json_array_append_new(walls, wall_json(&m->walls[k]));
-  json_t *box = json_pack("{s:o, s:o, s:[b, b]}", "lower",
-                          pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0), "edges",
-                          json_numbers(2, edges), "periodic", (int)m->periodic[0], (int)m->periodic[1]);
+  json_t *box = json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0),
+                          "periodic", (int)m->periodic[0], (int)m->periodic[1]);
   json_t *budget =
       json_pack("{s:[s, s, s, s, s], s:[s, s, s], s:[s, s, s, s], s:s, s:s}", "stored", "kinetic_translation",
                 "kinetic_rotation", "elastic_normal", "elastic_tangential", "external", "supplied", "start",
@@ -195,12 +203,9 @@ static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
 
 void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const double *first, bool shuffle) {
   view_chunk_begin(c, shuffle);
-  double edges[2];
-  trajectory_edges(m, f->scale, edges);
-  json_t *lower = pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0);
   json_t *head =
       json_pack("{s:o, s:I, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
-                "lower", lower, "edges", json_numbers(2, edges), "scale", json_number(f->scale));
+                "lower", lower_json(m), "edges", edges_json(m, f->scale), "scale", json_number(f->scale));
   if (!head || c->failed || json_object_update_new(c->head, head) != 0) c->failed = true;
   size_t n = m->n_disks, walls = m->n_walls;
   view_form form = n > VIEW_FEW ? VIEW_RANGE : VIEW_REAL;

@@ -8,7 +8,6 @@
 
 #include "app/json.h"
 #include "base/text.h"
-#include "io/store/members.h"
 
 #define CLOCK "/observables/kinetic_translation/time"
 enum { MOST_ELEMENTS = 32, BLOCK = 1 << 16 }; /* of one quantity; numbers read at once */
