@@ -224,6 +224,8 @@ class Sources(Exports):
         self.assertIn("wall_force_y[floor]", rows[0])
         state = max(int(p.stem.split("-")[1]) for p in parts.glob("checkpoint-*.h5"))
         self.assertEqual({int(r["step"]) for r in table(self.folder / "u/disks.csv")}, {state})
+        status, told, err = run("export", f"{parts}/", "--to", "extxyz", "--frames=0", cwd=self.folder)
+        self.assertTrue(told.startswith("r.extxyz: "), told + err)
         # of a checkpoint that is named itself the state, of a part its frames
         for form in "h5md3d", "lammps-dump", "lammps-data", "extxyz", "vtk", "csv":
             status, _, err = run("export", parts / f"checkpoint-{state}.h5", "--to", form, "-o", self.folder / form)

@@ -175,6 +175,18 @@ static sd_status check_single(const export_job *job, const char *format, const a
                  job->range.n, format, job->range.first);
 }
 
+/* "r.extxyz" of ".../r.h5" and of ".../r.h5.parts/"; to be freed, NULL: no memory. */
+static char *default_output(const char *name, const char *ending) {
+  static const char parts[] = ".parts";
+  size_t length = strlen(name), tail = sizeof parts - 1;
+  while (length > 1 && name[length - 1] == '/') length--;
+  if (length > tail && strncmp(name + length - tail, parts, tail) == 0) length -= tail;
+  char *result = format_text("%.*s", (int)length, name),
+       *out = result ? app_default_name(result, ending) : NULL;
+  free(result);
+  return out;
+}
+
 static void tell(const export_job *job) {
   char first[32] = "";
   if (job->range.n > 1)
@@ -189,7 +201,7 @@ static sd_status export(const arguments *a, const struct format *format, sd_mess
   bool alone;
   size_t count = 0;
   option_range syntax;
-  char *named = a->output ? NULL : app_default_name(a->name, format->ending);
+  char *named = a->output ? NULL : default_output(a->name, format->ending);
   export_job job = {.source = a->name, .out = a->output ? a->output : named, .f = &f, .messages = messages};
   sd_status status = options_range(a->frames, SIZE_MAX, a->name, &syntax, messages);
   if (status == SD_OK && !job.out) status = sd_fail(messages, SD_ERROR_IO, "no memory to export");
