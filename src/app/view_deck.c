@@ -15,6 +15,8 @@
 
 /* Of one disk so many are shown: where all lie in one place there would be n^2/2. */
 enum { MOST_OF_A_DISK = 32 };
+/* Disks of a lattice touch as nearly as numbers allow. */
+static const double ROUNDING = 1e-9; /* of the radius */
 
 /* Overlaps are found twice: first to be counted, then to be noted. */
 typedef struct start {
@@ -52,6 +54,7 @@ static void note(start *s, const overlap *o) {
 static bool see(void *user, const overlap *o) {
   start *s = user;
   bool still = is_driven(s->m, o->a) && is_driven(s->m, o->b);
+  if (o->depth <= ROUNDING * s->m->disks[o->a].radius) return false;
   if ((still && !o->coincident) || waits(s->m, o->a) || waits(s->m, o->b)) return false;
   s->of_last = o->a == s->last ? s->of_last + 1 : 1;
   s->last = o->a;

@@ -1,14 +1,31 @@
 /* view_live.c: slipdisk view DECK --live: runs a deck in memory and shows it. Nothing is written. */
 #include <inttypes.h>
+#include <stdlib.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "app/live.h"
 #include "app/view.h"
 #include "base/clock.h"
+#include "base/text.h"
 #include "slipdisk/deck.h"
 
 /* Steps are taken in pieces of about this much time. */
 static const double PIECE_SECONDS = 0.03;
+
+/* A page that leads to the address, for the eyes of this user alone: others can read command lines. To be removed and freed;
+ * NULL: there is none. */
+static char *make_page(const char *address, sd_messages *messages) {
+  const char *folder = getenv("XDG_RUNTIME_DIR");
+  char *path = format_text("%s/slipdisk-XXXXXX.html", folder && *folder ? folder : "/tmp");
+  int fd = path ? mkstemps(path, 5) : -1;
+  bool good = fd >= 0 && dprintf(fd, "<meta http-equiv=\"refresh\" content=\"0;url=%s\">\n", address) > 0;
+  if (fd >= 0) close(fd);
+  if (good) return path;
+  sd_warn(messages, "--open: cannot write %s; open the address in a browser", path ? path : "a page");
+  free(path);
+  return NULL;
+}
 
 static void wait_for_end(void) {
   const struct timespec nap = {.tv_nsec = 100000000};
@@ -36,7 +53,8 @@ static sd_status show(const view_options *o, const sd_model *model, sd_simulatio
   sd_status status = live_open(model, o->name, &l, messages);
   if (status != SD_OK) return status;
   fprintf(stderr, "live: %s\n", live_address(l));
-  if (o->open) status = view_open(live_address(l), messages);
+  char *page = o->open ? make_page(live_address(l), messages) : NULL;
+  if (page) status = view_open(page, messages);
   sd_messages_print(messages, stderr);
   sd_messages_clear(messages);
   if (status == SD_OK) status = run(s, l, messages);
@@ -48,6 +66,8 @@ static sd_status show(const view_options *o, const sd_model *model, sd_simulatio
             status == SD_OK ? "the run has come to its end" : "the run has failed", sd_simulation_step(s));
     wait_for_end();
   }
+  if (page) unlink(page);
+  free(page);
   live_close(l);
   return status == SD_OK && stopped ? SD_INTERRUPTED : status;
 }
