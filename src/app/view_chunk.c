@@ -160,6 +160,12 @@ static bool deflate_all(const unsigned char *head, size_t n_head, const view_chu
   return good;
 }
 
+void view_chunk_drop(view_chunk *c) {
+  free(c->bytes);
+  json_decref(c->head);
+  *c = (view_chunk){0};
+}
+
 sd_status view_chunk_end(view_chunk *c, int level, unsigned char **stream, size_t *size,
                          sd_messages *messages) {
   *stream = NULL;
@@ -174,9 +180,7 @@ sd_status view_chunk_end(view_chunk *c, int level, unsigned char **stream, size_
   bool good = head && deflate_all(head, n, c, level, stream, size);
   free(head);
   free(json);
-  free(c->bytes);
-  json_decref(c->head);
-  *c = (view_chunk){0};
+  view_chunk_drop(c);
   if (good) return SD_OK;
   free(*stream);
   *stream = NULL;

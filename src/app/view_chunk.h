@@ -36,5 +36,7 @@ void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type typ
 /* The zlib stream, to be freed, and frees the chunk in any case. level: of zlib, 0 to 9. SD_ERROR_IO: no memory. */
 sd_status view_chunk_end(view_chunk *c, int level, unsigned char **stream, size_t *size,
                          sd_messages *messages);
+/* Frees a chunk that is not wanted. */
+void view_chunk_drop(view_chunk *c);
 
 #endif

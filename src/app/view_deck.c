@@ -130,6 +130,13 @@ static void tell_overlaps(json_t *meta, const start *s) {
   free(text);
 }
 
+/* To be freed; NULL: none waits, or no memory. */
+static char *waiting_text(const sd_model *m) {
+  size_t n = 0;
+  for (size_t k = 0; k < m->n_disks; k++) n += m->disks[k].waiting;
+  return n > 0 ? format_text("%zu disk%s and fall in while it runs", n, n == 1 ? " waits" : "s wait") : NULL;
+}
+
 static json_t *describe(const sd_model *m, const start *s, const char *source, const sd_messages *found) {
   json_t *meta = view_meta(m, "deck", m->title, source);
   if (!meta) return NULL;
@@ -143,6 +150,9 @@ static json_t *describe(const sd_model *m, const start *s, const char *source, c
     tell(meta, sd_messages_kind(found, k) == SD_OK ? "warning" : "error", sd_messages_text(found, k),
          json_array());
   tell_overlaps(meta, s);
+  char *waiting = waiting_text(m);
+  if (waiting) tell(meta, "note", waiting, json_array());
+  free(waiting);
   json_object_set_new(meta, "max_overlap", json_number(m->max_overlap));
   json_object_set_new(meta, "frames", json_integer(1));
   json_object_set_new(meta, "stored_frames", json_integer(1));
@@ -165,6 +175,14 @@ static sd_status write_page(const char *path, const sd_model *m, const frame_dat
   return view_page_close(&page, status, messages);
 }
 
+static void say(const sd_model *m, size_t overlaps) {
+  char *waiting = waiting_text(m);
+  printf("%zu disk%s, %zu wall%s, %zu pair%s overlap%s%s%s\n", m->n_disks, m->n_disks == 1 ? "" : "s",
+         m->n_walls, m->n_walls == 1 ? "" : "s", overlaps, overlaps == 1 ? "" : "s", overlaps == 1 ? "s" : "",
+         waiting ? "; " : "", waiting ? waiting : "");
+  free(waiting);
+}
+
 static sd_status show(const view_options *o, const sd_model *m, const char *path, sd_messages *messages) {
   frame_data f = {0};
   start s = {.m = m};
@@ -172,9 +190,7 @@ static sd_status show(const view_options *o, const sd_model *m, const char *path
   json_t *meta = status == SD_OK ? describe(m, &s, o->name, messages) : NULL;
   if (status == SD_OK && !meta) status = sd_fail(messages, SD_ERROR_IO, "no memory for the page");
   if (status == SD_OK) status = write_page(path, m, &f, meta, messages);
-  if (status == SD_OK)
-    printf("%zu disk%s, %zu wall%s, %zu pair%s overlap%s\n", m->n_disks, m->n_disks == 1 ? "" : "s",
-           m->n_walls, m->n_walls == 1 ? "" : "s", s.n, s.n == 1 ? "" : "s", s.n == 1 ? "s" : "");
+  if (status == SD_OK) say(m, s.n);
   json_decref(meta);
   frame_data_free(&f);
   return status;

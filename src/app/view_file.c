@@ -101,7 +101,10 @@ static sd_status write_page(job *j, const char *path, sd_messages *messages) {
     view_static(&c, j->f.constants, j->first, &j->found.packing, true);
     status = view_page_add(&page, "static", &c, messages);
   }
-  if (rows > 0 && status == SD_OK) status = view_page_add(&page, "series", &series, messages);
+  if (rows > 0 && status == SD_OK)
+    status = view_page_add(&page, "series", &series, messages);
+  else if (rows > 0)
+    view_chunk_drop(&series);
   if (status == SD_OK) status = write_frames(j, &page, messages);
   return view_page_close(&page, status, messages);
 }

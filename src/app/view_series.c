@@ -190,10 +190,6 @@ sd_status view_series_read(view_chunk *c, const frames *f, bool shuffle, json_t 
   json_object_set_new(meta, "series_rows",
                       json_pack("{s:I, s:I}", "stored", (json_int_t)r.n, "every", (json_int_t)r.every));
   *rows = r.kept;
-  if (r.status != SD_OK) {
-    unsigned char *stream;
-    size_t size;
-    if (view_chunk_end(c, 0, &stream, &size, NULL) == SD_OK) free(stream);
-  }
+  if (r.status != SD_OK) view_chunk_drop(c);
   return r.status;
 }
