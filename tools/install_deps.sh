@@ -24,7 +24,7 @@ for option in "$@"; do
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14 libomp-dev
                  python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
                  ccache gcovr
-                 chromium chromium-driver python3-selenium ffmpeg python3-mdanalysis python3-vtk9 python3-ase
+                 chromium chromium-driver python3-selenium ffmpeg python3-mdanalysis python3-vtk9 python3-ase lammps
                  poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}") ;;
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;
