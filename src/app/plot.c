@@ -45,7 +45,7 @@ static const option_row plot_rows[] = {
      "of a sweep: against what; by default the key with most values"},
     {"size", 0, OPTION_TEXT, offsetof(arguments, size), 0, 0, NULL, "WxH", "width and height in inches"},
     {"dpi", 0, OPTION_NUMBER, offsetof(arguments, dpi), 20, 2400, ": expected 20 to 2400 pixels per inch",
-     "N", "pixels per inch of a PNG; by default 200"},
+     "N", "pixels per inch of a PNG; by default 200, more for maps of many disks"},
     {"dark", 0, OPTION_FLAG, offsetof(arguments, dark), 0, 0, NULL, NULL, "light on dark"},
 };
 const command_line app_plot_line = {

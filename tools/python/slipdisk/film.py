@@ -11,6 +11,7 @@ import tempfile
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from . import library as lib
 from . import plot_style as style
@@ -51,16 +52,17 @@ class Canvas:
                                                                                          .astype(int))]
         (x0, x1), (y0, y1) = extent(source, few, region)
         low = y1 - y0 < 0.5 * (x1 - x0)
-        aside, above = (0.4, 1.4) if low else (1.7, 0.6)  # inches for the colour bar, the time and the rim
+        aside, above = (0.3, 1.4) if low else (1.6, 0.55)  # inches for the colour bar, the time and the rim
         if size is None:
             scale = min((LONG / DPI - aside) / (x1 - x0), (LONG / DPI - above) / (y1 - y0), (960 / DPI - above) / (y1 - y0))
             size = [int((edge * scale + more) * DPI) // 2 * 2 for edge, more in ((x1 - x0, aside), (y1 - y0, above))]
             size = [max(edge, 320) for edge in size]
         self.size = tuple(size)
-        picture = style.figure(size[0] / DPI, size[1] / DPI)
-        picture.set_dpi(DPI)
+        width, height = size[0] / DPI, size[1] / DPI
+        picture = Figure((width, height), dpi=DPI)
         self.canvas = FigureCanvasAgg(picture)
-        ax = picture.subplots()
+        below = 1.0 if low else 0.15
+        ax = picture.add_axes([0.15 / width, below / height, 1 - aside / width, 1 - above / height])
         ax.set(xticks=[], yticks=[])
         ax.spines[:].set_visible(False)
         if color is None and usual_quantity(source) == "pressure":
@@ -68,10 +70,11 @@ class Canvas:
         ax.set(xlim=(x0, x1), ylim=(y0, y1))
         ax.set_aspect("equal")
         self.scene = Scene(source, ax, few, color, network, first=ks[0], region=region)
-        self.scene.colour_bar()
+        ax.apply_aspect()
+        x, y, right, top = ax.get_position().extents
+        self.scene.colour_bar(picture.add_axes([x, y - 0.35 / height, right - x, 0.18 / height] if low else
+                                               [right + 0.15 / width, y, 0.22 / width, top - y]), low)
         self.time = ax.text(0, 1.01, "t = 0", transform=ax.transAxes, fontsize=10, va="bottom", family="monospace")
-        self.canvas.draw()  # the layout is made
-        picture.set_layout_engine("none")
         self.scene.resize()
         self.moving = [*self.scene.moving, self.time]
         for artist in self.moving:

@@ -26,6 +26,7 @@ __all__ = ["KINDS", "Source", "compression", "configurations", "contact_forces",
            "energy_residual", "flow", "forces", "gr", "map", "means", "network", "page", "paths", "profile", "rotation", "spin",
            "strain", "stress", "walls"]
 
+DPI = 200
 FEW = 10  # disks that are told apart by name
 
 
@@ -210,6 +211,14 @@ def _columns(parts):
     return [[parts[k] for k in sorted(column)] for column in sorted(columns, key=min)]
 
 
+def _map_dpi(picture, source, options):
+    """Pixels per inch at which a disk of a map is ten pixels wide, 200 to 600."""
+    (x0, x1), (y0, y1) = extent(source, [source.frame_number(options.frame)], options.region)
+    width, height = picture.get_size_inches()
+    inches = 2 * float(np.median(source.radius)) * min(width / (x1 - x0), height / (y1 - y0))
+    return float(np.clip(12 / inches, DPI, 600))
+
+
 def page_of_result(source, names, options):
     parts = [(name, *KINDS[name].panels(source, options)) for name in names]
     columns = _columns(parts)
@@ -222,6 +231,8 @@ def page_of_result(source, names, options):
         for cell, part in zip(cells, column):
             _draw(cell, part[1])
     title = f"{os.path.basename(source.path)}" + (f": {source.title}" if source.title else "")
+    if len(parts) == 1 and parts[0][0] in ("map", "network"):
+        picture.set_dpi(_map_dpi(picture, source, options))
     picture.suptitle(title + ("" if source.result.finished else f" (unfinished, t = {source.result.time:g})"), x=0.01, ha="left", fontsize=10)
     return picture
 
@@ -353,7 +364,7 @@ def plot(a):
     with style.look(a.dark):
         picture = page(a.file, a.kind, frame=a.frame, time=a.time, color=a.color, size=a.size, x=a.x, quantity=a.quantity, region=a.region,
                        dark=a.dark)
-        style.save(picture, output, a.dpi)
+        style.save(picture, output, a.dpi or max(picture.get_dpi(), DPI))
     print(output)
 
 
@@ -369,7 +380,7 @@ def main(words=None):
     parser.add_argument("--x")
     parser.add_argument("--size", type=pair)
     parser.add_argument("--region", type=region_of)
-    parser.add_argument("--dpi", type=float, default=200)
+    parser.add_argument("--dpi", type=float)
     parser.add_argument("--dark", action="store_true")
     a = parser.parse_args(words)
     return tell("plot", lambda: plot(a))

@@ -208,12 +208,16 @@ class Scene:
     def mappable(self):
         return ScalarMappable(self.norm, self.disks.cmap)
 
-    def colour_bar(self):
-        """The bar beside the axes, as high as they are; below low ones."""
+    def colour_bar(self, place=None, below=False):
+        """The bar beside the axes, as high as they are; below low ones; or in axes of its own."""
         one = self.one
         (x0, x1), (y0, y1) = self.ax.get_xlim(), self.ax.get_ylim()
-        low = y1 - y0 < 0.5 * (x1 - x0)
-        where = {"ax": self.ax, "location": "bottom", "aspect": 50} if low else {"cax": self.ax.inset_axes([1.03, 0, 0.035, 1])}
+        if place is not None:
+            where = {"cax": place, "orientation": "horizontal" if below else "vertical"}
+        elif y1 - y0 < 0.5 * (x1 - x0):
+            where = {"ax": self.ax, "location": "bottom", "aspect": 50}
+        else:
+            where = {"cax": self.ax.inset_axes([1.03, 0, 0.035, 1])}
         bar = self.ax.figure.colorbar(self.mappable, label=style.label(one.text, one.unit), extend=self.ends, **where)
         if one.kind == "groups":
             bar.set_ticks(range(len(self.source.groups)), labels=self.source.groups)

@@ -82,7 +82,7 @@ def _error(means, name):
 
 
 def theory(sweep):
-    """{set: row of `slipdisk theory --csv`} of the sets with a finished point whose deck fits."""
+    """{set: row of `slipdisk theory --csv`} of the sets with a finished point for whose deck there is a periodic solution."""
     decks, table = {}, sweep.table
     for k in np.flatnonzero(table["status"] == "done"):
         decks.setdefault(int(table["set"][k]), sweep.path(str(table["name"][k])))
@@ -96,7 +96,7 @@ def theory(sweep):
         return {}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         rows = dict(zip(sets, pool.map(row, [decks[one] for one in sets])))
-    return {one: found for one, found in rows.items() if found}
+    return {one: found for one, found in rows.items() if found and np.isfinite(found.get("mean", np.nan))}
 
 
 def _in_pi(values, unit):
@@ -174,13 +174,13 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
         if only is not None and k != only:
             continue
         good = rows[np.isfinite(c.values[rows]) & np.isfinite(c.xs[rows])]
-        colour = style.colour(k) if len(c.groups) <= 7 else matplotlib.colormaps[style.SEQUENTIAL](0.92 * k / (len(c.groups) - 1))
+        colour = style.colour(k) if len(c.groups) <= 7 else matplotlib.colormaps[style.SEQUENTIAL](0.85 * k / (len(c.groups) - 1))
         error = c.errors[good] if c.errors is not None else None
         ax.errorbar(c.xs[good] / scale, c.values[good], None if error is None else np.nan_to_num(error), label=(name or None) if only is None else None,
                     fmt=style.MARKERS[k % len(style.MARKERS)], color=colour, mfc=ax.get_facecolor(), lw=0.9, ms=4.5, gid=f"curve {k}",
                     ls="none" if rows_of_theory else "-")
         expected = [(c.xs[r] / scale, rows_of_theory[int(c.means["set"][r])]["mean"]) for r in rows
-                    if int(c.means["set"][r]) in rows_of_theory and np.isfinite(rows_of_theory[int(c.means["set"][r])].get("mean", np.nan))]
+                    if int(c.means["set"][r]) in rows_of_theory]
         if expected:
             ax.plot(*np.array(expected).T, color=colour, lw=1.0, ls="--", marker="", gid=f"theory {k}")
             drawn_theory = True

@@ -1,0 +1,294 @@
+"""slipdisk plot: every kind of picture is made from real runs, in the three formats, and shows what is in the file."""
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import numpy as np
+from plot_common import ROOT, make, matplotlib_or_skip, program
+
+matplotlib_or_skip()
+
+from matplotlib.image import imread  # noqa: E402
+
+import slipdisk  # noqa: E402
+from slipdisk import plot  # noqa: E402
+from slipdisk import plot_style as style  # noqa: E402
+from slipdisk.plot_source import QUANTITIES, usual_quantity  # noqa: E402
+
+HERE = None
+
+
+def setUpModule():
+    global HERE
+    folder = tempfile.TemporaryDirectory()
+    unittest.addModuleCleanup(folder.cleanup)
+    HERE = pathlib.Path(folder.name)
+    make(HERE)
+
+
+def lines(ax, gid):
+    return [line for line in ax.lines if line.get_gid() == gid]
+
+
+def figure():
+    return style.figure(5, 4)
+
+
+class Kinds(unittest.TestCase):
+    def test_every_kind_in_every_format(self):
+        drawn = set()
+        for file in sorted(HERE.glob("*.h5")):
+            source = plot.Source(file)
+            for name, kind in plot.KINDS.items():
+                if kind.lacks(source) or name in drawn:
+                    continue
+                drawn.add(name)
+                with self.subTest(file=file.name, kind=name):
+                    picture = plot.page(source, [name])
+                    axes = picture.get_axes()
+                    self.assertTrue(axes)
+                    for ax in axes:
+                        self.assertTrue(ax.has_data() or ax.get_children(), "empty axes")
+                    output = HERE / f"{file.stem}-{name}.png"
+                    style.save(picture, output, 40)
+                    pixels = imread(output)
+                    self.assertGreater(len(np.unique(pixels.reshape(-1, pixels.shape[-1]), axis=0)), 10)
+                    for ending, first in ((".svg", b"<?xml"), (".pdf", b"%PDF")):
+                        style.save(picture, output.with_suffix(ending), 40)
+                        self.assertTrue(output.with_suffix(ending).read_bytes().startswith(first))
+        self.assertEqual(drawn, set(plot.KINDS))
+
+    def test_what_fits(self):
+        fits = {"three": "rotation", "shaken": "map", "pressed": "compression", "squeezed": "stress", "hopper": "flow", "two": "paths"}
+        for name, kind in fits.items():
+            with self.subTest(name):
+                source = plot.Source(HERE / f"{name}.h5")
+                kinds = plot.default_kinds(source)
+                self.assertEqual(kinds[0], kind)
+                picture = plot.page(source)
+                style.save(picture, HERE / "page.png", 30)
+                self.assertGreaterEqual(len([ax for ax in picture.get_axes() if ax.has_data()]), len(kinds) - 1)
+
+
+class Data(unittest.TestCase):
+    """What is drawn is what the file says."""
+    def test_rotation(self):
+        result = slipdisk.Result(HERE / "three.h5")
+        ax = plot.rotation(result, figure().subplots())
+        row = result.rotation[0]
+        line, = lines(ax, "omega 0")
+        self.assertEqual(list(line.get_ydata()), [row["omega"]] * 2)
+        self.assertEqual(line.get_xdata()[0], result.time - row["measured"] + row["transient"])
+        band, = [c for c in ax.collections if c.get_gid() == "band 0"]
+        y = band.get_paths()[0].vertices[:, 1]
+        np.testing.assert_allclose([y.min(), y.max()], [row["omega"] - row["error"], row["omega"] + row["error"]], rtol=1e-12)
+        windows, = [p for p in ax.patches if hasattr(p, "get_data")]
+        values, edges, _ = windows.get_data()
+        t, angle = result.series["time"], result.series["angle"][:, 0]
+        turned = np.interp(edges, t, angle)
+        np.testing.assert_allclose(np.sum(values * np.diff(edges)), turned[-1] - turned[0], rtol=1e-9)
+
+    def test_configurations(self):
+        result = slipdisk.Result(HERE / "three.h5")
+        ax = plot.configurations(result, figure().subplots())
+        row = result.slide[0]
+        self.assertEqual([bar.get_height() for bar in ax.patches], [row[name] for name in ("pp", "pm", "mp", "mm", "stick", "open")])
+
+    def test_spin_and_energy(self):
+        result = slipdisk.Result(HERE / "three.h5")
+        ax = plot.spin(result, figure().subplots())
+        np.testing.assert_array_equal(ax.lines[0].get_ydata(), result.series["angular_velocity"][:, 0])
+        ax = plot.energy_budget(result, figure().subplots(), time=(0.05, None))
+        by_name = {line.get_label(): line for line in ax.lines}
+        s = result.series
+        keep = s["time"] >= 0.05
+        np.testing.assert_array_equal(by_name["lost to friction"].get_ydata(), s["friction"][keep])
+        np.testing.assert_array_equal(by_name["work of drives"].get_ydata(), (s["work"] + s["nonconservative_work"])[keep])
+
+    def test_thinned_keeps_extremes(self):
+        y = np.random.default_rng(1).normal(size=100_003)
+        x = np.arange(len(y))
+        a, b = style.thinned(x, y)
+        self.assertLess(len(a), 8100)
+        self.assertEqual((b.min(), b.max()), (y.min(), y.max()))
+        np.testing.assert_array_equal(y[a], b)
+
+    def test_map(self):
+        """Each disk is where the frame has it, and the pixel beside its centre has the colour of its value."""
+        source = plot.Source(HERE / "shaken.h5")
+        picture = figure()
+        with style.look():
+            ax = plot.map(source, picture.subplots(), frame=1, color="spin")
+        disks = next(c for c in ax.collections if c.get_array() is not None)
+        place = source.frames[1]["position"]
+        spin = source.frames[1]["angular_velocity"]
+        np.testing.assert_array_equal(disks.get_offsets()[:len(place)], place)
+        np.testing.assert_array_equal(disks.get_array()[:len(place)], spin)
+        picture.canvas.draw()
+        pixels = np.asarray(picture.canvas.buffer_rgba()) if hasattr(picture.canvas, "buffer_rgba") else None
+        if pixels is None:
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            canvas = FigureCanvasAgg(picture)
+            canvas.draw()
+            pixels = np.asarray(canvas.buffer_rgba())
+        k = int(np.argmax(source.radius))
+        angle = source.frames[1]["angle"][k] + np.pi  # away from the mark
+        x, y = ax.transData.transform(place[k] + 0.5 * source.radius[k] * np.array([np.cos(angle), np.sin(angle)]))
+        seen = pixels[pixels.shape[0] - 1 - int(y), int(x), :3] / 255
+        np.testing.assert_allclose(seen, disks.cmap(disks.norm(spin[k]))[:3], atol=0.03)
+
+    def test_map_of_means(self):
+        source = plot.Source(HERE / "shaken.h5")
+        means = source.result.means
+        self.assertEqual(usual_quantity(source), "omega")
+        values = QUANTITIES["omega"].of(source, 0, 0)
+        np.testing.assert_array_equal(values[means["id"]], means["omega"])
+        ax = plot.means(source, figure().subplots())
+        x = np.concatenate([c.get_segments() for c in ax.collections if hasattr(c, "get_segments")])[:, :, 0]
+        self.assertTrue(np.isin(np.round(means["omega_first"], 12), np.round(x, 12)).all())
+
+    def test_measured(self):
+        """Network, g(r), P(f) and profiles are what `slipdisk measure` says."""
+        source = plot.Source(HERE / "shaken.h5")
+        k = source.n_frames - 1
+        table = source.measured(k)
+        ax = plot.forces(source, figure().subplots())
+        low, density = table["forces"]["low"], table["forces"]["normal"]
+        bars = ax.containers[0].lines[0]
+        width = np.diff(low)[0] * 5
+        self.assertAlmostEqual(float(np.sum(bars.get_ydata()) * width), float(np.nansum(density) * np.diff(low)[0]), 9)
+        ax = plot.network(source, figure().subplots())
+        segments = max((c.get_segments() for c in ax.collections if hasattr(c, "get_segments")), key=len)
+        contacts = table["contacts"]
+        n = int((contacts["force"] > 0).sum())
+        walls = int((contacts["b"][contacts["force"] > 0] >= len(source.radius)).sum())
+        self.assertEqual(len(segments), 2 * n - walls)
+        ax = plot.profile(source, figure().subplots(), of="contacts", bins=1)
+        disks = table["disks"]
+        self.assertAlmostEqual(float(ax.containers[0].lines[0].get_xdata()[0]), disks["contacts"][disks["prescribed"] == 0].mean(), 12)
+
+    def test_compression(self):
+        result = slipdisk.Result(HERE / "pressed.h5")
+        ax = plot.compression(result, figure().subplots(), x="fraction", y="contacts")
+        line, = lines(ax, "series")
+        np.testing.assert_array_equal(line.get_xdata(), result.series["packing_fraction"])
+        free = result.summary.disks
+        np.testing.assert_array_equal(line.get_ydata(), 2 * result.series["contacts"] / free)
+
+    def test_units(self):
+        ax = plot.rotation(HERE / "three.h5", figure().subplots())
+        self.assertIn("(rad/time)", ax.get_ylabel())
+        ax = plot.stress(HERE / "squeezed.h5", figure().subplots())
+        self.assertIn("(force/length)", ax.get_ylabel())
+
+
+class Sweeps(unittest.TestCase):
+    def test_curve(self):
+        sweep = slipdisk.Sweep(HERE / "tilted.sweep")
+        picture = plot.page(sweep)
+        ax, = picture.get_axes()
+        means = sweep.means
+        for k, amplitude in enumerate(np.unique(means["amplitude"])):
+            rows = means[means["amplitude"] == amplitude]
+            box, = [c for c in ax.containers if c.lines[0].get_gid() == f"curve {k}" or c.lines[0].get_label() == f"amplitude = {amplitude:.4g}"
+                    or c.get_label() == f"amplitude = {amplitude:.4g}"]
+            np.testing.assert_allclose(box.lines[0].get_xdata(), rows["tilt"] / np.pi, rtol=1e-12)
+            np.testing.assert_array_equal(box.lines[0].get_ydata(), rows["upper.omega"])
+            error = np.fmax(rows["upper.omega_error"], rows["upper.omega_scatter"])
+            ends = np.array(box.lines[2][0].get_segments())[:, :, 1]
+            np.testing.assert_allclose(np.ptp(ends, axis=1) / 2, error, rtol=1e-9, atol=1e-15)
+        self.assertIn("tilt", ax.get_xlabel())
+
+    def test_theory(self):
+        sweep = slipdisk.Sweep(HERE / "tilted.sweep")
+        rows = plot.theory(sweep)
+        self.assertEqual(sorted(rows), sorted(sweep.means["set"].tolist()))
+        done = subprocess.run([program(), "theory", str(HERE / "tilted.cfg"), "--csv", "-"], capture_output=True, text=True, check=True)
+        head, *cells = [line.split(",") for line in done.stdout.replace('"', "").splitlines()]
+        whole = {float(row[0]): float(row[-(len(head) - head.index("mean"))]) for row in cells}
+        for k, row in rows.items():
+            self.assertAlmostEqual(row["mean"], whole[k], 10)
+        ax = plot.curve(sweep, figure().subplots())
+        self.assertTrue(lines(ax, "theory 0"))
+
+    def test_quantity(self):
+        ax = plot.curve(HERE / "tilted.sweep", figure().subplots(), quantity="friction", x="amplitude")
+        self.assertIn("friction", ax.get_ylabel())
+        self.assertEqual(ax.get_xlabel(), "amplitude")
+
+
+class Command(unittest.TestCase):
+    def run_it(self, *words, status=0):
+        done = subprocess.run([program(), *map(str, words)], cwd=HERE, capture_output=True, text=True, timeout=600)
+        self.assertEqual(done.returncode, status, done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+        return done.stdout, done.stderr
+
+    def test_pictures(self):
+        for name in ("three.h5", "tilted.sweep"):
+            out, err = self.run_it("plot", name, "--dpi", 50)
+            picture = HERE / (name.split(".")[0] + ".png")
+            self.assertEqual((out.strip(), err), (picture.name, ""))
+            self.assertTrue(picture.read_bytes().startswith(b"\x89PNG"))
+        self.run_it("plot", "shaken.h5", "-k", "map", "-k", "gr", "-o", "two panels.pdf", "--color", "speed", "--frame", -1, "--dark",
+                    "--size", "6x3", "--region=-0.2,0.2,0,0.3")
+        self.assertTrue((HERE / "two panels.pdf").read_bytes().startswith(b"%PDF"))
+
+    def test_list(self):
+        out, _ = self.run_it("plot", "three.h5", "--kind", "list")
+        for name in plot.KINDS:
+            self.assertIn(f" {name} ", out)
+        self.assertIn("* rotation", out)
+        self.assertIn("- network        needs more than 10 free disks", out)
+
+    def test_mistakes(self):
+        for words, said in (
+                (["three.h5", "-k", "mapp"], "did you mean 'map'"),
+                (["three.h5", "-k", "stress"], "measure = { stress = true; }"),
+                (["three.h5", "-o", "a.jpg"], "a.jpg: unknown ending .jpg; expected .png, .svg or .pdf"),
+                (["three.h5", "--color", "blue"], "expected omega|turned|"),
+                (["three.h5", "-k", "map", "--color", "omega"], "measure = { disks = true; }"),
+                (["three.h5", "-k", "map", "--frame", "99"], "there is no frame 99"),
+                (["three.h5", "--time", "now"], "--time now: expected FROM:TO"),
+                (["three.h5", "--size", "7"], "--size 7: expected WIDTHxHEIGHT"),
+                (["shaken.h5", "--region", "1,0,0,1"], "X0 < X1"),
+                (["tilted.sweep", "-k", "map"], "a sweep has kind curve only"),
+                (["tilted.sweep", "--quantity", "upper.omgea"], "did you mean 'upper.omega'"),
+                (["tilted.sweep", "--x", "tillt"], "did you mean 'tilt'")):
+            with self.subTest(words):
+                out, err = self.run_it("plot", *words, status=2)
+                self.assertIn(said, err)
+                self.assertEqual((out, len(err.splitlines())), ("", 1))
+        self.assertIn("missing.h5", self.run_it("plot", "missing.h5", status=4)[1])
+        self.assertIn("not a result", self.run_it("plot", "tilted.sweep/table.h5", status=4)[1])
+
+    def test_no_half_file(self):
+        before = sorted(HERE.iterdir())
+        self.run_it("plot", "three.h5", "-o", "nowhere/a.png", status=4)
+        self.assertEqual(sorted(HERE.iterdir()), before)
+
+    def test_what_is_missing_is_named(self):
+        import os
+        done = subprocess.run([program(), "plot", "three.h5"], cwd=HERE, capture_output=True, text=True,
+                              env={"SLIPDISK_PYTHON": "/nowhere/python3", "PATH": os.environ["PATH"]})
+        if done.returncode == 0:  # another one has all
+            self.assertTrue((HERE / "three.png").exists())
+        else:
+            self.assertIn("/nowhere/python3 does not run", done.stderr)
+            self.assertIn("apt install", done.stderr)
+
+
+class Docs(unittest.TestCase):
+    def test_kinds_and_quantities_are_documented(self):
+        text = (ROOT / "docs/plots.md").read_text()
+        for name in [*plot.KINDS, *QUANTITIES, "curve"]:
+            self.assertIn(f"`{name}`", text)
+
+    def test_quantities_are_those_of_the_program(self):
+        out = subprocess.run([program(), "help", "plot"], capture_output=True, text=True, check=True).stdout
+        self.assertIn("|".join(QUANTITIES), out)
+
+
+if __name__ == "__main__":
+    unittest.main()
