@@ -4,13 +4,15 @@
 #   tools/docs.sh                 installs what is missing, builds into build/site
 #   tools/docs.sh --no-install    without the packages
 #   tools/docs.sh --output DIR    builds into DIR
+#   tools/docs.sh --gallery       makes the pictures of docs/gallery.md anew before (minutes; build/release/slipdisk, results/gallery)
 set -euo pipefail
 usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; }
-install=yes output=
+install=yes output= gallery=no
 while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) usage; exit 0 ;;
     --no-install) install=no ;;
+    --gallery) gallery=yes ;;
     --output) shift; output=$(realpath -m -- "${1:?--output needs a folder}") ;;
     *) usage >&2; exit 2 ;;
   esac
@@ -24,6 +26,7 @@ for tool in doxygen sphinx-build; do
   command -v $tool >/dev/null || { echo "$tool is missing: tools/install_deps.sh --docs" >&2; exit 1; }
 done
 
+if [ $gallery = yes ]; then tools/docs/gallery.py build/release/slipdisk; fi
 mkdir -p "$work/doxygen"
 SLIPDISK_SOURCE=$PWD SLIPDISK_OUTPUT=$work/doxygen doxygen tools/docs/Doxyfile
 SLIPDISK_DOXYGEN_XML=$work/doxygen/xml PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m sphinx -W --keep-going -n -q \
