@@ -11,6 +11,7 @@ import shutil
 import sys
 
 from docutils import nodes
+from pygments.lexers.special import TextLexer
 from sphinx.util.nodes import make_refnode
 
 DOCS = pathlib.Path(__file__).resolve().parent
@@ -143,6 +144,7 @@ def complete(app, exception):
 
 
 def setup(app):
+    app.add_lexer("lammps", TextLexer)
     app.connect("missing-reference", resolve_header)
     app.connect("doctree-resolved", name_pages)
     app.connect("autodoc-process-docstring", columns_to_fields)
