@@ -15,6 +15,7 @@ readers do not see, say what is to be found:
 
     tests/test_cookbook.py [PAGE ...]     some pages; --write puts the files into the pages; --full leaves nothing shorter
 """
+import importlib.util
 import os
 import pathlib
 import re
@@ -143,6 +144,9 @@ def main(words):
         write()
     elif not (BUILD / "libslipdisk.so").exists():
         print("the cookbook needs the shared library, which sanitizer builds have not")
+        return 77
+    elif importlib.util.find_spec("matplotlib") is None or importlib.util.find_spec("h5py") is None:
+        print("the cookbook needs matplotlib and h5py (tools/install_deps.sh --tests)")
         return 77
     chosen = [word for word in words if not word.startswith("--")]
     wrong = 0
