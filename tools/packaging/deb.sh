@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
 # Builds slipdisk_VERSION_ARCHITECTURE.deb: program, C library, Python package, documentation, decks.
 #   tools/packaging/deb.sh                 installs what is missing, builds the site and the package, checks it with lintian
-#   tools/packaging/deb.sh --no-install    without installing anything; without Sphinx the package holds docs/*.md
+#   tools/packaging/deb.sh --no-install    without installing anything
+#   tools/packaging/deb.sh --no-site       with docs/*.md and not with the site
 #   tools/packaging/deb.sh --output DIR    puts the package into DIR (build)
 set -euo pipefail
 usage() { sed -n '2,/^[^#]/s/^# \{0,1\}//p' "$0"; }
-install=yes output=build
+install=yes site=build/site output=build
 while [ $# -gt 0 ]; do
   case "$1" in
     -h | --help) usage; exit 0 ;;
     --no-install) install=no ;;
+    --no-site) site=none ;;
     --output) shift; output=$(realpath -m -- "${1:?--output needs a folder}") ;;
     *) usage >&2; exit 2 ;;
   esac
@@ -18,11 +20,10 @@ done
 cd "$(dirname "$0")/../.."
 if [ $install = yes ]; then tools/install_deps.sh --docs --deb; fi
 
-if [ -x tools/docs.sh ] && command -v sphinx-build doxygen >/dev/null; then
-  tools/docs.sh --no-install
-fi
-cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_INSTALL_LIBDIR="lib/$(
-  dpkg-architecture -qDEB_HOST_MULTIARCH)" -DBUILD_SHARED_LIBS=ON -DSLIPDISK_TESTS=OFF >/dev/null
+if [ $site != none ]; then tools/docs.sh --no-install; fi
+cmake -S . -B build/deb -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON \
+  -DCMAKE_INSTALL_LIBDIR="lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)" -DSLIPDISK_TESTS=OFF \
+  -DSLIPDISK_SITE="$PWD/$site" -DCMAKE_PROJECT_INCLUDE="$PWD/tools/packaging/reproducible.cmake" >/dev/null
 cmake --build build/deb
 SOURCE_DATE_EPOCH=$(date -u -d "$(sed -n 's/.*SD_VERSION_DATE "\(.*\)".*/\1/p' include/slipdisk/version.h)" +%s)
 export SOURCE_DATE_EPOCH
