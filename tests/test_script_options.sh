@@ -33,7 +33,7 @@ quiet() {
   tail -n 5 "$work/out"
 }
 
-scripts=("$work"/tree/tools/*.sh "$work/tree/tools/cluster/sweep.sbatch")
+scripts=("$work"/tree/tools/*.sh "$work"/tree/tools/packaging/{deb,tag}.sh "$work/tree/tools/cluster/sweep.sbatch")
 [ ${#scripts[@]} -ge 8 ] || { echo "FAILED: scripts are missing" >&2; exit 1; }
 for modules in with without; do
   if [ $modules = without ]; then export PYTHONHOME=$work/nowhere; fi

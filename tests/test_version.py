@@ -1,0 +1,50 @@
+"""The version stands in include/slipdisk/version.h; program, library, changelog and citation say the same, with the same day."""
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
+HEADER = dict(re.findall(r"#define SD_(VERSION\w*) \"?([\w.-]+)\"?", (ROOT / "include/slipdisk/version.h").read_text()))
+VERSION, DAY = HEADER["VERSION"], HEADER["VERSION_DATE"]
+
+
+class Version(unittest.TestCase):
+    def test_header(self):
+        self.assertEqual(VERSION, ".".join(HEADER[f"VERSION_{part}"] for part in ("MAJOR", "MINOR", "PATCH")))
+        self.assertRegex(DAY, r"^20\d\d-\d\d-\d\d$")
+
+    def test_program(self):
+        told = subprocess.run([PROGRAM, "version"], capture_output=True, text=True, check=True).stdout
+        self.assertTrue(told.startswith(f"slipdisk {VERSION} ("), told)
+
+    def test_changelog(self):
+        text = (ROOT / "docs/changelog.md").read_text()
+        entries = re.findall(r"^## \[(\d+)\.(\d+)\.(\d+)\] - (\d{4}-\d\d-\d\d)$", text, re.M)
+        self.assertEqual(len(entries), len(re.findall("^## ", text, re.M)))
+        self.assertEqual((".".join(entries[0][:3]), entries[0][3]), (VERSION, DAY))
+        numbers = [tuple(map(int, entry[:3])) for entry in entries]
+        self.assertEqual(numbers, sorted(set(numbers), reverse=True))
+
+    def test_citation(self):
+        text = (ROOT / "CITATION.cff").read_text()
+        self.assertEqual(re.findall(r"^version: (\S+)", text, re.M), [VERSION])
+        self.assertEqual(re.findall(r"^date-released: (\S+)", text, re.M), [DAY])
+        for key in ("cff-version: 1.2.0", "title:", "abstract:", "authors:", "license: MIT", "references:"):
+            self.assertRegex(text, rf"(?m)^{key}")
+
+    def test_python(self):
+        if os.environ.get("SLIPDISK_BRIEF") == "1":
+            self.skipTest("slow builds have no shared library")
+        sys.path.insert(0, str(ROOT / "tools/python"))
+        build = os.environ.get("SLIPDISK_BUILD_DIR", str(ROOT / "build/release"))
+        os.environ.setdefault("SLIPDISK_LIBRARY", f"{build}/libslipdisk.so")
+        import slipdisk
+        self.assertEqual(slipdisk.version(), VERSION)
+
+
+if __name__ == "__main__":
+    unittest.main()
