@@ -110,9 +110,10 @@ def velocity_figure(table, curve, kind, facts):
     left.set_ylabel(r"$\Omega/\Theta_b$")
     right.set_ylabel(r"$\Omega/\Omega_{" + formula.replace("(", "").replace(")", "") + "}$")
     if table or curve:
-        legend_below(picture, left, 9, title=r"amplitude $\Theta_b$", fontsize=9, handlelength=1.6, columnspacing=1)
+        legend_below(picture, left, 9, fontsize=9.5, handlelength=1.6, columnspacing=1)
     return Figure(f"{kind}-vel", picture, "Left: mean angular velocity over amplitude against tilt, for seven amplitudes, "
-                  f"with theory. Right: the same over {formula}, which tells the amplitudes apart. Dashed lines join "
+                  f"with theory. Right: the same over {formula}, which tells the amplitudes &Theta;<sub>b</sub> "
+                  "(symbols) apart. Dashed lines join "
                   "points; error bars are smaller than the symbols.",
                   f"Angular velocity over amplitude against tilt, supports {kind}, with theory curves")
 
