@@ -11,7 +11,7 @@
 #include "base/clock.h"
 
 /* Between two copies: so long, or so many times what the last one took. */
-static const double FRAME_SECONDS = 0.1, ROW_SECONDS = 0.2, ROW_SECONDS_ALONE = 1, COST = 200;
+static const double FRAME_SECONDS = 0.1, ROW_SECONDS = 0.2, ROW_SECONDS_ALONE = 1, COST = 300;
 /* A page asks several times a second. */
 static const double PRESENT_SECONDS = 3, LINGER_SECONDS = 2;
 static const double RATE_SECONDS = 0.5;

@@ -130,11 +130,11 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   place p;
   bool alone;
   sd_status status = options_range(o->frames, SIZE_MAX, o->name, &j.wanted, messages);
-  if (status == SD_OK) status = place_find(&p, o->name, messages);
   if (status != SD_OK) return status;
-  *path = o->output ? format_text("%s", o->output) : app_default_name(p.result, "html");
+  status = place_find(&p, o->name, messages);
+  if (status == SD_OK) *path = o->output ? format_text("%s", o->output) : app_default_name(p.result, "html");
   place_free(&p);
-  if (!*path) status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (status == SD_OK && !*path) status = sd_fail(messages, SD_ERROR_IO, "no memory");
   if (status == SD_OK) status = stored_open(&j.f, o->name, &alone, messages);
   if (status == SD_OK) status = choose(&j, alone, messages);
   if (status == SD_OK) status = note_first(&j, messages);
