@@ -12,7 +12,7 @@ import h5py
 import numpy
 
 from export_common import Exports, in_play
-from results_common import run, start, wait_for
+from results_common import BRIEF, run, start, wait_for
 
 
 def table(path):
@@ -245,6 +245,34 @@ class Sources(Exports):
             self.assertEqual(status, 0, err)
             self.assertTrue(out.startswith(f"{name}: "), out)
             self.assertTrue((self.folder / name).exists())
+
+
+class Memory(Exports):
+    def peak(self, result, form, frames):
+        """Bytes; no less than what this process has, which is counted before the program begins."""
+        out = self.folder / f"{form}{frames.replace(':', '-')}"
+        process = start("export", result, "--to", form, f"--frames={frames}", "-o", out)
+        with process.stdout, process.stderr:
+            err = process.stdout.read() + process.stderr.read()
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = status
+        self.assertEqual(status, 0, err)
+        return used.ru_maxrss * 1024
+
+    @unittest.skipIf(BRIEF, "sanitizers keep what was freed")
+    def test_one_frame_at_a_time(self):
+        """Peak memory does not grow with the number of frames."""
+        (self.folder / "many.cfg").write_text(
+            'dt = 0.1; integrator = "verlet"; materials = ( { name = "disk"; k_n = 1; gamma_n = 0.1; } );'
+            'container = { type = "periodic"; width = 70; height = 70; };'
+            'packings = ( { type = "square"; count = 4000; density = 1; sizes = "mono"; radius = 0.5; } );'
+            'phases = ( { name = "a"; steps = 200; frames = 1; } );')
+        result = self.folder / "many.h5"
+        status, _, err = run("run", self.folder / "many.cfg", "--quiet", "-o", result)
+        self.assertEqual(status, 0, err)
+        # what is read of a frame, and kept by mistake: 96 bytes a disk, 77 MB of 200 frames; more of vtk
+        for form, frames in ("h5md3d", ":200"), ("lammps-dump", ":200"), ("vtk", ":50"):
+            self.assertLess(self.peak(result, form, frames) - self.peak(result, form, ":2"), 12e6, form)
 
 
 class Mistakes(Exports):

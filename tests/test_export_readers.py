@@ -96,8 +96,10 @@ class Ase(Readers):
                 self.assertEqual(list(frame.arrays["id"] - 1), there)
                 self.assert_close(frame.positions[:, :2], disks["position/value"][k][there], "positions")
                 self.assert_close(frame.arrays["velo"][:, :2], disks["velocity/value"][k][there], "velocities")
-                self.assert_close(frame.arrays["spin"], disks["angular_velocity/value"][k][there], "spin")
+                self.assert_close(frame.arrays["omega"][:, 2], disks["angular_velocity/value"][k][there], "spin")
                 self.assert_close(frame.arrays["angle"], disks["angle/value"][k][there], "angle")
+                self.assertTrue((frame.arrays["map_shift"][:, :2] == disks["image/value"][k][there]).all())
+                self.assertTrue((frame.arrays["molecule"] == disks["group"][:][there] + 1).all())
                 self.assert_close(frame.arrays["radius"], disks["radius"][:][there], "radius")
                 self.assertAlmostEqual(frame.info["Time"], disks["position/time"][k], 14)
             self.assertEqual(list(frame.pbc), {"rich": [True, False, False], "open": [False] * 3}.get(

@@ -48,7 +48,7 @@ const command_line app_export_line = {
     .optional = false,
     .operands = "FILE",
     .summary = "Writes frames for other programs: MDAnalysis, LAMMPS, OVITO, ParaView, tables",
-    .more = "  h5md3d       H5MD in three dimensions: MDAnalysis, VMD\n"
+    .more = "  h5md3d       H5MD in three dimensions: MDAnalysis\n"
             "  lammps-dump  text dump: LAMMPS, OVITO\n"
             "  lammps-data  one frame as the start of a run of LAMMPS\n"
             "  extxyz       extended XYZ: OVITO, ASE\n"

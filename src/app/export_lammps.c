@@ -31,6 +31,7 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
 
 /* --- extended XYZ ---------------------------------------------------------------------------------------- */
 
+/* Names are those of OVITO. "X" is an element to ASE; OVITO would take "type" for the species. */
 static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
   const sd_model *m = job->m;
   export_space s = export_space_of(job, f);
@@ -38,13 +39,14 @@ static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
           export_count(job, f), s.upper[0] - s.lower[0], s.upper[1] - s.lower[1], s.upper[2] - s.lower[2],
           s.lower[0], s.lower[1], s.lower[2], m->periodic[0] ? 'T' : 'F', m->periodic[1] ? 'T' : 'F');
   fprintf(out,
-          "Time=%.17g Step=%" PRId64 " Properties=species:S:1:pos:R:3:id:I:1:type:I:1:group:I:1:radius:R:1:"
-          "mass:R:1:velo:R:3:angle:R:1:spin:R:1:image:I:3\n",
+          "Time=%.17g Step=%" PRId64
+          " Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:molecule:I:1:radius:R:1:"
+          "mass:R:1:velo:R:3:angle:R:1:omega:R:3:map_shift:I:3\n",
           f->time, f->step);
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
-    fprintf(out, "X %.15g %.15g 0 %zu %u %d %.15g %.15g %.15g %.15g 0 %.15g %.15g %d %d 0\n",
+    fprintf(out, "X %.15g %.15g 0 %zu %u %d %.15g %.15g %.15g %.15g 0 %.15g 0 0 %.15g %d %d 0\n",
             f->position[i][0], f->position[i][1], i + 1, job->type_of[i] + 1, d->group + 1, d->radius,
             d->mass, f->velocity[i][0], f->velocity[i][1], f->angle[i], f->spin[i], f->image[i][0],
             f->image[i][1]);
