@@ -57,10 +57,10 @@ class Canvas:
             scale = min((LONG / DPI - aside) / (x1 - x0), (LONG / DPI - above) / (y1 - y0), (960 / DPI - above) / (y1 - y0))
             size = [int((edge * scale + more) * DPI) // 2 * 2 for edge, more in ((x1 - x0, aside), (y1 - y0, above))]
             size = [max(edge, 320) for edge in size]
-        self.size = tuple(size)
-        width, height = size[0] / DPI, size[1] / DPI
+        width, height = ((edge + 0.01) / DPI for edge in size)  # edges are cut to whole pixels
         picture = Figure((width, height), dpi=DPI)
         self.canvas = FigureCanvasAgg(picture)
+        self.size = self.canvas.get_width_height()
         below = 1.0 if low else 0.15
         ax = picture.add_axes([0.15 / width, below / height, 1 - aside / width, 1 - above / height])
         ax.set(xticks=[], yticks=[])
