@@ -88,6 +88,16 @@ class Films(unittest.TestCase):
         self.assertLess(np.abs(drawn[480 - 1 - int(y), int(x)] - wanted).max(), 8)
         self.assertGreater(np.abs(canvas.draw(ks[0]).astype(int) - canvas.draw(ks[1])).mean(), 1)
 
+    def test_many_processes_draw_the_same(self):
+        source = Source(HERE / "shaken.h5")
+        ks = list(range(source.n_frames))
+        canvas = film.Canvas(source, ks, "spin", size=(320, 240))
+        alone = list(film._all_frames(canvas, ks))
+        before, film.PARALLEL = film.PARALLEL, 1
+        self.addCleanup(setattr, film, "PARALLEL", before)
+        self.assertEqual(list(film._all_frames(canvas, ks)), alone)
+        self.assertGreater(len(set(alone)), len(ks) // 2)
+
     def test_mistakes(self):
         for words, said in ((["--frames", "a:b"], "expected a frame"), (["--frames", "1"], "a film needs two frames"),
                             (["--frames", "900:"], "no frame"), (["-o", "a.avi"], "expected .mp4 or .gif"), (["--size", "301x200"], "even"),

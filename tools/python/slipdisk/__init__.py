@@ -5,6 +5,7 @@ run, sweep   runs and sweeps by the program, with results and checkpoints
 Result       what a run has found, finished or not
 Sweep        tables and points of a sweep
 mean         mean of a correlated record, with its error
+plot, film   pictures and films, docs/plots.md
 Error        what all errors derive from: UserError, NumericError, FileError, Interrupted
 """
 from .deck import deck_text
@@ -17,6 +18,14 @@ from .sweep import Sweep
 __all__ = ["Error", "FileError", "Interrupted", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
            "UserError",
            "Warning", "deck_text", "info", "mean", "run", "sweep", "version"]
+
+
+def __getattr__(name):
+    """slipdisk.plot and slipdisk.film, which need matplotlib, are loaded when they are asked for."""
+    if name not in ("plot", "film"):
+        raise AttributeError(f"module 'slipdisk' has no attribute {name!r}")
+    import importlib
+    return importlib.import_module(f"slipdisk.{name}")
 
 
 def version():

@@ -3,8 +3,10 @@
 film("drum.h5", "drum.mp4", frames="::2", color="spin")
 """
 import argparse
+import multiprocessing
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -22,6 +24,7 @@ from .plot_source import Source, usual_quantity
 ENDINGS = (".mp4", ".gif")
 DPI = 100
 LONG = 1280  # pixels of the longer side
+PARALLEL = 100_000  # disks in all frames from which on several processes draw
 MOST = 5_000_000  # positions looked at to find the limits
 
 
@@ -76,6 +79,9 @@ class Canvas:
                                                [right + 0.15 / width, y, 0.22 / width, top - y]), low)
         self.time = ax.text(0, 1.01, "t = 0", transform=ax.transAxes, fontsize=10, va="bottom", family="monospace")
         self.scene.resize()
+        if network:  # the same widths in all frames
+            means = [source.measured(k)["frames"]["mean_force"][0] for k in (ks[0], ks[len(ks) // 2], ks[-1])]
+            self.scene.mean_force = float(np.nanmax([*means, 0.0])) or None
         self.moving = [*self.scene.moving, self.time]
         for artist in self.moving:
             artist.set_animated(True)
@@ -96,6 +102,27 @@ class Canvas:
         for artist in self.moving:
             artist.draw(renderer)
         return np.asarray(self.canvas.buffer_rgba())
+
+
+def _begin_worker(canvas):
+    global _CANVAS
+    _CANVAS = canvas
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process ends all
+
+
+def _draw(k):
+    return _CANVAS.draw(k).tobytes()
+
+
+def _all_frames(canvas, ks):
+    """Pixels of the frames in their order; drawn by a process per core when there is much to draw."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
+    if cores < 2 or len(ks) * len(canvas.scene.source.radius) < PARALLEL:
+        yield from (canvas.draw(k).tobytes() for k in ks)
+        return
+    with multiprocessing.get_context("fork").Pool(min(cores, len(ks)), _begin_worker, (canvas,)) as pool:
+        for first in range(0, len(ks), 4 * cores):  # so that no more than these wait in memory
+            yield from pool.imap(_draw, ks[first:first + 4 * cores])
 
 
 def _ffmpeg(words, frames, path):
@@ -138,10 +165,10 @@ def film(result, output, *, frames=None, color=None, network=False, fps=None, si
         raw = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", "{}x{}".format(*canvas.size), "-r", f"{fps:g}", "-i", "-"]
 
         def drawn(numbers):
-            for n, k in enumerate(numbers):
+            for n, pixels in enumerate(_all_frames(canvas, numbers)):
                 if progress:
                     progress(n + 1, len(numbers))
-                yield canvas.draw(k).tobytes()
+                yield pixels
         if ending == ".mp4":
             _ffmpeg([*raw, "-an", "-c:v", "libx264", "-preset", "fast", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", part],
                     drawn(ks), output)

@@ -3,6 +3,7 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize, to_rgba
+from matplotlib.lines import Line2D
 
 from . import plot_style as style
 from .plot_source import CIRCLE, LINE, Source, quantity
@@ -101,13 +102,13 @@ class Scene:
             self.disks.set_norm(self.norm)
             self.disks.set_cmap(cmap)
             self.disks.cmap = self.disks.cmap.with_extremes(bad="#B5B5B5")
-        self.radii = LineCollection([], colors=style.ink() if plain else "#202020", zorder=3, capstyle="butt")
+        self.radii = Line2D([], [], color=style.ink() if plain else "#202020", zorder=3)
         self.marks = marks
         self.walls = LineCollection([], colors=style.ink(), linewidths=1.3, zorder=1, capstyle="butt")
         self.forces = LineCollection([], zorder=4, capstyle="round")
         self.moving = [self.walls, self.disks, self.radii, self.forces]
         for artist in self.moving:
-            ax.add_collection(artist, autolim=False)
+            ax.add_artist(artist)
         self.mean_force = None
         self.resize()
 
@@ -119,7 +120,7 @@ class Scene:
         self.line = min(0.09 * self.thick, 2.0)  # points, of the mean force
         self.with_marks = size > 5 if self.marks is None else self.marks
         self.disks.set_linewidths(edge)
-        self.radii.set_linewidths(max(edge, 0.3))
+        self.radii.set_linewidth(max(edge, 0.3))
 
     def show(self, k):
         """Moves all to frame k."""
@@ -146,7 +147,8 @@ class Scene:
             disks.set_array(np.ma.masked_invalid(self.one.of(source, k, self.first)[which][own]))
         if self.with_marks:
             tip = place + radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
-            self.radii.set_segments(np.stack([place, tip], axis=1))
+            gap = np.full_like(tip, np.nan)  # one line is drawn much faster than a collection
+            self.radii.set_data(*np.stack([place, tip, gap], axis=1).reshape(-1, 2).T)
         self.walls.set_segments(self._wall_lines(k))
         if self.network:
             self._show_forces(k)

@@ -1,6 +1,6 @@
 """What pictures are made from: a result with its frames, walls, contacts and measured tables; quantities that colour disks."""
-import csv
 import functools
+import io
 import os
 import re
 import tempfile
@@ -16,10 +16,12 @@ LINE, SEGMENT, POLYLINE, CIRCLE = range(4)
 
 def read_csv(path):
     """{column: array} of a table of numbers; empty cells are nan."""
-    with open(path, newline="", encoding="utf-8") as file:
-        names = next(csv.reader(file))
-        rows = [[float(cell) if cell else np.nan for cell in row] for row in csv.reader(file)]
-    table = np.array(rows, float).reshape(len(rows), len(names))
+    with open(path, encoding="utf-8") as file:
+        names = file.readline().rstrip("\n").split(",")
+        text = file.read()
+    for empty, filled in ((",,", ",nan,"), (",,", ",nan,"), (",\n", ",nan\n")):  # numpy's reader is fast, but has no empty cells
+        text = text.replace(empty, filled)
+    table = np.loadtxt(io.StringIO(text), delimiter=",", ndmin=2) if text else np.empty((0, len(names)))
     return {name: table[:, k] for k, name in enumerate(names)}
 
 
