@@ -96,6 +96,22 @@ def name_pages(app, doctree, docname):
             link.children = [nodes.inline(text=app.env.titles[page].astext())]
 
 
+def note_keys(app, doctree):
+    """Every key in the tables of deck.md is something that the search finds by itself: "materials.k_n (deck key)"."""
+    if app.env.docname != "deck":
+        return
+    for table in doctree.findall(nodes.table):
+        rows = list(table.findall(nodes.row))
+        if rows[0].astext().split()[:2] != ["key", "type"]:
+            continue
+        group = table.parent.next_node(nodes.title).astext()
+        for row in rows[1:]:
+            cell = row.next_node(nodes.paragraph)
+            name = cell.astext() if group == "deck" else f"{group}.{cell.astext()}"
+            cell["ids"].append(f"key-{name}")
+            app.env.get_domain("std").note_object("key", name, f"key-{name}", location=cell)
+
+
 def columns_to_fields(app, what, name, thing, options, lines):
     """Lines of a docstring such as "deck    path of a deck" become a list of fields."""
     column = re.compile(r"^(\w[\w, ]*?)\s{2,}(\S.*)$")
@@ -145,6 +161,8 @@ def complete(app, exception):
 
 def setup(app):
     app.add_lexer("lammps", TextLexer)
+    app.add_object_type("key", "key", objname="deck key")
+    app.connect("doctree-read", note_keys)
     app.connect("missing-reference", resolve_header)
     app.connect("doctree-resolved", name_pages)
     app.connect("autodoc-process-docstring", columns_to_fields)

@@ -1,12 +1,14 @@
-"""docs/deck_tasks.md and docs/units.md: what stands there is taken by the program, and does what is said.
+"""docs/deck_tasks.md, docs/units.md and docs/gallery.md: what stands there is taken by the program, and does what is said.
 
 - Every example of the page by task, put into a small deck in place of what that has of the same keys, passes `slipdisk check`.
 - Every key of the left column of its table stands in it, and exists.
 - The two decks of the page on units give the same physics, in their units.
+- The runs of the gallery are runs of decks that ship, with keys that they have.
 """
 import os
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -133,6 +135,18 @@ class Units(unittest.TestCase):
         for name in ("viscous", "friction"):
             self.assertGreater(b.energy[name], 0.01)
             self.assertAlmostEqual(a.energy[name] / energy, b.energy[name], delta=1e-6 * b.energy[name], msg=name)
+
+
+class Gallery(unittest.TestCase):
+    def test_runs(self):
+        runs = re.findall(r"^slipdisk (?:run|sweep) (inputs/\S+) -o \S+(.*)$", (ROOT / "docs/gallery.md").read_text(), re.M)
+        self.assertGreater(len(runs), 10)
+        for deck, rest in runs:
+            with self.subTest(deck):
+                words = shlex.split(rest)
+                overrides = [word for k, word in enumerate(words) if "-D" in (word, words[k - 1] if k else "")]
+                done = program("check", ROOT / deck, *overrides)
+                self.assertEqual(done.returncode, 0, done.stderr)
 
 
 if __name__ == "__main__":

@@ -120,7 +120,7 @@ class Site(unittest.TestCase):
     def search(self, driver):
         from selenium.webdriver.common.by import By
         from selenium.webdriver.common.keys import Keys
-        for word, page in (("Hertz", "physics"), ("restitution", "deck"), ("sd_simulation_clone", "api/simulation"),
+        for word, page in (("Hertz", "physics"), ("restitution", "deck"), ("gravity.tilt", "deck"), ("sd_simulation_clone", "api/simulation"),
                            ("add_force", "api_python")):
             driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                    {"width": 1300, "height": 1000, "deviceScaleFactor": 1, "mobile": False})
@@ -132,6 +132,8 @@ class Site(unittest.TestCase):
                 time.sleep(0.1)
                 found = driver.execute_script("return [...document.querySelectorAll('#search-results li a')].map(a => a.href)")
             self.assertTrue(any(f"/{page}.html" in address for address in found), f"{word}: {found}")
+            if page == "deck":
+                self.assertTrue(any("#key-" in address for address in found), f"{word}: {found}")
             if SHOTS:
                 driver.save_screenshot(os.path.join(SHOTS, f"search-{word}.png"))
 

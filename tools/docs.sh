@@ -27,8 +27,10 @@ for tool in doxygen sphinx-build; do
 done
 
 if [ $gallery = yes ]; then tools/docs/gallery.py build/release/slipdisk; fi
+# Anew each time: Sphinx does not see changes of conf.py and of headers, and keeps pages that are gone.
+if [ -f "$output/.buildinfo" ]; then rm -r "$output"; fi
 mkdir -p "$work/doxygen"
 SLIPDISK_SOURCE=$PWD SLIPDISK_OUTPUT=$work/doxygen doxygen tools/docs/Doxyfile
-SLIPDISK_DOXYGEN_XML=$work/doxygen/xml PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m sphinx -W --keep-going -n -q \
+SLIPDISK_DOXYGEN_XML=$work/doxygen/xml PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m sphinx -E -W --keep-going -n -q \
   -d "$work/doctrees" docs "$output"
 echo "site    $output/index.html"
