@@ -8,7 +8,8 @@ readers do not see, say what is to be found:
     <!-- test: shorter -D K=V -->  is added to each `slipdisk run` and `slipdisk sweep` of the next block
     <!-- test: status 5 -->        exit status of the next block
     <!-- test: not run -->         the next block is for other machines
-    <!-- test: needs lmp -->       the next block is left out where this program is missing
+    <!-- test: needs lmp -->       the next block is left out where this program is missing; so are remarks about it
+    <!-- test: full -->            the next block is run with --full only
     <!-- test: 0.4 < peak < 0.5 -->  a number that the last block has printed behind this word
     <!-- test: made tilt.png -->   a file that is there now, and was not when the page began
     <!-- test: says TEXT -->       the last block has printed this
@@ -65,12 +66,16 @@ class Page:
             shutil.copytree(COOKBOOK, self.folder)
             shutil.copy(ROOT / "tools/cluster/sweep.sbatch", self.folder)
         self.there = {p.name for p in self.folder.rglob("*")}
-        self.printed, self.pending, self.found, self.seconds, self.slowest = "", {}, 0, 0.0, 0.0
+        self.printed, self.pending, self.found, self.seconds, self.left_out = "", {}, 0, 0.0, False
 
     def remark(self, value):
         limits = RANGE.fullmatch(value)
         word, _, rest = value.partition(" ")
-        if limits:
+        if value == "not run" or word in ("shorter", "status", "needs", "full"):
+            self.pending[word] = rest
+        elif self.left_out:
+            return
+        elif limits:
             low, name, high = limits.groups()
             seen = re.search(rf"{re.escape(name)}\s+[=:]?\s*({NUMBER})", self.printed)
             if not seen:
@@ -88,14 +93,13 @@ class Page:
             if rest not in self.printed:
                 raise Wrong(f"{rest!r} is not in\n{self.printed}")
             self.found += 1
-        elif value in ("not run",) or word in ("shorter", "status", "needs"):
-            self.pending[word] = rest
         else:
             raise Wrong(f"no remark {value!r}")
 
     def run(self, text):
         asked, self.pending = self.pending, {}
-        if "not" in asked or ("needs" in asked and not shutil.which(asked["needs"])):
+        self.left_out = "not" in asked or ("full" in asked and not self.full) or not shutil.which(asked.get("needs", "bash"))
+        if self.left_out:
             return
         if "shorter" in asked and not self.full:
             text = re.sub(r"^(slipdisk (?:run|sweep) [^#|&\n]*)", rf"\1 {asked['shorter']} ", text, flags=re.MULTILINE)
