@@ -33,6 +33,8 @@ static const manual_row environment[] = {
     {"SLIPDISK_PYTHON",
      "the interpreter that `plot` and `film` run, with numpy, h5py and matplotlib; by default "
      "/usr/bin/python3, else python3"},
+    {"SLIPDISK_PYTHON",
+     "the interpreter that `plot` and `film` run; by default /usr/bin/python3, else that of the path"},
     {"SLIPDISK_LIBRARY",
      "the shared library that the Python package loads; by default that of its installation"},
     {"SLIPDISK_PROGRAM", "the program that the Python package runs; by default that of its installation"},
@@ -89,6 +91,31 @@ static void man_text(FILE *out, const char *text) {
     text += n;
   }
   fputc('\n', out);
+}
+
+/* Lines that are indented stay as they are. */
+static void man_lines(FILE *out, const char *text) {
+  bool bold = false, table = false;
+  char *prose = NULL;
+  for (size_t n; *text; text += n + (text[n] == '\n')) {
+    n = strcspn(text, "\n");
+    if (*text != ' ') {
+      if (table) fputs(".fi\n.PP\n", out);
+      table = false;
+      prose = prose ? append_text(prose, " %.*s", (int)n, text) : format_text("%.*s", (int)n, text);
+      continue;
+    }
+    if (prose) man_text(out, prose);
+    free(prose);
+    prose = NULL;
+    if (!table) fputs(".PP\n.nf\n", out);
+    table = true;
+    man_bytes(out, text, n, &bold);
+    fputc('\n', out);
+  }
+  if (prose) man_text(out, prose);
+  if (table) fputs(".fi\n", out);
+  free(prose);
 }
 
 /* A paragraph with a head in bold. */
@@ -152,8 +179,8 @@ void manual_command(FILE *out, const command_line *line) {
   man_head(out, line->name, line->summary);
   fprintf(out, ".SH SYNOPSIS\n\\fBslipdisk %s\\fR [\\fIoptions\\fR] \\fI%s\\fR\n.SH DESCRIPTION\n",
           line->name, line->operands);
-  char *text = format_text("%s. %s", line->summary, line->more ? line->more : "");
-  if (text) man_text(out, text);
+  char *text = format_text("%s.\n%s", line->summary, line->more ? line->more : "");
+  if (text) man_lines(out, text);
   free(text);
   fputs(".SH OPTIONS\n", out);
   for (size_t k = 0; k < line->n; k++) man_option(out, &line->rows[k]);

@@ -16,6 +16,12 @@ END
 mkdir -p "$stage/usr/share/lintian/overrides"
 cp tools/packaging/debian/lintian-overrides "$stage/usr/share/lintian/overrides/slipdisk"
 
+# Scripts of the site that Debian has a package of.
+static=$doc/html/_static shared=/usr/share/javascript/sphinxdoc/1.0
+for file in "$static"/*.js; do
+  if cmp -s "$file" "$shared/${file##*/}"; then ln -sf "$shared/${file##*/}" "$file"; fi
+done
+
 gzip -9n "$doc/changelog" "$doc/changelog.Debian" "$stage"/usr/share/man/man1/*.1
 find "$stage/usr" -name __pycache__ -prune -exec rm -r {} +
 find "$stage/usr" -type d -exec chmod 755 {} +
