@@ -1,42 +1,46 @@
-/* gl.js: draws disks, lines and rings with WebGL2. Instances of one square; circles and edges are made in the fragment shader. */
+/* gl.js: draws disks, lines and rings with WebGL2, two triangles each; circles and edges are made in the fragment shader.
+ * Their numbers are rows of a texture that the vertex shader reads: one draw of many vertices is fast without a graphics card, too,
+ * many instances of one square are not. */
 "use strict";
 
-const CAMERA_GLSL = `#version 300 es
+const ROW_WIDTH = 2048; /* texels in a row of such a texture */
+
+const VERTEX_GLSL = `#version 300 es
 precision highp float;
+precision highp int;
 uniform vec2 centre, size;   /* world; canvas in pixels */
 uniform float zoom;          /* pixels per unit of length */
+uniform highp sampler2D rows;
 vec4 place(vec2 pixels) { return vec4(2.0 * pixels / size, 0.0, 1.0); }
+vec4 texel(int k) { return texelFetch(rows, ivec2(k % ${ROW_WIDTH}, k / ${ROW_WIDTH}), 0); }
+vec2 corner() {
+  int k = gl_VertexID % 6;
+  k = k < 3 ? k : 6 - k;
+  return vec2(k & 1, k >> 1) * 2.0 - 1.0;
+}
 `;
 
-const CORNER_GLSL = `
-vec2 corner() { return vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; }
-`;
-
-const DISK_VERTEX = `${CAMERA_GLSL}${CORNER_GLSL}
-in float x, y, radius, angle, turned, value, activity, driven;
-uniform vec2 shift, lower, upper;  /* a periodic copy, and the region in which copies are drawn */
+/* x, y, angle, value; radius, prescribed, copy */
+const DISK_VERTEX = `${VERTEX_GLSL}
 out vec2 p;
-out float pixels, tint, pinned;
+out float pixels, tint, pinned, faded;
 out vec2 direction;
 void main() {
-  vec2 at = vec2(x, y) + shift;
-  bool copy = shift != vec2(0.0);
-  bool away = copy && (any(lessThan(at, lower - radius)) || any(greaterThan(at, upper + radius)));
-  pixels = max(radius * zoom, 0.75);
+  int row = 2 * (gl_VertexID / 6);
+  vec4 a = texel(row), b = texel(row + 1);
+  pixels = max(b.x * zoom, 0.75);
   p = corner() * (pixels + 1.0);
-  tint = value;
-  pinned = driven;
-  float turn = angle + turned;
-  turn -= 6.283185307 * floor(turn / 6.283185307);
-  direction = vec2(cos(turn), sin(turn));
-  gl_Position = place((at - centre) * zoom + p);
-  if (away || activity == 1.0 || activity == 2.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+  tint = a.w;
+  pinned = b.y;
+  faded = b.z;
+  direction = vec2(cos(a.z), sin(a.z));
+  gl_Position = place((a.xy - centre) * zoom + p);
 }`;
 
 const DISK_FRAGMENT = `#version 300 es
 precision highp float;
 in vec2 p, direction;
-in float pixels, tint, pinned;
+in float pixels, tint, pinned, faded;
 uniform sampler2D palette;
 uniform vec2 range;
 uniform vec3 background, outline, missing;
@@ -52,7 +56,7 @@ void main() {
     float t = clamp((tint - range.x) / (range.y - range.x), 0.0, 1.0);
     fill = texture(palette, vec2((t * 255.0 + 0.5) / 256.0, 0.5)).rgb;
   }
-  fill = mix(fill, background, fade);
+  fill = mix(fill, background, max(fade, 0.65 * faded));
   float light = dot(fill, vec3(0.3, 0.59, 0.11));
   if (pixels > 2.0) {
     float width = clamp(pixels * 0.05, 0.6, 1.6);
@@ -69,14 +73,14 @@ void main() {
   color = vec4(fill, 1.0) * cover;
 }`;
 
-const LINE_VERTEX = `${CAMERA_GLSL}${CORNER_GLSL}
-in vec4 ends;
-in vec3 style;   /* width in units, least width in pixels, 1: dashed */
-in vec4 paint;
+/* ends; width in units, least width in pixels, 1: dashed; colour */
+const LINE_VERTEX = `${VERTEX_GLSL}
 uniform float unit;   /* pixels */
 out vec4 tone;
 out float across, half_width, along, dash;
 void main() {
+  int row = 3 * (gl_VertexID / 6);
+  vec4 ends = texel(row), style = texel(row + 1), paint = texel(row + 2);
   vec2 a = (ends.xy - centre) * zoom, b = (ends.zw - centre) * zoom;
   float span = max(length(b - a), 1e-6);
   vec2 t = (b - a) / span, n = vec2(-t.y, t.x);
@@ -100,17 +104,17 @@ void main() {
   color = vec4(tone.rgb, 1.0) * tone.a * cover;
 }`;
 
-const RING_VERTEX = `${CAMERA_GLSL}${CORNER_GLSL}
-in vec3 circle;
-in vec3 style;   /* least radius in pixels, line in pixels, opacity of the inside */
-in vec4 paint;
+/* x, y, radius, least radius in pixels; line in pixels, opacity of the inside; colour */
+const RING_VERTEX = `${VERTEX_GLSL}
 out vec2 p;
 out vec4 tone;
 out float pixels, line, inside;
 void main() {
-  pixels = max(circle.z * zoom, style.x);
-  line = style.y;
-  inside = style.z;
+  int row = 3 * (gl_VertexID / 6);
+  vec4 circle = texel(row), style = texel(row + 1), paint = texel(row + 2);
+  pixels = max(circle.z * zoom, circle.w);
+  line = style.x;
+  inside = style.y;
   tone = paint;
   p = corner() * (pixels + line + 1.0);
   gl_Position = place((circle.xy - centre) * zoom + p);
@@ -130,26 +134,17 @@ void main() {
   color = vec4(tone.rgb, 1.0) * tone.a * cover;
 }`;
 
-/* Instances that are made anew for every picture: rows of floats, by the lengths of their attributes. */
+/* Rows of numbers in a texture, some texels each. */
 class Batch {
-  constructor(gl, program, attributes) {
+  constructor(gl, texels) {
     this.gl = gl;
-    this.stride = attributes.reduce((sum, [, n]) => sum + n, 0);
-    this.rows = new Float32Array(64 * this.stride);
+    this.stride = 4 * texels;
+    this.rows = new Float32Array(4 * ROW_WIDTH);
     this.count = 0;
-    this.buffer = gl.createBuffer();
-    this.array = gl.createVertexArray();
-    gl.bindVertexArray(this.array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    let offset = 0;
-    for (const [name, n] of attributes) {
-      const at = gl.getAttribLocation(program, name);
-      gl.enableVertexAttribArray(at);
-      gl.vertexAttribPointer(at, n, gl.FLOAT, false, 4 * this.stride, 4 * offset);
-      gl.vertexAttribDivisor(at, 1);
-      offset += n;
-    }
-    gl.bindVertexArray(null);
+    this.changed = true;
+    this.texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, side, gl.NEAREST);
   }
 
   clear() {
@@ -157,61 +152,66 @@ class Batch {
     this.changed = true;
   }
 
-  add(...values) {
-    if ((this.count + 1) * this.stride > this.rows.length) {
+  /* Room for another row; where it begins. */
+  next() {
+    const at = this.count++ * this.stride;
+    if (at + this.stride > this.rows.length) {
       const more = new Float32Array(2 * this.rows.length);
       more.set(this.rows);
       this.rows = more;
     }
-    const at = this.count++ * this.stride;
-    for (let k = 0; k < values.length; k++) this.rows[at + k] = values[k];
+    return at;
   }
 
-  upload() {
-    const gl = this.gl;
-    if (!this.changed) return;
-    this.changed = false;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    gl.bufferData(gl.ARRAY_BUFFER, this.rows.subarray(0, this.count * this.stride), gl.DYNAMIC_DRAW);
+  /* A circle: three texels. */
+  ring(x, y, radius, least, line, inside, red, green, blue, alpha) {
+    this.add(x, y, radius, least, line, inside, 0, red, green, blue, alpha);
+  }
+
+  /* A line: three texels. */
+  add(a, b, c, d, e, f, g, red, green, blue, alpha) {
+    const at = this.next(), { rows } = this;
+    rows[at] = a;
+    rows[at + 1] = b;
+    rows[at + 2] = c;
+    rows[at + 3] = d;
+    rows[at + 4] = e;
+    rows[at + 5] = f;
+    rows[at + 6] = g;
+    rows[at + 8] = red;
+    rows[at + 9] = green;
+    rows[at + 10] = blue;
+    rows[at + 11] = alpha;
   }
 
   draw() {
+    const { gl } = this;
     if (this.count === 0) return;
-    this.gl.bindVertexArray(this.array);
-    this.gl.drawArraysInstanced(this.gl.TRIANGLE_STRIP, 0, 4, this.count);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    if (this.changed) {
+      const high = Math.ceil((this.count * this.stride) / (4 * ROW_WIDTH));
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, ROW_WIDTH, high, 0, gl.RGBA, gl.FLOAT, this.rows.subarray(0, 4 * ROW_WIDTH * high));
+      this.changed = false;
+    }
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * this.count);
   }
 }
 
-const DISK_COLUMNS = ["x", "y", "radius", "angle", "turned", "value", "activity", "driven"];
-
 class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: false });
+    const gl = canvas.getContext("webgl2", { antialias: false, alpha: false });
     if (!gl) throw new Error("This browser does not offer WebGL2, with which the disks are drawn.");
     this.gl = gl;
     this.canvas = canvas;
-    this.disks = this.program(DISK_VERTEX, DISK_FRAGMENT);
-    this.lines = this.program(LINE_VERTEX, LINE_FRAGMENT);
-    this.rings = this.program(RING_VERTEX, RING_FRAGMENT);
-    this.buffers = {};
-    this.diskArray = gl.createVertexArray();
-    gl.bindVertexArray(this.diskArray);
-    for (const name of DISK_COLUMNS) {
-      const at = gl.getAttribLocation(this.disks.program, name);
-      this.buffers[name] = gl.createBuffer();
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[name]);
-      gl.enableVertexAttribArray(at);
-      gl.vertexAttribPointer(at, 1, gl.FLOAT, false, 0, 0);
-      gl.vertexAttribDivisor(at, 1);
-    }
-    gl.bindVertexArray(null);
-    const lineRows = [["ends", 4], ["style", 3], ["paint", 4]];
-    this.under = new Batch(gl, this.lines.program, lineRows);
-    this.forces = new Batch(gl, this.lines.program, lineRows);
-    this.circles = new Batch(gl, this.rings.program, [["circle", 3], ["style", 3], ["paint", 4]]);
-    this.marks = new Batch(gl, this.rings.program, [["circle", 3], ["style", 3], ["paint", 4]]);
+    this.diskProgram = this.program(DISK_VERTEX, DISK_FRAGMENT);
+    this.lineProgram = this.program(LINE_VERTEX, LINE_FRAGMENT);
+    this.ringProgram = this.program(RING_VERTEX, RING_FRAGMENT);
+    this.disks = new Batch(gl, 2);
+    this.under = new Batch(gl, 3);
+    this.forces = new Batch(gl, 3);
+    this.circles = new Batch(gl, 3);
+    this.marks = new Batch(gl, 3);
     this.texture = gl.createTexture();
-    this.count = 0;
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
@@ -235,15 +235,6 @@ class Renderer {
     return { program, at };
   }
 
-  /* A column of all disks: typed array of n numbers. */
-  column(name, values) {
-    const gl = this.gl;
-    const floats = values instanceof Float32Array ? values : Float32Array.from(values);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffers[name]);
-    gl.bufferData(gl.ARRAY_BUFFER, floats, gl.DYNAMIC_DRAW);
-    this.count = floats.length;
-  }
-
   palette(name) {
     const gl = this.gl, filter = name === "categorical" ? gl.NEAREST : gl.LINEAR;
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
@@ -260,43 +251,39 @@ class Renderer {
     gl.uniform2f(program.at.centre, camera.x, camera.y);
     gl.uniform2f(program.at.size, this.canvas.width, this.canvas.height);
     gl.uniform1f(program.at.zoom, camera.zoom * camera.ratio);
+    gl.uniform1i(program.at.rows, 0);
     return program.at;
   }
 
-  /* look: range, fade, marks, colours, unit of thickness in pixels; copies: shifts of periodic copies with the region around them. */
-  draw(camera, look, copies) {
+  /* look: range, fade, marks, colours, unit of thickness in pixels. */
+  draw(camera, look) {
     const gl = this.gl;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
     gl.clearColor(...look.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    for (const batch of [this.under, this.forces, this.circles, this.marks]) batch.upload();
-    this.use(this.rings, camera);
+    this.use(this.ringProgram, camera);
     this.circles.draw();
-    if (this.count > 0) this.drawDisks(camera, look, copies);
-    const at = this.use(this.lines, camera);
+    this.drawDisks(camera, look);
+    const at = this.use(this.lineProgram, camera);
     gl.uniform1f(at.unit, look.unit * camera.ratio);
     this.under.draw();
     this.forces.draw();
-    this.use(this.rings, camera);
+    this.use(this.ringProgram, camera);
     this.marks.draw();
-    gl.bindVertexArray(null);
   }
 
-  drawDisks(camera, look, copies) {
-    const gl = this.gl, at = this.use(this.disks, camera);
-    gl.bindVertexArray(this.diskArray);
+  drawDisks(camera, look) {
+    const gl = this.gl, at = this.use(this.diskProgram, camera);
+    gl.activeTexture(gl.TEXTURE1);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    gl.uniform2f(at.range, ...look.range);
+    gl.activeTexture(gl.TEXTURE0);
+    gl.uniform1i(at.palette, 1);
+    gl.uniform2f(at.range, look.range[0], look.range[1]);
     gl.uniform3f(at.background, ...look.background);
     gl.uniform3f(at.outline, ...look.outline);
     gl.uniform3f(at.missing, ...look.missing);
     gl.uniform1i(at.marks, look.marks ? 1 : 0);
-    for (const copy of copies) {
-      gl.uniform2f(at.shift, ...copy.shift);
-      gl.uniform2f(at.lower, ...copy.lower);
-      gl.uniform2f(at.upper, ...copy.upper);
-      gl.uniform1f(at.fade, copy.faded ? Math.max(look.fade, 0.65) : look.fade);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
-    }
+    gl.uniform1f(at.fade, look.fade);
+    this.disks.draw();
   }
 }

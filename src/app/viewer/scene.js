@@ -126,7 +126,7 @@ class Scene {
     const line = (a, b, width) => this.renderer.under.add(...a, ...b, 0, width, 0, ...theme.wall, 1);
     if (wall.kind === "circle") {
       const { x, y } = pose, r = wall.radius, tick = wall.inside ? 1.035 : 0.9;
-      this.renderer.circles.add(x, y, r, 2, 2.5, wall.inside ? 0 : 0.25, ...theme.wall, 1);
+      this.renderer.circles.ring(x, y, r, 2, 2.5, wall.inside ? 0 : 0.25, ...theme.wall, 1);
       const n = wall.inside ? TURN_TICKS : 1;
       for (let k = 0; k < n; k++) {
         const a = pose.angle + (2 * Math.PI * k) / n, c = Math.cos(a) * r, s = Math.sin(a) * r;
@@ -183,14 +183,14 @@ class Scene {
       } else {
         [px, py] = wallContact(this.model.walls[b[k] - n], poses[b[k] - n], part[k], ax, ay);
       }
-      this.renderer.marks.add(px, py, overlap[k] / 2, 5, 2, 0.35, ...theme.overlap, 1);
+      this.renderer.marks.ring(px, py, overlap[k] / 2, 5, 2, 0.35, ...theme.overlap, 1);
     }
   }
 
   /* Rings around the selected disk and those that a message names. */
   buildMarks(frame, layers, theme) {
     const radius = this.model.column("radius");
-    const ring = (k, tone, line) => this.renderer.marks.add(frame.at("x", k), frame.at("y", k), radius[k], 4, line, 0, ...tone, 1);
+    const ring = (k, tone, line) => this.renderer.marks.ring(frame.at("x", k), frame.at("y", k), radius[k], 4, line, 0, ...tone, 1);
     for (const k of layers.highlighted) ring(k, theme.overlap, 2.5);
     if (layers.selected >= 0) {
       ring(layers.selected, theme.halo, 5.5);
@@ -209,17 +209,31 @@ class Scene {
     return found.sort((p, q) => q.part - p.part);
   }
 
-  /* Shifts under which the disks are drawn: themselves first, then copies across periodic edges. */
-  copies(frame, wanted) {
-    const box = this.box(frame), [ex, ey] = box.edges;
-    const margin = wanted ? 2 * this.model.meanRadius : 0;
-    const lower = box.lower.map((v, k) => (box.periodic[k] ? v - margin : -1e30));
-    const upper = box.lower.map((v, k) => (box.periodic[k] ? v + box.edges[k] + margin : 1e30));
-    const list = [];
-    for (const i of box.periodic[0] && wanted ? [-1, 1, 0] : [0])
-      for (const j of box.periodic[1] && wanted ? [-1, 1, 0] : [0])
-        list.push({ shift: [i * ex, j * ey], lower, upper, faded: i !== 0 || j !== 0 });
-    return list;
+  /* Rows of the disks in play with their values; behind them copies across periodic edges, within a margin. */
+  buildDisks(frame, values, copies) {
+    const { disks } = this.renderer, { model } = this, x = frame.get("x"), y = frame.get("y"), turned = frame.get("turned");
+    const activity = frame.get("activity"), radius = model.column("radius"), angle = model.column("angle"), driven = model.column("driven");
+    const put = (k, px, py, copy) => {
+      const at = disks.next(), { rows } = disks, turn = (angle ? angle[k] : 0) + (turned ? turned[k] : 0);
+      rows[at] = px;
+      rows[at + 1] = py;
+      rows[at + 2] = turn - 2 * Math.PI * Math.round(turn / (2 * Math.PI));
+      rows[at + 3] = values[k];
+      rows[at + 4] = radius[k];
+      rows[at + 5] = driven ? driven[k] : 0;
+      rows[at + 6] = copy;
+    };
+    const hidden = (k) => activity && (activity[k] === 1 || activity[k] === 2);
+    disks.clear();
+    for (let k = 0; k < x.length; k++) if (!hidden(k)) put(k, x[k], y[k], 0);
+    const box = this.box(frame), margin = 2 * model.meanRadius;
+    if (!copies || !(box.periodic[0] || box.periodic[1])) return;
+    for (let k = 0; k < x.length; k++) {
+      if (hidden(k)) continue;
+      for (const i of shifts(box, 0, x[k], radius[k] + margin))
+        for (const j of shifts(box, 1, y[k], radius[k] + margin))
+          if (i !== 0 || j !== 0) put(k, x[k] + i * box.edges[0], y[k] + j * box.edges[1], 1);
+    }
   }
 
   /* The disk under a point of the plane, or near it by some pixels; -1: none. */
@@ -233,6 +247,15 @@ class Scene {
     }
     return best;
   }
+}
+
+/* Multiples of an edge by which a copy of something at `at` comes near the box. */
+function shifts(box, axis, at, reach) {
+  if (!box.periodic[axis]) return [0];
+  const low = box.lower[axis], high = low + box.edges[axis], list = [0];
+  if (at + reach > high) list.push(-1);
+  if (at - reach < low) list.push(1);
+  return list;
 }
 
 /* An endless line counts in the direction across it only. */

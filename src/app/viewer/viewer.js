@@ -57,9 +57,8 @@ class Viewer {
   show(frame) {
     const first = this.frame === null;
     this.frame = frame;
-    this.uploadPlaces();
     if (first) this.fit();
-    this.uploadValues();
+    this.takeValues();
     this.contentChanged = true;
     if (this.following && this.selected >= 0) this.center(this.selected);
     this.panel.setTime(frame.head.time);
@@ -68,28 +67,18 @@ class Viewer {
     this.draw();
   }
 
-  uploadPlaces() {
-    const { renderer, frame, model } = this;
-    renderer.column("x", frame.get("x"));
-    renderer.column("y", frame.get("y"));
-    renderer.column("turned", frame.get("turned") || new Float32Array(model.disks));
-    renderer.column("activity", frame.get("activity") || new Float32Array(model.disks));
-    if (this.fixedUploaded) return;
-    for (const name of ["radius", "angle", "driven"]) renderer.column(name, model.column(name) || new Float32Array(model.disks));
-    this.fixedUploaded = true;
-  }
-
   /* --- colours --------------------------------------------------------------------------------- */
 
-  uploadValues() {
+  /* The quantity of all disks, for the picture; grey where there is none. */
+  takeValues() {
     const q = this.quantity, values = q.values(this.model, this.frame);
     this.missing = values === null;
-    const colors = new Float32Array(this.model.disks);
-    for (let k = 0; k < colors.length; k++) {
+    this.values = new Float32Array(this.model.disks);
+    for (let k = 0; k < this.values.length; k++) {
       const value = values ? values[k] : NaN;
-      colors[k] = Number.isFinite(value) && !(q.kind === "names" && value < 0) ? value : -3e38;
+      this.values[k] = Number.isFinite(value) && !(q.kind === "names" && value < 0) ? value : -3e38;
     }
-    this.renderer.column("value", colors);
+    this.contentChanged = true;
     if (this.rangeMode === "frame") this.setRange(rangeOf(q, [values]));
   }
 
@@ -101,7 +90,7 @@ class Viewer {
     if (found.kind === "names") this.range = [0, 255];
     else if (this.rangeMode === "manual") this.rangeMode = "all";
     this.refreshRange();
-    if (this.frame) this.uploadValues();
+    if (this.frame) this.takeValues();
     this.controls.refresh();
     this.draw();
   }
@@ -115,7 +104,7 @@ class Viewer {
   setRangeMode(mode) {
     this.rangeMode = mode;
     this.refreshRange();
-    if (this.frame) this.uploadValues();
+    if (this.frame) this.takeValues();
     this.controls.refresh();
     this.draw();
   }
@@ -140,7 +129,7 @@ class Viewer {
     }
     this.samples = found;
     this.refreshRange();
-    this.uploadValues();
+    this.takeValues();
     if (this.untouched) this.fit();
     this.contentChanged = true;
     this.controls.refresh();
@@ -249,12 +238,15 @@ class Viewer {
     const { frame, camera, renderer, scene, layers } = this, theme = THEMES[this.theme];
     if (frame) {
       scene.buildFixed(frame, camera, theme);
-      if (this.contentChanged) scene.buildContacts(frame, layers, theme);
+      if (this.contentChanged) {
+        scene.buildDisks(frame, this.values, layers.copies);
+        scene.buildContacts(frame, layers, theme);
+      }
       this.contentChanged = false;
     }
     const unit = layers.thickness * Math.min(0.5 * this.model.meanRadius * camera.zoom, 14);
     const look = { ...theme, unit, range: this.range, marks: layers.marks, fade: layers.forces ? 0.5 : 0 };
-    renderer.draw(camera, look, frame ? scene.copies(frame, layers.copies) : []);
+    renderer.draw(camera, look);
     this.drawn++;
     this.controls.refreshScale();
   }
