@@ -3,8 +3,8 @@
 
 const TOGGLES = { forces: "n", overlaps: "o", marks: "m", copies: "p" };
 const KEYS = [
-  ["space", "play or pause"], ["← →", "one frame back, on"], ["Page Up, Page Down", "ten frames back, on"],
-  ["Home End", "first, last frame"], [", .", "slower, faster"], ["l", "loop"], ["+ −", "zoom"], ["Shift + arrows", "move the picture"],
+  ["space", "play or pause"], ["← →", "one frame back, on"], ["Page_Up Page_Down", "ten frames back, on"],
+  ["Home End", "first, last frame"], [", .", "slower, faster"], ["l", "loop"], ["+ −", "zoom"], ["Shift_arrows", "move the picture"],
   ["f", "show all"], ["c C", "next colouring, the one before"], ["n", "contact forces"], ["o", "overlaps"], ["m", "angle marks"],
   ["p", "copies across periodic edges"], ["/", "find a disk"], ["z", "go to the chosen disk"], ["w", "follow it"],
   ["Esc", "choose none"], ["d", "light or dark"], ["?", "this help"],
@@ -37,7 +37,7 @@ class Controls {
     for (const name of (meta.disk_names || []).slice(0, 200)) if (name) byId("find-names").append(element("option", undefined, { value: name }));
     for (const [keys, meaning] of KEYS) {
       const row = element("tr"), cell = element("td");
-      for (const key of keys.split(keys.includes(",  ") ? "  " : " ")) cell.append(/^(\+|Shift|Page|Up,|Down)$/.test(key) && keys.length > 4 ? `${key} ` : element("kbd", key), " ");
+      for (const key of keys.split(" ")) cell.append(element("kbd", key.replace("_", " ")), " ");
       row.append(cell, element("td", meaning));
       byId("help-keys").append(row);
     }
