@@ -22,7 +22,6 @@ static const struct stored {
                     {"f32", 4, 0, 0},
                     {"f64", 8, 0, 0}};
 enum { U8, I8, U16, I16, U32, I32, F32, F64 };
-enum { RANGE = 4095 }; /* more could not be seen, and does not compress */
 
 void view_chunk_begin(view_chunk *c, bool shuffle) {
   *c = (view_chunk){.head = json_pack("{s:[]}", "columns"), .shuffle = shuffle};
@@ -56,31 +55,19 @@ static unsigned char *more(view_chunk *c, size_t n) {
   return c->bytes + at;
 }
 
-/* Which type takes the values, and how. */
-static int choose(view_form form, sd_type type, const void *values, size_t n, size_t stride, double *zero,
-                  double *scale) {
-  double least = INFINITY, most = -INFINITY;
-  bool finite = true;
-  *zero = 0;
-  *scale = 1;
+/* Which type takes the values. */
+static int choose(view_form form, sd_type type, const void *values, size_t n, size_t stride) {
   if (form == VIEW_EXACT) return F64;
-  if (form == VIEW_REAL) return F32;
+  if (form != VIEW_WHOLE) return F32;
+  double least = 0, most = 0;
   for (size_t k = 0; k < n; k++) {
     double v = value_at(type, values, k * stride);
-    finite = finite && isfinite(v);
     least = v < least ? v : least;
     most = v > most ? v : most;
   }
-  if (n == 0) return U8;
-  if (form == VIEW_WHOLE) {
-    int t = U8;
-    while (t < I32 && !(least >= stored_types[t].least && most <= stored_types[t].most)) t++;
-    return t;
-  }
-  if (!finite || !isfinite(most - least)) return F32;
-  *zero = least;
-  if (most > least) *scale = (most - least) / RANGE;
-  return U16;
+  int t = U8;
+  while (t < I32 && !(least >= stored_types[t].least && most <= stored_types[t].most)) t++;
+  return t;
 }
 
 /* Little endian, byte `b` of element k at its place. */
@@ -89,39 +76,38 @@ static void put(unsigned char *out, size_t n, size_t k, size_t size, bool shuffl
     out[shuffle ? b * n + k : k * size + b] = (unsigned char)(bits >> (8 * b));
 }
 
-static uint64_t bits_of(int t, double stored) {
+static uint64_t bits_of(int t, view_form form, double value) {
   uint64_t bits = 0;
   if (t == F64) {
-    memcpy(&bits, &stored, sizeof stored);
+    memcpy(&bits, &value, sizeof value);
   } else if (t == F32) {
-    float small = (float)stored;
+    float small = (float)value;
     uint32_t half;
     memcpy(&half, &small, sizeof small);
+    if (form == VIEW_SHORT && isfinite(small)) half = (half + 0x1000u) & ~0x1fffu;
     bits = half;
   } else {
-    bits = (uint64_t)(int64_t)nearbyint(stored);
+    bits = (uint64_t)(int64_t)value;
   }
   return bits;
 }
 
 void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type type, const void *values,
                     size_t n, size_t stride) {
-  double zero, scale;
-  int t = choose(form, type, values, n, stride, &zero, &scale);
+  int t = choose(form, type, values, n, stride);
   size_t size = stored_types[t].size;
   bool shuffle = c->shuffle && size > 1;
   unsigned char *out = more(c, n * size);
   if (!out) return;
-  double grain = t == F32 ? c->grain : 0;
+  double grain = form == VIEW_REAL ? c->grain : 0;
   for (size_t k = 0; k < n; k++) {
-    double stored = (value_at(type, values, k * stride) - zero) / scale;
-    if (grain > 0 && isfinite(stored)) stored = grain * nearbyint(stored / grain);
-    put(out, n, k, size, shuffle, bits_of(t, stored));
+    double value = value_at(type, values, k * stride);
+    if (grain > 0 && isfinite(value)) value = grain * nearbyint(value / grain);
+    put(out, n, k, size, shuffle, bits_of(t, form, value));
   }
-  json_t *column =
-      json_pack("{s:s, s:s, s:I, s:I, s:f, s:f, s:b}", "name", name, "type", stored_types[t].name, "count",
-                (json_int_t)n, "offset", (json_int_t)(out - c->bytes), "scale", scale, "zero", zero,
-                "shuffle", (int)shuffle);
+  json_t *column = json_pack("{s:s, s:s, s:I, s:I, s:i, s:i, s:b}", "name", name, "type",
+                             stored_types[t].name, "count", (json_int_t)n, "offset",
+                             (json_int_t)(out - c->bytes), "scale", 1, "zero", 0, "shuffle", (int)shuffle);
   if (json_array_append_new(json_object_get(c->head, "columns"), column) != 0) c->failed = true;
 }
 

@@ -3,7 +3,7 @@
  * u32 J (little endian), J bytes of JSON, padded so that 4 + J is a multiple of 8, then the columns, each from a
  * multiple of 8 on. The JSON has a list `columns` of {name, type, count, offset behind the JSON, scale, zero, shuffle};
  * a value is zero + scale * stored. shuffle: first all first bytes of the numbers, then all second ones, ..., which
- * compresses better. The whole is a zlib stream. */
+ * compresses better. Here scale is 1 and zero 0. The whole is a zlib stream. */
 #ifndef SLIPDISK_APP_VIEW_CHUNK_H
 #define SLIPDISK_APP_VIEW_CHUNK_H
 
@@ -15,7 +15,7 @@
 typedef enum view_form {
   VIEW_EXACT, /* f64 */
   VIEW_REAL,  /* f32, rounded to multiples of view_chunk.grain where that is > 0 */
-  VIEW_RANGE, /* 12 bits from the least value to the largest; like VIEW_REAL when one is not finite */
+  VIEW_SHORT, /* f32 whose last 13 bits are 0: three digits */
   VIEW_WHOLE  /* whole numbers, in the smallest type that takes them */
 } view_form;
 

@@ -208,7 +208,7 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const dou
                 "lower", lower_json(m), "edges", edges_json(m, f->scale), "scale", json_number(f->scale));
   if (!head || c->failed || json_object_update_new(c->head, head) != 0) c->failed = true;
   size_t n = m->n_disks, walls = m->n_walls;
-  view_form form = n > VIEW_FEW ? VIEW_RANGE : VIEW_REAL;
+  view_form form = n > VIEW_FEW ? VIEW_SHORT : VIEW_REAL;
   c->grain = grain(m);
   view_chunk_add(c, "x", VIEW_REAL, SD_F64, &f->position[0][0], n, 2);
   view_chunk_add(c, "y", VIEW_REAL, SD_F64, &f->position[0][1], n, 2);
