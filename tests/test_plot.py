@@ -138,6 +138,13 @@ class Data(unittest.TestCase):
         seen = pixels[pixels.shape[0] - 1 - int(y), int(x), :3] / 255
         np.testing.assert_allclose(seen, disks.cmap(disks.norm(spin[k]))[:3], atol=0.03)
 
+    def test_region(self):
+        region = (-0.1, 0.15, 0.02, 0.12)
+        for draw in (plot.map, plot.network):
+            ax = draw(HERE / "shaken.h5", figure().subplots(), region=region)
+            self.assertEqual((*ax.get_xlim(), *ax.get_ylim()), region)
+        self.assertIn("outside the picture", ax.get_title("left") + ax.get_title())
+
     def test_map_of_means(self):
         source = plot.Source(HERE / "shaken.h5")
         means = source.result.means

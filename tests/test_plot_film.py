@@ -91,7 +91,8 @@ class Films(unittest.TestCase):
     def test_many_processes_draw_the_same(self):
         source = Source(HERE / "shaken.h5")
         ks = list(range(source.n_frames))
-        canvas = film.Canvas(source, ks, "spin", size=(320, 240))
+        canvas = film.Canvas(source, ks, "spin", size=(320, 240), region=(-0.1, 0.1, 0, 0.2))
+        self.assertEqual((canvas.scene.ax.get_xlim(), canvas.scene.ax.get_ylim()), ((-0.1, 0.1), (0, 0.2)))
         alone = list(film._all_frames(canvas, ks))
         before, film.PARALLEL = film.PARALLEL, 1
         self.addCleanup(setattr, film, "PARALLEL", before)

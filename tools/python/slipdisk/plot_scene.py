@@ -88,7 +88,7 @@ class Scene:
     def __init__(self, source, ax, ks, color=None, network=False, first=0, marks=None, plain=False, region=None):
         self.source, self.ax, self.first, self.network = Source.of(source), ax, first, network
         self.one = None if plain else quantity(self.source, color)
-        ax.set_xlim(*(reach := extent(self.source, ks))[0])
+        ax.set_xlim(*(reach := extent(self.source, ks, region))[0])
         ax.set_ylim(*reach[1])
         ax.set_aspect("equal")
         self.ends = "neither"
