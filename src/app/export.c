@@ -1,6 +1,7 @@
 /* export.c: slipdisk export FILE --to FORMAT: see export.h and docs/export.md. */
 #include "app/export.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -227,6 +228,7 @@ int app_export(int argc, char **argv) {
   const struct format *format = NULL;
   int mistake = parse(argc, argv, &a, &format);
   if (mistake) return mistake;
+  assert(format);
   sd_messages *messages = app_messages();
   sd_status status = export(&a, format, messages);
   fflush(stdout);

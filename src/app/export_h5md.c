@@ -169,7 +169,8 @@ static void put_frame(const export_job *job, h5_file *file, size_t row, const fr
 
 static sd_status put_frames(const export_job *job, h5_file *file) {
   double(*room)[3] = calloc(job->m->n_disks + 1, sizeof *room);
-  sd_status status = room ? SD_OK : sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
+  if (!room) return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
+  sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < job->range.n && !h5_failed(file); k++) {
     frame_data frame;
     status = export_frame(job, k, &frame);
