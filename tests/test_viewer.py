@@ -76,20 +76,22 @@ class Viewer(unittest.TestCase):
 
     # --- tools --------------------------------------------------------------------------------------
 
+    own = ""  # an address that pages may ask
+
     def look(self, name, width=1280, height=720, scheme="light"):
         d = self.driver
         d.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                           {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
         d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
         d.get_log("browser"), d.get_log("performance")
-        d.get((self.folder / name).as_uri())
+        d.get(name if name.startswith("http:") else (self.folder / name).as_uri())
         self.wait(lambda: d.execute_script("return Boolean(window.slipdisk)"))
 
     def tearDown(self):
         self.assertEqual([entry["message"] for entry in self.driver.get_log("browser")], [])
         asked = re.findall(r'"documentURL":"[^"]*".*?"url":"((?!data:)[^"]*)"', "\n".join(
             entry["message"] for entry in self.driver.get_log("performance") if "Network.requestWillBeSent\"" in entry["message"]))
-        self.assertEqual([url for url in asked if not url.startswith(self.folder.as_uri())], [])
+        self.assertEqual([url for url in asked if not url.startswith((self.folder.as_uri(), self.own or self.folder.as_uri()))], [])
 
     def wait(self, true, what="the page"):
         until = time.monotonic() + PATIENCE
@@ -302,6 +304,30 @@ class Viewer(unittest.TestCase):
         a, b = (self.script("return slipdisk.screen(arguments[0])", k) for k in (0, 1))
         mark = pixels[int(a[1]), int((a[0] + b[0]) / 2)]
         self.assertGreater(abs(mark - pixels[int(a[1] + 0.25 * (b[0] - a[0])), int(a[0] - 5)]).max(), 30, "the overlap is not marked")
+
+    def test_a_run_is_followed_live(self):
+        server = subprocess.Popen([PROGRAM, "view", ROOT / "inputs/walls/drum.cfg", "--live", "-D", "phases.turn.time=1e4"], text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(server.stdout.close)
+        self.addCleanup(server.wait)
+        self.addCleanup(server.kill)
+        self.own = re.search(r"http://\S+", server.stdout.readline())[0]
+        self.look(self.own)
+        self.wait(lambda: self.state("frames") > 5 and self.state("rows") > 5, "frames and rows of the run")
+        self.assertIn("running", self.text("state"))
+        self.assertEqual(self.state("kind"), "live")
+        self.picture("live")
+        self.go(1)  # looking back stops following, frames go on coming
+        before = self.state("frames")
+        self.wait(lambda: self.state("frames") > before + 2, "more frames")
+        self.assertEqual(self.state("frame"), 1)
+        self.driver.find_element("id", "newest").click()
+        self.wait(lambda: self.state("frame") > before, "the newest frame")
+        self.assertEqual([entry["message"] for entry in self.driver.get_log("browser")], [])
+        server.kill()
+        self.wait(lambda: "no connection" in self.text("state"), "words about the lost connection")
+        self.driver.get("about:blank")
+        self.driver.get_log("browser")  # a refused connection is an error to the browser
 
     def test_a_result_without_frames_and_a_browser_without_webgl(self):
         page = (self.folder / "drum.html").read_text(encoding="utf-8")
