@@ -386,6 +386,16 @@ class Bad(View):
             (self.folder / "locked").mkdir(mode=0o500)
             self.refused(4, self.result, "-o", "locked/page.html")
 
+    def test_stopped_while_it_writes(self):
+        self.run_ok("run", *deck_arguments(1000, 200000, frames=10), "-o", self.result, "--quiet")
+        before = self.left()
+        process = start("view", self.result, "--frames", ":", cwd=self.folder)
+        wait_for(lambda: self.left() != before or process.poll() is not None)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate()
+        self.assertEqual((process.returncode, err), (75, "stopped: no page is written\n"))
+        self.assertEqual(self.left(), before)
+
     def test_open_without_a_browser(self):
         self.ran(count=20, width=0.4)
         status, out, err = run("view", self.result, "--open", cwd=self.folder, env={"PATH": "/nowhere"})

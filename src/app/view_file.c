@@ -81,6 +81,7 @@ static sd_status write_frames(job *j, view_page *page, sd_messages *messages) {
   for (size_t k = 0; status == SD_OK && k < j->wanted.n; k++) {
     frame_data frame;
     status = read_wanted(j, k, &frame, messages);
+    if (app_stop) status = SD_INTERRUPTED;
     if (status == SD_OK) {
       view_frame(&c, j->f.constants, &frame, j->first, true);
       status = view_page_add(page, "frame", &c, messages);
@@ -139,7 +140,10 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   if (status == SD_OK) status = choose(&j, alone, messages);
   if (status == SD_OK) status = note_first(&j, messages);
   if (status == SD_OK) status = describe(&j, messages);
+  app_catch_signals();
+  app_begin_saving(); /* a page that is not complete goes */
   if (status == SD_OK) status = write_page(&j, *path, messages);
+  if (status == SD_INTERRUPTED) fprintf(stderr, "stopped: no page is written\n");
   *made = status == SD_OK;
   if (*made) tell(&j);
   json_decref(j.meta);
