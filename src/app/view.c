@@ -17,7 +17,7 @@ static const option_row rows[] = {
      "the page; by default NAME.html in the current folder, of a deck NAME.start.html"},
     {"open", 0, OPTION_FLAG, offsetof(view_options, open), 0, 0, NULL, NULL, "open it in the browser"},
     {"frames", 0, OPTION_TEXT, offsetof(view_options, frames), 0, 0, NULL, "RANGE",
-     "frames of a FILE, as slices in Python: 5, -1:, ::10; by default at most 500, evenly chosen"},
+     "frames of a FILE, as slices in Python: 5, -1:, ::10; by default at most 501, evenly chosen"},
     {"define", 'D', OPTION_LIST, offsetof(view_options, overrides), 0, 0, NULL, "PATH=VALUE",
      "set a key of the DECK, as in -D gravity.tilt=0.1; may be repeated"},
     {"live", 0, OPTION_FLAG, offsetof(view_options, live), 0, 0, NULL, NULL,

@@ -112,7 +112,8 @@ static sd_status write_page(job *j, const char *path, sd_messages *messages) {
 
 static void tell(const job *j) {
   size_t n = j->wanted.n;
-  printf("%zu disks, %zu walls, %zu frame%s", j->f.constants->n_disks, j->f.constants->n_walls, n,
+  size_t disks = j->f.constants->n_disks, walls = j->f.constants->n_walls;
+  printf("%zu disk%s, %zu wall%s, %zu frame%s", disks, disks == 1 ? "" : "s", walls, walls == 1 ? "" : "s", n,
          n == 1 ? "" : "s");
   if (n < j->count) printf(" of %zu", j->count);
   if (n > 1 && j->wanted.step > 1) printf(", one in %zu", j->wanted.step);
