@@ -2,6 +2,7 @@
 import pathlib
 import subprocess
 import tempfile
+import time
 import unittest
 
 import numpy as np
@@ -188,6 +189,40 @@ class Data(unittest.TestCase):
         self.assertIn("(rad/time)", ax.get_ylabel())
         ax = plot.stress(HERE / "squeezed.h5", figure().subplots())
         self.assertIn("(force/length)", ax.get_ylabel())
+
+
+class Unfinished(unittest.TestCase):
+    def test_what_does_not_change_is_found_elsewhere(self):
+        """An unfinished run has no constants in its files: they come from its state and its deck, and are the same."""
+        for name in ("hopper", "pressed", "three", "squeezed"):
+            with self.subTest(name):
+                whole, part = (plot.Source(HERE / f"{name}.h5") for _ in range(2))
+                part._whole = False
+                np.testing.assert_array_equal(part.radius, whole.radius)
+                np.testing.assert_array_equal(part.driven, whole.driven)
+                self.assertEqual(len(part.shapes), len(whole.shapes))
+                for a, b in zip(part.shapes, whole.shapes):
+                    for one, other in zip(a, b):
+                        np.testing.assert_array_equal(one, other)
+                info = whole.result.attributes("particles/disks/box")
+                np.testing.assert_array_equal(whole.box[0], info.lower)
+                np.testing.assert_array_equal(whole.box[2], [word == "periodic" for word in info.boundary])
+                np.testing.assert_allclose(whole.gravity, whole.result.rows("parameters/model/gravity"), rtol=1e-14, atol=1e-15)
+
+    def test_page_of_an_unfinished_run(self):
+        deck, overrides = "packing/drum.cfg", ["phases.fill.frames=1000", "checkpoint=0.2", "phases.fill.time=500"]
+        with subprocess.Popen([program(), "run", ROOT / "inputs" / deck, "-o", HERE / "going.h5", "--quiet",
+                               *(word for one in overrides for word in ("-D", one))], stderr=subprocess.DEVNULL) as process:
+            for _ in range(600):
+                time.sleep(0.1)
+                if len(list(HERE.glob("going.h5.parts/part-*"))) > 3:
+                    break
+            process.terminate()
+        self.assertEqual(process.returncode, 75)
+        picture = plot.page(HERE / "going.h5")
+        self.assertIn("(unfinished, t = ", picture.get_suptitle() if hasattr(picture, "get_suptitle") else picture._suptitle.get_text())
+        self.assertGreater(len(picture.get_axes()), 5)
+        style.save(picture, HERE / "going.png", 30)
 
 
 class Sweeps(unittest.TestCase):

@@ -68,7 +68,11 @@ class Source:
 
     @functools.cached_property
     def gravity(self):
-        return np.asarray(self.result.rows("parameters/model/gravity"), float)
+        if self._whole:
+            return np.asarray(self.result.rows("parameters/model/gravity"), float)
+        found = re.search(r'^gravity = { g = "?([-+.e0-9]+)[^;]*; tilt = "?([-+.e0-9]+) ?(pi|deg)?', self.result.deck, re.M)
+        g, tilt = (float(found[1]), float(found[2]) * {"pi": np.pi, "deg": np.pi / 180}.get(found[3], 1.0)) if found else (0.0, 0.0)
+        return -g * np.array([np.sin(tilt), np.cos(tilt)])
 
     @functools.cached_property
     def phases(self):
@@ -83,11 +87,26 @@ class Source:
 
     @functools.cached_property
     def radius(self):
-        return self.result.rows("particles/disks/radius")
+        if self._whole:
+            return self.result.rows("particles/disks/radius")
+        return self.result.disks["radius"]
 
     @functools.cached_property
     def driven(self):
-        return self.result.rows("particles/disks/driven") != 0
+        if self._whole:
+            return self.result.rows("particles/disks/driven") != 0
+        held = np.ones(len(self.radius), bool)
+        held[self.result.state["id"][:self.result.attributes("state").n_free]] = False
+        return held
+
+    @functools.cached_property
+    def _whole(self):
+        """Whether it is a finished file: unfinished runs have what does not change in their state and in /parameters/deck_bodies."""
+        return os.path.isfile(self.path)
+
+    def _bodies(self, kind):
+        """Lines of this kind of /parameters/deck_bodies, as words."""
+        return [line.split("\t")[1:] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith(kind + "\t")]
 
     def disk_name(self, number):
         return self.names[number] or f"disk {number}"
@@ -99,12 +118,11 @@ class Source:
     @functools.cached_property
     def body_names(self):
         """Names of all bodies: disks, then walls."""
-        walls = [line.split("\t")[1] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith("wall\t")]
-        return [self.disk_name(k) for k in range(self.result.summary["disks"])] + walls
+        return [self.disk_name(k) for k in range(self.result.summary["disks"])] + [words[0] for words in self._bodies("wall")]
 
     @functools.cached_property
     def groups(self):
-        return [line.split("\t")[1] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith("group\t")]
+        return [words[0] for words in self._bodies("group")]
 
     @functools.cached_property
     def usual_frame(self):
@@ -140,13 +158,13 @@ class Source:
     @functools.cached_property
     def box(self):
         """(lower corner, edges, periodic) of the deck's box."""
-        info = self.result.attributes("particles/disks/box")
-        periodic = np.array([word == "periodic" for word in info.boundary])
+        periodic, x, y = np.array(self._bodies("box")[0][0].split(), float).reshape(3, 2)
+        lower, upper = np.array([x, y]).T
         if "edges" in self.result.groups("particles/disks/box"):
             edges = self.result.rows("particles/disks/box/edges/value")
         else:
-            edges = self.result.rows("particles/disks/box/edges")
-        return np.asarray(info.lower, float), np.asarray(edges, float), periodic
+            edges = np.where(periodic > 0, upper - lower, 0.0)
+        return lower, np.asarray(edges, float), periodic > 0
 
     def box_at(self, k):
         """(lower corner, edges, periodic) at frame k: compression changes the edges."""
@@ -163,12 +181,19 @@ class Source:
         """[(kind, points, pivot, radius, closed)] of the walls as the deck has them."""
         if not len(self.result.wall_frames):
             return []
+        if not self._whole:
+            return [self._shape(words[2]) for words in self._bodies("wall")]
         at = "particles/walls/shape/"
         kind, count, points, pivot, radius, closed = (self.result.rows(at + name) for name in
                                                       ("kind", "count", "points", "pivot", "radius", "closed"))
         last = np.cumsum(count)
         return [(int(kind[i]), points[last[i] - count[i]:last[i]], pivot[i], float(radius[i]), bool(closed[i]))
                 for i in range(len(kind))]
+
+    @staticmethod
+    def _shape(text):
+        kind, closed, _, radius, *rest = map(float, text.split())
+        return int(kind), np.array(rest[2:]).reshape(-1, 2), np.array(rest[:2]), radius, bool(closed)
 
     def walls(self, k):
         """[(kind, points, radius, angle)] at frame k; of a circle the point is its centre."""
@@ -256,7 +281,7 @@ QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity("pressure", "pressure on a disk", "force/length", "sequential", _measured_column("pressure")),
     Quantity("fraction", r"local packing fraction", "1", "sequential", _measured_column("fraction")),
     Quantity("group", "group", "1", "groups", lambda source, k, first: source.result.rows("particles/disks/group").astype(float),
-             lambda source: None if source.groups else "needs groups of disks in the deck"),
+             lambda source: None if source.groups and source._whole else "needs a finished run with groups of disks in the deck"),
 )}
 
 
