@@ -113,7 +113,9 @@ def note_keys(app, doctree):
 
 
 def columns_to_fields(app, what, name, thing, options, lines):
-    """Lines of a docstring such as "deck    path of a deck" become a list of fields."""
+    """Lines of a docstring such as "deck    path of a deck" become a list of fields. Pages introduce modules themselves."""
+    if what == "module":
+        lines.clear()
     column = re.compile(r"^(\w[\w, ]*?)\s{2,}(\S.*)$")
     for k, line in enumerate(lines):
         found = column.match(line)

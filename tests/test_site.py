@@ -23,7 +23,7 @@ import unittest
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
 DOCS = ROOT / "docs"
 SHOTS = os.environ.get("SLIPDISK_SCREENSHOTS")
-MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton", "numpy", "h5py")
+MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton", "numpy", "h5py", "matplotlib")
 PAGES = ("index", "physics", "deck", "deck_tasks", "units", "glossary", "api/simulation", "api_python", "gallery", "measure")
 
 

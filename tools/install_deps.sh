@@ -14,7 +14,7 @@ esac
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
           libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev libmicrohttpd-dev zlib1g-dev)
 site=(python3-sphinx python3-myst-parser python3-breathe doxygen furo python3-sphinx-copybutton libjs-katex fonts-katex
-      node-normalize.css python3-numpy python3-h5py)
+      node-normalize.css python3-numpy python3-h5py python3-matplotlib)
 deb=(dpkg-dev fakeroot lintian)
 tests=no
 for option in "$@"; do
