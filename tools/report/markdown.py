@@ -4,10 +4,11 @@ Markdown takes HTML within a line, so texts are carried over as they are."""
 import os
 import re
 
-from PIL import Image
+from PIL import Image, ImageChops
 
 from .page import cell
 
+UNSEEN = 16  # levels of 255
 LONGEST = 16  # rows: longer tables are on the HTML page, and there as CSV files
 
 
@@ -37,9 +38,12 @@ def keep(folder, page, figures, name="paper.md"):
 
 
 def keep_picture(path, folder):
-    """Copies a picture in all its colours, packed as well as PNG allows."""
+    """Copies a picture; with a palette of 256 colours where no pixel changes visibly, as in plots of lines."""
     with Image.open(path) as picture:
-        picture.convert("RGB").save(os.path.join(folder, os.path.basename(path)), optimize=True)
+        full = picture.convert("RGB")
+    few = full.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    change = max(high for _, high in ImageChops.difference(full, few.convert("RGB")).getextrema())
+    (few if change <= UNSEEN else full).save(os.path.join(folder, os.path.basename(path)), optimize=True)
 
 
 def write(path, title, lead, sections, pictures=None):
