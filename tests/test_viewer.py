@@ -4,7 +4,6 @@
 77: Chromium, its driver, selenium or PIL is missing (tools/install_deps.sh --tests)."""
 import importlib.util
 import io
-import json
 import os
 import pathlib
 import re
@@ -77,6 +76,7 @@ class Viewer(unittest.TestCase):
     # --- tools --------------------------------------------------------------------------------------
 
     own = ""  # an address that pages may ask
+    looked = False
 
     def look(self, name, width=1280, height=720, scheme="light"):
         d = self.driver
@@ -84,6 +84,7 @@ class Viewer(unittest.TestCase):
                           {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
         d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]})
         d.get_log("browser"), d.get_log("performance")
+        self.looked = True
         d.get(name if name.startswith("http:") else (self.folder / name).as_uri())
         self.wait(lambda: d.execute_script("return Boolean(window.slipdisk)"))
 
@@ -91,6 +92,7 @@ class Viewer(unittest.TestCase):
         self.assertEqual([entry["message"] for entry in self.driver.get_log("browser")], [])
         asked = re.findall(r'"documentURL":"[^"]*".*?"url":"((?!data:)[^"]*)"', "\n".join(
             entry["message"] for entry in self.driver.get_log("performance") if "Network.requestWillBeSent\"" in entry["message"]))
+        self.assertTrue(asked or not self.looked, "the browser does not tell what pages ask for")
         self.assertEqual([url for url in asked if not url.startswith((self.folder.as_uri(), self.own or self.folder.as_uri()))], [])
 
     def wait(self, true, what="the page"):
@@ -181,7 +183,10 @@ class Viewer(unittest.TestCase):
         self.wait(lambda: len(self.driver.find_elements("css selector", "#disk-series canvas")) == 3, "the disk's series")
         self.picture("drum-picked")
         told = dict(line.split("\t") for line in self.text("disk-numbers").splitlines())
-        plain = lambda text: float(re.sub("·10(.*)", lambda m: "e" + m[1].translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")), text).replace("−", "-"))
+        powers = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+
+        def plain(text):
+            return float(re.sub("·10(.*)", lambda m: "e" + m[1].translate(powers), text).replace("−", "-"))
         self.assertEqual(told["number"], "23")
         x, y = told["position x, y"].split(", ")
         for name, text in (("x", x), ("y", y), ("spin", told["spin ω"]), ("angle", told["angle"])):

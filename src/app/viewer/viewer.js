@@ -128,6 +128,7 @@ class Viewer {
       await new Promise((resolve) => setTimeout(resolve));
     }
     this.samples = found;
+    if (this.quantity.key === "spin" && found.every((frame) => frame.get("spin")?.every((v) => v === 0))) this.setQuantity("speed");
     this.refreshRange();
     this.takeValues();
     if (this.untouched) this.fit();
