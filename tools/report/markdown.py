@@ -8,7 +8,7 @@ from PIL import Image, ImageChops
 
 from .page import cell
 
-UNSEEN = 16  # levels of 255
+UNSEEN = 8  # levels of 255
 LONGEST = 16  # rows: longer tables are on the HTML page, and there as CSV files
 
 
