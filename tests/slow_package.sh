@@ -41,6 +41,9 @@ slipdisk info three.h5 >info
 grep -q Omega info
 slipdisk measure deposit.h5 >measure
 slipdisk verify three.h5 deposit.h5
+slipdisk view three.h5 -o page.html
+slipdisk plot three.h5 -o picture.png
+test -s page.html -a -s picture.png
 slipdisk help --man run | cmp - /tmp/page
 test -r /usr/share/bash-completion/completions/slipdisk
 test -r /usr/share/doc/slipdisk/copyright

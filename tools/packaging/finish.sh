@@ -19,7 +19,7 @@ cp tools/packaging/debian/lintian-overrides "$stage/usr/share/lintian/overrides/
 # Scripts of the site that Debian has a package of.
 static=$doc/html/_static shared=/usr/share/javascript/sphinxdoc/1.0
 for file in "$static"/*.js; do
-  if cmp -s "$file" "$shared/${file##*/}"; then ln -sf "$shared/${file##*/}" "$file"; fi
+  if cmp -s "$file" "$shared/${file##*/}"; then ln -sf "../../../../javascript/sphinxdoc/1.0/${file##*/}" "$file"; fi
 done
 
 gzip -9n "$doc/changelog" "$doc/changelog.Debian" "$stage"/usr/share/man/man1/*.1
