@@ -19,7 +19,7 @@ import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
-VIEWER = ROOT / "src/app/viewer"
+VIEWER = ROOT / "src/app/view/page"
 SHOTS = os.environ.get("SLIPDISK_SCREENSHOTS")
 PATIENCE = 120  # seconds after which what is waited for will not come
 LARGE = """title = "many disks fall"; integrator = "verlet"; dt = 5e-5; gravity = {{ g = 9.81; }};

@@ -15,7 +15,7 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "app/app.h"
-#include "app/live.h"
+#include "app/view/live.h"
 #include "io/store/file.h"
 #include "run/session.h"
 #include "run/simulation_private.h"

@@ -1,0 +1,298 @@
+/* check.c: slipdisk check DECK: is the deck right, what does it say in full, and how long will it run?
+ *
+ * The output is a deck again: the full one, followed by the findings as comments.
+ */
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/clock.h"
+#include "app/app.h"
+#include "app/check/check.h"
+#include "base/shortage.h"
+#include "app/sweep/sweep.h"
+#include "io/deck/deck.h"
+#include "run/ensemble.h"
+#include "slipdisk/deck.h"
+#include "slipdisk/simulation.h"
+#include "slipdisk/theory.h"
+
+static const double probe_seconds = 0.2;
+
+typedef struct options {
+  const char *deck;
+  option_list overrides;
+  bool brief, no_probe, keys, json;
+} options;
+
+static const option_row rows[] = {
+    {"define", 'D', OPTION_LIST, offsetof(options, overrides), 0, 0, NULL, "PATH=VALUE",
+     "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},
+    {"brief", 0, OPTION_FLAG, offsetof(options, brief), 0, 0, NULL, NULL, "leave the full deck out"},
+    {"no-probe", 0, OPTION_FLAG, offsetof(options, no_probe), 0, 0, NULL, NULL, "do not measure the speed"},
+    {"json", 0, OPTION_FLAG, offsetof(options, json), 0, 0, NULL, NULL,
+     "all of it as JSON, messages included"},
+    {"keys", 0, OPTION_FLAG, offsetof(options, keys), 0, 0, NULL, NULL,
+     "print the tables of all keys, and nothing else"},
+};
+const command_line app_check_line = {
+    .name = "check",
+    .n = sizeof rows / sizeof *rows,
+    .rows = rows,
+    .operand = OPERAND_DECK,
+    .offset = offsetof(options, deck),
+    .optional = true,
+    .operands = "DECK",
+    .summary = "Checks a deck, prints it with all defaults, estimates the run time",
+    .more =
+        "Told are numbers of disks, walls and contacts, the time step against the shortest contact period,\n"
+        "restitution of each pair of materials, size of the result, speed and length of the run. All points "
+        "of a\n"
+        "sweep are checked, too. A DECK of - is the standard input.\n",
+    .examples = "slipdisk check deck.cfg                 # mistakes, all keys, limits, run time\n"
+                "slipdisk check deck.cfg --brief -D gravity.tilt=0.2\n"};
+
+/* --- restitution ----------------------------------------------------------------------------------------- */
+
+static int by_size(const void *a, const void *b) {
+  double p = *(const double *)a, q = *(const double *)b;
+  return p < q ? -1 : p > q;
+}
+
+/* Median mass of the free disks of a material; 0: there is none. */
+static double typical_mass(const sd_model *m, int material) {
+  double *mass = malloc((m->n_disks ? m->n_disks : 1) * sizeof *mass), middle = 0;
+  size_t n = 0;
+  if (!mass) shortage_note();
+  for (size_t i = 0; mass && i < m->n_disks; i++)
+    if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;
+  if (n) {
+    qsort(mass, n, sizeof *mass, by_size);
+    middle = mass[n / 2];
+  }
+  free(mass);
+  return middle;
+}
+
+/* Is there a wall, or a disk that nothing pushes, of this material? */
+static bool has_still(const sd_model *m, int material) {
+  for (size_t w = 0; w < m->n_walls; w++)
+    if (m->walls[w].material == material) return true;
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (m->disks[i].material == material && m->disks[i].driven) return true;
+  return false;
+}
+
+static size_t count_free(const sd_model *m, int material) {
+  size_t n = 0;
+  for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].material == material && !m->disks[i].driven;
+  return n;
+}
+
+static double restitution_at(const sd_contact_law *law, double mass) {
+  return sd_restitution(law->k_n, law->gamma_n, mass).restitution;
+}
+
+/* Of Hertz' law it is that of the deck, whatever the masses. */
+static double given_restitution(const sd_contact_law *law) {
+  if (law->gamma_n > 0.0) return NAN;
+  return law->restitution > 0.0 ? law->restitution : 1.0;
+}
+
+void check_restitutions(const sd_model *m, check_restitution *visit, void *user) {
+  const char *still = "a free disk on a fixed body";
+  for (int a = 0; a < (int)m->n_materials; a++)
+    for (int b = a; b < (int)m->n_materials; b++) {
+      const sd_contact_law *law = sd_model_law(m, a, b);
+      double ma = typical_mass(m, a), mb = typical_mass(m, b), mass = ma * mb / (ma + mb);
+      if (law->k_n <= 0) continue;
+      if (law->normal != SD_NORMAL_LINEAR) {
+        visit(user, a, b, given_restitution(law), 0, "any");
+        continue;
+      }
+      size_t enough = a == b ? 2 : 1;
+      if (count_free(m, a) >= enough && count_free(m, b) >= enough)
+        visit(user, a, b, restitution_at(law, mass), mass, "two free disks");
+      if (ma > 0 && has_still(m, b)) visit(user, a, b, restitution_at(law, ma), ma, still);
+      if (a != b && mb > 0 && has_still(m, a)) visit(user, b, a, restitution_at(law, mb), mb, still);
+    }
+}
+
+/* --- speed ----------------------------------------------------------------------------------------------- */
+
+/* Runs the deck for a moment, the beginning of it at least. */
+static sd_status probe(check_found *f, sd_messages *messages) {
+  sd_simulation *s = NULL;
+  sd_status status = sd_simulation_new(f->model, 0, &s, messages);
+  if (status != SD_OK) return status;
+  const sd_state *first = sd_simulation_state(s);
+  f->probed = first;
+  if (first) f->contacts = first->n_contacts;
+  if (!first) status = sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
+  int64_t chunk = 16;
+  double start = clock_seconds(), spent = 0;
+  while (status == SD_OK && !sd_simulation_finished(s) && spent < probe_seconds) {
+    status = sd_simulation_advance(s, chunk, messages);
+    f->tried = sd_simulation_stage(s).step;
+    spent = clock_seconds() - start;
+    if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
+  }
+  if (status != SD_OK || spent <= 0) f->tried = 0;
+  if (f->tried > 0) f->speed = (double)f->tried / spent;
+  f->threads = sd_simulation_threads(s);
+  snprintf(f->path, sizeof f->path, "%s", sd_simulation_path(s));
+  sd_simulation_free(s);
+  return status;
+}
+
+double check_run_seconds(const check_found *f) { return (double)sd_model_steps(f->model) / f->speed; }
+
+/* --- sweep --------------------------------------------------------------------------------------------------- */
+
+/* Time that a sweep's points need on this machine. */
+typedef struct pace {
+  double alone;    /* s per step of a system by itself; 0: not known */
+  double together; /* s per step of a group in lanes, however few they are; 0: there are none, or not known */
+  size_t width;
+} pace;
+
+/* The speed in lanes, measured with the deck as it stands in all of them. */
+static double probe_lanes(const sd_model *m, size_t width) {
+  sd_simulation **all = calloc(width, sizeof *all);
+  sd_messages **messages = calloc(width, sizeof *messages);
+  sd_status *status = calloc(width, sizeof *status);
+  ensemble *e = NULL;
+  bool good = all && messages && status;
+  for (size_t k = 0; good && k < width; k++) {
+    messages[k] = app_messages();
+    good = sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
+  }
+  good = good && ensemble_new(width, all, &e, NULL) == SD_OK;
+  double start = clock_seconds(), spent = 0;
+  for (int64_t chunk = 16; good && !sd_simulation_finished(all[0]) && spent < probe_seconds;) {
+    ensemble_advance(e, chunk, status, messages);
+    spent = clock_seconds() - start;
+    good = status[0] == SD_OK && ensemble_in_lanes(e) == width;
+    if (chunk < 1 << 20 && spent < probe_seconds / 4) chunk *= 2;
+  }
+  double done = good ? (double)sd_simulation_stage(all[0]).step : 0;
+  ensemble_free(e);
+  for (size_t k = 0; all && messages && k < width; k++) {
+    sd_simulation_free(all[k]);
+    sd_messages_free(messages[k]);
+  }
+  free(all);
+  free(messages);
+  free(status);
+  return done > 0 ? spent / done : 0;
+}
+
+typedef struct entry {
+  int kind;
+  int64_t steps;
+} entry;
+
+static int by_kind(const void *a, const void *b) {
+  const entry *p = a, *q = b;
+  if (p->kind != q->kind) return p->kind < q->kind ? -1 : 1;
+  return p->steps > q->steps ? -1 : p->steps < q->steps;
+}
+
+/* Time of all points with one worker, in groups as `sweep` makes them: the longest of each counts. */
+static double sweep_time(entry *entries, size_t n, const pace *p) {
+  double time = 0;
+  qsort(entries, n, sizeof *entries, by_kind);
+  for (size_t k = 0, size; k < n; k += size) {
+    bool lanes = p->together > 0 && entries[k].kind != SWEEP_ALONE;
+    for (size = 1; lanes && size < p->width && k + size < n; size++)
+      if (entries[k + size].kind != entries[k].kind) break;
+    time += (double)entries[k].steps * (size > 1 ? p->together : p->alone);
+  }
+  return time;
+}
+
+/* Points, and what they need. */
+static void note_sweep(const sweep *s, entry *entries, const pace *p, check_sweep *found) {
+  *found =
+      (check_sweep){.points = s->deck.n_points, .sets = s->deck.n_sets, .width = p->width, .seconds = NAN};
+  for (size_t k = 0; k < found->points; k++) {
+    found->steps += (double)entries[k].steps;
+    found->together += entries[k].kind != SWEEP_ALONE;
+  }
+  if (p->alone > 0) found->seconds = sweep_time(entries, found->points, p);
+  found->lanes = p->together > 0 && found->together > 1;
+}
+
+static sd_status look_at_sweep(const options *o, check_found *f, sd_messages *messages) {
+  double speed = f->tried > 0 ? f->speed : 0;
+  sweep s;
+  size_t usable;
+  sd_status status = sweep_open(&s, o->deck, o->overrides.n, o->overrides.item, "", messages);
+  size_t n = s.deck.n_points;
+  int64_t *steps = calloc(n + 1, sizeof *steps);
+  int *kinds = calloc(n + 1, sizeof *kinds);
+  entry *entries = calloc(n + 1, sizeof *entries);
+  bool memory = steps && kinds && entries;
+  if (status == SD_OK && !memory) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  if (status == SD_OK) status = sweep_precheck(&s, steps, kinds, &usable, messages);
+  pace p = {.alone = speed > 0 ? 1 / speed : 0, .width = ensemble_width()};
+  if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(f->model))
+    p.together = probe_lanes(f->model, p.width);
+  for (size_t k = 0; memory && k < n; k++) entries[k] = (entry){kinds[k], steps[k]};
+  if (memory) note_sweep(&s, entries, &p, &f->sweep);
+  free(steps);
+  free(kinds);
+  free(entries);
+  sweep_close(&s);
+  return status;
+}
+
+static sd_status find(const options *o, check_found *f, sd_messages *messages) {
+  const sd_model *m = f->model;
+  sd_model_advise(m, messages);
+  if (advice_overlap(m, &f->overlap) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  sd_status status = size_find(&f->size, m, messages);
+  if (status == SD_OK) size_warn(&f->size, ".", messages);
+  if (status == SD_OK && !o->no_probe) status = probe(f, messages);
+  if (status == SD_OK && sd_model_deck(m)->sweep_points > 0) status = look_at_sweep(o, f, messages);
+  return status;
+}
+
+static int check(const options *o, sd_messages *messages) {
+  sd_model *m = NULL;
+  int status = sd_deck_load(o->deck, o->overrides.n, o->overrides.item, &m, messages);
+  check_found found = {.model = m};
+  if (status == SD_OK) status = find(o, &found, messages);
+  if (o->json) {
+    status = check_print_json(&found, o->deck, !o->brief, status, messages);
+  } else if (m) {
+    if (!o->brief) printf("%s\n", sd_model_deck(m)->full);
+    app_line(stdout, "# deck        %s%s%s", o->deck, m->title && *m->title ? ": " : "",
+             m->title ? m->title : "");
+    check_print(&found);
+  }
+  sd_model_free(m);
+  return status;
+}
+
+/* --- command line ---------------------------------------------------------------------------------------------- */
+
+int app_check(int argc, char **argv) {
+  options o = {0};
+  sd_messages *messages = app_messages();
+  int status = options_parse(&app_check_line, argc, argv, &o);
+  if (status == SD_OK && o.keys)
+    deck_keys_print(stdout);
+  else if (status == SD_OK && !o.deck)
+    status = app_misuse("check", "no deck is given");
+  else if (status == SD_OK)
+    status = check(&o, messages);
+  fflush(stdout);
+  if (!o.json) sd_messages_print(messages, stderr);
+  sd_messages_free(messages);
+  free(o.overrides.item);
+  return status;
+}

@@ -1,0 +1,234 @@
+/* measure_page.c: what slipdisk measure has found, for people and for programs. Names and definitions: docs/measure.md. */
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/json.h"
+#include "app/measure/measure.h"
+#include "base/limits.h"
+#include "base/text.h"
+
+static const double DEGREES = 180.0 / M_PI;
+
+static const char *const sides[] = {"left", "right", "bottom", "top"}; /* bits of measurement.open */
+
+static double ratio(double a, double b) { return b != 0.0 ? a / b : NAN; }
+
+/* --- for people --------------------------------------------------------------------------------------- */
+
+/* "-" for what is not known. */
+static const char *shown(double value, int digits, char text[32]) {
+  if (isfinite(value))
+    snprintf(text, 32, "%.*g", digits, value);
+  else
+    snprintf(text, 32, "-");
+  return text;
+}
+
+/* name, value, unit or remark; "-" for what is not known. */
+static void line(FILE *out, const char *name, double value, const char *format, ...) SD_PRINTF(4, 5);
+static void line(FILE *out, const char *name, double value, const char *format, ...) {
+  char text[32] = "-";
+  if (isfinite(value)) snprintf(text, sizeof text, "%.6g", value);
+  fprintf(out, "  %-26s %12s", name, text);
+  if (*format) fputs("  ", out);
+  va_list args;
+  va_start(args, format);
+  vfprintf(out, format, args);
+  va_end(args);
+  fputc('\n', out);
+}
+
+/* Nothing ends an open region but the deck: there the closed cells tell how dense a packing is. */
+static void page_packing(FILE *out, const measurement *m) {
+  const cells *t = &m->cells;
+  char local[3][32];
+  fprintf(out, "\npacking\n");
+  if (!m->open) line(out, "packing fraction", m->s.fraction, "of the region");
+  if (m->has_cells) {
+    line(out, m->open ? "packing fraction" : "inside", t->inside,
+         "of %zu closed cells (%zu are open: at a surface or edge)", t->n_closed, t->n_open);
+    line(out, "local", t->mean, "+- %s from disk to disk, %s to %s", shown(t->deviation, 4, local[0]),
+         shown(t->least, 4, local[1]), shown(t->most, 4, local[2]));
+  }
+  if (m->open) line(out, "of the region", m->s.fraction, "which is open: empty space counts");
+}
+
+static void page_disks(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  char text[32];
+  fprintf(out, "\ndisks\n");
+  line(out, "free", (double)s->free, "in the region");
+  if (s->fixed > 0) line(out, "prescribed", (double)s->fixed, "in the region");
+  if (s->outside > 0) line(out, "free elsewhere", (double)s->outside, "left out below");
+  if (m->c.n_waiting > 0) line(out, "waiting", (double)m->c.n_waiting, "to be released");
+  if (m->c.n_removed > 0) line(out, "removed", (double)m->c.n_removed, "beyond the bounds");
+  line(out, "rattlers", (double)s->rattlers, "%s %%: fewer than %d load-bearing contacts",
+       shown(100.0 * ratio((double)s->rattlers, (double)s->free), 3, text), m->c.frictionless ? 3 : 2);
+  page_packing(out, m);
+}
+
+static void page_contacts(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  const correlation *g = &m->pairs;
+  char text[2][32];
+  fprintf(out, "\ncontacts\n");
+  if (s->n_contacts == 0)
+    fprintf(out, "  %-26s %12d\n", "closed", 0);
+  else
+    line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load", s->n_wall,
+         s->n_bearing);
+  if (s->n_contacts == 0) return;
+  line(out, "per disk", s->z, "%s load-bearing, %s without rattlers", shown(s->z_bearing, 6, text[0]),
+       shown(s->z_backbone, 6, text[1]));
+  double sliding = 100.0 * ratio((double)s->n_sliding, (double)s->n_contacts);
+  if (m->c.frictionless)
+    line(out, "sliding", NAN, "there is no friction");
+  else if (m->c.recomputed)
+    line(out, "sliding", NAN, "not stored with this frame");
+  else
+    line(out, "sliding", (double)s->n_sliding, "%s %%", shown(sliding, 3, text[0]));
+  line(out, "mobilised friction", g->mobilised.mean, "mean of |tau|/(mu F_n)");
+  line(out, "normal force", s->mean_force, "force, mean; spread %s, largest %s times that",
+       shown(g->normal.deviation, 4, text[0]), shown(ratio(g->normal.most, s->mean_force), 4, text[1]));
+  line(out, "tangential force", g->tangential.mean, "force, mean of |tau|");
+  line(out, "overlap", s->overlap_mean, "length, mean");
+  const sd_model *model = m->c.model;
+  bool disk = s->overlap_b < model->n_disks;
+  line(out, "largest overlap", s->overlap_max, "length, disk %u and %s %u", m->c.number[s->overlap_a],
+       disk ? "disk" : "wall", disk ? m->c.number[s->overlap_b] : s->overlap_b - (uint32_t)model->n_disks);
+  line(out, "unbalanced force", s->unbalanced, "mean resultant on a disk over mean normal force");
+  line(out, "anisotropy", s->anisotropy, "of the directions of load-bearing contacts, most at %s deg",
+       shown(s->fabric_angle * DEGREES, 4, text[0]));
+}
+
+static void page_stress(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  const principal *p = &s->contact_principal;
+  const correlation *g = &m->pairs;
+  const double *k = s->kinetic;
+  char text[2][32];
+  fprintf(out, "\nstress (compression positive)\n");
+  line(out, "pressure", p->mean, "force/length");
+  line(out, "deviator", p->deviator, "force/length, %s of the pressure; largest stress at %s deg",
+       shown(ratio(p->deviator, p->mean), 4, text[0]), shown(p->angle * DEGREES, 4, text[1]));
+  fprintf(out, "  %-26s %12.6g %12.6g\n  %-26s %12.6g %12.6g\n", "xx xy", s->contact[STRESS_XX],
+          s->contact[STRESS_XY], "yx yy", s->contact[STRESS_YX], s->contact[STRESS_YY]);
+  line(out, "kinetic pressure", 0.5 * (k[STRESS_XX] + k[STRESS_YY]), "force/length");
+  double energy = s->energy_translation + s->energy_rotation;
+  line(out, "kinetic energy", energy, "energy per disk, %s %% in rotation",
+       shown(100.0 * ratio(s->energy_rotation, energy), 3, text[0]));
+  if (!g->pairs) return;
+  fprintf(out, "\npairs\n");
+  line(out, "g(r) highest", g->peak, "at r = %.6g, %.4g mean diameters", g->peak_r,
+       g->peak_r / (2.0 * configuration_radius(&m->c)));
+}
+
+void measure_page(FILE *out, const measurement *m) {
+  const region *g = &m->region;
+  char *name = text_escaped(m->file, LIMIT_LINE);
+  fprintf(out, "%s: ", name ? name : "");
+  free(name);
+  if (m->frame >= 0)
+    fprintf(out, "frame %" PRId64, m->frame);
+  else
+    fprintf(out, "last state");
+  fprintf(out, ", step %" PRId64 ", time %.6g\n", m->c.step, m->c.time);
+  if (g->round)
+    fprintf(out, "region: the drum of radius %.6g about (%.6g, %.6g), area %.6g\n", g->radius, g->centre[0],
+            g->centre[1], m->s.area);
+  else
+    fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s, area %.6g\n", g->lower[0], g->upper[0],
+            g->whole[0] ? " (periodic)" : "", g->lower[1], g->upper[1], g->whole[1] ? " (periodic)" : "",
+            m->s.area);
+  if (m->open) {
+    bool given = m->c.model->region_upper[0] > m->c.model->region_lower[0];
+    fputs(given ? "open at the" : "the deck gives no region, this one is about the disks", out);
+    for (int k = 0, n = 0; given && k < 4; k++)
+      if (m->open >> k & 1) fprintf(out, "%s %s", n++ ? "," : "", sides[k]);
+    fprintf(out, ": fraction of the region, stress and pressure are means over empty space, too\n");
+  }
+  if (m->c.recomputed)
+    fprintf(out, "contacts were not stored with this frame: found again from positions and velocities%s\n",
+            m->c.frictionless ? "" : ", without what friction remembers");
+  page_disks(out, m);
+  page_contacts(out, m);
+  page_stress(out, m);
+}
+
+void measure_rows_head(FILE *out) {
+  fprintf(out, "%7s %12s %10s %7s %8s %8s %8s %8s %9s %9s %8s %8s %10s %8s %10s\n", "frame", "step", "time",
+          "disks", "rattlers", "contacts", "z", "z back", "width", "height", "fraction", "inside", "pressure",
+          "q/p", "unbalanced");
+}
+
+void measure_row(FILE *out, const measurement *m) {
+  const stress *s = &m->s;
+  char text[9][32], frame[32] = "state";
+  if (m->frame >= 0) snprintf(frame, sizeof frame, "%" PRId64, m->frame);
+  fprintf(out, "%7s %12" PRId64 " %10.5g %7zu %8zu %8zu %8s %8s %9s %9s %8s %8s %10s %8s %10s%s\n", frame,
+          m->c.step, m->c.time, s->free, s->rattlers, s->n_contacts, shown(s->z, 4, text[0]),
+          shown(s->z_backbone, 4, text[1]), shown(m->width, 5, text[6]), shown(m->height, 5, text[7]),
+          shown(m->open ? NAN : s->fraction, 5, text[2]), shown(m->cells.inside, 5, text[8]),
+          shown(s->contact_principal.mean, 5, text[3]),
+          shown(ratio(s->contact_principal.deviator, s->contact_principal.mean), 3, text[4]),
+          shown(s->unbalanced, 3, text[5]), m->c.recomputed ? " *" : "");
+}
+
+/* --- for programs ------------------------------------------------------------------------------------- */
+
+static json_t *tensor(const double t[4]) {
+  return json_pack("[o, o]", json_numbers(2, t), json_numbers(2, t + 2));
+}
+
+static json_t *distribution_json(const distribution *d) {
+  json_t *object =
+      json_pack("{s:I, s:o, s:o, s:o, s:o, s:I}", "count", (json_int_t)d->n, "mean", json_number(d->mean),
+                "deviation", json_number(d->deviation), "skewness", json_number(d->skewness), "kurtosis",
+                json_number(d->kurtosis), "beyond", (json_int_t)d->beyond);
+  if (!d->histogram) return object;
+  json_t *density = json_array();
+  for (size_t k = 0; k < d->histogram->n; k++)
+    json_array_append_new(density, json_number(distribution_density(d, k)));
+  json_object_set_new(object, "least", json_number(d->least));
+  json_object_set_new(object, "most", json_number(d->most));
+  json_object_set_new(object, "edges", json_numbers(d->histogram->n + 1, d->histogram->range));
+  json_object_set_new(object, "density", density);
+  return object;
+}
+
+/* The numbers of measurement_observables, and what is none: tensors, curves, ranges. */
+json_t *measure_json(const measurement *m) {
+  const stress *s = &m->s;
+  const correlation *g = &m->pairs;
+  const region *r = &m->region;
+  json_t *frame = json_pack("{s:o}", "frame", m->frame >= 0 ? json_integer(m->frame) : json_null());
+  json_add(frame, &measurement_observables, m, 1, 0);
+  json_t *where = json_object_get(frame, "region"), *pairs = json_object_get(frame, "pairs");
+  for (int c = 0; c < 2; c++) {
+    const double ends[2] = {r->lower[c], r->upper[c]};
+    json_object_set_new(where, c == 0 ? "x" : "y", json_numbers(2, ends));
+  }
+  json_object_set_new(where, "periodic", json_pack("[b, b]", (int)r->whole[0], (int)r->whole[1]));
+  json_object_set_new(where, "given", json_boolean(m->region_given));
+  json_t *open = json_array();
+  for (int k = 0; k < 4; k++)
+    if (m->open >> k & 1) json_array_append_new(open, json_string(sides[k]));
+  json_object_set_new(where, "open", open);
+  if (r->round) json_object_set_new(where, "radius", json_number(r->radius));
+  if (!m->has_cells) json_object_set_new(frame, "cells", json_null());
+  json_object_set_new(json_object_get(frame, "contacts"), "fabric", tensor(s->fabric));
+  json_object_set_new(json_object_get(frame, "stress"), "contact", tensor(s->contact));
+  json_object_set_new(json_object_get(frame, "stress"), "kinetic", tensor(s->kinetic));
+  if (g->pairs) {
+    json_object_set_new(pairs, "edges", json_numbers(g->pairs->n + 1, g->pairs->range));
+    json_object_set_new(pairs, "g", json_numbers(g->pairs->n, g->pairs->bin));
+  } else {
+    json_object_set_new(frame, "pairs", json_null());
+  }
+  json_object_set_new(frame, "normal_force", distribution_json(&g->normal));
+  json_object_set_new(frame, "tangential_force", distribution_json(&g->tangential));
+  json_object_set_new(frame, "mobilised_friction", distribution_json(&g->mobilised));
+  return frame;
+}

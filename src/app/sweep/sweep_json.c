@@ -1,0 +1,85 @@
+/* sweep_json.c: how far a sweep is, for programs. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "app/app.h"
+#include "app/json.h"
+#include "app/sweep/sweep.h"
+
+/* Part of the steps that are done; null: nothing is known. */
+static json_t *progress_json(const sweep_result *r) {
+  if (r->status == SWEEP_DONE) return json_real(1);
+  if (!r->has_found || r->status == SWEEP_OTHER || r->found.steps <= 0) return json_null();
+  return json_real((double)r->found.step / (double)r->found.steps);
+}
+
+/* Of each watched disk. */
+static json_t *rotations_json(const sweep_result *r) {
+  json_t *list = json_array();
+  for (size_t k = 0; r->has_found && k < r->found.n_rotations; k++) {
+    json_t *object = json_row(&rotation_observables, &r->found.rotations[k]);
+    json_object_set_new(object, "name", json_text(r->found.rotation_names[k]));
+    json_array_append_new(list, object);
+  }
+  return list;
+}
+
+static json_t *doubts_json(const sweep_result *r) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < DOUBT_KINDS; k++)
+    if (r->doubts >> k & 1u) json_array_append_new(list, json_string(doubt_kinds[k].name));
+  return list;
+}
+
+static json_t *point_json(const sweep *s, size_t k, const sweep_result *r) {
+  return json_pack("{s:I, s:o, s:s, s:o, s:o, s:o, s:o}", "point", (json_int_t)k, "name",
+                   json_text(s->deck.points[k].name), "status", sweep_status_names[r->status], "progress",
+                   progress_json(r), "message", json_text(r->message ? r->message : ""), "doubts",
+                   doubts_json(r), "rotation", rotations_json(r));
+}
+
+/* In what decks of results differ, a text each. */
+static json_t *others_json(const sweep_tally *t) {
+  json_t *list = json_array();
+  for (size_t k = 0; k < t->n; k++) {
+    char *line = sweep_tally_text(t, k);
+    if (line) json_array_append_new(list, json_text(line));
+    free(line);
+  }
+  return list;
+}
+
+static json_t *strangers_json(const sweep *s) {
+  sweep_contents there;
+  char *text = sweep_list(s, &there, NULL) == SD_OK ? sweep_strangers_text(s, &there) : NULL;
+  json_t *value = text ? json_text(text) : json_null();
+  free(text);
+  sweep_contents_free(&there);
+  return value;
+}
+
+sd_status sweep_print_json(const sweep *s, sd_messages *messages) {
+  size_t count[SWEEP_STATUSES] = {0};
+  sweep_tally others = {0};
+  json_t *points = json_array(), *counts = json_object();
+  sd_status status = points && counts ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  for (size_t k = 0; k < s->deck.n_points && status == SD_OK; k++) {
+    sweep_result r;
+    status = sweep_look(s, k, &r, messages);
+    count[r.status]++;
+    json_array_append_new(points, point_json(s, k, &r));
+    sweep_tally_add(&others, &r);
+    sweep_result_free(&r);
+  }
+  for (size_t k = 0; k < SWEEP_STATUSES; k++)
+    json_object_set_new(counts, sweep_status_names[k], json_integer((json_int_t)count[k]));
+  json_t *root =
+      json_pack("{s:o, s:o, s:o, s:o, s:o}", "folder", json_text(s->folder), "count", counts, "other_decks",
+                others_json(&others), "strangers", strangers_json(s), "points", points);
+  if (status == SD_OK && (!root || json_dumpf(root, stdout, JSON_INDENT(2)) != 0))
+    status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  if (status == SD_OK) putchar('\n');
+  json_decref(root);
+  sweep_tally_free(&others);
+  return status;
+}

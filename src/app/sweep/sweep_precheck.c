@@ -1,0 +1,158 @@
+/* sweep_precheck.c: what can be said of a sweep's points before any of them runs: mistakes, lengths, time steps, columns
+ * of the table that there will not be. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "app/app.h"
+#include "app/sweep/sweep.h"
+#include "model/advice.h"
+#include "run/ensemble.h"
+
+/* More kinds of systems than this in one sweep are not looked for: what comes later runs alone. */
+enum { MOST_KINDS = 64 };
+/* Points that --point K looks at besides its own. */
+enum { SAMPLE = 8 };
+
+/* Messages of one check about the points. */
+typedef struct advice {
+  size_t n, point; /* sets of values with a warning, a point of the worst */
+  double worst;
+  char *warning;
+} advice;
+
+typedef struct precheck {
+  const sweep *s;
+  int64_t *steps;
+  int *kinds;
+  int n_kinds;
+  sd_model *models[MOST_KINDS]; /* one of each */
+  advice *advice;               /* [advice_count] */
+  bool *collected;              /* [n_collect]: the pattern is a column of some point */
+} precheck;
+
+/* --- points -------------------------------------------------------------------------------------------------- */
+
+static bool is_told(const sd_messages *messages, const char *text) {
+  for (size_t k = 0; k < sd_messages_count(messages); k++)
+    if (strcmp(sd_messages_text(messages, k), text) == 0) return true;
+  return false;
+}
+
+/* True: the model is kept, as the first of its kind. */
+static bool find_kind(precheck *v, sd_model *model, int *kind) {
+  *kind = SWEEP_ALONE;
+  if (!ensemble_takes(model)) return false;
+  for (*kind = 0; *kind < v->n_kinds; ++*kind)
+    if (ensemble_alike(v->models[*kind], model)) return false;
+  if (v->n_kinds == MOST_KINDS) {
+    *kind = SWEEP_ALONE;
+    return false;
+  }
+  v->models[v->n_kinds++] = model;
+  return true;
+}
+
+/* One warning of a kind for all points is enough, that of the worst. */
+static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
+  for (size_t k = 0; k < advice_count; k++) {
+    advice *a = &v->advice[k];
+    sd_messages *mine = app_messages();
+    double bad = advice_checks[k](model, mine);
+    if (bad > 0 && (a->n++ == 0 || bad > a->worst)) {
+      free(a->warning);
+      *a = (advice){a->n, point, bad, format_text("%s", sd_messages_text(mine, 0))};
+    }
+    sd_messages_free(mine);
+  }
+}
+
+static bool visit(void *user, size_t point, sd_model *model) {
+  precheck *v = user;
+  v->steps[point] = sd_model_steps(model);
+  look_at_advice(v, point, model);
+  sweep_columns(v->s, point, model, v->collected, NULL);
+  return find_kind(v, model, &v->kinds[point]);
+}
+
+/* Warnings after all points have been checked. all: none of them has mistakes. */
+static void conclude(const precheck *v, bool all, sd_messages *messages) {
+  const deck_sweep *d = &v->s->deck;
+  if (!d->written)
+    sd_warn(messages, "%s: there is no group sweep: one point, \"%s\", is the deck as it stands",
+            d->deck_path, d->points[0].name);
+  for (size_t k = 0; k < advice_count; k++) {
+    const advice *a = &v->advice[k];
+    if (a->warning && !is_told(messages, a->warning))
+      sd_warn(messages, "%s (point %zu, %s%s; %zu of %zu sets of values)", a->warning, a->point,
+              d->points[a->point].name, a->n > 1 ? ", the worst" : "", a->n, d->n_sets);
+  }
+  for (size_t k = 0; all && k < d->n_collect; k++)
+    if (!v->collected[k]) sd_warn(messages, "collect: \"%s\" will be no column of the table", d->collect[k]);
+}
+
+sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages) {
+  precheck v = {.s = s, .steps = steps, .kinds = kinds};
+  size_t *first = malloc((s->deck.n_sets + 1) * sizeof *first);
+  v.collected = calloc(s->deck.n_collect + 1, sizeof *v.collected);
+  v.advice = calloc(advice_count, sizeof *v.advice);
+  if (!first || !v.collected || !v.advice) {
+    free(first);
+    free(v.collected);
+    free(v.advice);
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  }
+  for (size_t k = 0; k < s->deck.n_sets; k++) first[k] = SIZE_MAX;
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    steps[k] = 0;
+    kinds[k] = SWEEP_ALONE;
+  }
+  sd_status status = sweep_check(s, visit, &v, usable, messages);
+  /* points of one set are equally long and of one kind, and the first of them was visited */
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    size_t *mine = &first[s->deck.points[k].set];
+    if (*mine == SIZE_MAX) *mine = k;
+    steps[k] = steps[*mine];
+    kinds[k] = kinds[*mine];
+  }
+  conclude(&v, status == SD_OK, messages);
+  for (int k = 0; k < v.n_kinds; k++) sd_model_free(v.models[k]);
+  for (size_t k = 0; k < advice_count; k++) free(v.advice[k].warning);
+  free(v.advice);
+  free(v.collected);
+  free(first);
+  return status;
+}
+
+/* --- the folder -------------------------------------------------------------------------------------------- */
+
+/* Points of another deck among some of those outside [first, end) that are there. */
+static sd_status look_at_sample(const sweep *s, const sweep_contents *there, size_t first, size_t end,
+                                sd_messages *messages) {
+  sweep_tally others = {0};
+  size_t n = 0, met = 0;
+  for (size_t k = 0; k < s->deck.n_points; k++) n += there->has[k] && (k < first || k >= end);
+  size_t every = n / SAMPLE + 1;
+  others.sampled = every > 1 || n < there->known;
+  for (size_t k = 0; k < s->deck.n_points; k++) {
+    if (!there->has[k] || (k >= first && k < end) || met++ % every != 0) continue;
+    sweep_result r;
+    sweep_look(s, k, &r, NULL);
+    sweep_tally_add(&others, &r);
+    sweep_result_free(&r);
+  }
+  sd_status status = sweep_refuse_others(s, &others, "nothing is run", messages);
+  sweep_tally_free(&others);
+  return status;
+}
+
+sd_status sweep_guard(const sweep *s, const sweep_command *c, size_t first, size_t end,
+                      sd_messages *messages) {
+  sweep_contents there = {0};
+  if (c->mix) return SD_OK;
+  sd_status status = sweep_list(s, &there, messages);
+  if (status == SD_OK) status = sweep_refuse_strangers(s, &there, "nothing is run", messages);
+  if (status == SD_OK && !c->force) status = look_at_sample(s, &there, first, end, messages);
+  sweep_contents_free(&there);
+  return status;
+}

@@ -1,0 +1,260 @@
+/* theory_case.c: the three disks of a deck: which they are, and their angles, as the theory wants them.
+ *
+ * The angles are those of the three disks where the upper one just touches both supports, seen with the
+ * weight pointing down: alpha_1 = theta_h - theta_T on the left, alpha_2 = theta_h + theta_T on the right. */
+#include <math.h>
+#include <string.h>
+
+#include "slipdisk/deck.h"
+#include "app/theory/theory.h"
+
+/* Disks nearer than this part of the upper disk's radius count as touching it. */
+static const double NEAR = 0.01;
+/* The deck may put the upper disk as far from its place on the supports. */
+static const double AWAY = 0.25;
+
+static sd_status fail_disk(const sd_model *m, sd_messages *messages, uint32_t body, const char *what) {
+  char name[96];
+  return sd_fail(messages, SD_ERROR_USER, "%s: theory: %s %s", sd_model_deck(m)->path,
+                 sd_model_body_name(m, body, name, sizeof name), what);
+}
+
+/* Vector from body a to point p, to its nearest image in a periodic box. */
+static void towards(const sd_model *m, const double from[2], const double to[2], double out[2]) {
+  for (int c = 0; c < 2; c++) {
+    out[c] = to[c] - from[c];
+    double width = m->upper[c] - m->lower[c];
+    if (m->periodic[c]) out[c] -= width * nearbyint(out[c] / width);
+  }
+}
+
+static double gap(const sd_model *m, uint32_t a, uint32_t b) {
+  double d[2];
+  towards(m, m->disks[a].position, m->disks[b].position, d);
+  return hypot(d[0], d[1]) - m->disks[a].radius - m->disks[b].radius;
+}
+
+/* --- which disks ------------------------------------------------------------------------------------- */
+
+static sd_status find_upper(const sd_model *m, uint32_t *upper, sd_messages *messages) {
+  if (m->n_slides > 1)
+    sd_warn(messages, "%s: theory: measure.sliding has %zu entries; this is about the first",
+            sd_model_deck(m)->path, m->n_slides);
+  if (m->n_slides > 0) {
+    *upper = m->slides[0].disk;
+    return SD_OK;
+  }
+  for (uint32_t i = 0; i < m->n_disks; i++)
+    if (!m->disks[i].driven) *upper = i;
+  if (m->n_free == 1) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER,
+                 "%s: theory: there are %zu free disks; expected one on two supports, or an entry of "
+                 "measure.sliding that names it",
+                 sd_model_deck(m)->path, m->n_free);
+}
+
+/* Without measure.sliding: the two driven disks there are, or the two that touch. */
+static sd_status find_supports(const sd_model *m, uint32_t upper, uint32_t support[2],
+                               sd_messages *messages) {
+  size_t n_driven = m->n_disks - m->n_free, n = 0;
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    if (!m->disks[i].driven || (n_driven != 2 && gap(m, upper, i) > NEAR * m->disks[upper].radius)) continue;
+    if (n < 2) support[n] = i;
+    n++;
+  }
+  if (n == 2) return SD_OK;
+  char name[96];
+  return sd_fail(messages, SD_ERROR_USER,
+                 "%s: theory: %s rests on %zu fixed or moved disks; expected two supports",
+                 sd_model_deck(m)->path, sd_model_body_name(m, upper, name, sizeof name), n);
+}
+
+static sd_status find_disks(const sd_model *m, uint32_t *upper, uint32_t support[2], sd_messages *messages) {
+  sd_status status = find_upper(m, upper, messages);
+  if (status) return status;
+  if (m->n_slides == 0) return find_supports(m, *upper, support, messages);
+  for (int k = 0; k < 2; k++) {
+    support[k] = m->slides[0].partner[k];
+    if (support[k] >= m->n_disks)
+      status =
+          fail_disk(m, messages, support[k], "of measure.sliding is a wall; expected a disk as a support");
+    else if (!m->disks[support[k]].driven)
+      status = fail_disk(m, messages, support[k],
+                         "of measure.sliding is free; expected a support that is fixed or moved");
+  }
+  return status;
+}
+
+/* --- geometry ------------------------------------------------------------------------------------------ */
+
+/* Centre of the upper disk where it just touches both supports, from its place in the deck. */
+static sd_status touch(const sd_model *m, uint32_t upper, const uint32_t support[2], double out[2],
+                       sd_messages *messages) {
+  const sd_disk *disk = &m->disks[upper];
+  double first[2], second[2], between[2], r[2];
+  towards(m, disk->position, m->disks[support[0]].position, first);
+  towards(m, disk->position, m->disks[support[1]].position, second);
+  for (int c = 0; c < 2; c++) between[c] = second[c] - first[c];
+  for (int k = 0; k < 2; k++) r[k] = disk->radius + m->disks[support[k]].radius;
+  double far = hypot(between[0], between[1]);
+  if (!(far < r[0] + r[1]))
+    return fail_disk(m, messages, upper,
+                     "falls through between its supports; expected it to rest on both of them");
+  if (!(far > fabs(r[0] - r[1])))
+    return fail_disk(m, messages, upper,
+                     "cannot touch both supports; expected them to stand beside each other");
+
+  /* along the line of the supports, and away from it to the side on which the deck has the disk */
+  double along = (r[0] * r[0] - r[1] * r[1] + far * far) / (2 * far);
+  double away = sqrt((r[0] - along) * (r[0] + along));
+  double e[2] = {between[0] / far, between[1] / far};
+  if (first[0] * -e[1] + first[1] * e[0] > 0) away = -away;
+  out[0] = first[0] + along * e[0] - away * e[1];
+  out[1] = first[1] + along * e[1] + away * e[0];
+  if (hypot(out[0], out[1]) > AWAY * disk->radius)
+    return fail_disk(m, messages, upper,
+                     "starts far from where it touches both supports; expected it to rest on them");
+  return SD_OK;
+}
+
+/* Distance of a point from a wall's surface. */
+static double wall_gap(const sd_model *m, const sd_wall *w, const double at[2]) {
+  double d[2];
+  if (w->kind == SD_WALL_CIRCLE) {
+    towards(m, at, w->pivot, d);
+    return fabs(hypot(d[0], d[1]) - w->radius);
+  }
+  double least = HUGE_VAL;
+  size_t pieces = w->closed ? w->n_points : w->n_points - 1;
+  for (size_t k = 0; k < pieces; k++) {
+    const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+    double e[2] = {q[0] - p[0], q[1] - p[1]}, length = hypot(e[0], e[1]);
+    towards(m, p, at, d);
+    double along = (d[0] * e[0] + d[1] * e[1]) / length, off = (d[0] * e[1] - d[1] * e[0]) / length;
+    if (w->kind != SD_WALL_LINE && (along < 0 || along > length)) {
+      double beyond = along < 0 ? along : along - length;
+      off = hypot(off, beyond);
+    }
+    least = fmin(least, fabs(off));
+  }
+  return least;
+}
+
+/* Nothing else may touch the upper disk. */
+static sd_status check_alone(const sd_model *m, uint32_t upper, const uint32_t support[2], const double at[2],
+                             sd_messages *messages) {
+  sd_status status = SD_OK;
+  double radius = m->disks[upper].radius, reach = (1 + NEAR) * radius;
+  for (uint32_t b = 0; b < sd_model_bodies(m); b++) {
+    if (b == upper || b == support[0] || b == support[1]) continue;
+    double d[2], distance;
+    if (b < m->n_disks) {
+      towards(m, at, m->disks[b].position, d);
+      distance = hypot(d[0], d[1]) - m->disks[b].radius;
+    } else {
+      distance = wall_gap(m, &m->walls[b - m->n_disks], at);
+    }
+    if (distance < reach)
+      status = fail_disk(m, messages, b,
+                         "touches the upper disk too; expected contacts with the two supports alone");
+  }
+  return status;
+}
+
+/* The angles, with the left support first; up is against the weight. */
+static void set_angles(theory_case *c, uint32_t support[2], double to[2][2], const double weight[2]) {
+  double down[2] = {weight[0] / c->disk.weight, weight[1] / c->disk.weight};
+  double right[2] = {-down[1], down[0]}, angle[2];
+  for (int k = 0; k < 2; k++)
+    angle[k] = atan2(to[k][0] * right[0] + to[k][1] * right[1], to[k][0] * down[0] + to[k][1] * down[1]);
+  c->swapped = angle[0] > angle[1];
+  if (c->swapped) {
+    uint32_t s = support[0];
+    support[0] = support[1];
+    support[1] = s;
+  }
+  c->alpha[0] = -angle[c->swapped];
+  c->alpha[1] = angle[!c->swapped];
+  c->disk.half_aperture = (c->alpha[1] + c->alpha[0]) / 2;
+  c->disk.tilt = (c->alpha[1] - c->alpha[0]) / 2;
+}
+
+static sd_status set_geometry(const sd_model *m, theory_case *c, uint32_t upper, uint32_t support[2],
+                              sd_messages *messages) {
+  const sd_disk *disk = &m->disks[upper];
+  double shift[2] = {0}, at[2], to[2][2], weight[2];
+  for (int k = 0; k < 2; k++) weight[k] = disk->mass * m->gravity[k] + disk->force[k];
+  c->mass = disk->mass;
+  c->disk.weight = hypot(weight[0], weight[1]);
+  if (!(c->disk.weight > 0))
+    return fail_disk(m, messages, upper, "has no weight; expected gravity that presses it on its supports");
+  sd_status status = touch(m, upper, support, shift, messages);
+  if (status) return status;
+  c->offset = hypot(shift[0], shift[1]);
+  for (int k = 0; k < 2; k++) at[k] = disk->position[k] + shift[k];
+  for (int k = 0; k < 2; k++) towards(m, at, m->disks[support[k]].position, to[k]);
+  set_angles(c, support, to, weight);
+  c->disk.radius = disk->radius;
+  c->disk.inertia = disk->inertia;
+  c->t_g = sqrt(2 * disk->radius * disk->mass / c->disk.weight);
+  if (!(c->disk.half_aperture < M_PI / 2))
+    return fail_disk(m, messages, upper,
+                     "does not stand above its supports; expected gravity to press it "
+                     "between them");
+  return check_alone(m, upper, support, at, messages);
+}
+
+/* --- contacts and bonds --------------------------------------------------------------------------------- */
+
+static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper, const uint32_t support[2],
+                              sd_messages *messages) {
+  double mu[2];
+  for (int k = 0; k < 2; k++) {
+    const sd_contact_law *law = sd_model_law(m, m->disks[upper].material, m->disks[support[k]].material);
+    mu[k] = law->mu;
+    c->k_t[k] = law->k_t;
+    c->stiffness = k == 0 ? law->k_n : fmin(c->stiffness, law->k_n);
+    c->support_radius[k] = m->disks[support[k]].radius;
+  }
+  c->disk.mu = mu[0];
+  if (!(c->k_t[0] > 0 && c->k_t[1] > 0))
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s: theory: the contacts of %s have k_t = 0, hence no friction; expected k_t > 0",
+                   sd_model_deck(m)->path, c->upper);
+  if (mu[0] != mu[1])
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s: theory: the contacts of %s with %s and %s have mu = %g and %g; expected the same",
+                   sd_model_deck(m)->path, c->upper, c->support[0], c->support[1], mu[0], mu[1]);
+  return SD_OK;
+}
+
+/* Nothing but its weight and its supports may hold or turn the upper disk. */
+static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper, sd_messages *messages) {
+  const sd_disk *disk = &m->disks[upper];
+  sd_status status = SD_OK;
+  c->locked = disk->locked[SD_THETA];
+  c->spin = disk->velocity[SD_THETA];
+  if (disk->locked[SD_X] || disk->locked[SD_Y])
+    status = fail_disk(m, messages, upper,
+                       "has its centre locked, so that its normal forces stay as they are; expected it free, "
+                       "to find its equilibrium");
+  if (disk->force[SD_THETA] != 0)
+    status = fail_disk(m, messages, upper, "has a constant torque on it; expected none");
+  return status;
+}
+
+sd_status theory_case_read(const sd_model *m, theory_case *c, sd_messages *messages) {
+  uint32_t upper = 0, support[2] = {0, 0};
+  *c = (theory_case){0};
+  sd_status status = find_disks(m, &upper, support, messages), found;
+  if (status) return status;
+  sd_model_body_name(m, upper, c->upper, sizeof c->upper);
+  status = check_bonds(m, c, upper, messages);
+  found = set_geometry(m, c, upper, support, messages);
+  if (found) return found; /* what follows wants to know which one is left */
+  for (int k = 0; k < 2; k++) sd_model_body_name(m, support[k], c->support[k], sizeof c->support[k]);
+  found = set_contacts(m, c, upper, support, messages);
+  if (found) status = found;
+  found = theory_drive_read(m, upper, support, c, messages);
+  return found ? found : status;
+}

@@ -1,0 +1,229 @@
+/* view_data.c: see view_data.h. */
+#include "app/view/view_data.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/json.h"
+#include "base/shortage.h"
+#include "version.h"
+
+/* --- about the run ---------------------------------------------------------------------------------- */
+
+static json_t *pair(double a, double b) {
+  const double values[2] = {a, b};
+  return json_numbers(2, values);
+}
+
+/* NULL stands for all of them when none has a name. */
+static json_t *names_of(size_t n, const char *(*name)(const sd_model *m, size_t k), const sd_model *m) {
+  json_t *list = json_array();
+  bool any = false;
+  for (size_t k = 0; k < n; k++) {
+    const char *text = name(m, k);
+    any = any || text;
+    json_array_append_new(list, text ? json_text(text) : json_null());
+  }
+  if (any || n == 0) return list;
+  json_decref(list);
+  return json_null();
+}
+
+static const char *disk_name(const sd_model *m, size_t k) { return m->disks[k].name; }
+static const char *group_name(const sd_model *m, size_t k) { return m->groups[k]; }
+static const char *material_name(const sd_model *m, size_t k) { return m->materials[k].name; }
+
+/* As it stood at angle 0, from its pivot. */
+static json_t *wall_json(const sd_wall *w) {
+  static const char *const kinds[] = {[SD_WALL_LINE] = "line",
+                                      [SD_WALL_SEGMENT] = "segment",
+                                      [SD_WALL_POLYLINE] = "polyline",
+                                      [SD_WALL_CIRCLE] = "circle"};
+  json_t *points = json_array();
+  for (size_t k = 0; k < w->n_points; k++)
+    json_array_append_new(points, pair(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
+  return json_pack("{s:o, s:s, s:o, s:b, s:b, s:i, s:o}", "name", w->name ? json_text(w->name) : json_null(),
+                   "kind", kinds[w->kind], "radius", json_number(w->radius), "closed", (int)w->closed,
+                   "inside", (int)w->inside, "material", w->material, "points", points);
+}
+
+/* k_n, k_t, gamma_n, mu of each pair of materials; null where none is given. */
+static json_t *laws_json(const sd_model *m) {
+  json_t *list = json_array();
+  for (size_t a = 0; a < m->n_materials; a++) {
+    json_t *row = json_array();
+    for (size_t b = 0; b < m->n_materials; b++) {
+      const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+      const double values[] = {law->k_n, law->k_t, law->gamma_n, law->mu};
+      json_array_append_new(row, law->k_n > 0 ? json_numbers(4, values) : json_null());
+    }
+    json_array_append_new(list, row);
+  }
+  return list;
+}
+
+/* Of the periodic box: its lower corner, which stays where it is, and its lengths; 0 where it is open. */
+static json_t *lower_json(const sd_model *m) {
+  return pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0);
+}
+
+static json_t *edges_json(const sd_model *m, double scale) {
+  double edges[2] = {0};
+  for (int c = 0; c < 2; c++)
+    if (m->periodic[c]) edges[c] = scale * (m->upper[c] - m->lower[c]);
+  return json_numbers(2, edges);
+}
+
+json_t *view_meta(const sd_model *m, const char *kind, const char *title, const char *source) {
+  json_t *walls = json_array();
+  for (size_t k = 0; k < m->n_walls; k++) json_array_append_new(walls, wall_json(&m->walls[k]));
+  json_t *box = json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0),
+                          "periodic", (int)m->periodic[0], (int)m->periodic[1]);
+  json_t *budget =
+      json_pack("{s:[s, s, s, s, s], s:[s, s, s], s:[s, s, s, s], s:s, s:s}", "stored", "kinetic_translation",
+                "kinetic_rotation", "elastic_normal", "elastic_tangential", "external", "supplied", "start",
+                "work", "nonconservative_work", "lost", "viscous", "friction", "opening", "relaxed",
+                "residual", "residual", "scale", "scale");
+  return json_pack(
+      "{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:[], s:o, s:[], s:[], s:{}}",
+      "format", 1, "title", json_text(title ? title : ""), "source", json_text(source), "kind", kind,
+      "version", SD_VERSION, "box", box, "gravity", json_numbers(2, m->gravity), "disks",
+      (json_int_t)m->n_disks, "disk_names", names_of(m->n_disks, disk_name, m), "groups",
+      names_of(m->n_groups, group_name, m), "materials", names_of(m->n_materials, material_name, m), "walls",
+      walls, "laws", laws_json(m), "series", "budget", budget, "phases", "messages", "summary");
+}
+
+void view_meta_phase(json_t *meta, const char *name, double from, double to) {
+  json_array_append_new(json_object_get(meta, "phases"),
+                        json_pack("{s:o, s:o, s:o}", "name", json_text(name ? name : ""), "from",
+                                  json_number(from), "to", json_number(to)));
+}
+
+void view_meta_summary(json_t *meta, const summary *s) {
+  json_t *object = json_object_get(meta, "summary");
+  int64_t step = 0;
+  for (size_t k = 0; k < s->n_stages && step <= s->step; k++) {
+    bool over = s->stages[k].steps > 0;
+    int64_t end = over ? step + s->stages[k].steps : s->step;
+    view_meta_phase(meta, s->stage_names[k], (double)step * s->dt, (double)end * s->dt);
+    step = over ? end : s->step + 1;
+  }
+  json_object_set_new(object, "dt", json_number(s->dt));
+  json_object_set_new(object, "steps", json_integer((json_int_t)s->step));
+  json_object_set_new(object, "residual", json_number(s->energy.residual / s->energy.scale));
+  json_t *means = json_array();
+  for (size_t k = 0; k < s->n_rotations; k++)
+    json_array_append_new(means,
+                          json_pack("{s:I, s:s, s:o, s:o}", "disk", (json_int_t)s->rotations[k].disk, "name",
+                                    s->rotation_names[k], "omega", json_number(s->rotations[k].omega),
+                                    "error", json_number(s->rotations[k].error)));
+  json_object_set_new(object, "rotation", means);
+}
+
+/* --- numbers ---------------------------------------------------------------------------------------- */
+
+/* Places are told to a ten thousandth of the smallest radius. */
+static double grain(const sd_model *m) {
+  double least = HUGE_VAL;
+  for (size_t k = 0; k < m->n_disks; k++) least = fmin(least, m->disks[k].radius);
+  return m->n_disks > VIEW_FEW && least > 0 && isfinite(least) ? exp2(floor(log2(1e-4 * least))) : 0;
+}
+
+static void *have(view_chunk *c, size_t n, size_t size) {
+  void *memory = calloc(n + 1, size);
+  if (!memory) c->failed = true;
+  return memory;
+}
+
+static void add_means(view_chunk *c, size_t n, const summary_disks *found) {
+  double *omega = have(c, n, sizeof *omega), *error = have(c, n, sizeof *error);
+  for (size_t k = 0; omega && error && k < n; k++) omega[k] = error[k] = NAN;
+  for (size_t k = 0; omega && error && k < found->n; k++) {
+    const sd_disk_mean *d = &found->disks[k];
+    if (d->disk >= n) continue;
+    omega[d->disk] = d->omega;
+    error[d->disk] = d->error;
+  }
+  if (omega && error) {
+    view_chunk_add(c, "omega", VIEW_REAL, SD_F64, omega, n, 1);
+    view_chunk_add(c, "omega_error", VIEW_REAL, SD_F64, error, n, 1);
+  }
+  free(omega);
+  free(error);
+}
+
+void view_static(view_chunk *c, const sd_model *m, const double *first, const summary_disks *found,
+                 bool shuffle) {
+  view_chunk_begin(c, shuffle);
+  size_t n = m->n_disks;
+  double *real = have(c, n, sizeof *real);
+  int32_t *whole = have(c, n, sizeof *whole);
+  for (int column = 0; real && whole && column < 5; column++) {
+    static const char *const names[] = {"radius", "mass", "group", "material", "driven"};
+    for (size_t k = 0; k < n; k++) {
+      const sd_disk *d = &m->disks[k];
+      real[k] = column == 0 ? d->radius : d->mass;
+      whole[k] = column == 2 ? d->group : column == 3 ? d->material : d->driven;
+    }
+    if (column < 2)
+      view_chunk_add(c, names[column], VIEW_REAL, SD_F64, real, n, 1);
+    else
+      view_chunk_add(c, names[column], VIEW_WHOLE, SD_I32, whole, n, 1);
+  }
+  free(real);
+  free(whole);
+  /* the mark of a disk stands where it does after whole turns */
+  double *angle = have(c, n, sizeof *angle);
+  for (size_t k = 0; angle && k < n; k++) angle[k] = remainder(first[k], 2 * M_PI);
+  if (angle) view_chunk_add(c, "angle", VIEW_REAL, SD_F64, angle, n, 1);
+  free(angle);
+  if (found && found->n > 0 && found->disks) add_means(c, n, found);
+}
+
+static void add_turned(view_chunk *c, const frame_data *f, const double *first, size_t n) {
+  double *turned = have(c, n, sizeof *turned);
+  for (size_t k = 0; turned && k < n; k++) turned[k] = f->angle[k] - first[k];
+  /* a thousandth of a radian can be seen */
+  c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
+  if (turned) view_chunk_add(c, "turned", VIEW_REAL, SD_F64, turned, n, 1);
+  free(turned);
+}
+
+static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
+  size_t n = f->n_contacts;
+  view_chunk_add(c, "contact_a", VIEW_WHOLE, SD_U32, f->a, n, 1);
+  view_chunk_add(c, "contact_b", VIEW_WHOLE, SD_U32, f->b, n, 1);
+  view_chunk_add(c, "contact_part", VIEW_WHOLE, SD_U32, f->part, n, 1);
+  view_chunk_add(c, "contact_force", form, SD_F64, f->force, n, 1);
+  view_chunk_add(c, "contact_tau", form, SD_F64, f->tau, n, 1);
+  view_chunk_add(c, "contact_overlap", form, SD_F64, f->overlap, n, 1);
+  view_chunk_add(c, "contact_sliding", VIEW_WHOLE, SD_I32, f->slide, n, 1);
+}
+
+void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const double *first, bool shuffle) {
+  view_chunk_begin(c, shuffle);
+  json_t *head =
+      json_pack("{s:o, s:I, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
+                "lower", lower_json(m), "edges", edges_json(m, f->scale), "scale", json_number(f->scale));
+  if (!head || c->failed || json_object_update_new(c->head, head) != 0) c->failed = true;
+  size_t n = m->n_disks, walls = m->n_walls;
+  view_form form = n > VIEW_FEW ? VIEW_SHORT : VIEW_REAL;
+  c->grain = grain(m);
+  view_chunk_add(c, "x", VIEW_REAL, SD_F64, &f->position[0][0], n, 2);
+  view_chunk_add(c, "y", VIEW_REAL, SD_F64, &f->position[0][1], n, 2);
+  add_turned(c, f, first, n);
+  c->grain = 0;
+  view_chunk_add(c, "spin", form, SD_F64, f->spin, n, 1);
+  view_chunk_add(c, "vx", form, SD_F64, &f->velocity[0][0], n, 2);
+  view_chunk_add(c, "vy", form, SD_F64, &f->velocity[0][1], n, 2);
+  bool all = true;
+  for (size_t k = 0; k < n; k++) all = all && f->activity[k] == SD_IN_PLAY;
+  if (!all) view_chunk_add(c, "activity", VIEW_WHOLE, SD_I32, f->activity, n, 1);
+  if (walls > 0) {
+    view_chunk_add(c, "wall_x", VIEW_EXACT, SD_F64, &f->position[n][0], walls, 2);
+    view_chunk_add(c, "wall_y", VIEW_EXACT, SD_F64, &f->position[n][1], walls, 2);
+    view_chunk_add(c, "wall_angle", VIEW_EXACT, SD_F64, &f->angle[n], walls, 1);
+  }
+  if (f->has_contacts) add_contacts(c, f, form);
+}

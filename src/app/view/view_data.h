@@ -1,0 +1,25 @@
+/* view_data.h: what the viewer's page is told: the run, the disks, and how all stands at a moment. docs/view.md lists it. */
+#ifndef SLIPDISK_APP_VIEW_DATA_H
+#define SLIPDISK_APP_VIEW_DATA_H
+
+#include "app/view/view_chunk.h"
+#include "io/results/summary.h"
+#include "measure/configuration.h"
+
+/* More disks than these are told with fewer digits, as far as they can be seen. */
+enum { VIEW_FEW = 1000 };
+
+/* The object with what is known of every run: walls, names, box. NULL: no memory. */
+json_t *view_meta(const sd_model *model, const char *kind, const char *title, const char *source);
+/* A phase from one time to another; NAN: its end is not known. */
+void view_meta_phase(json_t *meta, const char *name, double from, double to);
+/* Phases, means of watched disks, and the residual of the budget. */
+void view_meta_summary(json_t *meta, const summary *found);
+
+/* What does not change. first: angles of the first frame; found (may be NULL): with means of every disk. */
+void view_static(view_chunk *c, const sd_model *model, const double *first, const summary_disks *found,
+                 bool shuffle);
+void view_frame(view_chunk *c, const sd_model *model, const frame_data *frame, const double *first,
+                bool shuffle);
+
+#endif
