@@ -155,17 +155,17 @@ void view_chunk_drop(view_chunk *c) {
 sd_status view_chunk_end(view_chunk *c, int level, unsigned char **stream, size_t *size,
                          sd_messages *messages) {
   *stream = NULL;
-  char *json = c->failed ? NULL : json_dumps(c->head, JSON_COMPACT | JSON_REAL_PRECISION(17));
-  size_t length = json ? strlen(json) : 0, n = (4 + length + 7) / 8 * 8;
-  unsigned char *head = json ? malloc(n) : NULL;
+  const size_t flags = JSON_COMPACT | JSON_REAL_PRECISION(17);
+  size_t length = c->failed ? 0 : json_dumpb(c->head, NULL, 0, flags), n = (4 + length + 7) / 8 * 8;
+  unsigned char *head = length > 0 ? malloc(n) : NULL;
+  bool good = head;
   if (head) {
     put(head, 1, 0, 4, false, n - 4);
     memset(head + 4, ' ', n - 4);
-    memcpy(head + 4, json, length);
+    good = json_dumpb(c->head, (char *)head + 4, n - 4, flags) == length;
   }
-  bool good = head && deflate_all(head, n, c, level, stream, size);
+  good = good && deflate_all(head, n, c, level, stream, size);
   free(head);
-  free(json);
   view_chunk_drop(c);
   if (good) return SD_OK;
   free(*stream);

@@ -46,7 +46,10 @@ static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t
                         size_t width, size_t at, double *values) {
   size_t block = BLOCK / width > 0 ? BLOCK / width : 1;
   double *rows = malloc(block * width * sizeof *rows);
-  if (!rows && r->status == SD_OK) r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the series");
+  if (!rows) {
+    if (r->status == SD_OK) r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the series");
+    return at;
+  }
   for (size_t first = 0; r->status == SD_OK && first < n; first += block) {
     size_t have = n - first < block ? n - first : block;
     r->status = h5_get_values(file, path, SD_F64, first, have, width, rows, r->messages);
