@@ -291,7 +291,7 @@ class Mistakes(Exports):
         self.refuse("there is neither a result no.h5", "no.h5", "--to", "csv")
         self.refuse("is not an HDF5 file", self.made / "rich.cfg", "--to", "csv", status=4)
         self.refuse("chooses 6 frames; lammps-data takes one", result, "--to", "lammps-data", "--frames", "::2")
-        self.refuse("is the file that is exported", result, "--to", "h5md3d", "-o", result)
+        self.refuse("that is a result, which would be lost", result, "--to", "h5md3d", "-o", result)
         self.refuse("there is no folder", result, "--to", "csv", "-o", "none/out")
         self.refuse("none", result, "--to", "extxyz", "-o", "none/out", status=4)
         (self.folder / "there").mkdir()

@@ -265,6 +265,10 @@ class Measure(results_common.Folder):
         self.assertIn("whole number", self.refused(2, self.result, "--bins", 0))
         self.assertIn("one result is expected", self.refused(2))
         self.assertIn("is not an HDF5 file", self.refused(4, self.deck))
+        kept = self.result.read_bytes(), self.deck.read_bytes()
+        self.assertIn("that is a result, which would be lost", self.refused(2, self.result, "-o", self.result))
+        self.assertIn("that is a deck, which would be lost", self.refused(2, self.result, "-o", self.deck))
+        self.assertEqual((self.result.read_bytes(), self.deck.read_bytes()), kept)
         self.assertIn("there is neither", self.refused(2, self.folder / "nothing.h5"))
         other = self.folder / "other.h5"
         with h5py.File(other, "w") as file:

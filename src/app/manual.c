@@ -33,8 +33,6 @@ static const manual_row environment[] = {
     {"SLIPDISK_PYTHON",
      "the interpreter that `plot` and `film` run, with numpy, h5py and matplotlib; by default "
      "/usr/bin/python3, else python3"},
-    {"SLIPDISK_PYTHON",
-     "the interpreter that `plot` and `film` run; by default /usr/bin/python3, else that of the path"},
     {"SLIPDISK_LIBRARY",
      "the shared library that the Python package loads; by default that of its installation"},
     {"SLIPDISK_PROGRAM", "the program that the Python package runs; by default that of its installation"},
@@ -222,7 +220,7 @@ void manual_overview(FILE *out, size_t n, const command_line *const *lines) {
 static void bash_kind(FILE *out, const option_row *row) {
   if (row->kind == OPTION_CHOICE)
     for (const char *c = row->value; *c; c++) fputc(*c == '|' ? ',' : *c, out);
-  else if (row->kind == OPTION_PATH || row->kind == OPTION_STREAM)
+  else if (row->kind == OPTION_PATH || row->kind == OPTION_RESULT || row->kind == OPTION_STREAM)
     fputs(strstr(row->value, "FOLDER") ? "folder" : "file", out);
   else
     fputs("text", out);

@@ -8,9 +8,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "app/app.h"
 #include "base/guess.h"
+#include "base/text.h"
+#include "io/store/file.h"
 
 bool options_number(const char *text, long least, long most, long *out) {
   char *end;
@@ -103,6 +106,23 @@ static bool is_choice(const char *words, const char *text) {
   return false;
 }
 
+static bool is_deck(const char *path) {
+  return (text_ends(path, ".cfg") || text_ends(path, ".inc")) && file_exists(path);
+}
+
+/* A file of HDF5 that is no export. */
+static bool is_result(const char *path) {
+  static const char signature[8] = "\x89HDF\r\n\x1a\n";
+  char head[sizeof signature] = {0};
+  struct stat what;
+  if (text_ends(path, ".h5md") || stat(path, &what) != 0 || !S_ISREG(what.st_mode)) return false;
+  FILE *in = fopen(path, "rb");
+  bool found =
+      in && fread(head, 1, sizeof head, in) == sizeof head && memcmp(head, signature, sizeof head) == 0;
+  if (in) fclose(in);
+  return found;
+}
+
 /* Takes one option with its value; 0, or the exit status of a mistake. */
 static int take(const command_line *line, const option_row *row, const char *value, void *arguments) {
   void *field = (char *)arguments + row->offset;
@@ -132,12 +152,16 @@ static int take(const command_line *line, const option_row *row, const char *val
       *(const char **)field = value;
       break;
     case OPTION_PATH:
+    case OPTION_RESULT:
     case OPTION_STREAM:
       *(const char **)field = value;
-      if (row->kind == OPTION_PATH && strcmp(value, "-") == 0)
+      if (row->kind != OPTION_STREAM && strcmp(value, "-") == 0)
         return app_misuse(line->name, "%s -: the standard output does not take this; expected a name", shown);
       if (!*value)
         return app_misuse(line->name, "%s needs the name of a file or a folder, not an empty one", shown);
+      if (is_deck(value) || (row->kind != OPTION_RESULT && is_result(value)))
+        return app_misuse(line->name, "%s %s: that is a %s, which would be lost; expected another name",
+                          shown, value, is_deck(value) ? "deck" : "result");
       break;
     case OPTION_LIST: {
       option_list *list = field;

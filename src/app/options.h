@@ -15,7 +15,8 @@ typedef enum option_kind {
   OPTION_REAL,   /* a finite number; option_real */
   OPTION_TEXT,   /* any text, once; const char * */
   OPTION_CHOICE, /* one of the words of `value`, as in "csv|vtk"; const char * */
-  OPTION_PATH,   /* a file or a folder; const char * */
+  OPTION_PATH,   /* a file or a folder to be written, no deck and no result; const char * */
+  OPTION_RESULT, /* a result to be written, no deck; const char * */
   OPTION_STREAM, /* the same, or - for the standard output */
   OPTION_LIST    /* any text, again and again; option_list */
 } option_kind;

@@ -15,7 +15,7 @@ typedef struct arguments {
 } arguments;
 
 static const option_row rows[] = {
-    {"output", 'o', OPTION_PATH, offsetof(arguments, output), 0, 0, NULL, "FILE",
+    {"output", 'o', OPTION_RESULT, offsetof(arguments, output), 0, 0, NULL, "FILE",
      "the result; by default NAME.h5 in the current folder for a deck NAME.cfg"},
     {"define", 'D', OPTION_LIST, offsetof(arguments, overrides), 0, 0, NULL, "PATH=VALUE",
      "set a key of the deck, as in -D gravity.tilt=0.1; may be repeated"},

@@ -6,7 +6,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "app/app.h"
 #include "base/text.h"
@@ -152,21 +151,9 @@ static int parse(int argc, char **argv, arguments *a, const struct format **form
   return *format ? 0 : app_misuse("export", "the format is not said; expected --to %s", FORMAT_NAMES);
 }
 
-static bool is_same_file(const char *a, const char *b) {
-  struct stat x, y;
-  return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
-}
-
-/* The file that is read is not to be written over. */
 static sd_status check_output(const export_job *job, const struct format *format) {
-  if (!format->folder && file_is_folder(job->out))
-    return sd_fail(job->messages, SD_ERROR_USER, "-o %s is a folder; expected the name of a file", job->out);
-  bool same = is_same_file(job->out, job->f->path) || is_same_file(job->out, job->source);
-  for (size_t k = 0; k < job->f->n_sources; k++)
-    same = same || is_same_file(job->out, job->f->sources[k].path);
-  if (!same) return SD_OK;
-  return sd_fail(job->messages, SD_ERROR_USER, "-o %s is the file that is exported; expected another name",
-                 job->out);
+  if (format->folder || !file_is_folder(job->out)) return SD_OK;
+  return sd_fail(job->messages, SD_ERROR_USER, "-o %s is a folder; expected the name of a file", job->out);
 }
 
 static sd_status check_single(const export_job *job, const char *format, const arguments *a) {
