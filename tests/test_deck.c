@@ -363,9 +363,10 @@ static void test_shipped(void **state) {
   glob_t found;
   assert_int_equal(glob(SLIPDISK_SOURCE_DIR "/inputs/*/*.cfg", 0, NULL, &found), 0);
   assert_true(found.gl_pathc >= 13);
-  /* those that begin with what deposit_*.cfg makes cannot be read before that is there */
+  /* those that begin with what other runs make cannot be read before that is there; test_cookbook runs the cookbook's */
   for (size_t k = 0; k < found.gl_pathc; k++)
-    if (!strstr(found.gl_pathv[k], "/shake_1e")) round_trip(found.gl_pathv[k]);
+    if (!strstr(found.gl_pathv[k], "/shake_1e") && !strstr(found.gl_pathv[k], "/cookbook/"))
+      round_trip(found.gl_pathv[k]);
   globfree(&found);
 }
 
