@@ -254,6 +254,28 @@ class Sweeps(unittest.TestCase):
         ax = plot.curve(sweep, figure().subplots())
         self.assertTrue(lines(ax, "theory 0"))
 
+    def test_pale(self):
+        """Points whose error bar is not reliable are pale, the others are not, and the legend says so."""
+        for reliable in ((0, 2), (0, 1, 2), ()):
+            sweep = slipdisk.Sweep(HERE / "tilted.sweep")
+            sweep._means["upper.converged"] = np.where(np.isin(np.arange(len(sweep.means)) % 3, reliable), 1.0, 0.5)
+            ax = plot.curve(sweep, figure().subplots())
+            pale = lines(ax, "pale")
+            c = plot.Curves(sweep)
+            wanted = [c.values[rows[c.doubtful[rows]]].tolist() for _, rows in c.groups if c.doubtful[rows].any()]
+            self.assertEqual([line.get_ydata().tolist() for line in pale], wanted)
+            self.assertEqual(sum(map(len, wanted)), int((sweep.means["upper.converged"] < 1).sum()))
+            for box, (_, rows) in zip(ax.containers, c.groups):
+                if c.doubtful[rows].any():
+                    self.assertEqual(box.lines[0].get_markevery(), np.flatnonzero(~c.doubtful[rows]).tolist())
+            self.assertEqual("pale" in " ".join(text.get_text() for text in ax.get_legend().get_texts()), bool(wanted))
+            style.save(ax.figure, HERE / "pale.png", 40)
+
+    def test_angles_in_names(self):
+        c = plot.Curves(slipdisk.Sweep(HERE / "tilted.sweep"))
+        for value, name in ((0.0, "tilt = 0"), (np.pi, r"tilt = $\pi$"), (-np.pi, r"tilt = -$\pi$"), (0.5 * np.pi, r"tilt = 0.5$\pi$")):
+            self.assertEqual(c._text((("tilt", value),)), name)
+
     def test_quantity(self):
         ax = plot.curve(HERE / "tilted.sweep", figure().subplots(), quantity="friction", x="amplitude")
         self.assertIn("friction", ax.get_ylabel())

@@ -15,6 +15,7 @@ from .plot_theory import theory_row
 from .result import Result, plain
 from .sweep import Sweep
 
+PALE = 0.35  # opacity of points whose error bar is not reliable
 PREFERRED = ("omega_rms", "coordination")
 
 
@@ -144,6 +145,8 @@ class Curves:
         useful = [(name, rows) for name, rows in self.groups if np.isfinite(self.xs[rows]).sum() > 1]
         self.groups = useful or self.groups
         self.values, self.errors = (self.means[self.y].astype(float), _error(self.means, self.y)) if self.y in own else measured(sweep, self.y)
+        reliable = self.y.rpartition(".")[0] + ".converged" if self.y.endswith((".omega", ".scaled")) else None
+        self.doubtful = self.means[reliable] < 1 if reliable in own else np.zeros(len(self.means), bool)
         noise = np.zeros(len(self.values)) if self.errors is None else np.nan_to_num(self.errors)
         seen = np.where(np.abs(self.values) > 2 * noise, np.abs(self.values), 0.0)
         tops = [top for top in (seen[rows].max(initial=0) for _, rows in self.groups) if top > 0]
@@ -154,15 +157,29 @@ class Curves:
             if isinstance(value, str):
                 return f"{key} = {value}"
             if unit(self.sweep, key) == "rad" and value and np.isclose(value / np.pi, np.round(value / np.pi, 4), atol=1e-9):
-                return rf"{key} = {np.round(value / np.pi, 4):g}$\pi$"
+                factor = {1.0: "", -1.0: "-"}.get(turns := np.round(value / np.pi, 4), f"{turns:g}")
+                return rf"{key} = {factor}$\pi$"
             return f"{key} = {value:.4g}"
         return ", ".join(one(*item) for item in name)
 
 
+def _pale(ax, drawn, doubtful, marker):
+    """Makes these points of an errorbar pale."""
+    if not doubtful.any():
+        return
+    line, caps, bars = drawn.lines
+    for part in (line, *caps):
+        part.set_markevery([int(k) for k in np.flatnonzero(~doubtful)])
+    for part in bars:
+        part.set_alpha(np.where(doubtful, PALE, 1.0))
+    ax.plot(line.get_xdata()[doubtful], line.get_ydata()[doubtful], marker, color=line.get_color(), mfc=ax.get_facecolor(), ms=4.5, alpha=PALE,
+            gid="pale")
+
+
 def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True, curves=None, rows_of_theory=None):
     """A quantity of a sweep (by default the rotation of the watched disk) against the key with the most values, a curve for each
-    combination of the others; bars are one standard error, of replicas the larger of their own and of their scatter. `only`: the
-    number of one of the curves."""
+    combination of the others; bars are one standard error, of replicas the larger of their own and of their scatter; pale where they
+    are not reliable. `only`: the number of one of the curves."""
     ax = axes_of(ax)
     sweep = result if isinstance(result, Sweep) else Sweep(result)
     c = curves or Curves(sweep, x, quantity)
@@ -176,9 +193,11 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
         good = rows[np.isfinite(c.values[rows]) & np.isfinite(c.xs[rows])]
         colour = style.colour(k) if len(c.groups) <= 7 else matplotlib.colormaps[style.SEQUENTIAL](0.85 * k / (len(c.groups) - 1))
         error = c.errors[good] if c.errors is not None else None
-        ax.errorbar(c.xs[good] / scale, c.values[good], None if error is None else np.nan_to_num(error), label=(name or None) if only is None else None,
-                    fmt=style.MARKERS[k % len(style.MARKERS)], color=colour, mfc=ax.get_facecolor(), lw=0.9, ms=4.5, gid=f"curve {k}",
-                    ls="none" if rows_of_theory else "-")
+        marker = style.MARKERS[k % len(style.MARKERS)]
+        drawn = ax.errorbar(c.xs[good] / scale, c.values[good], None if error is None else np.nan_to_num(error),
+                            label=(name or None) if only is None else None, fmt=marker, color=colour, mfc=ax.get_facecolor(), lw=0.9, ms=4.5,
+                            gid=f"curve {k}", ls="none" if rows_of_theory else "-")
+        _pale(ax, drawn, c.doubtful[good], marker)
         expected = [(c.xs[r] / scale, rows_of_theory[int(c.means["set"][r])]["mean"]) for r in rows
                     if int(c.means["set"][r]) in rows_of_theory]
         if expected:
@@ -186,6 +205,9 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
             drawn_theory = True
     if drawn_theory:
         ax.plot([], [], color=style.ink(), lw=1.0, ls="--", label="theory")
+    pale = bool((c.doubtful & np.isfinite(c.values) & np.isfinite(c.xs)).any())
+    if pale:
+        ax.plot([], [], "o", color=style.ink(), mfc=ax.get_facecolor(), ms=4.5, alpha=PALE, label="pale: error bar\nnot reliable yet")
     if c.words:
         ax.set_xticks(range(len(c.words)), c.words)
     elif _log(c.xs[np.isfinite(c.xs)]):
@@ -199,9 +221,9 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
     ax.set_ylabel(label(*MEASURED[c.y]) if c.y in MEASURED and c.y not in quantities(sweep) else label(text, sweep.unit(c.y)))
     if only is not None:
         ax.set_title(c.groups[only][0], fontsize=9)
-        if drawn_theory and only == 0:
+        if (drawn_theory or pale) and only == 0:
             ax.legend(loc="best")
-    elif len(c.groups) > 1 or drawn_theory:
-        n = len(c.groups) + drawn_theory
+    elif len(c.groups) > 1 or drawn_theory or pale:
+        n = len(c.groups) + drawn_theory + 2 * pale
         ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), ncol=1 + n // 24)
     return ax
