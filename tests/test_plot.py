@@ -317,6 +317,9 @@ class Command(unittest.TestCase):
                 (["three.h5", "--time", "now"], "--time now: expected FROM:TO"),
                 (["three.h5", "--size", "7"], "--size 7: expected WIDTHxHEIGHT"),
                 (["shaken.h5", "--region", "1,0,0,1"], "X0 < X1"),
+                (["shaken.h5", "--region", "50,60,0,1"], "--region 50,60,0,1: no disk is there; shaken.h5 reaches from x = "),
+                (["three.h5", "--time", "50:60"], "--time 50:60: fewer than two moments are there; the series of three.h5 runs from 0 to "),
+                (["three.h5", "--time", "2:1"], "--time 2:1: expected FROM < TO"),
                 (["tilted.sweep", "-k", "map"], "a sweep has kind curve only"),
                 (["tilted.sweep", "--quantity", "upper.omgea"], "did you mean 'upper.omega'"),
                 (["tilted.sweep", "--x", "tillt"], "did you mean 'tilt'")):
@@ -326,6 +329,7 @@ class Command(unittest.TestCase):
                 self.assertEqual((out, len(err.splitlines())), ("", 1))
         self.assertIn("missing.h5", self.run_it("plot", "missing.h5", status=4)[1])
         self.assertIn("not a result", self.run_it("plot", "tilted.sweep/table.h5", status=4)[1])
+        self.assertIn("tilted.cfg is not a result; slipdisk run tilted.cfg makes one", self.run_it("plot", "tilted.cfg", status=4)[1])
 
     def test_no_half_file(self):
         before = sorted(HERE.iterdir())

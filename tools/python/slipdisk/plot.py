@@ -17,7 +17,7 @@ from . import plot_style as style
 from .plot_packing import forces, gr, map, means, network, profile  # noqa: A004
 from .plot_scene import extent
 from .plot_series import (compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
-                          paths, rotation, spin, strain, stress, walls)
+                          paths, rotation, spin, strain, stress, walls, within)
 from .plot_source import QUANTITIES, Source, usual_quantity
 from .plot_sweep import Curves, curve, theory
 from .sweep import Sweep
@@ -279,7 +279,9 @@ def page(path, kinds=None, **options):
                 raise lib.UserError(f"{sweep.folder}: a sweep has kind curve only; expected a result, {sweep.folder}/points/....h5, for {kinds[0]}")
             return page_of_sweep(sweep, options)
         source = Source.of(path)
-        return page_of_result(source, _checked(source, kinds), options)
+        kinds = _checked(source, kinds)
+        _check_time(source, options.time)
+        return page_of_result(source, kinds, options)
 
 
 def _checked(source, kinds):
@@ -295,6 +297,19 @@ def _checked(source, kinds):
             has = ", ".join(other for other in KINDS if not KINDS[other].lacks(source))
             raise lib.UserError(f"{source.path}: kind {name} {missing}; this file has: {has}")
     return list(kinds)
+
+
+def _check_time(source, span):
+    """An error when nothing is left of what there is in time."""
+    low, high = span or (None, None)
+    asked = ":".join("" if end is None else f"{end:g}" for end in (low, high))
+    if low is not None and high is not None and low >= high:
+        raise lib.UserError(f"--time {asked}: expected FROM < TO")
+    series = "time" in source.series and len(source.series["time"]) > 1
+    times = source.series["time"] if series else source.frame_times if source.n_frames else ()
+    if span and len(times) and within(times, span).sum() < 2:
+        raise lib.UserError(f"--time {asked}: fewer than two moments are there; the {'series' if series else 'frames'} of {source.path} "
+                            f"run{'s' * series} from {times[0]:g} to {times[-1]:g}")
 
 
 def list_kinds(path):

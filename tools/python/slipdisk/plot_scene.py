@@ -5,6 +5,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize, to_rgba
 from matplotlib.lines import Line2D
 
+from . import library as lib
 from . import plot_style as style
 from .plot_source import CIRCLE, LINE, Source, quantity
 
@@ -28,9 +29,21 @@ def in_reach(place, radius, xlim, ylim):
     return ((place + radius[:, None] > [xlim[0], ylim[0]]) & (place - radius[:, None] < [xlim[1], ylim[1]])).all(1)
 
 
+def _check_region(source, ks, region):
+    """An error when no disk of these frames is in it."""
+    for k in ks:
+        here = source.in_play(k)
+        if in_reach(source.place(k)[here], source.radius[here], region[:2], region[2:]).any():
+            return
+    (x0, x1), (y0, y1) = extent(source, ks[-1:])
+    raise lib.UserError(f"--region {','.join(f'{edge:g}' for edge in region)}: no disk is there; {source.path} reaches from x = {x0:.4g} to "
+                        f"{x1:.4g}, y = {y0:.4g} to {y1:.4g}")
+
+
 def extent(source, ks, region=None):
     """((x0, x1), (y0, y1)) that shows the disks of these frames, and round walls about them; or region = (x0, x1, y0, y1)."""
     if region:
+        _check_region(source, ks, region)
         return tuple(region[:2]), tuple(region[2:])
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for k in ks:

@@ -1,6 +1,7 @@
 """Pictures of what changes in time: rotation, sliding, energies, compression, stress, single contacts, paths."""
 import numpy as np
 
+from . import library as lib
 from . import plot_style as style
 from .plot_source import Source
 from .plot_style import axes_of, guide, label
@@ -31,6 +32,7 @@ def mark_phases(ax, source, span=None):
             guide(ax, x=begin)
         begin, end = max(begin, low), min(end, high)
         if len(phases) <= 4 and end - begin > 0.02 * max(len(name), 3) * (high - low):
+            ax.yaxis.get_offset_text().set(x=-0.01, ha="right")  # the names have the place of the power of ten
             ax.text((begin + end) / 2, 1.01, name, transform=ax.get_xaxis_transform(), ha="center", va="bottom", fontsize=7.5,
                     color=style.ink(), alpha=0.65)
 
@@ -82,7 +84,7 @@ def rotation(result, ax=None, *, time=None, windows=50):
     guide(ax, y=0)
     time_axis(ax, source, t, time)
     ax.set_ylabel(label(r"mean angular velocity $\Omega$", source.series.unit("angular_velocity")))
-    ax.legend(loc="best", ncol=1)
+    style.legend(ax, loc="best", ncol=1)
     return ax
 
 
@@ -106,7 +108,7 @@ def spin(result, ax=None, *, time=None):
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(label(r"spin $\omega$", source.series.unit("angular_velocity")))
     if len(source.rotation) > 1:
-        ax.legend(loc="best", ncol=min(len(source.rotation), 4))
+        style.legend(ax, loc="best", ncol=min(len(source.rotation), 4))
     return ax
 
 
@@ -132,7 +134,7 @@ def configurations(result, ax=None):
     ax.set_ylabel("fraction of the measured time")
     ax.set_ylim(0, max(1.15 * ax.get_ylim()[1], 0.1))
     if len(rows) > 1 or theory:
-        ax.legend(loc="upper right")
+        style.legend(ax, loc="upper right")
     return ax
 
 
@@ -154,7 +156,7 @@ def energy_budget(result, ax=None, *, time=None):
     guide(ax, y=0)
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(label("since step 0", s.unit("work")))
-    ax.legend(loc="best")
+    style.legend(ax, loc="best")
     return ax
 
 
@@ -172,7 +174,7 @@ def energies(result, ax=None, *, time=None):
             shown.append(values)
     if shown:
         style.limit_log(ax, shown)
-        ax.legend(loc="best", ncol=2)
+        style.legend(ax, loc="best", ncol=2)
     time_axis(ax, source, t[keep], time, phases=False)
     ax.set_ylabel(label("energy", s.unit("kinetic_translation")))
     return ax
@@ -187,8 +189,10 @@ def energy_residual(result, ax=None, *, time=None):
     values = np.abs(s["residual"][keep]) / np.where(scale > 0, scale, np.nan)
     ax.plot(*style.thinned(t[keep], np.where(values > 0, values, np.nan)), color=style.colour(1), lw=0.9)
     style.limit_log(ax, [values, np.array([1e-2])], 14)
+    ax.set_ylim(None, ax.get_ylim()[1] * 30)  # room for the words
     ax.axhline(1e-2, color=style.ink(), ls="--", lw=0.8)
-    ax.annotate("in doubt above", (1, 1e-2), xycoords=ax.get_yaxis_transform(), ha="right", va="bottom", fontsize=7.5)
+    ax.annotate("in doubt above", (1, 1e-2), xycoords=ax.get_yaxis_transform(), xytext=(0, 2), textcoords="offset points", ha="right", va="bottom",
+                fontsize=7.5)
     time_axis(ax, source, t[keep], time, phases=False)
     ax.set_ylabel("|residual| / scale")
     return ax
@@ -240,7 +244,7 @@ def compression(result, ax=None, *, x="time", y="pressure", time=None):
     ax.set_xlabel(a_label)
     ax.set_ylabel(b_label)
     if y == "contacts" or (x, y) == ("fraction", "pressure"):
-        ax.legend(loc="best")
+        style.legend(ax, loc="best")
     return ax
 
 
@@ -266,7 +270,9 @@ def stress(result, ax=None, *, time=None):
     guide(ax, y=0)
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(label("stress", s.unit("stress_xx")))
-    ax.legend(loc="best", ncol=4)
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + 0.15 * (high - low))  # the legend has a place of its own
+    style.legend(ax, loc="upper center", ncol=4)
     return ax
 
 
@@ -283,7 +289,7 @@ def strain(result, ax=None, *, time=None):
         ax.plot(*style.thinned(1 - size[held] / size[0], q[held] / p[held]), color=style.colour(k), lw=0.9, label=f"against {sign}")
     ax.set_xlabel(r"strain $\varepsilon$, compression positive")
     ax.set_ylabel("deviator over pressure $q/p$")
-    ax.legend(loc="best")
+    style.legend(ax, loc="best")
     return ax
 
 
@@ -299,7 +305,7 @@ def walls(result, ax=None, *, time=None, component="normal"):
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(label({"normal": "normal force on a wall", "tangential": "tangential force on a wall"}.get(
         component, f"{component} force on a wall"), s.unit(name)))
-    ax.legend(loc="best", ncol=4)
+    style.legend(ax, loc="best", ncol=4)
     return ax
 
 
@@ -316,7 +322,7 @@ def flow(result, ax=None, *, time=None):
         ax.plot(t[steady], rate * t[steady] + start, color=style.colour(1), ls="--", label=f"{rate:.4g} per time, between 10 and 80 %")
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(f"disks outside the bounds (of {n})")
-    ax.legend(loc="best")
+    style.legend(ax, loc="best")
     return ax
 
 
@@ -326,6 +332,8 @@ def paths(result, ax=None, *, time=None):
     from .plot_scene import Scene
     source, ax = Source.of(result), axes_of(ax)
     kept = np.flatnonzero(within(source.frame_times, time))
+    if not len(kept):
+        raise lib.UserError(f"{source.path}: no frame is in this time; the frames are from {source.frame_times[0]:g} to {source.frame_times[-1]:g}")
     scene = Scene(source, ax, list(kept), plain=True, marks=True).show(int(kept[-1]))
     scene.disks.set_alpha(0.8)
     place = np.stack([source.place(k, True) for k in kept], axis=1)
@@ -336,7 +344,7 @@ def paths(result, ax=None, *, time=None):
     ax.set_xlabel(label("$x$", "length"))
     ax.set_ylabel(label("$y$", "length"))
     if len(place) <= 10:
-        ax.legend(loc="best", ncol=4)
+        style.legend(ax, loc="best", ncol=4)
     return ax
 
 
@@ -367,7 +375,7 @@ def contact_forces(result, ax=None, *, time=None, most=3):
     guide(ax, y=0)
     time_axis(ax, source, moments[within(moments, time)], time)
     ax.set_ylabel(label("force of a contact", source.result.attribute("contacts/force", "unit")))
-    ax.legend(loc="best")
+    style.legend(ax, loc="best")
     return ax
 
 
@@ -383,5 +391,5 @@ def contact_loop(result, ax=None, *, time=None, most=3):
     guide(ax, y=0, x=0)
     ax.set_xlabel(label(r"tangential displacement $\zeta$", "length"))
     ax.set_ylabel(label(r"tangential force $\tau$", source.result.attribute("contacts/tau", "unit")))
-    ax.legend(loc="best")
+    style.legend(ax, loc="best")
     return ax

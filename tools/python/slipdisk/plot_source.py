@@ -5,6 +5,7 @@ import os
 import re
 import tempfile
 
+import h5py
 import numpy as np
 
 from . import library as lib
@@ -29,6 +30,9 @@ class Source:
     """A result, and what pictures ask of it; what has been read or measured once is kept."""
 
     def __init__(self, result):
+        if not isinstance(result, Result) and os.path.isfile(result) and not h5py.is_hdf5(result):
+            deck = os.fspath(result).endswith(".cfg")
+            raise lib.FileError(f"{result} is not a result" + (f"; slipdisk run {result} makes one" if deck else " (no HDF5 file)"))
         self.result = result if isinstance(result, Result) else Result(result)
         self.path = self.result.path
 

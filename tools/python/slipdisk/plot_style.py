@@ -78,6 +78,12 @@ def guide(ax, y=None, x=None):
             draw(value, color=faint(), lw=0.8, zorder=0, gid="guide")
 
 
+def legend(ax, **options):
+    """A legend where something has a name."""
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(**options)
+
+
 def thinned(x, y, most=4000):
     """A curve of many points as the least and the largest of each of most/2 stretches: what is drawn looks the same."""
     if len(x) <= most:
