@@ -166,6 +166,14 @@ class Data(unittest.TestCase):
         bars = ax.containers[0].lines[0]
         width = np.diff(low)[0] * 5
         self.assertAlmostEqual(float(np.sum(bars.get_ydata()) * width), float(np.nansum(density) * np.diff(low)[0]), 9)
+        line = max(plot.gr(source, figure().subplots()).lines, key=lambda line: len(line.get_xdata()))
+        diameter = 2 * source.radius[source.in_play(k) & ~source.driven].mean()
+        step = float(np.diff(line.get_xdata())[0])
+        self.assertTrue(0.035 < step < 0.065, step)  # so that the peak of contacts is seen
+        pairs = source.pairs(k, 0.05 * diameter)
+        m = round(step * diameter / (2 * pairs["r"][0]))
+        n = len(pairs["r"]) // m * m
+        np.testing.assert_allclose(np.sum(line.get_ydata() * line.get_xdata()) * diameter * m, np.sum((pairs["g"] * pairs["r"])[:n]), rtol=1e-9)
         ax = plot.network(source, figure().subplots())
         segments = max((c.get_segments() for c in ax.collections if hasattr(c, "get_segments")), key=len)
         contacts = table["contacts"]

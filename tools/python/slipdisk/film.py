@@ -77,7 +77,7 @@ class Canvas:
         x, y, right, top = ax.get_position().extents
         self.scene.colour_bar(picture.add_axes([x, y - 0.35 / height, right - x, 0.18 / height] if low else
                                                [right + 0.15 / width, y, 0.22 / width, top - y]), low)
-        self.time = ax.text(0, 1.01, "t = 0", transform=ax.transAxes, fontsize=10, va="bottom", family="monospace")
+        self.time = ax.text(0, 1.01, "t = 0", transform=ax.transAxes, fontsize=10, va="bottom")
         self.scene.resize()
         if network:  # the same widths in all frames
             means = [source.measured(k)["frames"]["mean_force"][0] for k in (ks[0], ks[len(ks) // 2], ks[-1])]

@@ -90,13 +90,14 @@ def gr(result, ax=None, *, frame=None):
     """Pair correlation function, over the mean diameter."""
     source, ax = Source.of(result), axes_of(ax)
     k = source.frame_number(frame)
-    table = source.measured(k)["gr"]
     n = int(source.in_play(k).sum())
-    m = 4 if n < 150 else 2 if n < 1000 else 1
     diameter = 2 * float(source.radius[source.in_play(k) & ~source.driven].mean())
+    wide = (0.05 if n < 1000 else 0.02) * diameter
+    table = source.pairs(k, wide)
+    m = max(int(round(wide / (2 * table["r"][0]))), 1)
     r = _merged(table["r"], m) / diameter
     g = _merged(table["g"] * table["r"], m) / (r * diameter)
-    ax.plot(r, g, color=style.colour(0), drawstyle="steps-mid" if m > 1 else "default")
+    ax.plot(r, g, color=style.colour(0), drawstyle="steps-mid" if n < 1000 else "default")
     guide(ax, y=1)
     ax.set_xlim(0, None)
     ax.set_ylim(0, None)

@@ -115,7 +115,7 @@ class Scene:
             self.disks.set_norm(self.norm)
             self.disks.set_cmap(cmap)
             self.disks.cmap = self.disks.cmap.with_extremes(bad="#B5B5B5")
-        self.radii = Line2D([], [], color=style.ink() if plain else "#202020", zorder=3)
+        self.radii = Line2D([], [], color=style.ink() if plain else "#9A9A9A" if network else "#202020", zorder=3)
         self.marks = marks
         self.walls = LineCollection([], colors=style.ink(), linewidths=1.3, zorder=1, capstyle="butt")
         self.forces = LineCollection([], zorder=4, capstyle="round")

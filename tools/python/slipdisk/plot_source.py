@@ -226,6 +226,14 @@ class Source:
         """Tables of frame k by name: frames, disks, contacts, gr, forces."""
         return self._measure(["--frame", k])
 
+    def pairs(self, k, wide):
+        """Table gr of frame k with bins of `wide`, as nearly as whole bins allow."""
+        table = self.measured(k)["gr"]
+        width = 2 * table["r"][0]
+        if width > 1.2 * wide:
+            return self._measure(["--frame", k, "--bins", int(np.ceil(len(table["r"]) * width / wide))])["gr"]
+        return table
+
     @functools.cached_property
     def measured_frames(self):
         """The table of all frames, a row each."""
