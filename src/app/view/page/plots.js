@@ -35,7 +35,7 @@ class Plot {
       scales: { x: { time: false } },
       axes: [
         { ...axis, space: 70, size: 26, values: plain },
-        { ...axis, space: 28, size: 58, values: plain },
+        { ...axis, space: 28, size: Plot.axisWidth, values: plain },
       ],
       series: [{ label: "t", value: (u, v) => formatNumber(v) }, ...lines.map((line, k) => Plot.line(line, k))],
       hooks: { draw: [() => this.place()], setSize: [() => this.place()] },
@@ -48,6 +48,17 @@ class Plot {
     });
     this.observer = new ResizeObserver(() => this.resize());
     this.observer.observe(parent);
+    this.plot.over.addEventListener("mouseleave", () => this.time !== undefined && setTimeout(() => this.tell()));
+  }
+
+  /* Room for ticks and the widest label; pixels. */
+  static axisWidth(u, labels, k) {
+    const { ctx } = u, { font, gap, ticks } = u.axes[k];
+    ctx.save();
+    ctx.font = font[0];
+    const widest = Math.max(0, ...(labels || []).map((label) => ctx.measureText(label).width));
+    ctx.restore();
+    return Math.max(50, Math.ceil(ticks.size + gap + widest / uPlot.pxRatio) + 3);
   }
 
   static line(line, k) {
@@ -75,8 +86,12 @@ class Plot {
   setTime(t) {
     this.time = t;
     this.place();
+  }
+
+  tell() {
     const times = this.data[0];
-    if (times.length > 0 && !this.plot.over.matches(":hover")) this.plot.setLegend({ idx: nearestIndex(times, t) }, false);
+    if (!this.plot || times.length === 0 || this.plot.over.matches(":hover")) return;
+    this.plot.setLegend({ idx: nearestIndex(times, this.time) }, false);
   }
 
   place() {
@@ -85,6 +100,7 @@ class Plot {
     const inside = left >= -1 && left <= this.plot.over.clientWidth + 1;
     this.marker.style.display = inside ? "block" : "none";
     this.marker.style.transform = `translateX(${left}px)`;
+    queueMicrotask(() => this.tell()); /* drawing ends with the cursor, which empties the legend */
   }
 
   /* After a change of theme. */
@@ -98,6 +114,7 @@ class Plot {
   destroy() {
     this.observer.disconnect();
     this.plot.destroy();
+    this.plot = null;
   }
 }
 
