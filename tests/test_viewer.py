@@ -35,6 +35,18 @@ disks = ( { name = "a"; x = 0; y = 0.1; radius = 0.1; mass = 0.1; }, { name = "b
 walls = ( { name = "floor"; type = "line"; points = ( (-1, 0), (1, 0) ); } );
 phases = ( { name = "go"; time = 1; } );
 """
+ICE = """title = "a disk glides"; dt = 1e-4; gravity = { g = 9.81; };
+materials = ( { name = "ice"; k_n = 1e4; k_t = 5e3; gamma_n = 20; mu = 0; } );
+disks = ( { name = "a"; x = 0; y = 0.0999; radius = 0.1; mass = 0.1; vx = 1; } );
+walls = ( { name = "floor"; type = "line"; points = ( (-1, 0), (1, 0) ); } );
+phases = ( { name = "go"; steps = 4000; frames = 1000; contacts = 1000; } );
+"""
+FAR = """title = "one is far away"; dt = 1e-4; gravity = {{ g = 9.81; }};
+materials = ( {{ name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; }} );
+disks = ( {disks} );
+walls = ( {{ name = "floor"; type = "line"; points = ( (-1, 0), (1, 0) ); }} );
+phases = ( {{ name = "go"; time = 1; }} );
+"""
 
 
 def missing():
@@ -203,6 +215,44 @@ class Viewer(unittest.TestCase):
         self.keys("17", Keys.ENTER)
         self.assertEqual(self.state("selected"), 17)
         numpy.testing.assert_allclose(self.state("center"), self.script("return [slipdisk.column('x', 17), slipdisk.column('y', 17)]"), atol=0.005)
+        self.wait(lambda: len(self.driver.find_elements("css selector", "#disk-series canvas")) == 3, "the series of disk 17")
+        self.picture()
+        told = self.driver.find_element("css selector", "#disk-series .u-legend .u-value").text
+        self.assertAlmostEqual(plain(told), self.state("time"), delta=1e-3 * self.state("time"))  # new plots know the time
+        self.script("document.getElementById('find-text').select()")
+        self.keys("nope", Keys.ENTER)
+        self.assertEqual(self.text("find-message"), "no disk nope")
+        self.assertEqual(self.state("selected"), 17)
+        # what is found just after End is found where it is then
+        self.script("document.getElementById('find-text').value = '31'; document.getElementById('canvas').dispatchEvent(new KeyboardEvent("
+                    "'keydown', {key: 'End', bubbles: true})); document.getElementById('find').requestSubmit()")
+        self.wait(lambda: self.state("frame") == self.state("frames") - 1, "the last frame")
+        numpy.testing.assert_allclose(self.state("center"), self.script("return [slipdisk.column('x', 31), slipdisk.column('y', 31)]"), atol=1e-6)
+        self.assertEqual(self.text("find-message"), "")
+
+    def test_contacts_slide_as_the_file_has_it(self):
+        (self.folder / "ice.cfg").write_text(ICE)
+        slipdisk("run", self.folder / "ice.cfg", "-q", "-o", self.folder / "ice.h5")
+        with h5py.File(self.folder / "ice.h5") as f:
+            self.assertNotEqual(f["contacts/sliding"][-1], 0)
+        slipdisk("view", self.folder / "ice.h5", "-o", self.folder / "ice.html")
+        self.look("ice.html")
+        self.go(self.state("frames") - 1)
+        self.click(*self.script("return slipdisk.screen(0)"))
+        self.assertIn("slides", self.text("disk-contacts"))
+
+    def test_what_is_far_away_is_left_out_at_first(self):
+        (self.folder / "far.cfg").write_text(FAR.format(disks=", ".join(
+            f"{{ x = {x}; y = 0.1; radius = 0.1; mass = 0.1; }}" for x in [0.2 * k for k in range(60)] + [40])))
+        slipdisk("view", self.folder / "far.cfg", "-o", self.folder / "far.html")
+        self.look("far.html")
+        near = self.state("zoom")
+        self.assertGreater(self.script("return slipdisk.screen(60)")[0], self.picture().shape[1])
+        self.keys("f")
+        self.assertLess(self.state("zoom"), near / 2)
+        self.assertLess(self.script("return slipdisk.screen(60)")[0], self.picture().shape[1])
+        self.keys("f")
+        self.assertEqual(self.state("zoom"), near)
 
     def test_time_by_slider_keys_play_and_plots(self):
         from selenium.webdriver.common.keys import Keys
@@ -294,6 +344,10 @@ class Viewer(unittest.TestCase):
         self.look("drum.html", width=400, height=800)
         self.assertLessEqual(self.script("return document.documentElement.scrollWidth"), 401, "scrolls sideways")
         self.picture("drum-narrow")
+        self.look("drum.html", width=700, height=800)
+        gaps = self.script("const n = [...document.querySelectorAll('#legend-numbers span')].map((e) => e.getBoundingClientRect());"
+                           "return n.slice(1).map((box, k) => box.left - n[k].right)")
+        self.assertGreater(min(gaps), 5, "the numbers of the colour bar touch")
 
     def test_a_deck_shows_its_overlaps(self):
         (self.folder / "near.cfg").write_text(OVERLAPS)

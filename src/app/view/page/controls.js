@@ -5,7 +5,7 @@ const TOGGLES = { forces: "n", overlaps: "o", marks: "m", copies: "p" };
 const KEYS = [
   ["space", "play or pause"], ["← →", "one frame back, on"], ["Page_Up Page_Down", "ten frames back, on"],
   ["Home End", "first, last frame"], [", .", "slower, faster"], ["l", "loop"], ["+ −", "zoom"], ["Shift_arrows", "move the picture"],
-  ["f", "show all"], ["c C", "next colouring, the one before"], ["n", "contact forces"], ["o", "overlaps"], ["m", "angle marks"],
+  ["f", "fit; once more: with what is far away"], ["c C", "next colouring, the one before"], ["n", "contact forces"], ["o", "overlaps"], ["m", "angle marks"],
   ["p", "copies across periodic edges"], ["/", "find a disk"], ["z", "go to the chosen disk"], ["w", "follow it"],
   ["Esc", "choose none"], ["d", "light or dark"], ["?", "this help"],
 ];
@@ -83,7 +83,7 @@ class Controls {
     byId("thickness").addEventListener("input", (event) => viewer.setLayer("thickness", 10 ** Number(event.target.value)));
     click("zoom-in", () => this.zoom(1.4));
     click("zoom-out", () => this.zoom(1 / 1.4));
-    click("fit", () => viewer.fit());
+    click("fit", () => viewer.fitNext());
     click("theme", () => viewer.setTheme(viewer.theme === "dark" ? "light" : "dark"));
     click("help", () => byId("help-dialog").showModal());
     click("about", () => byId("about-dialog").showModal());
@@ -95,13 +95,14 @@ class Controls {
       event.preventDefault();
       this.find(byId("find-text"));
     });
-    byId("find-text").addEventListener("input", (event) => event.target.setCustomValidity(""));
+    byId("find-text").addEventListener("input", () => (byId("find-message").textContent = ""));
   }
 
   find(input) {
     const { viewer } = this, disk = viewer.model.find(input.value);
-    input.setCustomValidity(disk < 0 ? `There is no disk of this name; numbers go from 0 to ${viewer.model.disks - 1}.` : "");
-    if (!input.reportValidity()) return;
+    byId("find-message").textContent = disk < 0 ? `no disk ${input.value.trim().slice(0, 30)}` : "";
+    byId("find-message").title = `numbers go from 0 to ${viewer.model.disks - 1}`;
+    if (disk < 0) return;
     viewer.select(disk);
     viewer.goTo([disk]);
   }
@@ -201,7 +202,7 @@ class Controls {
     canvas.addEventListener("pointerup", release);
     canvas.addEventListener("pointercancel", release);
     canvas.addEventListener("pointerleave", () => (byId("hover").hidden = true));
-    canvas.addEventListener("dblclick", () => viewer.fit());
+    canvas.addEventListener("dblclick", () => viewer.fitNext());
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       const pixels = event.deltaY * (event.deltaMode === 1 ? 16 : 1);
@@ -252,7 +253,7 @@ class Controls {
       " ": () => this.play(), ArrowLeft: () => this.stepBy(-1), ArrowRight: () => this.stepBy(1),
       PageUp: () => this.stepBy(-10), PageDown: () => this.stepBy(10), Home: () => this.seek(store.first), End: () => this.seek(store.end - 1),
       ",": () => this.changeRate(-1), ".": () => this.changeRate(1), l: () => byId("loop").click(),
-      "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8), f: () => viewer.fit(),
+      "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8), f: () => viewer.fitNext(),
       c: () => this.nextQuantity(1), C: () => this.nextQuantity(-1), w: () => viewer.follow(!viewer.following),
       z: () => viewer.selected >= 0 && viewer.goTo([viewer.selected]), "/": () => byId("find-text").focus(),
       Escape: () => this.unselect(), d: () => byId("theme").click(), "?": () => byId("help-dialog").showModal(),

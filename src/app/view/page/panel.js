@@ -90,7 +90,7 @@ class DiskPanel {
       const name = other < this.model.disks ? element("button", this.model.bodyName(other), { class: "link", type: "button" }) : element("span", this.model.bodyName(other));
       if (other < this.model.disks) name.addEventListener("click", () => this.select(other));
       const number = (column) => formatNumber(frame.at(column, k), 4);
-      const slides = frame.at("contact_sliding", k) !== 0 && frame.at("contact_tau", k) !== 0;
+      const slides = frame.at("contact_sliding", k) !== 0;
       table.append(tableRow(known ? [name, number("contact_force"), number("contact_tau"), number("contact_overlap"), slides ? "slides" : "sticks"]
         : [name, number("contact_overlap")]));
     }

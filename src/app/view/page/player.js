@@ -16,7 +16,12 @@ class Player {
   }
 
   /* Shows frame k as soon as it is decoded; a later wish replaces an earlier one. */
-  async go(k) {
+  go(k) {
+    this.arriving = this.arrive(k);
+    return this.arriving;
+  }
+
+  async arrive(k) {
     const target = Math.min(Math.max(k, this.store.first), this.store.end - 1);
     if (this.store.end <= this.store.first) return;
     this.wanted = target;

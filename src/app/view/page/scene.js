@@ -2,6 +2,7 @@
 "use strict";
 
 const TURN_TICKS = 12; /* marks on a round wall that show its turning */
+const FAR_PART = 0.01; /* of the disks at either end of an axis, which may be far from the others */
 
 /* Pose of wall w in a frame, and its points in the plane. */
 function wallPose(model, frame, w) {
@@ -54,14 +55,22 @@ class Scene {
     return this.model.walls.map((_, w) => wallPose(this.model, frame, w));
   }
 
-  /* Rectangle around all that is to be seen in some frames: disks in play, box, walls where they stand at first. */
-  bounds(frames) {
-    const parts = frames.map((frame, k) => this.boundsOf(frame, k === 0));
+  /* What to show: along an axis where few disks make it half as long again, without these. */
+  view(frames, whole) {
+    const all = this.bounds(frames, 0), most = whole ? all : this.bounds(frames, FAR_PART);
+    const far = (k) => all[k + 2] - all[k] > 1.5 * (most[k + 2] - most[k]);
+    return all.map((value, k) => (far(k % 2) ? most[k] : value));
+  }
+
+  /* Rectangle around all that is to be seen in some frames: disks in play, box, walls where they stand at first.
+     A part of the disks at either end of an axis is left out. */
+  bounds(frames, part) {
+    const parts = frames.map((frame, k) => this.boundsOf(frame, k === 0, part));
     const extreme = (k) => (k < 2 ? Math.min : Math.max)(...parts.map((part) => part[k]));
     return [0, 1, 2, 3].map(extreme);
   }
 
-  boundsOf(frame, withWalls) {
+  boundsOf(frame, withWalls, part) {
     const all = [Infinity, Infinity, -Infinity, -Infinity];
     const grow = (x, y, r) => {
       if (!Number.isFinite(x + y)) return;
@@ -71,7 +80,9 @@ class Scene {
       all[3] = Math.max(all[3], y + r);
     };
     const x = frame.get("x"), y = frame.get("y"), radius = this.model.column("radius"), activity = frame.get("activity");
-    for (let k = 0; k < x.length; k++) if (!activity || activity[k] === 0) grow(x[k], y[k], radius[k]);
+    const seen = [...x.keys()].filter((k) => (!activity || activity[k] === 0) && Number.isFinite(x[k] + y[k]));
+    const [x0, x1] = middle(seen.map((k) => x[k]), part), [y0, y1] = middle(seen.map((k) => y[k]), part);
+    for (const k of seen) if (x[k] >= x0 && x[k] <= x1 && y[k] >= y0 && y[k] <= y1) grow(x[k], y[k], radius[k]);
     this.poses(frame).forEach((pose, w) => {
       const wall = this.model.walls[w];
       if (!withWalls) return;
@@ -146,12 +157,12 @@ class Scene {
     for (let k = 0; k + 1 < n + (wall.closed ? 1 : 0); k++) line(pose.points[k], pose.points[(k + 1) % n], 2.5);
   }
 
-  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. Without friction none slides. */
+  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. */
   buildForces(frame, box, poses, layers, theme) {
     const a = frame.get("contact_a"), b = frame.get("contact_b"), part = frame.get("contact_part");
     const force = frame.get("contact_force"), sliding = frame.get("contact_sliding");
     const x = frame.get("x"), y = frame.get("y"), n = this.model.disks;
-    const tau = frame.get("contact_tau"), { forces } = this.renderer;
+    const { forces } = this.renderer;
     for (let k = 0; k < a.length; k++) {
       const ax = x[a[k]], ay = y[a[k]];
       let dx, dy;
@@ -161,7 +172,7 @@ class Scene {
         const [px, py] = wallContact(this.model.walls[b[k] - n], poses[b[k] - n], part[k], ax, ay);
         [dx, dy] = this.between(box, ax, ay, px, py);
       }
-      const slides = sliding && sliding[k] !== 0 && tau[k] !== 0, tone = slides ? theme.sliding : theme.force;
+      const slides = sliding && sliding[k] !== 0, tone = slides ? theme.sliding : theme.force;
       const width = Math.min(force[k] / layers.forceScale, 2.5);
       forces.add(ax, ay, ax + dx, ay + dy, width, slides ? 1.2 : 0.7, slides ? 1 : 0, ...tone, 1);
     }
@@ -256,6 +267,12 @@ function shifts(box, axis, at, reach) {
   if (at + reach > high) list.push(-1);
   if (at - reach < low) list.push(1);
   return list;
+}
+
+/* Least and greatest value without a part of them at either end. */
+function middle(values, part) {
+  const sorted = Float64Array.from(values).sort(), left = Math.round(part * values.length);
+  return [sorted[left], sorted[values.length - 1 - left]];
 }
 
 /* An endless line counts in the direction across it only. */

@@ -185,8 +185,9 @@ class Viewer {
     this.draw();
   }
 
-  /* Shows some disks, with some of their neighbours. */
-  goTo(disks) {
+  /* Shows some disks, with some of their neighbours, in the frame that is wanted. */
+  async goTo(disks) {
+    await this.player.arriving;
     if (!this.frame || disks.length === 0) return;
     const box = [Infinity, Infinity, -Infinity, -Infinity], radius = this.model.column("radius");
     for (const k of disks) {
@@ -207,12 +208,18 @@ class Viewer {
     this.goTo(disks);
   }
 
+  /* Without what is far away; asked once more, with it. */
+  fitNext() {
+    this.whole = this.untouched && !this.whole;
+    this.fit();
+  }
+
   fit() {
     if (!this.frame) return;
     this.following = false;
     const low = this.camera.height < 420;
     this.untouched = true;
-    this.camera.fit(this.scene.bounds(this.samples.length ? this.samples : [this.frame]), low ? [16, 16, 52, 60] : [20, 20, 52, 84]);
+    this.camera.fit(this.scene.view(this.samples.length ? this.samples : [this.frame], this.whole), low ? [16, 16, 52, 60] : [20, 20, 52, 84]);
     this.controls?.refresh();
     this.draw();
   }
@@ -288,6 +295,7 @@ async function startLive(viewer, store) {
   viewer.newest = true;
   const fresh = async () => {
     if (viewer.frame === null) viewer.model.firstTime = store.time(store.first);
+    byId("notice").hidden = true;
     if (viewer.newest) await viewer.player.go(store.end - 1);
     const n = store.frames.length;
     if (n === 1 || n % 20 === 0) {
@@ -311,6 +319,9 @@ async function start() {
   } catch (error) {
     return notice("The disks cannot be drawn.", error.message, "Another browser may, or this one with hardware acceleration switched on.");
   }
+  if (live) setTimeout(() => {
+    if (byId("notice").hidden && !(window.slipdisk?.state.frame >= 0)) notice("Waiting for the run.", "Its first frame has not come yet.");
+  }, 500);
   const source = live ? null : new PageSource(document);
   const store = live ? new LiveStore() : new PageStore(source);
   const fixed = await (source ?? store).one("static");
