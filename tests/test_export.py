@@ -289,7 +289,7 @@ class Mistakes(Exports):
         self.refuse("--to xyz: expected h5md3d|lammps-dump|", result, "--to", "xyz")
         self.refuse("one result is expected", "--to", "csv")
         self.refuse("there is neither a result no.h5", "no.h5", "--to", "csv")
-        self.refuse("is not an HDF5 file", self.made / "rich.cfg", "--to", "csv", status=4)
+        self.refuse("is a deck; slipdisk run", self.made / "rich.cfg", "--to", "csv")
         self.refuse("chooses 6 frames; lammps-data takes one", result, "--to", "lammps-data", "--frames", "::2")
         self.refuse("that is a result, which would be lost", result, "--to", "h5md3d", "-o", result)
         self.refuse("there is no folder", result, "--to", "csv", "-o", "none/out")

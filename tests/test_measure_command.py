@@ -264,7 +264,7 @@ class Measure(results_common.Folder):
         self.assertIn("did you mean --frame?", self.refused(2, self.result, "--frames", 1))
         self.assertIn("whole number", self.refused(2, self.result, "--bins", 0))
         self.assertIn("one result is expected", self.refused(2))
-        self.assertIn("is not an HDF5 file", self.refused(4, self.deck))
+        self.assertIn("is a deck; slipdisk run", self.refused(2, self.deck))
         kept = self.result.read_bytes(), self.deck.read_bytes()
         self.assertIn("that is a result, which would be lost", self.refused(2, self.result, "-o", self.result))
         self.assertIn("that is a deck, which would be lost", self.refused(2, self.result, "-o", self.deck))
