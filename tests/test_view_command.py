@@ -353,7 +353,7 @@ class Bad(View):
         self.refused(2, self.result, "--live")
         self.refused(2, "box.cfg", "--threads", "2")
         self.assertIn("that is a result, which would be lost", self.refused(2, self.result, "-o", self.result))
-        self.assertIn("would replace", self.refused(2, "box.cfg", "-o", "./box.cfg"))
+        self.assertIn("that is a deck, which would be lost", self.refused(2, "box.cfg", "-o", "./box.cfg"))
         self.refused(2, self.folder)
         other = self.folder / "other.h5"
         with h5py.File(other, "w") as file:
