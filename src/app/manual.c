@@ -247,7 +247,7 @@ static const char bash_code[] =
     "  esac\n"
     "}\n"
     "\n"
-    "# What begins like $cur: files but those of a pattern, folders, words\n"
+    "# Words that begin like $cur: files but those of a pattern, folders, others\n"
     "_slipdisk_files() {\n"
     "  compopt -o filenames 2>/dev/null\n"
     "  mapfile -t -O ${#COMPREPLY[@]} COMPREPLY < <(compgen -f -X \"$1\" -- \"$cur\")\n"

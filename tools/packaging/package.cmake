@@ -1,4 +1,4 @@
-# What is installed beside program and library, and the .deb: tools/packaging/deb.sh configures, builds and runs cpack.
+# Files installed beside program and library, and the .deb: tools/packaging/deb.sh configures, builds and runs cpack.
 # One package holds all of it. A distribution would split it into slipdisk, libslipdisk0, libslipdisk-dev, python3-slipdisk and
 # slipdisk-doc, which the package therefore provides.
 set(sd_packaging ${CMAKE_CURRENT_LIST_DIR})

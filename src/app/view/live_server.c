@@ -21,7 +21,7 @@
 
 typedef struct MHD_Connection connection;
 
-/* What is sent back; bytes NULL: nothing but the status. */
+/* An answer; bytes NULL: nothing but the status. */
 typedef struct answer {
   unsigned status;
   const char *type;

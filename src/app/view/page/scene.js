@@ -55,7 +55,7 @@ class Scene {
     return this.model.walls.map((_, w) => wallPose(this.model, frame, w));
   }
 
-  /* What to show: along an axis where few disks make it half as long again, without these. */
+  /* The part to show: along an axis where few disks make it half as long again, without these. */
   view(frames, whole) {
     const all = this.bounds(frames, 0), most = whole ? all : this.bounds(frames, FAR_PART);
     const far = (k) => all[k + 2] - all[k] > 1.5 * (most[k + 2] - most[k]);
