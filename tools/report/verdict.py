@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 YES, NO, OPEN = "reproduced", "not reproduced", "cannot tell"
+PAPER, CHECK, TRIVIAL = "paper", "own check", "by construction"  # TRIVIAL: geometry, waveforms, identities
 SURE = 3.0  # errors that count as significant
 
 
@@ -18,10 +19,16 @@ class Claim:
     verdict: str  # YES, NO or OPEN
     numbers: str  # HTML: what was found
     place: str = ""  # where the paper says so; "": a statement that is not the paper's
+    kind: str = ""   # PAPER, CHECK or TRIVIAL; "": PAPER with a place, CHECK without
+    slug: str = ""   # short unique name, "random-clockwise" say
+
+    def __post_init__(self):
+        self.kind = self.kind or (PAPER if self.place else CHECK)
 
 
-def missing(text, place="", why="no data yet"):
-    return Claim(text, OPEN, why, place)
+def missing(text, place="", why="no data yet", **kind):
+    """kind: kind and slug of the claim, here and below."""
+    return Claim(text, OPEN, why, place, **kind)
 
 
 def number(x, error=None, digits=3):
@@ -93,48 +100,48 @@ def survival(chi2, degrees):
     return h * math.exp(-x + a * math.log(x) - math.lgamma(a))
 
 
-def zero(text, values, errors, place="", what="&Omega;"):
+def zero(text, values, errors, place="", what="&Omega;", **kind):
     """All values are zero within their errors."""
     values, errors = np.asarray(values, float), np.asarray(errors, float)
     good = np.isfinite(values) & (errors > 0)
     if not good.any():
-        return missing(text, place)
+        return missing(text, place, **kind)
     z = values[good] / errors[good]
     chi2, chance = chi_square(z, len(z))
     worst = float(np.abs(z).max())
     numbers = (f"{len(z)} value{'s' * (len(z) > 1)}, largest |{what}| {worst:.1f} errors from zero, &chi;&sup2; = "
                f"{chi2:.1f} (a chance of {100 * chance:.3g} %)")
     verdict = YES if chance > 0.01 else NO if chance < 1e-4 else OPEN
-    return Claim(text, verdict, numbers, place)
+    return Claim(text, verdict, numbers, place, **kind)
 
 
-def signed(text, values, errors, sign, place="", what="&Omega;"):
+def signed(text, values, errors, sign, place="", what="&Omega;", **kind):
     """All values have this sign: none has the other one significantly, and most have this one so."""
     values, errors = np.asarray(values, float), np.asarray(errors, float)
     good = np.isfinite(values) & (errors >= 0)
     if not good.any():
-        return missing(text, place)
+        return missing(text, place, **kind)
     z = sign * values[good] / np.maximum(errors[good], 1e-300)
     word, other = ("positive", "negative") if sign > 0 else ("negative", "positive")
     right, wrong = int((z > SURE).sum()), int((z < -SURE).sum())
     numbers = (f"of {len(z)} values of {what} {right} are {word} by more than {SURE:g} errors, {wrong} {other} by more "
                f"than that, {len(z) - right - wrong} undecided")
     verdict = NO if wrong else YES if right > len(z) / 2 else OPEN
-    return Claim(text, verdict, numbers, place)
+    return Claim(text, verdict, numbers, place, **kind)
 
 
-def within(text, value, target, tolerance, place="", error=0.0, names=("found", "expected")):
+def within(text, value, target, tolerance, place="", error=0.0, names=("found", "expected"), **kind):
     """value equals target within a relative tolerance; the error decides whether this can be told."""
     if value is None or target is None or not (math.isfinite(value) and math.isfinite(target)):
-        return missing(text, place)
+        return missing(text, place, **kind)
     off = (value - target) / abs(target)
     spread = (error if math.isfinite(error) else 0) / abs(target)
     numbers = (f"{names[0]} {number(value, error, 5)}, {names[1]} {number(target, digits=5)}: {percent(off)} "
                f"(counted as equal up to {100 * tolerance:g} %)")
     verdict = YES if abs(off) + spread <= tolerance else NO if abs(off) - 2 * spread > tolerance else OPEN
-    return Claim(text, verdict, numbers, place)
+    return Claim(text, verdict, numbers, place, **kind)
 
 
-def decide(text, condition, numbers, place=""):
+def decide(text, condition, numbers, place="", **kind):
     """condition: True, False, or None when it cannot be told."""
-    return Claim(text, OPEN if condition is None else YES if condition else NO, numbers, place)
+    return Claim(text, OPEN if condition is None else YES if condition else NO, numbers, place, **kind)
