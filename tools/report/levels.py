@@ -57,6 +57,9 @@ SWEEPS = {
     "waveform": ("waveform.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "frequency": ("frequency.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE), "default": AS_IS, "full": AS_IS}),
+    "level": ("level.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 2}), "default": AS_IS, "full": AS_IS}),
+    "rare": ("rare.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 1}), "default": AS_IS, "full": AS_IS}),
+    "bouncing": ("bouncing.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 1}), "default": AS_IS, "full": AS_IS}),
     "step_turning": ("step_turning.cfg", {
         "quick": Plan({"phases.measure.time": 30}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": AS_IS, "full": AS_IS}),
@@ -113,7 +116,22 @@ def _steady(left, right):
     return {"motions.left.velocity": left, "motions.right.velocity": right}
 
 
+# Starts of the upper disk: none, and two with another spin and angle. Both supports turn for 60 time units before it is seen.
+_SEEN = {"dt": 1e-5, "phases.rest.time": 60, "phases.measure.time": 0.3, "phases.measure.frames": 10}
+_STARTS = {"quick": {**_SEEN, "phases.rest.time": 30}, "default": _SEEN, "full": _SEEN}
+STARTS = {"rest": (0, 0), "left": (3, 1), "right": (-3, 2)}  # name: (spin, angle)
+_CAUGHT = {"locks": "()", "dt": 2e-6, "phases.settle.time": 0.2, "phases.measure.time": 0.8, "phases.measure.frames": 40,
+           "phases.measure.contacts": 40}
+_RANDOM_EPO = {"quick": {"phases.measure.time": 50}, "default": {}, "full": {}}
+_ALWAYS = {"quick": {}, "default": {}, "full": {}}
+
+
+def _start(spin, angle):
+    return {"disks.upper.omega": spin, "disks.upper.theta": angle}
+
+
 RUNS = {
+    "epo_random": ("epo/random.cfg", _RANDOM_EPO, {}),
     "sync_weak": ("three_disk/sync.cfg", _WAVE, _in_phase(WEAK_DRIVE)),
     "sync_strong": ("three_disk/sync.cfg", _WAVE, _in_phase(STRONG_DRIVE)),
     "sync_sine": ("three_disk/sync.cfg", _WAVE, _in_phase(STRONG_DRIVE, "harmonic")),
@@ -130,4 +148,11 @@ RUNS = {
     "steady_pm": ("three_disk/steady.cfg", _STEADY, _steady(-1, 1)),
     "steady_mp": ("three_disk/steady.cfg", _STEADY, _steady(1, -1)),
     "steady_mm": ("three_disk/steady.cfg", _STEADY, _steady(1, 1)),
+    **{f"start_sync_{name}": ("three_disk/sync.cfg", _STARTS, {**_in_phase(STRONG_DRIVE), **_start(*start)})
+       for name, start in STARTS.items()},
+    **{f"start_async_{name}": ("three_disk/async.cfg", _STARTS, {**_opposite(STRONG_DRIVE), **_start(*start)})
+       for name, start in STARTS.items()},
+    "catch_up": ("three_disk/steady.cfg", _ALWAYS, _CAUGHT),
+    "loop_paper": ("paper/loop.cfg", _ALWAYS, {}),
+    "loop_conservative": ("paper/loop.cfg", _ALWAYS, {"contact_variant": "conservative"}),
 }
