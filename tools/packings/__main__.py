@@ -69,6 +69,7 @@ def draw(campaign, keep=None, modules=MODULES):
     markdown.write(text, TITLE, lead(campaign, counts), found, "figures")
     if keep:
         keep_in(keep, text, [figure.name for section in found for figure in section.figures])
+        campaign.store.keep(os.path.join(keep, "data", campaign.page), not campaign.failed)
     return page.path, counts
 
 
@@ -121,7 +122,8 @@ def keep_in(folder, page, figures):
 def main():
     args = options()
     os.makedirs(args.folder, exist_ok=True)
-    campaign = Campaign(args.folder, args.level, args.program, args.jobs, dry=args.draw)
+    campaign = Campaign(args.folder, args.level, args.program, args.jobs, dry=args.draw,
+                        kept=os.path.join(ROOT, "docs", "data"))
     campaign.keep_program()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, campaign.stop)

@@ -18,10 +18,12 @@ __all__ = ["ROOT", "Campaign", "Stopped"]
 class Campaign(Results):
     """Results of one level in a folder. Runs and sweeps are named as in plan.py."""
 
+    PAGE = "packings"
+
     def __init__(self, folder, level="default", program="slipdisk", jobs=1, dry=False, strict=False, say=print,
-                 entries=None):
-        super().__init__(folder, level, program, jobs, dry, strict, say)
+                 entries=None, kept=""):
         self.entries = plan.ENTRIES if entries is None else entries
+        super().__init__(folder, level, program, jobs, dry, strict, say, kept)
         self._read = {}
 
     def keep_program(self):
@@ -50,6 +52,9 @@ class Campaign(Results):
         """Paths of the finished results."""
         entry, place = self.entries[name], self._place(name)
         return sorted(glob.glob(os.path.join(place, "points", "*.h5") if entry.sweep else place + ".h5"))
+
+    def anything(self):
+        return any(self.files(name) for name in self.entries)
 
     def runs(self, name):
         """The finished results of a run or sweep, read. A file that cannot be read is named among what failed."""

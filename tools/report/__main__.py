@@ -76,6 +76,7 @@ def draw(results, modules=None, keep=None):
     if keep:
         markdown.keep(keep, text, [figure.name for section in found for figure in section.figures],
                       "errors.md" if study else "paper.md")
+        results.store.keep(os.path.join(keep, "data", results.page), not results.failed)
     return page.path, counts
 
 
@@ -117,7 +118,8 @@ def escape(text):
 
 def main():
     args = options()
-    results = Results(args.folder, args.level, args.program, args.jobs, dry=args.draw)
+    results = Results(args.folder, args.level, args.program, args.jobs, dry=args.draw,
+                      kept=os.path.join(ROOT, "docs", "data"))
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, results.stop)
     status = 0

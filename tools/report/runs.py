@@ -2,7 +2,6 @@
 import concurrent.futures
 import os
 import shlex
-import shutil
 import subprocess
 import sys
 
@@ -11,6 +10,7 @@ import numpy as np
 from . import levels
 from .data import Table
 from .effort import Ledger, duration, machine
+from .kept import DIGITS, Store, rows_of
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "tools", "python"))
@@ -18,6 +18,7 @@ import slipdisk  # noqa: E402
 
 STOPPED = 75  # exit status of a run that a signal stopped
 IN_DOUBT = 5  # of one that is done, with doubts that stand in its table
+POINT_DIGITS = 10  # of sweeps, whose points are subtracted from each other
 BOOKED = 5.0  # seconds after which the time of what runs is booked
 
 
@@ -41,8 +42,10 @@ def overrides(keys):
 
 class Results:
     """The results of one level in a folder, made or only looked at."""
+    PAGE = ""
 
-    def __init__(self, folder, level="default", program="slipdisk", jobs=1, dry=False, strict=False, say=print):
+    def __init__(self, folder, level="default", program="slipdisk", jobs=1, dry=False, strict=False, say=print,
+                 kept=""):
         self.folder, self.level, self.program, self.jobs = folder, level, program, jobs
         self.dry = dry        # only look at what is there
         self.strict = strict  # a figure that fails is an error
@@ -52,6 +55,49 @@ class Results:
         self.processes, self.stopping = set(), False
         self.ledger = Ledger(folder, level, jobs)
         os.makedirs(folder, exist_ok=True)
+        self.kept = kept  # docs/data: read where there are no results, and nothing is to be run
+        self.page = self.PAGE or ("errors" if level in levels.STUDIES else "paper")  # name of its folder in docs/data
+        self.store = Store(os.path.join(folder, "data-" + level))
+        if dry and kept:
+            self._adopt()
+
+    # --- numbers behind figures ---------------------------------------------------------------------------------
+    def _adopt(self):
+        """Without results of this level its numbers are those of the kept page, which may be of another level."""
+        self.store.kept = os.path.join(self.kept, self.page)
+        level = self.store.about().get("level", self.level)
+        if level != self.level and self.anything():
+            self.store.kept = ""
+        elif level != self.level:
+            self.level = level
+            self.store.folder = os.path.join(self.folder, "data-" + level)
+            self.ledger = Ledger(self.folder, level, self.jobs)
+
+    def anything(self):
+        """Is there any result of this level?"""
+        return any(self.run(name) for name in self.runs()) or any(os.path.isdir(self.sweep_folder(name))
+                                                                  for name in self.sweeps())
+
+    def numbers(self, name, make, title="", digits=DIGITS, **head):
+        """Table of the columns that make() finds in results: {column: values}, {column: value} or a Table; None or
+        nothing where there are none: then the kept numbers of this name, if any. What is returned has been rounded as
+        it is kept. digits: significant ones, or {column: of this column}; title and head: lines of the file's head."""
+        if name not in self.tables:
+            rows = rows_of(make())
+            if rows:
+                self.store.write(name, rows, digits, self._head(name, title, head))
+            path = self.store.path(name)
+            self.tables[name] = Table.read(path, finished_only=False) if path else Table()
+        return self.tables[name]
+
+    def _head(self, name, title, more):
+        lines = {name: title, "program": self.made_by(), "level": self.level, **more}
+        return [f"{key}: {text}" for key, text in lines.items()]
+
+    def made_by(self):
+        """Program and machine that made the results; of kept numbers where there are no others."""
+        made = self.ledger.read()["made_by"]
+        return "; ".join(made) or (self.provenance() or self.store.about().get("program", "?")).splitlines()[0]
 
     # --- single runs ---------------------------------------------------------------------------------------
     def _run_folder(self):
@@ -137,19 +183,36 @@ class Results:
 
     def _table(self, name):
         # Two sweeps of one level may share a folder: the table is made for the points of this one, and put aside.
-        kept = os.path.join(self.folder, "tables-" + self.level, name + ".csv")
-        made = os.path.join(self.sweep_folder(name), "table.csv")
+        kept, made = "sweep-" + name, os.path.join(self.sweep_folder(name), "table.csv")
         if not os.path.isdir(self.sweep_folder(name)):
-            done = subprocess.run([*self._sweep_words(name), "--list"], capture_output=True, text=True, check=False)
+            if self.store.path(kept):
+                return Table.read(self.store.path(kept), label=name)
+            done = self._ask([*self._sweep_words(name), "--list"])
             points = [line.split()[-1] for line in done.stdout.splitlines() if line.split()]
-            return Table(missing=[f"{name} {point}: not begun" for point in points], source=kept)
-        done = subprocess.run([*self._sweep_words(name), "--table"], capture_output=True, text=True, check=False)
+            return Table(missing=[f"{name} {point}: not begun" for point in points])
+        done = self._ask([*self._sweep_words(name), "--table"])
         if done.returncode == 0 and os.path.exists(made):
-            os.makedirs(os.path.dirname(kept), exist_ok=True)
-            shutil.copyfile(made, kept)
+            words = self._sweep_words(name)
+            self.store.write(kept, Table.read(made, finished_only=False).rows, POINT_DIGITS, self._head(
+                kept, f"points of inputs/paper/{os.path.basename(words[2])}", {"command": self._told(words)}))
         elif done.returncode:
             self.failed.append(f"table of {name}: {done.stderr.strip()}")
-        return Table.read(kept, label=name)
+        return Table.read(self.store.path(kept) or made, label=name)
+
+    @staticmethod
+    def _ask(words):
+        """A call of the program that is over at once; one that fails where there is no program."""
+        try:
+            return subprocess.run(words, capture_output=True, text=True, check=False)
+        except OSError as error:
+            return subprocess.CompletedProcess(words, 1, "", str(error))
+
+    @staticmethod
+    def _told(words):
+        """The words of a call, without folders of this machine and what it writes."""
+        words = [word.removeprefix(ROOT + os.sep) for word in words]
+        out = next((k for k, word in enumerate(words) if word in ("-o", "--csv", "--wave")), len(words))
+        return shlex.join(["slipdisk", *words[1:out], *words[out + 2:]])
 
     def _make_sweep(self, name):
         self._call([*self._sweep_words(name), "-j", str(self.jobs)], name, quiet=False)
@@ -163,15 +226,22 @@ class Results:
         return self._theory(name, deck, "--wave", keys)
 
     def _theory(self, name, deck, option, keys):
-        folder = os.path.join(self.folder, "theory")
-        os.makedirs(folder, exist_ok=True)
-        path = os.path.join(folder, name + ".csv")
-        words = [self.program, "theory", os.path.join(ROOT, "inputs", deck), option, path, *overrides(keys)]
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
-        if done.returncode:
-            self.failed.append(f"theory {name}: {done.stderr.strip() or done.stdout.strip()}")
-            return Table(source=path)
-        return Table.read(path, finished_only=False)
+        def make():
+            folder = os.path.join(self.folder, "theory")
+            os.makedirs(folder, exist_ok=True)
+            path = os.path.join(folder, name + ".csv")
+            words = [self.program, "theory", os.path.join(ROOT, "inputs", deck), option, path, *overrides(keys)]
+            done = self._ask(words)
+            if done.returncode:
+                problems.append(f"theory {name}: {done.stderr.strip() or done.stdout.strip()}")
+                return None
+            return Table.read(path, finished_only=False)
+
+        problems = []
+        command = self._told([self.program, "theory", os.path.join(ROOT, "inputs", deck), option, "", *overrides(keys)])
+        table = self.numbers("theory-" + name, make, "theory", command=command)
+        self.failed += [] if table else problems
+        return table
 
     # --- all of it ----------------------------------------------------------------------------------------------
     def make(self, only=()):
@@ -231,9 +301,8 @@ class Results:
             process.terminate()
 
     def provenance(self):
-        done = subprocess.run([self.program, "version"], capture_output=True, text=True, check=False)
-        return done.stdout.strip()
+        return self._ask([self.program, "version"]).stdout.strip()
 
     def program_line(self):
         """Version, revision and compiler of the program."""
-        return (self.provenance() or "?").splitlines()[0]
+        return (self.provenance() or self.made_by()).splitlines()[0]

@@ -1,0 +1,107 @@
+"""The numbers behind figures and tables as CSV: written beside the results, kept with the sources in docs/data, and read
+back from there where there are no results."""
+import csv
+import glob
+import io
+import math
+import os
+import shutil
+
+import numpy as np
+
+from .data import Table
+
+DIGITS = 8  # significant; what is drawn and judged has been rounded so, from results as from kept files
+
+
+def rows_of(found):
+    """Rows of a table, of {column: values} or of {column: value}; none of None."""
+    if found is None:
+        return []
+    if isinstance(found, Table):
+        return found.rows
+    if not any(np.ndim(values) for values in found.values()):
+        return [dict(found)] if found else []
+    sizes = {name: len(values) for name, values in found.items()}
+    if len(set(sizes.values())) > 1:
+        raise ValueError(f"columns of different lengths: {sizes}")
+    return [dict(zip(found, row)) for row in zip(*found.values())]
+
+
+def text_of(value, digits):
+    """A cell: numbers with so many significant digits, whole ones with all of theirs; nothing for nan."""
+    if value is None or isinstance(value, str):
+        return value or ""
+    value = float(value)
+    if not math.isfinite(value):
+        return ""
+    if value == int(value) and abs(value) < 2 ** 53:
+        return str(int(value))
+    return f"{value:.{digits}g}"
+
+
+def csv_text(rows, digits=DIGITS, head=()):
+    out = io.StringIO()
+    for line in head:
+        out.write(f"# {' '.join(str(line).split())}\n")
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows:
+        places = digits if isinstance(digits, int) else None
+        writer.writerow([text_of(row.get(key), places or digits.get(key, DIGITS)) for key in columns])
+    return out.getvalue()
+
+
+def head_of(path):
+    """{key: text} of the lines "# key: text" of a kept file."""
+    found = {}
+    with open(path) as file:
+        for line in file:
+            if not line.startswith("#"):
+                break
+            key, _, text = line[1:].partition(":")
+            found[key.strip()] = text.strip()
+    return found
+
+
+class Store:
+    """CSV files of one page in a folder, by name; `kept`: folder of those kept with the sources, "" for none."""
+
+    def __init__(self, folder, kept=""):
+        self.folder, self.kept = folder, kept
+        self.used, self.from_kept = {}, []  # {name: path} of this page; those of them that were read from `kept`
+
+    def about(self):
+        """Head of the kept files: level, program, machine; empty where nothing is kept."""
+        for path in sorted(glob.glob(os.path.join(self.kept, "*.csv"))) if self.kept else []:
+            return head_of(path)
+        return {}
+
+    def path(self, name):
+        """Where the numbers of this name are: written by this page, else kept; None for neither."""
+        if name not in self.used and self.kept:
+            path = os.path.join(self.kept, name + ".csv")
+            if os.path.exists(path):
+                self.used[name] = path
+                self.from_kept.append(name)
+        return self.used.get(name)
+
+    def write(self, name, rows, digits=DIGITS, head=()):
+        os.makedirs(self.folder, exist_ok=True)
+        path = os.path.join(self.folder, name + ".csv")
+        with open(path + ".new", "w") as file:
+            file.write(csv_text(rows, digits, head))
+        os.replace(path + ".new", path)
+        self.used[name] = path
+
+    def keep(self, folder, all_of_it):
+        """Copies the files of this page to a folder; all_of_it: others there are of no page any more."""
+        os.makedirs(folder, exist_ok=True)
+        for name, path in self.used.items():
+            place = os.path.join(folder, name + ".csv")
+            if os.path.abspath(place) != os.path.abspath(path):
+                shutil.copyfile(path, place)
+        for path in glob.glob(os.path.join(folder, "*.csv")) if all_of_it else []:
+            if os.path.basename(path)[:-len(".csv")] not in self.used:
+                os.remove(path)
