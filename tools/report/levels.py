@@ -45,6 +45,15 @@ FIVE = {"sweep[1].replicas": 5}  # of the tilt curve; the first of each is the p
 NOISES = Plan({"phases.measure.time": 100}, {"sweep.parameters.noise.values": "(1, 2, 3, 4, 5, 6, 7, 8)"})
 FEW_SEEDS = {"sweep.parameters.noise.values": "(1, 2, 3)"}
 
+SHORT = {"phases.measure.time": 20}  # random, mechanism
+ONE_EPS = {f"sweep[{k}].parameters.eps_b.values": "(1e-4)" for k in (0, 1)}
+
+
+def replicas(grids, number):
+    """So many replicas in each of the first grids of a sweep."""
+    return {f"sweep[{k}].replicas": number for k in range(grids)}
+
+
 # name: (deck, {level: plan}); without a level it is not run there. The paper's figures first.
 SWEEPS = {
     "sync": ("sync.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
@@ -70,6 +79,14 @@ SWEEPS = {
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": NOISES, "full": NOISES}),
+    "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS,
+                                                              "full": AS_IS}),
+    "mechanism_scan": ("mechanism_scan.cfg", {"quick": Plan(SHORT, replicas(6, 2)),
+                                              "default": Plan({}, replicas(6, 4)), "full": AS_IS}),
+    "mechanism_noise": ("mechanism_noise.cfg", {"quick": Plan(SHORT, {**replicas(2, 2), **ONE_EPS}),
+                                                "default": Plan({}, replicas(2, 4)), "full": AS_IS}),
+    "mechanism_rotation": ("mechanism_rotation.cfg", {"quick": Plan(SHORT, replicas(1, 2)),
+                                                      "default": Plan({}, replicas(1, 4)), "full": AS_IS}),
     "error_turning": ("error_turning.cfg", {"errors": AS_IS, "errors-quick": Plan(
         {"phases.measure.time": 25}, {"sweep.parameters.dt.values": "(1e-5, 2e-5, 5e-5, 1e-4, 2e-4)"})}),
     "error_step": ("error_step.cfg", {"errors": AS_IS, "errors-quick": Plan(
