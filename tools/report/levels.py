@@ -79,14 +79,14 @@ SWEEPS = {
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": NOISES, "full": NOISES}),
-    "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS,
+    "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan({"phases.measure.time": 20}), "default": AS_IS,
                                                               "full": AS_IS}),
     "mechanism_scan": ("mechanism_scan.cfg", {"quick": Plan(SHORT, replicas(6, 2)),
                                               "default": Plan({}, replicas(6, 4)), "full": AS_IS}),
     "mechanism_noise": ("mechanism_noise.cfg", {"quick": Plan(SHORT, {**replicas(2, 2), **ONE_EPS}),
                                                 "default": Plan({}, replicas(2, 4)), "full": AS_IS}),
-    "mechanism_rotation": ("mechanism_rotation.cfg", {"quick": Plan(SHORT, replicas(1, 2)),
-                                                      "default": Plan({}, replicas(1, 4)), "full": AS_IS}),
+    "mechanism_rotation": ("mechanism_rotation.cfg", {"quick": Plan(SHORT, replicas(2, 2)),
+                                                      "default": Plan({}, replicas(2, 4)), "full": AS_IS}),
     "error_turning": ("error_turning.cfg", {"errors": AS_IS, "errors-quick": Plan(
         {"phases.measure.time": 25}, {"sweep.parameters.dt.values": "(1e-5, 2e-5, 5e-5, 1e-4, 2e-4)"})}),
     "error_step": ("error_step.cfg", {"errors": AS_IS, "errors-quick": Plan(
