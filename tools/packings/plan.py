@@ -34,6 +34,7 @@ _SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height"
 ENTRIES = {
     "low": Entry("shake_low.cfg", {}, {**SHORT, "sweep.replicas": 2}, first=4),
     "drum": Entry("drum.cfg", {}, {"phases.start.time": 20, "phases.flow.time": 30}, sweep=False),
+    "outside": Entry("outside.cfg", {}, {**SHORT, "sweep.replicas": 2}, first=2),
     "cage": Entry("cage.cfg", {}, SHORT),
     "frictionless": Entry("shake_drive.cfg", {"materials[0].mu": 0, **_times(5, 20), "sweep.replicas": 2,
                                               "sweep.parameters.drive.values": "(0.5, 2, "
