@@ -18,9 +18,11 @@ class Entry:
     threads: bool = False       # one run on all cores
     skip_quick: bool = False
     first: int = 0              # so many replicas come before the rest of any sweep: there is early something of all
+    replicas: str = "sweep.replicas"  # where the deck has their number: sweep[*].replicas of a list of grids
 
 
 SHORT = {"phases.thermalise.time": 1, "phases.measure.time": 4}
+EACH = "sweep[*].replicas"
 DRIVES = "(0.1, 0.2, 0.3, 0.5, 0.7, 1, 2, 4, 9)"
 
 
@@ -44,6 +46,9 @@ ENTRIES = {
     "step": Entry("shake_step.cfg", {}, {"phases.measure.time": 2, "sweep.replicas": 1}, first=1),
     "moderate": Entry("shake_moderate.cfg", _times(20, 200), {**SHORT, "sweep.replicas": 2}, first=3),
     "random": Entry("shake_random.cfg", _times(5, 60), {**SHORT, "sweep.replicas": 2}, first=3),
+    "scan": Entry("shake_scan.cfg", {}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
+    "size": Entry("shake_size.cfg", {}, {**SHORT, "sweep.replicas": 1}, first=1),
+    "prepared": Entry("shake_prepared.cfg", {}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
     "hopper": Entry("hopper.cfg", {}, {"container.height": 30, "sweep.replicas": 1,
                                        "sweep.parameters.outlet.values": "(4, 6, 8, 12)"}, first=1),
     "repose": Entry("repose.cfg", {}, {"packings[0].count": 400, "sweep.replicas": 1,

@@ -101,7 +101,7 @@ class Campaign(Results):
         words, note = self._words(name), self._place(name) + ".txt"
         text = shlex.join([os.path.basename(words[0]), words[1], os.path.basename(words[2]), *words[5:]]) + "\n"
         if entry.sweep:
-            extra = ["-j", str(self.jobs), *(["-D", f"sweep.replicas={entry.first}"] if early else [])]
+            extra = ["-j", str(self.jobs), *(["-D", f"{entry.replicas}={entry.first}"] if early else [])]
         elif read(note) == text:
             if os.path.exists(words[4]):
                 return
