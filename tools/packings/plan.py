@@ -30,6 +30,20 @@ def _times(thermalise, measure):
     return {"phases.thermalise.time": thermalise, "phases.measure.time": measure}
 
 
+def _starts(count):
+    """Values of `start` in a sweep: so many packings of cage_start.cfg."""
+    files = ["base", *(f"r={k}" for k in range(1, count))]
+    return "(" + ", ".join(f'"{{folder}}/cage_start/points/{file}.h5"' for file in files) + ")"
+
+
+def _memory(drive, thermalise, measure, packings, every=1507):
+    """One packing with several histories: `packings` of them with the first, three with all."""
+    keys = {"motions[*].acceleration": drive, **_times(thermalise, measure), "phases.measure.contacts": every,
+            "disk_files[0].file": "{folder}/cage_start/points/base.h5", "sweep[*].parameters.start.values": _starts(3)}
+    return Entry("cage_memory.cfg", {**keys, "sweep[0].parameters.start.values": _starts(packings)},
+                 {**SHORT, "sweep[*].parameters.start.values": _starts(2)})
+
+
 _SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height": 15.24}
 
 # Cheap and needed by others first.
@@ -53,6 +67,10 @@ ENTRIES = {
                                    "sweep.parameters.outlet.values": "(4, 5, 6, 7, 8, 10)", "sweep.replicas": 3},
                     {"container.height": 35, "sweep.replicas": 1,
                      "sweep.parameters.outlet.values": "(4, 6, 8, 10)"}, first=1),
+    "cage_start": Entry("cage_start.cfg"),
+    "cage_moderate": _memory(2, 5, 60, 8),
+    "cage_middle": _memory(0.7, 5, 60, 8),
+    "cage_low": _memory(0.3, 20, 200, 6, 3174),
     "repose": Entry("repose.cfg", {}, {"packings[0].count": 400, "sweep.replicas": 1,
                                        "sweep.parameters.mu.values": "(0.1, 0.5)"}, first=1),
     "jam": Entry("jam.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
