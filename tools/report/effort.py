@@ -8,6 +8,9 @@ import platform
 import threading
 import time
 
+import numpy as np
+
+from .data import Table
 from .page import Numbers, Section
 
 PAPER = ("runs", "sync", "async", "random")  # with these the paper's figures are complete, in this order
@@ -104,31 +107,46 @@ def duration(seconds):
     return f"{seconds / 60:.1f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
 
 
+def record(results):
+    """What each part took, one row each; kept like other numbers."""
+    def make():
+        entry, rows = results.ledger.read(), []
+        for name, part in entry["parts"].items():
+            points, steps = results.size(name)
+            rows.append({"part": name, "found": part["found"], "points": points - part["found"],
+                         "steps": steps - part["found_steps"], "seconds": part["seconds"],
+                         "core_seconds": part["core_seconds"], "calls": entry["calls"]})
+        return Table(rows)
+
+    results.found.pop("effort", None)  # it grows
+    return results.numbers("effort", make, "what each part took")
+
+
 def told(results, html=False):
     """Sentences about time and machine; empty when nothing was run here."""
-    entry = results.ledger.read()
-    if not entry["calls"]:
+    table = record(results)
+    if not table:
         return ""
-    calls = entry["calls"]
-    text = f"Computed in {duration(results.ledger.seconds())} ({calls} call{'s' * (calls != 1)}) by "
-    text += "; and by ".join(entry["made_by"]) + "."
+    calls = int(table.rows[0]["calls"])
+    text = (f"Computed in {duration(table.column('seconds').sum())} ({calls} call{'s' * (calls != 1)}) by "
+            f"{results.made_by()}.")
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;") if html else text
 
 
 def sections(results):
     """Table of what each part took. Nothing when nothing was run here."""
-    entry = results.ledger.read()
-    if not entry["calls"]:
+    table = record(results)
+    if not table:
         return []
-    rows, every = [], [0, 0.0, 0.0, 0.0]
-    for name, part in entry["parts"].items():
-        points, steps = results.size(name)
-        new = [points - part["found"], steps - part["found_steps"], part["seconds"], part["core_seconds"]]
-        every = [a + b for a, b in zip(every, new)]
-        rows.append([name, part["found"], *new[:3], cost(new)])
-        if name == PAPER[-1] and set(PAPER) <= set(entry["parts"]):
-            rows.append(["<b>so far, the paper's figures</b>", None, *every[:3], cost(every)])
-    rows.append(["<b>all</b>", None, *every[:3], cost(every)])
+    rows, every = [], np.zeros(4)
+    parts = [row["part"] for row in table.rows]
+    for row in table.rows:
+        new = np.array([row[name] for name in ("points", "steps", "seconds", "core_seconds")])
+        every += new
+        rows.append([row["part"], row["found"], *map(float, new[:3]), cost(new)])
+        if row["part"] == PAPER[-1] and set(PAPER) <= set(parts):
+            rows.append(["<b>so far, the paper's figures</b>", None, *map(float, every[:3]), cost(every)])
+    rows.append(["<b>all</b>", None, *map(float, every[:3]), cost(every)])
     out = Section("effort", "What it took", told(results, html=True) + " Points that another level had computed "
                   "before are left out. Core-time is the time of a part times the number of jobs, idle cores "
                   "included.", new=True)

@@ -14,13 +14,20 @@ RUN = "sync_strong"
 
 
 def read(path):
-    """Centres, radii, names and tilt of a result of a 3-disk deck; angles of the contact lines."""
+    """Named disks of a result of a 3-disk deck, with its tilt."""
     result = slipdisk.Result(path)
     named = [(k, name) for k, name in enumerate(result.names) if name]
-    place, radii = result.frames[0]["position"], result.disks["radius"]
-    centre = {name: place[k] for k, name in named}
-    radius = {name: float(radii[k]) for k, name in named}
+    which, place = [k for k, _ in named], result.frames[0]["position"]
     tilt = angle_of(re.search(r"gravity\s*=\s*\{[^}]*\btilt\s*=\s*([^;]+);", result.deck))
+    return {"name": [name for _, name in named], "x": place[which, 0], "y": place[which, 1],
+            "radius": result.disks["radius"][which], "tilt": [tilt] * len(named)}
+
+
+def notation(table):
+    """Centres, radii and tilt of the named disks; angles of the contact lines."""
+    centre = {row["name"]: np.array([row["x"], row["y"]]) for row in table.rows}
+    radius = {row["name"]: row["radius"] for row in table.rows}
+    tilt = table.rows[0]["tilt"]
     down = np.array([-math.sin(tilt), -math.cos(tilt)])
     alpha = []
     for name in ("left", "right"):
@@ -119,10 +126,11 @@ def sections(results):
                   "Drawn from the positions, radii and the tilt of gravity in a result of "
                   "<code>inputs/three_disk/sync.cfg</code>, turned so that gravity points down.")
     path = results.run(RUN)
-    if not path:
+    table = results.numbers("geometry", lambda: read(path) if path else None, "named disks in units of R, tilt of gravity")
+    if not table:
         out.missing.append(f"{RUN}: not run yet")
         return [out]
-    centre, radius, tilt, alpha = read(path)
+    centre, radius, tilt, alpha = notation(table)
     out.figures.append(Figure("geometry", draw(centre, radius, tilt, alpha), "Upper disk on its two supports. "
                               "<i>n<sub>i</sub></i> and <i>&tau;<sub>i</sub></i>: normal force, and tangential force "
                               "in its positive sense, of support <i>i</i> on the upper disk; "

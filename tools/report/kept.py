@@ -11,6 +11,7 @@ import numpy as np
 
 from .data import Table
 
+CURVE = 500  # rows of a curve that is drawn
 DIGITS = 8  # significant; what is drawn and judged has been rounded so, from results as from kept files
 
 
@@ -26,6 +27,40 @@ def rows_of(found):
     if len(set(sizes.values())) > 1:
         raise ValueError(f"columns of different lengths: {sizes}")
     return [dict(zip(found, row)) for row in zip(*found.values())]
+
+
+def thin(found, most=None):
+    """A table or columns with every so-manieth row, and with the last one, so that there are not many more than `most`."""
+    rows = rows_of(found)
+    step = max(1, math.ceil((len(rows) - 1) / (most or CURVE)))
+    return Table(rows[::step] + (rows[-1:] if (len(rows) - 1) % step else []))
+
+
+def flatten(value, path=""):
+    """{"a.0.b": value} of nested dictionaries and lists."""
+    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else None
+    if parts is None:
+        return {} if value is None else {path: value}
+    return {key: cell for name, part in parts for key, cell in flatten(part, f"{path}.{name}".lstrip(".")).items()}
+
+
+def nested(flat):
+    """What flatten() has flattened; whole keys are those of lists."""
+    found = {}
+    for path, value in flat.items():
+        here, names = found, path.split(".")
+        for name in names[:-1]:
+            here = here.setdefault(name, {})
+        here[names[-1]] = value
+
+    def lists(part):
+        if not isinstance(part, dict):
+            return part
+        if part and all(key.isdigit() for key in part):
+            return [lists(part[key]) for key in sorted(part, key=int)]
+        return {key: lists(value) for key, value in part.items()}
+
+    return lists(found)
 
 
 def text_of(value, digits):

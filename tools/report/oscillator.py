@@ -1,9 +1,11 @@
 """The elasto-plastic oscillator: force against displacement, and what becomes of the position (fig. epo-force)."""
+import functools
 import math
 import re
 
 import numpy as np
 
+from .kept import CURVE, thin
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, zero_line
@@ -12,8 +14,9 @@ from .verdict import SURE, Claim, decide, missing, number, within, OPEN
 PLACE = "section 4, fig. epo-force"
 
 
-class Oscillator:
-    """A disk that cannot turn, on a wall that is shaken along itself; x is that of the disk seen from the wall."""
+class Record:
+    """A result: a disk that cannot turn, on a wall that is shaken along itself; x is that of the disk seen from the
+    wall."""
 
     def __init__(self, path):
         result = slipdisk.Result(path)
@@ -33,7 +36,6 @@ class Oscillator:
         last = self.time > self.time[-1] - 4.9  # dense data only, not the frame of step 0
         for name in ("time", "place", "x", "force", "sliding"):
             setattr(self, name, getattr(self, name)[last])
-        self.limits = (-self.mu * self.weight + self.push, self.mu * self.weight + self.push)
 
     def drift(self):
         """(velocity over whole periods, its error from the scatter of ten parts)."""
@@ -45,15 +47,60 @@ class Oscillator:
         parts = speed[:len(speed) // 10 * 10].reshape(10, -1).mean(axis=1)
         return float(speed.mean()), float(parts.std(ddof=1) / math.sqrt(10))
 
+    def slope(self):
+        """(mean, scatter) of the change of force per displacement while the joint is stuck."""
+        stuck = self.sliding == 0
+        both = stuck[1:] & stuck[:-1]
+        slope = np.diff(self.force)[both] / np.diff(self.x)[both]
+        return (float(slope.mean()), float(slope.std())) if both.any() else (math.nan, math.nan)
+
+    def numbers(self):
+        speed, error = self.drift()
+        slope, spread = self.slope()
+        return {"push": self.push, "mu": self.mu, "amplitude": self.amplitude, "omega": self.omega,
+                "weight": self.weight, "force_min": self.force.min(), "force_max": self.force.max(),
+                "sliding": np.mean(self.sliding != 0), "drift": speed, "drift_error": error, "slope": slope,
+                "slope_spread": spread, "duration": self.time[-1] - self.time[0]}
+
+    def loop(self):
+        """Of the last four periods."""
+        last = self.time > self.time[-1] - 8 * math.pi / self.omega
+        return thin({"x": self.x[last], "force": self.force[last], "sliding": self.sliding[last]})
+
+    def trace(self):
+        return thin({"time": self.time - self.time[0], "place": self.place - self.place[0]}, 2 * CURVE)
+
+
+class Oscillator:
+    """What is drawn and judged of a record."""
+
+    def __init__(self, one, loop, trace):
+        for name, value in one.rows[0].items():
+            setattr(self, name, value)
+        self.limits = (-self.mu * self.weight + self.push, self.mu * self.weight + self.push)
+        self.loop, self.trace = loop, trace
+
     def permanent(self):
         """Drift when the elastic phase lasts no time and A w^2 is far above mu g (docs/validation.md)."""
         return self.amplitude * self.omega * math.sin(math.pi / 2 * self.push / (self.mu * self.weight))
 
 
+def oscillator_of(results, name, out):
+    """The oscillator of a run, or None."""
+    path = results.run(name)
+    record = functools.cache(lambda: Record(path))
+    key, units = name.replace("_", "-"), "lengths in R, forces in mg"
+    parts = [results.numbers(key + part, lambda make=make: getattr(record(), make)() if path else None, f"{title}; {units}")
+             for part, make, title in (("", "numbers", "oscillator"), ("-loop", "loop", "force against displacement"),
+                                       ("-trace", "trace", "position against time"))]
+    if not all(parts):
+        out.missing.append(f"{name}: not run yet")
+        return None
+    return Oscillator(*parts)
+
+
 def loop(axes, o, title):
-    period = 2 * math.pi / o.omega
-    first = o.time > o.time[-1] - 4 * period
-    x, force = o.x[first], o.force[first]
+    x, force = o.loop.column("x"), o.loop.column("force")
     x = 100 * (x - x[0])
     axes.plot(x, force, color=COLOURS[0], lw=1.0)
     for k, (limit, name) in enumerate(zip(o.limits, ("F_1", "F_2"))):
@@ -62,7 +109,7 @@ def loop(axes, o, title):
                       textcoords="offset points", xytext=(-4, -11 if k == 0 else 4), ha="right", fontsize=10,
                       color=BLACK)
     zero_line(axes)
-    ends = np.nonzero(np.diff(o.sliding[first]))[0]
+    ends = np.nonzero(np.diff(o.loop.column("sliding")))[0]
     for begin, end in list(zip(ends[:-1], ends[1:]))[-5:-1]:  # a period: two elastic branches, two of sliding
         k, width = (begin + end) // 2, max(2, (end - begin) // 10)
         axes.annotate("", (x[k + width], force[k + width]), (x[k - width], force[k - width]),
@@ -83,9 +130,8 @@ def sections(results):
                   "(<i>k<sub>t</sub></i> = 20), whose elastic branches can be seen. The first 20 time units are "
                   "discarded.")
     names = ("epo_symmetric", "epo_asymmetric", "epo_soft_symmetric", "epo_soft_asymmetric")
-    paths = {name: results.run(name) for name in names}
-    out.missing += [f"{name}: not run yet" for name, path in paths.items() if not path]
-    found = {name: Oscillator(path) for name, path in paths.items() if path}
+    found = {name: oscillator_of(results, name, out) for name in names}
+    found = {name: o for name, o in found.items() if o}
     picture, axes = figure(2, 2, height=5.6)
     for k, kind in enumerate(("symmetric", "asymmetric")):
         soft, stiff = found.get(f"epo_soft_{kind}"), found.get(f"epo_{kind}")
@@ -94,9 +140,9 @@ def sections(results):
         below, unit = axes[1, k], (1000 if kind == "symmetric" else 1)
         for n, (o, label) in enumerate(((stiff, "$k_t=10^6$"), (soft, "$k_t=20$"))):
             if o:
-                below.plot(o.time - o.time[0], unit * (o.place - o.place[0]), color=COLOURS[n], lw=0.8, label=label)
+                below.plot(o.trace.column("time"), unit * o.trace.column("place"), color=COLOURS[n], lw=0.8, label=label)
         if stiff and stiff.push:
-            time = np.array([0, stiff.time[-1] - stiff.time[0]])
+            time = np.array([0, stiff.duration])
             below.plot(time, unit * stiff.permanent() * time, color=BLACK, ls=":", lw=1.4, label="theory")
         zero_line(below)
         below.set_xlabel("time $t$")
@@ -125,14 +171,10 @@ def claims(found):
     text = ("The force changes linearly with the displacement until a limit is reached, and is constant while the "
             "joint slides.")
     if soft:
-        stuck = soft.sliding == 0
-        both = stuck[1:] & stuck[:-1]
-        slope = np.diff(soft.force)[both] / np.diff(soft.x)[both]
-        low, high = soft.force.min(), soft.force.max()
+        slope, spread, low, high = soft.slope, soft.slope_spread, soft.force_min, soft.force_max
         excess = max(abs(low - soft.limits[0]), abs(high - soft.limits[1])) / (soft.limits[1] - soft.limits[0])
-        spread = float(np.std(slope))
-        out.append(decide(text, bool(excess < 1e-3 and spread < 0.01 * abs(slope.mean())), "slope while stuck "
-                          f"{number(slope.mean(), digits=5)} (spread {number(spread)}; &minus;<i>k<sub>t</sub></i> = "
+        out.append(decide(text, bool(excess < 1e-3 and spread < 0.01 * abs(slope)), "slope while stuck "
+                          f"{number(slope, digits=5)} (spread {number(spread)}; &minus;<i>k<sub>t</sub></i> = "
                           f"&minus;20), extremes {number(low, digits=4)} and {number(high, digits=4)}; limits "
                           f"{number(soft.limits[0], digits=4)} and {number(soft.limits[1], digits=4)}", PLACE))
     else:
@@ -140,14 +182,14 @@ def claims(found):
     text = "Equal limits: no systematic drift."
     scale = symmetric.amplitude * symmetric.omega if symmetric else math.nan
     if symmetric:
-        v, _ = symmetric.drift()
+        v = symmetric.drift
         out.append(decide(text, abs(v) < 1e-3 * scale, f"drift {number(v)}, {number(abs(v) / scale)} of the wall's top "
                           "speed (counted as none below 10<sup>&minus;3</sup>)", PLACE))
     else:
         out.append(missing(text, PLACE))
     text = "Unequal limits: the oscillator drifts in the direction whose limit is smaller."
     if asymmetric:
-        v, e = asymmetric.drift()
+        v, e = asymmetric.drift, asymmetric.drift_error
         direction = 1 if abs(asymmetric.limits[0]) < abs(asymmetric.limits[1]) else -1
         known = abs(v) > SURE * e
         out.append(Claim(text, OPEN, "", PLACE) if not known
@@ -160,7 +202,5 @@ def claims(found):
         out.append(missing(text, PLACE))
     rows = []
     for name, o in found.items():
-        v, e = o.drift()
-        rows.append([name, o.push, *o.limits, float(o.force.min()), float(o.force.max()),
-                     float(np.mean(o.sliding != 0)), v, e, o.permanent()])
+        rows.append([name, o.push, *o.limits, o.force_min, o.force_max, o.sliding, o.drift, o.drift_error, o.permanent()])
     return out, rows

@@ -1,5 +1,6 @@
 """Calls of the program: single runs, sweeps, theory curves. What is finished is not run again."""
 import concurrent.futures
+import math
 import os
 import shlex
 import subprocess
@@ -10,7 +11,7 @@ import numpy as np
 from . import levels
 from .data import Table
 from .effort import Ledger, duration, machine
-from .kept import DIGITS, Store, rows_of
+from .kept import CURVE, DIGITS, Store, flatten, nested, rows_of, thin
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "tools", "python"))
@@ -19,6 +20,8 @@ import slipdisk  # noqa: E402
 STOPPED = 75  # exit status of a run that a signal stopped
 IN_DOUBT = 5  # of one that is done, with doubts that stand in its table
 POINT_DIGITS = 10  # of sweeps, whose points are subtracted from each other
+INFO_DIGITS = 12
+NOT_KEPT = ("file", "datasets", "provenance", "doubts")  # of the answer to info
 BOOKED = 5.0  # seconds after which the time of what runs is booked
 
 
@@ -51,7 +54,7 @@ class Results:
         self.strict = strict  # a figure that fails is an error
         self.say = say
         self.failed = []  # messages about what did not work
-        self.tables = {}
+        self.tables, self.found = {}, {}  # of sweeps; of numbers
         self.processes, self.stopping = set(), False
         self.ledger = Ledger(folder, level, jobs)
         os.makedirs(folder, exist_ok=True)
@@ -82,13 +85,13 @@ class Results:
         """Table of the columns that make() finds in results: {column: values}, {column: value} or a Table; None or
         nothing where there are none: then the kept numbers of this name, if any. What is returned has been rounded as
         it is kept. digits: significant ones, or {column: of this column}; title and head: lines of the file's head."""
-        if name not in self.tables:
+        if name not in self.found:
             rows = rows_of(make())
             if rows:
                 self.store.write(name, rows, digits, self._head(name, title, head))
             path = self.store.path(name)
-            self.tables[name] = Table.read(path, finished_only=False) if path else Table()
-        return self.tables[name]
+            self.found[name] = Table.read(path, finished_only=False) if path else Table()
+        return self.found[name]
 
     def _head(self, name, title, more):
         lines = {name: title, "program": self.made_by(), "level": self.level, **more}
@@ -96,8 +99,8 @@ class Results:
 
     def made_by(self):
         """Program and machine that made the results; of kept numbers where there are no others."""
-        made = self.ledger.read()["made_by"]
-        return "; ".join(made) or (self.provenance() or self.store.about().get("program", "?")).splitlines()[0]
+        made = "; and by ".join(self.ledger.read()["made_by"])
+        return made or self.store.about().get("program") or (self.provenance() or "?").splitlines()[0]
 
     # --- single runs ---------------------------------------------------------------------------------------
     def _run_folder(self):
@@ -116,13 +119,20 @@ class Results:
         return path if os.path.exists(path) else None
 
     def info(self, name):
-        """What `slipdisk info --json` says of a run, or None."""
-        if not self.run(name):
-            return None
-        try:
-            return slipdisk.info(self.run(name), self.program)
-        except slipdisk.Error:
-            return None
+        """What `slipdisk info --json` says of a run (without what it says of file and program), or None."""
+        def make():
+            if not self.run(name):
+                return None
+            try:
+                found = slipdisk.info(self.run(name), self.program)
+            except (slipdisk.Error, OSError):
+                return None
+            flat = flatten({key: value for key, value in found.items() if key not in NOT_KEPT})
+            return {"key": list(flat), "value": list(flat.values())}
+
+        table = self.numbers("info-" + name, make, f"slipdisk info --json of the run {name}", INFO_DIGITS,
+                             run=read(self._run_path(name)[:-3] + ".txt"))
+        return nested({row["key"]: row["value"] for row in table.rows}) if table else None
 
     def _make_run(self, name):
         deck, by_level, keys = levels.RUNS[name]
@@ -235,7 +245,7 @@ class Results:
             if done.returncode:
                 problems.append(f"theory {name}: {done.stderr.strip() or done.stdout.strip()}")
                 return None
-            return Table.read(path, finished_only=False)
+            return thin(Table.read(path, finished_only=False), CURVE if option == "--wave" else math.inf)
 
         problems = []
         command = self._told([self.program, "theory", os.path.join(ROOT, "inputs", deck), option, "", *overrides(keys)])

@@ -69,13 +69,15 @@ def torque_claims(results, out):
     for key, (name, label) in SIGNS.items():
         text, place = f"While both contacts slide steadily in {name} the torque is {label}.", f"section 4, eq. {label}"
         path = results.run(f"steady_{key}")
-        if not path:
+        found = results.numbers(f"steady-{key}", lambda path=path: {"torque": float(
+            slipdisk.Result(path).state["torque"][0])} if path else None, f"torque on the upper disk in S {key}")
+        if not found:
             out.missing.append(f"steady_{key}: not run yet")
         aim = theory.rows[0].get(f"torque_{key}") if theory else None
-        if not path or not isinstance(aim, float):
+        if not found or not isinstance(aim, float):
             claims.append(missing(text, place))
             continue
-        torque = float(slipdisk.Result(path).state["torque"][0])
+        torque = found.rows[0]["torque"]
         rows.append([name, torque, aim, 100 * (torque / aim - 1)])
         claims.append(decide(text, abs(torque / aim - 1) < 0.01, f"{number(torque, digits=5)}, theory "
                              f"{number(aim, digits=5)}: {percent(torque / aim - 1)} (counted as equal up to 1 %)",
@@ -94,7 +96,9 @@ def still_claim(results, name, out):
         out.missing.append(f"{name}: not run yet")
         return missing(text, place)
     spin, slide = info["rotation"][0], info["sliding"][0]
-    amplitude = float(slipdisk.Result(results.run(name)).deck.split("amplitude = ")[1].split(";")[0])
+    path = results.run(name)
+    amplitude = results.numbers(f"{name}-drive", lambda: {"theta_b": float(slipdisk.Result(path).deck.split(
+        "amplitude = ")[1].split(";")[0])} if path else None, f"amplitude of the run {name}").rows[0]["theta_b"]
     speed = spin["turned"] / spin["measured"] / (amplitude * 20 * PI)
     forces = ", ".join(number(c["force_min"]) for c in slide["contacts"])
     return decide(text, abs(speed) < 1e-3, f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time "

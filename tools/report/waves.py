@@ -6,6 +6,7 @@ import re
 import numpy as np
 
 from . import levels
+from .kept import thin
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, legend_below, power, zero_line
@@ -15,24 +16,42 @@ NAMES = {(1, 1): "++", (1, -1): "+-", (-1, 1): "-+", (-1, -1): "--"}
 LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-": 4}}  # t_1 ... begin these
 
 
-class Wave:
-    """One period of a run with dense frames; velocities in units of Theta_b w_b, time in periods."""
+def read(path):
+    """Frames of the last but one whole period of a run: time in periods, angles in Theta_b, velocities in Theta_b w_b."""
+    result = slipdisk.Result(path)
+    deck, frames = result.deck, result.frames
+    amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
+    omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
+    period, time = 2 * math.pi / omega, frames.time
+    t = time / period - math.ceil((time[-1] - 1.5 * period) / period - 1e-6)
+    inside = (t > -1e-6) & (t < 1 + 1e-6)
+    unit, found = amplitude * omega, {"t": np.round(t[inside], 9)}
+    found["upper"] = frames["angular_velocity"][inside, 0] / unit
+    for i in (1, 2):
+        found[f"support{i}"] = -frames["angular_velocity"][inside, i] / unit
+        found[f"angle{i}"] = frames["angle"][inside, i] / amplitude
+    return thin({**found, "theta_b": np.full(len(found["t"]), amplitude), "omega_b": np.full(len(found["t"]), omega)})
 
-    def __init__(self, path):
-        result = slipdisk.Result(path)
-        deck, frames = result.deck, result.frames
-        time, angle, spin = frames.time, frames["angle"], frames["angular_velocity"]
-        self.amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
-        self.omega = float(re.search(r'omega = "([0-9.]+) pi"', deck).group(1)) * math.pi
+
+class Wave:
+    """One period of a run with dense frames, as read() has it."""
+
+    def __init__(self, table):
+        self.t, self.upper = table.column("t"), table.column("upper")
+        self.support = np.stack([table.column("support1"), table.column("support2")])
+        self.angle = np.stack([table.column("angle1"), table.column("angle2")])
+        self.amplitude, self.omega = table.rows[0]["theta_b"], table.rows[0]["omega_b"]
         self.period = 2 * math.pi / self.omega
-        whole = math.ceil((time[-1] - 1.5 * self.period) / self.period - 1e-6)  # the last but one whole period
-        self.t = time / self.period - whole
-        inside = (self.t > -1e-6) & (self.t < 1 + 1e-6)
-        self.t, unit = self.t[inside], self.amplitude * self.omega
-        self.support = -spin[inside, 1:3].T / unit
-        self.upper = spin[inside, 0] / unit
-        self.angle = angle[inside, 1:3].T / self.amplitude
         self.mean = float(np.trapz(self.upper, self.t) / (self.t[-1] - self.t[0]))
+
+
+def wave_of(results, name, out):
+    """The wave of a run, or None."""
+    path = results.run(name)
+    table = results.numbers(f"wave-{name}", lambda: read(path) if path else None,
+                            "one period: t/T, velocities in Theta_b omega_b, angles in Theta_b")
+    out.missing += [] if table else [f"{name}: not run yet"]
+    return Wave(table) if table else None
 
 
 def changes(t, support, upper):
@@ -66,11 +85,9 @@ def velocities(results, kind, out):
     rows, found = [], {}
     for k, strength in enumerate(("weak", "strong")):
         name = f"{kind}_{strength}"
-        path = results.run(name)
-        if not path:
-            out.missing.append(f"{name}: not run yet")
+        wave = wave_of(results, name, out)
+        if not wave:
             continue
-        wave = Wave(path)
         theory = theory_wave(results, name)
         above, below = axes[0, k], axes[1, k]
         if kind == "sync":
@@ -154,11 +171,9 @@ def waveform_section(results):
     picture, axes = figure(2, 1, height=3.1, sharey=True)
     rows, worst, ends = [], math.nan, math.nan
     for k, (kind, title) in enumerate((("sync", "in phase"), ("async", "opposite phases"))):
-        paths = [results.run(f"{kind}_{wave}") for wave in ("sine", "strong")]
-        out.missing += [f"{kind}_{wave}: not run yet" for wave, path in zip(("sine", "strong"), paths) if not path]
-        if not all(paths):
+        sine, parabola = [wave_of(results, f"{kind}_{wave}", out) for wave in ("sine", "strong")]
+        if not (sine and parabola):
             continue
-        sine, parabola = Wave(paths[0]), Wave(paths[1])
         for i in range(2 if kind == "async" else 1):
             which = f" {i + 1}" if kind == "async" else "s"
             axes[k].plot(sine.t, sine.angle[i], color=COLOURS[i], ls=":", lw=2, label=f"sine, support{which}")
