@@ -11,6 +11,34 @@ import numpy as np
 YES, NO, OPEN = "reproduced", "not reproduced", "cannot tell"
 PAPER, CHECK, TRIVIAL = "paper", "own check", "by construction"  # TRIVIAL: geometry, waveforms, identities
 SURE = 3.0  # errors that count as significant
+REFUTED, DOUBTED = 1e-4, 0.01  # chances of chi^2: above it, and on either side
+TOLERANCES = {
+    "equal": 0.01,      # relative: a number and its formula
+    "excellent": 0.02,  # relative: "excellent agreement", a theory that "is met", the end of "approaches"
+    "curve": 0.05,      # of its largest value: a curve and its formula
+    "none": 1e-3,       # of the drive's speed: rotation without noise that counts as none
+    "absent": 1e-3,     # fraction of time in which something "does not occur"
+    "most": 0.5,        # fraction of time that is "most of the time"
+    "rare": 0.1,        # fraction of time in which contacts slide "rarely"
+}
+RULES = {
+    "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a chance below "
+            f"{100 * DOUBTED:g} % on either side leaves it open (a &chi;&sup2; that is too small means error bars that are too "
+            "large)",
+    "none": "without noise: the speed is below the tolerance, in units of the drive's speed",
+    "sign": f"every point has the sign by more than {SURE:g} errors; one with the other sign refutes, by as many errors as "
+            f"chance gives one of so many points as seldom as a single one {SURE:g} (Bonferroni); else open, and the undecided "
+            "points are named",
+    "growth": "as for a sign, of the steps from each point to the next",
+    "equal": f"the relative difference is within the tolerance by {SURE:g} errors; beyond it by {SURE:g} errors refutes; else "
+             "open",
+    "approach": "the largest relative deviation falls by more than its error from each amplitude to the next until it is within "
+                "what counts as excellent, and stays there; a rise, or an end outside, refutes",
+    "excellent": "as for equal, for the largest relative deviation at the largest amplitude",
+    "extremum": "the fit turns round inside the range in at least 97.5 % of the samples in which all points are scattered by "
+                "their errors, at every amplitude; in less than 2.5 % refutes",
+    "threshold": "a condition that stands beside the numbers",
+}
 
 
 @dataclasses.dataclass
@@ -21,6 +49,7 @@ class Claim:
     place: str = ""  # where the paper says so; "": a statement that is not the paper's
     kind: str = ""   # PAPER, CHECK or TRIVIAL; "": PAPER with a place, CHECK without
     slug: str = ""   # short unique name, "random-clockwise" say
+    rule: str = ""   # of RULES
 
     def __post_init__(self):
         self.kind = self.kind or (PAPER if self.place else CHECK)
@@ -100,48 +129,147 @@ def survival(chi2, degrees):
     return h * math.exp(-x + a * math.log(x) - math.lgamma(a))
 
 
+def chance(chi2, degrees):
+    """Chance of a chi^2 as far out as this one, on either side."""
+    above = survival(chi2, degrees)
+    return 2 * min(above, 1 - above)
+
+
+def close(off, error, tolerance):
+    """Is |off| within the tolerance? 3 errors on either side of it decide."""
+    off, error = abs(off), SURE * error if math.isfinite(error) else math.inf
+    return YES if off + error <= tolerance else NO if off - error > tolerance else OPEN
+
+
+def beyond(number_of_points):
+    """Errors that one of so many points exceeds on one side as seldom as a single one exceeds 3 (Bonferroni)."""
+    low, high, aim = SURE, 12.0, math.erfc(SURE / math.sqrt(2)) / max(1, number_of_points)
+    for _ in range(60):
+        low, high = ((low + high) / 2, high) if math.erfc((low + high) / 2 / math.sqrt(2)) > aim else (low, (low + high) / 2)
+    return high
+
+
+def listed(names, most=6):
+    """The first of some names, and how many more there are."""
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
 def zero(text, values, errors, place="", what="&Omega;", **kind):
     """All values are zero within their errors."""
+    kind.setdefault("rule", "zero")
     values, errors = np.asarray(values, float), np.asarray(errors, float)
     good = np.isfinite(values) & (errors > 0)
     if not good.any():
         return missing(text, place, **kind)
     z = values[good] / errors[good]
-    chi2, chance = chi_square(z, len(z))
+    chi2, above = chi_square(z, len(z))
     worst = float(np.abs(z).max())
     numbers = (f"{len(z)} value{'s' * (len(z) > 1)}, largest |{what}| {worst:.1f} errors from zero, &chi;&sup2; = "
-               f"{chi2:.1f} (a chance of {100 * chance:.3g} %)")
-    verdict = YES if chance > 0.01 else NO if chance < 1e-4 else OPEN
+               f"{chi2:.1f} (a chance of {100 * above:.2g} % for more)")
+    verdict = NO if above < REFUTED else OPEN if chance(chi2, len(z)) < DOUBTED else YES
+    if verdict == OPEN and above > 0.5:
+        numbers += "; too small: the error bars are too large to tell"
     return Claim(text, verdict, numbers, place, **kind)
 
 
-def signed(text, values, errors, sign, place="", what="&Omega;", **kind):
-    """All values have this sign: none has the other one significantly, and most have this one so."""
+def none(text, value, unit, place="", unit_name="&Theta;<sub>b</sub>&omega;<sub>b</sub>", **kind):
+    """A speed without noise is none at all, in a unit of what drives it."""
+    kind.setdefault("rule", "none")
+    limit = TOLERANCES["none"]
+    return Claim(text, close(value / unit, 0, limit), f"{number(abs(value) / unit)} {unit_name} (counted as none up to "
+                 f"{number(limit)})", place, **kind)
+
+
+def signs(values, errors, sign):
+    """(verdict, errors that count against it, right, wrong, undecided): indices of points with this sign and the other."""
+    values, errors = np.asarray(values, float), np.asarray(errors, float)
+    z = sign * values / np.maximum(errors, 1e-300)
+    against = beyond(len(z))
+    right, wrong = np.nonzero(z > SURE)[0], np.nonzero(z < -against)[0]
+    undecided = np.nonzero((z <= SURE) & (z >= -against))[0]
+    return (NO if len(wrong) else OPEN if len(undecided) else YES), against, right, wrong, undecided
+
+
+def signed(text, values, errors, sign, place="", what="&Omega;", names=None, **kind):
+    """Every value has this sign. names: of the points, to say which are undecided."""
+    kind.setdefault("rule", "sign")
     values, errors = np.asarray(values, float), np.asarray(errors, float)
     good = np.isfinite(values) & (errors >= 0)
     if not good.any():
         return missing(text, place, **kind)
-    z = sign * values[good] / np.maximum(errors[good], 1e-300)
+    names = [name for name, fine in zip(names, good) if fine] if names is not None else None
+    values, errors = values[good], errors[good]
+    verdict, against, right, wrong, undecided = signs(values, errors, sign)
     word, other = ("positive", "negative") if sign > 0 else ("negative", "positive")
-    right, wrong = int((z > SURE).sum()), int((z < -SURE).sum())
-    numbers = (f"of {len(z)} values of {what} {right} are {word} by more than {SURE:g} errors, {wrong} {other} by more "
-               f"than that, {len(z) - right - wrong} undecided")
-    verdict = NO if wrong else YES if right > len(z) / 2 else OPEN
-    return Claim(text, verdict, numbers, place, **kind)
+    told = (f"of {len(values)} values of {what} {len(right)} are {word} by more than {SURE:g} errors, {len(wrong)} {other} by "
+            f"more than {against:.1f}, {len(undecided)} undecided")
+    for points in (wrong, undecided):
+        if len(points) and names:
+            told += ("; " + other if points is wrong else "; undecided") + ": " + listed(
+                [f"{names[k]} ({_minus(f'{values[k] / max(errors[k], 1e-300):+.1f}')} errors)" for k in points])
+    if len(undecided) > 1 and not len(wrong):
+        weight = 1 / np.maximum(errors[undecided], 1e-300) ** 2
+        together = sign * float(np.sum(values[undecided] * weight) / math.sqrt(np.sum(weight)))
+        told += f"; their weighted mean is {word if together > 0 else other} by {abs(together):.1f} errors"
+    return Claim(text, verdict, told, place, **kind)
+
+
+def grows(text, steps, errors, place="", what="amplitude", names=None, **kind):
+    """Every step from one point to the next is up; names: of the steps."""
+    kind.setdefault("rule", "growth")
+    steps, errors = np.asarray(steps, float), np.asarray(errors, float)
+    if not len(steps):
+        return missing(text, place, **kind)
+    verdict, against, up, down, undecided = signs(steps, errors, 1)
+    told = (f"of {len(steps)} steps from one {what} to the next {len(up)} are up by more than {SURE:g} errors, {len(down)} "
+            f"down by more than {against:.1f}, {len(undecided)} undecided")
+    if names and len(undecided):
+        told += ": " + listed([names[k] for k in undecided])
+    return Claim(text, verdict, told, place, **kind)
 
 
 def within(text, value, target, tolerance, place="", error=0.0, names=("found", "expected"), **kind):
     """value equals target within a relative tolerance; the error decides whether this can be told."""
+    kind.setdefault("rule", "equal")
     if value is None or target is None or not (math.isfinite(value) and math.isfinite(target)):
         return missing(text, place, **kind)
     off = (value - target) / abs(target)
     spread = (error if math.isfinite(error) else 0) / abs(target)
     numbers = (f"{names[0]} {number(value, error, 5)}, {names[1]} {number(target, digits=5)}: {percent(off)} "
                f"(counted as equal up to {100 * tolerance:g} %)")
-    verdict = YES if abs(off) + spread <= tolerance else NO if abs(off) - 2 * spread > tolerance else OPEN
-    return Claim(text, verdict, numbers, place, **kind)
+    return Claim(text, close(off, spread, tolerance), numbers, place, **kind)
+
+
+def approaches(text, amplitudes, deviations, errors, place="", symbol="", **kind):
+    """The largest relative deviation falls from each amplitude to the next until it is within the tolerance, and stays there."""
+    kind.setdefault("rule", "approach")
+    off, error, limit = np.abs(deviations), np.asarray(errors, float), TOLERANCES["excellent"]
+    if len(off) < 2 or not np.isfinite(off).all():
+        return missing(text, place, **kind)
+    rises = [k for k in range(1, len(off)) if off[k] > limit and off[k] - off[k - 1] > SURE * math.hypot(error[k], error[k - 1])]
+    falls = [k for k in range(1, len(off))
+             if off[k] <= limit or off[k - 1] - off[k] > SURE * math.hypot(error[k], error[k - 1])]
+    end = close(off[-1], error[-1], limit)
+    verdict = NO if rises or end == NO else YES if end == YES and len(falls) == len(off) - 1 else OPEN
+    told = "largest deviation " + ", ".join(f"{100 * o:.{1 if o < 0.2 else 0}f} % at {symbol}{a:g}"
+                                            for a, o in zip(amplitudes, off))
+    if rises:
+        told += "; it rises at " + ", ".join(f"{amplitudes[k]:g}" for k in rises)
+    if end == NO:
+        told += "; it does not end within the tolerance"
+    return Claim(text, verdict, told + f" (tolerance {100 * limit:g} %)", place, **kind)
+
+
+def excellent(text, deviation, error, numbers, place="", **kind):
+    """The largest relative deviation at the largest amplitude is within what counts as excellent."""
+    kind.setdefault("rule", "excellent")
+    limit = TOLERANCES["excellent"]
+    if not math.isfinite(deviation):
+        return missing(text, place, **kind)
+    return Claim(text, close(deviation, error, limit), f"{numbers} (counted as excellent up to {100 * limit:g} %)", place, **kind)
 
 
 def decide(text, condition, numbers, place="", **kind):
     """condition: True, False, or None when it cannot be told."""
+    kind.setdefault("rule", "threshold")
     return Claim(text, OPEN if condition is None else YES if condition else NO, numbers, place, **kind)
