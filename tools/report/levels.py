@@ -38,6 +38,8 @@ FEWER_EPS = {"sweep[0].parameters.eps_b.values": "(2e-5, 6e-5, 1e-4)",
              "sweep[1].parameters.tilt.values": '(0, "0.01 pi", "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi", "0.1 pi")'}
 LONG = {"sweep.parameters.theta_b.values": "(0.04, 0.1)", "sweep.parameters.tilt.values": '("0.04 pi")'}
 FEW_TILTS = {"sweep.parameters.tilt.values": '(0, "0.02 pi", "0.04 pi", "0.06 pi", "0.08 pi")'}
+FEWER_STIFF = {f"sweep.parameters.{name}.values": values for name, values in (
+    ("k_n", "(1e3, 4e3, 1e6)"), ("gamma_n", '(10, 20, "sqrt(1e5)")'), ("k_t", "(1e6, 1e6, 1e7)"))}
 NO_FINE = "(2e-5, 1e-5, 5e-6)"
 
 FIVE = {"sweep[1].replicas": 5}  # of the tilt curve; the first of each is the point of "random"
@@ -64,6 +66,8 @@ SWEEPS = {
     "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
     "phase": ("phase.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "waveform": ("waveform.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
+    "waveform_stiff": ("waveform_stiff.cfg", {"quick": Plan({"dt": 5e-6, "phases.measure.time": 10}, FEWER_STIFF),
+                                              "default": AS_IS, "full": AS_IS}),
     "frequency": ("frequency.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
     "frequency_random": ("frequency_random.cfg", {"quick": Plan(COARSE), "default": AS_IS, "full": AS_IS}),
     "level": ("level.cfg", {"quick": Plan(COARSE, {"sweep.replicas": 2}), "default": AS_IS, "full": AS_IS}),

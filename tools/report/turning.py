@@ -1,29 +1,29 @@
-"""Supports that turn to and fro: Omega against tilt in phase and in opposite phases, and sine against parabola
-(figs. sync-vel, async-vel)."""
+"""Supports that turn to and fro: Omega against tilt in phase and in opposite phases (figs. sync-vel, async-vel)."""
 import math
 
 import numpy as np
 
+from .catalogue import paper
 from .page import Figure, Numbers, Section
 from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_below, legend_right, marker, plt, points,
                     power, zero_line)
-from .verdict import NO, OPEN, YES, Claim, decide, missing, number, percent, signed
+from .verdict import (TOLERANCES, approaches, decide, excellent, missing, none, number, percent, signed, within)
 
 PI = math.pi
 OMEGA_B = 20 * PI  # of the decks sync.cfg and async.cfg
 FINE = "(" + ", ".join(f'"{0.002 * k:g} pi"' for k in range(41)) + ")"
-EQUAL = 0.03  # "excellent agreement"
+STIFF = ("; the centre is under way to its equilibrium for much of each configuration, and theory becomes exact for stiffer "
+         "disks or a slower drive (docs/validation.md)")
 FACTS = {"sync": dict(title="Supports in phase: rotation against tilt (fig. sync-vel)",
-                      place="section 4.1, fig. sync-vel", sign=1, formula="(30)",
+                      sign=1, formula="(30)",
                       law="&Omega; = (4/&pi;) &mu; &Theta;<sub>b</sub>&omega;<sub>b</sub> tan &theta;<sub>T</sub>"),
          "async": dict(title="Supports in opposite phases: rotation against tilt (fig. async-vel)",
-                       place="section 4.2, fig. async-vel", sign=-1, formula="(35), corrected",
+                       sign=-1, formula="(35), corrected",
                        law="first order in the tilt, with the factor &omega;<sub>b</sub>/&pi; that the print lacks"),}
 
 
 def sections(results):
-    out = [tilt_section(results, kind) for kind in ("sync", "async")]
-    return out + [waveform_section(results)]
+    return [tilt_section(results, kind) for kind in ("sync", "async")]
 
 
 def matched(results, name, deck, keys=None):
@@ -150,49 +150,66 @@ def deviation_figure(table, kind, facts):
 
 
 def claims(table, facts, kind):
-    place, sign = facts["place"], facts["sign"]
-    word = "counter-clockwise (&Omega; &gt; 0)" if sign > 0 else "clockwise (&Omega; &lt; 0)"
-    out = []
+    out, sign = [], facts["sign"]
     flat, tilted = table.where(tilt=0.0), table.such(lambda row: row["tilt"] > 0)
-    text = "Without tilt the disk does not rotate."
     if flat:
-        worst = float(np.abs(flat.column("size")).max())
-        out.append(decide(text, worst < 1e-3, f"largest |&Omega;| is {number(worst)} "
-                          f"&Theta;<sub>b</sub>&omega;<sub>b</sub> at {len(flat)} amplitudes (counted as none below "
-                          "10<sup>&minus;3</sup>)", place))
+        out.append(none(value=float(np.abs(flat.column("size")).max()), unit=1, unit_name="&Theta;<sub>b</sub>&omega;<sub>b"
+                        f"</sub> at most, at {len(flat)} amplitudes", **paper(f"{kind}-level")))
     else:
-        out.append(missing(text, place))
-    out.append(signed(f"With tilt the disk always rotates {word}.", tilted.disk("omega"), tilted.disk("omega_error"),
-                      sign, place))
+        out.append(missing(**paper(f"{kind}-level")))
+    out.append(signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=sign, names=[
+        f"&Theta;<sub>b</sub> = {row['theta_b']:g}, tilt {row['tilt'] / PI:g} &pi;" for row in tilted.rows],
+        **paper(f"{kind}-sign")))
     amplitudes = tilted.values("theta_b")
-    worst = {theta: np.abs(tilted.where(theta_b=theta).column("off.first_order")).max() for theta in amplitudes}
-    text = f"&Omega; approaches {facts['formula']} as &Theta;<sub>b</sub> grows."
-    if len(amplitudes) > 1 and all(np.isfinite(list(worst.values()))):
-        told = ", ".join(f"{100 * v:.1f} % at {theta:g}" for theta, v in worst.items())
-        falls = worst[amplitudes[-1]] < 0.2 * worst[amplitudes[0]]
-        out.append(decide(text, falls, f"largest deviation over all tilts: {told}", place))
-        last = amplitudes[-1]
-        out.append(decide(f"The agreement with {facts['formula']} is excellent at large &Theta;<sub>b</sub>.",
-                          worst[last] <= EQUAL, f"at &Theta;<sub>b</sub> = {last:g} within {100 * worst[last]:.1f} % "
-                          f"at all tilts (counted as excellent up to {100 * EQUAL:g} %)", place))
-        exact = np.abs(tilted.where(theta_b=last).column("off.mean")).max()
-        if np.isfinite(exact):
-            why = ("" if exact <= EQUAL else "; the centre is under way to its equilibrium for much of each "
-                   "configuration, and theory becomes exact for stiffer disks or a slower drive (docs/validation.md)")
-            out.append(decide("The exact periodic solution of permanent sliding is met at large &Theta;<sub>b</sub>.",
-                              exact <= EQUAL, f"at &Theta;<sub>b</sub> = {last:g} within {100 * exact:.1f} % at all "
-                              f"tilts (counted as met up to {100 * EQUAL:g} %){why}"))
-        if kind == "async":
-            row = tilted.where(theta_b=last).rows[0]
-            printed = row["theory.first_order"] * PI / OMEGA_B  # without the factor w_b/pi
-            ratio = row["upper.omega"] / printed
-            out.append(decide("Equation (35) as printed gives &Omega;.", abs(ratio - 1) <= EQUAL, "&Omega; is "
-                              f"{ratio:.2f} times the printed value; &omega;<sub>b</sub>/&pi; = {OMEGA_B / PI:g}",
-                              place))
-    else:
-        out += [missing(text, place), missing(f"The agreement with {facts['formula']} is excellent at large "
-                                              "&Theta;<sub>b</sub>.", place)]
-    return out
+    worst = [largest(tilted.where(theta_b=theta), "first_order") for theta in amplitudes]
+    off, error = (np.array(v) for v in zip(*worst)) if worst else (np.array([]),) * 2
+    out.append(approaches(amplitudes=amplitudes, deviations=off, errors=error, **paper(f"{kind}-approach")))
+    if not amplitudes:
+        return out + [missing(**paper(f"{kind}-excellent"))]
+    last = amplitudes[-1]
+    at = f"at &Theta;<sub>b</sub> = {last:g} within {{:.1f}} % at all tilts"
+    out.append(excellent(deviation=off[-1], error=error[-1], numbers=at.format(100 * off[-1]), **paper(f"{kind}-excellent")))
+    exact, spread = largest(tilted.where(theta_b=last), "mean")
+    out.append(excellent("The exact periodic solution of permanent sliding is met at large &Theta;<sub>b</sub> "
+                         f"({'in phase' if kind == 'sync' else 'opposite phases'}).", exact, spread, at.format(100 * exact)
+                         + STIFF * (exact > TOLERANCES["excellent"]), slug=f"{kind}-exact"))
+    return out + (sync_claims(tilted) if kind == "sync" else [printed(tilted.where(theta_b=last).rows[0])])
+
+
+def largest(line, theory):
+    """(largest relative deviation from a theory at all tilts, its error)"""
+    off = np.abs(line.column("off." + theory))
+    if not len(off) or not np.isfinite(off).all():
+        return math.nan, math.nan
+    k = int(np.argmax(off))
+    return float(off[k]), float(line.disk("omega_error")[k] / abs(line.column("theory." + theory)[k]))
+
+
+def printed(row):
+    """(35) without the factor w_b/pi."""
+    value = row.get("theory.first_order", math.nan) * PI / OMEGA_B
+    claim = within(value=row["upper.omega"], target=value, tolerance=TOLERANCES["excellent"], error=row["upper.omega_error"],
+                   names=("&Omega;", "printed"), **paper("eq35-printed"))
+    claim.numbers += f"; &Omega; is {row['upper.omega'] / value:.2f} times the printed value, &omega;<sub>b</sub>/&pi; = " \
+                     f"{OMEGA_B / PI:g}"
+    return claim
+
+
+def sync_claims(tilted):
+    """Durations against (26), (27), and the time in which contacts stick, at all tilts."""
+    amplitudes, gaps, stick = tilted.values("theta_b"), [], []
+    for theta in amplitudes:
+        line = tilted.where(theta_b=theta)
+        if not line.has("theory.torque_pp"):
+            return [missing(**paper(slug)) for slug in ("sync-durations", "sync-elastic")]
+        pp, mm = line.column("theory.torque_pp"), line.column("theory.torque_mm")
+        known = -mm / (pp - mm), pp / (pp - mm)
+        gaps.append(max(float(np.abs(line.disk(part) / aim - 1).max()) for part, aim in zip(("pp", "mm"), known)))
+        stick.append(float(line.disk("stick").mean()))
+    durations = approaches(amplitudes=amplitudes, deviations=gaps, errors=[0.0] * len(gaps), **paper("sync-durations"))
+    falls = bool(np.all(np.diff(stick) < 0)) if len(stick) > 1 else None
+    return [durations, decide(condition=falls, numbers="a contact sticks for " + ", ".join(
+        f"{100 * v:.2g} % of the time at {theta:g}" for theta, v in zip(amplitudes, stick)), **paper("sync-elastic"))]
 
 
 def long_runs(results, kind, table, out):
@@ -209,67 +226,11 @@ def long_runs(results, kind, table, out):
             told.append(f"&Theta;<sub>b</sub> = {row['theta_b']:g}: {percent(gaps[-1], 3)}")
             rows.append([row["theta_b"], row["tilt"] / PI, row["upper.omega"], row["upper.omega_error"], row["steps"],
                          short[0]["upper.omega"], short[0]["upper.omega_error"], short[0]["steps"]])
-    text = ("Shorter runs with a larger time step give the &Omega; of 5&times;10<sup>8</sup> steps of "
-            "10<sup>&minus;6</sup>.")
+    text = (f"Shorter runs with a larger time step give the &Omega; of 5&times;10<sup>8</sup> steps of "
+            f"10<sup>&minus;6</sup> ({'in phase' if kind == 'sync' else 'opposite phases'}).")
     out.claims.append(decide(text, max(abs(g) for g in gaps) < 0.003, "; ".join(told)
-                             + " (counted as equal up to 0.3 %)") if gaps else missing(text))
+                             + " (counted as equal up to 0.3 %)", slug=f"{kind}-short") if gaps
+                      else missing(text, slug=f"{kind}-short"))
     out.tables.append(Numbers("Runs of the paper's length",
                               ["&Theta;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;", "&Omega;", "error", "steps",
                                "&Omega;, short run", "error", "steps"], rows))
-
-
-def waveform_section(results):
-    out = Section("waveform", "Sine against parabola", "The paper computes with parabolas in place of its sines. Deck "
-                  "<code>inputs/paper/waveform.cfg</code>: tilt 0.02&pi;, both waveforms at the same amplitude. In "
-                  "the limit of strong drive and small tilt the sine turns the disk &pi;&sup2;/8 = 1.234 times as "
-                  "fast.", new=True)
-    table = matched(results, "waveform", "waveform.cfg", sweep_points(results, "waveform"))
-    out.missing = list(table.missing)
-    dense = "(" + ", ".join(f"{0.001 * 10 ** (k / 20):.6g}" for k in range(41)) + ")"
-    curve = results.theory("curve-waveform", "paper/waveform.cfg", **{"sweep.parameters.theta_b.values": dense})
-    picture, axes = figure(height=4.0)
-    rows, last = [], {}
-    for k, (phase, title) in enumerate(((0.0, "in phase"), (PI, "opposite phases"))):
-        ratios = []
-        for theta in table.values("theta_b"):
-            pair = [table.where(phase=phase, theta_b=theta, wave=wave).rows for wave in ("harmonic", "parabolic")]
-            if not all(pair):
-                continue
-            sine, parabola = pair[0][0], pair[1][0]
-            ratio = sine["upper.omega"] / parabola["upper.omega"]
-            error = abs(ratio) * math.hypot(sine["upper.omega_error"] / sine["upper.omega"],
-                                            parabola["upper.omega_error"] / parabola["upper.omega"])
-            known = [row.get("theory.mean", math.nan) for row in (sine, parabola)]
-            exact = known[0] / known[1] if all(isinstance(v, float) for v in known) else math.nan
-            ratios.append((theta, ratio, error))
-            rows.append([title, theta, sine["upper.omega"], sine["upper.omega_error"], parabola["upper.omega"],
-                         parabola["upper.omega_error"], ratio, error, exact])
-        if ratios:
-            theta, ratio, error = (np.array(v) for v in zip(*ratios))
-            points(axes, theta, ratio, error, f"{title}, simulation", k, "os"[k], line="none")
-            last[title] = (theta[-1], ratio[-1], error[-1])
-        sine, parabola = (curve.where(phase=phase, wave=wave).sorted("theta_b") for wave in ("harmonic", "parabolic"))
-        if len(sine) and len(sine) == len(parabola):
-            axes.plot(sine.column("theta_b"), sine.column("mean") / parabola.column("mean"), color=COLOURS[k], ls="--",
-                      lw=1, label=f"{title}, exact solution")
-    axes.axhline(PI ** 2 / 8, color=GREY, lw=1, label=r"$\pi^2/8$", gid="guide")
-    axes.set_xscale("log")
-    axes.set_xlabel(r"amplitude $\Theta_b$")
-    axes.set_ylabel(r"$\Omega_\mathrm{sine}/\Omega_\mathrm{parabola}$")
-    legend_above(axes, 3)
-    out.figures.append(Figure("waveform", picture, "Ratio of the mean angular velocities under sine and parabola of "
-                              "the same amplitude.", "Ratio of the rotation under sine and parabola against amplitude"))
-    for title in ("in phase", "opposite phases"):
-        text = f"At strong drive the sine turns the disk &pi;&sup2;/8 times as fast as the parabola, {title}."
-        if title not in last:
-            out.claims.append(missing(text))
-            continue
-        theta, ratio, error = last[title]
-        off = ratio / (PI ** 2 / 8) - 1
-        out.claims.append(Claim(text, YES if abs(off) < 0.01 else NO if abs(off) - 3 * error > 0.01 else OPEN,
-                                f"at &Theta;<sub>b</sub> = {theta:g}: {number(ratio, error)}, {percent(off)} from "
-                                "&pi;&sup2;/8 (counted as equal up to 1 %)"))
-    out.tables.append(Numbers("Sine and parabola",
-                              ["", "&Theta;<sub>b</sub>", "&Omega;, sine", "error", "&Omega;, parabola", "error",
-                               "ratio", "error", "exact"], rows))
-    return out

@@ -36,7 +36,7 @@ RULES = {
                 "what counts as excellent, and stays there; a rise, or an end outside, refutes",
     "excellent": "as for equal, for the largest relative deviation at the largest amplitude",
     "extremum": "the fit turns round inside the range in at least 97.5 % of the samples in which all points are scattered by "
-                "their errors, at every amplitude; in less than 2.5 % refutes",
+                "their errors, at every amplitude; less than 2.5 % at one refutes",
     "threshold": "a condition that stands beside the numbers",
 }
 

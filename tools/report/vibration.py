@@ -4,15 +4,15 @@ import math
 import numpy as np
 
 from . import fits
+from .catalogue import paper
 from .page import Figure, Numbers, Section
 from .style import (COLOURS, RANDOM_MARKERS, TILT_MARKERS, figure, in_pi, legend_right, marker, pi_label, points, power,
                     zero_line)
-from .verdict import SURE, YES, NO, OPEN, Claim, decide, missing, number, signed, survival, zero
+from .verdict import DOUBTED, NO, OPEN, REFUTED, YES, Claim, chance, decide, grows, missing, number, signed, survival
 
 PI = math.pi
 SCALE = 1e4  # t_g Omega is shown in 10^-4
 LEAST_CHANCE = 1e-3  # of chi^2: a worse fit says nothing about the extremum
-VELOCITY, TILT = "section 3, fig. random-ex-vel", "section 3, fig. random-ex-tilt"
 
 
 def sections(results):
@@ -72,30 +72,24 @@ def against_amplitude(table, out):
     out.figures.append(Figure("random-ex-vel", picture, "Scaled mean angular velocity of the upper disk against the "
                               "rms amplitude of the supports, for several tilts. Lines join points.",
                               "Scaled angular velocity against vibration amplitude for several tilts"))
-    flat = table.where(tilt=0.0)
-    out.claims.append(zero("Without tilt the disk does not rotate.", flat.disk("omega"), flat.disk("omega_error"),
-                           VELOCITY))
-    tilted = table.such(lambda row: row["tilt"] > 0)
-    out.claims.append(signed("With tilt it rotates clockwise (&Omega; &lt; 0) at all amplitudes.", tilted.disk("omega"),
-                             tilted.disk("omega_error"), -1, VELOCITY))
-    out.claims.append(growth(tilted))
+    out.claims.append(growth(table.such(lambda row: row["tilt"] > 0)))
+
+
+def name_of(row):
+    """A point for people."""
+    return f"&epsilon;<sub>b</sub> = {number(row['eps_b'])}, tilt {row['tilt'] / PI:g} &pi;"
 
 
 def growth(table):
     """|Omega| grows from each amplitude to the next, at each tilt."""
-    text = "At each tilt |&Omega;| grows with the amplitude."
-    steps = []
+    steps, errors, names = [], [], []
     for tilt in table.values("tilt"):
         line = table.where(tilt=tilt).sorted("eps_b")
         size, error = np.abs(line.disk("omega")), line.disk("omega_error")
-        steps += list(np.diff(size) / np.hypot(error[1:], error[:-1]))
-    steps = np.array(steps)
-    steps = steps[np.isfinite(steps)]
-    if len(steps) == 0:
-        return missing(text, VELOCITY)
-    up, down = int((steps > SURE).sum()), int((steps < -SURE).sum())
-    return Claim(text, NO if down else YES if up > len(steps) / 2 else OPEN, f"of {len(steps)} steps from one "
-                 f"amplitude to the next {up} are up by more than {SURE:g} errors, {down} down", VELOCITY)
+        steps += list(np.diff(size))
+        errors += list(np.hypot(error[1:], error[:-1]))
+        names += [f"{name_of(a)} to {number(b['eps_b'])}" for a, b in zip(line.rows[:-1], line.rows[1:])]
+    return grows(steps=steps, errors=errors, names=names, **paper("random-growth"))
 
 
 def single_runs(every, amplitude):
@@ -125,11 +119,10 @@ def scatter_claim(every):
             chi2, degrees = chi2 + float(np.sum(((value - mean) / error) ** 2)), degrees + len(value) - 1
     if not degrees:
         return None
-    chance = survival(chi2, degrees)
-    ratio = math.sqrt(chi2 / degrees)
-    return Claim("Replicas scatter as their error bars say.", YES if abs(ratio - 1) < 0.15 else NO
-                 if chance < 1e-4 else OPEN, f"&chi;&sup2; = {chi2:.1f} for {degrees} degrees (a chance of "
-                 f"{100 * chance:.2g} %): scatter over error bar {ratio:.2f} (counted as equal up to 15 %)")
+    ratio, fluke = math.sqrt(chi2 / degrees), chance(chi2, degrees)
+    return Claim("Replicas scatter as their error bars say.", NO if fluke < REFUTED else OPEN if fluke < DOUBTED else YES,
+                 f"&chi;&sup2; = {chi2:.1f} for {degrees} degrees (a chance of {100 * fluke:.2g} % to be as far out on either "
+                 f"side): scatter over error bar {ratio:.2f}", slug="replicas-scatter", rule="zero")
 
 
 def scaling(extrema, out):
@@ -137,22 +130,19 @@ def scaling(extrema, out):
     text = "The tilt of the extremum grows with the amplitude."
     sure = [(a, e) for a, e in extrema if e.inside >= 0.975]
     if len(sure) < 3:
-        out.claims.append(missing(text, why="fewer than three amplitudes have an extremum"))
+        out.claims.append(missing(text, slug="extremum-grows", why="fewer than three amplitudes have an extremum"))
         return
     amplitude = np.array([a for a, _ in sure])
     place, error = (np.array([getattr(e, key) / PI for _, e in sure]) for key in ("position", "error"))
-    steps = np.diff(place) / np.hypot(error[1:], error[:-1])
     law = fits.power_law(amplitude, place, error)
     chance = survival(law.chi2, law.degrees)
     local = np.diff(np.log(place)) / np.diff(np.log(amplitude))
     told = (f"exponent of a power law {number(law.exponent, law.error)}, &chi;&sup2; = {law.chi2:.1f} for "
             f"{law.degrees} degree{'s' * (law.degrees != 1)} (a chance of {100 * chance:.2g} %"
             + (": it is none)" if chance < LEAST_CHANCE else ")"))
-    out.claims.append(Claim(text, NO if (steps < -SURE).any() else YES if (steps > SURE).sum() > len(steps) / 2
-                            else OPEN, f"of {len(steps)} steps from one amplitude to the next "
-                            f"{int((steps > SURE).sum())} are up by more than {SURE:g} errors, "
-                            f"{int((steps < -SURE).sum())} down; exponents from one to the next "
-                            + ", ".join(f"{x:.2f}" for x in local) + "; " + told))
+    claim = grows(text, np.diff(place), np.hypot(error[1:], error[:-1]), slug="extremum-grows")
+    claim.numbers += "; exponents from one to the next " + ", ".join(f"{x:.2f}" for x in local) + "; " + told
+    out.claims.append(claim)
     picture, axes = figure(height=3.4, width=4.6)
     points(axes, 1e5 * amplitude, place, error, "", 0, "o", line="none")
     if chance > LEAST_CHANCE:
@@ -206,11 +196,10 @@ def against_tilt(table, every, out):
                               "amplitudes. Curves: fits; bars across them: their extrema with errors.",
                               "Scaled angular velocity against tilt for several amplitudes, with fits"))
     tilted = table.such(lambda row: row["tilt"] > 0)
-    out.claims.append(signed("The rotation is clockwise at all tilts.", tilted.disk("omega"),
-                             tilted.disk("omega_error"), -1, TILT))
-    text = "&Omega; depends on the tilt non-monotonically: it has an extremum inside the range."
+    out.claims.append(signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=-1,
+                             names=[name_of(row) for row in tilted.rows], **paper("random-clockwise")))
     if not extrema:
-        out.claims.append(missing(text, TILT))
+        out.claims.append(missing(**paper("random-nonmonotonic")))
     else:
         told = "; ".join(f"&epsilon;<sub>b</sub> = {number(a)}: "
                          + (f"{number(e.position / PI, e.error / PI)} &pi; " f"({100 * e.inside:.0f} % of the samples)"
@@ -219,8 +208,10 @@ def against_tilt(table, every, out):
         sure = [e.inside >= 0.975 for _, e in extrema]
         if poor:
             told += f"; no form fits the tilts at &epsilon;<sub>b</sub> = {', '.join(number(a) for a in poor)}"
-        out.claims.append(decide(text, True if all(sure) else False if all(e.inside < 0.025 for _, e in extrema)
-                                 else None, "extremum at " + told, TILT))
+        # An amplitude without a fit is one that cannot be told.
+        out.claims.append(decide(condition=True if all(sure) and not poor else False
+                                 if any(e.inside < 0.025 for _, e in extrema) else None, numbers="extremum at " + told,
+                                 rule="extremum", **paper("random-nonmonotonic")))
     scaling(extrema, out)
     scatters = scatter_claim(every)
     if scatters:
