@@ -3,9 +3,10 @@ import math
 
 import numpy as np
 
+from .catalogue import paper
 from .page import Figure, Numbers, Section
 from .style import COLOURS, CONFIGURATIONS, figure, in_pi, legend_below
-from .verdict import decide, missing, number
+from .verdict import TOLERANCES, decide, missing, number
 
 PI = math.pi
 PARTS = tuple(CONFIGURATIONS)
@@ -76,45 +77,48 @@ def plain(part):
             "mm": "S<sup>&minus;&minus;</sup>", "stick": "a contact sticks", "open": "a contact is open"}[part]
 
 
+FOUR = ("pp", "pm", "mp", "mm")
+
+
 def claims(tables):
-    out = []
-    text, place = "In phase S<sup>+&minus;</sup> and S<sup>&minus;+</sup> cannot be reached.", "section 4.1"
-    sync = tables["sync"]
-    if sync:
-        most = float(max(sync.disk("pm").max(), sync.disk("mp").max()))
-        out.append(decide(text, most < 1e-3, f"largest fraction of either at {len(sync)} points {number(most)} "
-                          "(counted as none below 10<sup>&minus;3</sup>)", place))
-    else:
-        out.append(missing(text, place))
-    for name, text, place in (("async", "In opposite phases all four configurations occur.", "section 4.2"),
-                              ("random", "Under random vibration all four configurations occur.", "section 4.2")):
-        table = tables[name].such(lambda row: row["tilt"] > 0)
-        if not table:
-            out.append(missing(text, place))
-            continue
-        least = np.min([table.disk(part) for part in ("pp", "pm", "mp", "mm")], axis=0)
-        every = int((least > 1e-3).sum())
-        amplitude = "theta_b" if name == "async" else "eps_b"
-        strong = sorted({row[amplitude] for row, value in zip(table.rows, least) if value <= 1e-3})
-        told = f"all four last longer than 0.1 % of the time at {every} of {len(table)} points with tilt"
-        if strong:
-            told += "; not at all tilts at amplitudes " + ", ".join(f"{a:g}" for a in strong)
-        out.append(decide(text, every == len(table), told, place))
-    text, place = "The contacts slide most of the time under random vibration.", "section 4"
-    table = tables["random"]
-    if table:
-        contact = np.minimum(table.disk("left.sliding"), table.disk("right.sliding"))
-        both = sum(table.disk(part) for part in ("pp", "pm", "mp", "mm"))
-        weakest = table.rows[int(np.argmin(contact))]
-        enough = [e for e in table.values("eps_b")
-                  if all(c > 0.5 for c, row in zip(contact, table.rows) if row["eps_b"] >= e * 0.999)]
-        told = (f"each contact slides for a fraction of {number(float(contact.min()))} to "
-                f"{number(float(contact.max()))} of the time, both at once for {number(float(both.min()))} to "
-                f"{number(float(both.max()))}; least at &epsilon;<sub>b</sub> = {weakest['eps_b']:g}, tilt "
-                f"{weakest['tilt'] / PI:g} &pi;")
-        if enough:
-            told += f"; each for more than half of it at all tilts from &epsilon;<sub>b</sub> = {enough[0]:g} on"
-        out.append(decide(text, bool((contact > 0.5).all()), told, place))
-    else:
-        out.append(missing(text, place))
-    return out
+    return [sync_claim(tables["sync"]), four_claim(tables["async"], "async"), four_claim(tables["random"], "random"),
+            slides_claim(tables["random"])]
+
+
+def sync_claim(sync):
+    if not sync:
+        return missing(**paper("sync-configurations"))
+    most, limit = float(max(sync.disk("pm").max(), sync.disk("mp").max())), TOLERANCES["absent"]
+    return decide(condition=most < limit, numbers=f"largest fraction of either at {len(sync)} points {number(most)} "
+                  f"(counted as none below {number(limit)})", **paper("sync-configurations"))
+
+
+def four_claim(table, name):
+    """Each configuration occurs at every point with tilt."""
+    table, limit = table.such(lambda row: row["tilt"] > 0), TOLERANCES["absent"]
+    if not table:
+        return missing(**paper(f"{name}-configurations"))
+    least = np.min([table.disk(part) for part in FOUR], axis=0)
+    amplitude = "theta_b" if name == "async" else "eps_b"
+    lacking = sorted({row[amplitude] for row, value in zip(table.rows, least) if value <= limit})
+    told = f"all four last longer than {100 * limit:g} % of the time at {int((least > limit).sum())} of {len(table)} points with tilt"
+    if lacking:
+        told += "; not at all tilts at amplitudes " + ", ".join(f"{a:g}" for a in lacking)
+    return decide(condition=not lacking, numbers=told, **paper(f"{name}-configurations"))
+
+
+def slides_claim(table):
+    if not table:
+        return missing(**paper("random-slides"))
+    contact, most = np.minimum(table.disk("left.sliding"), table.disk("right.sliding")), TOLERANCES["most"]
+    both = sum(table.disk(part) for part in FOUR)
+    weakest = table.rows[int(np.argmin(contact))]
+    enough = [e for e in table.values("eps_b")
+              if all(c > most for c, row in zip(contact, table.rows) if row["eps_b"] >= e * 0.999)]
+    told = (f"the contact that slides less does so for {number(float(contact.min()))} to {number(float(contact.max()))} of the "
+            f"time, more than half of it at {int((contact > most).sum())} of {len(table)} points; both at once for "
+            f"{number(float(both.min()))} to {number(float(both.max()))}; least at &epsilon;<sub>b</sub> = "
+            f"{weakest['eps_b']:g}, tilt {weakest['tilt'] / PI:g} &pi;")
+    if enough:
+        told += f"; each for more than half of it at all tilts from &epsilon;<sub>b</sub> = {enough[0]:g} on"
+    return decide(condition=bool((contact > most).all()), numbers=told, **paper("random-slides"))

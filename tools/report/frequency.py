@@ -3,10 +3,11 @@ import math
 
 import numpy as np
 
+from .data import Table
 from .page import Figure, Numbers, Section
 from .style import BLACK, figure, in_pi, legend_above, points, zero_line
 from .turning import matched, sweep_points
-from .verdict import SURE, Claim, decide, missing, NO, OPEN, YES
+from .verdict import approaches, number, signed
 
 PI = math.pi
 BASE_AMPLITUDE, BASE_EPS, BASE_OMEGA = 0.04, 1e-4, 20 * PI
@@ -85,34 +86,28 @@ def sections(results):
 def claims(turning, random):
     out = []
     for phase, title, sign in ((0.0, "in phase", 1), (PI, "in opposite phases", -1)):
-        line = turning.where(phase=phase)
-        text = f"The sense of rotation {title} does not depend on the frequency."
-        if line:
-            right = sign * line.disk("omega") > SURE * line.disk("omega_error")
-            out.append(decide(text, bool(right.all()) if right.all()
-                              or (sign * line.disk("omega") < -SURE * line.disk("omega_error")).any() else None,
-                              f"{int(right.sum())} of " f"{len(line)} points have the sign of 20 &pi; by more than "
-                              f"{SURE:g} errors"))
-        else:
-            out.append(missing(text))
-        fixed = split(line, "theta_b", "omega_b", BASE_AMPLITUDE)[SCALED] if line else line
-        text = (f"{title[0].upper() + title[1:]}, theory is met better at lower frequency (fixed "
-                "&Theta;<sub>b</sub>&omega;<sub>b</sub>&sup2;).")
-        off = np.abs(fixed.disk("omega") / fixed.column("theory.mean") - 1) if fixed else np.array([])
-        if len(off) > 2 and np.isfinite(off).all():
-            told = ", ".join(f"{100 * o:.{1 if o < 0.1 else 0}f} % at {w / PI:g} &pi;" for o,
-                             w in zip(off, fixed.column("omega_b")))
-            out.append(decide(text, bool(off[0] < off[-1]), "deviation from the exact solution " + told))
-        else:
-            out.append(missing(text))
-    text = "Under random vibration the rotation is clockwise at all frequencies."
-    if random:
-        z = random.disk("omega") / random.disk("omega_error")
-        verdict = NO if (z > SURE).any() else YES if (z < -SURE).sum() > len(z) / 2 else OPEN
-        out.append(Claim(text, verdict, f"of {len(z)} points {int((z < -SURE).sum())} are negative and "
-                         f"{int((z > SURE).sum())} positive by more than {SURE:g} errors; openings at "
-                         + str(int(((random.column('upper.left.openings')
-                                     + random.column('upper.right.openings')) > 0).sum())) + " of them"))
-    else:
-        out.append(missing(text))
-    return out
+        line, slug = turning.where(phase=phase), title.split()[-1].replace("phases", "opposite")
+        out.append(signed(f"The sense of rotation {title} does not depend on the frequency.", line.disk("omega"),
+                          line.disk("omega_error"), sign, names=[name_of(row, "theta_b", "&Theta;") for row in line.rows],
+                          slug=f"frequency-{slug}"))
+        out.append(better(split(line, "theta_b", "omega_b", BASE_AMPLITUDE)[SCALED] if line else line, title, slug))
+    told = [name_of(row, "eps_b", "&epsilon;") for row in random.rows]
+    claim = signed("Under random vibration the rotation is clockwise at all frequencies.", random.disk("omega"),
+                   random.disk("omega_error"), -1, names=told, slug="frequency-random")
+    openings = random.column("upper.left.openings") + random.column("upper.right.openings")
+    claim.numbers += "; contacts open at " + ", ".join(t for t, n in zip(told, openings) if n > 0) if (openings > 0).any() else ""
+    return [*out, claim]
+
+
+def name_of(row, amplitude, symbol):
+    return f"{row['omega_b'] / PI:g} &pi; with {symbol}<sub>b</sub> = {number(row[amplitude])}"
+
+
+def better(line, title, slug):
+    """The deviation from theory falls with the frequency as a deviation does that approaches zero."""
+    text = (f"{title[0].upper() + title[1:]} &Omega; approaches theory as the frequency falls (fixed "
+            "&Theta;<sub>b</sub>&omega;<sub>b</sub>&sup2;).")
+    down = Table(line.sorted("omega_b").rows[::-1])
+    known = down.column("theory.mean")
+    return approaches(text, down.column("omega_b") / PI, down.disk("omega") / known - 1,
+                      down.disk("omega_error") / np.abs(known), slug=f"frequency-theory-{slug}", unit=" &pi;")

@@ -9,10 +9,11 @@ import math
 import numpy as np
 
 from . import fits
+from .catalogue import paper
 from .page import Figure, Numbers, Section
 from .style import BLACK, COLOURS, GREY, figure, in_pi, legend_above, points, zero_line
 from .turning import OMEGA_B
-from .verdict import NO, OPEN, YES, Claim, decide, missing, number
+from .verdict import Claim, close, decide, missing, number, signed
 
 PI = math.pi
 DENSE = "(" + ", ".join(f'"{k / 30:.6g} pi"' for k in range(-29, 31)) + ")"
@@ -151,26 +152,26 @@ def turning_points(lines, curves):
 
 def claims(lines, level, stiff, curves, turns):
     out = []
-    text = "The sense of rotation depends on the phase: positive in phase, negative in opposite phases."
-    ends = [[float(v) for line in lines.values() for v in line.omega[np.abs(line.psi - psi) < 1e-6]]
-            for psi in (0.0, PI)]
+    ends = [[(v, e) for line in lines.values() for v, e, psi in zip(line.omega, line.error, line.psi) if abs(psi - at) < 1e-6]
+            for at in (0.0, PI)]
     if all(ends):
-        out.append(decide(text, min(ends[0]) > 0 > max(ends[1]), f"{len(ends[0])} values in phase from "
-                          f"{number(min(ends[0]))} to {number(max(ends[0]))}, {len(ends[1])} opposite from "
-                          f"{number(min(ends[1]))} to {number(max(ends[1]))} &Theta;<sub>b</sub>&omega;<sub>b</sub>",
-                          "sections 4.1, 4.2, 5"))
+        value, error = np.array(ends[0] + ends[1]).T
+        claim = signed(values=value * ([1] * len(ends[0]) + [-1] * len(ends[1])), errors=error, sign=1,
+                       what="&Omega; in phase and &minus;&Omega; opposite", **paper("sense-reverses"))
+        claim.numbers += (f"; in phase {number(min(ends[0])[0])} to {number(max(ends[0])[0])}, opposite "
+                          f"{number(min(ends[1])[0])} to {number(max(ends[1])[0])} &Theta;<sub>b</sub>&omega;<sub>b</sub>")
+        out.append(claim)
     else:
-        out.append(missing(text, "sections 4.1, 4.2, 5"))
+        out.append(missing(**paper("sense-reverses")))
     text = "Without tilt the disk does not rotate, whatever the phase (as theory has it)."
     if level:
-        psi, odd, error = level.halves(-1)
         k = int(np.argmax(np.abs(level.omega)))
         rotates = abs(level.omega[k]) > 0.002 and abs(level.omega[k]) > 5 * level.error[k]
         out.append(decide(text, not rotates, f"largest at &psi; = {level.psi[k] / PI:g} &pi;: "
                           f"{number(level.omega[k], level.error[k])} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted "
-                          "as none below 0.002)"))
+                          "as none below 0.002)", slug="phase-level"))
     else:
-        out.append(missing(text))
+        out.append(missing(text, slug="phase-level"))
     text = ("Disks stiff enough to follow at once (<i>k<sub>n</sub></i> = 10<sup>5</sup>) obey the exact solution at "
             "all phases.")
     curve = curves[STRONG, "parabolic"]
@@ -178,17 +179,16 @@ def claims(lines, level, stiff, curves, turns):
         gap = np.abs(stiff.omega - np.interp(stiff.psi, curve.column("phase"), curve.column("mean_normalised")))
         out.append(decide(text, float(gap.max()) < 0.002, f"largest difference at {len(gap)} phases "
                           f"{number(float(gap.max()))} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted as equal "
-                          "below 0.002)"))
+                          "below 0.002)", slug="phase-stiff"))
     else:
-        out.append(missing(text))
-    for name, found, exact in turns:
-        text = f"What the tilt does turns over where the exact solution has it ({name})."
+        out.append(missing(text, slug="phase-stiff"))
+    for k, (name, found, exact) in enumerate(turns):
+        text, slug = f"What the tilt does turns over where the exact solution has it ({name}).", f"phase-turn-{k + 1}"
         if not found or not exact:
-            out.append(missing(text, why="no change of sign in the data yet"))
+            out.append(missing(text, why="no change of sign in the data yet", slug=slug))
             continue
         gap, error = (found[0] - exact[0]) / PI, found[1] / PI
-        verdict = YES if abs(gap) + error <= 0.01 else NO if abs(gap) - 3 * error > 0.01 else OPEN
-        out.append(Claim(text, verdict, f"at {number(found[0] / PI, error)} &pi;, exact solution "
+        out.append(Claim(text, close(gap, error, 0.01), f"at {number(found[0] / PI, error)} &pi;, exact solution "
                          f"{number(exact[0] / PI, digits=4)} &pi; (counted as equal up to 0.01 &pi;); limit of "
-                         "strong drive 0.2425 &pi;"))
+                         "strong drive 0.2425 &pi;", slug=slug, rule="equal"))
     return out

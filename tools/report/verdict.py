@@ -240,7 +240,7 @@ def within(text, value, target, tolerance, place="", error=0.0, names=("found", 
     return Claim(text, close(off, spread, tolerance), numbers, place, **kind)
 
 
-def approaches(text, amplitudes, deviations, errors, place="", symbol="", **kind):
+def approaches(text, amplitudes, deviations, errors, place="", unit="", **kind):
     """The largest relative deviation falls from each amplitude to the next until it is within the tolerance, and stays there."""
     kind.setdefault("rule", "approach")
     off, error, limit = np.abs(deviations), np.asarray(errors, float), TOLERANCES["excellent"]
@@ -251,7 +251,7 @@ def approaches(text, amplitudes, deviations, errors, place="", symbol="", **kind
              if off[k] <= limit or off[k - 1] - off[k] > SURE * math.hypot(error[k], error[k - 1])]
     end = close(off[-1], error[-1], limit)
     verdict = NO if rises or end == NO else YES if end == YES and len(falls) == len(off) - 1 else OPEN
-    told = "largest deviation " + ", ".join(f"{100 * o:.{1 if o < 0.2 else 0}f} % at {symbol}{a:g}"
+    told = "largest deviation " + ", ".join(f"{100 * o:.{1 if o < 0.2 else 0}f} % at {a:g}{unit}"
                                             for a, o in zip(amplitudes, off))
     if rises:
         told += "; it rises at " + ", ".join(f"{amplitudes[k]:g}" for k in rises)
