@@ -67,6 +67,26 @@ typedef struct sd_slide {
 /* k-th watch; without one fractions are NAN, disk and partners UINT32_MAX. */
 SD_API sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k);
 
+/* What two watched contacts do in one of their sliding configurations; NAN: it was never met. */
+typedef struct sd_configuration {
+  uint32_t disk;
+  int32_t configuration; /* S++ 0, S+- 1, S-+ 2, S-- 3, stick 4, open 5 */
+  int64_t steps;         /* measured steps in it */
+  double torque,
+      torque_sd; /* of the two contacts on the disk: mean and standard deviation over these steps */
+  double force[2], force_sd[2]; /* normal forces, likewise */
+  int64_t visits;               /* unbroken runs of such steps that began and ended within a measured phase */
+  double dwell, dwell_sd;       /* their duration: mean and standard deviation over visits */
+  double
+      age_torque[SD_AGES]; /* mean torque by age of the visit in steps: below 16, below 32, ..., the rest */
+  int64_t
+      age_steps[SD_AGES]; /* steps of such ages; without visits that were under way when measuring began */
+} sd_configuration;
+
+/* Configuration k % SD_CONFIGURATIONS of watch k / SD_CONFIGURATIONS of a model that measures them ("measure.configurations");
+ * without one numbers are NAN, disk UINT32_MAX. */
+SD_API sd_configuration sd_configuration_of(const sd_model *model, const sd_state *state, size_t k);
+
 /* --- every free disk of a packing (measure_disks of the model) ------------------------------------ */
 
 /* Means of one free disk over the measured time (physics.md 9). NAN: not known yet, and everything but the id

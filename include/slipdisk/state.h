@@ -38,6 +38,12 @@ typedef enum sd_extent {
   SD_PER_SLIDE_CONTACT, /* watched pairs * 2 */
   SD_PER_MEAN,          /* free disks whose means are taken: all or none */
   SD_PER_MEAN_BIN,      /* the same * SD_MEAN_BINS, row by row */
+  SD_PER_VISIT,         /* watched pairs whose configurations are measured: all or none */
+  SD_PER_VISIT_CONTACT, /* the same * 2 */
+  SD_PER_VISIT_PART,    /* the same * 6 sums */
+  SD_PER_VISIT_CLASS,   /* the same * SD_CONFIGURATIONS */
+  SD_PER_VISIT_SUM,     /* the same * SD_CONFIGURATIONS * 6 sums */
+  SD_PER_VISIT_AGE,     /* the same * SD_CONFIGURATIONS * SD_AGES */
   SD_EXTENTS
 } sd_extent;
 
@@ -51,6 +57,10 @@ enum { SD_IN_PLAY = 0, SD_WAITING = 1, SD_REMOVED = 2, SD_OUTSIDE = 3 /* in play
 
 /* A contact: open, stuck, or sliding with positive or negative torque on the watched disk. */
 enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };
+
+/* Classes of two contacts: S++, S+-, S-+, S--, stick (one stuck, none open), open; and octaves of the age of a visit, in
+ * steps: below 16, below 32 and so on. */
+enum { SD_CONFIGURATIONS = 6, SD_AGES = 16 };
 
 /* A column of the state. All stand in one table; allocation, checkpoint, comparison and hash follow it. */
 typedef struct sd_field {

@@ -181,6 +181,35 @@ static json_t *rotation_json(const summary *s) {
   return list;
 }
 
+/* Element k of an array of each configuration. */
+static json_t *ages_json(const summary *s, size_t k, const char *name) {
+  const observable *o = observable_find(&configuration_observables, name);
+  json_t *list = json_array();
+  for (size_t b = 0; b < o->width; b++)
+    json_array_append_new(list, json_observable(o, &s->configurations[k], b));
+  return list;
+}
+
+/* Of watched pair w; empty where they are not measured. */
+static json_t *configurations_json(const summary *s, size_t w) {
+  static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
+  json_t *list = json_array();
+  for (size_t k = SD_CONFIGURATIONS * w; k < s->n_configurations && k < SD_CONFIGURATIONS * (w + 1); k++) {
+    json_t *object = json_row(&configuration_observables, &s->configurations[k]), *contacts = json_array();
+    for (size_t c = 0; c < 2; c++) {
+      json_t *contact = json_pack("{s:s}", "name", s->slide_names[3 * w + 1 + c]);
+      json_add(contact, &configuration_observables, &s->configurations[k], 2, c);
+      json_array_append_new(contacts, contact);
+    }
+    json_object_set_new(object, "name", json_string(names[k % SD_CONFIGURATIONS]));
+    json_object_set_new(object, "contacts", contacts);
+    json_object_set_new(object, "age_torque", ages_json(s, k, "age_torque"));
+    json_object_set_new(object, "age_steps", ages_json(s, k, "age_steps"));
+    json_array_append_new(list, object);
+  }
+  return list;
+}
+
 static json_t *slide_json(const summary *s) {
   json_t *list = json_array();
   for (size_t k = 0; k < s->n_slides; k++) {
@@ -192,6 +221,7 @@ static json_t *slide_json(const summary *s) {
     }
     json_object_set_new(object, "name", json_string(s->slide_names[3 * k]));
     json_object_set_new(object, "contacts", contacts);
+    if (s->n_configurations) json_object_set_new(object, "configurations", configurations_json(s, k));
     json_array_append_new(list, object);
   }
   return list;
@@ -302,10 +332,10 @@ const command_line app_info_line = {
 /* All observables: the tables of docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
-      &energy_observables,     &series_observables,     &frame_observables,    &contact_observables,
-      &fact_observables,       &outcome_observables,    &rotation_observables, &slide_observables,
-      &phase_observables,      &until_observables,      &disk_observables,     &total_observables,
-      &provenance_observables, &measurement_observables};
+      &energy_observables,        &series_observables,     &frame_observables,      &contact_observables,
+      &fact_observables,          &outcome_observables,    &rotation_observables,   &slide_observables,
+      &configuration_observables, &phase_observables,      &until_observables,      &disk_observables,
+      &total_observables,         &provenance_observables, &measurement_observables};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) observable_print(stdout, lists[k]);
   return SD_OK;
 }

@@ -127,6 +127,24 @@ static void report_until(FILE *out, const summary *found) {
   fputc('\n', out);
 }
 
+/* Means and standard deviations in each configuration. */
+static void report_configurations(FILE *out, const summary *found, size_t w) {
+  static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
+  if (found->n_configurations == 0) return;
+  fprintf(out, "    %-6s %11s %10s %11s %10s %11s %10s %10s %10s %10s\n", "in", "torque", "sd", "1st force",
+          "sd", "2nd force", "sd", "visits", "duration", "sd");
+  for (size_t c = 0; c < SD_CONFIGURATIONS; c++) {
+    const sd_configuration *q = &found->configurations[SD_CONFIGURATIONS * w + c];
+    if (q->steps == 0) continue;
+    fprintf(out, "    %-6s %11.5g %10.3g %11.5g %10.3g %11.5g %10.3g %10" PRId64, names[c], q->torque,
+            q->torque_sd, q->force[0], q->force_sd[0], q->force[1], q->force_sd[1], q->visits);
+    if (q->visits)
+      fprintf(out, " %10.4g %10.3g\n", q->dwell, q->dwell_sd);
+    else
+      fprintf(out, " %10s %10s\n", "-", "-");
+  }
+}
+
 static void report_slides(FILE *out, const summary *found) {
   if (found->n_slides == 0) return;
   fprintf(out, "\nsliding configurations  %7s %7s %7s %7s %7s %7s\n", "S++", "S+-", "S-+", "S--", "stick",
@@ -139,6 +157,7 @@ static void report_slides(FILE *out, const summary *found) {
     for (size_t c = 0; c < 2; c++)
       fprintf(out, "    with %-16.16s smallest normal force %.6g, opened %" PRId64 " times\n",
               found->slide_names[3 * k + 1 + c], s->force_min[c], s->openings[c]);
+    report_configurations(out, found, k);
   }
   if (n < found->n_slides) fprintf(out, "  ... and %zu more, in /summary/slide\n", found->n_slides - n);
 }

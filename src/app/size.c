@@ -76,7 +76,8 @@ static double state_bytes(const sd_model *m, size_t contacts) {
                       .n_phases = m->n_phases,
                       .n_rotations = m->n_rotations,
                       .n_slides = m->n_slides,
-                      .n_means = m->measure_disks ? m->n_free : 0};
+                      .n_means = m->measure_disks ? m->n_free : 0,
+                      .n_visits = m->measure_configurations ? m->n_slides : 0};
   double bytes = (double)(s.n_means * disk_observables.n * sizeof(double));
   for (size_t k = 0; k < sd_field_count; k++)
     bytes += (double)(sd_extent_size(&s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));

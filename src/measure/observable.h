@@ -77,11 +77,12 @@ double observable_load(const observable *o, const void *dense, size_t k);
 void observable_store(const observable *o, void *dense, size_t k, double value);
 
 /* --- lists -------------------------------------------------------------------------------------------- */
-extern const observable_list rotation_observables; /* of sd_rotation */
-extern const observable_list slide_observables;    /* of sd_slide */
-extern const observable_list disk_observables;     /* of sd_disk_mean */
-extern const observable_list total_observables;    /* of sd_disk_totals */
-extern const observable_list energy_observables;   /* of sd_energy */
+extern const observable_list rotation_observables;      /* of sd_rotation */
+extern const observable_list slide_observables;         /* of sd_slide */
+extern const observable_list configuration_observables; /* of sd_configuration */
+extern const observable_list disk_observables;          /* of sd_disk_mean */
+extern const observable_list total_observables;         /* of sd_disk_totals */
+extern const observable_list energy_observables;        /* of sd_energy */
 
 /* A moment of a run. */
 typedef struct moment {

@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <math.h>
 
+#include "model/visits.h"
 #include "physics/step/access.h"
 
 static double angle_of(const engine *e, size_t k) {
@@ -20,6 +21,12 @@ static int contact_now(const engine *e, size_t k, double *force) {
   return sliding > 0 ? SD_SLIDE_POSITIVE : sliding < 0 ? SD_SLIDE_NEGATIVE : SD_STUCK;
 }
 
+static void begin_visits(engine *e, size_t k) {
+  sd_state *s = e->state;
+  visits_cut(s, k);
+  for (size_t c = 2 * k; s->measured == 0 && c < 2 * k + 2; c++) contact_now(e, c, &s->visit_reference[c]);
+}
+
 void sample_begin(engine *e) {
   sd_state *s = e->state;
   double force;
@@ -33,6 +40,7 @@ void sample_begin(engine *e) {
     if (s->measured == 0) s->slide_force_min[k] = HUGE_VAL;
     s->slide_was_open[k] = contact_now(e, k, &force) == SD_OPEN;
   }
+  for (size_t k = 0; k < s->n_visits; k++) begin_visits(e, k);
 }
 
 void sample_end(engine *e) {
@@ -62,13 +70,35 @@ static void close_bin(engine *e) {
   if (++s->bins == SD_BINS) halve_bins(s);
 }
 
+/* In the order of sums of lanes_pass.h. */
+static void sum_visits(engine *e, size_t k, const int now[2], const double force[2]) {
+  sd_state *s = e->state;
+  const int class = visits_class(now[0], now[1]);
+  const int64_t before = s->measured - 1;
+  if (class != s->visit_class[k] || visits_left(s, k, before) == 0.0) visits_next(s, k, class, before);
+  double tau[2] = {0.0, 0.0}, *part = s->visit_part + VISIT_SUMS * k;
+  for (size_t side = 0; side < 2; side++) {
+    int64_t at = engine_watched(e, 2 * k + side);
+    if (at >= 0) tau[side] = engine_contact_tau(e, (size_t)at);
+  }
+  const double torque = (tau[0] + tau[1]) * s->radius[engine_slot(e, e->model->slides[k].disk)];
+  part[VISIT_TORQUE] += torque;
+  part[VISIT_TORQUE2] += torque * torque;
+  for (size_t side = 0; side < 2; side++) {
+    const double beyond = force[side] - s->visit_reference[2 * k + side];
+    part[VISIT_FORCE + 2 * side] += beyond;
+    part[VISIT_FORCE2 + 2 * side] += beyond * beyond;
+  }
+}
+
 static void count_slides(engine *e, size_t k) {
   sd_state *s = e->state;
   int now[2];
+  double forces[2];
   for (size_t side = 0; side < 2; side++) {
-    double force;
     size_t c = 2 * k + side;
-    now[side] = contact_now(e, c, &force);
+    now[side] = contact_now(e, c, &forces[side]);
+    const double force = forces[side];
     if (force < s->slide_force_min[c]) s->slide_force_min[c] = force;
     int open = now[side] == SD_OPEN;
     if (open == s->slide_was_open[c]) continue;
@@ -76,6 +106,7 @@ static void count_slides(engine *e, size_t k) {
     s->slide_was_open[c] = open;
   }
   s->slide_count[16 * k + 4 * (size_t)now[0] + (size_t)now[1]]++;
+  if (s->n_visits) sum_visits(e, k, now, forces);
 }
 
 void sample_step(engine *e) {

@@ -129,6 +129,7 @@ struct sd_model {
   bool measure_walls, measure_groups; /* series of the forces on each of them */
   bool measure_box, measure_stress;   /* series of width and height of the region, of its stress */
   bool measure_disks;                 /* means of every free disk */
+  bool measure_configurations;        /* torque, forces and duration of the configurations in slides */
   int64_t measure_every;              /* steps between looks at its contacts, >= 1 */
 
   struct sd_deck

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "model/visits.h"
 
 #define COLUMN(name, type, extent, unit, meaning)                                                            \
   { #name, type, extent, offsetof(sd_state, name), unit, meaning }
@@ -111,6 +112,19 @@ const sd_field sd_fields[] = {
     COLUMN(slide_openings, SD_I64, SD_PER_SLIDE_CONTACT, "1", "times the contact opened"),
     COLUMN(slide_was_open, SD_I32, SD_PER_SLIDE_CONTACT, "1", "contact was open at the last step"),
 
+    COLUMN(visit_class, SD_I32, SD_PER_VISIT, "1", "sliding configuration of two contacts, -1: none yet"),
+    COLUMN(visit_since, SD_I64, SD_PER_VISIT, "1", "measured steps when it began, -1: before"),
+    COLUMN(visit_from, SD_I64, SD_PER_VISIT, "1", "measured steps from which on visit_part sums"),
+    COLUMN(visit_reference, SD_F64, SD_PER_VISIT_CONTACT, "force", "normal force that sums leave out"),
+    COLUMN(visit_part, SD_F64, SD_PER_VISIT_PART, "mixed",
+           "sums of torque, forces, squares, since visit_from"),
+    COLUMN(visit_sum, SD_F64, SD_PER_VISIT_SUM, "mixed", "the same in each configuration, until visit_from"),
+    COLUMN(visit_count, SD_I64, SD_PER_VISIT_CLASS, "1", "visits to each configuration, begun and ended"),
+    COLUMN(visit_steps, SD_I64, SD_PER_VISIT_CLASS, "1", "steps of these visits"),
+    COLUMN(visit_steps2, SD_F64, SD_PER_VISIT_CLASS, "1", "sum of their squared steps"),
+    COLUMN(visit_age_torque, SD_F64, SD_PER_VISIT_AGE, "force length", "sum of torques by age of the visit"),
+    COLUMN(visit_age_steps, SD_I64, SD_PER_VISIT_AGE, "1", "steps by age of the visit"),
+
     COLUMN(mean_angle, SD_F64, SD_PER_MEAN, "rad", "angle when measuring began"),
     COLUMN(mean_last, SD_F64, SD_PER_MEAN, "rad", "angle at the end of the last full bin"),
     COLUMN(mean_stop, SD_F64, SD_PER_MEAN, "rad", "angle when measuring last stopped"),
@@ -157,6 +171,12 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_SLIDE_CONTACT: return s->n_slides * 2;
     case SD_PER_MEAN: return s->n_means;
     case SD_PER_MEAN_BIN: return s->n_means * SD_MEAN_BINS;
+    case SD_PER_VISIT: return s->n_visits;
+    case SD_PER_VISIT_CONTACT: return s->n_visits * 2;
+    case SD_PER_VISIT_PART: return s->n_visits * VISIT_SUMS;
+    case SD_PER_VISIT_CLASS: return s->n_visits * VISIT_CLASSES;
+    case SD_PER_VISIT_SUM: return s->n_visits * VISIT_CLASSES * VISIT_SUMS;
+    case SD_PER_VISIT_AGE: return s->n_visits * VISIT_CLASSES * VISIT_AGES;
     case SD_EXTENTS: break;
   }
   assert(!"an extent");
@@ -209,6 +229,7 @@ sd_state *sd_state_new(const sd_model *m) {
   s->n_rotations = m->n_rotations;
   s->n_slides = m->n_slides;
   s->n_means = m->measure_disks ? m->n_free : 0;
+  s->n_visits = m->measure_configurations ? m->n_slides : 0;
   s->bin_steps = s->mean_bin_steps = 1;
   s->box_scale = 1.0;
   s->fast_step = s->fast_disk = -1;

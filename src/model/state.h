@@ -33,7 +33,7 @@ struct sd_state {
   /* extents */
   size_t n_free, n_disks, n_bodies;
   size_t n_contacts, contact_capacity;
-  size_t n_motions, n_phases, n_rotations, n_slides, n_means;
+  size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits;
 
   /* per body */
   uint32_t *id; /* body number of model.h */
@@ -88,6 +88,19 @@ struct sd_state {
   double *slide_force_min; /* smallest normal force, 0 when the contact opened */
   int64_t *slide_openings; /* times the contact opened */
   int32_t *slide_was_open; /* at the last step */
+
+  /* visits of watched pairs to their sliding configurations: visits.h */
+  int32_t *visit_class;     /* of the visit under way, -1: none */
+  int64_t *visit_since;     /* measured steps when it began, -1: before */
+  int64_t *visit_from;      /* measured steps when the part of it under way began */
+  double *visit_reference;  /* normal forces that are subtracted in the sums */
+  double *visit_part;       /* sums of the part under way: VISIT_TORQUE ... */
+  double *visit_sum;        /* sums of each class, by ended parts */
+  int64_t *visit_count;     /* visits that began and ended while measured, ... */
+  int64_t *visit_steps;     /* ... their steps, */
+  double *visit_steps2;     /* and the squares of them */
+  double *visit_age_torque; /* sum of the torque by class and octave of the age, by ended parts */
+  int64_t *visit_age_steps; /* steps of it */
 
   /* means of the free disks, by slot; sums over looks unless said otherwise */
   double *mean_angle, *mean_last, *mean_stop;       /* angles as rotation_start, _last, _stop */

@@ -53,6 +53,17 @@ static void put_columns(result_table *t, size_t row, const char *owner, const ob
   }
 }
 
+static void put_configuration(result_table *t, size_t row, const summary *f, size_t k) {
+  char *const *names = &f->slide_names[3 * (k / SD_CONFIGURATIONS)], *name = f->configuration_names[k];
+  put_columns(t, row, name, &configuration_observables, &f->configurations[k], 1, 0);
+  for (size_t c = 0; c < 2; c++) {
+    char *owner = format_text("%s.%s", name, names[1 + c]);
+    if (owner) put_columns(t, row, owner, &configuration_observables, &f->configurations[k], 2, c);
+    t->failed = t->failed || !owner;
+    free(owner);
+  }
+}
+
 static void put_result(result_table *t, size_t row, const summary *f) {
   put_columns(t, row, "", &fact_observables, f, 1, 0);
   for (size_t k = 0; k < f->n_rotations; k++)
@@ -67,6 +78,7 @@ static void put_result(result_table *t, size_t row, const summary *f) {
       free(owner);
     }
   }
+  for (size_t k = 0; k < f->n_configurations; k++) put_configuration(t, row, f, k);
   if (f->packing.n > 0) put_columns(t, row, "", &total_observables, &f->packing.totals, 1, 0);
   if (f->has_until) put_columns(t, row, "", &until_observables, f, 1, 0);
   put_columns(t, row, "", &energy_observables, &f->energy, 1, 0);

@@ -18,6 +18,7 @@ static const struct extent {
     {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
     {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
     {"n_means", offsetof(sd_state, n_means)},         {"n_phases", offsetof(sd_state, n_phases)},
+    {"n_visits", offsetof(sd_state, n_visits)},
 };
 enum { EXTENTS = sizeof extents / sizeof *extents };
 

@@ -12,9 +12,9 @@
 
 /* Raised when a name or a meaning changes, or a column is new; a run goes on from its own format only. 3: contacts stand by slots, and
  * not by the number of the partner; 4: columns fast_*; 5: columns of contacts named as in slipdisk/contact.h, history of the
- * evaluation whose forces act, names of results as in io/store/members.c; 6: field_power. A packing takes bodies and contacts in any order, and
+ * evaluation whose forces act, names of results as in io/store/members.c; 6: field_power; 7: visit_*. A packing takes bodies and contacts in any order, and
  * no fast_*, so that it reads 2 and 3 as well. */
-enum { CHECKPOINT_FORMAT = 6, CHECKPOINT_OF_PACKING = 2 };
+enum { CHECKPOINT_FORMAT = 7, CHECKPOINT_OF_PACKING = 2 };
 /* Name below /state of a column of sd_fields in the file's format. */
 const char *checkpoint_column(const h5_file *file, const char *name);
 

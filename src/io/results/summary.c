@@ -107,6 +107,9 @@ static const struct group {
     {"/summary/slide", "/summary/slide/name", "/summary/slide/disk", &slide_observables,
      offsetof(summary, n_slides), offsetof(summary, slides), offsetof(summary, slide_names), sizeof(sd_slide),
      3},
+    {"/summary/configuration", "/summary/configuration/name", "/summary/configuration/disk",
+     &configuration_observables, offsetof(summary, n_configurations), offsetof(summary, configurations),
+     offsetof(summary, configuration_names), sizeof(sd_configuration), 1},
     {"/summary/phase", "/summary/phase/name", "/summary/phase/steps", &phase_observables,
      offsetof(summary, n_stages), offsetof(summary, stages), offsetof(summary, stage_names),
      sizeof(summary_phase), 1},
@@ -137,6 +140,8 @@ static sd_status allocate(summary *s, sd_messages *messages) {
 }
 
 /* --- collected ------------------------------------------------------------------------------------------- */
+
+const char *const summary_configurations[] = {"pp", "pm", "mp", "mm", "stick", "open"};
 
 /* The name that the deck gives, else "disk 17". */
 static char *name_of(const sd_model *model, uint32_t body) {
@@ -204,6 +209,7 @@ sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) 
                  .walls = (int64_t)model->n_walls,
                  .n_rotations = model->n_rotations,
                  .n_slides = model->n_slides,
+                 .n_configurations = model->measure_configurations ? SD_CONFIGURATIONS * model->n_slides : 0,
                  .n_stages = model->n_phases,
                  .has_until = model->until.asked,
                  .until_step = -1};
@@ -214,6 +220,11 @@ sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) 
   for (size_t k = 0; k < 3 * s->n_slides; k++) {
     const sd_slide_watch *watch = &model->slides[k / 3];
     named = (s->slide_names[k] = name_of(model, k % 3 ? watch->partner[k % 3 - 1] : watch->disk)) && named;
+  }
+  for (size_t k = 0; named && k < s->n_configurations; k++) {
+    const char *disk = s->slide_names[3 * (k / SD_CONFIGURATIONS)],
+               *configuration = summary_configurations[k % SD_CONFIGURATIONS];
+    named = (s->configuration_names[k] = format_text("%s.%s", disk, configuration)) && named;
   }
   for (size_t k = 0; k < s->n_stages; k++) {
     const char *name = model->phases[k].name;
@@ -237,6 +248,8 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   if (!(s->phase_name = format_text("%s", phase ? phase : ""))) return no_memory(messages);
   for (size_t k = 0; k < s->n_rotations; k++) s->rotations[k] = sd_rotation_of(model, state, k);
   for (size_t k = 0; k < s->n_slides; k++) s->slides[k] = sd_slide_of(model, state, k);
+  for (size_t k = 0; k < s->n_configurations; k++)
+    s->configurations[k] = sd_configuration_of(model, state, k);
   collect_stages(s, model, state);
   status = collect_until(s, model, state, messages);
   if (status == SD_OK) status = collect_lost(s, model, state, messages);
@@ -262,7 +275,8 @@ void summary_free(summary *s) {
 bool summary_is_column(const char *name, bool of_body) {
   static const observable_list *const of_points[] = {
       &fact_observables, &total_observables, &until_observables, &energy_observables, &outcome_observables};
-  static const observable_list *const of_bodies[] = {&rotation_observables, &slide_observables};
+  static const observable_list *const of_bodies[] = {&rotation_observables, &slide_observables,
+                                                     &configuration_observables};
   size_t n = of_body ? sizeof of_bodies / sizeof *of_bodies : sizeof of_points / sizeof *of_points;
   for (size_t l = 0; l < n; l++) {
     const observable_list *list = of_body ? of_bodies[l] : of_points[l];

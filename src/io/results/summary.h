@@ -33,21 +33,26 @@ struct summary {
   char *lost;              /* the first of those outside: "disk 3 at (1, -5), ..."; "" for none */
   double step_nanoseconds; /* wall time per step; NAN before the first */
   sd_energy energy;
-  size_t n_rotations, n_slides, n_stages;
+  size_t n_rotations, n_slides, n_configurations, n_stages;
   summary_phase *stages;
   char **stage_names; /* [n_stages] */
   sd_rotation *rotations;
   sd_slide *slides;
-  char **rotation_names; /* [n_rotations] */
-  char **slide_names;    /* [3 n_slides]: disk, first and second partner */
-  summary_disks packing; /* means of every free disk; n = 0: not asked for */
-  bool has_until;        /* the deck has `until`, and what follows */
-  char *observable;      /* "upper.omega" */
-  double relative;       /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
+  sd_configuration *configurations; /* SD_CONFIGURATIONS of each slide, or none */
+  char **rotation_names;            /* [n_rotations] */
+  char **slide_names;               /* [3 n_slides]: disk, first and second partner */
+  char **configuration_names;       /* [n_configurations]: "upper.pp" */
+  summary_disks packing;            /* means of every free disk; n = 0: not asked for */
+  bool has_until;                   /* the deck has `until`, and what follows */
+  char *observable;                 /* "upper.omega" */
+  double relative; /* the goal as a fraction of the mean; NAN: it was given as it stands in `goal` */
   sd_goal goal;
   int64_t until_step; /* at which the run ended because its goal was reached; -1: it was not, or not yet */
   summary_doubt doubts[DOUBT_KINDS];
 };
+
+/* In names of columns: "pp", "pm", "mp", "mm", "stick", "open". */
+extern const char *const summary_configurations[];
 
 extern const observable_list fact_observables;    /* of summary */
 extern const observable_list outcome_observables; /* of summary */

@@ -66,7 +66,8 @@ static bool same_phase(const sd_phase *a, const sd_phase *b, size_t n_motions) {
 bool lanes_alike(const sd_model *a, const sd_model *b) {
   if (a->n_disks != b->n_disks || a->n_walls != b->n_walls || a->n_motions != b->n_motions ||
       a->n_phases != b->n_phases || a->n_rotations != b->n_rotations || a->n_slides != b->n_slides ||
-      a->integrator != b->integrator || a->variant != b->variant || !lanes_suit(a) || !lanes_suit(b))
+      a->measure_configurations != b->measure_configurations || a->integrator != b->integrator ||
+      a->variant != b->variant || !lanes_suit(a) || !lanes_suit(b))
     return false;
   bool same = same_bytes(a->rotations, b->rotations, a->n_rotations * sizeof *a->rotations) &&
               same_bytes(a->slides, b->slides, a->n_slides * sizeof *a->slides);
@@ -158,6 +159,8 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
          l->n_slides <= LANES_SLIDES);
   list_pairs(l);
   const uint32_t *slot = system[0]->work.slot;
+  l->visits = m->measure_configurations;
+  for (size_t k = 0; k < l->n_slides; k++) l->watching[k] = (uint8_t)slot[m->slides[k].disk];
   for (size_t k = 0; k < l->n_slides; k++)
     for (size_t side = 0; side < 2; side++)
       l->watched[2 * k + side] =
@@ -309,6 +312,26 @@ static void load_constants(lanes *l, size_t lane) {
   }
 }
 
+static double *visit_rows(const lanes *l, size_t w) { return rows_at(l, ROWS_VISIT + VISIT_ROWS * w); }
+
+static void load_visits(lanes *l, size_t lane) {
+  const sd_state *s = l->system[lane]->state;
+  for (size_t w = 0; w < s->n_visits; w++) {
+    double *rows = visit_rows(l, w);
+    for (size_t q = 0; q < VISIT_SUMS; q++) *cell(l, rows, q, lane) = s->visit_part[VISIT_SUMS * w + q];
+    *cell(l, rows, VISIT_ROW_CLASS, lane) = s->visit_class[w];
+    *cell(l, rows, VISIT_ROW_LEFT, lane) = visits_left(s, w, s->measured);
+    for (size_t side = 0; side < 2; side++)
+      *cell(l, rows, VISIT_ROW_REFERENCE + side, lane) = s->visit_reference[2 * w + side];
+  }
+}
+
+static void store_visits(const lanes *l, size_t lane, size_t w) {
+  sd_state *s = l->system[lane]->state;
+  for (size_t q = 0; q < VISIT_SUMS; q++)
+    s->visit_part[VISIT_SUMS * w + q] = *cell(l, visit_rows(l, w), q, lane);
+}
+
 static void load_lane(lanes *l, size_t lane) {
   const engine *e = l->system[lane];
   const sd_state *s = e->state;
@@ -333,6 +356,7 @@ static void load_lane(lanes *l, size_t lane) {
     }
   *cell(l, l->work, 0, lane) = s->work_driven;
   for (size_t k = 0; k < 2 * l->n_slides; k++) *cell(l, l->least, k, lane) = s->slide_force_min[k];
+  load_visits(l, lane);
 }
 
 void lanes_load(lanes *l) {
@@ -402,6 +426,7 @@ static void store_counts(lanes *l, size_t lane) {
       l->count_of[k][c][lane] = 0;
     }
   for (size_t k = 0; k < 2 * l->n_slides; k++) s->slide_force_min[k] = *cell(l, l->least, k, lane);
+  for (size_t w = 0; w < s->n_visits; w++) store_visits(l, lane, w);
   s->work_driven = *cell(l, l->work, 0, lane);
 }
 
@@ -534,4 +559,22 @@ void lanes_events(lanes *l) {
     if (lanes_with & 1u) load_memory(l, lane);
   memset(l->returns, 0, sizeof l->returns);
   l->fast = 0;
+}
+
+/* Lanes beyond repeat the first system, whose state is one. */
+void lanes_visits(lanes *l, size_t w, unsigned bits) {
+  double *rows = visit_rows(l, w);
+  for (size_t lane = 0; lane < l->width; lane++) {
+    if (!(bits >> lane & 1u) || (lane < l->count && is_dead(l, lane))) continue;
+    sd_state *s = l->system[lane]->state;
+    const int64_t before = s->measured + l->done - 1;
+    const double class = *cell(l, rows, VISIT_ROW_NEXT, lane);
+    if (lane < l->count) {
+      store_visits(l, lane, w);
+      visits_next(s, w, (int)class, before);
+    }
+    for (size_t q = 0; q < VISIT_SUMS; q++) *cell(l, rows, q, lane) = 0.0;
+    *cell(l, rows, VISIT_ROW_CLASS, lane) = class;
+    *cell(l, rows, VISIT_ROW_LEFT, lane) = visits_left(s, w, before);
+  }
 }

@@ -13,6 +13,7 @@
 #ifndef PHYSICS_LANES_H
 #define PHYSICS_LANES_H
 
+#include "model/visits.h"
 #include "physics/motion/motion.h"
 #include "physics/system/work.h"
 
@@ -54,6 +55,15 @@ enum {
 /* Rows of a prescribed coordinate. */
 enum { PLACE_LAST, PLACE_SPEED, PLACE_FORCE, PLACE_ROWS };
 
+/* Rows of the visits of a watched pair (model/visits.h). */
+enum {
+  VISIT_ROW_CLASS = VISIT_SUMS, /* of the visit under way; the sums of its part come first */
+  VISIT_ROW_LEFT,               /* steps until the part ends by age */
+  VISIT_ROW_NEXT,               /* class of the present step, where a part ends */
+  VISIT_ROW_REFERENCE,
+  VISIT_ROWS = VISIT_ROW_REFERENCE + 2
+};
+
 /* Where rows stand. */
 enum {
   ROWS_DISK,
@@ -65,7 +75,8 @@ enum {
   ROWS_WORK,
   ROWS_LEAST,                                /* force of each watched contact */
   ROWS_FAST = ROWS_LEAST + 2 * LANES_SLIDES, /* squared speed beyond which a free disk is too fast */
-  ROWS_ALL = ROWS_FAST + LANES_FREE
+  ROWS_VISIT = ROWS_FAST + LANES_FREE,
+  ROWS_ALL = ROWS_VISIT + VISIT_ROWS * LANES_SLIDES
 };
 
 typedef struct lanes {
@@ -82,6 +93,8 @@ typedef struct lanes {
   uint8_t entry[LANES_BODIES][LANES_PAIRS]; /* ... 2 * pair + (1 if the body is b) */
   bool placed[LANES_BODIES][SD_COORDINATES];
   uint8_t watched[2 * LANES_SLIDES]; /* pairs */
+  uint8_t watching[LANES_SLIDES];    /* slots of the watched disks */
+  bool visits;                       /* to configurations are measured */
 
   /* rows */
   double *memory;
@@ -130,5 +143,7 @@ void lanes_show_angles(const lanes *l);
 
 /* From within the kernels: rare events of the step that was completed. The rows are as it left them. */
 void lanes_events(lanes *l);
+/* In the lanes of these bits a part of the visit of watched pair w ended before the step that was completed. */
+void lanes_visits(lanes *l, size_t w, unsigned bits);
 
 #endif

@@ -305,25 +305,60 @@ LANE_INLINE LANE(real) PASS(configuration)(const PASS(step_registers) * f, size_
          LANE(mask_zero)(LANE(equal)(slip, zero), LANE(splat)(2.0));
 }
 
+typedef struct PASS(contact_sample) {
+  LANE(real) configuration, force, tau;
+} PASS(contact_sample);
+
 LANE_INLINE void PASS(sample_contact)(const lanes *l, const PASS(step_registers) * f, size_t at, size_t k,
-                                      LANE(real) * configuration) {
+                                      PASS(contact_sample) * sample) {
   double *least = PASS(rows_at)(l, ROWS_LEAST);
   PASS(set_row)(least, at, LANE(min)(f->m[k].force, PASS(row)(least, at)));
-  *configuration = PASS(configuration)(f, k);
+  *sample = (PASS(contact_sample)){PASS(configuration)(f, k), f->m[k].force, f->out[k].tau};
+}
+
+LANE_INLINE void PASS(add_to_row)(double *rows, size_t k, LANE(real) a) {
+  PASS(set_row)(rows, k, PASS(row)(rows, k) + a);
+}
+
+/* Sums of visits (model/visits.h). */
+LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample) two[2]) {
+  double *v = PASS(rows_at)(l, ROWS_VISIT + VISIT_ROWS * w);
+  LANE(real)
+  both = 2.0 * two[0].configuration + two[1].configuration,
+  more = LANE(max)(two[0].configuration, two[1].configuration),
+  class = LANE(select)(LANE(greater)(more, LANE(splat)(1.0)), more + 2.0, both),
+  left = PASS(row)(v, VISIT_ROW_LEFT);
+  LANE(mask)
+  ends = LANE(not )(LANE(equal)(class, PASS(row)(v, VISIT_ROW_CLASS))) | LANE(equal)(left, LANE(splat)(0.0));
+  if (__builtin_expect(LANE(any)(ends), 0)) {
+    PASS(set_row)(v, VISIT_ROW_NEXT, class);
+    lanes_visits(l, w, LANE(bits_of)(ends));
+    left = PASS(row)(v, VISIT_ROW_LEFT);
+  }
+  PASS(set_row)(v, VISIT_ROW_LEFT, left - 1.0);
+  LANE(real) torque = (two[0].tau + two[1].tau) * PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), l->watching[w]);
+  PASS(add_to_row)(v, VISIT_TORQUE, torque);
+  PASS(add_to_row)(v, VISIT_TORQUE2, torque * torque);
+  for (size_t side = 0; side < 2; side++) {
+    LANE(real) beyond = two[side].force - PASS(row)(v, VISIT_ROW_REFERENCE + side);
+    PASS(add_to_row)(v, VISIT_FORCE + 2 * side, beyond);
+    PASS(add_to_row)(v, VISIT_FORCE2 + 2 * side, beyond * beyond);
+  }
 }
 
 /* Counts the configuration of two watched contacts. */
 LANE_INLINE void PASS(count)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t w) {
-  LANE(real) two[2] = {LANE(splat)(0.0), LANE(splat)(0.0)};
+  PASS(contact_sample) two[2] = {0};
   for (size_t side = 0; side < 2; side++)
     EACH_PAIR(k, s->n_pairs,
               if (l->watched[2 * w + side] == k)
                   PASS(sample_contact)(l, f, 2 * w + side, k, &two[side])); /* k: no index that varies */
   /* small integers, in the low bits of the sum */
   uint64_t index[LANE_WIDTH];
-  LANE(bits) bits = LANE(as_bits)((4.0 * two[0] + two[1]) + 0x1p52);
+  LANE(bits) bits = LANE(as_bits)((4.0 * two[0].configuration + two[1].configuration) + 0x1p52);
   memcpy(index, &bits, sizeof index);
   for (size_t n = 0; n < LANE_WIDTH; n++) l->count_of[w][index[n] & 15][n]++;
+  if (l->visits) PASS(sum_visits)(l, w, two);
 }
 
 LANE_INLINE void PASS(sample)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f) {

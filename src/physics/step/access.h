@@ -53,6 +53,10 @@ static inline double engine_contact_overlap(const engine *e, size_t k) {
 static inline int engine_contact_sliding(const engine *e, size_t k) {
   return pairs_slide_sign(&e->work.pairs, k);
 }
+/* tau, which turns both disks. */
+static inline double engine_contact_tau(const engine *e, size_t k) {
+  return -(e->model->laws[PAIR(&e->work.pairs, k, law)].k_t * PAIR(&e->work.pairs, k, zeta));
+}
 static inline double engine_contact_stiffness(const engine *e, size_t k) {
   return law_stiffness(&e->model->laws[PAIR(&e->work.pairs, k, law)], engine_contact_overlap(e, k));
 }
