@@ -45,6 +45,13 @@ class Folder(unittest.TestCase):
 
 
 class Results(Folder):
+    def test_empty_table(self):
+        """A table of contacts from before any disk touches has columns and no rows."""
+        phases = [{"name": "fall", "steps": 1500, "contacts": 500}]
+        r = slipdisk.run({**GRAINS, "phases": phases}, self.path)
+        self.assertEqual([len(r.contacts[k]) == n for k, n in enumerate(r.contacts.count)], [True] * 4)
+        self.assertEqual(len(r.contacts[0]["force"]), 0)
+
     def test_finished(self):
         """What h5py reads, by short names; rotation and slide beside what info says."""
         r = slipdisk.run(DECK, self.path, SHORT)

@@ -244,7 +244,7 @@ class Result:
                 if data.shape == ():
                     return plain(data[()])
                 n = len(data)
-                if last is None or done < last:
+                if last is None or done < last or not found:  # a piece without rows still has their type
                     found.append(data[max(first - done, 0):None if last is None else min(last - done, n)])
                 done += n
         kept = [piece for piece in found if len(piece)] or found
