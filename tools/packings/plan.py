@@ -4,8 +4,9 @@ import dataclasses
 LEVELS = ("quick", "default")
 DESCRIPTIONS = {
     "quick": "a coarse look: few packings, short runs. Many statements cannot be told from it",
-    "default": "the campaign of docs/packings_study.md. The decks ask for 500 s at each point; so long "
-               "is low drive measured; here moderate drive for 200 s, the sweep of drives and random vibration for 60 s",
+    "default": "the campaign of docs/packings_study.md. The decks ask for 500 s and ten packings at each point; so "
+               "long is low drive measured; here moderate drive for 200 s, the sweep of drives and random vibration "
+               "for 60 s, with six packings",
 }
 
 
@@ -23,6 +24,7 @@ class Entry:
 
 SHORT = {"phases.thermalise.time": 1, "phases.measure.time": 4}
 EACH = "sweep[*].replicas"
+SIX = {"sweep.replicas": 6}
 STIFF = {"materials[0].k_n": 1e6, "materials[0].k_t": 5e5, "materials[0].gamma_n": 3, "dt": 6.25e-6,
          "measure.every": 71}  # 1/50 of the shortest period again
 DRIVES = "(0.1, 0.2, 0.3, 0.5, 0.7, 1, 2, 4, 9)"
@@ -56,20 +58,21 @@ _SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height"
 
 # Cheap and needed by others first.
 ENTRIES = {
-    "low": Entry("shake_low.cfg", _records(125000, 123457), {**SHORT, "sweep.replicas": 2}, first=4),
+    "low": Entry("shake_low.cfg", {**_records(125000, 123457), **SIX}, {**SHORT, "sweep.replicas": 2}, first=4),
     "drum": Entry("drum.cfg", {}, {"phases.start.time": 20, "phases.flow.time": 30}, sweep=False),
     "outside": Entry("outside.cfg", {}, {**SHORT, "sweep.replicas": 2}, first=2),
     "cage": Entry("cage.cfg", {}, SHORT),
     "frictionless": Entry("shake_drive.cfg", {"materials[0].mu": 0, **_times(5, 20), "sweep.replicas": 2,
                                               "sweep.parameters.drive.values": "(0.5, 2, "
                                                   "6)"}, {**SHORT, "sweep.replicas": 1}),
-    "drive": Entry("shake_drive.cfg", {**_times(5, 60), **_records(25000, 24691),
+    "drive": Entry("shake_drive.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX,
                                        "sweep.parameters.drive.values": DRIVES},
                    {**SHORT, "sweep.replicas": 2, "sweep.parameters.drive.values": "(0.3, 1, 3)"}, first=2),
     "step": Entry("shake_step.cfg", {}, {"phases.measure.time": 2, "sweep.replicas": 1}, first=1),
-    "moderate": Entry("shake_moderate.cfg", {**_times(20, 200), **_records(50000, 49391)},
+    "moderate": Entry("shake_moderate.cfg", {**_times(20, 200), **_records(50000, 49391), **SIX},
                       {**SHORT, "sweep.replicas": 2}, first=3),
-    "random": Entry("shake_random.cfg", _times(5, 60), {**SHORT, "sweep.replicas": 2}, first=3),
+    "random": Entry("shake_random.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX},
+                    {**SHORT, "sweep.replicas": 2}, first=3),
     "scan": Entry("shake_scan.cfg", {}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
     "size": Entry("shake_size.cfg", {}, {**SHORT, "sweep.replicas": 1}, first=1),
     "prepared": Entry("shake_prepared.cfg", {}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
@@ -81,9 +84,9 @@ ENTRIES = {
     "cage_moderate": _memory(2, 5, 60, 8),
     "cage_middle": _memory(0.7, 5, 60, 8),
     "cage_low": _memory(0.3, 20, 200, 6, 3174),
-    "quiet": Entry("quiet.cfg", {**_times(20, 300), **_records(125000, 123457)},
+    "quiet": Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3},
                    {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2),
-    "quiet_stiff": Entry("quiet.cfg", {**_times(10, 150), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,
+    "quiet_stiff": Entry("quiet.cfg", {**_times(10, 100), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,
                                        "sweep.parameters.drive.values": "(0.05, 0.1)"}, skip_quick=True, first=1),
     "quiet_long": Entry("quiet.cfg", {"sweep.replicas": 2, "sweep.parameters.drive.values": "(0.1)"}, skip_quick=True,
                         first=1),
