@@ -49,6 +49,7 @@ class Run:
         """Columns of /summary/disks (docs/results.md), and the totals of the packing."""
         order = np.argsort(means["id"])  # means are in the order of numbers, the state in that of slots
         means = means[order[np.searchsorted(means["id"][order], self.id)]]
+        self.means = means
         self.omega, self.error = means["omega"], means["error"]
         self.first, self.second = means["omega_first"], means["omega_second"]
         self.contacts = means["coordination"]

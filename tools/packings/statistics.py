@@ -1,5 +1,9 @@
 """Numbers with error bars from several packings: packings are independent of each other, disks of one are not."""
+import dataclasses
+
 import numpy as np
+
+from report.verdict import number, survival
 
 
 def mean_error(values):
@@ -80,11 +84,78 @@ def line(x, y, error=None):
 
 
 def power_law(x, y):
-    """Exponent of y ~ x^a by a straight line through logarithms: (a, error, factor)."""
+    """Exponent of y ~ x^a by a straight line through logarithms, all points alike: (a, error, factor)."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     good = (x > 0) & (y > 0)
     slope, error, offset, _ = line(np.log(x[good]), np.log(y[good]))
     return slope, error, float(np.exp(offset))
+
+
+def two_sided(chi2, degrees):
+    """Chance of a chi^2 as far from what is expected, to either side: small too where error bars are too large."""
+    above = survival(chi2, degrees)
+    return min(1.0, 2 * min(above, 1 - above))
+
+
+@dataclasses.dataclass
+class Power:
+    """y ~ factor x^exponent through means of log y over packings, each with the weight that its scatter gives."""
+    exponent: float = np.nan
+    error: float = np.nan    # from leaving out one packing at a time
+    weights: float = np.nan  # from the error bars of the points
+    factor: float = np.nan
+    chi2: float = np.nan
+    points: int = 0
+
+    @property
+    def chance(self):
+        return two_sided(self.chi2, self.points - 2) if self.points > 2 else np.nan
+
+    def __str__(self):
+        fit = (f", &chi;&sup2; = {self.chi2:.1f} for {self.points - 2} (a chance of {100 * self.chance:.2g} %)"
+               if self.points > 2 else "")
+        return f"{number(self.exponent, self.error)} ({self.points} drives{fit})"
+
+
+FEW = 4  # packings: of fewer their own scatter says little, and that of all points stands for it
+
+
+def _log_means(curves, x):
+    """Means of log y at each x with their errors; curves: {x: y} of each packing."""
+    logs = [np.log([curve[point] for curve in curves if curve.get(point, 0) > 0]) for point in x]
+    spread = np.array([values.std(ddof=1) if len(values) > 1 else np.nan for values in logs])
+    if min(map(len, logs)) < FEW:
+        spread = np.full(len(x), np.sqrt(np.nanmean(spread ** 2)) if np.isfinite(spread).any() else np.nan)
+    return (np.array([values.mean() if len(values) else np.nan for values in logs]),
+            spread / np.sqrt([max(len(values), 1) for values in logs]))
+
+
+def _power(curves, x):
+    mean, error = _log_means(curves, x)
+    good = np.isfinite(mean) & (error > 0)
+    if good.sum() < 2:
+        return Power(points=int(good.sum()))
+    x = np.log(np.asarray(x, float)[good])
+    mean, weight = mean[good], error[good] ** -2
+    middle = np.average(x, weights=weight)
+    width = float(np.sum(weight * (x - middle) ** 2))
+    slope = float(np.sum(weight * (x - middle) * mean) / width)
+    offset = float(np.average(mean, weights=weight) - slope * middle)
+    chi2 = float(np.sum(weight * (mean - slope * x - offset) ** 2))
+    return Power(slope, np.nan, width ** -0.5, float(np.exp(offset)), chi2, len(x))
+
+
+def weighted_power(curves, x):
+    """Power for {x: y} of each packing, at these x; its error from leaving out one packing at a time."""
+    found = _power(curves, x)
+    found.error = jackknife(lambda part: _power(part, x).exponent, curves)[1] if len(curves) > 2 else found.weights
+    return found
+
+
+def share(groups):
+    """(part, error) of pairs (how many, of how many), one for each packing."""
+    groups = [g for g in groups if g[1]]
+    return jackknife(lambda part: sum(g[0] for g in part) / max(sum(g[1] for g in part), 1), groups)
 
 
 def crossing(x, y, level):

@@ -1,0 +1,173 @@
+"""The disks of the vibrated boxes as columns, kept as tables: all that is said of them follows without result files."""
+import dataclasses
+
+import numpy as np
+
+from report.verdict import SURE
+
+SHARE = 0.1      # a contact that is closed in so many of the stored tables is persistent
+HELD = 2         # a disk with fewer persistent contacts is a rattler, as for `slipdisk measure`
+CHANCE = 0.02    # so many disks that do not turn are beyond three errors, at most (docs/physics.md, section 9)
+LIMIT = 1.96     # errors that an upper limit of 95 % lies above what was found
+PERIOD = 1 / 80  # of the floor
+
+COLUMNS = ("radius", "x", "y", "omega", "error", "omega_first", "omega_second", "persistent", "coordination", "sliding",
+           "openings", "injected", "friction", "viscous", "rms", "displacement")
+DIGITS = 6
+RULE = (f"Rattlers are disks with fewer than {HELD} persistent contacts; a contact is persistent when it is closed in "
+        f"{100 * SHARE:.0f} % of the stored tables or more.")
+
+
+@dataclasses.dataclass
+class Box:
+    """One packing at one drive: numbers of the whole in `whole`, of each free disk in `columns`."""
+    whole: dict
+    columns: dict
+
+    def __getitem__(self, name):
+        return self.columns[name]
+
+    @property
+    def drive(self):
+        return self.whole["drive"]
+
+    @property
+    def replica(self):
+        return self.whole["replica"]
+
+    @property
+    def held(self):
+        """Which disks are no rattlers."""
+        return self["persistent"] >= HELD
+
+    @property
+    def rms(self):
+        """Of the angular velocities of the disks that are no rattlers."""
+        return root(self["omega"][self.held])
+
+    @property
+    def median(self):
+        return float(np.median(np.abs(self["omega"][self.held]))) if self.held.any() else np.nan
+
+    @property
+    def turns(self):
+        """Which disks rotate by more than three errors."""
+        return np.abs(self["omega"]) > SURE * self["error"]
+
+    @property
+    def halves(self):
+        """Mean angular velocities in both halves of the measured time, of the disks that are no rattlers."""
+        return self["omega_first"][self.held], self["omega_second"][self.held]
+
+    @property
+    def openings(self):
+        """Openings per closed contact and period."""
+        return self.whole["openings"] * PERIOD
+
+
+def root(values):
+    """Root mean square; nan of nothing."""
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else np.nan
+
+
+def persistent_contacts(run):
+    """Per free disk: its contacts that are closed in a tenth of the tables of the measured time. Without tables the
+    mean number of contacts stands for it."""
+    tables = run.result.contacts
+    times = np.asarray(tables.time)
+    chosen = np.flatnonzero(times > times[-1] - run.measured) if len(times) else []
+    if not len(chosen):
+        return np.asarray(run.means["coordination"], float)
+    met = {}
+    for k in chosen:
+        for pair in set(zip(tables[k]["a"].tolist(), tables[k]["b"].tolist())):
+            met[pair] = met.get(pair, 0) + 1
+    found = np.zeros(run.n_free)
+    slot = {int(number): k for k, number in enumerate(run.id)}
+    for pair, count in met.items():
+        if count >= SHARE * len(chosen):
+            for number in pair:
+                if number in slot:
+                    found[slot[number]] += 1
+    return found
+
+
+def whole_of(run):
+    return {"replica": float(run.parameters.get("r", 0)),
+            "seed": str(run.seed), "measured": run.measured, "openings": run.openings, "sliding": run.sliding_fraction,
+            "coordination": run.coordination, "wander": run.wander, "drift": run.drift, "farthest": run.farthest,
+            "noise": run.noise}
+
+
+def column_of(run, name):
+    if name == "persistent":
+        return persistent_contacts(run)
+    return run.radius if name == "radius" else np.asarray(run.means[name], float)
+
+
+def _runs(campaign, name):
+    runs = [] if name not in campaign.entries else [run for run in campaign.runs(name) if run.has_means]
+    return sorted(runs, key=lambda run: (run.parameters.get("drive", 0.0), run.parameters.get("r", 0.0)))
+
+
+def boxes(campaign, name, drive=np.nan):
+    """The packings of a run or sweep, in order of drive (this one where it is not swept) and replica, from results or
+    from kept tables."""
+    runs = _runs(campaign, name)
+
+    def whole():
+        rows = [{"drive": float(run.parameters.get("drive", drive)), **whole_of(run)} for run in runs]
+        return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
+
+    def disks():
+        if not runs:
+            return None
+        number = np.concatenate([np.full(run.n_free, k) for k, run in enumerate(runs)])
+        return {"packing": number, **{key: np.concatenate([column_of(run, key) for run in runs]) for key in COLUMNS}}
+
+    table = campaign.numbers(f"{name}-packings", whole, f"packings of {name}; means over the measured time")
+    parts = campaign.numbers(f"{name}-disks", disks, f"disks of {name}; packing counts the rows of {name}-packings",
+                             digits=DIGITS)
+    number = parts.column("packing")
+    columns = {key: parts.column(key) for key in COLUMNS}
+    return [Box(row, {key: values[number == k] for key, values in columns.items()}) for k, row in enumerate(table.rows)]
+
+
+def by_drive(found):
+    """{drive: boxes}, in order."""
+    table = {}
+    for box in found:
+        table.setdefault(box.drive, []).append(box)
+    return dict(sorted(table.items()))
+
+
+# --- displacements ------------------------------------------------------------------------------------------------
+LAGS = (1, 2, 4, 8, 16, 32, 64)  # in frames, which are at one phase of the floor
+
+
+def square_displacements(run):
+    """[lag][disk] means over all starts of the squared displacement, in mean diameters, and the lags in time."""
+    time, place = run.frames()
+    chosen = np.asarray(time) > time[-1] - run.measured
+    place = np.asarray(place)[chosen][:, run.id] / (2 * float(run.radius.mean()))
+    step = (time[-1] - time[-2]) if len(time) > 1 else np.nan
+    lags = [lag for lag in LAGS if lag < len(place)]
+    squares = [np.mean(np.sum((place[lag:] - place[:-lag]) ** 2, axis=2), axis=0) for lag in lags]
+    return np.array(lags) * step, np.array(squares)
+
+
+def wandering(campaign, name, found):
+    """Table of root mean square displacements against lag: columns packing, lag, held, loose (rattlers), in diameters."""
+    runs = _runs(campaign, name)
+
+    def make():
+        columns = {"packing": [], "lag": [], "held": [], "loose": []}
+        for k, (run, box) in enumerate(zip(runs, found)):
+            for lag, square in zip(*square_displacements(run)):
+                values = [np.sqrt(square[part].mean()) if part.any() else np.nan for part in (box.held, ~box.held)]
+                for key, value in zip(columns, (k, lag, *values)):
+                    columns[key].append(value)
+        return columns if columns["lag"] else None
+
+    return campaign.numbers(f"{name}-displacements", make, f"rms displacement against time, {name}, in mean diameters",
+                            digits=DIGITS)

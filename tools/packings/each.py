@@ -1,0 +1,199 @@
+"""Does each disk of a packing turn for good, or do only many?"""
+import numpy as np
+
+from report.page import Figure, Numbers, Section
+from report.style import COLOURS, GREY, LIGHT, figure, legend_above
+from report.verdict import SURE, decide, missing, number
+
+from .disks import CHANCE, HELD, LIMIT, RULE, boxes, by_drive
+from .statistics import jackknife, mean_error, share
+
+TIGHT = 0.1      # of the packing's rms: an upper limit on |Omega| below it shows that a disk stands still
+SIZEABLE = 0.05  # so many disks that stand still refute "each"
+ALIKE = 0.5      # the smaller of both halves over the larger, from which on a rotation is the same in both
+
+# What a disk does, in the order in which it is asked.
+TURNS, STICKS, SLIDES, UNSEEN = "turns", "sticks", "slides", "unseen"
+KINDS = {TURNS: f"turns: beyond {SURE:g} errors", SLIDES: "slides without turning",
+         STICKS: "sticks for ever", UNSEEN: "cannot be told"}
+
+
+def limits(box):
+    """Upper limits of 95 % on |Omega| of each disk."""
+    return np.abs(box["omega"]) + LIMIT * box["error"]
+
+
+def kind_of(box):
+    """What each disk does: turns; never slides; stands still although it slides; or its error bar is too large."""
+    still = limits(box) < TIGHT * box.rms
+    return np.select([box.turns, box["friction"] == 0, still], [TURNS, STICKS, SLIDES], UNSEEN)
+
+
+def part(found, kind, least=HELD):
+    """(share, error) of the disks with at least so many persistent contacts that are of this kind."""
+    groups = []
+    for box in found:
+        chosen = box["persistent"] >= least
+        groups.append((int(np.sum(kind_of(box)[chosen] == kind)), int(chosen.sum())))
+    return share(groups)
+
+
+def lasting(found):
+    """(share, error) of the turning disks that turn in the same sense in both halves, in one at least half as fast."""
+    groups = []
+    for box in found:
+        a, b = (values[box.turns[box.held]] for values in box.halves)
+        small, large = np.minimum(np.abs(a), np.abs(b)), np.maximum(np.abs(a), np.abs(b))
+        groups.append((int(np.sum((a * b > 0) & (small >= ALIKE * large))), len(a)))
+    return share(groups)
+
+
+def census(found):
+    """Shares of the kinds among disks that are no rattlers, and what else the verdict says, as (value, error)."""
+    still = [limits(box)[box.held & np.isin(kind_of(box), (STICKS, SLIDES))] / box.rms for box in found]
+    still = np.concatenate(still) if still else np.array([])
+    return {**{kind: part(found, kind) for kind in KINDS}, "disks": int(sum(box.held.sum() for box in found)),
+            "loose": share([(int((~box.held).sum()), len(box["omega"])) for box in found]),
+            "still": share([(int(np.isin(kind_of(box)[box.held], (STICKS, SLIDES)).sum()), int(box.held.sum()))
+                            for box in found]),
+            "caged": part(found, TURNS, 3), "limit": float(np.median(still)) if len(still) else np.nan,
+            "lasting": lasting(found)}
+
+
+def each(counts):
+    """True: all but a few turn, chance taken off; False: a sizeable part stands still; None: cannot be told.
+
+    So many error bars: one at least of a disk in a hundred, where packings do not differ at all."""
+    floor = 0.01
+    turning, error = counts[TURNS]
+    turning = (turning - CHANCE) / (1 - CHANCE)
+    if turning - SURE * max(np.nan_to_num(error), floor) > 1 - SIZEABLE:
+        return True
+    still, error = counts["still"]
+    return False if still - SURE * max(np.nan_to_num(error), floor) > SIZEABLE else None
+
+
+def percent(value):
+    return f"{number(100 * value[0], 100 * value[1])} %"
+
+
+def words(counts):
+    turning = (counts[TURNS][0] - CHANCE) / (1 - CHANCE)
+    told = (f"{percent(counts[TURNS])} of {counts['disks']} disks are beyond {SURE:g} errors"
+            f" ({100 * max(turning, 0):.0f} % when the {100 * CHANCE:.0f} % are taken off that may be so by chance), "
+            f"{percent(counts['lasting'])} of them with the same sense and size in both halves of the time; "
+            f"{percent(counts[SLIDES])} slide and yet stand still, {percent(counts[STICKS])} never slide at all, of "
+            f"{percent(counts[UNSEEN])} it cannot be told")
+    if np.isfinite(counts["limit"]):
+        told += (f"; those that stand still turn, with 95 % confidence, by less than {number(counts['limit'], digits=2)} "
+                 "of the rms (median)")
+    return (told + f". Of the disks with three persistent contacts or more {percent(counts['caged'])} turn; "
+            f"{percent(counts['loose'])} are rattlers and left out")
+
+
+def claim(found, drive, slug, where=""):
+    """The claim of the follow-up, of all packings at one drive."""
+    counts = census(found)
+    if not counts["disks"]:
+        return missing(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for good.", slug=slug)
+    return decide(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for good.", each(counts), words(counts), slug=slug)
+
+
+# --- the section ----------------------------------------------------------------------------------------------------
+def sections(campaign):
+    table = by_drive(boxes(campaign, "drive"))
+    long = {"low": boxes(campaign, "low", 0.3), "moderate": boxes(campaign, "moderate", 2.0)}
+    out = Section("each", "Does each disk turn?",
+                  "The claim is that <i>each</i> disk of a vibrated packing has a mean angular velocity that is not "
+                  f"zero. A disk <i>turns</i> when |&Omega;| is beyond {SURE:g} of its errors; it <i>stands still</i> when it "
+                  "is not, and the upper limit of 95 % on |&Omega;| is below a tenth of the rms of its packing: its "
+                  "rotation would be seen. Of those the ones whose friction has done no work at all while measured "
+                  f"<i>stick for ever</i>. {RULE} They are left out. The claim is met when fewer than "
+                  f"{100 * SIZEABLE:.0f} % of the disks do not turn, refuted when more than that stand still, both by "
+                  f"{SURE:g} errors; errors are from leaving out packings.",
+                  missing=campaign.missing("drive"))
+    shown = {**{(drive, ""): found for drive, found in table.items()},
+             **{(found[0].drive, name): found for name, found in long.items() if found}}
+    if not shown:
+        out.claims.append(missing("Each disk turns for good.", slug="each-disk"))
+        return [out]
+    for (drive, name), found in sorted(shown.items()):
+        time = found[0].whole["measured"]
+        out.claims.append(claim(found, drive, f"each-disk-{name or f'{drive:g}'}",
+                                f"{drive:g} <i>g</i> ({time:.0f} s, {len(found)} packings)"))
+    if table:
+        out.figures.append(shares_figure(table, "each-disk", "peak acceleration of the floor / $g$"))
+    picked = {f"{drive:g} $g$": table[drive] for drive in (0.1, 0.3, 1.0, 2.0, 9.0) if drive in table}
+    picked = picked or {f"{found[0].drive:g} $g$": found for found in long.values() if found}
+    out.figures.append(sizes_figure(picked, "each-sizes"))
+    out.tables.append(numbers_table([(f"{drive:g} <i>g</i>{', ' + name if name else ''}", found)
+                                     for (drive, name), found in sorted(shown.items())]))
+    return [out]
+
+
+def numbers_table(rows):
+    names = (TURNS, SLIDES, STICKS, UNSEEN, "loose", "lasting", "caged")
+    made = []
+    for label, found in rows:
+        counts = census(found)
+        ratio = mean_error([box.median / box.rms for box in found if box.rms > 0])
+        made.append([label, len(found), float(found[0].whole["measured"]),
+                     *(number(100 * counts[name][0], 100 * counts[name][1]) for name in names), number(*ratio)])
+    return Numbers("What the disks do, in per cent of those that are no rattlers",
+                   ["drive", "packings", "measured (s)", "turn", "slide, stand still", "stick for ever", "cannot be told",
+                    "rattlers (of all)", "same in both halves (of those that turn)", "turn, with three contacts or more",
+                    "median/rms of |&Omega;|"], made)
+
+
+def shares_figure(table, name, label):
+    """Stacked bars: what part of the disks does what, at each drive."""
+    picture, axes = figure(height=3.6)
+    places, under = np.arange(len(table)), np.zeros(len(table))
+    colours = dict(zip(KINDS, (COLOURS[0], COLOURS[1], COLOURS[4], LIGHT)))
+    for kind, text in KINDS.items():
+        values = np.array([part(found, kind) for found in table.values()]).reshape(-1, 2)
+        axes.bar(places, values[:, 0], 0.72, under, color=colours[kind], label=text, edgecolor="white", lw=0.5)
+        if kind == TURNS:
+            axes.errorbar(places, values[:, 0], yerr=np.nan_to_num(values[:, 1]), fmt="none", ecolor="black", lw=1)
+        under = under + np.nan_to_num(values[:, 0])
+    axes.axhline(CHANCE, color="black", lw=0.8, ls=":", gid="guide")
+    axes.set_xticks(places, [f"{drive:g}" for drive in table])
+    axes.minorticks_off()
+    axes.set_ylim(0, 1)
+    axes.set_ylabel("part of the disks")
+    axes.set_xlabel(label)
+    legend_above(axes, 2)
+    return Figure(name, picture, "What the disks do that are no rattlers. Error bars: from leaving out packings. Dotted: "
+                  f"{100 * CHANCE:.0f} %, so many disks that do not turn may be beyond {SURE:g} errors by chance.",
+                  "Stacked bars of the parts of disks that turn, slide without turning, stick, or cannot be told")
+
+
+def sizes_figure(picked, name):
+    """Part of the disks with |Omega|/rms above x, and what could have been seen."""
+    picture, axes = figure(height=3.8)
+    for k, (label, found) in enumerate(picked.items()):
+        sizes = np.sort(np.concatenate([np.abs(box["omega"][box.held]) / box.rms for box in found]))[::-1]
+        noise = np.sort(np.concatenate([SURE * box["error"][box.held] / box.rms for box in found]))[::-1]
+        rank = np.arange(1, len(sizes) + 1) / len(sizes)
+        colour = COLOURS[k % len(COLOURS)]
+        axes.step(np.maximum(sizes, 1e-9), rank, color=colour, lw=1.4, label=label, where="post")
+        axes.plot(np.maximum(noise, 1e-9), rank, color=colour, lw=0.9, ls=":")
+    axes.plot([], [], color=GREY, lw=0.9, ls=":", label=f"{SURE:g} errors")
+    axes.set_xscale("log")
+    axes.set_xlim(1e-7, 10)
+    axes.set_ylim(0, 1.02)
+    axes.set_xlabel(r"$x$")
+    axes.set_ylabel(r"part of the disks with $|\Omega_i|$/rms $> x$")
+    legend_above(axes, 6)
+    return Figure(name, picture, "How large the mean angular velocities are, over the rms of their packing: the part of "
+                  f"the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which nothing can be "
+                  "told. Where the line bends over and goes on at a level, disks are of two kinds: some turn, others do not.",
+                  "Cumulative distribution of absolute mean angular velocities over the rms")
+
+
+def consistency(found):
+    """(Spearman within packings, Pearson scaled by the rms of each packing) of both halves, with errors."""
+    from .statistics import pearson, pooled, spearman
+    ranks = mean_error([spearman(*box.halves) for box in found])
+    scaled = [tuple(half / box.rms for half in box.halves) for box in found if box.rms > 0]
+    return ranks, jackknife(pooled(pearson), scaled)
