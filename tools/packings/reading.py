@@ -52,6 +52,7 @@ class Run:
         self.means = means
         self.omega, self.error = means["omega"], means["error"]
         self.first, self.second = means["omega_first"], means["omega_second"]
+        self.x, self.y = means["x"], means["y"]  # mean places
         self.contacts = means["coordination"]
         diameter = 2 * float(self.radius.mean())
         self.wander = totals.position_rms        # rms distance from the mean places, over the mean diameter
