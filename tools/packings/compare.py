@@ -1,0 +1,68 @@
+"""Do groups of packings differ? Tests for few, unequal groups; a packing is one number."""
+import math
+
+import numpy as np
+
+from .statistics import ranks
+
+SHUFFLES = 4000
+
+
+def student(t, degrees):
+    """Chance of a larger |t| of Student's distribution: with t = sqrt(degrees) tan(a) its density is ~ cos(a)^(degrees - 1)."""
+    if degrees < 1 or not math.isfinite(t):
+        return math.nan
+    angle = np.linspace(0, math.pi / 2, 20001)
+    density = np.cos(angle) ** (degrees - 1)
+    begin = math.atan(abs(t) / math.sqrt(degrees))
+    tail = np.linspace(begin, math.pi / 2, 20001)
+    return float(np.trapz(np.cos(tail) ** (degrees - 1), tail) / np.trapz(density, angle))
+
+
+def student_limit(chance, degrees):
+    """|t| that is exceeded with this chance."""
+    low, high = 0.0, 1e4
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if student(middle, degrees) > chance else (low, middle)
+    return high
+
+
+def newcomer(others, value, count):
+    """Does the mean of `count` packings of another program belong to the same population as others? (t, degrees, chance,
+    largest distance from the mean of the others that has a chance of 5 %)."""
+    others = np.asarray(others, float)
+    degrees = len(others) - 1
+    if degrees < 1:
+        return math.nan, degrees, math.nan, math.nan
+    spread = float(others.std(ddof=1) * math.sqrt(1 / len(others) + 1 / count))
+    t = (value - float(others.mean())) / spread
+    return t, degrees, student(t, degrees), spread * student_limit(0.05, degrees)
+
+
+def differ(groups, seed=1):
+    """Chance that groups of one population differ as much in their mean ranks (Kruskal and Wallis), by shuffling."""
+    groups = [np.asarray(g, float) for g in groups if len(g)]
+    sizes = [len(g) for g in groups]
+    if len(groups) < 2 or sum(sizes) - len(groups) < 2:
+        return math.nan
+    place, ends = ranks(np.concatenate(groups)), np.cumsum(sizes)[:-1]
+
+    def statistic(order):
+        return sum(part.sum() ** 2 / len(part) for part in np.split(order, ends))
+
+    found, random = statistic(place), np.random.default_rng(seed)
+    above = sum(statistic(random.permutation(place)) >= found * (1 - 1e-12) for _ in range(SHUFFLES))
+    return (above + 1) / (SHUFFLES + 1)
+
+
+def exponent(x, y):
+    """y ~ x^b through all packings: (b, its error, degrees). Error from the scatter of packings."""
+    x, y = np.log(np.asarray(x, float)), np.log(np.asarray(y, float))
+    degrees = len(x) - 2
+    if degrees < 1 or np.ptp(x) == 0:
+        return math.nan, math.nan, degrees
+    centred = x - x.mean()
+    slope = float(np.sum(centred * y) / np.sum(centred ** 2))
+    rest = y - y.mean() - slope * centred
+    return slope, float(math.sqrt(np.sum(rest ** 2) / degrees / np.sum(centred ** 2))), degrees

@@ -1,0 +1,135 @@
+"""Rotation against depth within a packing: disks near the surface and near the floor."""
+import numpy as np
+
+from report.page import Figure, Numbers, Section
+from report.style import COLOURS, figure
+from report.verdict import SURE, decide, missing, number
+
+from .drive import bars
+from .scans import DRIVES, LARGE
+from .statistics import mean_error, spearman
+
+LAYER = 2.0   # mean diameters
+SHOWN = ((60, 10), (240, 10), (500, 29), (10000, 100))  # disks, width
+TEXT = "Disks turn faster the nearer they are to the surface"
+
+
+def sections(campaign):
+    out = Section("depths", "Rotation against depth",
+                  "The boxes of <code>shake_size.cfg</code> and <code>shake_1e4.cfg</code>. The depth of a disk is "
+                  "that of its centre below the highest point of the packing within a mean diameter to its sides, at "
+                  "the end of the run. Error bars: scatter of packings; of the 10000 disks, of tenths of its width.")
+    ranks = campaign.numbers("depth-ranks", lambda: rank_rows(campaign), "each packing: Spearman's correlation of |Omega| "
+                             "and depth; share of the disks of the top layer in the sum of Omega^2, and among the disks")
+    table = campaign.numbers("depths", lambda: profile_rows(campaign), "rms angular velocity (rad/s) against depth "
+                             "(mean diameters)")
+    for drive in DRIVES:
+        out.claims.append(claim(drive, [row for row in ranks.rows if row["drive"] == drive]))
+    if table.rows:
+        out.figures.append(profiles(table.rows))
+    out.tables.append(Numbers("Depth and rotation: each size of box",
+                              ["disks", "width/d", "drive/<i>g</i>", "packings", "correlation of |&Omega;| with depth",
+                               "share of the top layer in &Omega;&sup2;", "of the disks"], summary(ranks.rows)))
+    return [out]
+
+
+def runs_of(campaign):
+    """(disks, width, drive, run) of what is compared."""
+    for entry in ("size", LARGE):
+        for run in campaign.runs(entry):
+            if run.has_means:
+                diameter = 2 * float(run.radius.mean())
+                width = run.parameters.get("width", 4.0 if entry == LARGE else 0.4) / diameter
+                yield run.n_free, int(round(width)), run.parameters.get("drive", 2.0), run
+
+
+def depths(x, y, radius):
+    """Depth of each disk, in mean diameters, below the highest point of the packing within a mean diameter beside it."""
+    diameter = 2 * float(np.mean(radius))
+    order = np.argsort(x)
+    left, right = np.searchsorted(x[order], x - diameter), np.searchsorted(x[order], x + diameter, side="right")
+    top = (y + radius)[order]
+    return (np.array([top[a:b].max() for a, b in zip(left, right)]) - y) / diameter
+
+
+def rank_rows(campaign):
+    found = []
+    for disks, width, drive, run in runs_of(campaign):
+        depth = depths(run.x_end, run.y_end, run.radius)
+        top = depth < LAYER
+        found.append({"disks": disks, "width": width, "drive": drive, "seed": run.seed,
+                      "correlation": spearman(depth, np.abs(run.omega)),
+                      "share": float(np.sum(run.omega[top] ** 2) / np.sum(run.omega ** 2)), "of": float(top.mean())})
+    return {key: [row[key] for row in found] for key in found[0]} if found else None
+
+
+def profile_rows(campaign):
+    """rms in layers of the boxes that are drawn, mean and error over packings (or tenths of a large one)."""
+    groups = {}
+    for disks, width, drive, run in runs_of(campaign):
+        if (disks, width) in SHOWN:
+            depth = depths(run.x_end, run.y_end, run.radius)
+            parts = [np.ones(len(depth), bool)]
+            if disks >= 5000:
+                place = np.minimum((10 * (run.x_end - run.x_end.min()) / np.ptp(run.x_end)).astype(int), 9)
+                parts = [place == k for k in range(10)]
+            groups.setdefault((disks, width, drive), []).extend((depth[part], run.omega[part]) for part in parts)
+    found = []
+    for (disks, width, drive), samples in groups.items():
+        deepest = max(float(depth.max()) for depth, _ in samples)
+        edges = np.arange(0, deepest + LAYER, LAYER) if disks < 5000 else np.concatenate(
+            [np.arange(0, 12, LAYER), np.geomspace(12, deepest + 1, 8)])
+        for low, high in zip(edges[:-1], edges[1:]):
+            layers = [omega[(depth >= low) & (depth < high)] for depth, omega in samples]
+            layers = [layer for layer in layers if len(layer)]
+            if sum(map(len, layers)) >= 10:
+                mean, error = mean_error([float(np.sqrt(np.mean(layer ** 2))) for layer in layers])
+                found.append({"disks": disks, "width": width, "drive": drive, "depth": 0.5 * (low + high), "rms": mean,
+                              "error": error, "number": sum(map(len, layers))})
+    return {key: [row[key] for row in found] for key in found[0]} if found else None
+
+
+def claim(drive, rows):
+    text, slug = f"{TEXT}, at {drive:g} <i>g</i>.", f"depth-{drive:g}g"
+    boxes = {}
+    for row in rows:
+        boxes.setdefault((row["disks"], row["width"]), []).append(row["correlation"])
+    several = {box: mean_error(values) for box, values in boxes.items() if len(values) > 1}
+    if not several:
+        return missing(text, slug=slug)
+    up = [mean + SURE * error < 0 for mean, error in several.values()]
+    down = [mean - SURE * error > 0 for mean, error in several.values()]
+    return decide(text, False if any(down) else True if sum(up) > len(up) / 2 else None,
+                  "Spearman's correlation of |&Omega;| and depth: " + "; ".join(
+                      f"{disks:g} disks, {width:g} wide: {number(*pair)}" for (disks, width), pair in several.items())
+                  + "".join(f"; {disks:g} disks: {number(values[0])} (one packing)"
+                            for (disks, width), values in boxes.items() if len(values) == 1), slug=slug)
+
+
+def summary(rows):
+    boxes = {}
+    for row in rows:
+        boxes.setdefault((row["disks"], row["width"], row["drive"]), []).append(row)
+    return [[disks, width, drive, len(some), *(number(*mean_error([row[name] for row in some]))
+                                                for name in ("correlation", "share", "of"))]
+            for (disks, width, drive), some in sorted(boxes.items())]
+
+
+def profiles(rows):
+    picture, axes = figure(columns=len(DRIVES), width=7.2, height=3.4, sharey=True)
+    for panel, drive in zip(axes, DRIVES):
+        for k, (disks, width) in enumerate(SHOWN):
+            here = [row for row in rows if (row["disks"], row["width"], row["drive"]) == (disks, width, drive)]
+            if here:
+                x, y, error = np.array([(row["depth"], row["rms"], row["error"]) for row in here], float).T
+                panel.errorbar(x, y, yerr=bars(y, error), fmt="osD^"[k] + "-", lw=0.7, ms=4, color=COLOURS[k], mfc="white",
+                               label=f"{disks}")
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        panel.set_title(f"{drive:g} $g$")
+        panel.set_xlabel("depth / mean diameter")
+        panel.set_xticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
+        panel.legend(title="disks", fontsize=9, loc="lower left")
+    axes[0].set_ylabel(r"rms $\Omega$ of the layer (rad/s)")
+    return Figure("depths", picture, "Rms of the mean angular velocities of the disks in layers of the packing against "
+                                     "their depth below the surface.", "Angular velocity against depth below the surface")

@@ -1,0 +1,282 @@
+"""On what the rotation depends: friction, stiffness, frequency, size of the box, preparation; and depth within a packing."""
+import dataclasses
+import math
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter
+
+from report.page import Figure, Numbers, Section
+from report.style import COLOURS, GREY, figure
+from report.verdict import NO, OPEN, SURE, YES, Claim, decide, missing, number
+
+from .compare import differ, exponent
+from .drive import bars, lasts
+from .statistics import mean_error, pearson, spearman
+
+DRIVES = (0.7, 2.0)
+LARGE = "shake_1e4"
+CLEAR = 0.01     # chance below which groups differ
+SAME = 0.05      # and above which they may be alike
+FINE = 0.25      # an exponent with a larger error tells nothing
+QUANTITIES = ("rms", "median", "significant", "correlation", "openings", "sliding", "contacts", "wander")
+
+
+@dataclasses.dataclass(frozen=True)
+class Scan:
+    key: str
+    title: str        # of what
+    axis: str         # label of the axis
+    pick: object      # what belongs to it: value of a row of the table, or None
+    claim: str        # what is tested
+    aim: object = None  # exponent that is expected: a number, "changes", "alike" or a sign "-"
+    place: dict = None  # value -> where it is drawn, of values that are no numbers
+    ticks: tuple = ()
+
+
+MADE = {"rain": 0, "random": 1, "front": 2, "shaken down": 3, "pressed": 4}
+SCANS = (
+    Scan("mu", "friction", r"$\mu$",
+         lambda row: row["mu"] if row["varied"] == "mu" else None,
+         "The rms of &Omega; depends on the coefficient of friction", "changes", ticks=(0.01, 0.1, 1)),
+    Scan("stiffness", "tangential stiffness", "$k_t/k_n$",
+         lambda row: row["ratio"] if row["varied"] == "k_t" else None,
+         "The rms of &Omega; does not depend on <i>k<sub>t</sub></i>/<i>k<sub>n</sub></i>", 0.0,
+         ticks=(0.4, 0.6, 1)),
+    Scan("frequency", "frequency", "frequency (Hz)",
+         lambda row: row["frequency"] if row["varied"] == "frequency" else None,
+         "At a given acceleration the rms of &Omega; follows the velocity of the floor, 1/frequency", -1.0,
+         ticks=(40, 80, 160)),
+    Scan("preparation", "preparation", "",
+         lambda row: row["made"] if row["varied"] == "made" else None,
+         "The rms of &Omega; does not depend on how the packing was made", "alike", MADE),
+    Scan("depth", "depth, one width", "disks",
+         lambda row: row["disks"] if row["varied"] == "size" and row["width"] < 12 else None,
+         "In deeper boxes of one width the rms of &Omega; is smaller", "-", ticks=(30, 60, 120, 240)),
+    Scan("width", "width, one depth", "width / mean diameter",
+         lambda row: row["width"] if row["varied"] == "size" and row["disks"] in (60, 240)
+         and not (row["disks"] == 240 and row["width"] < 12) else None,
+         "The rms of &Omega; does not depend on the width of the box at the same depth", 0.0, ticks=(10, 20, 40)),
+    Scan("number", "number, about one shape", "number of disks",
+         lambda row: row["disks"] if row["varied"] == "size" and (row["disks"], round(row["width"])) in
+         ((60, 10), (500, 29), (10000, 100)) else None,
+         "The rms of &Omega; does not depend on the number of disks in boxes of one shape", 0.0,
+         ticks=(100, 1000, 10000)),
+)
+
+
+def sections(campaign):
+    out = Section("scans", "On what the rotation depends",
+                  "<code>inputs/packing/shake_scan.cfg</code>, <code>shake_size.cfg</code>, "
+                  "<code>shake_prepared.cfg</code>: one parameter at a time, at 0.7 <i>g</i> and 2 <i>g</i>, 30 s "
+                  "measured after 5 s; every run deposits a packing of its own. All else as in the other boxes: 60 "
+                  "disks, 10 mean diameters wide, &mu; = 0.1, <i>k<sub>t</sub></i>/<i>k<sub>n</sub></i> = 0.5, 80 Hz, "
+                  "rain. Prepared: <i>random</i> disks fall all at once, a <i>front</i> is placed densely, "
+                  "<i>shaken down</i> is 5 s at 5 <i>g</i>, <i>pressed</i> is 5 s under a lid of thirty times the "
+                  "weight. Error bars: scatter of packings.",
+                  missing=campaign.missing("scan", "size", "prepared"))
+    table = campaign.numbers("scans", lambda: rows(campaign), "each packing: angular velocities in rad/s, lengths in "
+                             "mean diameters, openings per contact and period")
+    if not table.rows:
+        out.claims.append(missing("The rotation lasts whatever the parameters.", slug="scan-lasts"))
+        return [out]
+    found = {scan.key: points_of(scan, table.rows) for scan in SCANS}
+    out.claims.append(all_last(found))
+    for scan in SCANS:
+        out.claims.append(claim_of(scan, found[scan.key]))
+    out.claims.append(reference(found))
+    for name, scans in (("scans", SCANS[:4]), ("scans-size", SCANS[4:])):
+        if any(found[scan.key] for scan in scans):
+            out.figures.append(overview(name, scans, found))
+    out.tables.append(Numbers("Each point of the scans (rms and median in rad/s)",
+                              ["scan", "value", "drive/<i>g</i>", "packings", *QUANTITIES],
+                              [[scan.title, value if isinstance(value, str) else float(value), drive, len(some),
+                                *(number(*mean_error([row[q] for row in some])) for q in QUANTITIES)]
+                               for scan in SCANS for (drive, value), some in found[scan.key].items()]))
+    return [out]
+
+
+# --- table --------------------------------------------------------------------------------------------------
+def rows(campaign):
+    """A row for each packing, with what was varied in it."""
+    found = []
+    for entry in ("scan", "size", "prepared", LARGE):
+        for run in campaign.runs(entry):
+            if run.has_means:
+                found.append(row_of(entry, run))
+    return {key: [row[key] for row in found] for key in found[0]} if found else None
+
+
+def row_of(entry, run):
+    known = run.parameters
+    diameter = 2 * float(run.radius.mean())
+    frequency = known.get("frequency", 80.0)
+    varied = {"size": "size", LARGE: "size", "prepared": "made"}.get(entry) or next(
+        name for name in ("mu", "k_t", "frequency") if name in known)
+    made = {"tap": "shaken down", "press": "pressed"}.get(known.get("then"), known.get("made", "rain"))
+    first, second = run.halves()
+    return {"varied": varied, "drive": known.get("drive", 2.0), "mu": known.get("mu", 0.1),
+            "ratio": known.get("k_t", 5e3) / 1e4, "frequency": frequency, "made": made, "disks": run.n_free,
+            "width": round(known.get("width", 4.0 if entry == LARGE else 0.4) / diameter, 2),
+            "depth": float(np.max(run.y_end + run.radius)) / diameter, "height_rank": spearman(run.y_end, np.abs(run.omega)), "seed": run.seed, "seconds": run.measured,
+            "rms": run.rms, "median": run.median, "significant": run.significant,
+            "correlation": pearson(first, second), "ranks": spearman(first, second),
+            "openings": run.openings_per_period(frequency), "sliding": run.sliding_fraction,
+            "contacts": run.coordination, "wander": run.wander}
+
+
+def points_of(scan, rows_):
+    """{(drive, value): rows}, in order of drive and value."""
+    found = {}
+    for row in rows_:
+        value = scan.pick(row)
+        if value is not None and row["drive"] in DRIVES:
+            found.setdefault((row["drive"], value), []).append(row)
+    order = (scan.place or {}).get
+    return dict(sorted(found.items(), key=lambda item: (item[0][0], order(item[0][1], item[0][1]))))
+
+
+# --- claims -------------------------------------------------------------------------------------------------
+def all_last(found):
+    """Rotation lasts at every point: one claim, with the least correlation."""
+    verdicts, lowest = [], (2, "")
+    for scan in SCANS:
+        for (drive, value), some in found[scan.key].items():
+            mean, error = mean_error([row["correlation"] for row in some])
+            if len(some) > 1:
+                verdicts.append((lasts((mean, error)), mean, f"{scan.title} {value if isinstance(value, str) else number(value)} "
+                                 f"at {drive:g} <i>g</i>: {number(mean, error)}"))
+    text = "Rotation lasts whatever friction, stiffness, frequency, size and preparation (correlation of halves above 0.5)."
+    if not verdicts:
+        return missing(text, slug="scan-lasts")
+    wrong = [told for verdict, _, told in verdicts if verdict is False]
+    unsure = [told for verdict, _, told in verdicts if verdict is None]
+    lowest = min(verdicts, key=lambda item: item[1])[2]
+    return decide(text, False if wrong else None if unsure else True,
+                  f"{len(verdicts)} points, {len(wrong)} not, {len(unsure)} undecided; least: {lowest}"
+                  + (f"; not: {'; '.join(wrong)}" if wrong else ""), slug="scan-lasts")
+
+
+def claim_of(scan, points):
+    verdicts, told = [], []
+    for drive in DRIVES:
+        groups = {value: [row["rms"] for row in some] for (at, value), some in points.items() if at == drive}
+        if len(groups) > 1:
+            verdict, text = judge(scan.aim, groups)
+            verdicts.append(verdict)
+            told.append(f"at {drive:g} <i>g</i> {text}")
+    if not verdicts:
+        return missing(scan.claim + ".", slug="scan-" + scan.key)
+    if scan.aim == "changes":  # one drive is enough
+        verdict = YES if YES in verdicts else NO if all(v == NO for v in verdicts) else OPEN
+    else:
+        verdict = NO if NO in verdicts else YES if all(v == YES for v in verdicts) else OPEN
+    return Claim(scan.claim + ".", verdict, "; ".join(told), slug="scan-" + scan.key)
+
+
+def judge(aim, groups):
+    """(verdict, numbers) of groups {value: rms of each packing} at one drive."""
+    chance = differ(list(groups.values()))
+    ends = [f"{number(*mean_error(groups[value]))} ({value if isinstance(value, str) else number(value)})" for value in groups]
+    told = ", ".join(ends) + f" rad/s; a chance of {100 * chance:.2g} % for equal ones" if math.isfinite(chance) else ", ".join(ends)
+    if aim in ("changes", "alike"):
+        if not math.isfinite(chance):
+            return OPEN, told
+        if aim == "changes":
+            return YES if chance < CLEAR else NO if chance > SAME and spread(groups) < 0.2 else OPEN, told
+        return NO if chance < CLEAR else YES if chance > SAME and spread(groups) < 0.2 else OPEN, told
+    x = np.concatenate([np.full(len(some), value) for value, some in groups.items()])
+    b, error, degrees = exponent(x, np.concatenate(list(groups.values())))
+    told = f"~ value<sup>{number(b, error)}</sup>: " + told
+    if not (degrees >= 2 and error > 0):
+        return OPEN, told
+    if aim == "-":
+        return YES if b < -SURE * error else NO if b > SURE * error else OPEN, told
+    away = abs(b - aim)
+    return NO if away > SURE * error else YES if away < 2 * error and error < FINE else OPEN, told
+
+
+def spread(groups):
+    """Error of a group's mean relative to it: what differences cannot be seen."""
+    parts = [mean_error(some) for some in groups.values()]
+    return float(np.mean([error / mean for mean, error in parts])) if all(np.isfinite(e) for _, e in parts) else math.inf
+
+
+BASE = {"mu": 0.1, "stiffness": 0.5, "frequency": 80.0, "depth": 60.0, "preparation": "rain"}
+
+
+def reference(found):
+    """The same box is a point of each scan, with packings of its own: these must agree."""
+    text = "The point that all scans share is the same in each of them."
+    verdicts, told = [], []
+    for drive in DRIVES:
+        groups = [[row["rms"] for row in found[key].get((drive, value), [])] for key, value in BASE.items()]
+        groups = [g for g in groups if g]
+        chance = differ(groups)
+        if math.isfinite(chance):
+            verdicts.append(YES if chance > SAME else NO if chance < 0.001 else OPEN)
+            every = np.concatenate(groups)
+            told.append(f"at {drive:g} <i>g</i> {number(*mean_error(every))} rad/s of {len(every)} packings, a chance of "
+                        f"{100 * chance:.2g} % for {len(groups)} groups")
+    if not verdicts:
+        return missing(text, slug="scan-reference")
+    return Claim(text, NO if NO in verdicts else YES if all(v == YES for v in verdicts) else OPEN, "; ".join(told),
+                 slug="scan-reference")
+
+
+# --- figures ------------------------------------------------------------------------------------------------
+PANELS = ((("rms", "rms", "o", "-"), ("median", "median", "s", ":")),
+          (("significant", "beyond 3 errors", "^", "-"), ("correlation", "correlation of halves", "D", ":")),
+          (("openings", "openings", "v", "-"),))
+LABELS = (r"$|\Omega|$ (rad/s)", "fraction", "openings per\ncontact and period")
+
+
+def overview(name, scans, found):
+    picture, axes = figure(columns=len(scans), rows=3, width=7.6, height=6.6, sharey="row", sharex="col", squeeze=False)
+    for column, scan in zip(axes.T, scans):
+        for panel, quantities in zip(column, PANELS):
+            for k, drive in enumerate(DRIVES):
+                for quantity in quantities:
+                    draw(panel, scan, {v: some for (at, v), some in found[scan.key].items() if at == drive}, k, *quantity)
+            ticks(panel, scan)
+        column[0].set_yscale("log")
+        column[1].set_ylim(-0.05, 1.12)
+        column[2].set_yscale("log")
+        column[0].set_title(scan.title, fontsize=10)
+        column[2].set_xlabel(scan.axis, fontsize=10.5)
+    for panel, label in zip(axes[:, 0], LABELS):
+        panel.set_ylabel(label)
+    colours = [Line2D([], [], color=COLOURS[k], lw=3, label=f"{drive:g} $g$") for k, drive in enumerate(DRIVES)]
+    signs = [Line2D([], [], color=GREY, marker=sign, ls=line, mfc=GREY if line == "-" else "white", label=label)
+             for part in PANELS for _, label, sign, line in part]
+    picture.legend(handles=colours + signs, loc="outside upper center", ncol=4, fontsize=9.5)
+    return Figure(name, picture, "Rms and median of the mean angular velocities, fraction of the disks beyond 3 errors and "
+                                 "correlation of the two halves of the time, openings of contacts. "
+                                 "Error bars: scatter of packings (10000 disks: one packing).",
+                  "Rotation against " + ", ".join(scan.title for scan in scans))
+
+
+def draw(panel, scan, points, k, name, _, sign, line):
+    """One quantity at one drive; the two drives stand a little beside each other."""
+    points = {value: some for value, some in points.items() if any(np.isfinite(row[name]) for row in some)}
+    if not points:
+        return
+    x = np.array([(scan.place or {}).get(value, value) for value in points], float)
+    x = x + 0.16 * (k - 0.5) if scan.place else x * 1.05 ** (k - 0.5)
+    mean, error = np.array([mean_error([row[name] for row in some]) for some in points.values()]).T
+    size = np.nan_to_num(error) if name in ("significant", "correlation") else bars(mean, error)
+    panel.errorbar(x, mean, yerr=size, fmt=sign, ls="none" if scan.place else line, color=COLOURS[k], ms=4.2, lw=0.7,
+                   mfc=COLOURS[k] if line == "-" else "white")
+
+
+def ticks(panel, scan):
+    if scan.place:
+        panel.set_xticks(list(scan.place.values()), list(scan.place), rotation=60, fontsize=9)
+        panel.set_xlim(-0.5, len(scan.place) - 0.5)
+        panel.tick_params(axis="x", which="minor", bottom=False, top=False)
+        return
+    panel.set_xscale("log")
+    if scan.ticks:
+        panel.set_xticks(scan.ticks, [f"{value:g}" for value in scan.ticks])
+        panel.xaxis.set_minor_formatter(NullFormatter())
+        panel.tick_params(axis="x", which="minor", bottom=False, top=False)
