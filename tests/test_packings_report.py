@@ -20,11 +20,12 @@ except ImportError:
     sys.exit(0)
 
 from packings import __main__ as study  # noqa: E402
-from packings import flows, plan, statistics  # noqa: E402
+from packings import compare, depths, flows, outside, plan, scans, statistics  # noqa: E402
 from packings.plan import Entry  # noqa: E402
 from packings.runs import Campaign  # noqa: E402
 from report.runs import overrides  # noqa: E402
 from report.style import plt  # noqa: E402
+from report.verdict import NO, OPEN, YES  # noqa: E402
 
 plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 RNG = numpy.random.default_rng(5)
@@ -70,6 +71,62 @@ class Numbers(unittest.TestCase):
         self.assertAlmostEqual(statistics.crossing(x, [1e-4, 1e-2, 1], 1e-1), 10 ** 0.5, 9)
         self.assertTrue(numpy.isnan(statistics.crossing(x, [1e-4, 1e-3, 1e-2], 1)))
         self.assertTrue(0.1 < statistics.crossing(x, [0, 1e-2, 1], 1e-3) < 1)
+
+
+class Comparisons(unittest.TestCase):
+    def test_student(self):
+        """Tabulated values; chances of made-up samples are spread evenly."""
+        for t, degrees, chance in ((12.706, 1, 0.05), (2.776, 4, 0.05), (4.604, 4, 0.01), (1.984, 100, 0.05), (0, 3, 1)):
+            self.assertAlmostEqual(compare.student(t, degrees), chance, 4)
+        self.assertAlmostEqual(compare.student_limit(0.05, 5), 2.571, 3)
+        found = [compare.newcomer(RNG.normal(size=5), RNG.normal(size=2).mean(), 2)[2] for _ in range(300)]
+        self.assertAlmostEqual(numpy.mean(numpy.array(found) < 0.1), 0.1, delta=0.06)
+
+    def test_groups(self):
+        """Groups of one population differ by chance only; shifted ones are told."""
+        chances = [compare.differ([RNG.normal(size=5) for _ in range(4)], seed) for seed in range(60)]
+        self.assertAlmostEqual(numpy.mean(chances), 0.5, delta=0.12)
+        self.assertLess(compare.differ([RNG.normal(size=5) + 3 * k for k in range(3)]), 0.01)
+        self.assertTrue(numpy.isnan(compare.differ([[1.0], [2.0]])))
+
+    def test_exponent(self):
+        x = numpy.repeat([40, 80, 160.0], 6)
+        found = [compare.exponent(x, x ** -1 * numpy.exp(0.3 * RNG.normal(size=18))) for _ in range(300)]
+        b, error, degrees = numpy.array(found).T
+        self.assertAlmostEqual(b.mean(), -1, delta=0.03)
+        self.assertAlmostEqual(error.mean() / b.std(), 1, delta=0.15)
+        self.assertEqual(degrees[0], 16)
+
+    def test_other_program(self):
+        """The same numbers agree, twice the numbers do not, two packings cannot tell."""
+        def verdicts(factor, count):
+            found = {drive: factor * rms * numpy.exp(0.2 * RNG.normal(size=count))
+                     for drive, rms in outside.THEIRS.items()}
+            return [outside.together(found).verdict] + [outside.one(*item).verdict for item in found.items()]
+
+        same = [verdicts(1, 6) for _ in range(20)]
+        self.assertGreater(sum(found[0] == YES for found in same), 15)
+        self.assertGreater(sum(word == YES for found in same for word in found[1:]), 65)
+        self.assertTrue(all(verdicts(2.5, 6)[0] == NO for _ in range(10)))
+        self.assertTrue(all(verdicts(1, 1)[1] == OPEN for _ in range(3)))
+
+    def test_scans(self):
+        """Each aim passes and fails as it should."""
+        def groups(values, law, scatter=0.15, count=6):
+            return {x: law(x) * numpy.exp(scatter * RNG.normal(size=count)) for x in values}
+
+        values = (40, 80, 160.0)
+        for aim, law, verdict in ((-1.0, lambda x: 1 / x, YES), (-1.0, lambda x: x, NO), (0.0, lambda x: 1, YES),
+                                  (0.0, lambda x: x, NO), ("-", lambda x: 1 / x, YES), ("-", lambda x: x, NO),
+                                  ("changes", lambda x: x, YES), ("alike", lambda x: x, NO)):
+            found = [scans.judge(aim, groups(values, law))[0] for _ in range(8)]
+            self.assertGreater(found.count(verdict), 5, f"{aim} {found}")
+        self.assertEqual(scans.judge("alike", {x: [1.0] for x in values})[0], OPEN)
+
+    def test_depths(self):
+        """Below the highest disk beside it, in mean diameters."""
+        x, y = numpy.array([0, 0, 0, 5.0]), numpy.array([0, 1, 2, 0.0])
+        self.assertEqual(list(depths.depths(x, y, numpy.full(4, 0.5))), [2.5, 1.5, 0.5, 0.5])
 
 
 class Flows(unittest.TestCase):

@@ -3,6 +3,7 @@
 #
 #   tools/packings.sh           the campaign that docs/packings_study.md shows: more than an hour on two cores
 #   tools/packings.sh --quick   all of it, short and coarse: a few minutes
+#   tools/packings.sh --large   besides, 100000 disks: 25 minutes more of one core
 #   tools/packings.sh --draw    runs nothing, draws what is there
 #   tools/packings.sh --help    all options: -o DIR, -j N, --only NAME, --program FILE, --keep DIR
 # Results go to build/packings. It may be stopped at any time: the same command goes on, and the page shows what is

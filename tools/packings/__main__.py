@@ -12,11 +12,11 @@ from report.page import Page, badge, missing_list
 from report.runs import STOPPED
 from report.verdict import NO, OPEN, YES
 
-from . import budget, controls, drive, flows, jamming, large, limits, low, plan
+from . import budget, controls, depths, drive, flows, jamming, large, limits, low, outside, plan, scans
 from .runs import ROOT, Campaign, Stopped
 
 TITLE = "Packings: shaken, compressed, poured"
-MODULES = (low, drive, controls, budget, jamming, flows, large)
+MODULES = (low, drive, outside, scans, depths, controls, budget, jamming, flows, large)
 
 
 def options():
@@ -24,6 +24,7 @@ def options():
         "draws what they "
                                      "show into one HTML page. What is finished is not run again.")
     parser.add_argument("--quick", dest="level", action="store_const", const="quick", help="coarse, a few minutes")
+    parser.add_argument("--large", action="store_true", help="also the runs of 100000 disks, 25 minutes of one core")
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "packings"), metavar="DIR",
                         help="where results and page go (build/packings)")
     parser.add_argument("-j", dest="jobs", type=int, default=os.cpu_count() or 1, metavar="N",
@@ -39,6 +40,7 @@ def options():
     unknown = [name for name in args.only if name not in plan.ENTRIES]
     if unknown:
         parser.error(f"--only {unknown[0]}: nothing is called that; there are " + ", ".join(plan.ENTRIES))
+    args.large |= any(plan.ENTRIES[name].large for name in args.only)
     return args
 
 
@@ -123,7 +125,7 @@ def main():
     args = options()
     os.makedirs(args.folder, exist_ok=True)
     campaign = Campaign(args.folder, args.level, args.program, args.jobs, dry=args.draw,
-                        kept=os.path.join(ROOT, "docs", "data"))
+                        kept=os.path.join(ROOT, "docs", "data"), large=args.large)
     campaign.keep_program()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, campaign.stop)

@@ -18,6 +18,7 @@ class Entry:
     sweep: bool = True          # a sweep, else one run
     threads: bool = False       # one run on all cores
     skip_quick: bool = False
+    large: bool = False         # only with --large
     first: int = 0              # so many replicas come before the rest of any sweep: there is early something of all
     replicas: str = "sweep.replicas"  # where the deck has their number: sweep[*].replicas of a list of grids
 
@@ -97,7 +98,7 @@ ENTRIES = {
     "deposit_1e4": Entry("deposit_1e4.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
     "shake_1e4": Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5"}, sweep=False,
                        threads=True, skip_quick=True),
-    "deposit_1e5": Entry("deposit_1e5.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
+    "deposit_1e5": Entry("deposit_1e5.cfg", {}, {}, sweep=False, threads=True, skip_quick=True, large=True),
     "shake_1e5": Entry("shake_1e5.cfg", {"disk_files[0].file": "{folder}/deposit_1e5.h5"}, sweep=False,
-                       threads=True, skip_quick=True),
+                       threads=True, skip_quick=True, large=True),
 }

@@ -21,7 +21,8 @@ class Campaign(Results):
     PAGE = "packings"
 
     def __init__(self, folder, level="default", program="slipdisk", jobs=1, dry=False, strict=False, say=print,
-                 entries=None, kept=""):
+                 entries=None, kept="", large=False):
+        self.large = large
         self.entries = plan.ENTRIES if entries is None else entries
         super().__init__(folder, level, program, jobs, dry, strict, say, kept)
         self._read = {}
@@ -90,12 +91,18 @@ class Campaign(Results):
 
     def _order(self):
         """[(name, is it a first part only)]: something of everything, then the rest, then what is large."""
+        wanted = [name for name in self.entries if self.wanted(name)]
         if self.level == "quick":
-            return [(name, False) for name, entry in self.entries.items() if not entry.skip_quick]
-        small = [name for name, entry in self.entries.items() if not entry.threads]
+            return [(name, False) for name in wanted]
+        small = [name for name in wanted if not self.entries[name].threads]
         return ([(name, self.entries[name].first > 0) for name in small]
                 + [(name, False) for name in small if self.entries[name].first]
-                + [(name, False) for name, entry in self.entries.items() if entry.threads])
+                + [(name, False) for name in wanted if self.entries[name].threads])
+
+    def wanted(self, name):
+        """Does this belong to what is run?"""
+        entry = self.entries.get(name)
+        return bool(entry) and not (self.level == "quick" and entry.skip_quick) and (self.large or not entry.large)
 
     def _make(self, name, entry, early):
         words, note = self._words(name), self._place(name) + ".txt"
@@ -120,7 +127,7 @@ class Campaign(Results):
         """What of these is not there: one line each."""
         lines = []
         for name in names:
-            if name not in self.entries or (self.level == "quick" and self.entries[name].skip_quick):
+            if not self.wanted(name):
                 continue
             if not self.entries[name].sweep:
                 lines += [] if self.files(name) else [f"{name}: not finished"]
