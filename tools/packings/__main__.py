@@ -1,7 +1,6 @@
 """python3 -m packings: makes the results of one level and draws the study of packings. Called by tools/packings.sh."""
 import argparse
 import os
-import platform
 import signal
 import sys
 import time
@@ -76,8 +75,7 @@ def draw(campaign, keep=None, modules=MODULES):
 
 
 def words_of(campaign):
-    program = (campaign.provenance() or "?").splitlines()[0]
-    return f"{program} on {platform.machine()}"
+    return campaign.made_by()
 
 
 def head(campaign, found, counts):

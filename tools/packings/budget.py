@@ -27,7 +27,7 @@ def sections(campaign):
         if name == "step" or not runs:
             continue
         first = max(runs, key=lambda run: abs(run.residual))
-        work = [v for v in (run.measured_residual() for run in runs) if np.isfinite(v)]
+        work = [v for v in (run.measured_residual for run in runs) if np.isfinite(v)]
         rows.append([f"<code>{os.path.basename(entry.deck)}</code> ({name})", len(runs), first.dt, abs(first.residual),
                      max(work) if work else np.nan])
         worst += [(max(work) if work else abs(first.residual), name)]

@@ -1,8 +1,10 @@
 """Heap and angle of repose, discharge of a hopper, rotating drum."""
 import dataclasses
+import functools
 
 import numpy as np
 
+from report.data import Table
 from report.page import Figure, Numbers, Section
 from report.style import BLACK, COLOURS, GREY, figure, plt, points
 from report.verdict import decide, missing, number, percent
@@ -57,22 +59,20 @@ def heap(campaign):
                   "replicas.",
                   missing=campaign.missing("repose"))
     found = {}
-    for run in runs:
-        here = run.activity == 0
-        angles, _ = flanks(run.x_end[here], run.y_end[here], run.radius[here])
-        found.setdefault(run.parameters.get("mu"), []).append((run, angles, int(here.sum())))
+    for row in campaign.numbers("repose-flanks", lambda: slopes(runs), "slopes of the flanks, degrees").rows:
+        found.setdefault(row["mu"], []).append(((row["left"], row["right"]), row["disks"]))
     text = "The angle of repose grows with friction."
     if not found:
         out.claims.append(missing(text))
         return out
     mu = np.array(list(found))
-    mean = np.array([mean_error(np.concatenate([angles for _, angles, _ in some])) for some in found.values()])
+    mean = np.array([mean_error(np.concatenate([angles for angles, _ in some])) for some in found.values()])
     grows = mean[-1, 0] > mean[0, 0] + 3 * np.hypot(mean[0, 1], mean[-1, 1]) if len(mu) > 1 else None
     out.claims.append(decide(text, None if grows is None else bool(grows), "; ".join(
         f"&mu; = {m:g}: {number(*pair)}&deg;" for m, pair in zip(mu, mean))))
     out.tables.append(Numbers("Angle of repose", ["&mu;", "heaps", "angle (degrees)", "error", "disks in the heap "
         "(mean)"],
-                              [[float(m), len(found[m]), *map(float, pair), float(np.mean([n for *_, n in found[m]]))]
+                              [[float(m), len(found[m]), *map(float, pair), float(np.mean([n for _, n in found[m]]))]
                                for m, pair in zip(mu, mean)]))
     picture, axes = figure(height=3.6)
     points(axes, mu, mean[:, 0], mean[:, 1], None, 0, "o")
@@ -81,24 +81,45 @@ def heap(campaign):
     axes.set_ylim(0, None)
     out.figures.append(Figure("repose", picture, "Angle of repose against friction.", "Angle of repose against "
         "friction"))
-    out.figures.append(heap_figure(found[min(mu, key=lambda m: abs(m - 0.5))][0][0]))
+    shown = min(runs, key=lambda run: abs(run.parameters["mu"] - 0.5))
+    out.figures.append(heap_figure(shown.parameters["mu"],
+                                   campaign.numbers("repose-disks", lambda: heap_disks(shown), "a heap, in mean diameters"),
+                                   campaign.numbers("repose-forces", lambda: heap_forces(shown), "its contacts")))
     return out
 
 
-def heap_figure(run):
+def slopes(runs):
+    rows = []
+    for run in runs:
+        here = run.activity == 0
+        (left, right), _ = flanks(run.x_end[here], run.y_end[here], run.radius[here])
+        rows.append({"mu": run.parameters["mu"], "left": left, "right": right, "disks": int(here.sum())})
+    return Table(rows)
+
+
+def heap_disks(run):
     here = run.activity == 0
-    x, y, radius = run.x_end[here], run.y_end[here], run.radius[here]
+    return {"x": run.x_end[here], "y": run.y_end[here], "radius": run.radius[here]}
+
+
+def heap_forces(run):
+    ends, force = run.contact_lines()
+    return {"x0": ends[:, 0, 0], "y0": ends[:, 0, 1], "x1": ends[:, 1, 0], "y1": ends[:, 1, 1], "force": force}
+
+
+def heap_figure(mu, disks, forces):
+    x, y, radius = disks.column("x"), disks.column("y"), disks.column("radius")
     picture, axes = figure(width=7.2, height=2.9)
     maps.disks(axes, x, y, radius, plt.get_cmap("Greys")(np.full(len(x), 0.15)), width=0.3)
-    segments, force = run.contact_lines()
-    maps.contacts(axes, segments, force, 2.0, COLOURS[1])
+    ends = np.stack([[forces.column(name) for name in pair] for pair in (("x0", "y0"), ("x1", "y1"))]).transpose(2, 0, 1)
+    maps.contacts(axes, ends, forces.column("force"), 2.0, COLOURS[1])
     _, lines = flanks(x, y, radius)
     for ends in lines:
         axes.plot(*ends, color=COLOURS[0], lw=1.6, zorder=4)
     maps.frame(axes, x, y, radius)
     axes.set_xlabel("$x$ / mean diameter")
     axes.set_ylabel("$y$ / mean diameter")
-    return Figure("heap", picture, f"Heap at &mu; = {run.parameters.get('mu', 0):g}; contacts as wide as their "
+    return Figure("heap", picture, f"Heap at &mu; = {mu:g}; contacts as wide as their "
                                    f"forces; blue: fitted "
                   "flanks.", "Picture of a heap with its contact forces and fitted flanks")
 
@@ -109,8 +130,8 @@ class Discharge:
     rate: float      # disks per time
     early: float     # the same in the first and second half of the window
     late: float
-    time: np.ndarray
-    out: np.ndarray
+    time: np.ndarray = None
+    out: np.ndarray = None
 
 
 def discharge(run, part=(0.05, 0.45)):
@@ -165,12 +186,15 @@ def hopper(campaign):
                   "law in "
                   "two dimensions: <i>W</i> = <i>C</i> (<i>D</i> &minus; <i>k "
                   "d</i>)<sup>3/2</sup>.", missing=campaign.missing("hopper"))
-    found = {}
-    for run in campaign.runs("hopper"):
-        flow = discharge(run)
-        if flow:
-            found.setdefault(run.parameters.get("outlet"), []).append(flow)
+    runs, found = campaign.runs("hopper"), {}
+    flows = functools.cache(lambda: [(run.parameters["outlet"], flow) for run in runs
+                                     for flow in [discharge(run)] if flow])
+    for row in campaign.numbers("hopper-rates", lambda: Table(
+            {"outlet": outlet, **{name: getattr(flow, name) for name in ("rate", "early", "late")}}
+            for outlet, flow in flows()), "disks per time; the same in the first and second half of the window").rows:
+        found.setdefault(row["outlet"], []).append(Discharge(row["rate"], row["early"], row["late"]))
     found = dict(sorted(found.items()))
+    curves = campaign.numbers("hopper-curves", lambda: discharged(flows()), "disks that are out: mean and range of runs")
     text = "The rate follows Beverloo's law with the exponent 3/2."
     if sum(size <= NARROW for size in found) < 4:
         out.claims.append(missing(text))
@@ -202,19 +226,30 @@ def hopper(campaign):
                               [[float(d), len(found[d]), float(r[0]), float(r[1]),
                                 float(np.mean([flow.late / flow.early for flow in found[d]]))]
                                for d, r in zip(width, rate)]))
-    out.figures.append(hopper_figure(found, width, rate[:, 0], error, (a, a_error, k, factor), fixed))
+    out.figures.append(hopper_figure(curves, width, rate[:, 0], error, (a, a_error, k, factor), fixed))
     return out
 
 
-def hopper_figure(found, width, rate, error, free, fixed):
-    picture, axes = figure(columns=2, height=3.2)
-    colours = plt.get_cmap("viridis")(np.linspace(0, 0.9, len(found)))
-    for colour, (size, some) in zip(colours, found.items()):
+def discharged(flows):
+    """Disks out against the time since opening, of each outlet."""
+    parts = []
+    for size in sorted({outlet for outlet, _ in flows}):
+        some = [flow for outlet, flow in flows if outlet == size]
         clocks = [flow.time - flow.time[np.argmax(flow.out > 0)] for flow in some]
-        clock = np.linspace(0, min(c[-1] for c in clocks), 400)
+        clock = np.linspace(0, min(c[-1] for c in clocks), 100)
         out = np.array([np.interp(clock, c, flow.out) for c, flow in zip(clocks, some)])
-        axes[0].plot(clock, out.mean(axis=0), color=colour, label=f"{size:g}")
-        axes[0].fill_between(clock, out.min(axis=0), out.max(axis=0), color=colour, alpha=0.3, lw=0)
+        parts.append({"outlet": np.full(100, size), "time": clock, "mean": out.mean(axis=0), "least": out.min(axis=0),
+                      "most": out.max(axis=0)})
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} if parts else None
+
+
+def hopper_figure(curves, width, rate, error, free, fixed):
+    picture, axes = figure(columns=2, height=3.2)
+    sizes = curves.values("outlet")
+    for colour, size in zip(plt.get_cmap("viridis")(np.linspace(0, 0.9, len(sizes))), sizes):
+        clock, mean, least, most = map(curves.where(outlet=size).column, ("time", "mean", "least", "most"))
+        axes[0].plot(clock, mean, color=colour, label=f"{size:g}")
+        axes[0].fill_between(clock, least, most, color=colour, alpha=0.3, lw=0)
     axes[0].set_xlabel(r"time since opening / $\sqrt{d/g}$")
     axes[0].set_ylabel("disks out")
     axes[0].set_xlim(0, None)
@@ -247,12 +282,8 @@ def drum(campaign):
         out.claims.append(missing("The packing flows at a steady dynamic angle of repose."))
         return out
     run = runs[0]
-    time, place = run.frames()
-    late = time >= time[-1] - run.measured
-    time, place = time[late], place[late][:, :run.n_free]
-    middle = np.average(place, axis=1, weights=run.mass)
-    angles = np.arctan2(-middle[:, 0], -middle[:, 1]) * DEGREE
-    slopes = np.array([_slope(frame, run.radius) for frame in place])
+    table = campaign.numbers("drum-angles", lambda: drum_angles(run), "angle of the packing and of its surface, degrees")
+    time, angles, slopes = (table.column(name) for name in ("time", "angle", "surface"))
     blocks = [b.mean() for b in np.array_split(angles, 10)]
     mean, error = mean_error(blocks)
     late_mean, late_error = mean_error(blocks[5:])
@@ -265,8 +296,22 @@ def drum(campaign):
                              f"{number(drift, drift_error)}&deg;; median slope of the surface in the middle half "
                              f"{np.median(slopes):.1f}&deg;; {run.n_free} disks, {len(time)} frames in "
                              f"{run.measured:g} time units"))
-    out.figures.append(drum_figure(run, mean, time, angles))
+    out.figures.append(drum_figure(run, campaign.numbers("drum-velocities", lambda: drum_velocities(run),
+                                                           "velocities at the end"), mean, time, angles))
     return out
+
+
+def drum_angles(run):
+    time, place = run.frames()
+    late = time >= time[-1] - run.measured
+    time, place = time[late], place[late][:, :run.n_free]
+    middle = np.average(place, axis=1, weights=run.mass)
+    return {"time": time, "angle": np.arctan2(-middle[:, 0], -middle[:, 1]) * DEGREE,
+            "surface": [_slope(frame, run.radius) for frame in place]}
+
+
+def drum_velocities(run):
+    return dict(zip(("vx", "vy"), run.velocities().T))
 
 
 def _slope(place, radius):
@@ -276,9 +321,9 @@ def _slope(place, radius):
     return float(np.arctan(-line(at, height)[0])) * DEGREE
 
 
-def drum_figure(run, mean, time, angles):
+def drum_figure(run, velocities, mean, time, angles):
     picture, axes = figure(columns=2, width=7.2, height=3.7, gridspec_kw={"width_ratios": [1.25, 1]})
-    velocity = run.velocities()
+    velocity = np.column_stack([velocities.column("vx"), velocities.column("vy")])
     speed = np.hypot(*velocity.T)
     norm = plt.Normalize(0, float(np.quantile(speed, 0.98)))
     maps.disks(axes[0], run.x_end, run.y_end, run.radius, plt.get_cmap("viridis")(norm(speed)), width=0.2)

@@ -1,6 +1,7 @@
 """Jamming of compressed packings: density and coordination against pressure, and coordination against friction."""
 import numpy as np
 
+from report.data import Table
 from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, LIGHT, figure, points
 from report.verdict import decide, missing, number
@@ -49,6 +50,29 @@ def stages(run):
     return found
 
 
+STAGE = ("goal", "pressure", "fraction", "contacts", "without_rattlers")
+ENDS = ("pressure", "fraction", "contacts", "without_rattlers", "rattlers", "isostatic")
+
+
+def held(campaign, runs):
+    """stages() of each run, in order of pressure."""
+    found = campaign.numbers("jam-stages", lambda: Table({"run": k, **dict(zip(STAGE, stage))} for k, run in enumerate(runs)
+                                                         for stage in sorted(stages(run))),
+                             "where a pressure is reached; pressures in k_n")
+    return [list(zip(*(part.column(name) for name in STAGE))) for part in (found.where(run=k) for k in found.values("run"))]
+
+
+def last_contacts(campaign, name, runs, columns=ENDS[2:]):
+    """[run][column] of the contacts at the end: what coordination() finds, and final()."""
+    def make():
+        rows = [(*final(run), *coordination(*run.neighbours()[:2], run.n_free, 3 if run.parameters.get("mu", 0) == 0 else 2))
+                for run in runs]
+        return dict(zip(ENDS, zip(*rows))) if rows else None
+
+    table = campaign.numbers(f"{name}-contacts", make, "each run at its end: contacts per disk, share of rattlers")
+    return np.column_stack([table.column(column) for column in columns])
+
+
 def sections(campaign):
     return [frictionless(campaign), friction(campaign)]
 
@@ -67,7 +91,7 @@ def frictionless(campaign):
     if not runs:
         out.claims.append(missing(text))
         return out
-    table = [sorted(stages(run)) for run in runs]
+    table = held(campaign, runs)
     rows = [[mean_error([stage[k][j] for stage in table]) for j in range(5)] for k in range(len(table[0]))]
     few = max(2, len(rows) // 2)  # the least pressures, where the line is straight
     phi, error = jackknife(lambda some: float(np.mean([line(*np.array(t)[:few, 1:3].T)[2] for t in some])), table)
@@ -75,7 +99,7 @@ def frictionless(campaign):
                              f"{number(phi, error)} from {len(runs)} packing{'s' * (len(runs) > 1)} of {runs[0].n_free} disks and the {few} "
                              f"least pressures; "
                              f"counted as equal up to {TOLERANCE:g}"))
-    z = np.array([coordination(*run.neighbours()[:2], run.n_free, 3) for run in runs])
+    z = last_contacts(campaign, "jam", runs)
     mean, spread = mean_error(z[:, 1])
     out.claims.append(decide("Without rattlers the coordination number tends to 4, the isostatic "
                              "value.", bool(abs(mean - 4) < NEAR),
@@ -120,11 +144,9 @@ def friction(campaign):
                   "and 3 at most.",
                   missing=campaign.missing("jam_friction"))
     table = {}
-    for run in campaign.runs("jam_friction"):
-        mu = run.parameters.get("mu", 0.0)
-        pressure, fraction = final(run)
-        table.setdefault(mu, []).append((pressure, fraction,
-                                         *coordination(*run.neighbours()[:2], run.n_free, 3 if mu == 0 else 2)))
+    runs = campaign.runs("jam_friction")
+    for run, ends in zip(runs, last_contacts(campaign, "jam_friction", runs, ENDS) if runs else ()):
+        table.setdefault(run.parameters.get("mu", 0.0), []).append(ends)
     text = "With friction the coordination number falls from 4 towards 3."
     if len(table) < 3:
         out.claims.append(missing(text))

@@ -57,6 +57,9 @@ def _records(frames, contacts):
 
 _SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height": 15.24}
 
+# Of the runs of these docs/data has columns of disks and contacts; of others, their numbers only.
+WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "drum", "quiet", "quiet_stiff", "quiet_long")
+
 # Cheap and needed by others first.
 ENTRIES = {
     "low": Entry("shake_low.cfg", {**_records(125000, 123457), **SIX}, {**SHORT, "sweep.replicas": 2}, first=4),

@@ -1,65 +1,169 @@
-"""One result of the program, read: what the figures need, in columns per free disk."""
+"""Results of the program, read: what the figures need, in columns per free disk.
+
+Of every run three tables are kept with the sources, so that a page is drawn without results: numbers of the run
+(SCALARS), columns of its disks (DISKS), and its contacts at the end. A Run is made of their rows, with results and
+without; series, frames and whatever else is read from a result goes through Campaign.numbers of the module that needs it.
+"""
 import functools
 import os
 
 import numpy as np
+from report.kept import NotKept
 from report.runs import slipdisk
 
 
-def _parameters(path):
+
+def _parameters(name):
     """What a point of a sweep sets, from its name: {"drive": 0.5}; the number of the replica under "r"."""
     found = {}
-    for word in os.path.basename(path)[:-len(".h5")].split(","):
-        name, _, value = word.partition("=")
+    for word in name.split(","):
+        key, _, value = word.partition("=")
         if value:
             try:
-                found[name] = float(value)
+                found[key] = float(value)
             except ValueError:
-                found[name] = value
+                found[key] = value
     return found
 
 
-class Run:
-    """Energies, cost and state of any run; means of disks where the deck asked for them (`has_means`)."""
+class Reading:
+    """What is taken from one result."""
 
     def __init__(self, path):
-        self.path, self.parameters = path, _parameters(path)
-        self.result = result = slipdisk.Result(path)
-        self.dt, self.steps = result.dt, result.step
-        self.nanoseconds = result.summary.step_nanoseconds
-        self.measured = result.summary.measured * self.dt
-        self.energy = result.energy
-        run = result.provenance
-        self.wall, self.step_seconds, self.threads, self.seed = run.wall_seconds, run.step_seconds, run.threads, run.seed
-        self.phases = result.phases
-        state = result.state
-        sizes = result.attributes("state")
+        self.path, self.result = path, slipdisk.Result(path)
+        sizes = self.result.attributes("state")
         self.n_free, self.n_disks = sizes.n_free, sizes.n_disks
-        free = slice(0, self.n_free)
-        self.id = state["id"][free]
-        self.radius, self.mass = state["radius"][free], state["mass"][free]
-        self.x_end, self.y_end = state["x"][free], state["y"][free]
-        self.activity = state["activity"]
-        totals = result.totals
-        self.has_means = bool(totals) and totals.disks > 0
-        if self.has_means:
-            self._read_means(result.means, totals)
+        self.totals = self.result.totals
+        self.has_means = bool(self.totals) and self.totals.disks > 0
 
-    def _read_means(self, means, totals):
-        """Columns of /summary/disks (docs/results.md), and the totals of the packing."""
+    def scalars(self):
+        result, run, energy = self.result, self.result.provenance, self.result.energy
+        summary = result.summary
+        box = result.box
+        found = {"name": os.path.basename(self.path)[:-len(".h5")], "seed": run.seed, "dt": result.dt,
+                 "steps": result.step, "measured": summary.measured * result.dt, "n_free": self.n_free,
+                 "n_disks": self.n_disks, "box_x": box[0], "box_y": box[1],
+                 "nanoseconds": summary.step_nanoseconds, "wall": run.wall_seconds, "step_seconds": run.step_seconds,
+                 "threads": run.threads, "residual": energy["residual"] / energy["scale"] if energy["scale"] else np.nan,
+                 "measured_residual": self.measured_residual(), "has_means": self.has_means}
+        if self.has_means:
+            found.update({name: getattr(self.totals, key) for name, key in TOTALS.items()})
+        return {**found, "version": run.version, "revision": run.revision}
+
+    def measured_residual(self):
+        """What the budget of the measured time misses, over the work of driven bodies in it; nan where that is not
+        what keeps the system going."""
+        series, measured = self.result.series, self.result.summary.measured * self.result.dt
+        time, residual, work, *losses = [series[name] for name in ("time", "residual", "work", "viscous", "friction",
+                                                                   "opening")]
+        if not len(time):
+            return np.nan
+        begin = int(np.searchsorted(time, time[-1] - measured * (1 + 1e-9)))
+        done = abs(work[-1] - work[begin])
+        lost = sum(loss[-1] - loss[begin] for loss in losses)
+        return abs(residual[-1] - residual[begin]) / done if done > 0.3 * lost > 0 else np.nan
+
+    def disks(self):
+        """Columns of all disks in the order of the state, the free ones first; means of the free ones alone."""
+        state, n = self.result.state, self.n_disks
+        found = {"id": state["id"][:n], "radius": state["radius"][:n], "x_end": state["x"][:n],
+                 "y_end": state["y"][:n], "activity": state["activity"][:n]}
+        if self.has_means:
+            blank = np.full(n - self.n_free, np.nan)
+            found.update({name: np.concatenate([self.means[key].astype(float), blank]) for name, key in MEANS.items()})
+        return found
+
+    @functools.cached_property
+    def means(self):
+        """/summary/disks (docs/results.md), in the order of the state."""
+        means, number = self.result.means, self.result.state["id"][:self.n_free]
         order = np.argsort(means["id"])  # means are in the order of numbers, the state in that of slots
-        means = means[order[np.searchsorted(means["id"][order], self.id)]]
-        self.means = means
-        self.omega, self.error = means["omega"], means["error"]
-        self.first, self.second = means["omega_first"], means["omega_second"]
-        self.x, self.y = means["x"], means["y"]  # mean places
-        self.contacts = means["coordination"]
-        diameter = 2 * float(self.radius.mean())
-        self.wander = totals.position_rms        # rms distance from the mean places, over the mean diameter
-        self.drift = totals.displacement_rms     # rms displacement since measuring began, likewise
-        self.farthest = float(np.nanmax(means["rms"])) / diameter
-        self.coordination, self.sliding_fraction = totals.coordination, totals.sliding
-        self.openings, self.noise = totals.openings, totals.omega_noise
+        return means[order[np.searchsorted(means["id"][order], number)]]
+
+    def contacts(self):
+        """Closed contacts between disks at the end, counted as in disks()."""
+        state, contacts = self.result.state, self.result.last_contacts
+        order = np.full(len(state["id"]), -1)
+        order[state["id"]] = np.arange(len(order))
+        a, b = order[contacts["a"]], order[contacts["b"]]
+        pair = (a < self.n_disks) & (b < self.n_disks)
+        return {"a": a[pair], "b": b[pair], "force": contacts["force"][pair]}
+
+    def walls(self):
+        """Points of the walls at the end: "round", "line" or "segment", one row each."""
+        frames = self.result.wall_frames
+        if not len(frames):
+            return {}
+        place, rows, first = frames["position"], [], 0
+        shape = {name: self.result.rows(f"particles/walls/shape/{name}") for name in ("kind", "count", "points", "radius")}
+        for k, (kind, count) in enumerate(zip(shape["kind"], shape["count"])):
+            own = shape["points"][first:first + count] + place[-1, k] - place[0, k]  # given as in the deck
+            first += count
+            for x, y in own if count else place[-1, k:k + 1]:
+                rows.append((k, WALL_KINDS.get(int(kind), "segment"), x, y, float(shape["radius"][k])))
+        return dict(zip(("wall", "kind", "x", "y", "radius"), zip(*rows)))
+
+
+WALL_KINDS = {0: "line", 1: "segment", 2: "segment", 3: "round"}
+# Of all disks together: wander and drift are rms distances from the mean places and from where measuring began, over the
+# mean diameter.
+TOTALS = {"wander": "position_rms", "drift": "displacement_rms", "coordination": "coordination",
+          "sliding_fraction": "sliding", "openings": "openings", "noise": "omega_noise"}
+MEANS = {"omega": "omega", "error": "error", "first": "omega_first", "second": "omega_second", "rms_place": "rms",
+         "contacts": "coordination"}
+DIGITS = {"x_end": 6, "y_end": 6, "radius": 6, "omega": 6, "first": 6, "second": 6, "error": 4, "rms_place": 4,
+          "contacts": 5, "force": 5}
+
+
+NO_CONTACTS = {"a": np.zeros(0, int), "b": np.zeros(0, int), "force": np.zeros(0)}
+
+
+class Run:
+    """Numbers of a run, its free disks, its contacts and walls at the end. Further columns are read from its file."""
+
+    def __init__(self, row, disks=None, contacts=None, walls=None, path=""):
+        """disks, contacts, walls: {column: array}, or None for what is not kept. path: of the result, "" without."""
+        self.__dict__.update({key: np.nan if value == "" else value for key, value in row.items() if key != "name"})
+        self.parameters, self.path = _parameters(row["name"]), path
+        for name in ("n_free", "n_disks", "steps", "threads", "seed"):
+            setattr(self, name, int(row[name]))
+        self.has_means = bool(row["has_means"]) and (disks is not None or bool(path))
+        self._kept = {"disks": disks, "contacts": contacts, "walls": walls}
+
+    @functools.cached_property
+    def reading(self):
+        """The result itself, to read more: only where it is there."""
+        if not self.path:
+            raise NotKept(f"{self.parameters}: the result is not there, and this is not kept")
+        return Reading(self.path)
+
+    @property
+    def result(self):
+        return self.reading.result
+
+    @property
+    def means(self):
+        return self.reading.means
+
+    @property
+    def x(self):
+        """Mean places."""
+        return self.means["x"]
+
+    @property
+    def y(self):
+        return self.means["y"]
+
+    def _table(self, name):
+        if self._kept[name] is None:
+            self._kept[name] = getattr(self.reading, name)()
+        return self._kept[name]
+
+    def __getattr__(self, name):
+        """Columns of the free disks."""
+        if name.startswith("_") or name not in DISKS:
+            raise AttributeError(name)
+        return self._table("disks")[name][:self.n_free]
 
     # --- rotation ----------------------------------------------------------------------------------------
     def halves(self):
@@ -83,18 +187,16 @@ class Run:
         """Fraction of the disks whose mean is more than three errors from zero."""
         return float(np.mean(np.abs(self.omega) > 3 * self.error))
 
-    # --- contacts -----------------------------------------------------------------------------------------
-    @functools.cached_property
-    def _contacts(self):
-        state, contacts = self.result.state, self.result.last_contacts
-        number = state["id"]
-        order = np.full(len(number), -1)
-        order[number] = np.arange(len(order))
-        return (order[contacts["a"]], order[contacts["b"]], contacts["force"], state["x"], state["y"], self.result.box)
+    @property
+    def farthest(self):
+        """Of all disks the largest rms distance from the mean place, over the mean diameter."""
+        return float(np.nanmax(self.rms_place)) / (2 * float(self.radius.mean()))
 
+    # --- contacts -----------------------------------------------------------------------------------------
     def neighbours(self):
         """(i, j, force) of closed contacts between free disks at the end; i and j count free disks."""
-        a, b, force, *_ = self._contacts
+        a, b, force = (self._table("contacts")[name] for name in ("a", "b", "force"))
+        a, b = a.astype(int), b.astype(int)
         pair = (a < self.n_free) & (b < self.n_free)
         return a[pair], b[pair], force[pair]
 
@@ -110,29 +212,25 @@ class Run:
 
     def contact_lines(self):
         """([n][2][2] end points, force) of the contacts between disks at the end, for drawing."""
-        a, b, force, x, y, box = self._contacts
-        pair = (a < self.n_disks) & (b < self.n_disks)
-        a, b, force = a[pair], b[pair], force[pair]
+        x, y = self._table("disks")["x_end"], self._table("disks")["y_end"]
+        a, b, force = (self._table("contacts")[name] for name in ("a", "b", "force"))
+        a, b = a.astype(int), b.astype(int)
         near = np.ones(len(a), bool)
-        for values, edge in ((x, box[0]), (y, box[1])):
+        for values, edge in ((x, self.box_x), (y, self.box_y)):
             if edge:
                 near &= np.abs(values[a] - values[b]) < edge / 2
         ends = np.stack([np.column_stack([x[a], y[a]]), np.column_stack([x[b], y[b]])], axis=1)
         return ends[near], force[near]
 
-    # --- walls and series -----------------------------------------------------------------------------------
+    # --- walls, and what is read from the result -----------------------------------------------------------------
     def walls(self):
         """(kind, points, radius) of the walls at the end: "round", "line" or "segment"."""
-        frames = self.result.wall_frames
-        if not len(frames):
-            return []
-        place, found, first = frames["position"], [], 0
-        shape = {name: self.result.rows(f"particles/walls/shape/{name}") for name in ("kind", "count", "points", "radius")}
-        for k, (kind, count) in enumerate(zip(shape["kind"], shape["count"])):
-            own = shape["points"][first:first + count] + place[-1, k] - place[0, k]  # given as in the deck
-            first += count
-            found.append((WALL_KINDS.get(int(kind), "segment"), own if count else place[-1, k:k + 1],
-                          float(shape["radius"][k])))
+        table, found = self._table("walls"), []
+        for k in dict.fromkeys(table.get("wall", ())):
+            own = np.asarray(table["wall"]) == k
+            first = int(np.argmax(own))
+            points = np.column_stack([np.asarray(table["x"])[own], np.asarray(table["y"])[own]])
+            found.append((table["kind"][first], points, float(table["radius"][first])))
         return found
 
     def series(self, *names):
@@ -149,19 +247,13 @@ class Run:
         state = self.result.state
         return np.column_stack([state["vx"][:self.n_free], state["vy"][:self.n_free]])
 
-    def measured_residual(self):
-        """What the budget of the measured time misses, over the work of driven bodies in it; nan where that is not
-        what keeps the system going."""
-        time, residual, work, *losses = self.series("residual", "work", "viscous", "friction", "opening")
-        begin = int(np.searchsorted(time, time[-1] - self.measured * (1 + 1e-9)))
-        done = abs(work[-1] - work[begin])
-        lost = sum(loss[-1] - loss[begin] for loss in losses)
-        return abs(residual[-1] - residual[begin]) / done if done > 0.3 * lost > 0 else np.nan
+    @functools.cached_property
+    def mass(self):
+        return self.result.state["mass"][:self.n_free]
 
     @property
-    def residual(self):
-        """Energy that the budget misses, over the work done and lost."""
-        return self.energy["residual"] / self.energy["scale"]
+    def phases(self):
+        return self.result.phases
 
 
-WALL_KINDS = {0: "line", 1: "segment", 2: "segment", 3: "round"}
+DISKS = {"id", "radius", "x_end", "y_end", "activity", *MEANS}

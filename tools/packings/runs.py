@@ -4,15 +4,20 @@ import glob
 import os
 import shlex
 import shutil
-import subprocess
 import time
 
-from report.runs import ROOT, Results, Stopped, overrides, read
+import numpy as np
+from report.data import Table
+from report.runs import POINT_DIGITS, ROOT, Results, Stopped, overrides, read, slipdisk
 
 from . import plan
-from .reading import Run
+from .reading import DIGITS, NO_CONTACTS, Reading, Run
 
 __all__ = ["ROOT", "Campaign", "Stopped"]
+
+
+TITLES = {"disks": "disks at the end, means over the measured time: lengths as in the deck, rad/s",
+          "contacts": "contacts between disks at the end; a, b count the disks of a run", "walls": "walls at the end"}
 
 
 class Campaign(Results):
@@ -25,7 +30,7 @@ class Campaign(Results):
         self.large = large
         self.entries = plan.ENTRIES if entries is None else entries
         super().__init__(folder, level, program, jobs, dry, strict, say, kept)
-        self._read = {}
+        self._read, self._made = {}, None
 
     def keep_program(self):
         """Runs with a copy of the program, so that building it anew changes nothing half-way."""
@@ -58,20 +63,68 @@ class Campaign(Results):
         return any(self.files(name) for name in self.entries)
 
     def runs(self, name):
-        """The finished results of a run or sweep, read. A file that cannot be read is named among what failed."""
+        """The finished results of a run or sweep, as the tables tell that are kept of them: reading.py. A file that
+        cannot be read is named among what failed."""
+        if name not in self._read:
+            files = [path for path in self.files(name) if not os.path.isdir(path)] if name in self.entries else []
+            self._read[name] = self._runs(name, files)
+        return self._read[name]
+
+    def _runs(self, name, files):
+        read = {}
+        for path in files:
+            try:
+                read[path] = Reading(path)
+                read[path].rows = read[path].scalars()
+            except (OSError, KeyError) as error:
+                self.failed.append(f"{path}: {error}")
+                read.pop(path, None)
+        told = {"command": self._told(self._words(name))} if name in self.entries else {}
+        rows = self.numbers("runs-" + name, lambda: Table(one.rows for one in read.values()), "finished runs",
+                            POINT_DIGITS, **told).rows
+        disks, contacts, walls = (self._parts(name, part, read) for part in ("disks", "contacts", "walls"))
+        paths = {one.rows["name"]: path for path, one in read.items()}
         found = []
-        for path in self.files(name) if name in self.entries else []:
-            if os.path.isdir(path):
-                continue
-            if path not in self._read:
-                try:
-                    self._read[path] = Run(path)
-                except (OSError, KeyError) as error:
-                    self.failed.append(f"{path}: {error}")
-                    self._read[path] = None
-            if self._read[path]:
-                found.append(self._read[path])
+        for row in rows:
+            run, whole = row["name"], row["name"] in disks  # with its disks all is there that is kept
+            found.append(Run(row, disks.get(run), contacts.get(run, NO_CONTACTS if whole else None),
+                             walls.get(run, {} if whole else None), paths.get(run, "")))
         return found
+
+    def _parts(self, name, part, read):
+        """{run: {column: array}} of the disks, contacts or walls of the runs, one table for all."""
+        if name in plan.ENTRIES and name not in plan.WITH_DISKS:
+            return {}
+
+        def make():
+            made = {}
+            for one in read.values():
+                columns = getattr(one, part)()
+                if columns:
+                    made.setdefault("run", []).extend([one.rows["name"]] * len(next(iter(columns.values()))))
+                    for key, values in columns.items():
+                        made.setdefault(key, []).extend(values)
+            return made
+
+        found = {}
+        for row in self.numbers(f"{part}-{name}", make, TITLES[part], DIGITS).rows:
+            found.setdefault(row["run"], []).append(row)
+        return {run: {key: np.array([row[key] if row[key] != "" else np.nan for row in rows]) for key in rows[0]}
+                for run, rows in found.items()}
+
+    def made_by(self):
+        """Programs that made the results that are there; of kept numbers where there are no others."""
+        if self._made is None:
+            found = {}
+            for name in self.entries:
+                for path in self.files(name):
+                    try:
+                        run = slipdisk.Result(path).provenance
+                        found[f"slipdisk {run.version} ({run.revision}), {run.compiler}, {run.cpu_path}"] = None
+                    except (OSError, KeyError):
+                        pass
+            self._made = "; and by ".join(found) or super().made_by()
+        return self._made
 
     def wall(self, name):
         """Seconds of wall time that the last call took, or None."""
@@ -129,10 +182,12 @@ class Campaign(Results):
         for name in names:
             if not self.wanted(name):
                 continue
+            if not self.files(name) and self.runs(name):  # drawn from what is kept
+                continue
             if not self.entries[name].sweep:
                 lines += [] if self.files(name) else [f"{name}: not finished"]
                 continue
-            done = subprocess.run([*self._words(name), "--count"], capture_output=True, text=True, check=False)
+            done = self._ask([*self._words(name), "--count"])
             wanted = int(done.stdout) if done.returncode == 0 and done.stdout.strip().isdigit() else None
             have = len(self.files(name))
             if wanted is None:

@@ -100,6 +100,10 @@ def head_of(path):
     return found
 
 
+class NotKept(Exception):
+    """A result is asked for more than is kept of it: numbers that need it are read from their own file."""
+
+
 class Store:
     """CSV files of one page in a folder, by name; `kept`: folder of those kept with the sources, "" for none."""
 

@@ -11,7 +11,7 @@ import numpy as np
 from . import levels
 from .data import Table
 from .effort import Ledger, duration, machine
-from .kept import CURVE, DIGITS, Store, flatten, nested, rows_of, thin
+from .kept import CURVE, DIGITS, NotKept, Store, flatten, nested, rows_of, thin
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "tools", "python"))
@@ -86,7 +86,10 @@ class Results:
         nothing where there are none: then the kept numbers of this name, if any. What is returned has been rounded as
         it is kept. digits: significant ones, or {column: of this column}; title and head: lines of the file's head."""
         if name not in self.found:
-            rows = rows_of(make())
+            try:
+                rows = rows_of(make())
+            except NotKept:
+                rows = []
             if rows:
                 self.store.write(name, rows, digits, self._head(name, title, head))
             path = self.store.path(name)
