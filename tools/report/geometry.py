@@ -5,6 +5,7 @@ import re
 import numpy as np
 from matplotlib.patches import Arc, Circle
 
+from .catalogue import paper
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, plt
@@ -141,12 +142,8 @@ def sections(results):
                               "Three disks: an upper " "one resting on two supports, with contact angles, forces, tilt "
                               "and gravity labelled"))
     half, found = (alpha[0] + alpha[1]) / 2, (alpha[1] - alpha[0]) / 2
-    place = "section 2"
-    out.claims += [within("The contact lines make an angle &alpha;<sub>1</sub> + &alpha;<sub>2</sub> = &pi;/3.",
-                          alpha[0] + alpha[1], math.pi / 3, 1e-3, place),
-                   within("The tilt is half the difference of " "the contact angles, " "(&alpha;<sub>2</sub> &minus; "
-                          "&alpha;<sub>1</sub>)/2.", found, tilt, 1e-3, place,
-                          names=("from the positions", "deck's tilt of gravity")),]
+    out.claims += [within(value=alpha[0] + alpha[1], target=math.pi / 3, tolerance=1e-3, **paper("aperture")),
+                   within(value=found, target=tilt, tolerance=1e-3, names=("from the positions", "deck's tilt of gravity"), **paper("tilt"))]
     rows = [[f"centre of the {name} disk, x, y", f"{r[0]:.6g}, {r[1]:.6g}"] for name, r in centre.items()]
     rows += [["radii", ", ".join(f"{r:g}" for r in radius.values())],
              ["&alpha;<sub>1</sub>/&pi;, " "&alpha;<sub>2</sub>/&pi;", f"{alpha[0] / math.pi:.6f}, "

@@ -5,13 +5,12 @@ import re
 
 import numpy as np
 
+from .catalogue import paper
 from .kept import CURVE, thin
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, zero_line
-from .verdict import SURE, Claim, decide, missing, number, within, OPEN
-
-PLACE = "section 4, fig. epo-force"
+from .verdict import TOLERANCES, decide, missing, none, number, signed, within
 
 
 class Record:
@@ -165,41 +164,32 @@ def sections(results):
 
 
 def claims(found):
+    """(claims, rows of the table)"""
     symmetric, asymmetric = found.get("epo_symmetric"), found.get("epo_asymmetric")
-    soft = found.get("epo_soft_asymmetric")
-    out = []
-    text = ("The force changes linearly with the displacement until a limit is reached, and is constant while the "
-            "joint slides.")
+    soft, out = found.get("epo_soft_asymmetric"), []
     if soft:
         slope, spread, low, high = soft.slope, soft.slope_spread, soft.force_min, soft.force_max
         excess = max(abs(low - soft.limits[0]), abs(high - soft.limits[1])) / (soft.limits[1] - soft.limits[0])
-        out.append(decide(text, bool(excess < 1e-3 and spread < 0.01 * abs(slope)), "slope while stuck "
+        equal = TOLERANCES["equal"]
+        out.append(decide(condition=bool(excess < equal and spread < equal * abs(slope)), numbers="slope while stuck "
                           f"{number(slope, digits=5)} (spread {number(spread)}; &minus;<i>k<sub>t</sub></i> = "
                           f"&minus;20), extremes {number(low, digits=4)} and {number(high, digits=4)}; limits "
-                          f"{number(soft.limits[0], digits=4)} and {number(soft.limits[1], digits=4)}", PLACE))
+                          f"{number(soft.limits[0], digits=4)} and {number(soft.limits[1], digits=4)} (counted as equal up to "
+                          f"{100 * equal:g} %)", **paper("epo-force")))
     else:
-        out.append(missing(text, PLACE))
-    text = "Equal limits: no systematic drift."
-    scale = symmetric.amplitude * symmetric.omega if symmetric else math.nan
-    if symmetric:
-        v = symmetric.drift
-        out.append(decide(text, abs(v) < 1e-3 * scale, f"drift {number(v)}, {number(abs(v) / scale)} of the wall's top "
-                          "speed (counted as none below 10<sup>&minus;3</sup>)", PLACE))
-    else:
-        out.append(missing(text, PLACE))
-    text = "Unequal limits: the oscillator drifts in the direction whose limit is smaller."
+        out.append(missing(**paper("epo-force")))
+    out.append(none(value=symmetric.drift, unit=symmetric.amplitude * symmetric.omega, unit_name="of the wall's top speed",
+                    **paper("epo-symmetric")) if symmetric else missing(**paper("epo-symmetric")))
     if asymmetric:
         v, e = asymmetric.drift, asymmetric.drift_error
         direction = 1 if abs(asymmetric.limits[0]) < abs(asymmetric.limits[1]) else -1
-        known = abs(v) > SURE * e
-        out.append(Claim(text, OPEN, "", PLACE) if not known
-                   else decide(text, v * direction > 0, f"drift {number(v, e)} " "with <i>F</i><sub>1</sub> = "
-                               f"{number(asymmetric.limits[0])}, " "<i>F</i><sub>2</sub> = "
-                               f"{number(asymmetric.limits[1])}", PLACE))
-        out.append(within("Its drift is that of permanent sliding, <i>A</i>&omega; sin(&pi;<i>f</i>/2&mu;<i>mg</i>).",
-                          v, asymmetric.permanent(), 0.01, "", e))
+        claim = signed(values=[v], errors=[e], sign=direction, what="the drift", **paper("epo-asymmetric"))
+        claim.numbers = (f"drift {number(v, e)} with <i>F</i><sub>1</sub> = {number(asymmetric.limits[0])}, <i>F</i><sub>2</sub> = "
+                         f"{number(asymmetric.limits[1])}")
+        out += [claim, within("The oscillator's drift is that of permanent sliding, <i>A</i>&omega; "
+                              "sin(&pi;<i>f</i>/2&mu;<i>mg</i>).", v, asymmetric.permanent(), TOLERANCES["equal"], error=e, slug="epo-permanent")]
     else:
-        out.append(missing(text, PLACE))
+        out.append(missing(**paper("epo-asymmetric")))
     rows = []
     for name, o in found.items():
         rows.append([name, o.push, *o.limits, o.force_min, o.force_max, o.sliding, o.drift, o.drift_error, o.permanent()])

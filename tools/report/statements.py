@@ -1,15 +1,18 @@
-"""All statements of the paper with their verdicts: those of the figures, and some that need runs of their own."""
+"""Statements of the paper that no figure shows: contacts, torques of steady rotation, senses that theory predicts, printed
+equations; and the table of all."""
 import math
 
 import numpy as np
 
-from .page import Numbers, Section, badge, plain
+from .catalogue import complete, paper
+from .page import Numbers, Section, badge
 from .runs import slipdisk
-from .verdict import decide, missing, number, percent
+from .verdict import PAPER, TOLERANCES, decide, missing, none, number, signed, within
+from .vibration import name_of
 
 PI = math.pi
-SIGNS = {"pp": ("S<sup>++</sup>", "(15)"), "mm": ("S<sup>&minus;&minus;</sup>", "(16)"),
-         "pm": ("S<sup>+&minus;</sup>", "(17)"), "mp": ("S<sup>&minus;+</sup>", "(18)")}
+SIGNS = {"pp": "S<sup>++</sup>", "mm": "S<sup>&minus;&minus;</sup>", "pm": "S<sup>+&minus;</sup>", "mp": "S<sup>&minus;+</sup>"}
+K_N, GAMMA, MASS, MU, HALF_APERTURE, DAMPING, OMEGA = 1e3, 10, 0.1, 0.1, PI / 6, 0.5, 20 * PI  # of the paper
 
 
 def sections(results, claims):
@@ -17,57 +20,41 @@ def sections(results, claims):
     out = Section("statements", "All statements of the paper", "Statements of the figures above, and some that need "
                   "runs of their own: <code>inputs/three_disk/steady.cfg</code>, <code>frozen.cfg</code>, "
                   "<code>weak.cfg</code>.")
-    own = [*contact_claims(results), *torque_claims(results, out), still_claim(results, "frozen", out),
-           still_claim(results, "weak", out), slight_tilt_claim(results)]
-    out.claims = own
-    every = [claim for claim in claims + own if claim.place]
+    random = results.best("random").joined()
+    own = [*contact_claims(random), *torque_claims(results, out), still_claim(results, "frozen", "frozen", out),
+           still_claim(results, "weak", "no-sliding", out), *sense_claims(results, random), *printed_claims(results)]
+    every = complete(claims + own)
+    known = {id(claim) for claim in claims}
+    out.claims = [claim for claim in every if id(claim) not in known]
     out.tables.append(Numbers("Statements of the paper", ["where", "statement", "verdict", "numbers"],
-                              [[c.place, c.text, badge(c.verdict), c.numbers]
-                               for c in sorted(every, key=lambda c: order(c.place))], shown=True))
+                              [[c.place, c.text, badge(c.verdict), c.numbers] for c in every if c.kind == PAPER], shown=True))
     return [out]
 
 
-def order(place):
-    """Section number of the paper first."""
-    digits = plain(place).replace("sections", "section").split("section ")[-1].split(",")[0]
-    try:
-        return float(digits)
-    except ValueError:
-        return 9.0
-
-
-def contact_claims(results):
-    text, place = "The upper disk never loses contact with the supports.", "section 3"
-    out = []
-    table = results.best("random").joined()
+def contact_claims(table):
+    """The points of the figures: tilts up to 0.1 pi, amplitudes up to 1e-4."""
     if not table:
-        out.append(missing(text, place))
-    else:
-        openings = table.column("upper.left.openings") + table.column("upper.right.openings")
-        worst, steep = table.rows[int(np.argmax(openings))], table.column("tilt") > 0.081 * PI
-        told = (f"contacts opened at {int((openings[~steep] > 0).sum())} of {int((~steep).sum())} points with tilts up "
-                f"to 0.08 &pi;, and at {int((openings[steep] > 0).sum())} of {int(steep.sum())} beyond")
-        if openings.max() > 0:
-            told += (f", most often ({int(openings.max())} times in {worst['replicas'] * worst['time']:g} time units) at "
-                     f"&epsilon;<sub>b</sub> = {worst['eps_b']:g}, tilt {worst['tilt'] / PI:g} &pi;")
-        out.append(decide(text, not openings.max() > 0, told, place))
-    text, place = "Normal forces are never zero in this regime.", "section 1"
-    if table:
-        least = np.minimum(table.column("upper.left.force_min"), table.column("upper.right.force_min"))
-        out.append(decide(text, bool((least > 0).all()), f"smallest normal force zero at {int((least <= 0).sum())} of "
-                          f"{len(table)} points of random vibration, where a contact parts faster than its viscous "
-                          "part lets it expand; the overlap may stay positive", place))
-    else:
-        out.append(missing(text, place))
-    return out
+        return [missing(**paper(slug)) for slug in ("never-open", "forces-never-zero", "cutoff")]
+    openings = table.column("upper.left.openings") + table.column("upper.right.openings")
+    worst, steep = table.rows[int(np.argmax(openings))], table.column("tilt") > 0.081 * PI
+    told = (f"contacts opened at {int((openings[~steep] > 0).sum())} of {int((~steep).sum())} points with tilts up to 0.08 &pi;, and "
+            f"at {int((openings[steep] > 0).sum())} of {int(steep.sum())} beyond")
+    if openings.max() > 0:
+        told += f", most often ({int(openings.max())} times in {worst['replicas'] * worst['time']:g} time units) at {name_of(worst)}"
+    least = np.minimum(table.column("upper.left.force_min"), table.column("upper.right.force_min"))
+    shut = (least <= 0) & (openings == 0)
+    return [decide(condition=not openings.max() > 0, numbers=told, **paper("never-open")),
+            decide(condition=bool((least > 0).all()), numbers=f"smallest normal force zero at {int((least <= 0).sum())} of {len(table)} "
+                   "points of random vibration", **paper("forces-never-zero")),
+            decide(condition=True if shut.any() else None, numbers=f"at {int(shut.sum())} of {len(table)} points of random vibration "
+                   "the least normal force is zero and yet no contact opened", **paper("cutoff"))]
 
 
 def torque_claims(results, out):
     """Torque of the supports on an upper disk that cannot turn, against (15)-(18)."""
     theory = results.theory("torques", "three_disk/steady.cfg")
     claims, rows = [], []
-    for key, (name, label) in SIGNS.items():
-        text, place = f"While both contacts slide steadily in {name} the torque is {label}.", f"section 4, eq. {label}"
+    for key, name in SIGNS.items():
         path = results.run(f"steady_{key}")
         found = results.numbers(f"steady-{key}", lambda path=path: {"torque": float(
             slipdisk.Result(path).state["torque"][0])} if path else None, f"torque on the upper disk in S {key}")
@@ -75,56 +62,76 @@ def torque_claims(results, out):
             out.missing.append(f"steady_{key}: not run yet")
         aim = theory.rows[0].get(f"torque_{key}") if theory else None
         if not found or not isinstance(aim, float):
-            claims.append(missing(text, place))
+            claims.append(missing(**paper(f"tep-{key}")))
             continue
         torque = found.rows[0]["torque"]
         rows.append([name, torque, aim, 100 * (torque / aim - 1)])
-        claims.append(decide(text, abs(torque / aim - 1) < 0.01, f"{number(torque, digits=5)}, theory "
-                             f"{number(aim, digits=5)}: {percent(torque / aim - 1)} (counted as equal up to 1 %)",
-                             place))
+        claims.append(within(value=torque, target=aim, tolerance=TOLERANCES["equal"], names=("simulation", "theory"), **paper(f"tep-{key}")))
     out.tables.append(Numbers("Torques under steady rotation", ["", "simulation", "theory", "off, %"], rows))
     return claims
 
 
-def still_claim(results, name, out):
-    text, place = {"frozen": ("With all centres held fixed the upper disk does not rotate, although "
-                              "<i>n</i><sub>1</sub> &ne; <i>n</i><sub>2</sub>.", "section 4"),
-                   "weak": ("At very weak drive, " "where contacts hardly " "slide, the upper disk " "does not rotate.",
-                            "section 4")}[name]
+def still_claim(results, name, slug, out):
     info = results.info(name)
     if not info:
         out.missing.append(f"{name}: not run yet")
-        return missing(text, place)
+        return missing(**paper(slug))
     spin, slide = info["rotation"][0], info["sliding"][0]
     path = results.run(name)
     amplitude = results.numbers(f"{name}-drive", lambda: {"theta_b": float(slipdisk.Result(path).deck.split(
         "amplitude = ")[1].split(";")[0])} if path else None, f"amplitude of the run {name}").rows[0]["theta_b"]
-    speed = spin["turned"] / spin["measured"] / (amplitude * 20 * PI)
+    claim = none(value=spin["turned"] / spin["measured"], unit=amplitude * OMEGA, **paper(slug))
     forces = ", ".join(number(c["force_min"]) for c in slide["contacts"])
-    return decide(text, abs(speed) < 1e-3, f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time "
-                  f"units: {number(speed)} &Theta;<sub>b</sub>&omega;<sub>b</sub> (counted as none below "
-                  f"10<sup>&minus;3</sup>); contacts slide for {1 - slide['stick']:.3f} of the time; least normal "
-                  f"forces {forces}", place)
+    claim.numbers = (f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time units at &Theta;<sub>b</sub> = {number(amplitude)}: "
+                     f"{claim.numbers}; contacts slide for {1 - slide['stick']:.3f} of the time; least normal forces {forces}")
+    return claim
 
 
-def slight_tilt_claim(results):
-    """Signs of (19) and (31) against those found."""
-    text = ("The torque just after tilting predicts the sense: (19) for random vibration and opposite phases, (31) in "
-            "phase.")
-    place = "section 4, eq. (19), (31)"
+def sense_claims(results, random):
+    """The sign of the torque just after tilting against that of Omega at all points with tilt."""
     theory = results.theory("torques", "three_disk/steady.cfg")
-    row = theory.rows[0] if theory else {}
-    predicted = row.get("slight_tilt"), row.get("slight_tilt_sync")
-    if not all(isinstance(v, float) for v in predicted):
-        return missing(text, place)
-    found, told = [], [f"(19) = {number(predicted[0])}, (31) = {number(predicted[1])}"]
-    for name, aim, title in (("random", predicted[0], "random"), ("async", predicted[0], "opposite"),
-                             ("sync", predicted[1], "in phase")):
-        table = results.best(name).joined().such(lambda row: row["tilt"] > 0)
-        if not table:
-            return missing(text, place)
-        z = table.disk("omega") / table.disk("omega_error")
-        good, bad = int((np.sign(aim) * z > 3).sum()), int((np.sign(aim) * z < -3).sum())
-        found.append(good > 0 and not bad)
-        told.append(f"{title}: {good} of {len(table)} points have this sign by more than 3 errors, {bad} the other")
-    return decide(text, all(found), "; ".join(told), place)
+    row, out = theory.rows[0] if theory else {}, []
+    for slug, table, key, label in (("eq19-random", random, "slight_tilt", "(19)"),
+                                    ("eq19-async", results.best("async").joined(), "slight_tilt", "(19)"),
+                                    ("eq31-sync", results.best("sync").joined(), "slight_tilt_sync", "(31), corrected")):
+        aim, tilted = row.get(key), table.such(lambda row: row["tilt"] > 0)
+        if not isinstance(aim, float) or not tilted:
+            out.append(missing(**paper(slug)))
+            continue
+        names = [name_of(row) for row in tilted.rows] if "eps_b" in tilted.rows[0] else None
+        claim = signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=math.copysign(1, aim), names=names, **paper(slug))
+        claim.numbers = f"{label} is {number(aim)} at tilt 0.04 &pi;; {claim.numbers}"
+        out.append(claim)
+    return out
+
+
+def printed_claims(results):
+    """Equations as they are printed, against the torques (15)-(18) from which they follow; and plain arithmetic."""
+    ratio, time = GAMMA / 2 / math.sqrt(K_N * MASS), math.sqrt(5) / DAMPING / OMEGA
+    out = [decide(condition=abs(ratio - 0.5) < 1e-9, numbers=f"{number(ratio)}", **paper("damping-ratio")),
+           decide(condition=abs(time - 0.07) < 0.005, numbers=f"{number(time)}", **paper("correlation-time"))]
+    theory = results.theory("torques", "three_disk/steady.cfg")
+    level = results.theory("torques-level", "three_disk/steady.cfg", **{"gravity.tilt": 0})
+    if not theory or not level or not theory.has("torque_pp"):
+        return out + [missing(**paper(slug)) for slug in ("eq11-printed", "level-torques", "eq19-printed", "eq31-printed", "sync-balance")]
+    row, flat = theory.rows[0], level.rows[0]
+    tilt = row["tilt"]
+    pp, pm, mp, mm = (row[f"torque_{key}"] for key in ("pp", "pm", "mp", "mm"))
+    tan, cos = math.tan(HALF_APERTURE), math.cos(HALF_APERTURE)
+    eq19 = (MU ** 2 * (MU ** 2 + (1 + MU ** 2) * math.cos(2 * HALF_APERTURE)) / cos ** 3 * math.sin(tilt)
+            / (2 * (1 + MU ** 2) * (MU ** 2 - tan ** 2)))
+    eq31 = MU * math.sin(tilt) / (1 + MU ** 2) / cos
+    mean, half = (pp + pm + mp + mm) / 4, (pp + mm) / 2
+    times = -mm / (pp - mm), pp / (pp - mm)
+    same = {"tolerance": 1e-6, "names": ("printed", "from (15)-(18)")}
+    claim = within(value=eq31, target=half, **same, **paper("eq31-printed"))
+    claim.numbers += f"; the print is {eq31 / half:.3g} times that, 1/&mu; = {1 / MU:g}"
+    zeros = [flat[f"torque_{key}"] for key in ("pp", "mm", "pm", "mp")]
+    return out + [within(value=(2 * pp + pm + mp) / 4, target=mean, **same, **paper("eq11-printed")),
+                  decide(condition=abs(zeros[0] - zeros[1]) + abs(zeros[2]) + abs(zeros[3]) < 1e-9, numbers="S<sup>++</sup>, S<sup>&minus;&minus;"
+                         "</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>: " + ", ".join(number(z, digits=5) for z in zeros)
+                         + ": the first two have opposite signs", **paper("level-torques")),
+                  within(value=eq19, target=mean, **same, **paper("eq19-printed")), claim,
+                  decide(condition=abs(pp * times[0] + mm * times[1]) < 1e-12, numbers="&Tau;<sup>++</sup><i>T</i><sup>++</sup> + "
+                         f"&Tau;<sup>&minus;&minus;</sup><i>T</i><sup>&minus;&minus;</sup> = {number(pp * times[0] + mm * times[1])}",
+                         **paper("sync-balance"))]

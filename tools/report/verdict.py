@@ -37,6 +37,8 @@ RULES = {
     "excellent": "as for equal, for the largest relative deviation at the largest amplitude",
     "extremum": "the fit turns round inside the range in at least 97.5 % of the samples in which all points are scattered by "
                 "their errors, at every amplitude; less than 2.5 % at one refutes",
+    "exponent": f"it is within {SURE:g} errors of what is expected, and its error is small enough to tell; beyond {SURE:g} errors "
+                "refutes",
     "threshold": "a condition that stands beside the numbers",
 }
 

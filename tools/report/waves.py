@@ -6,11 +6,12 @@ import re
 import numpy as np
 
 from . import levels
+from .catalogue import paper
 from .kept import thin
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, legend_below, power, zero_line
-from .verdict import Claim, decide, missing, number, percent, sliding, OPEN
+from .verdict import TOLERANCES, decide, missing, number, percent, sliding
 
 NAMES = {(1, 1): "++", (1, -1): "+-", (-1, 1): "-+", (-1, -1): "--"}
 LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-": 4}}  # t_1 ... begin these
@@ -196,11 +197,9 @@ def waveform_section(results):
                               "agree with it at zeros and extrema (solid). In opposite phases the right support's "
                               "angle is minus the left one's.", "Sine and parabola waveforms of the supports over one "
                               "period"))
-    text = "The parabolas agree with the sine at its zeros and extrema and are close to it in between."
-    out.claims.append(missing(text, "section 4.1, eq. (21)") if math.isnan(worst)
-                      else decide(text, ends < 1e-3 and worst < 0.1, "largest difference at zeros and extrema "
-                                  f"{number(ends)}, anywhere {number(worst)} (of &Theta;<sub>b</sub>)",
-                                  "section 4.1, eq. (21)"))
+    out.claims.append(missing(**paper("parabolas")) if math.isnan(worst)
+                      else decide(condition=ends < 1e-3 and worst < 0.1, numbers="largest difference at zeros and extrema "
+                                  f"{number(ends)}, anywhere {number(worst)} (of &Theta;<sub>b</sub>)", **paper("parabolas")))
     out.tables.append(Numbers("Left support", ["", "<i>t/T</i>", "sine", "parabola"], rows))
     return out
 
@@ -215,7 +214,6 @@ def sequence(moments):
 def velocity_section(results, kind):
     title = {"sync": "Velocities over one period, in phase (fig. sync)",
              "async": "Velocities over one period, opposite phases (fig. async)"}[kind]
-    place = {"sync": "section 4.1, fig. sync", "async": "section 4.2, fig. async"}[kind]
     out = Section(kind, title, "Surface velocities of the supports as the upper disk feels them, "
                   "&minus;d&theta;<sub>i</sub>/d<i>t</i>, and angular velocity of the upper disk in the periodic "
                   "state (after 20 or more time units, 200 periods), at a weak and a strong drive; parabola, "
@@ -229,24 +227,25 @@ def velocity_section(results, kind):
     out.tables.append(Numbers("Transition times and means", ["&Theta;<sub>b</sub>", "", "simulation", "exact solution"],
                               rows))
     expected = ["--", "++"] if kind == "sync" else ["--", "-+", "++", "+-"]
-    shown = ", ".join(sliding(c) for c in expected)
     for strength, drive in (("weak", levels.WEAK_DRIVE), ("strong", levels.STRONG_DRIVE)):
-        text = f"In a period the configurations follow each other as {shown} (&Theta;<sub>b</sub> = {drive:g})."
+        known = paper(f"{kind}-sequence-{strength}")
         if strength in found:
             names = sequence(found[strength][2])
-            out.claims.append(decide(text, names == expected, "found " + ", ".join(sliding(c) for c in names), place))
+            out.claims.append(decide(condition=names == expected, numbers=f"&Theta;<sub>b</sub> = {drive:g}: found "
+                                     + ", ".join(sliding(c) for c in names), **known))
         else:
-            out.claims.append(missing(text, place))
-    text = "The velocity of the upper disk is piecewise straight and follows the solution of permanent sliding."
-    if all(s in found and found[s][1] for s in ("weak", "strong")):
-        gaps = {s: deviation(*found[s][:2]) for s in found}
-        told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the "
-                         "largest |&Omega;|" for s, g in gaps.items())
-        out.claims.append(decide(text, gaps["strong"] < 0.05, told
-                                 + " (counted as equal up to 5 % at the strong drive)", place))
-    else:
-        out.claims.append(Claim(text, OPEN, "no data or no theory curve yet", place))
+            out.claims.append(missing(**known))
+    out.claims.append(straight(found, paper(f"{kind}-straight")))
     return out
+
+
+def straight(found, known):
+    if not all(s in found and found[s][1] for s in ("weak", "strong")):
+        return missing(**known, why="no data or no theory curve yet")
+    gaps, limit = {s: deviation(*found[s][:2]) for s in found}, TOLERANCES["curve"]
+    told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the largest |&Omega;|"
+                     for s, g in gaps.items())
+    return decide(condition=gaps["strong"] < limit, numbers=f"{told} (counted as equal up to {100 * limit:g} % at the strong drive)", **known)
 
 
 def sections(results):
