@@ -4,9 +4,9 @@ import os
 import signal
 import sys
 import time
+from html import escape
 
 from report import markdown
-from report.__main__ import escape
 from report.page import Page, badge, missing_list
 from report.runs import STOPPED
 from report.verdict import NO, OPEN, YES
