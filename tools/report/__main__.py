@@ -6,7 +6,7 @@ import sys
 import time
 
 from . import (configurations, convergence, diffusion, effort, errors, frequency, geometry, levels, markdown, oscillator, phase,
-               regimes, starts, statements, turning, vibration, waveform, waves)
+               regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
 from .verdict import NO, OPEN, YES
@@ -77,6 +77,8 @@ def draw(results, modules=None, keep=None):
         markdown.keep(keep, text, [figure.name for section in found for figure in section.figures],
                       "errors.md" if study else "paper.md")
         results.store.keep(os.path.join(keep, "data", results.page), not results.failed)
+        if not study:
+            verdicts.write(keep, claims, lead(results, counts)[-1].split(". ", 1)[-1])
     return page.path, counts
 
 

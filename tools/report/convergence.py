@@ -8,7 +8,7 @@ from .data import Table
 from .page import Figure, Numbers, Section
 from .style import COLOURS, figure, legend_above, points
 from .turning import OMEGA_B
-from .verdict import NO, OPEN, YES, Claim, chi_square, decide, missing, number, percent
+from .verdict import Claim, chi_square, decide, judged, missing, number, percent
 
 PI = math.pi
 INTEGRATORS = (("gear5", "Gear"), ("verlet", "Verlet"))
@@ -125,25 +125,24 @@ def seeds(axes, table):
     axes.set_xlabel("seed number")
 
 
-def equal(text, table, what, note=""):
+def equal(text, table, what, slug, note=""):
     """All values of t_g Omega agree within their error bars."""
     value, error = table.disk("scaled"), table.disk("scaled_error")
     good = np.isfinite(value) & (error > 0)
     value, error = value[good], error[good]
     if len(value) < 2:
-        return missing(text)
+        return missing(text, slug=slug)
     mean = np.sum(value / error ** 2) / np.sum(1 / error ** 2)
     chi2, chance = chi_square((value - mean) / error, len(value) - 1)
-    verdict = YES if chance > 0.01 else NO if chance < 1e-4 else OPEN
-    return Claim(text, verdict, f"{len(value)} {what}: &chi;&sup2; = {chi2:.1f} for {len(value) - 1} degrees (a chance "
-                 f"of {100 * chance:.2g} %), mean <i>t<sub>g</sub></i>&Omega; "
+    return Claim(text, judged(chi2, len(value) - 1, slug == "seeds-scatter"), f"{len(value)} {what}: &chi;&sup2; = "
+                 f"{chi2:.1f} for {len(value) - 1} degrees (a chance of {100 * chance:.2g} %), mean <i>t<sub>g</sub></i>&Omega; "
                  f"{number(mean, 1 / math.sqrt(np.sum(1 / error ** 2)))}, error bars "
-                 f"{100 * float(np.median(error / abs(mean))):.0f} %{note}")
+                 f"{100 * float(np.median(error / abs(mean))):.0f} %{note}", slug=slug, rule="scatter")
 
 
 def step_claim(table):
     return equal("Random vibration: &Omega; does not depend on the time step within its error bars.",
-                 table.where(integrator="gear5"), "time steps, Gear")
+                 table.where(integrator="gear5"), "time steps, Gear", "step-random")
 
 
 def integrator_claim(tables):
@@ -155,9 +154,9 @@ def integrator_claim(tables):
             if other:
                 gaps.append(abs(other[0]["upper.omega"] / row["upper.omega"] - 1))
     if not gaps:
-        return missing(text)
+        return missing(text, slug="step-integrators")
     return decide(text, max(gaps) < 1e-3, f"largest relative difference of {len(gaps)} pairs {number(max(gaps))} "
-                  "(counted as the same below 10<sup>&minus;3</sup>)")
+                  "(counted as the same below 10<sup>&minus;3</sup>)", slug="step-integrators")
 
 
 def turning_claim(table):
@@ -173,17 +172,18 @@ def turning_claim(table):
                     f"({number(at[0]['upper.omega'] / (0.04 * OMEGA_B), digits=5)} "
                     "&Theta;<sub>b</sub>&omega;<sub>b</sub>)")
     if not gaps:
-        return missing(text)
-    return decide(text, max(abs(g) for g in gaps) < 0.002, "; ".join(told) + " (counted as small up to 0.2 %)")
+        return missing(text, slug="step-turning")
+    return decide(text, max(abs(g) for g in gaps) < 0.002, "; ".join(told) + " (counted as small up to 0.2 %)",
+                  slug="step-turning")
 
 
 def interval_claim(table):
-    return equal("&Omega; does not depend on the noise interval within its error bars.", table, "intervals",
+    return equal("&Omega; does not depend on the noise interval within its error bars.", table, "intervals", "noise-interval",
                  f", longest {number(table.values('interval')[-1])} steps" if table.values("interval") else "")
 
 
 def seeds_claim(table):
-    claim = equal("Runs with different seeds scatter as their error bars say.", table, "seeds")
+    claim = equal("Runs with different seeds scatter as their error bars say.", table, "seeds", "seeds-scatter")
     value, error = table.disk("scaled"), table.disk("scaled_error")
     if len(value) > 2:
         claim.numbers += f"; scatter {number(float(value.std(ddof=1)))}, mean error bar {number(float(error.mean()))}"

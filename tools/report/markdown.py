@@ -20,7 +20,7 @@ def _row(cells):
     return "| " + " | ".join(_line(text) for text in cells) + " |"
 
 
-def _table(columns, rows):
+def table(columns, rows):
     numeric = [bool(rows) and all(cell(row[k])[1] for row in rows) for k in range(len(columns))]
     out = [_row(columns), "|" + "|".join("---:" if n else "---" for n in numeric) + "|"]
     return out + [_row([cell(value)[0] for value in row]) for row in rows]
@@ -57,10 +57,10 @@ def write(path, title, lead, sections, pictures=None):
             out += [f"![{_line(figure.alt)}]({pictures}/{figure.name}.png)", "", _line(figure.caption), ""]
         if section.claims:
             claims = [[f"**{c.verdict}**", c.text + (f" ({c.place})" if c.place else ""), c.numbers] for c in section.claims]
-            out += [*_table(["verdict", "statement", "found"], claims), ""]
-        for table in section.tables:
-            if table.kept and 0 < len(table.rows) <= LONGEST:
-                out += [f"{_line(table.title)}:", "", *_table(table.columns, table.rows), ""]
+            out += [*table(["verdict", "statement", "found"], claims), ""]
+        for numbers in section.tables:
+            if numbers.kept and 0 < len(numbers.rows) <= LONGEST:
+                out += [f"{_line(numbers.title)}:", "", *table(numbers.columns, numbers.rows), ""]
     temporary = path + ".new"
     with open(temporary, "w") as file:
         file.write("\n".join(out).rstrip() + "\n")

@@ -13,18 +13,29 @@ PAPER, CHECK, TRIVIAL = "paper", "own check", "by construction"  # TRIVIAL: geom
 SURE = 3.0  # errors that count as significant
 REFUTED, DOUBTED = 1e-4, 0.01  # chances of chi^2: above it, and on either side
 TOLERANCES = {
-    "equal": 0.01,      # relative: a number and its formula
-    "excellent": 0.02,  # relative: "excellent agreement", a theory that "is met", the end of "approaches"
-    "curve": 0.05,      # of its largest value: a curve and its formula
-    "none": 1e-3,       # of the drive's speed: rotation without noise that counts as none
-    "absent": 1e-3,     # fraction of time in which something "does not occur"
-    "most": 0.5,        # fraction of time that is "most of the time"
-    "rare": 0.1,        # fraction of time in which contacts slide "rarely"
+    "equal": 0.01,
+    "excellent": 0.02,
+    "curve": 0.05,
+    "none": 1e-3,
+    "absent": 1e-3,
+    "most": 0.5,
+    "rare": 0.1,
+}
+MEANING = {
+    "equal": "relative: a number and its formula",
+    "excellent": "relative: \"excellent agreement\", a theory that is met, the end of an approach",
+    "curve": "of its largest value: a curve and its formula",
+    "none": "of the drive's speed: rotation without noise that counts as none",
+    "absent": "fraction of time: what lasts less does not occur",
+    "most": "fraction of time: most of the time",
+    "rare": "fraction of time: contacts slide rarely",
 }
 RULES = {
     "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a chance below "
             f"{100 * DOUBTED:g} % on either side leaves it open (a &chi;&sup2; that is too small means error bars that are too "
             "large)",
+    "scatter": f"&chi;&sup2; of values from their mean, as for zero; where error bars themselves are judged a chance below {100 * REFUTED:g} "
+               "% on either side refutes",
     "none": "without noise: the speed is below the tolerance, in units of the drive's speed",
     "sign": f"every point has the sign by more than {SURE:g} errors; one with the other sign refutes, by as many errors as "
             f"chance gives one of so many points as seldom as a single one {SURE:g} (Bonferroni); else open, and the undecided "
@@ -137,6 +148,12 @@ def chance(chi2, degrees):
     return 2 * min(above, 1 - above)
 
 
+def judged(chi2, degrees, either=False):
+    """Verdict on values that are to scatter as their error bars say. either: too little scatter refutes as well."""
+    fluke = chance(chi2, degrees)
+    return NO if (fluke if either else survival(chi2, degrees)) < REFUTED else OPEN if fluke < DOUBTED else YES
+
+
 def close(off, error, tolerance):
     """Is |off| within the tolerance? 3 errors on either side of it decide."""
     off, error = abs(off), SURE * error if math.isfinite(error) else math.inf
@@ -168,7 +185,7 @@ def zero(text, values, errors, place="", what="&Omega;", **kind):
     worst = float(np.abs(z).max())
     numbers = (f"{len(z)} value{'s' * (len(z) > 1)}, largest |{what}| {worst:.1f} errors from zero, &chi;&sup2; = "
                f"{chi2:.1f} (a chance of {100 * above:.2g} % for more)")
-    verdict = NO if above < REFUTED else OPEN if chance(chi2, len(z)) < DOUBTED else YES
+    verdict = judged(chi2, len(z))
     if verdict == OPEN and above > 0.5:
         numbers += "; too small: the error bars are too large to tell"
     return Claim(text, verdict, numbers, place, **kind)
@@ -192,6 +209,11 @@ def signs(values, errors, sign):
     return (NO if len(wrong) else OPEN if len(undecided) else YES), against, right, wrong, undecided
 
 
+def _errors(value, error):
+    z = value / max(error, 1e-300)
+    return _minus(f"{z:+.1f} errors") if abs(z) < 100 else "over 100 errors"
+
+
 def signed(text, values, errors, sign, place="", what="&Omega;", names=None, **kind):
     """Every value has this sign. names: of the points, to say which are undecided."""
     kind.setdefault("rule", "sign")
@@ -208,7 +230,7 @@ def signed(text, values, errors, sign, place="", what="&Omega;", names=None, **k
     for points in (wrong, undecided):
         if len(points) and names:
             told += ("; " + other if points is wrong else "; undecided") + ": " + listed(
-                [f"{names[k]} ({_minus(f'{values[k] / max(errors[k], 1e-300):+.1f}')} errors)" for k in points])
+                [f"{names[k]} ({_errors(values[k], errors[k])})" for k in points])
     if len(undecided) > 1 and not len(wrong):
         weight = 1 / np.maximum(errors[undecided], 1e-300) ** 2
         together = sign * float(np.sum(values[undecided] * weight) / math.sqrt(np.sum(weight)))

@@ -5,10 +5,11 @@ import numpy as np
 
 from . import fits
 from .catalogue import paper
+from .data import Table
 from .page import Figure, Numbers, Section
 from .style import (COLOURS, RANDOM_MARKERS, TILT_MARKERS, figure, in_pi, legend_right, marker, pi_label, points, power,
                     zero_line)
-from .verdict import DOUBTED, NO, OPEN, REFUTED, YES, Claim, chance, decide, grows, missing, number, signed, survival
+from .verdict import Claim, chance, decide, grows, judged, missing, number, signed, survival
 
 PI = math.pi
 SCALE = 1e4  # t_g Omega is shown in 10^-4
@@ -31,7 +32,7 @@ def sections(results):
                      "chance below 10<sup>&minus;3</sup>, as when there are few tilts, is not used." + replicas_told(every),
                      missing=list(table.missing))
     against_amplitude(table, first)
-    against_tilt(table, every, second)
+    against_tilt(table, every, results.sweep("rare").joined(), second)
     rows = [[row["tilt"] / PI, row["eps_b"],
              *(row[f"upper.{c}"] for c in ("scaled", "scaled_error", "pp", "pm", "mp", "mm", "stick", "open",
                                            "left.force_min", "right.force_min")), row["upper.left.openings"]
@@ -80,6 +81,18 @@ def name_of(row):
     return f"&epsilon;<sub>b</sub> = {number(row['eps_b'])}, tilt {row['tilt'] / PI:g} &pi;"
 
 
+def longer(table, more):
+    """Points joined with those of longer runs at the same amplitude and tilt, weighted by their errors."""
+    out = []
+    for row in table.rows:
+        same = more.where(eps_b=row["eps_b"], tilt=row["tilt"]).rows
+        values = [(r["upper.omega"], r["upper.omega_error"]) for r in (row, *same) if r["upper.omega_error"] > 0]
+        weight = sum(1 / e ** 2 for _, e in values)
+        out.append({**row, "upper.omega": sum(v / e ** 2 for v, e in values) / weight, "upper.omega_error": weight ** -0.5}
+                   if same and weight else row)
+    return Table(out)
+
+
 def growth(table):
     """|Omega| grows from each amplitude to the next, at each tilt."""
     steps, errors, names = [], [], []
@@ -120,9 +133,9 @@ def scatter_claim(every):
     if not degrees:
         return None
     ratio, fluke = math.sqrt(chi2 / degrees), chance(chi2, degrees)
-    return Claim("Replicas scatter as their error bars say.", NO if fluke < REFUTED else OPEN if fluke < DOUBTED else YES,
+    return Claim("Replicas scatter as their error bars say.", judged(chi2, degrees, True),
                  f"&chi;&sup2; = {chi2:.1f} for {degrees} degrees (a chance of {100 * fluke:.2g} % to be as far out on either "
-                 f"side): scatter over error bar {ratio:.2f}", slug="replicas-scatter", rule="zero")
+                 f"side): scatter over error bar {ratio:.2f}", slug="replicas-scatter", rule="scatter")
 
 
 def scaling(extrema, out):
@@ -159,7 +172,7 @@ def scaling(extrema, out):
                               "Tilt of the fastest rotation against vibration amplitude"))
 
 
-def against_tilt(table, every, out):
+def against_tilt(table, every, rare, out):
     amplitudes = [e for e in table.values("eps_b") if len(table.where(eps_b=e)) >= 4 and
                   any(abs(e - known) < 1e-9 for known in RANDOM_MARKERS)]
     picture, axes = figure(height=4.2)
@@ -195,7 +208,7 @@ def against_tilt(table, every, out):
     out.figures.append(Figure("random-ex-tilt", picture, "Scaled mean angular velocity against tilt, for several "
                               "amplitudes. Curves: fits; bars across them: their extrema with errors.",
                               "Scaled angular velocity against tilt for several amplitudes, with fits"))
-    tilted = table.such(lambda row: row["tilt"] > 0)
+    tilted = longer(table.such(lambda row: row["tilt"] > 0), rare)
     out.claims.append(signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=-1,
                              names=[name_of(row) for row in tilted.rows], **paper("random-clockwise")))
     if not extrema:

@@ -1,0 +1,50 @@
+"""docs/verdicts.md: rules and tolerances of the verdicts, and statement by statement the verdict of the first report and that of
+today."""
+import csv
+import os
+
+from . import catalogue, markdown
+from .runs import ROOT
+from .verdict import CHECK, MEANING, NO, OPEN, PAPER, RULES, TOLERANCES, TRIVIAL, YES
+
+OLD = os.path.join(ROOT, "docs", "data", "verdicts-old.csv")
+
+
+def old_verdicts(path=OLD):
+    """{slug: (verdict of the first report, what is judged differently now)}"""
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    return {slug: (row["verdict"], row["different"]) for row in rows for slug in row["slugs"].split()}
+
+
+def counted(claims):
+    return ", ".join(f"{sum(claim.verdict == word for claim in claims)} {word}" for word in (YES, NO, OPEN))
+
+
+def rows(claims, old):
+    out = []
+    for claim in claims:
+        before, different = old.get(claim.slug, ("", ""))
+        out.append([f"`{claim.slug}`", claim.text + (f" ({claim.place})" if claim.place else ""), before or "not judged",
+                    f"**{claim.verdict}**", claim.rule, different])
+    return out
+
+
+def write(folder, claims, by):
+    """claims: all of the page; by: what made it."""
+    old = old_verdicts()
+    every = catalogue.complete(claims)
+    named = {row[0] for row in catalogue.STATEMENTS}
+    every += [claim for claim in claims if claim.slug not in named]
+    head = ["statement", "", "first report", "now", "rule", "what is judged differently"]
+    out = ["# Verdicts: rules, and statement by statement", "", "Every verdict of [paper.md](paper.md) follows from the numbers beside it by one of "
+           "these rules (`tools/report/verdict.py`). The last columns compare the verdicts of the first report, whose rules let some statements "
+           f"pass too easily, with those of today. Written by `tools/reproduce.sh --keep`; {by}", "",
+           "## Rules", "", *markdown.table(["rule", "verdict"], [[f"`{name}`", text] for name, text in RULES.items()]), "",
+           "## Tolerances", "", *markdown.table(["name", "value", "of"], [[f"`{name}`", value, MEANING[name]] for name, value in TOLERANCES.items()])]
+    for kind, title in ((PAPER, "The paper's statements"), (TRIVIAL, "By construction: geometry, waveforms, printed equations"),
+                        (CHECK, "Own checks")):
+        chosen = [claim for claim in every if claim.kind == kind]
+        out += ["", f"## {title}", "", counted(chosen) + ".", "", *markdown.table(head, rows(chosen, old))]
+    with open(os.path.join(folder, "verdicts.md"), "w") as file:
+        file.write("\n".join(out) + "\n")
