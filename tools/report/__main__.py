@@ -5,14 +5,15 @@ import signal
 import sys
 import time
 
-from . import (configurations, convergence, diffusion, effort, errors, frequency, geometry, levels, markdown, oscillator, phase,
-               regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
+from . import (configurations, convergence, diffusion, effort, errors, frequency, geometry, levels, markdown,
+               oscillator, phase, regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
 from .verdict import NO, OPEN, YES
 
 TITLE = "Sustained rotation in a vibrated disk: the paper's figures, computed anew"
-MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, waveform, configurations, phase, convergence, frequency, effort)
+MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, waveform, configurations, phase,
+           convergence, frequency, effort)
 STUDY_TITLE = "Three disks: time to a given error"
 STUDY_MODULES = (errors, effort)
 

@@ -101,7 +101,8 @@ def four_claim(table, name):
     least = np.min([table.disk(part) for part in FOUR], axis=0)
     amplitude = "theta_b" if name == "async" else "eps_b"
     lacking = sorted({row[amplitude] for row, value in zip(table.rows, least) if value <= limit})
-    told = f"all four last longer than {100 * limit:g} % of the time at {int((least > limit).sum())} of {len(table)} points with tilt"
+    told = (f"all four last longer than {100 * limit:g} % of the time at {int((least > limit).sum())} of {len(table)} "
+            f"points with tilt")
     if lacking:
         told += "; not at all tilts at amplitudes " + ", ".join(f"{a:g}" for a in lacking)
     return decide(condition=not lacking, numbers=told, **paper(f"{name}-configurations"))
@@ -115,10 +116,10 @@ def slides_claim(table):
     weakest = table.rows[int(np.argmin(contact))]
     enough = [e for e in table.values("eps_b")
               if all(c > most for c, row in zip(contact, table.rows) if row["eps_b"] >= e * 0.999)]
-    told = (f"the contact that slides less does so for {number(float(contact.min()))} to {number(float(contact.max()))} of the "
-            f"time, more than half of it at {int((contact > most).sum())} of {len(table)} points; both at once for "
-            f"{number(float(both.min()))} to {number(float(both.max()))}; least at &epsilon;<sub>b</sub> = "
-            f"{weakest['eps_b']:g}, tilt {weakest['tilt'] / PI:g} &pi;")
+    told = (f"the contact that slides less does so for {number(float(contact.min()))} to "
+            f"{number(float(contact.max()))} of the time, more than half of it at {int((contact > most).sum())} of "
+            f"{len(table)} points; both at once for {number(float(both.min()))} to {number(float(both.max()))}; least "
+            f"at &epsilon;<sub>b</sub> = {weakest['eps_b']:g}, tilt {weakest['tilt'] / PI:g} &pi;")
     if enough:
         told += f"; each for more than half of it at all tilts from &epsilon;<sub>b</sub> = {enough[0]:g} on"
     return decide(condition=bool((contact > most).all()), numbers=told, **paper("random-slides"))

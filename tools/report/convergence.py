@@ -134,8 +134,9 @@ def equal(text, table, what, slug, note=""):
         return missing(text, slug=slug)
     mean = np.sum(value / error ** 2) / np.sum(1 / error ** 2)
     chi2, chance = chi_square((value - mean) / error, len(value) - 1)
-    return Claim(text, judged(chi2, len(value) - 1, slug == "seeds-scatter"), f"{len(value)} {what}: &chi;&sup2; = "
-                 f"{chi2:.1f} for {len(value) - 1} degrees (a chance of {100 * chance:.2g} %), mean <i>t<sub>g</sub></i>&Omega; "
+    return Claim(text, judged(chi2, len(value) - 1, slug == "seeds-scatter"),
+                 f"{len(value)} {what}: &chi;&sup2; = {chi2:.1f} for {len(value) - 1} degrees (a chance of "
+                 f"{100 * chance:.2g} %), mean <i>t<sub>g</sub></i>&Omega; "
                  f"{number(mean, 1 / math.sqrt(np.sum(1 / error ** 2)))}, error bars "
                  f"{100 * float(np.median(error / abs(mean))):.0f} %{note}", slug=slug, rule="scatter")
 
@@ -178,7 +179,10 @@ def turning_claim(table):
 
 
 def interval_claim(table):
-    return equal("&Omega; does not depend on the noise interval within its error bars.", table, "intervals", "noise-interval",
+    return equal("&Omega; does not depend on the noise interval within its error "
+                 "bars.", table,
+                 "intervals",
+                 "noise-interval",
                  f", longest {number(table.values('interval')[-1])} steps" if table.values("interval") else "")
 
 

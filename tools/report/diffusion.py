@@ -41,12 +41,16 @@ def exponent(lags, msd):
 
 
 def sections(results):
-    out = Section("diffusion", "Elasto-plastic oscillators under random forcing", "Deck <code>inputs/epo/random.cfg</code>: 24 disks that cannot "
-                  "turn, each on a wall of its own that is shaken at random along itself (rms amplitude 10<sup>&minus;3</sup>, &omega; = 20&pi;, "
-                  "rms acceleration 3.9 <i>&mu;g</i>); 16 with equal limits, 8 pushed by <i>f</i> = 0.02. Exponent of "
-                  f"&lang;<i>x</i>&sup2;&rang; between {FIRST:g} and {LAST:g} time units, its error from leaving out each oscillator in turn.")
+    out = Section("diffusion", "Elasto-plastic oscillators under random "
+                               "forcing",
+                  "Deck <code>inputs/epo/random.cfg</code>: 24 disks that cannot turn, each on a wall of its own that "
+                  "is shaken at random along itself (rms amplitude 10<sup>&minus;3</sup>, &omega; = 20&pi;, rms "
+                  "acceleration 3.9 <i>&mu;g</i>); 16 with equal limits, 8 pushed by <i>f</i> = 0.02. Exponent of "
+                  f"&lang;<i>x</i>&sup2;&rang; between {FIRST:g} and {LAST:g} time units, its error from leaving out "
+                  f"each oscillator in turn.")
     path = results.run("epo_random")
-    table = results.numbers("epo-random", lambda: read(path) if path else None, "displacement of each oscillator", digits=5)
+    table = results.numbers("epo-random", lambda: read(path) if path else None,
+                            "displacement of each oscillator", digits=5)
     slugs = ("epo-diffusion", "epo-random-drift")
     if not table:
         out.missing.append("epo_random: not run yet")
@@ -62,14 +66,22 @@ def sections(results):
     verdict = NO if off > SURE * error else OPEN if error > LARGEST_ERROR else YES
     mean = [(float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))) for v in (speed[:EQUAL], speed[EQUAL:])]
     constant = float(np.mean(msd[-1]) / lags[-1] / 2)
-    out.claims = [Claim(verdict=verdict, numbers=f"exponent {number(power, error)} (counted as 1 within {SURE:g} errors, when its error is below "
-                        f"{LARGEST_ERROR:g}); diffusion constant {number(constant, digits=2)}", rule="exponent", **paper("epo-diffusion")),
-                  zero("Oscillators with equal limits under random forcing do not drift.", [mean[0][0]], [mean[0][1]], what="drift",
+    out.claims = [Claim(verdict=verdict, numbers=f"exponent {number(power, error)} (counted as 1 within {SURE:g} "
+                                                 f"errors, when its error is below {LARGEST_ERROR:g}); diffusion "
+                                                 f"constant "
+                                                 f"{number(constant, digits=2)}",
+                        rule="exponent", **paper("epo-diffusion")),
+                  zero("Oscillators with equal limits under random forcing do not "
+                       "drift.", [mean[0][0]], [mean[0][1]],
+                       what="drift",
                        slug="epo-random-level"),
-                  signed(values=[mean[1][0]], errors=[mean[1][1]], sign=1, what="the mean drift", **paper("epo-random-drift"))]
-    out.claims[-1].numbers += f"; drift {number(*mean[1])} of {len(speed) - EQUAL} oscillators with limits &minus;0.08 and 0.12"
+                  signed(values=[mean[1][0]], errors=[mean[1][1]], sign=1,
+                         what="the mean drift", **paper("epo-random-drift"))]
+    out.claims[-1].numbers += (f"; drift {number(*mean[1])} of {len(speed) - EQUAL} oscillators with limits &minus;0.08 "
+                               f"and 0.12")
     out.tables.append(Numbers("Mean square displacement", ["lag", "&lang;<i>x</i>&sup2;&rang;", "error"],
-                              [[t, float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))] for t, v in zip(lags, msd)]))
+                              [[t, float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))] for t, v in zip(lags,
+                                                                                                              msd)]))
     return [out]
 
 
@@ -77,12 +89,15 @@ def draw(time, x, lags, msd, power):
     picture, (left, right) = figure(2, 1, height=3.6, width=7.4)
     for k in range(x.shape[1]):
         pushed = k >= EQUAL
-        left.plot(time, x[:, k], color=COLOURS[int(pushed)], lw=0.6, label=("$f=0.02$" if pushed else "$f=0$") if k in (0, EQUAL) else None)
+        left.plot(time, x[:, k], color=COLOURS[int(pushed)], lw=0.6, label=("$f=0.02$" if pushed else
+                                                                            "$f=0$") if k in (0, EQUAL) else None)
     left.set_xlabel("time $t$")
     left.set_ylabel("position $x/R$")
     legend_above(left, 2)
     mean, error = msd.mean(axis=1), msd.std(axis=1, ddof=1) / math.sqrt(msd.shape[1])
-    right.errorbar(lags, mean, yerr=error, fmt="o", ms=4, mfc="white", color=COLOURS[0], lw=0, elinewidth=0.9, label="$f=0$")
+    right.errorbar(lags, mean, yerr=error, fmt="o", ms=4,
+                   mfc="white", color=COLOURS[0], lw=0, elinewidth=0.9,
+                   label="$f=0$")
     inside = (lags >= FIRST * 0.999) & (lags <= LAST * 1.001)
     level = np.exp(np.mean(np.log(mean[inside]) - power * np.log(lags[inside])))
     right.plot(lags[inside], level * lags[inside] ** power, color=BLACK, lw=1, label=f"exponent {power:.2f}")
@@ -91,5 +106,7 @@ def draw(time, x, lags, msd, power):
     right.set_xlabel("lag")
     right.set_ylabel(r"$\langle x^2\rangle/R^2$")
     legend_above(right, 2)
-    return Figure("epo-diffusion", picture, "Left: positions of the oscillators. Right: mean square displacement of those with equal limits; line: "
-                  "fitted power law.", "Positions of randomly forced oscillators, and their mean square displacement")
+    return Figure("epo-diffusion", picture, "Left: positions of the oscillators. Right: mean square displacement of "
+                                            "those with equal limits; line: fitted power "
+                                            "law.", "Positions of randomly forced oscillators, and their mean square "
+                                                    "displacement")

@@ -88,14 +88,15 @@ def claims(turning, random):
     for phase, title, sign in ((0.0, "in phase", 1), (PI, "in opposite phases", -1)):
         line, slug = turning.where(phase=phase), title.split()[-1].replace("phases", "opposite")
         out.append(signed(f"The sense of rotation {title} does not depend on the frequency.", line.disk("omega"),
-                          line.disk("omega_error"), sign, names=[name_of(row, "theta_b", "&Theta;") for row in line.rows],
-                          slug=f"frequency-{slug}"))
+                          line.disk("omega_error"), sign, 
+                          names=[name_of(row, "theta_b", "&Theta;") for row in line.rows], slug=f"frequency-{slug}"))
         out.append(better(split(line, "theta_b", "omega_b", BASE_AMPLITUDE)[SCALED] if line else line, title, slug))
     told = [name_of(row, "eps_b", "&epsilon;") for row in random.rows]
     claim = signed("Under random vibration the rotation is clockwise at all frequencies.", random.disk("omega"),
                    random.disk("omega_error"), -1, names=told, slug="frequency-random")
     openings = random.column("upper.left.openings") + random.column("upper.right.openings")
-    claim.numbers += "; contacts open at " + ", ".join(t for t, n in zip(told, openings) if n > 0) if (openings > 0).any() else ""
+    if (openings > 0).any():
+        claim.numbers += "; contacts open at " + ", ".join(t for t, n in zip(told, openings) if n > 0)
     return [*out, claim]
 
 

@@ -83,7 +83,8 @@ SWEEPS = {
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": NOISES, "full": NOISES}),
-    "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan({"phases.measure.time": 20}), "default": AS_IS,
+    "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan({"phases.measure.time": 20}),
+                                                              "default": AS_IS,
                                                               "full": AS_IS}),
     "mechanism_scan": ("mechanism_scan.cfg", {"quick": Plan(SHORT, replicas(6, 2)),
                                               "default": Plan({}, replicas(6, 4)), "full": AS_IS}),
@@ -137,11 +138,12 @@ def _steady(left, right):
     return {"motions.left.velocity": left, "motions.right.velocity": right}
 
 
-# Starts of the upper disk: none, and two with another spin and angle. Both supports turn for 60 time units before it is seen.
+# Starts of the upper disk: none, and two with another spin and angle. Both supports turn for 60 time units first.
 _SEEN = {"dt": 1e-5, "phases.rest.time": 60, "phases.measure.time": 0.3, "phases.measure.frames": 10}
 _STARTS = {"quick": {**_SEEN, "phases.rest.time": 30}, "default": _SEEN, "full": _SEEN}
 STARTS = {"rest": (0, 0), "left": (3, 1), "right": (-3, 2)}  # name: (spin, angle)
-_CAUGHT = {"locks": "()", "dt": 2e-6, "phases.settle.time": 0.2, "phases.measure.time": 0.8, "phases.measure.frames": 40,
+_CAUGHT = {"locks": "()", "dt": 2e-6, "phases.settle.time": 0.2, "phases.measure.time": 0.8,
+           "phases.measure.frames": 40,
            "phases.measure.contacts": 40}
 _RANDOM_EPO = {"quick": {"phases.measure.time": 50}, "default": {}, "full": {}}
 _ALWAYS = {"quick": {}, "default": {}, "full": {}}

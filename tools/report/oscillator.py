@@ -89,7 +89,8 @@ def oscillator_of(results, name, out):
     path = results.run(name)
     record = functools.cache(lambda: Record(path))
     key, units = name.replace("_", "-"), "lengths in R, forces in mg"
-    parts = [results.numbers(key + part, lambda make=make: getattr(record(), make)() if path else None, f"{title}; {units}")
+    parts = [results.numbers(key + part, lambda make=make: getattr(record(), make)() if path else None,
+                             f"{title}; {units}")
              for part, make, title in (("", "numbers", "oscillator"), ("-loop", "loop", "force against displacement"),
                                        ("-trace", "trace", "position against time"))]
     if not all(parts):
@@ -139,7 +140,8 @@ def sections(results):
         below, unit = axes[1, k], (1000 if kind == "symmetric" else 1)
         for n, (o, label) in enumerate(((stiff, "$k_t=10^6$"), (soft, "$k_t=20$"))):
             if o:
-                below.plot(o.trace.column("time"), unit * o.trace.column("place"), color=COLOURS[n], lw=0.8, label=label)
+                below.plot(o.trace.column("time"), unit * o.trace.column("place"), color=COLOURS[n], lw=0.8,
+                           label=label)
         if stiff and stiff.push:
             time = np.array([0, stiff.duration])
             below.plot(time, unit * stiff.permanent() * time, color=BLACK, ls=":", lw=1.4, label="theory")
@@ -171,26 +173,30 @@ def claims(found):
         slope, spread, low, high = soft.slope, soft.slope_spread, soft.force_min, soft.force_max
         excess = max(abs(low - soft.limits[0]), abs(high - soft.limits[1])) / (soft.limits[1] - soft.limits[0])
         equal = TOLERANCES["equal"]
-        out.append(decide(condition=bool(excess < equal and spread < equal * abs(slope)), numbers="slope while stuck "
-                          f"{number(slope, digits=5)} (spread {number(spread)}; &minus;<i>k<sub>t</sub></i> = "
-                          f"&minus;20), extremes {number(low, digits=4)} and {number(high, digits=4)}; limits "
-                          f"{number(soft.limits[0], digits=4)} and {number(soft.limits[1], digits=4)} (counted as equal up to "
-                          f"{100 * equal:g} %)", **paper("epo-force")))
+        out.append(decide(condition=bool(excess < equal and spread < equal * abs(slope)),
+                          numbers=f"slope while stuck {number(slope, digits=5)} (spread {number(spread)}; "
+                                  f"&minus;<i>k<sub>t</sub></i> = &minus;20), extremes {number(low, digits=4)} and "
+                                  f"{number(high, digits=4)}; limits {number(soft.limits[0], digits=4)} and "
+                                  f"{number(soft.limits[1], digits=4)} (counted as equal up to {100 * equal:g} "
+                                  f"%)", **paper("epo-force")))
     else:
         out.append(missing(**paper("epo-force")))
-    out.append(none(value=symmetric.drift, unit=symmetric.amplitude * symmetric.omega, unit_name="of the wall's top speed",
+    out.append(none(value=symmetric.drift, unit=symmetric.amplitude * symmetric.omega,
+                    unit_name="of the wall's top speed",
                     **paper("epo-symmetric")) if symmetric else missing(**paper("epo-symmetric")))
     if asymmetric:
         v, e = asymmetric.drift, asymmetric.drift_error
         direction = 1 if abs(asymmetric.limits[0]) < abs(asymmetric.limits[1]) else -1
         claim = signed(values=[v], errors=[e], sign=direction, what="the drift", **paper("epo-asymmetric"))
-        claim.numbers = (f"drift {number(v, e)} with <i>F</i><sub>1</sub> = {number(asymmetric.limits[0])}, <i>F</i><sub>2</sub> = "
-                         f"{number(asymmetric.limits[1])}")
+        claim.numbers = (f"drift {number(v, e)} with <i>F</i><sub>1</sub> = {number(asymmetric.limits[0])}, "
+                         f"<i>F</i><sub>2</sub> = {number(asymmetric.limits[1])}")
         out += [claim, within("The oscillator's drift is that of permanent sliding, <i>A</i>&omega; "
-                              "sin(&pi;<i>f</i>/2&mu;<i>mg</i>).", v, asymmetric.permanent(), TOLERANCES["equal"], error=e, slug="epo-permanent")]
+                              "sin(&pi;<i>f</i>/2&mu;<i>mg</i>).", v, asymmetric.permanent(), TOLERANCES["equal"],
+                              error=e, slug="epo-permanent")]
     else:
         out.append(missing(**paper("epo-asymmetric")))
     rows = []
     for name, o in found.items():
-        rows.append([name, o.push, *o.limits, o.force_min, o.force_max, o.sliding, o.drift, o.drift_error, o.permanent()])
+        rows.append([name, o.push, *o.limits, o.force_min, o.force_max, o.sliding, o.drift, o.drift_error,
+                     o.permanent()])
     return out, rows

@@ -152,14 +152,16 @@ def turning_points(lines, curves):
 
 def claims(lines, level, stiff, curves, turns):
     out = []
-    ends = [[(v, e) for line in lines.values() for v, e, psi in zip(line.omega, line.error, line.psi) if abs(psi - at) < 1e-6]
+    ends = [[(v, e) for line in lines.values() for v, e, psi in zip(line.omega, line.error,
+                                                                    line.psi) if abs(psi - at) < 1e-6]
             for at in (0.0, PI)]
     if all(ends):
         value, error = np.array(ends[0] + ends[1]).T
         claim = signed(values=value * ([1] * len(ends[0]) + [-1] * len(ends[1])), errors=error, sign=1,
                        what="&Omega; in phase and &minus;&Omega; opposite", **paper("sense-reverses"))
         claim.numbers += (f"; in phase {number(min(ends[0])[0])} to {number(max(ends[0])[0])}, opposite "
-                          f"{number(min(ends[1])[0])} to {number(max(ends[1])[0])} &Theta;<sub>b</sub>&omega;<sub>b</sub>")
+                          f"{number(min(ends[1])[0])} to {number(max(ends[1])[0])} "
+                          f"&Theta;<sub>b</sub>&omega;<sub>b</sub>")
         out.append(claim)
     else:
         out.append(missing(**paper("sense-reverses")))

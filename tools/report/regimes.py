@@ -1,4 +1,4 @@
-"""Random vibration beyond the figures: without tilt with ten seeds, where sliding is rare, and where the disk bounces."""
+"""Random vibration beyond the figures: no tilt with ten seeds, where sliding is rare, and where the disk bounces."""
 import math
 
 import numpy as np
@@ -11,7 +11,9 @@ from .vibration import SCALE, name_of
 
 PI = math.pi
 FOUR = ("pp", "pm", "mp", "mm")
-CONTRASTS = {"S+- and S-+ against S++ and S--": (-1, 1, 1, -1), "S+- against S-+": (0, 1, -1, 0), "S++ against S--": (1, 0, 0, -1)}
+CONTRASTS = {"S+- and S-+ against S++ and S--": (-1, 1, 1, -1),
+             "S+- against S-+": (0, 1, -1, 0),
+             "S++ against S--": (1, 0, 0, -1)}
 
 
 def sections(results):
@@ -20,13 +22,16 @@ def sections(results):
 
 def scattered(members, values):
     """Mean over replicas and its standard error from their scatter."""
-    return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(members))) if len(members) > 1 else math.nan
+    error = float(np.std(values, ddof=1) / math.sqrt(len(members))) if len(members) > 1 else math.nan
+    return float(np.mean(values)), error
 
 
 # --- without tilt ---------------------------------------------------------------------------------------------------
 def level_section(results):
-    out = Section("level", "Random vibration without tilt: ten seeds", "Deck <code>inputs/paper/level.cfg</code>: each point has "
-                  "ten runs of 500 time units with other seeds; means and their errors are those of the ten.", new=True)
+    out = Section("level", "Random vibration without tilt: ten "
+                           "seeds",
+                  "Deck <code>inputs/paper/level.cfg</code>: each point has ten runs of 500 time units with other "
+                  "seeds; means and their errors are those of the ten.", new=True)
     table = results.sweep("level")
     out.missing = list(table.missing)
     rows, gaps, errors, omega, omega_error = [], [], [], [], []
@@ -34,7 +39,8 @@ def level_section(results):
         mean, error = scattered(members, members.disk("omega"))
         parts = np.array([members.disk(part) for part in FOUR])
         known = [scattered(members, part) for part in parts]
-        rows.append([members.rows[0]["eps_b"], len(members), mean / 5 ** 0.5, error / 5 ** 0.5, *(v for pair in known for v in pair)])
+        rows.append([members.rows[0]["eps_b"], len(members), mean / 5 ** 0.5, error / 5 ** 0.5,
+                     *(v for pair in known for v in pair)])
         omega.append(mean)
         omega_error.append(error)
         if parts.mean(axis=1).min() <= TOLERANCES["absent"]:
@@ -43,7 +49,8 @@ def level_section(results):
             gap, spread = scattered(members, weights @ parts / parts.sum(axis=0))
             gaps.append(gap)
             errors.append(spread)
-    claim = zero("Ten seeds at each amplitude: under random vibration the disk does not rotate without tilt.", omega, omega_error,
+    claim = zero("Ten seeds at each amplitude: under random vibration the disk does not rotate without "
+                 "tilt.", omega, omega_error,
                  slug="random-level-seeds")
     out.claims = [claim, durations_claim(rows, gaps, errors)]
     out.figures.append(draw_durations(rows))
@@ -58,8 +65,10 @@ def durations_claim(rows, gaps, errors):
         return missing(**paper("equal-durations"))
     claim = zero(values=gaps, errors=errors, what="difference", **paper("equal-durations"))
     last = rows[-1]
-    claim.numbers = (f"fractions of time in S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, S<sup>&minus;&minus;</sup> at "
-                     f"&epsilon;<sub>b</sub> = {number(last[0])}: " + ", ".join(number(last[k], last[k + 1]) for k in (4, 6, 8, 10))
+    claim.numbers = (f"fractions of time in S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, "
+                     f"S<sup>&minus;&minus;</sup> at &epsilon;<sub>b</sub> = "
+                     f"{number(last[0])}: " +
+                     ", ".join(number(last[k], last[k + 1]) for k in (4, 6, 8, 10))
                      + "; differences at all amplitudes at which all four occur: " + claim.numbers)
     return claim
 
@@ -75,8 +84,10 @@ def draw_durations(rows):
     axes.set_ylabel("fraction of time")
     if rows:
         legend_right(axes, "no tilt")
-    return Figure("level-durations", picture, "Fractions of time in the four sliding configurations without tilt; error bars are "
-                  "smaller than the symbols.", "Fractions of time in the four sliding configurations without tilt against amplitude")
+    return Figure("level-durations", picture, "Fractions of time in the four sliding configurations without tilt; "
+                                              "error bars are smaller than the "
+                                              "symbols.", "Fractions of time in the four sliding configurations "
+                                                          "without tilt against amplitude")
 
 
 # --- rare sliding ---------------------------------------------------------------------------------------------------
@@ -87,19 +98,26 @@ def slides(table):
 
 def rare_section(results):
     limit = TOLERANCES["rare"]
-    out = Section("rare", "Random vibration where contacts seldom slide", "Deck <code>inputs/paper/rare.cfg</code>. The paper says of "
-                  "such runs, without showing them, that sustained rotation was never observed. Rare: each contact slides for less "
-                  f"than {100 * limit:g} % of the time.", new=True)
+    out = Section("rare", "Random vibration where contacts seldom "
+                          "slide",
+                  "Deck <code>inputs/paper/rare.cfg</code>. The paper says of such runs, without showing them, that "
+                  f"sustained rotation was never observed. Rare: each contact slides for less than {100 * limit:g} % "
+                  f"of the time.", new=True)
     table = results.sweep("rare").joined()
     out.missing = list(table.missing)
     fraction = slides(table)
     out.figures.append(draw_rare(table, fraction))
     out.claims = [rare_claim(table, fraction), never_claim(table, fraction)]
     rows = [[row["eps_b"], row["tilt"] / PI, row["upper.left.sliding"], row["upper.right.sliding"], row["upper.stick"],
-             row["upper.scaled"], row["upper.scaled_error"], row["replicas"], row["upper.left.openings"] + row["upper.right.openings"]]
+             row["upper.scaled"], row["upper.scaled_error"], row["replicas"],
+             row["upper.left.openings"] + row["upper.right.openings"]]
             for row in sorted(table.rows, key=lambda row: (row["eps_b"], row["tilt"]))]
     out.tables.append(Numbers("Weak drive", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;", "left contact slides",
-                                             "right contact slides", "a contact sticks", "<i>t<sub>g</sub></i>&Omega;", "error",
+                                             "right contact "
+                                             "slides",
+                                             "a contact sticks",
+                                             "<i>t<sub>g</sub></i>&Omega;",
+                                             "error",
                                              "runs", "openings"], rows))
     return out
 
@@ -115,14 +133,15 @@ def rare_claim(table, fraction):
         return missing(**paper("rare-sliding"), why="no points between never and often" if table else "no data yet")
     claim = zero(values=rare.disk("omega"), errors=rare.disk("omega_error"), **paper("rare-sliding"))
     strongest = max(rare.rows, key=lambda row: abs(row["upper.omega"] / row["upper.omega_error"]))
-    claim.numbers += (f"; {turning(rare)} of the {len(rare)} points rotate by more than {SURE:g} errors, most clearly {name_of(strongest)}: "
-                      f"<i>t<sub>g</sub></i>&Omega; = {number(strongest['upper.scaled'], strongest['upper.scaled_error'])} while "
-                      f"contacts slide for {100 * strongest['upper.left.sliding']:.1f} and "
-                      f"{100 * strongest['upper.right.sliding']:.1f} % of the time")
+    claim.numbers += (f"; {turning(rare)} of the {len(rare)} points rotate by more than {SURE:g} errors, most clearly "
+                      f"{name_of(strongest)}: <i>t<sub>g</sub></i>&Omega; = "
+                      f"{number(strongest['upper.scaled'], strongest['upper.scaled_error'])} while contacts slide for "
+                      f"{100 * strongest['upper.left.sliding']:.1f} and {100 * strongest['upper.right.sliding']:.1f} % "
+                      f"of the time")
     often = table.such(lambda row: max(row["upper.left.sliding"], row["upper.right.sliding"]) >= TOLERANCES["rare"])
     if often:
-        claim.numbers += (f"; where they slide for {100 * float(slides(often).min()):.0f} to {100 * float(slides(often).max()):.0f} % "
-                          f"{turning(often)} of {len(often)} points rotate")
+        claim.numbers += (f"; where they slide for {100 * float(slides(often).min()):.0f} to "
+                          f"{100 * float(slides(often).max()):.0f} % {turning(often)} of {len(often)} points rotate")
     return claim
 
 
@@ -134,7 +153,9 @@ def never_claim(table, fraction):
         return missing(text, slug="random-no-sliding", why="contacts slide at all points" if table else "no data yet")
     worst = float(np.abs(still.disk("omega") / (still.column("eps_b") * 20 * PI)).max())
     return decide(text, worst < TOLERANCES["none"], f"{len(still)} points, largest |&Omega;| {number(worst)} "
-                  f"&epsilon;<sub>b</sub>&omega; (counted as none below {number(TOLERANCES['none'])})", slug="random-no-sliding",
+                                                    f"&epsilon;<sub>b</sub>&omega; (counted as none below "
+                                                    f"{number(TOLERANCES['none'])})",
+                  slug="random-no-sliding",
                   rule="none")
 
 
@@ -145,7 +166,9 @@ def draw_rare(table, fraction):
         chosen = np.array([abs(row["eps_b"] / eps - 1) < 1e-6 for row in table.rows])
         line = table.where(eps_b=eps)
         unit = 1e-3 * eps
-        points(axes, shown[chosen], line.disk("scaled") / unit, line.disk("scaled_error") / unit, f"${power(eps)}$", k, "os^D"[k % 4],
+        points(axes, shown[chosen], line.disk("scaled") / unit, line.disk("scaled_error") / unit,
+               f"${power(eps)}$", k,
+               "os^D"[k % 4],
                line="none")
     axes.axvline(TOLERANCES["rare"], color=COLOURS[-1], lw=0.8, ls=":", gid="guide")
     zero_line(axes)
@@ -154,26 +177,34 @@ def draw_rare(table, fraction):
     axes.set_ylabel(r"$t_g\,\Omega/\epsilon_b\times10^{3}$")
     if table:
         legend_right(axes, r"amplitude $\epsilon_b$")
-    return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which contacts slide (of "
-                  "the contact that slides more; never: drawn at 10<sup>&minus;6</sup>); dotted: what counts as rare.",
+    return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which "
+                                   "contacts slide (of the contact that slides more; never: drawn at "
+                                   "10<sup>&minus;6</sup>); dotted: what counts as rare.",
                   "Rotation against the fraction of time in which contacts slide, at weak random vibration")
 
 
 # --- bouncing -------------------------------------------------------------------------------------------------------
 def bouncing_section(results):
-    out = Section("bouncing", "Random vibration where the disk bounces", "Deck <code>inputs/paper/bouncing.cfg</code>: ten times and more "
-                  "the amplitudes of the figures, four runs of 500 time units a point.", new=True)
+    out = Section("bouncing", "Random vibration where the disk "
+                              "bounces",
+                  "Deck <code>inputs/paper/bouncing.cfg</code>: ten times and more the amplitudes of the figures, four "
+                  "runs of 500 time units a point.", new=True)
     table = results.sweep("bouncing").joined()
     out.missing = list(table.missing)
     out.claims = [bouncing_claim(table)]
     flat = table.where(tilt=0.0)
-    out.claims.append(zero("Bouncing, the disk does not rotate without tilt.", flat.disk("omega"), flat.disk("omega_error"),
+    out.claims.append(zero("Bouncing, the disk does not rotate without "
+                           "tilt.", flat.disk("omega"), flat.disk("omega_error"),
                            slug="bouncing-level"))
     out.figures.append(draw_bouncing(table))
-    rows = [[row["eps_b"], row["tilt"] / PI, row["upper.open"], row["upper.left.openings"] + row["upper.right.openings"],
+    rows = [[row["eps_b"], row["tilt"] / PI, row["upper.open"],
+             row["upper.left.openings"] + row["upper.right.openings"],
              row["upper.scaled"], row["upper.scaled_error"], row["scatter"] / 5 ** 0.5, row["replicas"]]
             for row in sorted(table.rows, key=lambda row: (row["eps_b"], row["tilt"]))]
-    out.tables.append(Numbers("Bouncing", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;", "a contact is open", "openings",
+    out.tables.append(Numbers("Bouncing", ["&epsilon;<sub>b</sub>",
+                                           "&theta;<sub>T</sub>/&pi;",
+                                           "a contact is open",
+                                           "openings",
                                            "<i>t<sub>g</sub></i>&Omega;", "error", "error from scatter", "runs"], rows))
     return out
 
@@ -189,9 +220,9 @@ def bouncing_claim(table):
         z = line.disk("omega") / line.disk("omega_error")
         verdicts = {sense: signs(line.disk("omega"), line.disk("omega_error"), sense)[0] for sense in (-1, 1)}
         seen.append(YES in verdicts.values())
-        told.append(f"&epsilon;<sub>b</sub> = {number(eps)} (a contact open for {100 * float(line.disk('open').mean()):.0f} % of the time): "
-                    f"{int((np.abs(z) > SURE).sum())} of {len(z)} tilts by more than {SURE:g} errors, "
-                    f"{int((z < -SURE).sum())} of them clockwise")
+        told.append(f"&epsilon;<sub>b</sub> = {number(eps)} (a contact open for "
+                    f"{100 * float(line.disk('open').mean()):.0f} % of the time): {int((np.abs(z) > SURE).sum())} of "
+                    f"{len(z)} tilts by more than {SURE:g} errors, {int((z < -SURE).sum())} of them clockwise")
     none = turning(bounce) == 0
     verdict = YES if all(seen) else NO if none and len(bounce) > 3 else OPEN
     return Claim(verdict=verdict, numbers="; ".join(told), rule="sign", **paper("bouncing-rotation"))
@@ -201,7 +232,8 @@ def draw_bouncing(table):
     picture, axes = figure(height=3.8)
     for k, eps in enumerate(table.values("eps_b")):
         line = table.where(eps_b=eps).sorted("tilt")
-        points(axes, line.column("tilt") / PI, SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"), f"${power(eps)}$", k,
+        points(axes, line.column("tilt") / PI, SCALE * line.disk("scaled"), SCALE * line.disk("scaled_error"),
+               f"${power(eps)}$", k,
                "os^D"[k % 4])
     zero_line(axes)
     axes.set_yscale("symlog", linthresh=1)
@@ -210,5 +242,6 @@ def draw_bouncing(table):
     axes.set_ylabel(r"$t_g\,\Omega\times10^{4}$")
     if table:
         legend_right(axes, r"amplitude $\epsilon_b$")
-    return Figure("bouncing", picture, "Scaled angular velocity against tilt where the upper disk bounces. The axis is linear between "
-                  "&minus;1 and 1, logarithmic beyond.", "Rotation against tilt for a bouncing disk")
+    return Figure("bouncing", picture, "Scaled angular velocity against tilt where the upper disk bounces. The axis is "
+                                       "linear between &minus;1 and 1, logarithmic "
+                                       "beyond.", "Rotation against tilt for a bouncing disk")

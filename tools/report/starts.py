@@ -32,9 +32,10 @@ def last_periods(path):
 
 
 def start_section(results):
-    out = Section("starts", "The periodic state", f"Supports that turn at &Theta;<sub>b</sub> = {levels.STRONG_DRIVE:g} (parabola, tilt "
-                  "0.04&pi;), upper disk at rest and with other spins and angles at the start; its velocity after 60 time units (600 "
-                  "periods).", new=True)
+    out = Section("starts", "The periodic state", f"Supports that turn at &Theta;<sub>b</sub> = "
+                                                  f"{levels.STRONG_DRIVE:g} (parabola, tilt 0.04&pi;), upper disk at "
+                                                  "rest and with other spins and angles at the start; its velocity "
+                                                  "after 60 time units (600 periods).", new=True)
     picture, axes = figure(2, 1, height=3.4)
     rows = []
     for k, (kind, title) in enumerate(TITLES.items()):
@@ -51,16 +52,22 @@ def start_section(results):
         for n, (name, table) in enumerate(found.items()):
             spin, angle = levels.STARTS[name]
             rows.append([title, float(spin), float(angle), float(table.column("omega").mean()), *repeats(table)])
-            axes[k].plot(table.column("time") / PERIOD, table.column("omega"), color=COLOURS[n], lw=(3.5, 2.0, 0.8)[n % 3],
+            axes[k].plot(table.column("time") / PERIOD, table.column("omega"), color=COLOURS[n], lw=(3.5, 2.0,
+                                                                                                     0.8)[n % 3],
                          label=f"{spin:g}")
         axes[k].set_title(title, pad=32)
         axes[k].set_xlabel("time $t/T$")
         if found:
             legend_above(axes[k], 3, title=r"$\Omega$ at the start")
     axes[0].set_ylabel(r"upper disk $\Omega$")
-    out.figures.append(Figure("starts", picture, "Angular velocity of the upper disk over two periods of the drive, from three starts: "
-                              "the lines lie on each other.", "Angular velocity over two periods from three starts"))
-    out.tables.append(Numbers("Starts", ["", "spin at the start", "angle at the start", "mean &Omega;", "change after a period",
+    out.figures.append(Figure("starts", picture, "Angular velocity of the upper disk over two periods of the drive, "
+                                                 "from three starts: the lines lie on each "
+                                                 "other.", "Angular velocity over two periods from three starts"))
+    out.tables.append(Numbers("Starts", ["", "spin at the "
+                                             "start",
+                                         "angle at the start",
+                                         "mean &Omega;",
+                                         "change after a period",
                                          "change after half a period"], rows))
     return out
 
@@ -78,11 +85,13 @@ def period_claims(kind, found):
         return [missing(**paper(f"{kind}-period")), missing(**paper(f"{kind}-start"))]
     whole, half = zip(*(repeats(table) for table in found.values()))
     tables = list(found.values())
-    gap = max(float(np.abs(np.interp(tables[0].column("time"), t.column("time"), t.column("omega")) - tables[0].column("omega")).max())
+    time, omega = tables[0].column("time"), tables[0].column("omega")
+    gap = max(float(np.abs(np.interp(time, t.column("time"), t.column("omega")) - omega).max())
               for t in tables[1:]) / float(np.ptp(tables[0].column("omega")))
     told = " (counted as none below " + number(SAME) + " of the range of &Omega;)"
-    return [decide(condition=max(whole) < SAME and min(half) > SAME, numbers=f"{len(found)} starts: largest change after one period "
-                   f"{number(max(whole))}, after half a period {number(min(half))}{told}", **paper(f"{kind}-period")),
+    return [decide(condition=max(whole) < SAME and min(half) > SAME,
+                   numbers=f"{len(found)} starts: largest change after one period {number(max(whole))}, after half a "
+                           f"period {number(min(half))}{told}", **paper(f"{kind}-period")),
             decide(condition=gap < SAME, numbers=f"largest difference between {len(found)} starts {number(gap)}{told}",
                    **paper(f"{kind}-start"))]
 
@@ -110,17 +119,21 @@ class Caught:
         late = self.time > self.time[-1] - 0.1
         swing = self.omega[late] - self.omega[late].mean()
         slid = self.contact_time[self.slides]
-        return {"aim": self.aim, "met": met, "largest": float(np.abs(off).max()), "late": float(np.abs(self.omega[late] / self.aim - 1).max()),
+        return {"aim": self.aim, "met": met, "largest": float(np.abs(off).max()),
+                "late": float(np.abs(self.omega[late] / self.aim - 1).max()),
                 "crossings": float((np.diff(np.sign(swing)) != 0).sum()), "swing": float(swing.std()),
                 "last_slide": float(slid[-1]) if len(slid) else 0.0, "end": float(self.time[-1])}
 
 
 def caught_section(results):
-    out = Section("catch-up", "Supports that go on turning one way", "Deck <code>inputs/three_disk/steady.cfg</code>, S<sup>++</sup>, with an "
-                  "upper disk that may turn; the supports reach their speed 1 after 0.1 time units.", new=True)
+    out = Section("catch-up", "Supports that go on turning one "
+                              "way",
+                  "Deck <code>inputs/three_disk/steady.cfg</code>, S<sup>++</sup>, with an upper disk that may turn; "
+                  "the supports reach their speed 1 after 0.1 time units.", new=True)
     path = results.run("catch_up")
     record = functools.cache(lambda: Caught(path))
-    trace, one = (results.numbers("catch-up" + part, lambda make=make: getattr(record(), make)() if path else None, title)
+    trace, one = (results.numbers("catch-up" + part, lambda make=make: getattr(record(), make)() if path else None,
+                                  title)
                   for part, make, title in (("-trace", "trace", "angular velocity of the upper disk"),
                                             ("", "numbers", "catching up with the supports")))
     theory = results.theory("torques", "three_disk/steady.cfg")
@@ -140,30 +153,36 @@ def caught_section(results):
     axes[1].set_ylabel(r"$10^3(\Omega/\Omega_\mathrm{supports}-1)$")
     for panel in axes:
         panel.set_xlabel("time $t$")
-    out.figures.append(Figure("catch-up", picture, "Left: angular velocity of the upper disk; dashed: of the supports' surfaces. Right: "
-                              "difference from it after the disk has caught up.", "Angular velocity of a disk that catches up with its "
-                              "supports"))
+    out.figures.append(Figure("catch-up", picture, "Left: angular velocity of the upper disk; dashed: of the supports' "
+                                                   "surfaces. Right: difference from it after the disk has caught "
+                                                   "up.",
+                              "Angular velocity of a disk that catches up with its supports"))
     torque = theory.rows[0].get("torque_pp") if theory else None
     told = f"it meets their speed at {number(found['met'], digits=4)}"
     if isinstance(torque, float):
-        told += f" (at constant torque (15), with supports that speed up over 0.1: {number(found['aim'] * 0.05 / torque, digits=4)})"
+        told += (f" (at constant torque (15), with supports that speed up over 0.1: "
+                 f"{number(found['aim'] * 0.05 / torque, digits=4)})")
     limit = TOLERANCES["equal"]
-    out.claims = [decide(condition=bool(found["met"] == found["met"] and found["largest"] < limit), numbers=f"{told}; then it stays within "
-                         f"{percent(found['largest'])} of it (counted as caught up within {100 * limit:g} %)", **paper("catch-up")),
+    out.claims = [decide(condition=bool(found["met"] == found["met"] and found["largest"] < limit),
+                         numbers=f"{told}; then it stays within {percent(found['largest'])} of it (counted as caught "
+                                 f"up within {100 * limit:g} %)", **paper("catch-up")),
                   elastic_claim(found)]
     return out
 
 
 def elastic_claim(found):
     sticks, swings = found["last_slide"] < found["end"] - 0.1, found["crossings"] >= 20
-    return decide(condition=sticks and swings, numbers=f"contacts slide for the last time at {number(found['last_slide'], digits=4)}; in the "
-                  f"last 0.1 time units &Omega; crosses its mean {found['crossings']:g} times (counted as swinging from 20 on), rms swing "
-                  f"{number(found['swing'])}: it dies out by the viscosity of the contacts", **paper("elastic-after"))
+    return decide(condition=sticks and swings, numbers=f"contacts slide for the last time at "
+                                                       f"{number(found['last_slide'], digits=4)}; in the last 0.1 time "
+                                                       f"units &Omega; crosses its mean {found['crossings']:g} times "
+                                                       f"(counted as swinging from 20 on), rms swing "
+                                                       f"{number(found['swing'])}: it dies out by the viscosity of the "
+                                                       f"contacts", **paper("elastic-after"))
 
 
 # --- lambda -----------------------------------------------------------------------------------------------------------
 def rounds(path):
-    """Largest change of the skin's stretch from one round to the next; work per round of the force on the centres; energy stored."""
+    """Change of the skin's stretch from one round to the next, work of the force on the centres, energy stored."""
     result = slipdisk.Result(path)
     period, contacts, series = 0.02, result.contacts, result.series
     begin = 0.1 - 1e-9
@@ -174,24 +193,33 @@ def rounds(path):
     number_of_rounds = (series["time"][-1] - series["time"][after][0]) / period
     return {"change": float(np.abs(zeta[per:] - zeta[:-per]).max()), "extent": float(np.ptp(zeta)),
             "work": float((work[-1] - work[after][0]) / number_of_rounds),
-            "stored": float((series["elastic_normal"] + series["elastic_tangential"])[after].max()), "rounds": float(round(number_of_rounds))}
+            "stored": float((series["elastic_normal"] + series["elastic_tangential"])[after].max()),
+            "rounds": float(round(number_of_rounds))}
 
 
 def loop_section(results):
-    out = Section("loop", "The displacement &lambda; on a closed path", "Deck <code>inputs/paper/loop.cfg</code>: a disk is led a hundred times "
-                  "round a closed path about another one, without slipping: approach, turn, retreat, turn back. The paper's law: torque &tau;"
-                  "<i>R</i>, force &tau;; for comparison the force &tau;(<i>R<sub>a</sub></i> + <i>R<sub>b</sub></i>)/<i>r</i> that derives "
-                  "from the stored energy.", new=True)
+    out = Section("loop", "The displacement &lambda; on a closed "
+                          "path",
+                  "Deck <code>inputs/paper/loop.cfg</code>: a disk is led a hundred times round a closed path about "
+                  "another one, without slipping: approach, turn, retreat, turn back. The paper's law: torque "
+                  "&tau;<i>R</i>, force &tau;; for comparison the force &tau;(<i>R<sub>a</sub></i> + "
+                  "<i>R<sub>b</sub></i>)/<i>r</i> that derives from the stored energy.", new=True)
     found = {}
     for name in ("paper", "conservative"):
         path = results.run(f"loop_{name}")
-        table = results.numbers(f"loop-{name}", lambda path=path: rounds(path) if path else None, f"closed path, force on the centres: {name}")
+        table = results.numbers(f"loop-{name}", lambda path=path: rounds(path) if path else None,
+                                f"closed path, force on the centres: {name}")
         if table:
             found[name] = table.rows[0]
         else:
             out.missing.append(f"loop_{name}: not run yet")
     out.claims = loop_claims(found)
-    out.tables.append(Numbers("Per round", ["force on the centres", "change of &lambda; &minus; &lambda;*", "work gained", "largest energy stored"],
+    out.tables.append(Numbers("Per round", ["force on the "
+                                            "centres",
+                                            "change of &lambda; &minus; "
+                                            "&lambda;*",
+                                            "work gained",
+                                            "largest energy stored"],
                               [[name, row["change"], row["work"], row["stored"]] for name, row in found.items()]))
     return out
 
@@ -201,10 +229,14 @@ def loop_claims(found):
         return [missing(**paper("lambda-path")), missing(**paper("lambda-energy"))]
     law, other = found["paper"], found["conservative"]
     limit = 1e-9
-    return [decide(condition=law["change"] < limit * law["extent"], numbers=f"largest change from round to round {number(law['change'])} of an extent "
-                   f"of {number(law['extent'])} in {law['rounds']:g} rounds (counted as none below 10<sup>&minus;9</sup> of it)",
+    return [decide(condition=law["change"] < limit * law["extent"],
+                   numbers=f"largest change from round to round {number(law['change'])} of an extent of "
+                           f"{number(law['extent'])} in {law['rounds']:g} rounds (counted as none below "
+                           f"10<sup>&minus;9</sup> of it)",
                    **paper("lambda-path")),
-            decide(condition=abs(law["work"]) < limit * law["stored"], numbers=f"the paper's force gains {number(law['work'], digits=4)} per round, "
-                   f"{percent(law['work'] / law['stored'])} of the largest energy stored (counted as none below 10<sup>&minus;9</sup> of it): "
-                   "&lambda; returns, but the force on the centres does not derive from the stored energy; the one that does gains "
-                   f"{number(other['work'])}", **paper("lambda-energy"))]
+            decide(condition=abs(law["work"]) < limit * law["stored"],
+                   numbers=f"the paper's force gains {number(law['work'], digits=4)} per round, "
+                           f"{percent(law['work'] / law['stored'])} of the largest energy stored (counted as none "
+                           f"below 10<sup>&minus;9</sup> of it): &lambda; returns, but the force on the centres does "
+                           "not derive from the stored energy; the one that does gains "
+                           f"{number(other['work'])}", **paper("lambda-energy"))]

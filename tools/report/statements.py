@@ -1,5 +1,5 @@
-"""Statements of the paper that no figure shows: contacts, torques of steady rotation, senses that theory predicts, printed
-equations; and the table of all."""
+"""Statements of the paper that no figure shows: contacts, torques of steady rotation, senses that theory predicts,
+printed equations; and the table of all."""
 import math
 
 import numpy as np
@@ -11,8 +11,13 @@ from .verdict import PAPER, TOLERANCES, decide, missing, none, number, signed, w
 from .vibration import name_of
 
 PI = math.pi
-SIGNS = {"pp": "S<sup>++</sup>", "mm": "S<sup>&minus;&minus;</sup>", "pm": "S<sup>+&minus;</sup>", "mp": "S<sup>&minus;+</sup>"}
+SIGNS = {"pp": "S<sup>++</sup>", "mm": "S<sup>&minus;&minus;</sup>",
+         "pm":
+         "S<sup>+&minus;</sup>",
+         "mp":
+         "S<sup>&minus;+</sup>"}
 K_N, GAMMA, MASS, MU, HALF_APERTURE, DAMPING, OMEGA = 1e3, 10, 0.1, 0.1, PI / 6, 0.5, 20 * PI  # of the paper
+PRINTED = ("eq11-printed", "level-torques", "eq19-printed", "eq31-printed", "sync-balance")
 
 
 def sections(results, claims):
@@ -27,7 +32,8 @@ def sections(results, claims):
     known = {id(claim) for claim in claims}
     out.claims = [claim for claim in every if id(claim) not in known]
     out.tables.append(Numbers("Statements of the paper", ["where", "statement", "verdict", "numbers"],
-                              [[c.place, c.text, badge(c.verdict), c.numbers] for c in every if c.kind == PAPER], shown=True))
+                              [[c.place, c.text, badge(c.verdict), c.numbers] for c in every if c.kind == PAPER],
+                              shown=True))
     return [out]
 
 
@@ -37,17 +43,20 @@ def contact_claims(table):
         return [missing(**paper(slug)) for slug in ("never-open", "forces-never-zero", "cutoff")]
     openings = table.column("upper.left.openings") + table.column("upper.right.openings")
     worst, steep = table.rows[int(np.argmax(openings))], table.column("tilt") > 0.081 * PI
-    told = (f"contacts opened at {int((openings[~steep] > 0).sum())} of {int((~steep).sum())} points with tilts up to 0.08 &pi;, and "
-            f"at {int((openings[steep] > 0).sum())} of {int(steep.sum())} beyond")
+    told = (f"contacts opened at {int((openings[~steep] > 0).sum())} of {int((~steep).sum())} points with tilts up to "
+            f"0.08 &pi;, and at {int((openings[steep] > 0).sum())} of {int(steep.sum())} beyond")
     if openings.max() > 0:
-        told += f", most often ({int(openings.max())} times in {worst['replicas'] * worst['time']:g} time units) at {name_of(worst)}"
+        told += (f", most often ({int(openings.max())} times in {worst['replicas'] * worst['time']:g} time units) at "
+                 f"{name_of(worst)}")
     least = np.minimum(table.column("upper.left.force_min"), table.column("upper.right.force_min"))
     shut = (least <= 0) & (openings == 0)
     return [decide(condition=not openings.max() > 0, numbers=told, **paper("never-open")),
-            decide(condition=bool((least > 0).all()), numbers=f"smallest normal force zero at {int((least <= 0).sum())} of {len(table)} "
-                   "points of random vibration", **paper("forces-never-zero")),
-            decide(condition=True if shut.any() else None, numbers=f"at {int(shut.sum())} of {len(table)} points of random vibration "
-                   "the least normal force is zero and yet no contact opened", **paper("cutoff"))]
+            decide(condition=bool((least > 0).all()),
+                   numbers=f"smallest normal force zero at {int((least <= 0).sum())} of {len(table)} points of random "
+                           "vibration", **paper("forces-never-zero")),
+            decide(condition=True if shut.any() else None,
+                   numbers=f"at {int(shut.sum())} of {len(table)} points of random vibration the least normal force is "
+                           "zero and yet no contact opened", **paper("cutoff"))]
 
 
 def torque_claims(results, out):
@@ -66,7 +75,8 @@ def torque_claims(results, out):
             continue
         torque = found.rows[0]["torque"]
         rows.append([name, torque, aim, 100 * (torque / aim - 1)])
-        claims.append(within(value=torque, target=aim, tolerance=TOLERANCES["equal"], names=("simulation", "theory"), **paper(f"tep-{key}")))
+        claims.append(within(value=torque, target=aim, tolerance=TOLERANCES["equal"],
+                             names=("simulation", "theory"), **paper(f"tep-{key}")))
     out.tables.append(Numbers("Torques under steady rotation", ["", "simulation", "theory", "off, %"], rows))
     return claims
 
@@ -82,8 +92,9 @@ def still_claim(results, name, slug, out):
         "amplitude = ")[1].split(";")[0])} if path else None, f"amplitude of the run {name}").rows[0]["theta_b"]
     claim = none(value=spin["turned"] / spin["measured"], unit=amplitude * OMEGA, **paper(slug))
     forces = ", ".join(number(c["force_min"]) for c in slide["contacts"])
-    claim.numbers = (f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time units at &Theta;<sub>b</sub> = {number(amplitude)}: "
-                     f"{claim.numbers}; contacts slide for {1 - slide['stick']:.3f} of the time; least normal forces {forces}")
+    claim.numbers = (f"turned by {number(spin['turned'])} rad in {spin['measured']:g} time units at "
+                     f"&Theta;<sub>b</sub> = {number(amplitude)}: {claim.numbers}; contacts slide for "
+                     f"{1 - slide['stick']:.3f} of the time; least normal forces {forces}")
     return claim
 
 
@@ -93,13 +104,16 @@ def sense_claims(results, random):
     row, out = theory.rows[0] if theory else {}, []
     for slug, table, key, label in (("eq19-random", random, "slight_tilt", "(19)"),
                                     ("eq19-async", results.best("async").joined(), "slight_tilt", "(19)"),
-                                    ("eq31-sync", results.best("sync").joined(), "slight_tilt_sync", "(31), corrected")):
+                                    ("eq31-sync", results.best("sync").joined(),
+                                     "slight_tilt_sync",
+                                     "(31), corrected")):
         aim, tilted = row.get(key), table.such(lambda row: row["tilt"] > 0)
         if not isinstance(aim, float) or not tilted:
             out.append(missing(**paper(slug)))
             continue
         names = [name_of(row) for row in tilted.rows] if "eps_b" in tilted.rows[0] else None
-        claim = signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=math.copysign(1, aim), names=names, **paper(slug))
+        claim = signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=math.copysign(1, aim),
+                       names=names, **paper(slug))
         claim.numbers = f"{label} is {number(aim)} at tilt 0.04 &pi;; {claim.numbers}"
         out.append(claim)
     return out
@@ -113,7 +127,7 @@ def printed_claims(results):
     theory = results.theory("torques", "three_disk/steady.cfg")
     level = results.theory("torques-level", "three_disk/steady.cfg", **{"gravity.tilt": 0})
     if not theory or not level or not theory.has("torque_pp"):
-        return out + [missing(**paper(slug)) for slug in ("eq11-printed", "level-torques", "eq19-printed", "eq31-printed", "sync-balance")]
+        return out + [missing(**paper(slug)) for slug in PRINTED]
     row, flat = theory.rows[0], level.rows[0]
     tilt = row["tilt"]
     pp, pm, mp, mm = (row[f"torque_{key}"] for key in ("pp", "pm", "mp", "mm"))
@@ -128,10 +142,14 @@ def printed_claims(results):
     claim.numbers += f"; the print is {eq31 / half:.3g} times that, 1/&mu; = {1 / MU:g}"
     zeros = [flat[f"torque_{key}"] for key in ("pp", "mm", "pm", "mp")]
     return out + [within(value=(2 * pp + pm + mp) / 4, target=mean, **same, **paper("eq11-printed")),
-                  decide(condition=abs(zeros[0] - zeros[1]) + abs(zeros[2]) + abs(zeros[3]) < 1e-9, numbers="S<sup>++</sup>, S<sup>&minus;&minus;"
-                         "</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>: " + ", ".join(number(z, digits=5) for z in zeros)
+                  decide(condition=abs(zeros[0] - zeros[1]) + abs(zeros[2]) + abs(zeros[3]) < 1e-9,
+                         numbers="S<sup>++</sup>, S<sup>&minus;&minus;</sup>, S<sup>+&minus;</sup>, "
+                                 "S<sup>&minus;+</sup>: " +
+                         ", ".join(number(z, digits=5) for z in zeros)
                          + ": the first two have opposite signs", **paper("level-torques")),
                   within(value=eq19, target=mean, **same, **paper("eq19-printed")), claim,
-                  decide(condition=abs(pp * times[0] + mm * times[1]) < 1e-12, numbers="&Tau;<sup>++</sup><i>T</i><sup>++</sup> + "
-                         f"&Tau;<sup>&minus;&minus;</sup><i>T</i><sup>&minus;&minus;</sup> = {number(pp * times[0] + mm * times[1])}",
+                  decide(condition=abs(pp * times[0] + mm * times[1]) < 1e-12,
+                         numbers="&Tau;<sup>++</sup><i>T</i><sup>++</sup> + "
+                                 f"&Tau;<sup>&minus;&minus;</sup><i>T</i><sup>&minus;&minus;</sup> = "
+                                 f"{number(pp * times[0] + mm * times[1])}",
                          **paper("sync-balance"))]

@@ -5,15 +5,16 @@ import numpy as np
 
 from .catalogue import paper
 from .page import Figure, Numbers, Section
-from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_below, legend_right, marker, plt, points,
+from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_below, legend_right,
+                    marker, plt, points,
                     power, zero_line)
 from .verdict import (TOLERANCES, approaches, decide, excellent, missing, none, number, percent, signed, within)
 
 PI = math.pi
 OMEGA_B = 20 * PI  # of the decks sync.cfg and async.cfg
 FINE = "(" + ", ".join(f'"{0.002 * k:g} pi"' for k in range(41)) + ")"
-STIFF = ("; the centre is under way to its equilibrium for much of each configuration, and theory becomes exact for stiffer "
-         "disks or a slower drive (docs/validation.md)")
+STIFF = ("; the centre is under way to its equilibrium for much of each configuration, and theory becomes exact for "
+         "stiffer disks or a slower drive (docs/validation.md)")
 FACTS = {"sync": dict(title="Supports in phase: rotation against tilt (fig. sync-vel)",
                       sign=1, formula="(30)",
                       law="&Omega; = (4/&pi;) &mu; &Theta;<sub>b</sub>&omega;<sub>b</sub> tan &theta;<sub>T</sub>"),
@@ -111,10 +112,10 @@ def velocity_figure(table, curve, kind, facts):
     right.set_ylabel(r"$\Omega/\Omega_{" + formula.replace("(", "").replace(")", "") + "}$")
     if table or curve:
         legend_below(picture, left, 9, fontsize=9.5, handlelength=1.6, columnspacing=1)
-    return Figure(f"{kind}-vel", picture, "Left: mean angular velocity over amplitude against tilt, for seven amplitudes, "
-                  f"with theory. Right: the same over {formula}, which tells the amplitudes &Theta;<sub>b</sub> "
-                  "(symbols) apart. Dashed lines join "
-                  "points; error bars are smaller than the symbols.",
+    return Figure(f"{kind}-vel", picture, "Left: mean angular velocity over amplitude against tilt, for seven "
+                                          f"amplitudes, with theory. Right: the same over {formula}, which tells the "
+                                          f"amplitudes &Theta;<sub>b</sub> (symbols) apart. Dashed lines join points; "
+                                          "error bars are smaller than the symbols.",
                   f"Angular velocity over amplitude against tilt, supports {kind}, with theory curves")
 
 
@@ -127,7 +128,10 @@ def deviation_figure(table, kind, facts):
         tilts = [t for t in table.values("tilt") if t > 0]
         for k, tilt in enumerate(tilts):
             line = table.where(tilt=tilt).sorted("theta_b")
-            axis.plot(line.column("theta_b"), 100 * line.column(column), "osv^D<>p"[k % 8] + "-", ms=4, lw=0.8, mfc="white",
+            axis.plot(line.column("theta_b"), 100 * line.column(column),
+                      "osv^D<>p"[k % 8] +
+                      "-", ms=4, lw=0.8,
+                      mfc="white",
                       color=plt.get_cmap("viridis")(0.9 * k / max(1, len(tilts) - 1)), label=f"{tilt / PI:g}$\\pi$")
         zero_line(axis)
         axis.set_xscale("log")
@@ -153,8 +157,9 @@ def claims(table, facts, kind):
     out, sign = [], facts["sign"]
     flat, tilted = table.where(tilt=0.0), table.such(lambda row: row["tilt"] > 0)
     if flat:
-        out.append(none(value=float(np.abs(flat.column("size")).max()), unit=1, unit_name="&Theta;<sub>b</sub>&omega;<sub>b"
-                        f"</sub> at most, at {len(flat)} amplitudes", **paper(f"{kind}-level")))
+        out.append(none(value=float(np.abs(flat.column("size")).max()), unit=1,
+                        unit_name=f"&Theta;<sub>b</sub>&omega;<sub>b</sub> at most, at {len(flat)} "
+                                  f"amplitudes", **paper(f"{kind}-level")))
     else:
         out.append(missing(**paper(f"{kind}-level")))
     out.append(signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=sign, names=[
@@ -168,10 +173,12 @@ def claims(table, facts, kind):
         return out + [missing(**paper(f"{kind}-excellent"))]
     last = amplitudes[-1]
     at = f"at &Theta;<sub>b</sub> = {last:g} within {{:.1f}} % at all tilts"
-    out.append(excellent(deviation=off[-1], error=error[-1], numbers=at.format(100 * off[-1]), **paper(f"{kind}-excellent")))
+    out.append(excellent(deviation=off[-1], error=error[-1], numbers=at.format(100 * off[-1]),
+                         **paper(f"{kind}-excellent")))
     exact, spread = largest(tilted.where(theta_b=last), "mean")
     out.append(excellent("The exact periodic solution of permanent sliding is met at large &Theta;<sub>b</sub> "
-                         f"({'in phase' if kind == 'sync' else 'opposite phases'}).", exact, spread, at.format(100 * exact)
+                         f"({'in phase' if kind == 'sync' else 'opposite phases'}).", exact, spread,
+                         at.format(100 * exact)
                          + STIFF * (exact > TOLERANCES["excellent"]), slug=f"{kind}-exact"))
     return out + (sync_claims(tilted) if kind == "sync" else [printed(tilted.where(theta_b=last).rows[0])])
 
@@ -188,10 +195,12 @@ def largest(line, theory):
 def printed(row):
     """(35) without the factor w_b/pi."""
     value = row.get("theory.first_order", math.nan) * PI / OMEGA_B
-    claim = within(value=row["upper.omega"], target=value, tolerance=TOLERANCES["excellent"], error=row["upper.omega_error"],
+    claim = within(value=row["upper.omega"], target=value, tolerance=TOLERANCES["excellent"],
+                   error=row["upper.omega_error"],
                    names=("&Omega;", "printed"), **paper("eq35-printed"))
-    claim.numbers += f"; &Omega; is {row['upper.omega'] / value:.2f} times the printed value, &omega;<sub>b</sub>/&pi; = " \
-                     f"{OMEGA_B / PI:g}"
+    claim.numbers += (f"; &Omega; is {row['upper.omega'] / value:.2f} times the printed value, &omega;<sub>b</sub>/&pi; "
+                      f"= " \
+                      f"{OMEGA_B / PI:g}")
     return claim
 
 

@@ -31,25 +31,25 @@ MEANING = {
     "rare": "fraction of time: contacts slide rarely",
 }
 RULES = {
-    "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a chance below "
-            f"{100 * DOUBTED:g} % on either side leaves it open (a &chi;&sup2; that is too small means error bars that are too "
-            "large)",
-    "scatter": f"&chi;&sup2; of values from their mean, as for zero; where error bars themselves are judged a chance below {100 * REFUTED:g} "
-               "% on either side refutes",
+    "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a "
+            f"chance below {100 * DOUBTED:g} % on either side leaves it open (a &chi;&sup2; that is too small means "
+            f"error bars that are too large)",
+    "scatter": f"&chi;&sup2; of values from their mean, as for zero; where error bars themselves are judged a chance "
+               f"below {100 * REFUTED:g} % on either side refutes",
     "none": "without noise: the speed is below the tolerance, in units of the drive's speed",
-    "sign": f"every point has the sign by more than {SURE:g} errors; one with the other sign refutes, by as many errors as "
-            f"chance gives one of so many points as seldom as a single one {SURE:g} (Bonferroni); else open, and the undecided "
-            "points are named",
+    "sign": f"every point has the sign by more than {SURE:g} errors; one with the other sign refutes, by as many "
+            f"errors as chance gives one of so many points as seldom as a single one {SURE:g} (Bonferroni); else open, "
+            f"and the undecided points are named",
     "growth": "as for a sign, of the steps from each point to the next",
-    "equal": f"the relative difference is within the tolerance by {SURE:g} errors; beyond it by {SURE:g} errors refutes; else "
-             "open",
-    "approach": "the largest relative deviation falls by more than its error from each amplitude to the next until it is within "
-                "what counts as excellent, and stays there; a rise, or an end outside, refutes",
+    "equal": f"the relative difference is within the tolerance by {SURE:g} errors; beyond it by {SURE:g} errors "
+             f"refutes; else open",
+    "approach": "the largest relative deviation falls by more than its error from each amplitude to the next until it "
+                "is within what counts as excellent, and stays there; a rise, or an end outside, refutes",
     "excellent": "as for equal, for the largest relative deviation at the largest amplitude",
-    "extremum": "the fit turns round inside the range in at least 97.5 % of the samples in which all points are scattered by "
-                "their errors, at every amplitude; less than 2.5 % at one refutes",
-    "exponent": f"it is within {SURE:g} errors of what is expected, and its error is small enough to tell; beyond {SURE:g} errors "
-                "refutes",
+    "extremum": "the fit turns round inside the range in at least 97.5 % of the samples in which all points are "
+                "scattered by their errors, at every amplitude; less than 2.5 % at one refutes",
+    "exponent": f"it is within {SURE:g} errors of what is expected, and its error is small enough to tell; beyond "
+                f"{SURE:g} errors refutes",
     "threshold": "a condition that stands beside the numbers",
 }
 
@@ -164,7 +164,8 @@ def beyond(number_of_points):
     """Errors that one of so many points exceeds on one side as seldom as a single one exceeds 3 (Bonferroni)."""
     low, high, aim = SURE, 12.0, math.erfc(SURE / math.sqrt(2)) / max(1, number_of_points)
     for _ in range(60):
-        low, high = ((low + high) / 2, high) if math.erfc((low + high) / 2 / math.sqrt(2)) > aim else (low, (low + high) / 2)
+        middle = (low + high) / 2
+        low, high = (middle, high) if math.erfc(middle / math.sqrt(2)) > aim else (low, middle)
     return high
 
 
@@ -200,7 +201,7 @@ def none(text, value, unit, place="", unit_name="&Theta;<sub>b</sub>&omega;<sub>
 
 
 def signs(values, errors, sign):
-    """(verdict, errors that count against it, right, wrong, undecided): indices of points with this sign and the other."""
+    """(verdict, errors that count against it, right, wrong, undecided): indices of points."""
     values, errors = np.asarray(values, float), np.asarray(errors, float)
     z = sign * values / np.maximum(errors, 1e-300)
     against = beyond(len(z))
@@ -225,8 +226,8 @@ def signed(text, values, errors, sign, place="", what="&Omega;", names=None, **k
     values, errors = values[good], errors[good]
     verdict, against, right, wrong, undecided = signs(values, errors, sign)
     word, other = ("positive", "negative") if sign > 0 else ("negative", "positive")
-    told = (f"of {len(values)} values of {what} {len(right)} are {word} by more than {SURE:g} errors, {len(wrong)} {other} by "
-            f"more than {against:.1f}, {len(undecided)} undecided")
+    told = (f"of {len(values)} values of {what} {len(right)} are {word} by more than {SURE:g} errors, {len(wrong)} "
+            f"{other} by more than {against:.1f}, {len(undecided)} undecided")
     for points in (wrong, undecided):
         if len(points) and names:
             told += ("; " + other if points is wrong else "; undecided") + ": " + listed(
@@ -245,8 +246,8 @@ def grows(text, steps, errors, place="", what="amplitude", names=None, **kind):
     if not len(steps):
         return missing(text, place, **kind)
     verdict, against, up, down, undecided = signs(steps, errors, 1)
-    told = (f"of {len(steps)} steps from one {what} to the next {len(up)} are up by more than {SURE:g} errors, {len(down)} "
-            f"down by more than {against:.1f}, {len(undecided)} undecided")
+    told = (f"of {len(steps)} steps from one {what} to the next {len(up)} are up by more than {SURE:g} errors, "
+            f"{len(down)} down by more than {against:.1f}, {len(undecided)} undecided")
     if names and len(undecided):
         told += ": " + listed([names[k] for k in undecided])
     return Claim(text, verdict, told, place, **kind)
@@ -265,19 +266,19 @@ def within(text, value, target, tolerance, place="", error=0.0, names=("found", 
 
 
 def approaches(text, amplitudes, deviations, errors, place="", unit="", **kind):
-    """The largest relative deviation falls from each amplitude to the next until it is within the tolerance, and stays there."""
+    """The largest relative deviation falls from step to step until it is within the tolerance, and stays there."""
     kind.setdefault("rule", "approach")
     off, error, limit = np.abs(deviations), np.asarray(errors, float), TOLERANCES["excellent"]
     if len(off) < 2 or not np.isfinite(off).all():
         return missing(text, place, **kind)
-    rises = [k for k in range(1, len(off)) if off[k] > limit and off[k] - off[k - 1] > SURE * math.hypot(error[k], error[k - 1])]
-    falls = [k for k in range(1, len(off))
-             if off[k] <= limit or off[k - 1] - off[k] > SURE * math.hypot(error[k], error[k - 1])]
+    change, known = np.diff(off), SURE * np.hypot(error[1:], error[:-1])
+    rises = np.nonzero((off[1:] > limit) & (change > known))[0] + 1
+    falls = (off[1:] <= limit) | (change < -known)
     end = close(off[-1], error[-1], limit)
-    verdict = NO if rises or end == NO else YES if end == YES and len(falls) == len(off) - 1 else OPEN
+    verdict = NO if len(rises) or end == NO else YES if end == YES and falls.all() else OPEN
     told = "largest deviation " + ", ".join(f"{100 * o:.{1 if o < 0.2 else 0}f} % at {a:g}{unit}"
                                             for a, o in zip(amplitudes, off))
-    if rises:
+    if len(rises):
         told += "; it rises at " + ", ".join(f"{amplitudes[k]:g}" for k in rises)
     if end == NO:
         told += "; it does not end within the tolerance"
@@ -290,7 +291,8 @@ def excellent(text, deviation, error, numbers, place="", **kind):
     limit = TOLERANCES["excellent"]
     if not math.isfinite(deviation):
         return missing(text, place, **kind)
-    return Claim(text, close(deviation, error, limit), f"{numbers} (counted as excellent up to {100 * limit:g} %)", place, **kind)
+    return Claim(text, close(deviation, error, limit), f"{numbers} (counted as excellent up to {100 * limit:g} "
+                                                       f"%)", place, **kind)
 
 
 def decide(text, condition, numbers, place="", **kind):

@@ -1,5 +1,5 @@
-"""docs/verdicts.md: rules and tolerances of the verdicts, and statement by statement the verdict of the first report and that of
-today."""
+"""docs/verdicts.md: rules and tolerances of the verdicts, and statement by statement the verdicts of the first report
+and of today."""
 import csv
 import os
 
@@ -25,7 +25,10 @@ def rows(claims, old):
     out = []
     for claim in claims:
         before, different = old.get(claim.slug, ("", ""))
-        out.append([f"`{claim.slug}`", claim.text + (f" ({claim.place})" if claim.place else ""), before or "not judged",
+        out.append([f"`{claim.slug}`", claim.text + (f" "
+                                                     f"({claim.place})" if claim.place else
+                                                     ""), before or
+                    "not judged",
                     f"**{claim.verdict}**", claim.rule, different])
     return out
 
@@ -37,12 +40,17 @@ def write(folder, claims, by):
     named = {row[0] for row in catalogue.STATEMENTS}
     every += [claim for claim in claims if claim.slug not in named]
     head = ["statement", "", "first report", "now", "rule", "what is judged differently"]
-    out = ["# Verdicts: rules, and statement by statement", "", "Every verdict of [paper.md](paper.md) follows from the numbers beside it by one of "
-           "these rules (`tools/report/verdict.py`). The last columns compare the verdicts of the first report, whose rules let some statements "
-           f"pass too easily, with those of today. Written by `tools/reproduce.sh --keep`; {by}", "",
-           "## Rules", "", *markdown.table(["rule", "verdict"], [[f"`{name}`", text] for name, text in RULES.items()]), "",
-           "## Tolerances", "", *markdown.table(["name", "value", "of"], [[f"`{name}`", value, MEANING[name]] for name, value in TOLERANCES.items()])]
-    for kind, title in ((PAPER, "The paper's statements"), (TRIVIAL, "By construction: geometry, waveforms, printed equations"),
+    out = ["# Verdicts: rules, and statement by statement", "",
+           "Every verdict of [paper.md](paper.md) follows from the numbers beside it by one of these rules "
+           "(`tools/report/verdict.py`). The last columns compare the verdicts of the first report, whose rules let "
+           f"some statements pass too easily, with those of today. Written by `tools/reproduce.sh --keep`; {by}", "",
+           "## Rules", "", *markdown.table(["rule", "verdict"], [[f"`{name}`", text] for name, text in RULES.items()]),
+           "",
+           "## Tolerances", "", *markdown.table(["name", "value",
+                                                 "of"], [[f"`{name}`", value, MEANING[name]] for name,
+                                                         value in TOLERANCES.items()])]
+    for kind, title in ((PAPER, "The paper's statements"), (TRIVIAL,
+                                                            "By construction: geometry, waveforms, printed equations"),
                         (CHECK, "Own checks")):
         chosen = [claim for claim in every if claim.kind == kind]
         out += ["", f"## {title}", "", counted(chosen) + ".", "", *markdown.table(head, rows(chosen, old))]

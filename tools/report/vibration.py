@@ -23,13 +23,13 @@ def sections(results):
                     "All three coordinates of both supports vibrate at random (52), &omega; = 20&pi;, <i>c</i> = 0.5; "
                     "deck <code>inputs/paper/random.cfg</code>.", missing=list(table.missing))
     second = Section("random-ex-tilt", "Random vibration: rotation against tilt (fig. random-ex-tilt)",
-                     "The same runs, and " "further tilts. For each amplitude an odd function of the tilt is fitted by "
-                     "weighted least " "squares: a polynomial of two to five terms, or <i>ax</i>/(1 + "
-                     "<i>b</i>&sup2;<i>x</i>&sup2; + " "<i>c</i>&sup2;<i>x</i><sup>4</sup>), chosen by AICc. The error "
-                     "of its extremum is half the width that holds 68 % of the extrema when all points are scattered by "
-                     "their error bars and the form is chosen anew, larger by " "&radic;(&chi;&sup2;/degrees) where the fit "
-                     "is poor. A fit whose &chi;&sup2; has a "
-                     "chance below 10<sup>&minus;3</sup>, as when there are few tilts, is not used." + replicas_told(every),
+                     "The same runs, and further tilts. For each amplitude an odd function of the tilt is fitted by "
+                     "weighted least squares: a polynomial of two to five terms, or <i>ax</i>/(1 + "
+                     "<i>b</i>&sup2;<i>x</i>&sup2; + <i>c</i>&sup2;<i>x</i><sup>4</sup>), chosen by AICc. The error of "
+                     "its extremum is half the width that holds 68 % of the extrema when all points are scattered by "
+                     "their error bars and the form is chosen anew, larger by &radic;(&chi;&sup2;/degrees) where the "
+                     "fit is poor. A fit whose &chi;&sup2; has a chance below 10<sup>&minus;3</sup>, as when there are "
+                     "few tilts, is not used." + replicas_told(every),
                      missing=list(table.missing))
     against_amplitude(table, first)
     against_tilt(table, every, results.sweep("rare").joined(), second)
@@ -88,7 +88,8 @@ def longer(table, more):
         same = more.where(eps_b=row["eps_b"], tilt=row["tilt"]).rows
         values = [(r["upper.omega"], r["upper.omega_error"]) for r in (row, *same) if r["upper.omega_error"] > 0]
         weight = sum(1 / e ** 2 for _, e in values)
-        out.append({**row, "upper.omega": sum(v / e ** 2 for v, e in values) / weight, "upper.omega_error": weight ** -0.5}
+        out.append({**row, "upper.omega": sum(v / e ** 2 for v, e in values) / weight,
+                    "upper.omega_error": weight ** -0.5}
                    if same and weight else row)
     return Table(out)
 
@@ -134,8 +135,8 @@ def scatter_claim(every):
         return None
     ratio, fluke = math.sqrt(chi2 / degrees), chance(chi2, degrees)
     return Claim("Replicas scatter as their error bars say.", judged(chi2, degrees, True),
-                 f"&chi;&sup2; = {chi2:.1f} for {degrees} degrees (a chance of {100 * fluke:.2g} % to be as far out on either "
-                 f"side): scatter over error bar {ratio:.2f}", slug="replicas-scatter", rule="scatter")
+                 f"&chi;&sup2; = {chi2:.1f} for {degrees} degrees (a chance of {100 * fluke:.2g} % to be as far out on "
+                 f"either side): scatter over error bar {ratio:.2f}", slug="replicas-scatter", rule="scatter")
 
 
 def scaling(extrema, out):

@@ -11,9 +11,10 @@ from .verdict import TOLERANCES, Claim, close, missing, number, percent, within
 PI = math.pi
 PHASES = ((0.0, "in phase"), (PI, "opposite phases"))
 WAVES = (("parabolic", "parabola"), ("harmonic", "sine"))
-LEAD = ("The paper computes with parabolas in place of its sines. Deck <code>inputs/paper/waveform.cfg</code>: tilt 0.02&pi;, "
-        "both waveforms at the same amplitude. In the limit of strong drive and small tilt the sine turns the disk "
-        "&pi;&sup2;/8 = 1.234 times as fast. Theory is drawn where contacts never stick in it, with either waveform.")
+LEAD = ("The paper computes with parabolas in place of its sines. Deck <code>inputs/paper/waveform.cfg</code>: tilt "
+        "0.02&pi;, both waveforms at the same amplitude. In the limit of strong drive and small tilt the sine turns "
+        "the disk &pi;&sup2;/8 = 1.234 times as fast. Theory is drawn where contacts never stick in it, with either "
+        "waveform.")
 
 
 def sections(results):
@@ -79,18 +80,19 @@ def explained(stiff):
     torque = parabola["theory.torque_pp"] / 0.05  # over I = m R^2/2
     drive = parabola["theory.amplitude"] * parabola["theory.omega"] ** 2
     off = [row["upper.omega"] / row["theory.mean"] - 1 for row in (parabola, sine)]
-    return (f" <b>Weak drive.</b> At &Theta;<sub>b</sub> = 0.001 in phase the ratio is {number(pair(*soft)[0], digits=3)} "
-            f"where the exact solution has {number(pair(*soft)[2], digits=3)}. There the torque turns the disk almost as fast "
-            f"as the supports: {number(torque, digits=2)} beside an acceleration of the supports of "
-            f"{number(8 / PI ** 2 * drive, digits=2)} (parabola, constant) and at most {number(drive, digits=2)} (sine). In "
-            "theory the parabola outruns the disk all the time; the sine sticks to it for "
-            f"{100 * sine['theory.stuck']:.0f} % of the period, which costs it rotation: hence a ratio below 1. In the "
-            "simulation normal forces need a while to come to their new equilibrium after each reversal, and until then the "
-            f"torque is another one: a contact sticks for {100 * parabola['upper.stick']:.0f} % of the time with the parabola "
-            f"and {100 * sine['upper.stick']:.0f} % with the sine, &Omega; is {percent(off[0])} and {percent(off[1])} off. It "
-            "is <i>k<sub>n</sub></i> that matters, <i>k<sub>t</sub></i> hardly does. With <i>k<sub>n</sub></i> = "
-            f"{number(last[0]['k_n'])}, <i>k<sub>t</sub></i> = {number(last[0]['k_t'])} the ratio is "
-            f"{number(pair(*last)[0], digits=3)}: theory is right, and does not apply to soft disks.")
+    return (f" <b>Weak drive.</b> At &Theta;<sub>b</sub> = 0.001 in phase the ratio is "
+            f"{number(pair(*soft)[0], digits=3)} where the exact solution has {number(pair(*soft)[2], digits=3)}. "
+            f"There the torque turns the disk almost as fast as the supports: {number(torque, digits=2)} beside an "
+            f"acceleration of the supports of {number(8 / PI ** 2 * drive, digits=2)} (parabola, constant) and at most "
+            f"{number(drive, digits=2)} (sine). In theory the parabola outruns the disk all the time; the sine sticks "
+            f"to it for {100 * sine['theory.stuck']:.0f} % of the period, which costs it rotation: hence a ratio below "
+            f"1. In the simulation normal forces need a while to come to their new equilibrium after each reversal, "
+            f"and until then the torque is another one: a contact sticks for {100 * parabola['upper.stick']:.0f} % of "
+            f"the time with the parabola and {100 * sine['upper.stick']:.0f} % with the sine, &Omega; is "
+            f"{percent(off[0])} and {percent(off[1])} off. It is <i>k<sub>n</sub></i> that matters, "
+            f"<i>k<sub>t</sub></i> hardly does. With <i>k<sub>n</sub></i> = {number(last[0]['k_n'])}, "
+            f"<i>k<sub>t</sub></i> = {number(last[0]['k_t'])} the ratio is {number(pair(*last)[0], digits=3)}: theory "
+            f"is right, and does not apply to soft disks.")
 
 
 def stiffest(stiff):
@@ -100,7 +102,8 @@ def stiffest(stiff):
 
 
 def stiff_claim(stiff):
-    text = "At weak drive (&Theta;<sub>b</sub> = 0.001) in phase stiff disks have the exact solution's ratio of sine and parabola."
+    text = ("At weak drive (&Theta;<sub>b</sub> = 0.001) in phase stiff disks have the exact solution's ratio of sine "
+            "and parabola.")
     last = stiffest(stiff) if stiff else None
     if not last:
         return missing(text, slug="waveform-stiff")
@@ -116,7 +119,9 @@ def strong_claim(title, rows):
     theta, ratio, error = rows[-1][0], *rows[-1][5:7]
     off, limit = ratio / (PI ** 2 / 8) - 1, TOLERANCES["equal"]
     return Claim(text, close(off, error / ratio, limit), f"at &Theta;<sub>b</sub> = {theta:g}: {number(ratio, error)}, "
-                 f"{percent(off)} from &pi;&sup2;/8 (counted as equal up to {100 * limit:g} %)", slug=slug, rule="equal")
+                                                         f"{percent(off)} from &pi;&sup2;/8 (counted as equal up to "
+                                                         f"{100 * limit:g} %)", slug=slug,
+                 rule="equal")
 
 
 def draw(found, curve, stiff):
@@ -139,7 +144,8 @@ def draw(found, curve, stiff):
         line = line.such(lambda row: not (row["k_n"] > 1e5 and row["k_t"] < 1e7)).sorted("k_n")
         if line and line.has("theory.mean"):
             exact = line.column("theory.mean")
-            points(right, line.column("k_n"), line.disk("omega") / exact, line.disk("omega_error") / exact, word, k + 2, "^D"[k])
+            points(right, line.column("k_n"), line.disk("omega") / exact, line.disk("omega_error") / exact, word, k + 2,
+                   "^D"[k])
     right.axhline(1, color=GREY, lw=1, label="exact", gid="guide")
     right.set_xscale("log")
     right.set_xlabel(r"normal stiffness $k_n$")
@@ -148,7 +154,8 @@ def draw(found, curve, stiff):
     left.set_title("all amplitudes", pad=50)
     for axes, columns in ((left, 2), (right, 3)):
         legend_above(axes, columns, fontsize=9, handlelength=1.4)
-    return Figure("waveform", picture, "Left: ratio of the mean angular velocities under sine and parabola of the same amplitude; "
-                  "theory (dashed) where contacts never stick in it. Right: &Omega; over that of the exact solution at the "
-                  "weakest drive, against the stiffness (<i>k<sub>t</sub></i> from 10<sup>6</sup> to 10<sup>8</sup> with it).",
+    return Figure("waveform", picture, "Left: ratio of the mean angular velocities under sine and parabola of the same "
+                                       "amplitude; theory (dashed) where contacts never stick in it. Right: &Omega; "
+                                       "over that of the exact solution at the weakest drive, against the stiffness "
+                                       "(<i>k<sub>t</sub></i> from 10<sup>6</sup> to 10<sup>8</sup> with it).",
                   "Ratio of the rotation under sine and parabola against amplitude, and rotation against stiffness")

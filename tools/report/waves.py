@@ -18,7 +18,7 @@ LABELS = {"sync": {"--": 1, "++": 2}, "async": {"--": 1, "-+": 2, "++": 3, "+-":
 
 
 def read(path):
-    """Frames of the last but one whole period of a run: time in periods, angles in Theta_b, velocities in Theta_b w_b."""
+    """Frames of the last but one whole period of a run: time in periods, angles in Theta_b, speeds in Theta_b w_b."""
     result = slipdisk.Result(path)
     deck, frames = result.deck, result.frames
     amplitude = float(re.search(r"amplitude = ([^;]+);", deck).group(1))
@@ -137,9 +137,13 @@ def labels(above, below, kind, moments):
     names = [moments[-1][1]] + [name for _, name in moments] if moments else []
     for first, second, name in zip(edges[:-1], edges[1:], names):
         middle, short = (first + second) / 2, second - first < 0.1
-        below.annotate("$S^{" + name + "}$", (middle, 0.21 if short else 0.03), (middle + 0.05 * short, 0.13 if short else 0.03),
+        below.annotate("$S^{" + name + "}$", (middle, 0.21 if short else 0.03), (middle + 0.05 * short,
+                                                                                 0.13 if short else 0.03),
                        xycoords=below.get_xaxis_transform(), ha="left" if short else "center", va="bottom", color=GREY,
-                       arrowprops={"arrowstyle": "-", "color": GREY, "lw": 0.6, "shrinkA": 0, "shrinkB": 0} if short else None)
+                       arrowprops={"arrowstyle": "-", "color": GREY,
+                                   "lw": 0.6,
+                                   "shrinkA": 0,
+                                   "shrinkB": 0} if short else None)
 
 
 def numbers(kind, wave, theory, moments):
@@ -198,8 +202,9 @@ def waveform_section(results):
                               "angle is minus the left one's.", "Sine and parabola waveforms of the supports over one "
                               "period"))
     out.claims.append(missing(**paper("parabolas")) if math.isnan(worst)
-                      else decide(condition=ends < 1e-3 and worst < 0.1, numbers="largest difference at zeros and extrema "
-                                  f"{number(ends)}, anywhere {number(worst)} (of &Theta;<sub>b</sub>)", **paper("parabolas")))
+                      else decide(condition=ends < 1e-3 and worst < 0.1,
+                                  numbers=f"largest difference at zeros and extrema {number(ends)}, anywhere "
+                                          f"{number(worst)} (of &Theta;<sub>b</sub>)", **paper("parabolas")))
     out.tables.append(Numbers("Left support", ["", "<i>t/T</i>", "sine", "parabola"], rows))
     return out
 
@@ -243,9 +248,11 @@ def straight(found, known):
     if not all(s in found and found[s][1] for s in ("weak", "strong")):
         return missing(**known, why="no data or no theory curve yet")
     gaps, limit = {s: deviation(*found[s][:2]) for s in found}, TOLERANCES["curve"]
-    told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the largest |&Omega;|"
+    told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the largest "
+                     f"|&Omega;|"
                      for s, g in gaps.items())
-    return decide(condition=gaps["strong"] < limit, numbers=f"{told} (counted as equal up to {100 * limit:g} % at the strong drive)", **known)
+    return decide(condition=gaps["strong"] < limit, numbers=f"{told} (counted as equal up to {100 * limit:g} % at the "
+                                                            f"strong drive)", **known)
 
 
 def sections(results):
