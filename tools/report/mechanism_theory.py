@@ -1,4 +1,4 @@
-"""Permanent sliding under a random drive: what the paper's torques and the statistics of the supports predict.
+"""Permanent sliding under random and periodic drive: what the paper's torques and the statistics of the supports predict.
 
 The configuration is set by the signs of w_i - Omega, where w_i is the velocity with which support i drags the upper
 disk's surface. Under the vibration (52) the w_i are Gaussian, and so is the motion of the upper disk's centre that
@@ -132,3 +132,23 @@ def steady(torque_of, covariance):
 def predicted(system, drive):
     """Omega of the strong drive, NaN where a configuration has no equilibrium."""
     return steady(torques(system), covariance(system, drive)) if stable(system) else math.nan
+
+
+def alternating(system, phase):
+    """Omega/(Theta_b w_b) of supports that turn as parabolas `phase` = 0, pi/2 or pi apart, strong drive."""
+    if not stable(system):
+        return math.nan
+    t = torques(system)
+    same, mixed, width = t["pp"] + t["mm"], t["pm"] + t["mp"], t["pp"] - t["mm"]
+    if phase == 0:
+        x = same / width
+    elif phase == math.pi:
+        x = mixed / (2 * (t["pp"] if mixed < 0 else -t["mm"]) + abs(mixed))  # S++ occurs, or S-- does
+    else:  # S++ and S-- last 1/4 -+ x/2, the other two 1/4
+        x = (same + mixed) / (2 * width)
+    return 4 / math.pi * x
+
+
+def slight_tilt_zero(mu):
+    """theta_h at which (19) changes its sign."""
+    return math.acos(-mu ** 2 / (1 + mu ** 2)) / 2

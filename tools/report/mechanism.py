@@ -1,0 +1,51 @@
+"""Shared by the sections on the mechanism: points of sweeps with their errors, and what a value depends on."""
+import math
+
+import numpy as np
+
+from .data import DISK, Table
+from .verdict import survival
+
+PI = math.pi
+BASE = {"theta_h": PI / 6, "tilt": 0.04 * PI, "mu": 0.1, "k_n": 1e3, "gamma_n": 10.0, "k_t": 1e6, "omega_b": 20 * PI,
+        "eps_b": 1e-4, "theta_b": 0.04}
+
+
+def key(row, name):
+    """Value of a parameter in a row of a sweep, that of the deck where the row does not set it."""
+    return row[name] if isinstance(row.get(name), float) and math.isfinite(row[name]) else BASE[name]
+
+
+def all_coordinates(row):
+    return "x" in (row.get("coordinates") or "x")
+
+
+def mean(members, column):
+    """(mean, standard error) of a column over the replicas of a set; the error of one run where it is alone."""
+    values = members.column(column)
+    values = values[np.isfinite(values)]
+    if len(values) == 0:
+        return math.nan, math.nan
+    if len(values) > 1:
+        return float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values)))
+    error = members.rows[0].get(column + "_error", math.nan)
+    return float(values[0]), error if isinstance(error, float) else math.nan
+
+
+def points(table, unit):
+    """A row for each set: its keys, and omega, error in units of unit(row)."""
+    rows = []
+    for members in table.sets():
+        row = members.rows[0]
+        value, error = mean(members, f"{DISK}.omega")
+        scale = unit(row)
+        rows.append({**row, "omega": value / scale, "error": error / scale, "replicas": float(len(members))})
+    return Table(rows, table.missing, table.source)
+
+
+def constant(value, error):
+    """(chi^2, chance, degrees) of all values being equal."""
+    weight = 1 / np.square(error)
+    middle = float(np.sum(weight * value) / np.sum(weight))
+    chi2 = float(np.sum(weight * (value - middle) ** 2))
+    return chi2, survival(chi2, len(value) - 1), len(value) - 1
