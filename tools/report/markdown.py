@@ -1,8 +1,10 @@
 """The claims and the numbers of the page as Markdown, for documentation that is kept with the sources.
 
 Markdown takes HTML within a line, so texts are carried over as they are."""
+import glob
 import os
 import re
+import shutil
 
 from PIL import Image, ImageChops
 
@@ -35,6 +37,8 @@ def keep(folder, page, figures, name="paper.md"):
         file.write(text)
     for figure in figures:
         keep_picture(os.path.join(os.path.dirname(page), "figures", figure + ".png"), os.path.join(folder, "figures"))
+    for film in glob.glob(os.path.join(os.path.dirname(page), "figures", "*.gif")):
+        shutil.copy(film, os.path.join(folder, "figures"))
 
 
 def keep_picture(path, folder):

@@ -7,6 +7,7 @@ from .data import DISK, Table
 from .verdict import survival
 
 PI = math.pi
+FEW = 4  # replicas: the scatter of fewer says little
 BASE = {"theta_h": PI / 6, "tilt": 0.04 * PI, "mu": 0.1, "k_n": 1e3, "gamma_n": 10.0, "k_t": 1e6, "omega_b": 20 * PI,
         "eps_b": 1e-4, "theta_b": 0.04}
 
@@ -21,15 +22,17 @@ def all_coordinates(row):
 
 
 def mean(members, column):
-    """(mean, standard error) of a column over the replicas of a set; the error of one run where it is alone."""
-    values = members.column(column)
-    values = values[np.isfinite(values)]
-    if len(values) == 0:
+    """(mean, standard error) of a column over the replicas of a set: from their scatter, of less than four from their
+    error bars where they have any."""
+    values, errors = members.column(column), members.column(column + "_error")
+    good = np.isfinite(values)
+    values, errors = values[good], errors[good]
+    n = len(values)
+    if n == 0:
         return math.nan, math.nan
-    if len(values) > 1:
-        return float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values)))
-    error = members.rows[0].get(column + "_error", math.nan)
-    return float(values[0]), error if isinstance(error, float) else math.nan
+    if n > 1 and (n >= FEW or not np.isfinite(errors).all()):
+        return float(values.mean()), float(values.std(ddof=1) / math.sqrt(n))
+    return float(values.mean()), float(np.sqrt(np.sum(errors ** 2)) / n)
 
 
 def points(table, unit):
