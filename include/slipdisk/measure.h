@@ -78,7 +78,7 @@ typedef struct sd_configuration {
   int64_t visits;               /* unbroken runs of such steps that began and ended within a measured phase */
   double dwell, dwell_sd;       /* their duration: mean and standard deviation over visits */
   double
-      age_torque[SD_AGES]; /* mean torque by age of the visit in steps: below 16, below 32, ..., the rest */
+      age_torque[SD_AGES]; /* mean torque by age of the visit in steps: below 32, below 64, ..., the rest */
   int64_t
       age_steps[SD_AGES]; /* steps of such ages; without visits that were under way when measuring began */
 } sd_configuration;

@@ -59,7 +59,7 @@ enum { SD_IN_PLAY = 0, SD_WAITING = 1, SD_REMOVED = 2, SD_OUTSIDE = 3 /* in play
 enum { SD_SLIDE_POSITIVE = 0, SD_SLIDE_NEGATIVE = 1, SD_STUCK = 2, SD_OPEN = 3 };
 
 /* Classes of two contacts: S++, S+-, S-+, S--, stick (one stuck, none open), open; and octaves of the age of a visit, in
- * steps: below 16, below 32 and so on. */
+ * steps: below 32, below 64 and so on. */
 enum { SD_CONFIGURATIONS = 6, SD_AGES = 16 };
 
 /* A column of the state. All stand in one table; allocation, checkpoint, comparison and hash follow it. */

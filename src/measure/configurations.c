@@ -85,7 +85,7 @@ static const observable rows[] = {
     ROW(visits, I64, "1", "visits that began and ended while measured", "visits", NULL),
     ROW(dwell, F64, "time", "mean duration of these visits", "dwell", NULL),
     ROW(dwell_sd, F64, "time", "its standard deviation, over visits", "dwell_sd", NULL),
-    AGE(age_torque, F64, "force length", "mean torque by age of the visit: below 16 steps, then octaves"),
+    AGE(age_torque, F64, "force length", "mean torque by age of the visit: below 32 steps, then octaves"),
     AGE(age_steps, I64, "1", "measured steps by age of the visit"),
 };
 const observable_list configuration_observables = OBSERVABLES(

@@ -3,6 +3,7 @@
 
 #include <assert.h>
 #include <math.h>
+#include <string.h>
 
 #include "model/visits.h"
 #include "physics/step/access.h"
@@ -75,8 +76,11 @@ static void sum_visits(engine *e, size_t k, const int now[2], const double force
   sd_state *s = e->state;
   const int class = visits_class(now[0], now[1]);
   const int64_t before = s->measured - 1;
-  if (class != s->visit_class[k] || visits_left(s, k, before) == 0.0) visits_next(s, k, class, before);
   double tau[2] = {0.0, 0.0}, *part = s->visit_part + VISIT_SUMS * k;
+  if (class != s->visit_class[k] || visits_left(s, k, before) == 0.0) {
+    visits_next(s, k, class, part, 1, before);
+    memset(part, 0, VISIT_SUMS * sizeof *part);
+  }
   for (size_t side = 0; side < 2; side++) {
     int64_t at = engine_watched(e, 2 * k + side);
     if (at >= 0) tau[side] = engine_contact_tau(e, (size_t)at);

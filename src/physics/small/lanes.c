@@ -564,17 +564,12 @@ void lanes_events(lanes *l) {
 /* Lanes beyond repeat the first system, whose state is one. */
 void lanes_visits(lanes *l, size_t w, unsigned bits) {
   double *rows = visit_rows(l, w);
-  for (size_t lane = 0; lane < l->width; lane++) {
-    if (!(bits >> lane & 1u) || (lane < l->count && is_dead(l, lane))) continue;
+  for (; bits; bits &= bits - 1) {
+    const size_t lane = (size_t)__builtin_ctz(bits);
     sd_state *s = l->system[lane]->state;
     const int64_t before = s->measured + l->done - 1;
-    const double class = *cell(l, rows, VISIT_ROW_NEXT, lane);
-    if (lane < l->count) {
-      store_visits(l, lane, w);
-      visits_next(s, w, (int)class, before);
-    }
-    for (size_t q = 0; q < VISIT_SUMS; q++) *cell(l, rows, q, lane) = 0.0;
-    *cell(l, rows, VISIT_ROW_CLASS, lane) = class;
+    if (lane < l->count && !is_dead(l, lane))
+      visits_next(s, w, (int)*cell(l, rows, VISIT_ROW_CLASS, lane), rows + lane, l->width, before);
     *cell(l, rows, VISIT_ROW_LEFT, lane) = visits_left(s, w, before);
   }
 }

@@ -59,7 +59,6 @@ enum { PLACE_LAST, PLACE_SPEED, PLACE_FORCE, PLACE_ROWS };
 enum {
   VISIT_ROW_CLASS = VISIT_SUMS, /* of the visit under way; the sums of its part come first */
   VISIT_ROW_LEFT,               /* steps until the part ends by age */
-  VISIT_ROW_NEXT,               /* class of the present step, where a part ends */
   VISIT_ROW_REFERENCE,
   VISIT_ROWS = VISIT_ROW_REFERENCE + 2
 };

@@ -331,8 +331,10 @@ LANE_INLINE void PASS(sum_visits)(lanes *l, size_t w, const PASS(contact_sample)
   LANE(mask)
   ends = LANE(not )(LANE(equal)(class, PASS(row)(v, VISIT_ROW_CLASS))) | LANE(equal)(left, LANE(splat)(0.0));
   if (__builtin_expect(LANE(any)(ends), 0)) {
-    PASS(set_row)(v, VISIT_ROW_NEXT, class);
+    PASS(set_row)(v, VISIT_ROW_CLASS, class);
     lanes_visits(l, w, LANE(bits_of)(ends));
+    for (size_t q = 0; q < VISIT_SUMS; q++)
+      PASS(set_row)(v, q, LANE(mask_zero)(LANE(not )(ends), PASS(row)(v, q)));
     left = PASS(row)(v, VISIT_ROW_LEFT);
   }
   PASS(set_row)(v, VISIT_ROW_LEFT, left - 1.0);
