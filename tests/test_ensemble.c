@@ -111,6 +111,9 @@ static void numbers_differ(void **unused) {
   static const variety decks[] = {
       {.deck = "three_disk/random.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
       {.deck = "three_disk/random.cfg",
+       .common = {"phases[0].steps=800", "dt=1e-5", "measure.configurations=true"},
+       NUMBERS},
+      {.deck = "three_disk/random.cfg",
        .common = {"phases[0].steps=1500", "motions[*].interval=10", "integrator=verlet"},
        NUMBERS},
       {.deck = "three_disk/sync.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
@@ -132,7 +135,7 @@ static void rough(void **unused) {
   (void)unused;
   static const variety decks[] = {
       {.deck = "three_disk/random.cfg",
-       .common = {"dt=1e-5", "phases[0].steps=1234"},
+       .common = {"dt=1e-5", "phases[0].steps=1234", "measure.configurations=true"},
        .key = {"motions[*].amplitude", "seed"},
        .value = {{"2e-2", "1e-3", "1e-2"}, {"1", "2", "3", "4", "5"}}},
       {.deck = "three_disk/random.cfg",
@@ -157,7 +160,7 @@ static void rough(void **unused) {
 static void one_fails(void **unused) {
   (void)unused;
   static const variety v = {.deck = "three_disk/random.cfg",
-                            .common = {"dt=2e-5", "phases[0].steps=1234"},
+                            .common = {"dt=2e-5", "phases[0].steps=1234", "measure.configurations=true"},
                             .key = {"max_overlap", "motions[*].amplitude"},
                             .value = {{"0.3", "0.3", "3e-4", "0.3", "6e-4"}, {"1e-3"}}};
   crowd c = gather(&v, 5);

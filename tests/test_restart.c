@@ -43,7 +43,7 @@ static void supports(text *t) {
       "{ steps = 1; motions = [\"h\"]; }, { steps = 900; }, { steps = 100000; motions = [\"r\", \"s\", "
       "\"p\"]; measure = true; } );\n"
       "measure = { rotation = [\"top\"]; sliding = ( { disk = \"top\"; partners = [\"left\", \"right\"]; } "
-      "); };\n");
+      "); configurations = true; };\n");
 }
 
 /* A box that repeats in both directions: disks fly, wrap and collide; one is driven around it. */
