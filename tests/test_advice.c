@@ -158,6 +158,8 @@ static void watched_contacts_touch(void **unused) {
   advised(WATCH("2.05"), NULL);
   advised(WATCH("3.5"), "measure.sliding: disk \"a\" and disk \"b\" do not touch at the start: there are 1.5 "
                         "between them, 1.5 radii");
+  advised(VERLET LAW GRAVITY FLOOR DISK "steps = 9; measure = { configurations = true; };",
+          "measure.configurations = true without measure.sliding has no effect");
 }
 
 /* Walls of all shapes, moved and turned. */

@@ -318,7 +318,7 @@ class Tables(Limits):
         for name in ("n_contacts", "n_bodies", "n_disks"):
             alter(lambda file, name=name: file["state"].attrs.__setitem__(name, numpy.int64(70_000_000)))
             self.refuse(go, "the state in this file is damaged")
-        for group in ("rotation", "slide", "phase"):
+        for group in ("rotation", "slide", "configuration", "phase"):
             alter(lambda file, group=group: file[f"summary/{group}"].attrs.__setitem__("count", numpy.int64(1 << 31)))
             status, _, err = self.call("info", "a.h5")
             self.assertEqual(status, 4, err)

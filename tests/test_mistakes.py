@@ -174,6 +174,7 @@ TABLES = {
         phase("`settle = { unbalanced = 1e-16; };`", "settle = { unbalanced = 1e-16; };"),
         changes("`compress` without `settle`", ("time = 2;", 'phases = ( { name = "p"; time = 2; compress = { fraction = 1e-3; rate = 10; }; } );'),
                 more=BOX),
+        change("`measure.configurations` alone", "time = 2;", "time = 2; measure = { configurations = true; };"),
         changes("a watched wall far away", ('(1, 0)); }', '(1, 0)); },\n  { name = "lid"; type = "line"; points = ((-1, 1), (1, 1)); }'),
                 ("y = 0.1;", "y = 0.02;"), more='measure = { sliding = ( { disk = "ball"; partners = ("floor", "lid"); } ); };\n'),
         changes("a packing that is not there", more='disk_files = ( { file = "rain.h5"; } );\n', rain_cfg=DECK),

@@ -28,7 +28,7 @@ import slipdisk  # noqa: E402
 from slipdisk import library as lib  # noqa: E402
 
 RATCHET = ROOT / "inputs/three_disk/random.cfg"
-SHORT = {"phases.settle.steps": 1000, "phases.measure.steps": 100_000}
+SHORT = {"phases.settle.steps": 1000, "phases.measure.steps": 100_000, "measure.configurations": True}
 DISK = {"k_n": 1e3, "k_t": 1e6, "gamma_n": 10, "mu": 0.1}
 DEEP = -np.sqrt(3)
 DICT = {
@@ -192,6 +192,10 @@ class Stepping(unittest.TestCase):
             for name in ("omega", "error", "scaled", "turned"):
                 self.assertEqual(r.rotation[name][0], s.rotation[name][0], name)
             self.assertEqual(r.slide["pm"][0], s.slide["pm"][0])
+            self.assertEqual(r.configurations["name"].tolist(), [f"upper.{c}" for c in ("pp", "pm", "mp", "mm", "stick", "open")])
+            self.assertEqual(s.configurations["steps"].sum(), 100_000)
+            for name in s.configurations.dtype.names:
+                np.testing.assert_array_equal(r.configurations[name], s.configurations[name], name)
             self.assertEqual(r.energy, s.energy)
             np.testing.assert_array_equal(r.last_contacts["force"], s.contacts["force"])
 

@@ -130,7 +130,7 @@ static void report_until(FILE *out, const summary *found) {
 /* Means and standard deviations in each configuration. */
 static void report_configurations(FILE *out, const summary *found, size_t w) {
   static const char *const names[] = {"S++", "S+-", "S-+", "S--", "stick", "open"};
-  if (found->n_configurations == 0) return;
+  if (found->n_configurations < SD_CONFIGURATIONS * (w + 1)) return;
   fprintf(out, "    %-6s %11s %10s %11s %10s %11s %10s %10s %10s %10s\n", "in", "torque", "sd", "1st force",
           "sd", "2nd force", "sd", "visits", "duration", "sd");
   for (size_t c = 0; c < SD_CONFIGURATIONS; c++) {

@@ -343,8 +343,12 @@ static double check_overlap(const sd_model *m, sd_messages *messages) {
 }
 
 static double check_watches(const sd_model *m, sd_messages *messages) {
-  double worst = 0;
+  double worst = m->measure_configurations && m->n_slides == 0;
   char one[96], two[96];
+  if (worst > 0)
+    sd_warn(messages,
+            "measure.configurations = true without measure.sliding has no effect: name the disk and its "
+            "two partners there");
   for (size_t k = 0; k < m->n_slides; k++)
     for (int c = 0; c < 2; c++) {
       const sd_slide_watch *w = &m->slides[k];

@@ -78,7 +78,8 @@ static void put_result(result_table *t, size_t row, const summary *f) {
       free(owner);
     }
   }
-  for (size_t k = 0; k < f->n_configurations; k++) put_configuration(t, row, f, k);
+  for (size_t k = 0; k < f->n_configurations && k < SD_CONFIGURATIONS * f->n_slides; k++)
+    put_configuration(t, row, f, k);
   if (f->packing.n > 0) put_columns(t, row, "", &total_observables, &f->packing.totals, 1, 0);
   if (f->has_until) put_columns(t, row, "", &until_observables, f, 1, 0);
   put_columns(t, row, "", &energy_observables, &f->energy, 1, 0);

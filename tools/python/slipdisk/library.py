@@ -4,8 +4,8 @@ import difflib
 import os
 import pathlib
 import warnings
-from ctypes import (POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_uint64,
-                    c_void_p)
+from ctypes import (POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_uint32,
+                    c_uint64, c_void_p)
 
 import numpy as np
 
@@ -108,7 +108,8 @@ def program():
 # --- structs ------------------------------------------------------------------------------------------------------
 TYPES = [np.dtype("f8"), np.dtype("i8"), np.dtype("i4"), np.dtype("u4")]  # sd_type
 (PER_RUN, PER_BODY, PER_FREE, PER_CONTACT, PER_MOTION, PER_PHASE, PER_ROTATION, PER_ROTATION_BIN, PER_SLIDE,
- PER_SLIDE_COUNT, PER_SLIDE_CONTACT, PER_MEAN, PER_MEAN_BIN) = range(13)  # sd_extent
+ PER_SLIDE_COUNT, PER_SLIDE_CONTACT, PER_MEAN, PER_MEAN_BIN, PER_VISIT, PER_VISIT_CONTACT, PER_VISIT_PART,
+ PER_VISIT_CLASS, PER_VISIT_SUM, PER_VISIT_AGE) = range(19)  # sd_extent
 
 # sd_disk: a test sends one through the library and back.
 DISK = np.dtype([("name", "u8"), ("position", "f8", 3), ("velocity", "f8", 3), ("radius", "f8"), ("mass", "f8"),
@@ -151,6 +152,12 @@ class Slide(Structure):
                 *((name, c_double) for name in ("pp", "pm", "mp", "mm", "stick", "open")),
                 *((name, c_double * 2) for name in ("contact_positive", "contact_negative", "contact_stuck",
                                                     "contact_open", "force_min")), ("openings", c_int64 * 2)]
+
+
+class Configuration(Structure):
+    _fields_ = [("disk", c_uint32), ("configuration", c_int32), ("steps", c_int64), ("torque", c_double),
+                ("torque_sd", c_double), ("force", c_double * 2), ("force_sd", c_double * 2), ("visits", c_int64),
+                ("dwell", c_double), ("dwell_sd", c_double), ("age_torque", c_double * 16), ("age_steps", c_int64 * 16)]
 
 
 class DiskMean(Structure):
@@ -226,6 +233,7 @@ FUNCTIONS = {
     "sd_extent_size": (c_size_t, c_void_p, c_int),
     "sd_rotation_of": (Rotation, c_void_p, c_void_p, c_size_t),
     "sd_slide_of": (Slide, c_void_p, c_void_p, c_size_t),
+    "sd_configuration_of": (Configuration, c_void_p, c_void_p, c_size_t),
     "sd_disk_mean_of": (DiskMean, c_void_p, c_void_p, c_size_t),
     "sd_mean_of": (Mean, c_void_p, c_size_t, c_bool),
 }

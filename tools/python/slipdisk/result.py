@@ -347,6 +347,12 @@ class Result:
         return self.table("summary/slide")
 
     @property
+    def configurations(self):
+        """Torque, normal forces and visits in S++, S+-, S-+, S--, stick, open of each watched pair of contacts, when the deck says
+        measure = { configurations = true; }."""
+        return self.table("summary/configuration")
+
+    @property
     def phases(self):
         """What became of each phase: name, steps, most, reached, ..."""
         return self.table("summary/phase")

@@ -527,6 +527,12 @@ class Simulation:
         return self._measured(lib.Slide, self._library.sd_slide_of, lib.PER_SLIDE)
 
     @property
+    def configurations(self):
+        """Torque, normal forces and visits in S++, S+-, S-+, S--, stick, open of each watched pair of contacts, when the deck says
+        measure = { configurations = true; }."""
+        return self._measured(lib.Configuration, self._library.sd_configuration_of, lib.PER_VISIT_CLASS)
+
+    @property
     def means(self):
         """Means of every free disk, when the deck says measure = { disks = true; }."""
         return self._measured(lib.DiskMean, self._library.sd_disk_mean_of, lib.PER_MEAN)
