@@ -60,6 +60,15 @@ class Box:
         return self["omega_first"][self.held], self["omega_second"][self.held]
 
     @property
+    def noise(self):
+        """Median error bar of the disks that are no rattlers."""
+        return float(np.median(self["error"][self.held])) if self.held.any() else np.nan
+
+    def spread(self, name, loose=False):
+        """Root mean square of `rms` (about the mean place) or `displacement` (of it), in mean diameters."""
+        return root(self[name][~self.held if loose else self.held]) / (2 * float(self["radius"].mean()))
+
+    @property
     def openings(self):
         """Openings per closed contact and period."""
         return self.whole["openings"] * PERIOD
@@ -147,17 +156,20 @@ LAGS = (1, 2, 4, 8, 16, 32, 64)  # in frames, which are at one phase of the floo
 
 def square_displacements(run):
     """[lag][disk] means over all starts of the squared displacement, in mean diameters, and the lags in time."""
-    time, place = run.frames()
-    chosen = np.asarray(time) > time[-1] - run.measured
-    place = np.asarray(place)[chosen][:, run.id] / (2 * float(run.radius.mean()))
-    step = (time[-1] - time[-2]) if len(time) > 1 else np.nan
+    time, place = (np.asarray(values) for values in run.frames())
+    chosen = np.flatnonzero(time > time[-1] - run.measured)
+    step = float(np.median(np.diff(time[chosen]))) if len(chosen) > 1 else np.nan
+    if len(chosen) > 1 and time[chosen[-1]] - time[chosen[-2]] < 0.99 * step:  # the end of the run, at another phase
+        chosen = chosen[:-1]
+    place = place[chosen][:, run.id] / (2 * float(run.radius.mean()))
     lags = [lag for lag in LAGS if lag < len(place)]
     squares = [np.mean(np.sum((place[lag:] - place[:-lag]) ** 2, axis=2), axis=0) for lag in lags]
     return np.array(lags) * step, np.array(squares)
 
 
 def wandering(campaign, name, found):
-    """Table of root mean square displacements against lag: columns packing, lag, held, loose (rattlers), in diameters."""
+    """Table of root mean square displacements against lag: columns packing, lag, held, loose (rattlers), in "
+      "diameters."""
     runs = _runs(campaign, name)
 
     def make():
@@ -169,5 +181,5 @@ def wandering(campaign, name, found):
                     columns[key].append(value)
         return columns if columns["lag"] else None
 
-    return campaign.numbers(f"{name}-displacements", make, f"rms displacement against time, {name}, in mean diameters",
+    return campaign.numbers(f"{name}-displacements", make, f"rms displacement against time, {name}, in diameters",
                             digits=DIGITS)

@@ -6,9 +6,9 @@ from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, LIGHT, figure
 from report.verdict import SURE, decide, missing, number
 
-from .statistics import crossing, jackknife, mean_error, pearson, pooled, power_law, spearman
+from . import disks, each
+from .statistics import crossing, jackknife, mean_error, share, trend, weighted_power
 
-FREQUENCY = 80.0
 OPEN = 0.1           # openings per contact and period that separate the regimes
 FEW, MANY = 0.01, 1.0  # how sharp it is: the drives at which this many are reached
 SHARP = 5.0
@@ -24,18 +24,21 @@ def by_drive(runs):
     return dict(sorted(found.items()))
 
 
-def row(drive, runs):
-    """Means over packings with errors, as a dictionary of (value, error)."""
-    halves = [run.halves() for run in runs]
-    return {"drive": drive, "runs": len(runs), "rms": mean_error([run.rms for run in runs]),
-            "median": mean_error([run.median for run in runs]),
-            "significant": mean_error([run.significant for run in runs]),
-            "pearson": jackknife(pooled(pearson), halves), "spearman": jackknife(pooled(spearman), halves),
-            "openings": mean_error([run.openings_per_period(FREQUENCY) for run in runs]),
-            "sliding": mean_error([run.sliding_fraction for run in runs]),
-            "contacts": mean_error([run.coordination for run in runs]),
-            "wander": mean_error([run.wander for run in runs]), "drift": mean_error([run.drift for run in runs]),
-            "farthest": max(run.farthest for run in runs), "noise": mean_error([run.noise for run in runs])}
+def row(drive, found):
+    """Means over packings with errors, as a dictionary of (value, error), of the disks that are no rattlers."""
+    ranks, scaled = each.consistency(found)
+    return {"drive": drive, "runs": len(found), "rms": mean_error([box.rms for box in found]),
+            "median": mean_error([box.median for box in found]),
+            "significant": share([(int(box.turns[box.held].sum()), int(box.held.sum())) for box in found]),
+            "pearson": scaled, "spearman": ranks, "openings": mean_error([box.openings for box in found]),
+            "sliding": mean_error([box.whole["sliding"] for box in found]),
+            "contacts": mean_error([box.whole["coordination"] for box in found]),
+            "wander": mean_error([box.spread("rms") for box in found]),
+            "drift": mean_error([box.spread("displacement") for box in found]),
+            "loose": mean_error([box.spread("rms", True) for box in found]),
+            "rattlers": mean_error([float(np.sum(~box.held)) for box in found]),
+            "farthest": max(box.whole["farthest"] for box in found),
+            "noise": mean_error([box.noise for box in found])}
 
 
 def lasts(correlation):
@@ -54,97 +57,125 @@ def sections(campaign):
     return [against_drive(campaign), random_floor(campaign)]
 
 
-def onset(groups):
-    """Drive at which openings set in, for jackknife over packings: groups are seeds' {drive: openings}."""
+def curves_of(table, value):
+    """{drive: value(box)} of each packing, known by its number; where that is a number above zero."""
+    curves = {}
+    for drive, found in table.items():
+        for box in found:
+            if value(box) > 0:
+                curves.setdefault(box.replica, {})[drive] = value(box)
+    return list(curves.values())
+
+
+def onset(groups, level):
+    """Drive at which openings reach a level, for jackknife over packings: groups are packings' {drive: openings}."""
     drives = sorted(set.intersection(*(set(g) for g in groups))) if groups else []
-    return crossing(drives, [np.mean([g[d] for g in groups]) for d in drives], OPEN)
+    return crossing(drives, [np.mean([g[d] for g in groups]) for d in drives], level)
 
 
 def against_drive(campaign):
-    table = by_drive(campaign.runs("drive"))
-    rows = [row(drive, runs) for drive, runs in table.items()]
-    every = [run for runs in table.values() for run in runs]
+    table = disks.by_drive(disks.boxes(campaign, "drive"))
+    rows = [row(drive, found) for drive, found in table.items()]
+    every = [box for found in table.values() for box in found]
     out = Section("drive", "Rotation against drive",
                   f"<code>inputs/packing/shake_drive.cfg</code>: {len(table)} peak accelerations with up to "
                   f"{max((r['runs'] for r in rows), default=0)} packings each, "
-                  f"{every[0].measured if every else 0:.0f} s measured. An opening is a contact that ends; it is "
-                  f"counted per "
-                  "contact and period of the floor (1/80 s). Error bars: scatter of packings.",
+                  f"{every[0].whole['measured'] if every else 0:.0f} s measured. An opening is a contact that ends; "
+                  f"it is "
+                  f"counted per contact and period of the floor (1/80 s). {disks.RULE} They are left out but for "
+                  f"openings and "
+                  "contacts. Error bars: scatter of packings, or leaving out one at a time. Exponents are fits to the "
+                  "means of "
+                  "logarithms over packings, each with the weight of its error.",
                   missing=campaign.missing("drive"))
     if len(rows) < 3:
-        out.claims.append(missing("Typical |&Omega;| grows with the drive in both regimes."))
+        out.claims.append(missing("Typical |&Omega;| grows with the drive in both regimes.", slug="drive-rms"))
         return out
     drives = np.array([r["drive"] for r in rows])
-    start, spread = separates(out, table, rows, drives)
+    start = separates(out, table, rows, drives)
     out.figures.append(drive_figure(rows, drives, start))
-    growth(out, rows, drives, start)
+    growth(out, table, drives, start)
     solid(out, rows)
     lasting(out, rows)
-    names = ("rms", "median", "noise", "significant", "pearson", "spearman", "openings", "sliding", "contacts",
-             "wander", "drift")
-    out.tables.append(Numbers("Means over packings at each drive (angular velocities in rad/s)",
-                              ["drive/<i>g</i>", "packings", "rms &Omega;", "median |&Omega;|", "rms error bar",
-                               "beyond 3 errors", "Pearson", "Spearman", "openings", "sliding", "contacts per disk",
-                               "wander/d", "drift/d"],
-                              [[float(r["drive"]), r["runs"], *(number(*r[name]) for name in names)] for r in rows]))
+    out.tables.append(numbers_table(rows))
     return out
+
+
+def numbers_table(rows):
+    names = ("rattlers", "rms", "median", "noise", "significant", "pearson", "spearman", "openings", "sliding",
+             "contacts", "wander", "drift", "loose")
+    return Numbers("Means over packings at each drive (angular velocities in rad/s; no rattlers but in the last "
+                   "column)",
+                   ["drive/<i>g</i>", "packings", "rattlers", "rms &Omega;", "median |&Omega;|", "median error bar",
+                    "beyond 3 errors", "Pearson (scaled)", "Spearman", "openings", "sliding", "contacts per disk",
+                    "wander/d", "drift/d", "wander/d of rattlers"],
+                   [[float(r["drive"]), r["runs"], *(number(*r[name]) for name in names)] for r in rows])
 
 
 def separates(out, table, rows, drives):
     openings = columns(rows, "openings")[0]
-    # Runs at one drive are ordered by replica: each replica in turn is left out of the curve.
-    replicas = sorted({run.parameters.get("r", 0.0) for runs in table.values() for run in runs})
-    curves = [{drive: run.openings_per_period(FREQUENCY) for drive, runs in table.items() for run in runs
-               if run.parameters.get("r", 0.0) == k} for k in replicas]
-    curves = [curve for curve in curves if len(curve) == len(table)]
-    start, error = jackknife(onset, curves) if curves else (crossing(drives, openings, OPEN), np.nan)
-    low, high = crossing(drives, openings, FEW), crossing(drives, openings, MANY)
-    weakest, strongest = openings[0], openings[-1]
+    curves = [curve for curve in curves_of(table, lambda box: max(box.openings, 1e-12)) if len(curve) == len(table)]
+    (start, error), low, high = (jackknife(lambda part, level=level: onset(part, level), curves) if curves
+                                 else (crossing(drives, openings, level), np.nan) for level in (OPEN, FEW, MANY))
     text = (f"{OPEN:g} openings per contact and period are reached at {number(start, error)} <i>g</i>; {FEW:g} at "
-            f"{number(low)} <i>g</i> and {MANY:g} at {number(high)} <i>g</i>. At {drives[0]:g} <i>g</i> there are "
-            f"{number(weakest)}, at {drives[-1]:g} <i>g</i> {number(strongest)}")
-    if not np.isfinite(low):
+            f"{number(*low)} <i>g</i> and {MANY:g} at {number(*high)} <i>g</i>. At {drives[0]:g} <i>g</i> there are "
+            f"{number(*rows[0]['openings'])}, at {drives[-1]:g} <i>g</i> {number(*rows[-1]['openings'])}")
+    if not np.isfinite(low[0]):  # the weakest drive has more: a bound is all there is
+        sharp = None
         text += f"; nowhere there are fewer than {FEW:g}, so it cannot be said how sharp the change is"
-    sharp = None if not (np.isfinite(low) and np.isfinite(high)) else bool(high < SHARP * low)
+    else:
+        ratio = high[0] / low[0]
+        spread = SURE * ratio * np.hypot(*(e / v for v, e in (low, high)))
+        sharp = True if ratio + spread < SHARP else False if ratio - spread > SHARP else None
+        text += f": a factor of {number(ratio, spread / SURE)}"
     out.claims.append(decide("The opening of contacts separates two regimes: from few to many openings it takes less "
-                             f"than a factor of {SHARP:g} in the drive.", sharp, text))
-    return start, error
+                             f"than a factor of {SHARP:g} in the drive.", sharp, text, slug="drive-regimes"))
+    return start
 
 
-def growth(out, rows, drives, start):
+def seen(box):
+    """The median of |Omega| where it is above the error bar of 95 %, else 0: then more than half may stand still."""
+    return box.median if box.median > disks.LIMIT * box.noise else 0.0
+
+
+def growth(out, table, drives, start):
+    """Exponents below and above the onset of openings, of the rms and of the median."""
     low = drives <= (start if np.isfinite(start) else 0)
-    for name, what in (("rms", "The rms"), ("median", "The median")):
-        value, error = columns(rows, name)
-        told, steps = [], []
+    for name, what, value in (("rms", "The rms", lambda box: box.rms), ("median", "The median", seen)):
+        curves = curves_of(table, value)
+        told, grows = [], []
         for word, part in (("below", low), ("above", ~low)):
-            if part.sum() >= 2:
-                exponent, spread, _ = power_law(drives[part], value[part])
-                told.append(f"{word} the onset |&Omega;| ~ drive<sup>{number(exponent, spread)}</sup> ({part.sum()} "
-                            f"drives)")
-            steps += list(np.diff(value[part]) / np.hypot(error[part][1:], error[part][:-1]))
-        up, down = int(np.sum(np.array(steps) > 0)), int(np.sum(np.array(steps) < -SURE))
-        ends = [value[part][-1] > value[part][0] + SURE * np.hypot(error[part][-1], error[part][0])
-                for part in (low, ~low) if part.sum() >= 2]
-        out.claims.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.",
-                                 False if down else True if len(ends) == 2 and all(ends) else None,
-                                 "; ".join(told) + f"; {up} of {len(steps)} steps are up, {down} significantly down; "
-                                                   f"from "
-                                 f"{number(value[0], error[0])} to {number(value[-1], error[-1])} rad/s"))
+            some = [d for d in drives[part] if sum(d in curve for curve in curves) * 2 > len(table[d])]
+            fit = weighted_power([{d: c[d] for d in some if d in c} for c in curves], some)
+            spread = np.nanmax([fit.error, fit.weights]) if np.isfinite([fit.error, fit.weights]).any() else np.nan
+            told.append(f"{word} the onset |&Omega;| ~ drive<sup><i>a</i></sup>, <i>a</i> = {fit}" if fit.points > 1
+                        else f"{word} the onset {fit.points} drives, no fit")
+            grows.append(None if not np.isfinite(spread) else True if fit.exponent > SURE * spread
+                         else False if fit.exponent < -SURE * spread else None)
+            lost = [f"{d:g}" for d in drives[part] if d not in some]
+            if lost:
+                told[-1] += (f"; at {', '.join(lost)} <i>g</i> it is within its error bar of zero in half of the "
+                             f"packings or "
+                             "more, and left out")
+        out.claims.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.", _all(grows),
+                                 "; ".join(told) + f". Rank correlation with the drive {number(*trend(curves))}",
+                                 slug=f"drive-{name}"))
 
 
 def solid(out, rows):
-    value = columns(rows, "wander")[0]
+    value, error = columns(rows, "wander")
     loose = [r["drive"] for r in rows if r["wander"][0] > SOLID]
     far = [r["drive"] for r in rows if r["farthest"] > 1]
     out.claims.append(decide(f"It remains a solid: disks wander by less than {SOLID:g} mean diameters "
                              f"(rms).", not loose,
-                             f"rms displacement about the mean place {number(value[0])} d at {rows[0]['drive']:g} "
-                             f"<i>g</i>, "
-                             f"{number(value[-1])} d at {rows[-1]['drive']:g} <i>g</i>"
+                             f"rms displacement about the mean place {number(value[0], error[0])} d at "
+                             f"{rows[0]['drive']:g} "
+                             f"<i>g</i>, {number(value[-1], error[-1])} d at {rows[-1]['drive']:g} <i>g</i>"
                              + (f"; above {SOLID:g} at {', '.join(f'{d:g}' for d in loose)} <i>g</i>" if loose else "")
-                             + (f"; single disks wander by more than a diameter (rms) at "
+                             + (f"; single disks, rattlers among them, wander by more than a diameter (rms) at "
                                 f"{', '.join(f'{d:g}' for d in far)} <i>g</i>"
-                                if far else "; no single disk wanders by a diameter")))
+                                if far else "; no single disk, not even a rattler, wanders by a diameter"),
+                             slug="drive-solid"))
 
 
 def _all(verdicts):
@@ -154,14 +185,14 @@ def _all(verdicts):
 
 
 def lasting(out, rows):
-    value = columns(rows, "pearson")[0]
-    share = columns(rows, "significant")[0]
-    marks = [" (not significant)" if lasts(r["pearson"]) is None else "" for r in rows]
-    out.claims.append(decide("Rotation lasts at every drive (correlation of halves above "
-                             "0.5).", _all(lasts(r["pearson"]) for r in rows),
-                             "correlation " + ", ".join(f"{v:.3f}{mark}" for v, mark in zip(value, marks)) + " and significant disks "
-                             + ", ".join(f"{100 * v:.0f} %" for v in share) + " at "
-                             + ", ".join(f"{r['drive']:g}" for r in rows) + " <i>g</i>"))
+    at = "; ".join(f"{r['drive']:g} <i>g</i>: {{}}" for r in rows)
+    for name, what, how in (("pearson", "linear correlation, each packing scaled by its rms", "Rotation lasts at "
+                                                                                              "every drive"),
+                            ("spearman", "rank correlation, means over packings",
+                             "It lasts at every drive in ranks, too, where slow disks count as much as fast ones")):
+        out.claims.append(decide(f"{how}: the correlation of halves is above 0.5.", _all(lasts(r[name]) for r in rows),
+                                 f"{what}; " + at.format(*(number(*r[name]) for r in rows)),
+                                 slug="drive-lasts" if name == "pearson" else "drive-ranks"))
 
 
 def bars(value, error):
@@ -173,8 +204,8 @@ def bars(value, error):
 def drive_figure(rows, drives, start):
     picture, axes = figure(columns=2, rows=2, width=7.2, height=5.8, sharex=True)
     look = {"lw": 0.7, "mfc": "white"}
-    for k, (name, label, sign) in enumerate((("rms", "rms", "o"), ("median", "median", "s"), ("noise", "rms error "
-        "bar", "x"))):
+    for k, (name, label, sign) in enumerate((("rms", "rms", "o"), ("median", "median", "s"),
+                                             ("noise", "median error bar", "x"))):
         value, error = columns(rows, name)
         axes[0, 0].errorbar(drives, value, yerr=bars(value, error), fmt=sign + "-", color=COLOURS[k], label=label,
                             **look)
@@ -189,19 +220,21 @@ def drive_figure(rows, drives, start):
     axes[0, 1].set_yscale("log")
     axes[0, 1].set_ylabel("openings per contact and period")
     for k, (name, label, sign) in enumerate((("pearson", "correlation of halves", "o"),
-                                             ("significant", "beyond 3 errors", "s"), ("sliding", "sliding "
-                                                 "contacts", "^"))):
+                                             ("spearman", "the same of ranks", "D"),
+                                             ("significant", "beyond 3 errors", "s"),
+                                             ("sliding", "sliding contacts", "^"))):
         value, error = columns(rows, name)
         axes[1, 0].errorbar(drives, value, yerr=error, fmt=sign + "-", color=COLOURS[k], label=label,
                             **look)
-    axes[1, 0].set_ylim(0, 1.25)
+    axes[1, 0].set_ylim(-0.1, 1.5)
     axes[1, 0].set_ylabel("fraction")
     axes[1, 0].legend(loc="upper left", ncol=2, fontsize=8.5, columnspacing=0.8)
-    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"), ("drift", "of the mean "
-        "place", "s"))):
+    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"), ("drift", "of the mean place", "s"),
+                                             ("loose", "about it, rattlers", "x"))):
         value, error = columns(rows, name)
-        axes[1, 1].errorbar(drives, value, yerr=bars(value, error), fmt=sign + "-", color=COLOURS[k], label=label,
-                            **look)
+        shown = value > 0
+        axes[1, 1].errorbar(drives[shown], value[shown], yerr=bars(value, error)[:, shown], fmt=sign + "-",
+                            color=COLOURS[k], label=label, **look)
     axes[1, 1].axhline(SOLID, color=LIGHT, lw=0.8, gid="guide")
     axes[1, 1].set_yscale("log")
     axes[1, 1].set_ylabel("rms displacement / diameter")
@@ -215,16 +248,18 @@ def drive_figure(rows, drives, start):
             panel.axvline(start, color=GREY, lw=0.8, ls=":", gid="guide")
     for panel in axes[1]:
         panel.set_xlabel("peak acceleration of the floor / $g$")
-    return Figure("drive", picture, f"Against the drive. Dotted: where {OPEN:g} openings per contact and period are "
-                                    f"reached. "
-                  "Displacement of the mean place: from where the disk was when measuring began.",
+    return Figure("drive", picture, f"Against the drive; disks that are no rattlers unless said otherwise. Dotted: "
+                                    f"where "
+                  f"{OPEN:g} openings per contact and period are reached. Displacement of the mean place: from where "
+                  f"the disk "
+                  "was when measuring began. The level in the last panel: a quarter of a diameter.",
                   "Typical angular velocity, openings of contacts, persistence and displacements against drive")
 
 
 def random_floor(campaign):
-    table = by_drive(campaign.runs("random"))
-    harmonic = by_drive(campaign.runs("drive"))
-    rows = [row(drive, runs) for drive, runs in table.items()]
+    table = disks.by_drive(disks.boxes(campaign, "random"))
+    harmonic = disks.by_drive(disks.boxes(campaign, "drive"))
+    rows = [row(drive, found) for drive, found in table.items()]
     out = Section("random", "Random vibration of the floor",
                   "<code>inputs/packing/shake_random.cfg</code>: the height of the floor is the randomly forced "
                   "oscillator of "
@@ -233,22 +268,22 @@ def random_floor(campaign):
                   "motion, <i>a</i>/&omega;&sup2;, with the acceleration <i>a</i> that is "
                   "given.", missing=campaign.missing("random"))
     if not rows:
-        out.claims.append(missing("Disks rotate under random vibration, too."))
+        out.claims.append(missing("Disks rotate under random vibration, too.", slug="random-persists"))
         return out
     for r in rows:
-        linear = r["pearson"]
-        out.claims.append(decide(f"At {r['drive']:g} <i>g</i> the rotation persists.", lasts(linear),
-                                 f"{r['runs']} packings: Pearson {number(*linear)}, Spearman {number(*r['spearman'])}, "
-                                 f"{number(100 * r['significant'][0], 100 * r['significant'][1])} % beyond 3 errors; "
-                                 f"rms &Omega; "
+        out.claims.append(decide(f"At {r['drive']:g} <i>g</i> the rotation persists.", lasts(r["pearson"]),
+                                 f"{r['runs']} packings: Pearson (scaled) {number(*r['pearson'])}, Spearman "
+                                 f"{number(*r['spearman'])}, {each.percent(r['significant'])} beyond 3 errors; rms "
+                                 f"&Omega; "
                                  f"{number(*r['rms'])}, median {number(*r['median'])} rad/s; "
                                  f"{number(*r['openings'])} openings per contact and period"
                                  + (f"; harmonic: rms "
-                                    f"{number(*mean_error([run.rms for run in harmonic[r['drive']]]))} rad/s"
-                                    if r["drive"] in harmonic else "")))
+                                    f"{number(*mean_error([box.rms for box in harmonic[r['drive']]]))} rad/s"
+                                    if r["drive"] in harmonic else ""), slug=f"random-persists-{r['drive']:g}"))
+        out.claims.append(each.claim(table[r["drive"]], r["drive"], f"each-disk-random-{r['drive']:g}"))
     picture, axes = figure(columns=len(rows), height=3.6)
     for panel, r in zip(np.atleast_1d(axes), rows):
-        groups = [run.halves() for run in table[r["drive"]]]
+        groups = [box.halves for box in table[r["drive"]]]
         for k, (a, b) in enumerate(groups):
             panel.plot(a, b, "o", ms=3, mew=0.6, mfc="none", color=COLOURS[k % len(COLOURS)])
         top = 1.08 * max(np.abs(np.concatenate([np.concatenate(g) for g in groups])).max(), 1e-12)
@@ -260,6 +295,6 @@ def random_floor(campaign):
         panel.set_title(f"{r['drive']:g} $g$")
     np.atleast_1d(axes)[0].set_ylabel(r"$\Omega_i$, second half (rad/s)")
     out.figures.append(Figure("random", picture, "Mean angular velocities in two halves of the runs under random "
-                                                 "vibration.",
+                              "vibration, rattlers left out; a colour per packing.",
                               "Scatter plots of mean angular velocities in two halves, random vibration"))
     return out

@@ -6,7 +6,7 @@ from report.style import COLOURS, GREY, LIGHT, figure, legend_above
 from report.verdict import SURE, decide, missing, number
 
 from .disks import CHANCE, HELD, LIMIT, RULE, boxes, by_drive
-from .statistics import jackknife, mean_error, share
+from .statistics import jackknife, mean_error, pearson, pooled, share, spearman
 
 TIGHT = 0.1      # of the packing's rms: an upper limit on |Omega| below it shows that a disk stands still
 SIZEABLE = 0.05  # so many disks that stand still refute "each"
@@ -38,14 +38,16 @@ def part(found, kind, least=HELD):
     return share(groups)
 
 
+def alike(box):
+    """Which disks turn in the same sense in both halves, in one at least half as fast as in the other."""
+    a, b = box["omega_first"], box["omega_second"]
+    return (a * b > 0) & (np.minimum(np.abs(a), np.abs(b)) >= ALIKE * np.maximum(np.abs(a), np.abs(b)))
+
+
 def lasting(found):
     """(share, error) of the turning disks that turn in the same sense in both halves, in one at least half as fast."""
-    groups = []
-    for box in found:
-        a, b = (values[box.turns[box.held]] for values in box.halves)
-        small, large = np.minimum(np.abs(a), np.abs(b)), np.maximum(np.abs(a), np.abs(b))
-        groups.append((int(np.sum((a * b > 0) & (small >= ALIKE * large))), len(a)))
-    return share(groups)
+    turning = [box.held & box.turns for box in found]
+    return share([(int(np.sum(alike(box) & part)), int(part.sum())) for box, part in zip(found, turning)])
 
 
 def census(found):
@@ -61,16 +63,13 @@ def census(found):
 
 
 def each(counts):
-    """True: all but a few turn, chance taken off; False: a sizeable part stands still; None: cannot be told.
-
-    So many error bars: one at least of a disk in a hundred, where packings do not differ at all."""
-    floor = 0.01
+    """True: all but a few turn, chance taken off; False: a sizeable part stands still; None: cannot be told."""
     turning, error = counts[TURNS]
     turning = (turning - CHANCE) / (1 - CHANCE)
-    if turning - SURE * max(np.nan_to_num(error), floor) > 1 - SIZEABLE:
+    if turning - SURE * error > 1 - SIZEABLE:
         return True
     still, error = counts["still"]
-    return False if still - SURE * max(np.nan_to_num(error), floor) > SIZEABLE else None
+    return False if still - SURE * error > SIZEABLE else None
 
 
 def percent(value):
@@ -85,7 +84,8 @@ def words(counts):
             f"{percent(counts[SLIDES])} slide and yet stand still, {percent(counts[STICKS])} never slide at all, of "
             f"{percent(counts[UNSEEN])} it cannot be told")
     if np.isfinite(counts["limit"]):
-        told += (f"; those that stand still turn, with 95 % confidence, by less than {number(counts['limit'], digits=2)} "
+        told += (f"; those that stand still turn, with 95 % confidence, by less than "
+                 f"{number(counts['limit'], digits=2)} "
                  "of the rms (median)")
     return (told + f". Of the disks with three persistent contacts or more {percent(counts['caged'])} turn; "
             f"{percent(counts['loose'])} are rattlers and left out")
@@ -96,7 +96,8 @@ def claim(found, drive, slug, where=""):
     counts = census(found)
     if not counts["disks"]:
         return missing(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for good.", slug=slug)
-    return decide(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for good.", each(counts), words(counts), slug=slug)
+    return decide(f"At {where or f'{drive:g} <i>g</i>'} each disk turns for "
+                  f"good.", each(counts), words(counts), slug=slug)
 
 
 # --- the section ----------------------------------------------------------------------------------------------------
@@ -105,7 +106,8 @@ def sections(campaign):
     long = {"low": boxes(campaign, "low", 0.3), "moderate": boxes(campaign, "moderate", 2.0)}
     out = Section("each", "Does each disk turn?",
                   "The claim is that <i>each</i> disk of a vibrated packing has a mean angular velocity that is not "
-                  f"zero. A disk <i>turns</i> when |&Omega;| is beyond {SURE:g} of its errors; it <i>stands still</i> when it "
+                  f"zero. A disk <i>turns</i> when |&Omega;| is beyond {SURE:g} of its errors; it <i>stands still</i> "
+                  f"when it "
                   "is not, and the upper limit of 95 % on |&Omega;| is below a tenth of the rms of its packing: its "
                   "rotation would be seen. Of those the ones whose friction has done no work at all while measured "
                   f"<i>stick for ever</i>. {RULE} They are left out. The claim is met when fewer than "
@@ -140,8 +142,10 @@ def numbers_table(rows):
         made.append([label, len(found), float(found[0].whole["measured"]),
                      *(number(100 * counts[name][0], 100 * counts[name][1]) for name in names), number(*ratio)])
     return Numbers("What the disks do, in per cent of those that are no rattlers",
-                   ["drive", "packings", "measured (s)", "turn", "slide, stand still", "stick for ever", "cannot be told",
-                    "rattlers (of all)", "same in both halves (of those that turn)", "turn, with three contacts or more",
+                   ["drive", "packings", "measured (s)", "turn", "slide, stand still", "stick for ever", "cannot be "
+                                                                                                         "told",
+                    "rattlers (of all)", "same in both halves (of those that turn)", "turn, with three contacts or "
+                                                                                     "more",
                     "median/rms of |&Omega;|"], made)
 
 
@@ -163,7 +167,8 @@ def shares_figure(table, name, label):
     axes.set_ylabel("part of the disks")
     axes.set_xlabel(label)
     legend_above(axes, 2)
-    return Figure(name, picture, "What the disks do that are no rattlers. Error bars: from leaving out packings. Dotted: "
+    return Figure(name, picture, "What the disks do that are no rattlers. Error bars: from leaving out packings. "
+                                 "Dotted: "
                   f"{100 * CHANCE:.0f} %, so many disks that do not turn may be beyond {SURE:g} errors by chance.",
                   "Stacked bars of the parts of disks that turn, slide without turning, stick, or cannot be told")
 
@@ -185,15 +190,17 @@ def sizes_figure(picked, name):
     axes.set_xlabel(r"$x$")
     axes.set_ylabel(r"part of the disks with $|\Omega_i|$/rms $> x$")
     legend_above(axes, 6)
-    return Figure(name, picture, "How large the mean angular velocities are, over the rms of their packing: the part of "
-                  f"the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which nothing can be "
-                  "told. Where the line bends over and goes on at a level, disks are of two kinds: some turn, others do not.",
+    return Figure(name, picture, "How large the mean angular velocities are, over the rms of their packing: the part "
+                                 "of "
+                  f"the disks (no rattlers) above <i>x</i>. Dotted: the same for {SURE:g} error bars, below which "
+                  f"nothing can be "
+                  "told. Where the line bends over and goes on at a level, disks are of two kinds: some turn, others "
+                  "do not.",
                   "Cumulative distribution of absolute mean angular velocities over the rms")
 
 
 def consistency(found):
     """(Spearman within packings, Pearson scaled by the rms of each packing) of both halves, with errors."""
-    from .statistics import pearson, pooled, spearman
     ranks = mean_error([spearman(*box.halves) for box in found])
     scaled = [tuple(half / box.rms for half in box.halves) for box in found if box.rms > 0]
     return ranks, jackknife(pooled(pearson), scaled)

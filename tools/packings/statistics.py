@@ -112,9 +112,10 @@ class Power:
         return two_sided(self.chi2, self.points - 2) if self.points > 2 else np.nan
 
     def __str__(self):
-        fit = (f", &chi;&sup2; = {self.chi2:.1f} for {self.points - 2} (a chance of {100 * self.chance:.2g} %)"
+        fit = (f", &chi;&sup2; = {number(self.chi2, digits=2)} for {self.points - 2} (a chance of {100 * self.chance:.2g} %)"
                if self.points > 2 else "")
-        return f"{number(self.exponent, self.error)} ({self.points} drives{fit})"
+        alone = f"; by the weights of the points &plusmn; {number(self.weights, digits=2)}"
+        return f"{number(self.exponent, self.error)} ({self.points} drives{fit}{alone})"
 
 
 FEW = 4  # packings: of fewer their own scatter says little, and that of all points stands for it
@@ -124,7 +125,7 @@ def _log_means(curves, x):
     """Means of log y at each x with their errors; curves: {x: y} of each packing."""
     logs = [np.log([curve[point] for curve in curves if curve.get(point, 0) > 0]) for point in x]
     spread = np.array([values.std(ddof=1) if len(values) > 1 else np.nan for values in logs])
-    if min(map(len, logs)) < FEW:
+    if min(map(len, logs), default=0) < FEW:
         spread = np.full(len(x), np.sqrt(np.nanmean(spread ** 2)) if np.isfinite(spread).any() else np.nan)
     return (np.array([values.mean() if len(values) else np.nan for values in logs]),
             spread / np.sqrt([max(len(values), 1) for values in logs]))
@@ -153,9 +154,15 @@ def weighted_power(curves, x):
 
 
 def share(groups):
-    """(part, error) of pairs (how many, of how many), one for each packing."""
+    """(part, error) of pairs (how many, of how many), one for each packing: by the scatter of packings, and no less
+    than if all were independent."""
     groups = [g for g in groups if g[1]]
-    return jackknife(lambda part: sum(g[0] for g in part) / max(sum(g[1] for g in part), 1), groups)
+    if not groups:
+        return np.nan, np.nan
+    value, error = jackknife(lambda part: sum(g[0] for g in part) / sum(g[1] for g in part), groups)
+    some, every = (sum(g[k] for g in groups) for k in range(2))
+    likely = (some + 1) / (every + 2)  # not zero where none is found
+    return value, float(np.nanmax([error, np.sqrt(likely * (1 - likely) / every)]))
 
 
 def crossing(x, y, level):
@@ -171,3 +178,8 @@ def crossing(x, y, level):
             part = (np.log(level) - np.log(y[k])) / (np.log(y[k + 1]) - np.log(y[k]))
             return float(np.exp(np.log(x[k]) + part * (np.log(x[k + 1]) - np.log(x[k]))))
     return np.nan
+
+
+def trend(curves):
+    """(rank correlation of x and y over all packings, its error); curves: {x: y} of each packing."""
+    return jackknife(lambda part: spearman([x for c in part for x in c], [y for c in part for y in c.values()]), curves)
