@@ -1,11 +1,10 @@
 """One packing, several histories: does each disk turn in the same way?"""
-import os
 import re
 
 import numpy as np
 
 from report.page import Figure, Numbers, Section
-from report.style import COLOURS, GREY, figure
+from report.style import COLOURS, GREY, figure, legend_below
 from report.verdict import NO, OPEN, YES, Claim, missing, number
 
 from .statistics import jackknife, pearson, spearman
@@ -35,13 +34,12 @@ def sections(campaign):
 
 def histories(campaign, name):
     """{(packing, variant): run} of an entry of DRIVES."""
-    return {(packing_of(run), variant_of(run.parameters)): run for run in campaign.runs(name) if run.has_means}
+    return {(packing_of(run.parameters), variant_of(run.parameters)): run for run in campaign.runs(name) if run.has_means}
 
 
-def packing_of(run):
-    """Number of the packing that a run began with, from the name of its file: 0 for base.h5, k for r=k.h5."""
-    file = os.path.basename(re.search(r'file = "([^"]*)"', run.result.deck)[1])
-    found = re.fullmatch(r"r=(\d+)\.h5", file)
+def packing_of(parameters):
+    """Number of the packing that a run began with: 0 of base.h5, k of r=k.h5, which is r_k.h5 in a point's name."""
+    found = re.search(r"_r_(\d+)\.h5$", str(parameters.get("start", "")))
     return int(found[1]) if found else 0
 
 
@@ -104,13 +102,19 @@ class Disks:
         return [self.columns()[block == one] for one in np.unique(block)]
 
 
-def history_share(rows):
-    """Share of the variance of Omega that the history makes: (mean (a - b)^2/2 - noise) / (mean square - noise), where
-    the noise of a mean is that of its halves, (first - second)^2/4. 0: histories do not matter; 1: nothing else does."""
-    a, a1, a2, b, b1, b2 = rows.T
-    noise = np.mean((a1 - a2) ** 2 + (b1 - b2) ** 2) / 8
-    between, total = np.mean((a - b) ** 2) / 2 - noise, np.mean(a * a + b * b) / 2 - noise
-    return float(between / total) if total > 0 else np.nan
+def not_repeated(rows):
+    """Share of the variance of Omega that two histories do not have in common: mean (a - b)^2 over mean a^2 + b^2. 0:
+    the same in both; 1: not related at all."""
+    a, b = rows[:, 0], rows[:, 3]
+    total = np.mean(a * a + b * b)
+    return float(np.mean((a - b) ** 2) / total) if total > 0 else np.nan
+
+
+def wandering(rows):
+    """The same share that the scatter of a mean makes in one history: (first - second)^2/4 is its square."""
+    _, a1, a2, _, b1, b2 = rows.T
+    total = np.mean((a1 + a2) ** 2 + (b1 + b2) ** 2) / 4
+    return float(np.mean((a1 - a2) ** 2 + (b1 - b2) ** 2) / 4 / total) if total > 0 else np.nan
 
 
 def rank_loss(rows):
@@ -125,13 +129,15 @@ def together(function, pairs):
     return jackknife(lambda kept: function(np.vstack(kept)), blocks)
 
 
-def same(share, loss):
-    """Verdict on (share, error) and (loss of rank correlation, error): both small, or one surely not."""
-    if not all(np.isfinite([*share, *loss])):
+def same(share, noise, loss):
+    """Verdict on the share that is not repeated, what of it the scatter of means explains, and the loss of rank
+    correlation, each (value, error): both small, or one surely too large."""
+    if not all(np.isfinite([*share, *noise, *loss])):
         return OPEN
-    if all(abs(value) + error <= EQUAL for value, error in (share, loss)):
+    if share[0] + share[1] <= EQUAL and abs(loss[0]) + loss[1] <= EQUAL:
         return YES
-    return NO if any(value - 2 * error > EQUAL for value, error in (share, loss)) else OPEN
+    beyond = share[0] - noise[0] - 2 * np.hypot(share[1], noise[1])
+    return NO if beyond > EQUAL or loss[0] - 2 * loss[1] > EQUAL else OPEN
 
 
 def section(campaign):
@@ -139,9 +145,10 @@ def section(campaign):
     out = Section("memory", "One packing, several histories: what &Omega;<sub>i</sub> remembers",
                   "Packings of 60 disks at rest (<code>inputs/packing/cage_start.cfg</code>) are shaken several times, "
                   "each time from the same places (<code>cage_memory.cfg</code>). If the cage sets &Omega;<sub>i</sub>, "
-                  "it is the same in all these runs; if the contacts' memory does, it is not. The share of the history "
-                  "in the variance is that of the differences between two runs beyond what the halves of each differ "
-                  f"by. Two runs count as the same up to {EQUAL:g} in it and in the rank correlation. Errors are from "
+                  "it is the same in all these runs; if the contacts' memory does, it is not. What two runs do not "
+                  "have in common is the mean square of their differences over twice the mean &Omega;&sup2;. They count "
+                  f"as the same when it is at most {EQUAL:g} and the rank correlation of halves of two runs is at most "
+                  f"{EQUAL:g} below that of halves of one. Errors are from "
                   f"leaving out {BLOCK} neighbouring disks at a time.", missing=campaign.missing("cage_start", *DRIVES))
     if not table:
         out.claims.append(missing("Each disk turns in the same way in all histories of its packing."))
@@ -156,14 +163,14 @@ def section(campaign):
                 rows.append(row)
     out.figures += [scatter_figure(table), correlation_figure(table)]
     out.tables.append(Numbers("Two histories of the same packings", [
-        "drive/<i>g</i>", "history", "packings", "disks", "share of the history", "Pearson", "Spearman",
-        "Pearson of halves", "Spearman of halves", "rms difference (rad/s)", "rms error", "beyond 3 errors",
+        "drive/<i>g</i>", "history", "packings", "disks", "not in common", "by scatter of means", "Pearson", "Spearman",
+        "Pearson of halves", "Spearman of halves", "rms difference (rad/s)", "beyond 3 errors",
         "largest distance of mean places/<i>d</i>"], rows, shown=True))
     return out
 
 
 def judge(slug, words, paper, drive, pairs):
-    share, loss = together(history_share, pairs), together(rank_loss, pairs)
+    share, noise, loss = (together(function, pairs) for function in (not_repeated, wandering, rank_loss))
     between = [together(lambda rows, f=f: f(rows[:, 0], rows[:, 3]), pairs) for f in (pearson, spearman)]
     within = [together(lambda rows, f=f: (f(rows[:, 1], rows[:, 2]) + f(rows[:, 4], rows[:, 5])) / 2, pairs)
               for f in (pearson, spearman)]
@@ -171,18 +178,18 @@ def judge(slug, words, paper, drive, pairs):
     packings = len(np.unique(np.concatenate([p.packing for p in pairs])))
     apart = np.concatenate([p.apart for p in pairs])
     differ = float(np.mean(np.abs(a - b) > 3 * error))
-    rms, noise = float(np.sqrt(np.mean((a - b) ** 2))), float(np.sqrt(np.mean(error ** 2)))
+    rms = float(np.sqrt(np.mean((a - b) ** 2)))
     text = f"At {drive:g} <i>g</i> each disk has the same &Omega; {words}."
-    found = (f"share of the history in the variance {number(*share)}; Pearson {number(*between[0])}, Spearman "
+    found = (f"{number(*share)} of the variance is not in common, {number(*noise)} by the scatter of means; Pearson {number(*between[0])}, Spearman "
              f"{number(*between[1])}, of the halves of one run {number(*within[0])} and {number(*within[1])}; "
              f"{100 * differ:.0f} % of {len(a)} disks in {packings} packing{'s' * (packings > 1)} differ by more than 3 "
              f"errors, rms difference {number(rms)} rad/s; mean places differ by {number(float(np.median(apart)))} "
              f"diameters (median), {number(float(apart.max()))} at most")
-    claim = Claim(text, same(share, loss), found, kind="paper" if paper else "own check",
+    claim = Claim(text, same(share, noise, loss), found, kind="paper" if paper else "own check",
                   slug=f"quenched-{slug}-{drive:g}g")
     label = next(label for one, _, label, _, _ in COMPARISONS if one == slug).replace("\n", " ").replace("$\\pm$", "±")
-    return claim, [drive, label, packings, len(a), number(*share), *(number(*pair) for pair in (*between, *within)), rms,
-                   noise, differ, float(apart.max())]
+    return claim, [drive, label, packings, len(a), number(*share), number(*noise),
+                   *(number(*pair) for pair in (*between, *within)), rms, differ, float(apart.max())]
 
 
 def scatter_figure(table):
@@ -234,7 +241,7 @@ class Powers:
 
 def correlation_figure(table):
     """Pearson and Spearman of two histories beside those of the halves of one run."""
-    picture, axes = figure(columns=3, width=7.4, height=3.2, sharey=True)
+    picture, axes = figure(columns=3, width=7.4, height=3.2, legend=True, sharey=True)
     for panel, drive in zip(axes, DRIVES.values()):
         for k, (slug, pairs, label, _, _) in enumerate(COMPARISONS):
             compared = [pair for pair in (Disks(table, drive, pair) for pair in pairs) if len(pair)]
@@ -254,8 +261,7 @@ def correlation_figure(table):
         panel.set_title(f"{drive:g} $g$")
         panel.set_xlim(-0.6, len(COMPARISONS) - 0.4)
     axes[0].set_ylabel("correlation of halves")
-    picture.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncol=4, fontsize=8,
-                   columnspacing=1.0, handletextpad=0.2)
+    legend_below(picture, axes, fontsize=8, columnspacing=1.0, handletextpad=0.2)
     return Figure("memory-correlation", picture, "Correlation of the mean angular velocities of two halves: of one run "
                   "(open) and of two runs with different histories (filled). Where they agree the history does not "
                   "matter.", "Correlations within and between histories of a packing")

@@ -42,9 +42,9 @@ def _starts(count):
 
 
 def _memory(drive, thermalise, measure, packings, every=1507):
-    """One packing with several histories: `packings` of them with the first, three with all."""
+    """One packing with several histories: `packings` of them with the first, two with all."""
     keys = {"motions[*].acceleration": drive, **_times(thermalise, measure), "phases.measure.contacts": every,
-            "disk_files[0].file": "{folder}/cage_start/points/base.h5", "sweep[*].parameters.start.values": _starts(3)}
+            "disk_files[0].file": "{folder}/cage_start/points/base.h5", "sweep[*].parameters.start.values": _starts(2)}
     return Entry("cage_memory.cfg", {**keys, "sweep[0].parameters.start.values": _starts(packings)},
                  {**SHORT, "sweep[*].parameters.start.values": _starts(2)})
 
@@ -85,9 +85,9 @@ ENTRIES = {
                     {"container.height": 35, "sweep.replicas": 1,
                      "sweep.parameters.outlet.values": "(4, 6, 8, 10)"}, first=1),
     "cage_start": Entry("cage_start.cfg"),
-    "cage_moderate": _memory(2, 5, 60, 8),
-    "cage_middle": _memory(0.7, 5, 60, 8),
-    "cage_low": _memory(0.3, 20, 200, 6, 3174),
+    "cage_moderate": _memory(2, 5, 40, 8),
+    "cage_middle": _memory(0.7, 5, 40, 8),
+    "cage_low": _memory(0.3, 20, 100, 6),
     "quiet": Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3},
                    {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2),
     "quiet_stiff": Entry("quiet.cfg", {**_times(10, 100), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,
