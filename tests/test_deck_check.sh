@@ -22,7 +22,7 @@ status() {
 for deck in "$source_dir"/inputs/*/*.cfg; do
   [[ $deck != */cookbook/* ]] || continue # test_cookbook runs these, with the files that they read
   # a deck that begins with what another one makes is refused until that is there
-  if made=$(grep -v '^#' "$deck" | grep -o 'file = "deposit[^"]*"'); then
+  if made=$(grep -v '^#' "$deck" | grep -o 'file = "\(deposit\|cage_start\)[^"]*"'); then
     status 2 "$program" check "$deck" --brief
     grep -q "$made" "$work/err" || fail "no word about $made in $deck"
     other=${made#*\"}
