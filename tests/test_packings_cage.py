@@ -58,7 +58,8 @@ class Memory(unittest.TestCase):
     def test_names_of_points(self):
         self.assertEqual(memory.packing_of({"start": "work_x_points_r_3.h5"}), 3)
         self.assertEqual(memory.packing_of({"start": "work_x_points_base.h5"}), 0)
-        found = [memory.variant_of(p) for p in ({}, {"phase": "pi"}, {"spin": 5.0}, {"spin": -5.0}, {"contacts": "false"},
+        found = [memory.variant_of(p) for p in ({}, {"phase": "pi"}, {"spin": 5.0}, {"spin": -5.0},
+                                                {"contacts": "false"},
                                                 {"motion": "noise", "noise": 1.0}, {"motion": "noise", "noise": 2.0})]
         self.assertEqual(tuple(found), memory.VARIANTS)
 
@@ -85,7 +86,8 @@ class Balance(unittest.TestCase):
         """Nothing turns in a cage that is its own mirror image, and a mirror changes the sense."""
         angle = np.radians([-150, -30, 30, 150])
         self.assertAlmostEqual(contacts.rectified_torque(angle, [2, 2, 1, 1], np.ones(4)), 0, 12)
-        found = [contacts.rectified_torque(np.radians(a), [2, 1, 0.5], np.ones(3)) for a in ([-150, -20, 80], [-30, 200, 100])]
+        found = [contacts.rectified_torque(np.radians(a), [2, 1, 0.5], np.ones(3))
+                 for a in ([-150, -20, 80], [-30, 200, 100])]
         self.assertAlmostEqual(found[0], -found[1], 12)
         self.assertGreater(abs(found[0]), 1e-3)
 
@@ -182,7 +184,8 @@ class Jumps(unittest.TestCase):
         r = rng()
         found = table(drive=2.0, packing=np.repeat(np.arange(10), 20), variant=0.0, together=r.random(200) < together,
                       covered=0.2)
-        disks = table(drive=2.0, packing=np.arange(10.0), variant=0.0, blocks=60.0, shuffled=0.0, events=30.0, turned=20.0)
+        disks = table(drive=2.0, packing=np.arange(10.0), variant=0.0, blocks=60.0, shuffled=0.0, events=30.0,
+                      turned=20.0)
         return jumps.judge(2.0, disks, found)[0].verdict
 
     def test_verdict(self):

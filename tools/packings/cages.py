@@ -131,21 +131,23 @@ def scaled(values, groups):
 
 
 def kernels(odd, even):
-    """Kernels for functions that change their sign in the mirror: linear in the odd descriptors, and Gaussian ones of all
-    with several widths."""
+    """Kernels for functions that change their sign in the mirror: linear in the odd descriptors, and Gaussian ones
+    of all with several widths."""
     odd = odd / np.maximum(np.sqrt(np.mean(odd ** 2, axis=0)), 1e-300)
     even = (even - even.mean(axis=0)) / np.maximum(even.std(axis=0), 1e-300)
     found = {"linear": odd @ odd.T / odd.shape[1]}
     apart = ((even[:, None] - even[None]) ** 2).sum(2)
     for width in (0.5, 1, 2):
         scale = 2 * width ** 2 * (odd.shape[1] + even.shape[1])
-        same, mirrored = (np.exp(-(((odd[:, None] - sign * odd[None]) ** 2).sum(2) + apart) / scale) for sign in (1, -1))
+        same, mirrored = (np.exp(-(((odd[:, None] - sign * odd[None]) ** 2).sum(2) + apart) / scale)
+                          for sign in (1, -1))
         found[f"width {width}"] = same - mirrored
     return found
 
 
 def left_out(kernel, values, groups, ridge):
-    """Predictions of the values (columns are cases of their own) of each group from the others: kernel ridge regression."""
+    """Predictions of the values (columns are cases of their own) of each group from the others: kernel ridge
+    regression."""
     out = np.empty_like(values)
     for one in np.unique(groups):
         test = groups == one
@@ -178,15 +180,17 @@ def regression(odd, even, values, groups, choices):
 # --- the section --------------------------------------------------------------------------------------------------
 def section(campaign):
     table = campaign.numbers("cages", lambda: numbers(campaign), digits=6)
-    out = Section("cages", "&Omega;<sub>i</sub> and its cage", "For each disk the mean places of it and its neighbours, the mean "
-                  "normal force of each contact and the share of the time for which it is closed, from tables of contacts at "
-                  "all phases of the floor (<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The theory of three "
-                  "disks has the disk in balance for each combination of sliding signs, (13)&ndash;(18); its mean torque over "
-                  "all combinations, as in (19), over the friction that stops the disk is a prediction of &Omega;<sub>i</sub> up "
-                  "to one factor for all disks. Supports: the two contacts below with the largest forces. The covariance of "
-                  "sliding and normal force is that torque as it is in the run: it tells whether the mechanism is the right "
-                  "one where the theory is not. Chances: shuffles of &Omega; among the disks of a packing. "
-                  "Errors: leaving out one packing at a time.", missing=campaign.missing(*DRIVES))
+    out = Section("cages", "&Omega;<sub>i</sub> and its cage",
+                  "For each disk the mean places of it and its neighbours, the mean normal force of each contact and "
+                  "the share of the time for which it is closed, from tables of contacts at all phases of the floor "
+                  "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The theory of three disks has the "
+                  "disk in balance for each combination of sliding signs, (13)&ndash;(18); its mean torque over all "
+                  "combinations, as in (19), over the friction that stops the disk is a prediction of "
+                  "&Omega;<sub>i</sub> up to one factor for all disks. Supports: the two contacts below with the "
+                  "largest forces. The covariance of sliding and normal force is that torque as it is in the run: it "
+                  "tells whether the mechanism is the right one where the theory is not. Chances: shuffles of "
+                  "&Omega; among the disks of a packing. Errors: leaving out one packing at a time.",
+                  missing=campaign.missing(*DRIVES))
     if not table:
         out.claims.append(missing("The cage of a disk predicts its &Omega;.", kind="paper", slug="cage-predicts"))
         return out
@@ -231,10 +235,12 @@ class Part:
         good = self.sure & self.known.get(name, True) & ((self.predicted | self.fitted)[name] != 0)
         right = np.sign(self.omega) == np.sign((self.predicted | self.fitted)[name])
         parts = [right[good & (self.group == one)] for one in np.unique(self.group)]
-        return (*jackknife(lambda kept: float(np.mean(np.concatenate(kept))), [p for p in parts if len(p)]), int(good.sum()))
+        return (*jackknife(lambda kept: float(np.mean(np.concatenate(kept))), [p for p in parts if len(p)]),
+                int(good.sum()))
 
     def r2(self, name):
-        return jackknife(lambda groups: explained(*(np.concatenate(v) for v in zip(*groups))), self.groups(self.fitted[name]))
+        return jackknife(lambda groups: explained(*(np.concatenate(v) for v in zip(*groups))),
+                         self.groups(self.fitted[name]))
 
     def rows(self, drive):
         words = PREDICTIONS | {"linear": "regression, linear", "cage": "regression, Gaussian kernel"}
@@ -244,17 +250,17 @@ class Part:
 
 
 def predicts(drive, part):
-    text = (f"At {drive:g} <i>g</i> the contacts of a disk (angles, mean forces, number) predict its &Omega;: more than half of "
-            "the variance in packings that the regression has not seen.")
+    text = (f"At {drive:g} <i>g</i> the contacts of a disk (angles, mean forces, number) predict its &Omega;: more "
+            "than half of the variance in packings that the regression has not seen.")
     slug = f"cage-predicts-{drive:g}g"
     if "cage" not in part.fitted:
         return missing(text, kind="paper", slug=slug, why="fewer than three packings")
     value, error = part.r2("cage")
     verdict = YES if value - error >= HALF else NO if value + 2 * error < HALF else OPEN
-    found = (f"share of the variance {number(value, error)}, linear regression {number(*part.r2('linear'))}; correlation "
-             f"{number(*part.correlation('cage'))}, a chance of {100 * part.chance('cage'):.2g} %; right sense for "
-             f"{percent_of(part.sense('cage'))}; {len(np.unique(part.group))} packings, {len(ODD)} odd and {len(EVEN)} even "
-             "descriptors")
+    found = (f"share of the variance {number(value, error)}, linear regression {number(*part.r2('linear'))}; "
+             f"correlation {number(*part.correlation('cage'))}, a chance of {100 * part.chance('cage'):.2g} %; right "
+             f"sense for {percent_of(part.sense('cage'))}; {len(np.unique(part.group))} packings, {len(ODD)} odd and "
+             f"{len(EVEN)} even descriptors")
     return Claim(text, verdict, found, kind="paper", slug=slug)
 
 
@@ -268,12 +274,14 @@ def sense(drive, part):
     value, error, count = part.sense("load")
     chances = part.chance("load")
     sure = error > 0
-    verdict = YES if sure and value - 3 * error > 0.5 else NO if sure and value + error < 0.6 and chances > 0.01 else OPEN
-    return Claim(f"At {drive:g} <i>g</i> the theory of three disks, (19) with the two supports of a disk and their own forces, "
-                 "predicts the sense in which it turns better than chance.", verdict,
+    verdict = (YES if sure and value - 3 * error > 0.5 else
+               NO if sure and value + error < 0.6 and chances > 0.01 else OPEN)
+    return Claim(f"At {drive:g} <i>g</i> the theory of three disks, (19) with the two supports of a disk and their "
+                 "own forces, predicts the sense in which it turns better than chance.", verdict,
                  f"right for {percent_of((value, error, count))} that turn for sure; correlation "
-                 f"{number(*part.correlation('load'))}, a chance of {100 * chances:.2g} %; with the load along gravity "
-                 f"{percent_of(part.sense('gravity'))}, in phase, (31), {percent_of(part.sense('sync'))}", kind="own check",
+                 f"{number(*part.correlation('load'))}, a chance of {100 * chances:.2g} %; with the load along "
+                 f"gravity {percent_of(part.sense('gravity'))}, in phase, (31), {percent_of(part.sense('sync'))}",
+                 kind="own check",
                  slug=f"three-disk-sense-{drive:g}g")
 
 
@@ -282,10 +290,12 @@ def size(drive, part):
     value, error = part.correlation(best)
     need = np.sqrt(HALF)
     verdict = YES if value - error >= need else NO if value + 2 * error < need else OPEN
-    return Claim(f"At {drive:g} <i>g</i> the theory of three disks in one of its forms predicts &Omega; up to one factor: half of "
-                 "the variance.", verdict, f"correlation of the best form ({PREDICTIONS[best]}) {number(value, error)}, "
-                 f"{need:.2f} would be half of the variance, Spearman {number(*part.correlation(best, spearman))}; "
-                 + "; ".join(f"{PREDICTIONS[name]} {number(*part.correlation(name))}" for name in THEORY if name != best),
+    return Claim(f"At {drive:g} <i>g</i> the theory of three disks in one of its forms predicts &Omega; up to one "
+                 "factor: half of the variance.", verdict,
+                 f"correlation of the best form ({PREDICTIONS[best]}) {number(value, error)}, {need:.2f} would be "
+                 f"half of the variance, Spearman {number(*part.correlation(best, spearman))}; "
+                 + "; ".join(f"{PREDICTIONS[name]} {number(*part.correlation(name))}" for name in THEORY
+                             if name != best),
                  kind="own check", slug=f"three-disk-theory-predicts-{drive:g}g")
 
 
@@ -293,17 +303,19 @@ def mechanism(drive, part):
     value, error = part.correlation("meshed")
     need = np.sqrt(HALF)
     verdict = YES if value - error >= need else NO if value + 2 * error < need else OPEN
-    return Claim(f"At {drive:g} <i>g</i> the torque that the covariance of sliding and normal force makes, as measured, predicts "
-                 "&Omega; up to one factor: half of the variance.", verdict,
+    return Claim(f"At {drive:g} <i>g</i> the torque that the covariance of sliding and normal force makes, as "
+                 "measured, predicts &Omega; up to one factor: half of the variance.", verdict,
                  f"with neighbours that turn too: correlation {number(value, error)}, Spearman "
-                 f"{number(*part.correlation('meshed', spearman))}, right sense for {percent_of(part.sense('meshed'))}; as if "
-                 f"neighbours did not turn {number(*part.correlation('measured'))}", kind="own check",
+                 f"{number(*part.correlation('meshed', spearman))}, right sense for "
+                 f"{percent_of(part.sense('meshed'))}; as if neighbours did not turn "
+                 f"{number(*part.correlation('measured'))}", kind="own check",
                  slug=f"rectification-predicts-{drive:g}g")
 
 
 # --- figures --------------------------------------------------------------------------------------------------------
 SHOWN = ("load", "network", "meshed", "cage")
-TITLES = {"load": "two supports, (19)", "network": "all contacts", "meshed": "measured covariance", "cage": "regression"}
+TITLES = {"load": "two supports, (19)", "network": "all contacts", "meshed": "measured covariance",
+          "cage": "regression"}
 
 
 def scatter_figure(parts):
@@ -324,26 +336,30 @@ def scatter_figure(parts):
             panel.minorticks_off()
             zero_line(panel)
             panel.axvline(0, color=GREY, lw=0.4, zorder=0, gid="guide")
-            panel.text(0.04, 0.96, f"$r$ = {part.correlation(name)[0]:.2f}", transform=panel.transAxes, va="top", fontsize=8)
+            panel.text(0.04, 0.96, f"$r$ = {part.correlation(name)[0]:.2f}", transform=panel.transAxes, va="top",
+                       fontsize=8)
             if row is axes[0]:
                 panel.set_title(TITLES[name], fontsize=9)
         row[0].set_ylabel(rf"{drive:g} $g$: $\Omega_i$/rms", fontsize=10)
     for panel in axes[-1]:
         panel.set_xlabel("predicted/rms", fontsize=10)
-    return Figure("cages-scatter", picture, "Mean angular velocity of each disk against what its cage predicts, both over "
-                  "the rms of the packing, logarithmic beyond 0.1; a colour per packing. From the left: the theory of three "
-                  "disks with the two supports of the disk; the same balance with all contacts and neighbours that turn; "
-                  "torques from the measured covariance of sliding and force; a regression on the cage, of packings that "
-                  "it has not seen.", "Scatter plots of measured against predicted mean angular velocities")
+    return Figure("cages-scatter", picture,
+                  "Mean angular velocity of each disk against what its cage predicts, both over the rms of the "
+                  "packing, logarithmic beyond 0.1; a colour per packing. From the left: the theory of three disks "
+                  "with the two supports of the disk; the same balance with all contacts and neighbours that turn; "
+                  "torques from the measured covariance of sliding and force; a regression on the cage, of packings "
+                  "that it has not seen.", "Scatter plots of measured against predicted mean angular velocities")
 
 
 def summary_figure(parts):
     picture, axes = figure(width=7.0, height=3.4)
     names = [*PREDICTIONS, "cage"]
     for k, (drive, part) in enumerate(parts.items()):
-        known = [(j, part.correlation(name)) for j, name in enumerate(names) if name in part.predicted or name in part.fitted]
-        axes.errorbar([j + 0.15 * (k - 1) for j, _ in known], [v for _, (v, _) in known], yerr=[np.nan_to_num(e) for _, (_, e) in known],
-                      fmt="os^D"[k % 4], color=COLOURS[k], mfc="white", label=f"{drive:g} $g$")
+        both = part.predicted | part.fitted
+        known = [(j, *part.correlation(name)) for j, name in enumerate(names) if name in both]
+        place, value, error = np.array(known, float).T
+        axes.errorbar(place + 0.15 * (k - 1), value, yerr=np.nan_to_num(error), fmt="os^D"[k % 4], color=COLOURS[k],
+                      mfc="white", label=f"{drive:g} $g$")
     zero_line(axes)
     axes.axhline(np.sqrt(HALF), color=GREY, lw=0.8, ls=":", gid="guide")
     labels = ["two supports,\ngravity", "two supports,\nown forces", "two supports,\nin phase", "all\ncontacts",
@@ -352,6 +368,7 @@ def summary_figure(parts):
     axes.xaxis.set_tick_params(which="minor", bottom=False, top=False)
     axes.set_ylabel(r"correlation with $\Omega_i$")
     legend_above(axes, 3)
-    return Figure("cages-correlation", picture, "Correlation of predictions with the measured mean angular velocities. "
-                  "Dotted: half of the variance. Bars: errors from leaving out one packing at a time.",
+    return Figure("cages-correlation", picture,
+                  "Correlation of predictions with the measured mean angular velocities. Dotted: half of the "
+                  "variance. Bars: errors from leaving out one packing at a time.",
                   "Correlation of predictions with measured mean angular velocities")

@@ -9,9 +9,10 @@ MANY = 7         # contacts of which all combinations of signs are looked at
 
 
 class Cage:
-    """Mean contacts of a run: a row for each disk and each contact of it. Angles are those from the centre to the contact,
-    force is the mean normal force (open counts as 0), closed the share of the time, mobilised the mean of tau/(mu F_n),
-    rectified the covariance of that and F_n: their product and this together are the mean tangential force over mu."""
+    """Mean contacts of a run: a row for each disk and each contact of it. Angles are those from the centre to the
+    contact, force is the mean normal force (open counts as 0), closed the share of the time, mobilised the mean of
+    tau/(mu F_n), rectified the covariance of that and F_n: their product and this together are the mean tangential
+    force over mu."""
 
     def __init__(self, run, mu=MU):
         tables = run.result.contacts
@@ -57,9 +58,10 @@ def directions(run, first, second):
 
 
 def rectified_torque(angle, force, stiffness, mu=MU, signs=None):
-    """Mean of sum_j s_j n_j over combinations of sliding signs s_j, with tau_j = s_j mu n_j in all contacts, where the normal
-    forces n_j = N_j + k_j (u . e_j) have come to balance: of two contacts (15)-(18) over mu R. signs: rows of combinations,
-    all of them by default. In balance with no friction the forces are N_j. Contacts that would pull are taken out."""
+    """Mean of sum_j s_j n_j over combinations of sliding signs s_j, with tau_j = s_j mu n_j in all contacts, where
+    the normal forces n_j = N_j + k_j (u . e_j) have come to balance: of two contacts (15)-(18) over mu R. signs:
+    rows of combinations, all of them by default. In balance with no friction the forces are N_j. Contacts that would
+    pull are taken out."""
     angle, force, stiffness = (np.asarray(v, float) for v in (angle, force, stiffness))
     if len(angle) < 2:
         return np.nan
@@ -71,8 +73,8 @@ def rectified_torque(angle, force, stiffness, mu=MU, signs=None):
 
 
 def balance(angle, force, stiffness, friction):
-    """Normal forces n_j with tangential forces friction_j n_j that carry the same load as the forces N_j without; None when
-    there is no such place of the centre."""
+    """Normal forces n_j with tangential forces friction_j n_j that carry the same load as the forces N_j without;
+    None when there is no such place of the centre."""
     normal = np.array([np.cos(angle), np.sin(angle)])
     tangent = np.array([-normal[1], normal[0]])
     acts = -normal + friction * tangent  # of n_j = 1, on the disk
@@ -103,16 +105,16 @@ def supports(angle, force):
 
 
 def geometry(angle):
-    """(tilt, half aperture) of two supports, left one first, with the load along gravity: alpha_1 = half - tilt is the angle
-    of the left one from it, alpha_2 = half + tilt that of the right one (physics.md, section 10)."""
+    """(tilt, half aperture) of two supports, left one first, with the load along gravity: alpha_1 = half - tilt is
+    the angle of the left one from it, alpha_2 = half + tilt that of the right one (physics.md, section 10)."""
     left, right = -np.pi / 2 - angle[0], angle[1] + np.pi / 2
     left, right = (np.arctan2(np.sin(v), np.cos(v)) for v in (left, right))
     return (right - left) / 2, (right + left) / 2
 
 
 def response(cage, torque, own=False):
-    """Omega up to one factor, from torques over mu R of all disks: each contact drags with the mean normal force times the
-    mean velocity of its surfaces, R_i Omega_i + R_j Omega_j. own: as if the neighbours did not turn."""
+    """Omega up to one factor, from torques over mu R of all disks: each contact drags with the mean normal force
+    times the mean velocity of its surfaces, R_i Omega_i + R_j Omega_j. own: as if the neighbours did not turn."""
     matrix = np.zeros((cage.n, cage.n))
     np.add.at(matrix, (cage.disk, cage.disk), cage.force * cage.radius[cage.disk])
     if not own:

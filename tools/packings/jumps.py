@@ -31,7 +31,8 @@ def noise(values):
 
 def changes(values, least, sure=SURE, shortest=SHORTEST):
     """Places where the mean of the values changes by at least `least` and by more than so many errors, first those that
-    are clearest, then the parts on both sides (binary segmentation). Values from a place on belong to what is after it."""
+    are clearest, then the parts on both sides (binary segmentation). Values from a place on belong to what is after
+    it."""
     values = np.asarray(values, float)
     spread, found = max(noise(values), 1e-12 * float(np.abs(values).max() or 1)), []
 
@@ -55,7 +56,8 @@ def changes(values, least, sure=SURE, shortest=SHORTEST):
 
 
 def switches(closed, shortest=SHORTEST, least=SWITCH):
-    """Places where the share of the time for which a contact is closed changes by at least `least` within a few blocks."""
+    """Places where the share of the time for which a contact is closed changes by at least `least` within a few
+    blocks."""
     total = np.concatenate([[0], np.cumsum(closed)])
     k = np.arange(shortest, len(closed) - shortest + 1)
     if not len(k):
@@ -196,14 +198,15 @@ def section(campaign):
     disks = campaign.numbers("jumps_disks", lambda: read().columns(read().disks), digits=5)
     jumps = campaign.numbers("jumps", lambda: read().columns(read().jumps), digits=5)
     traced = campaign.numbers("jumps_trace", lambda: read().trace, digits=5)
-    out = Section("jumps", "Jumps of &Omega;<sub>i</sub> at rearrangements", "All runs of "
-                  "<code>inputs/packing/cage_memory.cfg</code>. Angles of each disk, taken at the same phase of the floor, give "
-                  f"its mean angular velocity in blocks of {BLOCK} frames (0.9 s). A jump: the mean changes by more than "
-                  f"{SURE:g} errors and {LEAST:g} of the packing's rms (binary segmentation; errors from the median step between "
-                  "blocks). A rearrangement of its cage: it or a disk that it touches moves for good by more than "
-                  f"{MOVE:g} diameters, or a contact of it is closed for {SWITCH:g} of the time more or less than before. "
-                  f"Together: within {WITHIN} blocks. By chance: the share of the time that is so near a rearrangement of "
-                  "the disk's cage. Errors: leaving out one run at a time.", missing=campaign.missing(*DRIVES))
+    out = Section("jumps", "Jumps of &Omega;<sub>i</sub> at rearrangements",
+                  "All runs of <code>inputs/packing/cage_memory.cfg</code>. Angles of each disk, taken at the same "
+                  f"phase of the floor, give its mean angular velocity in blocks of {BLOCK} frames (0.9 s). A jump: "
+                  f"the mean changes by more than {SURE:g} errors and {LEAST:g} of the packing's rms (binary "
+                  "segmentation; errors from the median step between blocks). A rearrangement of its cage: it or a "
+                  f"disk that it touches moves for good by more than {MOVE:g} diameters, or a contact of it is "
+                  f"closed for {SWITCH:g} of the time more or less than before. Together: within {WITHIN} blocks. By "
+                  "chance: the share of the time that is so near a rearrangement of the disk's cage. Errors: "
+                  "leaving out one run at a time.", missing=campaign.missing(*DRIVES))
     if not disks:
         out.claims.append(missing("&Omega; of a disk jumps when its cage rearranges.", slug="jumps-at-rearrangements"))
         return out
@@ -215,7 +218,8 @@ def section(campaign):
     if traced:
         out.figures.append(trace_figure(traced, jumps))
     out.tables.append(Numbers("Jumps and rearrangements", [
-        "drive/<i>g</i>", "runs", "time of disks (10<sup>3</sup> s)", "jumps", "in shuffled blocks", "per disk and 100 s",
+        "drive/<i>g</i>", "runs", "time of disks (10<sup>3</sup> s)", "jumps", "in shuffled blocks",
+        "per disk and 100 s",
         "with a rearrangement", "by chance", "rearrangements of cages", "with a jump"], rows, shown=True))
     return out
 
@@ -240,11 +244,12 @@ def judge(drive, disks, jumps):
         more, half = -excess[0], mean[0][0] - 0.5
         verdict = (YES if more > 3 * excess[1] and half > mean[0][1] else
                    NO if more < excess[1] or half < -2 * mean[0][1] else OPEN)
-    found = (f"{len(hit)} jumps in {len(np.unique(runs))} runs, {number(1e2 * len(hit) / time)} per disk and 100 s (blocks in "
-             f"random order have {int(false)}); {number(100 * mean[0][0], 100 * mean[0][1])} % come with a rearrangement of the "
-             f"cage, {number(100 * mean[1][0], 100 * mean[1][1])} % would by chance; of {int(events)} rearrangements "
-             f"{number(100 * turned)} % come with a jump")
-    claim = Claim(f"At {drive:g} <i>g</i> &Omega; of a disk jumps when its cage rearranges: most of its jumps do.", verdict,
+    found = (f"{len(hit)} jumps in {len(np.unique(runs))} runs, {number(1e2 * len(hit) / time)} per disk and 100 s "
+             f"(blocks in random order have {int(false)}); {number(100 * mean[0][0], 100 * mean[0][1])} % come with "
+             f"a rearrangement of the cage, {number(100 * mean[1][0], 100 * mean[1][1])} % would by chance; of "
+             f"{int(events)} rearrangements {number(100 * turned)} % come with a jump")
+    claim = Claim(f"At {drive:g} <i>g</i> &Omega; of a disk jumps when its cage rearranges: most of its jumps do.",
+                  verdict,
                   found, kind="own check", slug=f"jumps-at-rearrangements-{drive:g}g")
     return claim, [drive, len(np.unique(runs)), time / 1e3, len(hit), int(false), 1e2 * len(hit) / time,
                    number(*mean[0]), number(*mean[1]), int(events), turned]
@@ -263,7 +268,8 @@ def trace_figure(traced, jumps):
         for moment, together in zip(own.column("time"), own.column("together")):
             panel.axvline(moment, color=GREY, lw=0.8, ls="-" if together else ":", gid="guide")
     axes[-1].set_xlabel("time (s)")
-    return Figure("jumps", picture, f"A disk at {first['drive']:g} <i>g</i>: its angular velocity, its displacement since "
-                  "measuring began, and the number of its contacts, means over 0.9 s. Vertical lines: jumps of &Omega;, "
-                  "full where its cage rearranges, dotted where it does not.",
+    return Figure("jumps", picture,
+                  f"A disk at {first['drive']:g} <i>g</i>: its angular velocity, its displacement since measuring "
+                  "began, and the number of its contacts, means over 0.9 s. Vertical lines: jumps of &Omega;, full "
+                  "where its cage rearranges, dotted where it does not.",
                   "Angular velocity, displacement and contacts of a disk against time")

@@ -11,18 +11,18 @@ from .statistics import jackknife, pearson, spearman
 
 DRIVES = {"cage_low": 0.3, "cage_middle": 0.7, "cage_moderate": 2.0}  # entries of plan.py, peak acceleration/g
 VARIANTS = ("reference", "phase", "spin_plus", "spin_minus", "forgotten", "noise_1", "noise_2")
-HARMONIC = "harmonic drive"
 # slug, pairs that are compared, label of the figure, the claim's words, is it the paper's
 COMPARISONS = (
-    ("seed", (("noise_1", "noise_2"),), "other random\nnumbers", "under random vibration with other random numbers", True),
-    ("start", (("reference", "phase"),), "floor half a\nperiod later", "when the harmonic drive begins half a period "
-                                                                      "later", True),
-    ("spin", (("reference", "spin_plus"), ("reference", "spin_minus")), "spins of\n$\\pm$5 rad/s", "when all disks spin "
-     "at 5 or at &minus;5 rad/s at the start", True),
-    ("memory", (("reference", "forgotten"),), "contacts\nforgotten", "when the contacts begin anew, with relaxed "
-     "tangential springs", True),
-    ("drive", (("reference", "noise_1"), ("reference", "noise_2")), "random for\nharmonic", "under random vibration of "
-     "the same rms displacement instead of the harmonic one", False),
+    ("seed", (("noise_1", "noise_2"),), "other random\nnumbers", "under random vibration with other random numbers",
+     True),
+    ("start", (("reference", "phase"),), "floor half a\nperiod later",
+     "when the harmonic drive begins half a period later", True),
+    ("spin", (("reference", "spin_plus"), ("reference", "spin_minus")), "spins of\n$\\pm$5 rad/s",
+     "when all disks spin at 5 or at &minus;5 rad/s at the start", True),
+    ("memory", (("reference", "forgotten"),), "contacts\nforgotten",
+     "when the contacts begin anew, with relaxed tangential springs", True),
+    ("drive", (("reference", "noise_1"), ("reference", "noise_2")), "random for\nharmonic",
+     "under random vibration of the same rms displacement instead of the harmonic one", False),
 )
 EQUAL = 0.1  # share of the variance up to which two runs count as the same
 BLOCK = 10   # disks that are left out together for error bars: they are neighbours in the rain
@@ -34,7 +34,8 @@ def sections(campaign):
 
 def histories(campaign, name):
     """{(packing, variant): run} of an entry of DRIVES."""
-    return {(packing_of(run.parameters), variant_of(run.parameters)): run for run in campaign.runs(name) if run.has_means}
+    runs = [run for run in campaign.runs(name) if run.has_means]
+    return {(packing_of(run.parameters), variant_of(run.parameters)): run for run in runs}
 
 
 def packing_of(parameters):
@@ -143,13 +144,13 @@ def same(share, noise, loss):
 def section(campaign):
     table = campaign.numbers("memory", lambda: numbers(campaign))
     out = Section("memory", "One packing, several histories: what &Omega;<sub>i</sub> remembers",
-                  "Packings of 60 disks at rest (<code>inputs/packing/cage_start.cfg</code>) are shaken several times, "
-                  "each time from the same places (<code>cage_memory.cfg</code>). If the cage sets &Omega;<sub>i</sub>, "
-                  "it is the same in all these runs; if the contacts' memory does, it is not. What two runs do not "
-                  "have in common is the mean square of their differences over twice the mean &Omega;&sup2;. They count "
-                  f"as the same when it is at most {EQUAL:g} and the rank correlation of halves of two runs is at most "
-                  f"{EQUAL:g} below that of halves of one. Errors are from "
-                  f"leaving out {BLOCK} neighbouring disks at a time.", missing=campaign.missing("cage_start", *DRIVES))
+                  "Packings of 60 disks at rest (<code>inputs/packing/cage_start.cfg</code>) are shaken several "
+                  "times, each time from the same places (<code>cage_memory.cfg</code>). If the cage sets "
+                  "&Omega;<sub>i</sub>, it is the same in all these runs; if the contacts' memory does, it is not. "
+                  "What two runs do not have in common is the mean square of their differences over twice the mean "
+                  f"&Omega;&sup2;. They count as the same when it is at most {EQUAL:g} and the rank correlation of "
+                  f"halves of two runs is at most {EQUAL:g} below that of halves of one. Errors are from leaving out "
+                  f"{BLOCK} neighbouring disks at a time.", missing=campaign.missing("cage_start", *DRIVES))
     if not table:
         out.claims.append(missing("Each disk turns in the same way in all histories of its packing."))
         return out
@@ -180,11 +181,12 @@ def judge(slug, words, paper, drive, pairs):
     differ = float(np.mean(np.abs(a - b) > 3 * error))
     rms = float(np.sqrt(np.mean((a - b) ** 2)))
     text = f"At {drive:g} <i>g</i> each disk has the same &Omega; {words}."
-    found = (f"{number(*share)} of the variance is not in common, {number(*noise)} by the scatter of means; Pearson {number(*between[0])}, Spearman "
-             f"{number(*between[1])}, of the halves of one run {number(*within[0])} and {number(*within[1])}; "
-             f"{100 * differ:.0f} % of {len(a)} disks in {packings} packing{'s' * (packings > 1)} differ by more than 3 "
-             f"errors, rms difference {number(rms)} rad/s; mean places differ by {number(float(np.median(apart)))} "
-             f"diameters (median), {number(float(apart.max()))} at most")
+    found = (f"{number(*share)} of the variance is not in common, {number(*noise)} by the scatter of means; Pearson "
+             f"{number(*between[0])}, Spearman {number(*between[1])}, of the halves of one run {number(*within[0])} "
+             f"and {number(*within[1])}; {100 * differ:.0f} % of {len(a)} disks in {packings} "
+             f"packing{'s' * (packings > 1)} differ by more than 3 errors, rms difference {number(rms)} rad/s; mean "
+             f"places differ by {number(float(np.median(apart)))} diameters (median), {number(float(apart.max()))} "
+             "at most")
     claim = Claim(text, same(share, noise, loss), found, kind="paper" if paper else "own check",
                   slug=f"quenched-{slug}-{drive:g}g")
     label = next(label for one, _, label, _, _ in COMPARISONS if one == slug).replace("\n", " ").replace("$\\pm$", "±")
@@ -209,7 +211,8 @@ def scatter_figure(table):
                 disks = Disks(table, drive, pair)
                 for k in np.unique(disks.packing):
                     one = disks.packing == k
-                    panel.errorbar(disks.a[one], disks.b[one], xerr=disks.a_error[one], yerr=disks.b_error[one], fmt="o",
+                    panel.errorbar(disks.a[one], disks.b[one], xerr=disks.a_error[one], yerr=disks.b_error[one],
+                                   fmt="o",
                                    ms=2.2, mew=0, lw=0.5, capsize=0, color=COLOURS[int(k) % len(COLOURS)], zorder=3)
             for scale, limit in ((panel.set_xscale, panel.set_xlim), (panel.set_yscale, panel.set_ylim)):
                 scale("symlog", linthresh=0.1 * rms, linscale=0.5)
@@ -222,9 +225,10 @@ def scatter_figure(table):
         row[0].set_ylabel(rf"{drive:g} $g$: $\Omega_i$ (rad/s)", fontsize=10)
     for panel in axes[-1]:
         panel.set_xlabel(r"$\Omega_i$ (rad/s)", fontsize=10)
-    return Figure("memory-scatter", picture, "Mean angular velocity of each disk in one history of its packing against "
-                  "that in another, at three drives; logarithmic beyond a tenth of the rms; a colour per packing; line: "
-                  "equal. Bars: errors of the means.", "Scatter plots of mean angular velocities in two histories")
+    return Figure("memory-scatter", picture,
+                  "Mean angular velocity of each disk in one history of its packing against that in another, at "
+                  "three drives; logarithmic beyond a tenth of the rms; a colour per packing; line: equal. Bars: "
+                  "errors of the means.", "Scatter plots of mean angular velocities in two histories")
 
 
 class Powers:
@@ -262,6 +266,7 @@ def correlation_figure(table):
         panel.set_xlim(-0.6, len(COMPARISONS) - 0.4)
     axes[0].set_ylabel("correlation of halves")
     legend_below(picture, axes, fontsize=8, columnspacing=1.0, handletextpad=0.2)
-    return Figure("memory-correlation", picture, "Correlation of the mean angular velocities of two halves: of one run "
-                  "(open) and of two runs with different histories (filled). Where they agree the history does not "
-                  "matter.", "Correlations within and between histories of a packing")
+    return Figure("memory-correlation", picture,
+                  "Correlation of the mean angular velocities of two halves: of one run (open) and of two runs with "
+                  "different histories (filled). Where they agree the history does not matter.",
+                  "Correlations within and between histories of a packing")

@@ -11,7 +11,8 @@ from . import contacts
 from .memory import DRIVES, histories
 from .statistics import jackknife
 
-CASES = {**{name: f"60 disks, {drive:g} <i>g</i>" for name, drive in DRIVES.items()}, "shake_1e4": "10000 disks, 2 <i>g</i>"}
+CASES = {**{name: f"60 disks, {drive:g} <i>g</i>" for name, drive in DRIVES.items()},
+         "shake_1e4": "10000 disks, 2 <i>g</i>"}
 FAR, DEEP = 8, 6   # largest distance in mean diameters; most contacts between two disks
 SIDE = 4            # a large packing is divided into SIDE x SIDE blocks, which count as packings
 SLACK = 0.02        # mean diameters: surfaces of neighbours are as near as this where there are no tables of contacts
@@ -36,7 +37,8 @@ def packings(campaign, name):
     if name == "shake_1e4":
         return [(run, None) for run in campaign.runs(name) if run.has_means]
     found = sorted(histories(campaign, name).items())
-    return [(run, contacts.Cage(run)) for (_, variant), run in found if variant == "reference" and len(run.result.contacts)]
+    return [(run, contacts.Cage(run)) for (_, variant), run in found
+            if variant == "reference" and len(run.result.contacts)]
 
 
 def of_run(case, first, run, cage):
@@ -58,7 +60,8 @@ def of_run(case, first, run, cage):
             here = block[i] == one
             for value in np.unique(step[here]):
                 some = here & (step == value)
-                rows.append({"case": case, "block": one, "kind": kind, "distance": value if kind == "contacts" else value / 2,
+                rows.append({"case": case, "block": one, "kind": kind,
+                             "distance": value if kind == "contacts" else value / 2,
                              "pairs": some.sum(), "product": product[some].sum() / square[one],
                              "sure": (some & both).sum(), "opposite": (some & both & (product < 0)).sum()})
     return rows
@@ -126,24 +129,28 @@ def along(neighbours, reach):
 # --- the section --------------------------------------------------------------------------------------------------
 def section(campaign):
     table = campaign.numbers("space", lambda: numbers(campaign), digits=6)
-    out = Section("space", "How far &Omega;<sub>i</sub> are correlated", "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang; over "
-                  "&lang;&Omega;&sup2;&rang; of pairs of disks by the distance of their mean places and by the number of "
-                  "contacts on the shortest way between them. 60 disks: harmonic drive, all pairs of disks that touch for a "
-                  f"tenth of the time are in contact; 10000 disks: surfaces of mean places nearer than {SLACK:g} diameters, "
-                  f"&Omega; over the rms of its layer of {LAYER} diameters. Errors: leaving out one packing, or one of "
-                  f"{SIDE * SIDE} blocks of the large one, at a time. Without any correlation 60 disks have &minus;1/59.",
+    out = Section("space", "How far &Omega;<sub>i</sub> are correlated",
+                  "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang; over &lang;&Omega;&sup2;&rang; of pairs of "
+                  "disks by the distance of their mean places and by the number of contacts on the shortest way "
+                  "between them. 60 disks: harmonic drive, all pairs of disks that touch for a tenth of the time "
+                  f"are in contact; 10000 disks: surfaces of mean places nearer than {SLACK:g} diameters, &Omega; "
+                  f"over the rms of its layer of {LAYER} diameters. Errors: leaving out one packing, or one of "
+                  f"{SIDE * SIDE} blocks of the large one, at a time. Without any correlation 60 disks have "
+                  "&minus;1/59.",
                   missing=campaign.missing(*CASES))
     cases = [(k, words) for k, words in enumerate(CASES.values()) if table and len(table.where(case=float(k)))]
     if not cases:
         out.claims.append(missing("Disks in contact turn against each other, like gears.", slug="gears-contact"))
         return out
-    curves = {k: {kind: curve(table.where(case=float(k), kind=kind)) for kind in ("distance", "contacts")} for k, _ in cases}
+    curves = {k: {kind: curve(table.where(case=float(k), kind=kind)) for kind in ("distance", "contacts")}
+              for k, _ in cases}
     rows = []
     for k, words in cases:
         steps = curves[k]["contacts"]
         slug = list(CASES)[k].replace("_", "-")
         out.claims += [gears(words, slug, steps), second(words, slug, steps)]
-        rows += [[words, int(row[0]), int(row[5]), number(row[1], row[2]), number(row[3], row[4])] for row in zip(*steps)]
+        rows += [[words, int(row[0]), int(row[5]), number(row[1], row[2]), number(row[3], row[4])]
+                 for row in zip(*steps)]
     out.claims += [far(words, list(CASES)[k].replace("_", "-"), curves[k]["distance"]) for k, words in cases
                    if list(CASES)[k] == "shake_1e4"]
     out.figures.append(curves_figure(cases, curves))
@@ -181,16 +188,17 @@ def gears(words, slug, steps):
     value, error, opposite, its = at(steps, 1)
     verdict = OPEN if not error > 0 else YES if value + SURE * error < 0 else NO if value - error > 0 else OPEN
     return Claim(f"{words}: disks in contact turn against each other, like gears.", verdict,
-                 f"correlation of disks in contact {number(value, error)}, {number(100 * opposite, 100 * its)} % of them turn "
-                 "in opposite senses (of those that turn for sure)", kind="own check", slug=f"gears-contact-{slug}")
+                 f"correlation of disks in contact {number(value, error)}, {number(100 * opposite, 100 * its)} % of "
+                 "them turn in opposite senses (of those that turn for sure)", kind="own check",
+                 slug=f"gears-contact-{slug}")
 
 
 def second(words, slug, steps):
     value, error, opposite, its = at(steps, 2)
     verdict = OPEN if not error > 0 else YES if value - SURE * error > 0 else NO if value + error < 0 else OPEN
     return Claim(f"{words}: disks with one disk between them turn alike, as in a train of gears.", verdict,
-                 f"correlation over two contacts {number(value, error)}, {number(100 * opposite, 100 * its)} % in opposite "
-                 "senses", kind="own check", slug=f"gears-second-{slug}")
+                 f"correlation over two contacts {number(value, error)}, {number(100 * opposite, 100 * its)} % in "
+                 "opposite senses", kind="own check", slug=f"gears-second-{slug}")
 
 
 def far(words, slug, distance):
@@ -206,7 +214,8 @@ def curves_figure(cases, curves):
         for panel, kind in zip(axes, ("distance", "contacts")):
             found = curves[k][kind]
             some = found[0] <= (8 if kind == "distance" else DEEP)
-            points(panel, found[0][some] + 0.04 * (place - 1.5), found[1][some], found[2][some], plain, place, "os^D"[place])
+            points(panel, found[0][some] + 0.04 * (place - 1.5), found[1][some], found[2][some], plain, place,
+                   "os^D"[place])
     for panel, label in zip(axes, (r"distance/mean diameter", "contacts between the disks")):
         zero_line(panel)
         panel.set_xlabel(label)
@@ -215,6 +224,7 @@ def curves_figure(cases, curves):
     legend_above(axes[0], 2, handles=handles[:2], labels=labels[:2], fontsize=9)
     if len(handles) > 2:
         legend_above(axes[1], 2, handles=handles[2:], labels=labels[2:], fontsize=9)
-    return Figure("space", picture, "Correlation of the mean angular velocities of two disks with their distance (left; bins "
-                  "of half a diameter) and with the number of contacts between them (right).",
+    return Figure("space", picture,
+                  "Correlation of the mean angular velocities of two disks with their distance (left; bins of half a "
+                  "diameter) and with the number of contacts between them (right).",
                   "Correlation of mean angular velocities against distance")
