@@ -9,7 +9,7 @@ SHUFFLES = 4000
 
 
 def student(t, degrees):
-    """Chance of a larger |t| of Student's distribution: with t = sqrt(degrees) tan(a) its density is ~ cos(a)^(degrees - 1)."""
+    """Chance of a larger |t|: with t = sqrt(degrees) tan(a) Student's density is ~ cos(a)^(degrees - 1)."""
     if degrees < 1 or not math.isfinite(t):
         return math.nan
     angle = np.linspace(0, math.pi / 2, 2001)
@@ -17,6 +17,10 @@ def student(t, degrees):
     begin = math.atan(abs(t) / math.sqrt(degrees))
     tail = np.linspace(begin, math.pi / 2, 2001)
     return float(np.trapz(np.cos(tail) ** (degrees - 1), tail) / np.trapz(density, angle))
+
+
+def percent(chance):
+    return f"{100 * chance:.0f} %" if chance > 0.1 else f"{100 * chance:.2g} %"
 
 
 def student_limit(chance, degrees):
@@ -29,8 +33,8 @@ def student_limit(chance, degrees):
 
 
 def newcomer(others, value, count):
-    """Does the mean of `count` packings of another program belong to the same population as others? (t, degrees, chance,
-    largest distance from the mean of the others that has a chance of 5 %)."""
+    """Does the mean of `count` values belong to the same population as others? (t, degrees, chance, largest distance
+    from the mean of the others that has a chance of 5 %)."""
     others = np.asarray(others, float)
     degrees = len(others) - 1
     if degrees < 1:

@@ -19,8 +19,8 @@ def sections(campaign):
                   "The boxes of <code>shake_size.cfg</code> and <code>shake_1e4.cfg</code>. The depth of a disk is "
                   "that of its centre below the highest point of the packing within a mean diameter to its sides, at "
                   "the end of the run. Error bars: scatter of packings; of the 10000 disks, of tenths of its width.")
-    ranks = campaign.numbers("depth-ranks", lambda: rank_rows(campaign), "each packing: Spearman's correlation of |Omega| "
-                             "and depth; share of the disks of the top layer in the sum of Omega^2, and among the disks")
+    ranks = campaign.numbers("depth-ranks", lambda: rank_rows(campaign), "each packing: Spearman's correlation of "
+                             "|Omega| and depth; share of the top layer in the sum of Omega^2, and among the disks")
     table = campaign.numbers("depths", lambda: profile_rows(campaign), "rms angular velocity (rad/s) against depth "
                              "(mean diameters)")
     for drive in DRIVES:
@@ -44,7 +44,7 @@ def runs_of(campaign):
 
 
 def depths(x, y, radius):
-    """Depth of each disk, in mean diameters, below the highest point of the packing within a mean diameter beside it."""
+    """Depth of each disk, in mean diameters, below the highest point within a mean diameter to its sides."""
     diameter = 2 * float(np.mean(radius))
     order = np.argsort(x)
     left, right = np.searchsorted(x[order], x - diameter), np.searchsorted(x[order], x + diameter, side="right")
@@ -122,8 +122,8 @@ def profiles(rows):
             here = [row for row in rows if (row["disks"], row["width"], row["drive"]) == (disks, width, drive)]
             if here:
                 x, y, error = np.array([(row["depth"], row["rms"], row["error"]) for row in here], float).T
-                panel.errorbar(x, y, yerr=bars(y, error), fmt="osD^"[k] + "-", lw=0.7, ms=4, color=COLOURS[k], mfc="white",
-                               label=f"{disks}")
+                panel.errorbar(x, y, yerr=bars(y, error), fmt="osD^"[k] + "-", lw=0.7, ms=4, color=COLOURS[k],
+                               mfc="white", label=f"{disks}")
         panel.set_xscale("log")
         panel.set_yscale("log")
         panel.set_title(f"{drive:g} $g$")
@@ -132,4 +132,4 @@ def profiles(rows):
         panel.legend(title="disks", fontsize=9, loc="lower left")
     axes[0].set_ylabel(r"rms $\Omega$ of the layer (rad/s)")
     return Figure("depths", picture, "Rms of the mean angular velocities of the disks in layers of the packing against "
-                                     "their depth below the surface.", "Angular velocity against depth below the surface")
+                                     "their depth below the surface.", "Angular velocity against depth in the packing")

@@ -19,8 +19,9 @@ FEWEST = 3.0   # contacts of a disk that is held by its neighbours
 
 def sections(campaign):
     out = Section("large", "Ten thousand disks",
-                  "<code>inputs/packing/deposit_1e4.cfg</code>, <code>shake_1e4.cfg</code>: a packing is deposited once "
-                  "and saved; the shaken box, 100 mean diameters wide, begins with it, its contacts included. The same "
+                  "<code>inputs/packing/deposit_1e4.cfg</code>, <code>shake_1e4.cfg</code>: a packing is deposited "
+                  "once and saved; the shaken box, 100 mean diameters wide, begins with it, "
+                  "its contacts included. The same "
                   "with 10<sup>5</sup> disks is made by <code>tools/packings.sh --large</code> only. One packing: "
                   "numbers have no error from packings.", missing=campaign.missing(*RUNS))
     cost = campaign.numbers("large-cost", lambda: cost_rows(campaign), "large packings: what they cost")
@@ -30,8 +31,8 @@ def sections(campaign):
     for name in SHAKEN:
         runs = [run for run in campaign.runs(name) if run.has_means]
         table = campaign.numbers(f"map-{name}", lambda: disks_of(runs[0]) if runs else None,
-                                 "place (m), radius (m), mean angular velocity (rad/s) with its error, its values in both "
-                                 "halves of the time, contacts", digits=DIGITS)
+                                 "place (m), radius (m), mean angular velocity (rad/s) with its error, in both "
+                                 "halves of the time, and contacts", digits=DIGITS)
         more = campaign.numbers(f"large-{name}", lambda: about(runs[0]) if runs else None, "means of the packing")
         links = campaign.numbers(f"links-{name}", lambda: links_of(runs[0]) if runs else None,
                                  "contacts in the enlarged parts: part, ends (m), normal force (N)", digits=4)
@@ -98,7 +99,8 @@ def claims(table, more, name):
                     f"{more['measured']:.0f} s; rms &Omega; {number(rms)}, median |&Omega;| "
                     f"{number(float(np.median(np.abs(omega))))}, mean {number(float(omega.mean()))} rad/s; neighbours' "
                     f"&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang; "
-                    f"{number(more['neighbours'])}; wander {number(more['wander'])} diameters", slug=f"{slug}-persistence"),
+                    f"{number(more['neighbours'])}; wander {number(more['wander'])} diameters",
+                    slug=f"{slug}-persistence"),
              decide(f"Among {size} disks most rotate significantly, more than 3 of their errors from zero.",
                     bool(sure.mean() > 0.5), f"{100 * sure.mean():.1f} % of the disks in {more['measured']:.0f} s; "
                     f"{100 * sure[held].mean():.1f} % of those with {FEWEST:g} contacts and more, "
@@ -106,8 +108,8 @@ def claims(table, more, name):
              decide(f"Among {size} disks those that turn fast are loose: most of &Omega;&sup2; is of disks with fewer "
                     f"than {FEWEST:g} contacts.", bool(np.sum(omega[loose] ** 2) > 0.5 * np.sum(omega ** 2)),
                     f"{100 * np.sum(omega[loose] ** 2) / np.sum(omega ** 2):.1f} % of &Omega;&sup2; is of the "
-                    f"{100 * loose.mean():.1f} % loose disks: rms {number(level[1])} rad/s against {number(level[0])} of "
-                    "the others", slug=f"{slug}-loose")]
+                    f"{100 * loose.mean():.1f} % loose disks: rms {number(level[1])} rad/s against {number(level[0])} "
+                    "of the others", slug=f"{slug}-loose")]
     return found
 
 
@@ -142,8 +144,9 @@ def map_figure(table, links, name):
     sure = 100 * float(np.mean(np.abs(omega) > SURE * error))
     return Figure("map-large" if name == SHAKEN[0] else "map-huge", picture,
                   f"{len(x)} disks coloured by mean angular velocity, red counter-clockwise, logarithmic beyond 10<sup>"
-                  f"&minus;4</sup> rad/s. Grey: the {100 - sure:.0f} % within 3 errors of zero. Below: parts of {WINDOW:g} mean "
-                  "diameters enlarged, with contacts at the end of the run, as wide as their normal forces.",
+                  f"&minus;4</sup> rad/s. Grey: the {100 - sure:.0f} % within 3 errors of "
+                  f"zero. Below: parts of {WINDOW:g} "
+                  "mean diameters enlarged, with contacts at the end of the run, as wide as their normal forces.",
                   "Map of many disks coloured by mean angular velocity, with three parts enlarged")
 
 

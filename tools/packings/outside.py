@@ -7,7 +7,7 @@ from report.page import Figure, Numbers, Section
 from report.style import BLACK, COLOURS, GREY, figure
 from report.verdict import Claim, NO, OPEN, YES, missing, number
 
-from .compare import newcomer, student, student_limit
+from .compare import newcomer, percent, student, student_limit
 from .statistics import mean_error
 
 # rms angular velocity (rad/s), mean of two packings, of an independent program with the parameters of outside.cfg
@@ -68,10 +68,10 @@ def one(drive, rms):
     numbers = f"{number(THEIRS[drive])} rad/s against {number(*mean_error(rms))} rad/s of {len(rms)} packings"
     if degrees >= 1:
         factor = math.exp(reach)
-        numbers += (f": <i>t</i> = {number(t)} with {degrees} degrees of freedom, a chance of {100 * chance:.2g} %; "
+        numbers += (f": <i>t</i> = {number(t)} with {degrees} degrees of freedom, a chance of {percent(chance)}; "
                     f"a factor above {factor:.2g} would be noticed")
-    return Claim(f"{TEXT}, at {drive:g} <i>g</i>.", verdict_of(chance, math.exp(reach), COARSE) if degrees >= 1 else OPEN,
-                 numbers, slug=f"outside-program-{drive:g}g")
+    verdict = verdict_of(chance, math.exp(reach), COARSE) if degrees >= 1 else OPEN
+    return Claim(f"{TEXT}, at {drive:g} <i>g</i>.", verdict, numbers, slug=f"outside-program-{drive:g}g")
 
 
 def together(found):
@@ -88,8 +88,9 @@ def together(found):
     chance, factor = student(mean / error, degrees), math.exp(error * student_limit(LIKELY, degrees))
     ratio = math.exp(mean)
     return Claim(f"{TEXT}, all drives together.", verdict_of(chance, factor, CLOSE),
-                 f"other program over this one: {number(ratio, ratio * error)} ({len(groups)} drives, {degrees} degrees "
-                 f"of freedom, a chance of {100 * chance:.2g} %); packings scatter by {100 * math.sqrt(variance):.0f} %, "
+                 f"other program over this one: {number(ratio, ratio * error)} ({len(groups)} drives, {degrees} "
+                 f"degrees of freedom, a chance of {percent(chance)}); packings scatter "
+                 f"by {100 * math.sqrt(variance):.0f} %, "
                  f"a factor above {factor:.2g} would be noticed", slug="outside-program")
 
 
@@ -103,7 +104,7 @@ def picture_of(found):
     axes.errorbar(drives * 0.86, mean, yerr=np.nan_to_num(error), fmt="s", color=COLOURS[0], mfc="white", capsize=3,
                   label="mean and its error")
     # Two packings scatter like ours: their mean by 1/sqrt(2) of the standard deviation.
-    spread = np.array([np.std(np.log(rms), ddof=1) if len(rms) > 1 else 0 for rms in found.values()]) / math.sqrt(PACKINGS)
+    spread = np.array([np.std(np.log(rms), ddof=1) if len(rms) > 1 else 0 for rms in found.values()]) / PACKINGS ** 0.5
     theirs = np.array([THEIRS[drive] for drive in found])
     axes.errorbar(drives / 0.86, theirs, yerr=[theirs * (1 - np.exp(-spread)), theirs * (np.exp(spread) - 1)], fmt="D",
                   color=COLOURS[1], capsize=3, label=f"other program, mean of {PACKINGS}")
@@ -116,6 +117,7 @@ def picture_of(found):
     axes.set_ylabel(r"rms $\Omega$ (rad/s)")
     axes.grid(axis="y", color=BLACK, alpha=0.12, lw=0.6)
     axes.legend(loc="upper left")
-    return Figure("outside", picture, "The same box in two programs: rms of the mean angular velocities of 60 disks. Bars of "
-                                      "the other program: what the scatter of our packings makes of the mean of two.",
+    return Figure("outside", picture, "The same box in two programs: rms of the mean angular velocities of 60 disks. "
+                                      "Bars of the other program: what "
+                                      "the scatter of our packings makes of the mean of two.",
                   "Typical angular velocity against drive in two programs")

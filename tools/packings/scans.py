@@ -1,4 +1,4 @@
-"""On what the rotation depends: friction, stiffness, frequency, size of the box, preparation; and depth within a packing."""
+"""On what the rotation depends: friction, stiffness, frequency, preparation, size of the box."""
 import dataclasses
 import math
 
@@ -7,10 +7,10 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
 from report.page import Figure, Numbers, Section
-from report.style import COLOURS, GREY, figure
-from report.verdict import NO, OPEN, SURE, YES, Claim, decide, missing, number
+from report.style import COLOURS, GREY, plt
+from report.verdict import NO, OPEN, YES, Claim, decide, missing, number
 
-from .compare import differ, exponent
+from .compare import differ, exponent, percent, student
 from .drive import bars, lasts
 from .statistics import mean_error, pearson, spearman
 
@@ -18,6 +18,7 @@ DRIVES = (0.7, 2.0)
 LARGE = "shake_1e4"
 CLEAR = 0.01     # chance below which groups differ
 SAME = 0.05      # and above which they may be alike
+OFF = 0.002      # chance below which an exponent is another one
 FINE = 0.25      # an exponent with a larger error tells nothing
 QUANTITIES = ("rms", "median", "significant", "correlation", "openings", "sliding", "contacts", "wander")
 
@@ -90,7 +91,7 @@ def sections(campaign):
             out.figures.append(overview(name, scans, found))
     out.tables.append(Numbers("Each point of the scans (rms and median in rad/s)",
                               ["scan", "value", "drive/<i>g</i>", "packings", *QUANTITIES],
-                              [[scan.title, value if isinstance(value, str) else float(value), drive, len(some),
+                              [[scan.title, plain(value), drive, len(some),
                                 *(number(*mean_error([row[q] for row in some])) for q in QUANTITIES)]
                                for scan in SCANS for (drive, value), some in found[scan.key].items()]))
     return [out]
@@ -118,11 +119,15 @@ def row_of(entry, run):
     return {"varied": varied, "drive": known.get("drive", 2.0), "mu": known.get("mu", 0.1),
             "ratio": known.get("k_t", 5e3) / 1e4, "frequency": frequency, "made": made, "disks": run.n_free,
             "width": round(known.get("width", 4.0 if entry == LARGE else 0.4) / diameter, 2),
-            "depth": float(np.max(run.y_end + run.radius)) / diameter, "height_rank": spearman(run.y_end, np.abs(run.omega)), "seed": run.seed, "seconds": run.measured,
+            "depth": float(np.max(run.y_end + run.radius)) / diameter, "seed": run.seed, "seconds": run.measured,
             "rms": run.rms, "median": run.median, "significant": run.significant,
             "correlation": pearson(first, second), "ranks": spearman(first, second),
             "openings": run.openings_per_period(frequency), "sliding": run.sliding_fraction,
             "contacts": run.coordination, "wander": run.wander}
+
+
+def plain(value):
+    return value if isinstance(value, str) else number(value)
 
 
 def points_of(scan, rows_):
@@ -144,9 +149,10 @@ def all_last(found):
         for (drive, value), some in found[scan.key].items():
             mean, error = mean_error([row["correlation"] for row in some])
             if len(some) > 1:
-                verdicts.append((lasts((mean, error)), mean, f"{scan.title} {value if isinstance(value, str) else number(value)} "
+                verdicts.append((lasts((mean, error)), mean, f"{scan.title} {plain(value)} "
                                  f"at {drive:g} <i>g</i>: {number(mean, error)}"))
-    text = "Rotation lasts whatever friction, stiffness, frequency, size and preparation (correlation of halves above 0.5)."
+    text = ("Rotation lasts whatever friction, stiffness, frequency, preparation and size (correlation of halves above "
+            "0.5).")
     if not verdicts:
         return missing(text, slug="scan-lasts")
     wrong = [told for verdict, _, told in verdicts if verdict is False]
@@ -177,8 +183,10 @@ def claim_of(scan, points):
 def judge(aim, groups):
     """(verdict, numbers) of groups {value: rms of each packing} at one drive."""
     chance = differ(list(groups.values()))
-    ends = [f"{number(*mean_error(groups[value]))} ({value if isinstance(value, str) else number(value)})" for value in groups]
-    told = ", ".join(ends) + f" rad/s; a chance of {100 * chance:.2g} % for equal ones" if math.isfinite(chance) else ", ".join(ends)
+    ends = [f"{number(*mean_error(groups[value]))} ({plain(value)})" for value in groups]
+    told = ", ".join(ends) + " rad/s"
+    if math.isfinite(chance):
+        told += f"; a chance of {percent(chance)} for equal ones"
     if aim in ("changes", "alike"):
         if not math.isfinite(chance):
             return OPEN, told
@@ -190,16 +198,18 @@ def judge(aim, groups):
     told = f"~ value<sup>{number(b, error)}</sup>: " + told
     if not (degrees >= 2 and error > 0):
         return OPEN, told
+    wanted = 0.0 if aim == "-" else aim
+    chance = student((b - wanted) / error, degrees)
+    told += f", {percent(chance)} for an exponent of {number(wanted)}"
     if aim == "-":
-        return YES if b < -SURE * error else NO if b > SURE * error else OPEN, told
-    away = abs(b - aim)
-    return NO if away > SURE * error else YES if away < 2 * error and error < FINE else OPEN, told
+        return OPEN if chance > OFF else YES if b < 0 else NO, told
+    return NO if chance < OFF else YES if chance > SAME and error < FINE else OPEN, told
 
 
 def spread(groups):
     """Error of a group's mean relative to it: what differences cannot be seen."""
-    parts = [mean_error(some) for some in groups.values()]
-    return float(np.mean([error / mean for mean, error in parts])) if all(np.isfinite(e) for _, e in parts) else math.inf
+    mean, error = np.array([mean_error(some) for some in groups.values()]).T
+    return float(np.mean(error / mean)) if np.isfinite(error).all() else math.inf
 
 
 BASE = {"mu": 0.1, "stiffness": 0.5, "frequency": 80.0, "depth": 60.0, "preparation": "rain"}
@@ -216,8 +226,8 @@ def reference(found):
         if math.isfinite(chance):
             verdicts.append(YES if chance > SAME else NO if chance < 0.001 else OPEN)
             every = np.concatenate(groups)
-            told.append(f"at {drive:g} <i>g</i> {number(*mean_error(every))} rad/s of {len(every)} packings, a chance of "
-                        f"{100 * chance:.2g} % for {len(groups)} groups")
+            told.append(f"at {drive:g} <i>g</i> {number(*mean_error(every))} rad/s of {len(every)} packings, a chance "
+                        f"of {percent(chance)} for {len(groups)} groups")
     if not verdicts:
         return missing(text, slug="scan-reference")
     return Claim(text, NO if NO in verdicts else YES if all(v == YES for v in verdicts) else OPEN, "; ".join(told),
@@ -232,12 +242,15 @@ LABELS = (r"$|\Omega|$ (rad/s)", "fraction", "openings per\ncontact and period")
 
 
 def overview(name, scans, found):
-    picture, axes = figure(columns=len(scans), rows=3, width=7.6, height=6.6, sharey="row", sharex="col", squeeze=False)
+    picture = plt.figure(figsize=(7.6, 7.1), layout="constrained")
+    above, below = picture.subfigures(2, 1, height_ratios=[0.55, 6.55])
+    axes = below.subplots(3, len(scans), sharey="row", sharex="col", squeeze=False)
     for column, scan in zip(axes.T, scans):
         for panel, quantities in zip(column, PANELS):
             for k, drive in enumerate(DRIVES):
+                points = {value: some for (at, value), some in found[scan.key].items() if at == drive}
                 for quantity in quantities:
-                    draw(panel, scan, {v: some for (at, v), some in found[scan.key].items() if at == drive}, k, *quantity)
+                    draw(panel, scan, points, k, *quantity)
             ticks(panel, scan)
         column[0].set_yscale("log")
         column[1].set_ylim(-0.05, 1.12)
@@ -249,9 +262,9 @@ def overview(name, scans, found):
     colours = [Line2D([], [], color=COLOURS[k], lw=3, label=f"{drive:g} $g$") for k, drive in enumerate(DRIVES)]
     signs = [Line2D([], [], color=GREY, marker=sign, ls=line, mfc=GREY if line == "-" else "white", label=label)
              for part in PANELS for _, label, sign, line in part]
-    picture.legend(handles=colours + signs, loc="outside upper center", ncol=4, fontsize=9.5)
-    return Figure(name, picture, "Rms and median of the mean angular velocities, fraction of the disks beyond 3 errors and "
-                                 "correlation of the two halves of the time, openings of contacts. "
+    above.legend(handles=colours + signs, loc="center", ncol=4, fontsize=9.5)
+    return Figure(name, picture, "Rms and median of the mean angular velocities, fraction of the disks beyond 3 "
+                                 "errors and correlation of the two halves of the time, openings of contacts. "
                                  "Error bars: scatter of packings (10000 disks: one packing).",
                   "Rotation against " + ", ".join(scan.title for scan in scans))
 
