@@ -21,9 +21,11 @@ def sections(campaign):
                   "units of its scale (work of driven bodies plus losses); and over the measured time alone, in units "
                   "of the "
                   "work that the driven bodies do in it.", missing=campaign.missing("step"))
-    rows, worst = [], []
+    rows, worst, cost = [], [], []
     for name, entry in campaign.entries.items():
         runs = campaign.runs(name)
+        if runs:
+            cost.append([f"<code>{os.path.basename(entry.deck)}</code> ({name})", len(runs), effort(runs)])
         if name == "step" or not runs:
             continue
         first = max(runs, key=lambda run: abs(run.residual))
@@ -37,13 +39,22 @@ def sections(campaign):
         out.claims.append(decide(text, not over, f"largest {number(max(worst)[0])} ({max(worst)[1]}), of the work of "
                                                  f"driven bodies in the "
                                  "measured time where they do any, else of the scale of the whole run"
-                                 + (f"; above: {', '.join(over)}" if over else "")))
+                                 + (f"; above: {', '.join(over)}" if over else ""), slug="energy-residual"))
     else:
-        out.claims.append(missing(text))
+        out.claims.append(missing(text, slug="energy-residual"))
     out.tables.append(Numbers("Largest residual of the runs of each deck",
                               ["deck", "runs", "dt", "whole run / scale", "measured time / work"], rows))
+    out.tables.append(Numbers("Cost: steps times the least time of a step and disk among the runs of the deck, on one core",
+                              ["deck", "runs", "core-minutes"], [[name, count, round(time, 1)] for name, count, time in cost]
+                              + [["all", sum(count for _, count, _ in cost), round(sum(time for *_, time in cost))]]))
     out.claims += convergence(campaign.runs("step"), out)
     return [out]
+
+
+def effort(runs):
+    """Minutes of one core; other programs that ran beside made most runs slower."""
+    least = min(run.nanoseconds * run.threads / run.n_free for run in runs)
+    return sum(run.steps * run.n_free for run in runs) * least * 1e-9 / 60
 
 
 def convergence(runs, out):
@@ -54,7 +65,7 @@ def convergence(runs, out):
         steps.setdefault(run.parameters.get("dt"), []).append(run)
     by_scheme = {name: dict(sorted(steps.items())) for name, steps in by_scheme.items() if len(steps) > 2}
     if not by_scheme:
-        return [missing(text)]
+        return [missing(text, slug="residual-falls")]
     picture, axes = figure(height=3.9)
     claims = []
     for k, (name, steps) in enumerate(sorted(by_scheme.items())):
@@ -72,7 +83,7 @@ def convergence(runs, out):
                              f"|residual|/scale ~ dt<sup>{number(slope, spread)}</sup>, from "
                              f"{number(value[-1], error[-1])} at "
                              f"{dt[-1]:g} s to {number(value[0], error[0])} at {dt[0]:g} s "
-                             f"({len(list(steps.values())[0])} at each step)"))
+                             f"({len(list(steps.values())[0])} at each step)", slug=f"residual-falls-{name}"))
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(r"time step (µs)")

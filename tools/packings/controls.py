@@ -3,7 +3,7 @@ import numpy as np
 
 from report.page import Figure, Section
 from report.style import COLOURS, GREY, figure
-from report.verdict import SURE, NO, OPEN, YES, Claim, chi_square, decide, missing, number
+from report.verdict import SURE, NO, OPEN, TRIVIAL, YES, Claim, chi_square, decide, missing, number
 
 from . import maps
 from .drive import bars, by_drive
@@ -23,7 +23,7 @@ def sections(campaign):
     out.claims.append(frictionless([run for run in campaign.runs("frictionless") if run.has_means]))
     table = by_drive(campaign.runs("cage"))
     if not table:
-        out.claims.append(missing("In a symmetric cage nothing rotates beyond noise."))
+        out.claims.append(missing("In a symmetric cage nothing rotates beyond noise.", slug="symmetric"))
         return [out]
     low = by_drive(campaign.runs("drive"))
     for drive, runs in table.items():
@@ -37,11 +37,12 @@ def sections(campaign):
 def frictionless(runs):
     text = "Without friction nothing rotates: &Omega; of every disk is exactly 0."
     if not runs:
-        return missing(text)
+        return missing(text, slug="frictionless")
     largest = max(float(np.abs(run.omega).max()) for run in runs)
     drives = sorted({run.parameters.get("drive", np.nan) for run in runs})
     return decide(text, largest == 0, f"{sum(len(run.omega) for run in runs)} disks in {len(runs)} packings at "
-                  + ", ".join(f"{d:g}" for d in drives) + f" <i>g</i>: largest |&Omega;| = {number(largest)} rad/s")
+                  + ", ".join(f"{d:g}" for d in drives) + f" <i>g</i>: largest |&Omega;| = {number(largest)} rad/s", kind=TRIVIAL,
+                  slug="frictionless")
 
 
 def layers(run):
@@ -60,14 +61,15 @@ def symmetric(drive, runs, reference):
     if np.isfinite(reference) and reference > 0:
         told += f", {number(rms / reference)} of that of the irregular packings at this drive"
     if rms < ROUNDING:
-        return decide(text, True, told + ": rounding")
+        return decide(text, True, told + ": rounding", slug=f"symmetric-{drive:g}g")
     mean, own = np.concatenate([layers(run) for run in runs], axis=1)
     chi2, chance = chi_square(mean / own, len(mean))
     beyond = int(np.sum(np.abs(omega) > SURE * error))
     told += (f", rms error {number(float(np.sqrt(np.mean(error ** 2))))}; {beyond} beyond 3 errors, largest "
              f"{np.abs(omega / error).max():.1f} errors; of the {len(mean)} layers &chi;&sup2; = {chi2:.1f} "
              f"(a chance of {100 * chance:.2g} %)")
-    return Claim(text, YES if chance > 0.01 and beyond <= 0.05 * len(omega) else NO if chance < 1e-4 else OPEN, told)
+    verdict = YES if chance > 0.01 and beyond <= 0.05 * len(omega) else NO if chance < 1e-4 else OPEN
+    return Claim(text, verdict, told, slug=f"symmetric-{drive:g}g")
 
 
 def cage_figure(table, low):

@@ -14,7 +14,7 @@ from .statistics import line, mean_error
 
 DEGREE = 180 / np.pi
 STEADY = 0.05  # relative change of a rate that still counts as none
-NARROW = 12  # widest outlet that enters Beverloo's law: a third of the width of the hopper
+NARROW = 10  # widest outlet that enters Beverloo's law: a third of the width of the hopper
 
 
 def sections(campaign):
@@ -63,13 +63,13 @@ def heap(campaign):
         found.setdefault(row["mu"], []).append(((row["left"], row["right"]), row["disks"]))
     text = "The angle of repose grows with friction."
     if not found:
-        out.claims.append(missing(text))
+        out.claims.append(missing(text, slug="repose-friction"))
         return out
     mu = np.array(list(found))
     mean = np.array([mean_error(np.concatenate([angles for angles, _ in some])) for some in found.values()])
     grows = mean[-1, 0] > mean[0, 0] + 3 * np.hypot(mean[0, 1], mean[-1, 1]) if len(mu) > 1 else None
     out.claims.append(decide(text, None if grows is None else bool(grows), "; ".join(
-        f"&mu; = {m:g}: {number(*pair)}&deg;" for m, pair in zip(mu, mean))))
+        f"&mu; = {m:g}: {number(*pair)}&deg;" for m, pair in zip(mu, mean)), slug="repose-friction"))
     out.tables.append(Numbers("Angle of repose", ["&mu;", "heaps", "angle (degrees)", "error", "disks in the heap "
         "(mean)"],
                               [[float(m), len(found[m]), *map(float, pair), float(np.mean([n for _, n in found[m]]))]
@@ -197,7 +197,7 @@ def hopper(campaign):
     curves = campaign.numbers("hopper-curves", lambda: discharged(flows()), "disks that are out: mean and range of runs")
     text = "The rate follows Beverloo's law with the exponent 3/2."
     if sum(size <= NARROW for size in found) < 4:
-        out.claims.append(missing(text))
+        out.claims.append(missing(text, slug="hopper-beverloo"))
         return out
     width = np.array(list(found))
     rate = np.array([mean_error([flow.rate for flow in some]) for some in found.values()])
@@ -215,13 +215,13 @@ def hopper(campaign):
                              f"for {degrees} degrees of freedom); exponent 3/2: k = {number(fixed[2], fixed[3])}, C = "
                              f"{number(fixed[4])}, &chi;&sup2; = {fixed[5]:.1f} for {fixed[6]}. With all outlets, also "
                              f"those wider than a third of the hopper: exponent {number(every[0], every[1])}, k = "
-                             f"{number(every[2], every[3])}"))
+                             f"{number(every[2], every[3])}", slug="hopper-beverloo"))
     change = [flow.late / flow.early - 1 for some in found.values() for flow in some]
     mean, spread = mean_error(change)
     steady = True if abs(mean) + spread < STEADY else False if abs(mean) - 2 * spread > STEADY else None
     out.claims.append(decide("The rate is constant: it does not depend on the height of the filling.", steady,
                              f"second half of the window against the first: {percent(mean)} &plusmn; {100 * spread:.1f} %, "
-                             f"counted as constant up to {100 * STEADY:g} %"))
+                             f"counted as constant up to {100 * STEADY:g} %", slug="hopper-steady"))
     out.tables.append(Numbers("Discharge", ["D/d", "runs", "rate (disks per sqrt(d/g))", "error", "late/early"],
                               [[float(d), len(found[d]), float(r[0]), float(r[1]),
                                 float(np.mean([flow.late / flow.early for flow in found[d]]))]
@@ -279,7 +279,7 @@ def drum(campaign):
                   "time.", missing=campaign.missing("drum"))
     runs = campaign.runs("drum")
     if not runs:
-        out.claims.append(missing("The packing flows at a steady dynamic angle of repose."))
+        out.claims.append(missing("The packing flows at a steady dynamic angle of repose.", slug="drum-steady"))
         return out
     run = runs[0]
     table = campaign.numbers("drum-angles", lambda: drum_angles(run), "angle of the packing and of its surface, degrees")
@@ -295,7 +295,7 @@ def drum(campaign):
                              f"half minus first half "
                              f"{number(drift, drift_error)}&deg;; median slope of the surface in the middle half "
                              f"{np.median(slopes):.1f}&deg;; {run.n_free} disks, {len(time)} frames in "
-                             f"{run.measured:g} time units"))
+                             f"{run.measured:g} time units", slug="drum-steady"))
     out.figures.append(drum_figure(run, campaign.numbers("drum-velocities", lambda: drum_velocities(run),
                                                            "velocities at the end"), mean, time, angles))
     return out

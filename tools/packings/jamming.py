@@ -89,7 +89,7 @@ def frictionless(campaign):
                   "packings.", missing=campaign.missing("jam"))
     text = f"The packing fraction at jamming is the known {PHI:g}."
     if not runs:
-        out.claims.append(missing(text))
+        out.claims.append(missing(text, slug="jamming-density"))
         return out
     table = held(campaign, runs)
     rows = [[mean_error([stage[k][j] for stage in table]) for j in range(5)] for k in range(len(table[0]))]
@@ -98,7 +98,7 @@ def frictionless(campaign):
     out.claims.append(decide(text, bool(abs(phi - PHI) < TOLERANCE),
                              f"{number(phi, error)} from {len(runs)} packing{'s' * (len(runs) > 1)} of {runs[0].n_free} disks and the {few} "
                              f"least pressures; "
-                             f"counted as equal up to {TOLERANCE:g}"))
+                             f"counted as equal up to {TOLERANCE:g}", slug="jamming-density"))
     z = last_contacts(campaign, "jam", runs)
     mean, spread = mean_error(z[:, 1])
     out.claims.append(decide("Without rattlers the coordination number tends to 4, the isostatic "
@@ -106,7 +106,7 @@ def frictionless(campaign):
                              f"{number(mean, spread)} at the least pressure, {number(rows[0][1][0])} "
                              f"<i>k<sub>n</sub></i> (isostatic for "
                              f"as many disks, 4 &minus; 2/N: {z[:, 3].mean():.4f}); counted as equal up to {NEAR:g}; "
-                             f"{100 * z[:, 2].mean():.1f} % rattlers"))
+                             f"{100 * z[:, 2].mean():.1f} % rattlers", slug="jamming-isostatic"))
     out.tables.append(Numbers("Compressed packings, at each pressure",
                               ["pressure/<i>k<sub>n</sub></i>", "reached", "packing fraction", "contacts per disk, "
                                   "rattlers included", "without rattlers"],
@@ -149,7 +149,7 @@ def friction(campaign):
         table.setdefault(run.parameters.get("mu", 0.0), []).append(ends)
     text = "With friction the coordination number falls from 4 towards 3."
     if len(table) < 3:
-        out.claims.append(missing(text))
+        out.claims.append(missing(text, slug="jamming-friction"))
         return out
     table = dict(sorted(table.items()))
     mu = np.array(list(table))
@@ -157,7 +157,8 @@ def friction(campaign):
     z, error = np.array([m[3] for m in means]).T
     falls = bool(np.all(np.diff(z) < 3 * np.nan_to_num(np.hypot(error[1:], error[:-1]), nan=0.05)))
     out.claims.append(decide(text, bool(abs(z[0] - 4) < NEAR and falls and abs(z[-1] - 3) < 2 * NEAR),
-                             "; ".join(f"&mu; = {m:g}: {number(*pair)}" for m, pair in zip(mu, zip(z, error)))))
+                             "; ".join(f"&mu; = {m:g}: {number(*pair)}" for m, pair in zip(mu, zip(z, error))),
+                             slug="jamming-friction"))
     out.tables.append(Numbers("Packings with friction", ["&mu;", "packings", "pressure", "packing fraction", "z of all",
                                                          "z without rattlers", "rattlers"],
                               [[float(m), len(table[m]), float(v[0][0]), *(number(*v[k]) for k in (1, 2, 3, 4))]
