@@ -1,40 +1,79 @@
 /* blocking.c: standard error of the mean of a correlated record.
  *
- * Means of blocks of B samples give the error err_B = sqrt(var(block means) B/n), which grows with B up to a
- * plateau once B exceeds the correlation time (Flyvbjerg & Petersen, J. Chem. Phys. 91, 461 (1989)).
+ * n times its square is the spectral density of the record at frequency zero, S. S is that of the autoregressive
+ * model (Burg's, order by AIC) of the means of at most 512 blocks (Heidelberger & Welch, Commun. ACM 24, 233 (1981),
+ * and after them Plummer et al., R News 6, 7 (2006), who fit such models): S = s/(1 - a_1 - ... - a_p)^2, s the
+ * variance of what the model does not foretell. The factor in brackets is the product of 1 - k_i over Burg's reflection
+ * coefficients k_i.
  *
- * Rule for B: the least for which B^3 > 2 n (err_B/err_1)^4. It balances the bias, about tau/B, against the
- * statistical error, about sqrt(2 B/n) (Wolff, Comput. Phys. Commun. 156, 143 (2004); Lee et al., Phys. Rev. E
- * 83, 066706 (2011)), and lets B grow by itself with the correlation seen. At least 8 blocks must be left;
- * without such a B the largest err_B seen is returned and `plateau` is false. Of the bias, which is
- * 1 - tau/B in err_B^2 for an exponential correlation, the first order is put back with the tau found.
+ * Correlations of both signs count. The angle of a disk that sticks and slips has bounded, elastic noise on top of its
+ * random walk: its increments anticorrelate, S is a small part of their variance, and errors from blocks of B samples
+ * come down to it slowly, as sqrt(S + c/B).
  *
- * A periodic drive makes records that anticorrelate: err_B goes on falling as 1/sqrt(B) behind the rule's B.
- * So a larger B (with 16 blocks or more) is taken when its error is less by more than chance would have it,
- * three standard deviations of an error estimated from that many blocks. What is picked for being low is low by
- * chance as well: one standard deviation is put back.
+ * A record that is periodic, or relaxes, has no noise to fit: the model foretells all of it. Periods shorter than blocks
+ * fall out of their means, so there the error is the least that blocks give behind the largest, 16 of them or more,
+ * with one standard deviation put back, as what is picked for being low is low by chance as well.
+ *
+ * The error can be trusted (`plateau`) when the record is at least 50 integrated correlation times long.
  */
 #include "measure/blocking.h"
 
 #include <float.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
-#include <stdlib.h>
 
-#include "base/shortage.h"
-#include "model/state.h"
+enum { SHORTEST = 16, BLOCKS = 512, FEWEST = 16, LONG = 50 };
+static const double foretold = 1e-5; /* of the variance: what is left then is no noise */
 
-enum { SHORTEST = 16, FEWEST = 8, FEWEST_FALLING = 16 };
+/* Means of whole blocks of b up to the record's end; their number. */
+static size_t block_means(const double *x, size_t n, size_t b, double *y) {
+  size_t blocks = n / b;
+  for (size_t k = 0; k < blocks; k++) y[k] = gsl_stats_mean(x + (n - (blocks - k) * b), 1, b);
+  return blocks;
+}
 
 /* 1, 2, 3, 4, 6, 8, 12, ...: half octaves. */
 static size_t larger(size_t b) { return b < 2 ? b + 1 : (b & (b - 1)) ? b / 3 * 4 : b / 2 * 3; }
 
-/* err_B, from whole blocks counted from the record's end; room: n/b doubles. */
-static double error_of_blocks(const double *x, size_t n, size_t b, double *room) {
-  size_t blocks = n / b;
-  const double *first = x + (n - blocks * b);
-  for (size_t k = 0; k < blocks; k++) room[k] = gsl_stats_mean(first + k * b, 1, b);
-  return sqrt(gsl_stats_variance(room, 1, blocks) * (double)b / (double)n);
+/* Variance of the mean of a record without noise; is a period seen? */
+static bool periodic_variance(const double *x, size_t n, double *square) {
+  double y[BLOCKS], largest = 0;
+  for (size_t b = 1; n / b >= FEWEST; b = larger(b)) {
+    size_t blocks = block_means(x, n, b, y);
+    double found = gsl_stats_variance(y, 1, blocks) / (double)blocks, scatter = 1 / sqrt(2 * (double)blocks);
+    if (found >= largest) *square = largest = found;
+    *square = fmin(*square, found * (1 + scatter) * (1 + scatter));
+  }
+  return *square < largest;
+}
+
+/* Spectral density at frequency zero of y[0..n), white noise having its variance everywhere; NAN: there is no noise. */
+static double spectrum_at_zero(const double *y, size_t n) {
+  double forward[BLOCKS], backward[BLOCKS], mean = gsl_stats_mean(y, 1, n), all = (double)n;
+  for (size_t t = 0; t < n; t++) forward[t] = backward[t] = y[t] - mean;
+  double variance = gsl_stats_variance(y, 1, n) * (all - 1) / all, left = variance, gain = 1;
+  double least = INFINITY, found = 0;
+  size_t orders = (size_t)fmin(10 * log10(all), all / 4);
+  for (size_t p = 0; left > foretold * variance; p++) {
+    double score = all * log(left) + 2 * (double)p;
+    if (score < least) found = left * all / (all - 1 - (double)p) / (gain * gain);
+    least = fmin(least, score);
+    if (p == orders) return found;
+    double both = 0, squares = 0;
+    for (size_t t = p + 1; t < n; t++) {
+      both += forward[t] * backward[t - 1];
+      squares += forward[t] * forward[t] + backward[t - 1] * backward[t - 1];
+    }
+    double k = 2 * both / squares;
+    for (size_t t = n - 1; t > p; t--) {
+      double before = forward[t];
+      forward[t] -= k * backward[t - 1];
+      backward[t] = backward[t - 1] - k * before;
+    }
+    gain *= 1 - k;
+    left *= 1 - k * k;
+  }
+  return NAN;
 }
 
 /* Variation that rounding alone brings into a record of this size counts as none. */
@@ -45,40 +84,13 @@ static bool is_constant(const double *x, size_t n) {
 }
 
 blocking blocking_error(const double *x, size_t n) {
-  blocking result = {.error = NAN, .correlation = NAN, .plateau = false};
-  if (n < SHORTEST) return result;
-  if (is_constant(x, n)) return (blocking){.error = 0, .correlation = 0.5, .plateau = true};
-  double few[SD_BINS], *room = n <= SD_BINS ? few : malloc(n * sizeof *room);
-  if (!room) {
-    shortage_note();
-    return result;
-  }
-
-  double single = error_of_blocks(x, n, 1, room), chosen = 0, largest = 0;
-  size_t b = 1, chosen_b = 1;
-  for (; n / b >= FEWEST && !result.plateau; b = larger(b)) {
-    double error = error_of_blocks(x, n, b, room), ratio = error / single;
-    result.plateau = (double)b * (double)b * (double)b > 2 * (double)n * pow(ratio, 4);
-    if (!result.plateau && error < largest) continue;
-    largest = fmax(largest, error);
-    chosen = error;
-    chosen_b = b;
-  }
-
-  /* anticorrelation */
-  double base = chosen;
-  for (; result.plateau && n / b >= FEWEST_FALLING; b = larger(b)) {
-    double error = error_of_blocks(x, n, b, room);
-    size_t blocks = n / b;
-    double scatter = 1 / sqrt(2 * (double)blocks);
-    if (error >= base * (1 - 3 * scatter)) continue;
-    chosen = error * (1 + scatter);
-    chosen_b = b;
-  }
-  if (room != few) free(room);
-
-  double tau = (chosen / single) * (chosen / single) / 2;
-  result.error = chosen * sqrt(1 + tau / (double)chosen_b);
-  result.correlation = tau * (1 + tau / (double)chosen_b);
-  return result;
+  if (n < SHORTEST) return (blocking){.error = NAN, .correlation = NAN, .plateau = false};
+  double y[BLOCKS];
+  size_t blocks = block_means(x, n, (n + BLOCKS - 1) / BLOCKS, y);
+  if (is_constant(y, blocks)) return (blocking){.error = 0, .correlation = 0.5, .plateau = true};
+  double square = spectrum_at_zero(y, blocks) / (double)blocks;
+  bool noise = !isnan(square), period = !noise && periodic_variance(y, blocks, &square);
+  double tau = square / gsl_stats_variance(x, 1, n) * (double)n / 2;
+  return (blocking){
+      .error = sqrt(square), .correlation = tau, .plateau = noise ? (double)n >= LONG * tau : period};
 }
