@@ -1,7 +1,7 @@
 /* measure.h: means with error bars, from the statistics that a state carries.
  *
- * Error bars account for autocorrelation (blocking: Flyvbjerg & Petersen, J. Chem. Phys. 91, 461 (1989),
- * with the stopping rule named in measure/blocking.c); the transient is found by a test, not a constant
+ * Error bars account for autocorrelation (spectral density at frequency zero of an autoregressive model: Heidelberger &
+ * Welch, Commun. ACM 24, 233 (1981); measure/error_bar.c); the transient is found by a test, not a constant
  * (MSER: White, Simulation 69, 323 (1997)).
  */
 #ifndef SLIPDISK_MEASURE_H
@@ -21,7 +21,7 @@ typedef struct sd_mean {
   double correlation; /* integrated correlation time, in samples (0.5 for independent ones) */
   size_t used;        /* samples used */
   size_t discarded;   /* samples discarded at the start as transient */
-  bool converged;     /* the blocking curve has a plateau, and no drift is left: docs/physics.md 9 */
+  bool converged;     /* the record is long enough, and no drift is left: docs/physics.md 9 */
 } sd_mean;
 
 /* n samples x[0..n). transient: look for one and discard it. */

@@ -257,7 +257,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state, c
 static const observable means[] = {
     OBSERVABLE_FIELD("id", "1", "number of the disk", U32, sd_disk_mean, disk, NULL, NULL),
     MEAN("omega", omega, "rad/time", "mean angular velocity Omega"),
-    MEAN("error", error, "rad/time", "one standard error of omega (blocking)"),
+    MEAN("error", error, "rad/time", "one standard error of omega, correlations included"),
     MEAN("significance", significance, "1", "omega over error"),
     MEAN("omega_first", first, "rad/time", "mean angular velocity in the first half of the record"),
     MEAN("omega_second", second, "rad/time", "mean angular velocity in the second half of the record"),

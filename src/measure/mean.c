@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/shortage.h"
-#include "measure/blocking.h"
+#include "measure/error_bar.h"
 #include "measure/mean.h"
 #include "model/state.h"
 #include "model/motion_kinds.h"
@@ -13,10 +13,10 @@
 
 /* Systematic error of a drift. Without noise: exp(-t/T) has a mean of half the difference of its halves times
  * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
-static double systematic(drift left, bool plateau, bool quiet) {
+static double systematic(drift left, bool reliable, bool quiet) {
   double u = fmin(left.ratio, 0.75);
-  if (quiet && !plateau) return left.half * (1 + u) / (1 - u);
-  return plateau && !(left.sigmas > DRIFT_SEEN) ? 0 : left.half;
+  if (quiet && !reliable) return left.half * (1 + u) / (1 - u);
+  return reliable && !(left.sigmas > DRIFT_SEEN) ? 0 : left.half;
 }
 
 sd_mean sd_mean_of(const double *x, size_t n, bool look) {
@@ -27,12 +27,12 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.used = n - start.length;
   mean.mean = gsl_stats_mean(x + start.length, 1, mean.used);
 
-  blocking error = blocking_error(x + start.length, mean.used);
+  error_bar error = error_bar_of(x + start.length, mean.used);
   drift left = drift_of(x + start.length, mean.used, error.error);
   mean.correlation = error.correlation;
-  mean.error = hypot(error.error, hypot(start.tail, systematic(left, error.plateau, start.quiet)));
-  /* a relaxation without noise has no plateau, and needs none once little of it is left */
-  bool over = (error.plateau && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
+  mean.error = hypot(error.error, hypot(start.tail, systematic(left, error.reliable, start.quiet)));
+  /* a relaxation without noise has no noise, and needs none once little of it is left */
+  bool over = (error.reliable && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
   mean.converged = start.inside && isfinite(error.error) && over;
   return mean;
 }
@@ -141,7 +141,7 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
 static const observable rotations[] = {
     OBSERVABLE_FIELD("disk", "1", "body number", U32, sd_rotation, disk, NULL, NULL),
     ROTATION(omega, "rad/time", "mean angular velocity Omega", "omega"),
-    ROTATION(error, "rad/time", "one standard error of omega (blocking)", "omega_error"),
+    ROTATION(error, "rad/time", "one standard error of omega, correlations included", "omega_error"),
     ROTATION(scaled, "rad", "t_g Omega, t_g = sqrt(2 R/g)", "scaled"),
     ROTATION(scaled_error, "rad", "one standard error of scaled", "scaled_error"),
     ROTATION(transient, "time", "measured time discarded as transient", "transient"),

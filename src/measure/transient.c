@@ -11,7 +11,7 @@
  * A stationary record has such a minimum too, wherever chance put it, and a cut there selects: what is left has
  * less scatter than the whole, so that its error bar is too small. So a cut counts only if what it takes away
  * differs from the rest: the mean of the first part, or of its first half, quarter or eighth, by more than
- * `distinct` errors of the difference, from blocking on the rest.
+ * `distinct` errors of the difference, from the error bar of the rest.
  *
  * What is left of a relaxation behind such a cut is of the size of the noise of the batches, but adds up. It is
  * told in two ways: from the decay within what is cut off (tail_of), and from the means of the first quarter and
@@ -30,7 +30,7 @@
 #include <stdlib.h>
 
 #include "base/shortage.h"
-#include "measure/blocking.h"
+#include "measure/error_bar.h"
 #include "model/state.h"
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16 };
@@ -56,7 +56,7 @@ static void naive(const double *x, size_t batch, size_t m, size_t last, double *
 
 /* Is x[0..d), or the start of it, unlike x[d..n)? */
 static bool stands_out(const double *x, size_t d, size_t n) {
-  double rest = gsl_stats_mean(x + d, 1, n - d), error = blocking_error(x + d, n - d).error;
+  double rest = gsl_stats_mean(x + d, 1, n - d), error = error_bar_of(x + d, n - d).error;
   size_t part = d;
   for (int k = 0; k < PARTS && part > 0; k++, part /= 2) {
     double sigma = error * sqrt(1 + (double)(n - d) / (double)part);
@@ -97,7 +97,7 @@ static void cut_drift(const double *x, size_t n, transient *found) {
   for (size_t step = n / STEPS;; found->length += step) {
     const double *rest = x + found->length;
     size_t kept = n - found->length;
-    double error = blocking_error(rest, kept).error;
+    double error = error_bar_of(rest, kept).error;
     found->tail = tail_of(x, found->length, n);
     if (!(found->tail > error / 2 || drift_of(rest, kept, error).sigmas > DRIFT_SEEN)) return;
     if (step > 0 && found->length + step <= n / 2) continue;

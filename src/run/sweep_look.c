@@ -77,6 +77,15 @@ static void compare_decks(const sweep *s, size_t point, const provenance *origin
 /* --- results and checkpoints -------------------------------------------------------------------------------- */
 
 /* Of a result that is finished, and this deck's. */
+static void renew(const sweep *s, size_t point, const h5_file *file, sweep_result *r) {
+  sd_model *model = NULL;
+  sd_messages *mine = sd_messages_new();
+  if (r->found.n_rotations > 0 && deck_sweep_model(&s->deck, point, &model, mine) == SD_OK)
+    summary_renew(&r->found, model, file);
+  sd_model_free(model);
+  sd_messages_free(mine);
+}
+
 static void tell_doubts(sweep_result *r) {
   for (size_t k = 0; k < DOUBT_KINDS; k++)
     if (r->found.doubts[k].text) r->doubts |= 1u << k;
@@ -100,6 +109,7 @@ static sd_status look_at_result(const sweep *s, size_t point, sweep_result *r, s
   } else {
     r->has_found = true;
     compare_decks(s, point, &origin, true, r);
+    if (r->status == SWEEP_DONE) renew(s, point, file, r);
     if (r->status == SWEEP_DONE) tell_doubts(r);
   }
   provenance_free(&origin);

@@ -355,3 +355,24 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages) {
   if (status == SD_OK) status = summary_doubts_read(s, file, messages);
   return status;
 }
+
+void summary_renew(summary *s, const sd_model *model, const h5_file *file) {
+  size_t n = s->n_rotations;
+  if (n == 0 || n != model->n_rotations) return;
+  double *bins = malloc(n * SD_BINS * sizeof *bins), *zero = calloc(n, sizeof *zero);
+  sd_state state = {.measured = s->measured,
+                    .n_rotations = n,
+                    .rotation_bin = bins,
+                    .rotation_start = zero,
+                    .rotation_last = zero};
+  bool there = bins && zero && h5_get(file, "/state/bins", SD_I64, 1, &state.bins, NULL) == SD_OK &&
+               h5_get(file, "/state/bin_steps", SD_I64, 1, &state.bin_steps, NULL) == SD_OK &&
+               h5_get(file, "/state/rotation_bin", SD_F64, n * SD_BINS, bins, NULL) == SD_OK;
+  for (size_t k = 0; there && state.bins <= SD_BINS && k < n; k++) {
+    double turned = s->rotations[k].turned;
+    s->rotations[k] = sd_rotation_of(model, &state, k);
+    s->rotations[k].turned = turned;
+  }
+  free(bins);
+  free(zero);
+}

@@ -68,5 +68,8 @@ void summary_free(summary *s);
 bool summary_is_column(const char *name, bool of_body);
 void summary_write(const summary *s, h5_file *file);
 sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
+/* Means and error bars of watched disks as this program takes them from the bins in the file's state, whichever version
+ * ran it. Without such bins nothing changes. */
+void summary_renew(summary *s, const sd_model *model, const h5_file *file);
 
 #endif

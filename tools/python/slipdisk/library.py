@@ -299,7 +299,7 @@ def structured(items, kind):
 
 
 def mean(x, transient=True):
-    """Mean of a correlated, evenly spaced record with one standard error (blocking); a Record of `mean`, `error`,
+    """Mean of a correlated, evenly spaced record with one standard error; a Record of `mean`, `error`,
     `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`."""
     x = np.ascontiguousarray(x, float)
     if x.ndim != 1:

@@ -1,18 +1,18 @@
-/* measure/blocking.h: the parts of sd_mean_of, apart so that each can be tested. */
-#ifndef SLIPDISK_MEASURE_BLOCKING_H
-#define SLIPDISK_MEASURE_BLOCKING_H
+/* measure/error_bar.h: the parts of sd_mean_of, apart so that each can be tested. */
+#ifndef SLIPDISK_MEASURE_ERROR_BAR_H
+#define SLIPDISK_MEASURE_ERROR_BAR_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef struct blocking {
+typedef struct error_bar {
   double error;       /* of the mean; NAN when it cannot be told */
   double correlation; /* integrated correlation time, samples */
-  bool plateau;       /* the rule found a block size */
-} blocking;
+  bool reliable;      /* the record is long enough for it */
+} error_bar;
 
 /* Standard error of the mean of x[0..n) as a stationary record. */
-blocking blocking_error(const double *x, size_t n);
+error_bar error_bar_of(const double *x, size_t n);
 
 typedef struct transient {
   size_t length; /* samples to discard at the start */

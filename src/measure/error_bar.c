@@ -1,4 +1,4 @@
-/* blocking.c: standard error of the mean of a correlated record.
+/* error_bar.c: standard error of the mean of a correlated record.
  *
  * n times its square is the spectral density of the record at frequency zero, S. S is that of the autoregressive
  * model (Burg's, order by AIC) of the means of at most 512 blocks (Heidelberger & Welch, Commun. ACM 24, 233 (1981),
@@ -14,9 +14,9 @@
  * fall out of their means, so there the error is the least that blocks give behind the largest, 16 of them or more,
  * with one standard deviation put back, as what is picked for being low is low by chance as well.
  *
- * The error can be trusted (`plateau`) when the record is at least 50 integrated correlation times long.
+ * The error can be trusted (`reliable`) when the record is at least 50 integrated correlation times long.
  */
-#include "measure/blocking.h"
+#include "measure/error_bar.h"
 
 #include <float.h>
 #include <gsl/gsl_statistics_double.h>
@@ -83,14 +83,14 @@ static bool is_constant(const double *x, size_t n) {
   return high - low <= 8 * DBL_EPSILON * fmax(fabs(low), fabs(high));
 }
 
-blocking blocking_error(const double *x, size_t n) {
-  if (n < SHORTEST) return (blocking){.error = NAN, .correlation = NAN, .plateau = false};
+error_bar error_bar_of(const double *x, size_t n) {
+  if (n < SHORTEST) return (error_bar){.error = NAN, .correlation = NAN, .reliable = false};
   double y[BLOCKS];
   size_t blocks = block_means(x, n, (n + BLOCKS - 1) / BLOCKS, y);
-  if (is_constant(y, blocks)) return (blocking){.error = 0, .correlation = 0.5, .plateau = true};
+  if (is_constant(y, blocks)) return (error_bar){.error = 0, .correlation = 0.5, .reliable = true};
   double square = spectrum_at_zero(y, blocks) / (double)blocks;
   bool noise = !isnan(square), period = !noise && periodic_variance(y, blocks, &square);
   double tau = square / gsl_stats_variance(x, 1, n) * (double)n / 2;
-  return (blocking){
-      .error = sqrt(square), .correlation = tau, .plateau = noise ? (double)n >= LONG * tau : period};
+  bool reliable = noise ? (double)n >= LONG * tau : period;
+  return (error_bar){.error = sqrt(square), .correlation = tau, .reliable = reliable};
 }
