@@ -33,7 +33,7 @@
 #include "measure/error_bar.h"
 #include "model/state.h"
 
-enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16 };
+enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16, BATCHES = 64, ENOUGH = 16 };
 static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;
 
 /* Square of the naive error for truncations 0 .. last batches, of m. */
@@ -54,12 +54,22 @@ static void naive(const double *x, size_t batch, size_t m, size_t last, double *
   }
 }
 
-/* Is x[0..d), or the start of it, unlike x[d..n)? */
+/* Standard deviation of means of `part` of n samples, from those that there are; 0: too few. */
+static double scatter_of(const double *x, size_t n, size_t part) {
+  double y[BATCHES];
+  size_t count = n / part < BATCHES ? n / part : BATCHES;
+  for (size_t k = 0; k < count; k++) y[k] = gsl_stats_mean(x + (n - (k + 1) * part), 1, part);
+  return count < ENOUGH ? 0 : gsl_stats_sd(y, 1, count);
+}
+
+/* Is x[0..d), or the start of it, unlike x[d..n)? Samples that anticorrelate scatter more over a short part than the
+ * error bar of the rest has it. */
 static bool stands_out(const double *x, size_t d, size_t n) {
   double rest = gsl_stats_mean(x + d, 1, n - d), error = error_bar_of(x + d, n - d).error;
   size_t part = d;
   for (int k = 0; k < PARTS && part > 0; k++, part /= 2) {
-    double sigma = error * sqrt(1 + (double)(n - d) / (double)part);
+    double short_one = fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
+    double sigma = hypot(error, short_one);
     /* without an error bar there is nothing against the cut */
     if (!(fabs(gsl_stats_mean(x, 1, part) - rest) <= distinct * sigma)) return true;
   }
