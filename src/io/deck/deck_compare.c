@@ -1,11 +1,13 @@
 /* deck_compare.c: which keys another deck says otherwise; see deck.h.
  *
  * Full decks are compared key by key, and not line by line: a line holds many keys, and what the user wants to know is
- * which -D is missing. What another sweep says of the same point is no difference, since full decks have no sweep.
+ * which -D is missing. What another sweep says of the same point is no difference, since full decks have no sweep; nor
+ * is a key that the other deck lacks and that is here at its default: its program did not know the key.
  */
 #include <string.h>
 
 #include "io/deck/deck.h"
+#include "io/deck/deck_keys.h"
 #include "io/deck/deck_tree.h"
 
 enum { LONGEST_VALUE = 60 };
@@ -56,6 +58,18 @@ static bool is_ignored(const comparison *c, const deck_node *child) {
   return strcmp(child->name, "checkpoint") == 0 || (c->any_title && strcmp(child->name, "title") == 0);
 }
 
+/* Is a key at its default? So it is in the full deck of an older version that did not have the key. */
+static bool is_default(deck *d, const deck_node *n) {
+  const char *table = "";
+  for (const deck_node *group = n->parent; group && group->parent; group = group->parent)
+    if (group->name) table = *table ? deck_format(d, "%s.%s", group->name, table) : group->name;
+  const deck_key *key = NULL;
+  for (size_t t = 0; t < deck_table_count; t++)
+    if (strcmp(deck_tables[t]->name, *table ? table : deck_top.name) == 0)
+      key = deck_key_find(deck_tables[t], n->name);
+  return key && strcmp(deck_value_text(d, n), key->initial) == 0;
+}
+
 static void compare(const comparison *c, const char *path, const deck_node *there, const deck_node *here);
 
 static const char *path_of(deck *d, const char *path, const char *name) {
@@ -75,7 +89,7 @@ static void compare_groups(const comparison *c, const char *path, const deck_nod
   }
   for (size_t k = 0; k < here->n; k++) {
     const deck_node *child = here->child[k];
-    if (!deck_child(there, child->name) && !is_ignored(c, child))
+    if (!deck_child(there, child->name) && !is_ignored(c, child) && !is_default(c->d, child))
       differ(c, path_of(c->d, path, child->name), NULL, child);
   }
 }
