@@ -9,7 +9,7 @@ from . import (configurations, convergence, diffusion, effort, errors, frequency
                oscillator, phase, regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
-from .verdict import NO, OPEN, YES
+from .verdict import NO, OPEN, PAPER, YES
 
 TITLE = "Sustained rotation in a vibrated disk: the paper's figures, computed anew"
 MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, waveform, configurations, phase,
@@ -51,7 +51,7 @@ def options():
 
 
 def draw(results, modules=None, keep=None):
-    """Writes the page; returns its path and the number of each verdict."""
+    """Writes the page; returns its path and the number of each verdict on the paper's statements."""
     study = results.level in levels.STUDIES
     page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html")
     found = []
@@ -67,7 +67,7 @@ def draw(results, modules=None, keep=None):
         summary = statements.sections(results, claims)
         claims += summary[0].claims
         found = summary + found
-    counts = {word: sum(c.verdict == word for c in claims) for word in (YES, NO, OPEN)}
+    counts = {word: sum(c.verdict == word and c.kind == PAPER for c in claims) for word in (YES, NO, OPEN)}
     for section in found:
         page.add(section)
     title = STUDY_TITLE if study else TITLE

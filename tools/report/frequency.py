@@ -88,7 +88,7 @@ def claims(turning, random):
     for phase, title, sign in ((0.0, "in phase", 1), (PI, "in opposite phases", -1)):
         line, slug = turning.where(phase=phase), title.split()[-1].replace("phases", "opposite")
         out.append(signed(f"The sense of rotation {title} does not depend on the frequency.", line.disk("omega"),
-                          line.disk("omega_error"), sign, 
+                          line.disk("omega_error"), sign,
                           names=[name_of(row, "theta_b", "&Theta;") for row in line.rows], slug=f"frequency-{slug}"))
         out.append(better(split(line, "theta_b", "omega_b", BASE_AMPLITUDE)[SCALED] if line else line, title, slug))
     told = [name_of(row, "eps_b", "&epsilon;") for row in random.rows]

@@ -12,6 +12,9 @@ from .runs import slipdisk
 from .style import BLACK, COLOURS, GREY, figure, legend_above, zero_line
 from .verdict import TOLERANCES, decide, missing, none, number, signed, within
 
+PERMANENT = ("The oscillator's drift is that of permanent sliding, <i>A</i>&omega; "
+             "sin(&pi;<i>f</i>/2&mu;<i>mg</i>).")
+
 
 class Record:
     """A result: a disk that cannot turn, on a wall that is shaken along itself; x is that of the disk seen from the
@@ -190,11 +193,10 @@ def claims(found):
         claim = signed(values=[v], errors=[e], sign=direction, what="the drift", **paper("epo-asymmetric"))
         claim.numbers = (f"drift {number(v, e)} with <i>F</i><sub>1</sub> = {number(asymmetric.limits[0])}, "
                          f"<i>F</i><sub>2</sub> = {number(asymmetric.limits[1])}")
-        out += [claim, within("The oscillator's drift is that of permanent sliding, <i>A</i>&omega; "
-                              "sin(&pi;<i>f</i>/2&mu;<i>mg</i>).", v, asymmetric.permanent(), TOLERANCES["equal"],
+        out += [claim, within(PERMANENT, v, asymmetric.permanent(), TOLERANCES["equal"],
                               error=e, slug="epo-permanent")]
     else:
-        out.append(missing(**paper("epo-asymmetric")))
+        out += [missing(**paper("epo-asymmetric")), missing(PERMANENT, slug="epo-permanent")]
     rows = []
     for name, o in found.items():
         rows.append([name, o.push, *o.limits, o.force_min, o.force_max, o.sliding, o.drift, o.drift_error,
