@@ -33,7 +33,7 @@ STATEMENTS = (
     ("cutoff", TRIVIAL, "section 2.1", "The normal force can be zero before the disks part, by the viscous part.", ""),
     ("lambda-path", PAPER, "section 2.2, eq. (4)", "The displacement &lambda; follows from the present positions: on a "
                                                    "closed path without slipping it returns.", ""),
-    ("lambda-energy", PAPER, "section 2.2", "So the energy stored in the skin does not depend on the path, and a "
+    ("lambda-energy", PAPER, "section 2.2", "The energy stored in the skin does not depend on the path, and a "
                                             "closed path without slipping costs nothing.", ""),
     ("damping-ratio", TRIVIAL, "section 3", "&gamma;/2&radic;(<i>k<sub>n</sub>m</i>) = 0.5: underdamped.", ""),
     ("correlation-time", TRIVIAL, "section 3", "<i>t<sub>c</sub>/t<sub>g</sub></i> = &radic;5/<i>c</i>&omega; &asymp; "
@@ -101,7 +101,7 @@ STATEMENTS = (
                                                     "are close to it in between.", ""),
     ("sync-configurations", PAPER, IN_PHASE, f"In phase {S_PM} and {S_MP} cannot be reached.", ""),
     ("sync-period", PAPER, IN_PHASE, "In phase a periodic state is reached whose period is that of the drive.", ""),
-    ("sync-start", PAPER, IN_PHASE, "It is the same regardless of the start.", ""),
+    ("sync-start", PAPER, IN_PHASE, "In phase the periodic state is the same regardless of the start.", ""),
     ("sync-sequence-weak", PAPER, "section 4.1, fig. sync", f"In phase, in a period {S_MM} and {S_PP} follow each "
                                                             f"other (weak drive).", ""),
     ("sync-sequence-strong", PAPER, "section 4.1, fig. sync",
@@ -139,7 +139,7 @@ STATEMENTS = (
     ("async-period", PAPER, OPPOSITE, "In opposite phases a periodic state is reached whose period is that of the "
                                       "drive.",
      ""),
-    ("async-start", PAPER, OPPOSITE, "It is the same regardless of the start (opposite phases).", ""),
+    ("async-start", PAPER, OPPOSITE, "In opposite phases the periodic state is the same regardless of the start.", ""),
     ("eq35-printed", PAPER, "section 4.2, eq. (35)", "Equation (35) as printed gives &Omega; in opposite phases.", ""),
     ("async-approach", PAPER, ASYNC, "In opposite phases &Omega; approaches (35) as &Theta;<sub>b</sub> grows "
                                      "(corrected by the factor &omega;<sub>b</sub>/&pi; that the print lacks).", ""),

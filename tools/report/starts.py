@@ -55,7 +55,7 @@ def start_section(results):
             axes[k].plot(table.column("time") / PERIOD, table.column("omega"), color=COLOURS[n], lw=(3.5, 2.0,
                                                                                                      0.8)[n % 3],
                          label=f"{spin:g}")
-        axes[k].set_title(title, pad=32)
+        axes[k].set_title(title, pad=56)
         axes[k].set_xlabel("time $t/T$")
         if found:
             legend_above(axes[k], 3, title=r"$\Omega$ at the start")
