@@ -69,7 +69,7 @@ STATEMENTS = (
     ("tep-pm", PAPER, "section 4, eq. (17)", TORQUE.format(S_PM, "(17)"), ""),
     ("tep-mp", PAPER, "section 4, eq. (18)", TORQUE.format(S_MP, "(18)"), ""),
     ("catch-up", PAPER, ANALYSIS, "On supports that go on turning one way the upper disk catches up with them.", ""),
-    ("elastic-after", PAPER, ANALYSIS, "Then it performs elastic rotational oscillations: contacts slide no more, and "
+    ("elastic-after", PAPER, ANALYSIS, "After that it performs elastic rotational oscillations: contacts slide no more, and "
                                        "its speed swings about that of the supports.", ""),
     ("tep-torque", PAPER, ANALYSIS, "Under random vibration the mean torque in each configuration is that of its "
                                     "equilibrium (TEP).", "needs the sums by configuration"),
