@@ -1,0 +1,222 @@
+"""What the durations predict: sense and size of the rotation without a free parameter, and which ingredient fails."""
+import math
+
+import numpy as np
+
+from . import mechanism_walk
+from .mechanism import PI, all_coordinates, key
+from .mechanism import points as sweep_points
+from .mechanism_tep import STRONG, chosen
+from .mechanism_tep import points as tep_points
+from .mechanism_theory import SIGNS, Drive, System, covariance, predicted, quadrants, steady
+from .page import Figure, Numbers, Section
+from .style import BLACK, COLOURS, GREY, figure, in_pi, legend_above, zero_line
+from .style import points as draw_points
+from .verdict import CHECK, NO, OPEN, SURE, YES, Claim, decide, missing, number
+
+OMEGA = 20 * PI
+STIFF = {"k_n": 1e5, "gamma_n": 100.0}
+EQUAL = 0.1    # sizes within 10 % count as equal
+STEEP = 0.1 * PI  # tilt of the random rotation
+# Of the drive's true strength: coordinates, amplitude, tilt/pi
+WALKS = (*((("x", "y", "theta"), eps, 0.04) for eps in (2e-5, 5e-5, 1e-4, 3e-4, 1e-3)),
+         *((("x", "y", "theta"), 1e-4, tilt) for tilt in (0.02, 0.08)),
+         *((("theta",), eps, 0.1) for eps in (1e-4, 3e-4, 1e-3, 1e-2)))
+
+
+def walks(results):
+    """Omega over the rms velocity of permanent sliding at the true strength; some seconds for each row."""
+    def make():
+        if results.dry or results.level == "quick":
+            return None
+        rows = []
+        for coordinates, eps, tilt in WALKS:
+            drive = Drive(eps, OMEGA, coordinates=coordinates)
+            value, error, parts = mechanism_walk.mean(System(tilt=tilt * PI), drive)
+            unit = eps * OMEGA
+            rows.append([" ".join(coordinates), eps, tilt, value / unit, error / unit, *parts])
+        names = ("coordinates", "eps_b", "tilt", "omega", "error", *SIGNS, "stuck")
+        return {name: [row[k] for row in rows] for k, name in enumerate(names)}
+    return results.numbers("mechanism-walk", make, digits=6, title="Permanent sliding with the torques (15)-(18) under random "
+                           "vibration, at the true strength of the drive", units="tilt in pi, omega and error in eps_b w")
+
+
+def with_measured(p):
+    """Omega at which the measured torques balance with Gaussian durations."""
+    if not all(math.isfinite(p.part[c]["torque"][0]) for c in SIGNS):
+        return math.nan
+    drive = Drive(p.amplitude, p.omega_b)
+    value = steady({c: p.part[c]["torque"][0] for c in SIGNS}, covariance(p.system, drive))
+    return value / (p.amplitude * p.omega_b)
+
+
+def sections(results):
+    found, gaps = tep_points(results)
+    table = sweep_points(results.sweep("mechanism_rotation"), lambda r: r["eps_b"] * OMEGA)
+    mechanism = sweep_points(results.sweep("mechanism"), lambda r: key(r, "eps_b") * key(r, "omega_b"))
+    random = mechanism.such(lambda r: all_coordinates(r) and abs(key(r, "omega_b") - OMEGA) < 1e-6 and
+                            isinstance(r.get("tilt"), float))
+    walk = walks(results)
+    out = Section("mechanism-size", "Sense and size of the rotation from the durations", "Without a free parameter: (i) "
+                  "<i>strong drive</i>: torques (15)-(18), and the probabilities of the four configurations at a steady &Omega;, "
+                  "as the velocities with which the supports drag the upper disk are Gaussian (their covariance follows from (52) "
+                  "and from the linear response of the upper centre); &Omega; is where the mean torque vanishes. (ii) <i>true "
+                  "strength</i>: <i>I</i>d&Omega;/d<i>t</i> = <i>T</i><sup>&plusmn;&plusmn;</sup> with the same torques and "
+                  "velocities, so that the disk catches up with the supports and goes along with one of them for a while. "
+                  "(iii) <i>measured torques</i> in place of (15)-(18) in (i). Decks <code>inputs/paper/mechanism.cfg</code>, "
+                  "<code>mechanism_rotation.cfg</code>.", new=True, missing=[*gaps, *table.missing])
+    out.figures.append(draw(random, found, table, walk))
+    out.claims = claims(found, random, table, walk)
+    out.tables += tables(random, found, table, walk)
+    return [out]
+
+
+def curve(axis, x, values, colour, style, label):
+    axis.plot(x, values, color=colour, lw=1.1, ls=style, label=label, gid="guide")
+
+
+def draw(random, found, table, walk):
+    picture, axes = figure(3, 1, width=7.8, height=4.1)
+    xyt = walk.where(coordinates="x y theta")
+    for axis, column, where, scale in ((axes[0], "eps_b", {"tilt": 0.04 * PI}, 1.0), (axes[1], "tilt", {"eps_b": 1e-4}, 1 / PI)):
+        line = random.where(**where).sorted(column)
+        if line:
+            draw_points(axis, scale * line.column(column), line.column("omega"), line.column("error"), "simulation", 0, "o",
+                        line="none", ms=5)
+        dense = np.geomspace(1e-5, 1e-3, 30) if column == "eps_b" else np.linspace(0, 0.085 * PI, 40)
+        drives = [(System(tilt=0.04 * PI), Drive(v)) if column == "eps_b" else (System(tilt=v), Drive()) for v in dense]
+        curve(axis, scale * dense, [predicted(s, d) / (d.eps * d.omega) for s, d in drives], BLACK, "-", "strong drive (i)")
+        there = xyt.where(**({"tilt": 0.04} if column == "eps_b" else {"eps_b": 1e-4})).sorted(column)
+        if there:
+            draw_points(axis, there.column(column), there.column("omega"), there.column("error"), "true strength (ii)", 1, "s",
+                        line=":", ms=4)
+        name = "amplitude" if column == "eps_b" else "tilt"
+        mine = sorted({getattr(p, name): p for p in chosen(found, "random", **({"tilt": 0.04 * PI} if column == "eps_b" else
+                                                                             {"amplitude": 1e-4}), omega_b=OMEGA)}.items())
+        if mine:
+            axis.plot([scale * v for v, _ in mine], [with_measured(p) for _, p in mine], "^", color=COLOURS[2], mfc="white",
+                      ms=4.5, label="measured torques (iii)")
+        zero_line(axis)
+        axis.set_title("all coordinates, " + (r"$\theta_T=0.04\pi$" if column == "eps_b" else r"$\epsilon_b=10^{-4}$"),
+                       pad=52, fontsize=10)
+        legend_above(axis, 1, fontsize=8.5, labelspacing=0.15)
+    axes[0].set_xscale("log")
+    in_pi(axes[1].xaxis, 0.04)
+    rotation(axes[2], table, walk.where(coordinates="theta", tilt=0.1))
+    axes[0].set_xlabel(r"amplitude $\epsilon_b$")
+    axes[1].set_xlabel(r"tilt $\theta_T$")
+    axes[2].set_xlabel(r"amplitude $\epsilon_b$")
+    axes[0].set_ylabel(r"$\Omega/\epsilon_b\omega$")
+    return Figure("mechanism-size", picture, "Mean angular velocity in units of the rms velocity of one coordinate: simulation "
+                  "and predictions without a free parameter. Left and middle: random vibration of all coordinates. Right: the "
+                  "supports turn at random and do nothing else, each by its own signal or both by one; open symbols "
+                  "<i>k<sub>n</sub></i> = 10<sup>3</sup>, filled 10<sup>5</sup>; lines: strong drive (i), squares: true strength "
+                  "(ii).", "Angular velocity against amplitude and tilt with predictions without a free parameter")
+
+
+def rotation(axis, table, walk):
+    for k, (own, label) in enumerate((("true", "own signals"), ("false", "one signal"))):
+        for stiff in (False, True):
+            line = rotation_line(table, own, stiff)
+            if line:
+                draw_points(axis, line.column("eps_b"), line.column("omega"), line.column("error"),
+                            label + (", stiff" if stiff else ""), k + 3, "ov"[k], line="none", ms=4.5,
+                            **({"mfc": COLOURS[k + 3]} if stiff else {}))
+        aim = strong_rotation(own == "true")
+        axis.axhline(aim, color=COLOURS[k + 3], lw=1.1, gid="guide")
+    if walk:
+        line = walk.sorted("eps_b")
+        draw_points(axis, line.column("eps_b"), line.column("omega"), line.column("error"), None, 1, "s", line=":", ms=4)
+    zero_line(axis)
+    axis.set_xscale("log")
+    axis.set_title(r"random rotation, $\theta_T=0.1\pi$", pad=52, fontsize=10)
+    if axis.get_legend_handles_labels()[0]:
+        legend_above(axis, 1, fontsize=8.5, labelspacing=0.15)
+
+
+def rotation_line(table, own, stiff):
+    def wanted(row):
+        there = isinstance(row.get("k_n"), float)
+        return row.get("own") == own and there == stiff and (there or abs(row["tilt"] - STEEP) < 1e-6)
+    return table.such(wanted).sorted("eps_b")
+
+
+def strong_rotation(own):
+    return predicted(System(tilt=STEEP, **STIFF), Drive(1 / OMEGA, OMEGA, coordinates=("theta",), own=own))
+
+
+def tables(random, found, table, walk):
+    rows = []
+    for row in sorted(random.rows, key=lambda r: (r["eps_b"], r["tilt"])):
+        p = chosen(found, "random", amplitude=row["eps_b"], tilt=row["tilt"], omega_b=OMEGA)
+        strength = walk.such(lambda w, row=row: w["coordinates"] == "x y theta" and abs(w["eps_b"] / row["eps_b"] - 1) < 1e-6
+                             and abs(w["tilt"] * PI - row["tilt"]) < 1e-6)
+        rows.append([row["eps_b"], row["tilt"] / PI, row["omega"], row["error"],
+                     predicted(System(tilt=row["tilt"]), Drive(row["eps_b"])) / (row["eps_b"] * OMEGA),
+                     *((strength.rows[0]["omega"], strength.rows[0]["error"]) if strength else (math.nan, math.nan)),
+                     with_measured(p[0]) if p else math.nan])
+    out = [Numbers("Size of the rotation, all coordinates", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;",
+                                                             "&Omega;/&epsilon;<sub>b</sub>&omega;", "error", "strong drive (i)",
+                                                             "true strength (ii)", "error", "measured torques (iii)"], rows)]
+    rows = [[row["own"] == "true" and "own signals" or "one signal", key(row, "k_n"), row["eps_b"],
+             (row["tilt"] if isinstance(row.get("tilt"), float) else STEEP) / PI, row["omega"], row["error"]] for row in table.rows]
+    return [*out, Numbers("Random rotation", ["", "<i>k<sub>n</sub></i>", "&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;",
+                                              "&Omega;/&epsilon;<sub>b</sub>&omega;", "error"], rows)]
+
+
+def equal(text, value, error, aim, aim_error, slug):
+    off, spread = value / aim - 1, math.hypot(error, aim_error * value / aim) / abs(aim)
+    verdict = YES if abs(off) + spread <= EQUAL else NO if abs(off) - SURE * spread > EQUAL else OPEN
+    return Claim(text, verdict, f"&Omega;/&epsilon;<sub>b</sub>&omega; = {number(value, error)}, predicted "
+                 f"{number(aim, aim_error or None)}: a ratio of {number(value / aim, spread)} (counted as equal up to "
+                 f"{100 * EQUAL:g} %)", kind=CHECK, slug=slug)
+
+
+def claims(found, random, table, walk):
+    out = [sense(found)]
+    for own, word, slug in (("true", "each by its own signal", "size-own"), ("false", "both by one signal", "size-one")):
+        text = (f"Supports that turn at random, {word}: at strong drive and with stiff disks &Omega; is that of the torques "
+                "(15)-(18) and of Gaussian durations (i).")
+        line = rotation_line(table, own, True)
+        line = line.such(lambda r: r["eps_b"] > 0.9e-3)
+        if not line:
+            out.append(missing(text, kind=CHECK, slug=slug))
+            continue
+        weight = 1 / line.column("error") ** 2
+        value = float(np.sum(weight * line.column("omega")) / np.sum(weight))
+        out.append(equal(text, value, float(1 / math.sqrt(np.sum(weight))), strong_rotation(own == "true"), 0.0, slug))
+    row = next(iter(random.where(eps_b=1e-4, tilt=0.04 * PI).rows), None)
+    mine = chosen(found, "random", amplitude=1e-4, tilt=0.04 * PI, omega_b=OMEGA)
+    there = walk.where(coordinates="x y theta", eps_b=1e-4, tilt=0.04)
+    for text, slug, aim in (
+            ("All coordinates, &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt 0.04&pi;: strong drive (i) gives the size.",
+             "size-strong", (predicted(System(tilt=0.04 * PI), Drive()) / (1e-4 * OMEGA), 0.0)),
+            ("The same with measured torques (iii).", "size-measured", (with_measured(mine[0]), 0.0) if mine else None),
+            ("The same at the true strength of the drive (ii).", "size-walk",
+             (there.rows[0]["omega"], there.rows[0]["error"]) if there else None)):
+        if row is None or aim is None or not math.isfinite(aim[0]):
+            out.append(missing(text, kind=CHECK, slug=slug))
+        else:
+            out.append(equal(text, row["omega"], row["error"], *aim, slug))
+    return out
+
+
+def sense(found):
+    """Sign of the TEP torques with the durations measured at zero tilt against that of Omega."""
+    text = ("The durations measured without tilt, with the TEP torques just after tilting, predict the sense: random, in phase "
+            "and opposite phases.")
+    told, fine = [], []
+    for drive, title, where in STRONG:
+        line = chosen(found, drive, **where)
+        level = [p for p in line if p.tilt == 0]
+        tilted = sorted((p for p in line if p.tilt > 0), key=lambda p: p.tilt)
+        if not level or not tilted:
+            return missing(text, kind=CHECK, slug="weights-sense")
+        torque = tilted[0].balance(level[0])
+        sense_of = tilted[0].omega
+        fine.append(bool(np.sign(torque) == np.sign(sense_of[0]) and abs(sense_of[0]) > SURE * (sense_of[1] or 0.0)))
+        parts = ", ".join(f"{level[0].share(c):.3f}" for c in SIGNS)
+        told.append(f"{title}: durations {parts}, torque {number(torque)}, &Omega; = {number(*sense_of)} at tilt "
+                    f"{tilted[0].tilt / PI:g} &pi;")
+    return decide(text, all(fine), "; ".join(told) + " (durations of S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, "
+                  "S<sup>&minus;&minus;</sup>)", kind=CHECK, slug="weights-sense")
