@@ -6,14 +6,16 @@ import sys
 import time
 
 from . import (configurations, convergence, diffusion, effort, errors, frequency, geometry, levels, markdown,
-               oscillator, phase, regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
+               mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep, oscillator, phase,
+               regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
 from .verdict import NO, OPEN, PAPER, YES
 
 TITLE = "Sustained rotation in a vibrated disk: the paper's figures, computed anew"
 MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, waveform, configurations, phase,
-           convergence, frequency, effort)
+           mechanism_tep, mechanism_size, mechanism_noise, mechanism_scan, mechanism_portrait, convergence, frequency,
+           effort)
 STUDY_TITLE = "Three disks: time to a given error"
 STUDY_MODULES = (errors, effort)
 

@@ -4,7 +4,7 @@ import math
 import numpy as np
 
 from .data import DISK, Table
-from .verdict import survival
+from .verdict import sliding, survival
 
 PI = math.pi
 FEW = 4  # replicas: the scatter of fewer says little
@@ -19,6 +19,11 @@ def key(row, name):
 
 def all_coordinates(row):
     return "x" in (row.get("coordinates") or "x")
+
+
+def name_of(configuration):
+    """S with its signs in HTML; configuration: "pm" say."""
+    return sliding("".join("+" if letter == "p" else "-" for letter in configuration))
 
 
 def mean(members, column):

@@ -54,12 +54,15 @@ def theory(case, eps, tilt):
 
 
 def sections(results):
-    table = points(results.sweep("mechanism_noise"), lambda row: row["eps_b"] * OMEGA)
     out = Section("mechanism-noise", "Which noise is rectified", "Deck <code>inputs/paper/mechanism_noise.cfg</code>: "
                   "random vibration (52) of single coordinates, of one support only, and of both supports by the same "
-                  "signals. Errors are those of the scatter of replicas. Theory: permanent sliding with the torques (15)-(18) "
-                  "at strong drive, the supports' velocities and the linear response of the upper centre being Gaussian "
-                  "(no free parameter).", new=True, missing=list(table.missing))
+                  "signals. Errors are those of the scatter of replicas. Theory: permanent sliding with the torques "
+                  "(15)-(18) "
+                  "at strong drive, the supports' velocities and the linear response of the upper centre being "
+                  "Gaussian "
+                  "(no free parameter).", new=True)
+    table = points(results.sweep("mechanism_noise"), lambda row: row["eps_b"] * OMEGA)
+    out.missing = list(table.missing)
     for row in table.rows:
         row["case"] = case_of(row)
     lines = {(case[0], eps): table.where(case=case[0], eps_b=eps).sorted("tilt") for case in CASES
@@ -73,7 +76,8 @@ def sections(results):
     out.tables.append(Numbers("All points", ["noise", "&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;",
                                              "&Omega;/&epsilon;<sub>b</sub>&omega;", "error", "strong drive",
                                              "S<sup>++</sup>", "S<sup>+&minus;</sup>", "S<sup>&minus;+</sup>",
-                                             "S<sup>&minus;&minus;</sup>", "a contact sticks", "a contact is open"], rows))
+                                             "S<sup>&minus;&minus;</sup>", "a contact sticks",
+                                             "a contact is open"], rows))
     return [out]
 
 
@@ -97,9 +101,12 @@ def draw(lines, amplitudes):
         axes[i, 0].set_ylabel(r"$\Omega/\epsilon_b\omega$")
     for axis in axes[-1]:
         axis.set_xlabel(r"tilt $\theta_T$")
-    return Figure("mechanism-noise", picture, "Mean angular velocity against tilt for single coordinates of the vibration, "
-                  "in units of the rms velocity of one coordinate. Left: each coordinate of each support by its own signal; "
-                  "middle: both supports by the same signals; right: one support vibrates, the other rests. Lines join points.",
+    return Figure("mechanism-noise", picture, "Mean angular velocity against tilt for single coordinates of the "
+                                              "vibration, "
+                  "in units of the rms velocity of one coordinate. Left: each coordinate of each support by its own "
+                  "signal; "
+                  "middle: both supports by the same signals; right: one support vibrates, the other rests. Lines "
+                  "join points.",
                   "Angular velocity against tilt for single coordinates, one support, and equal signals")
 
 
@@ -145,12 +152,13 @@ def one_support(lines, table):
     if not rows:
         return missing(text, kind=CHECK, slug="noise-one-support")
     z = [row["omega"] / row["error"] for _, _, row in rows]
-    told = "; ".join(f"{side} at &epsilon;<sub>b</sub> = {eps:g}: {number(row['omega'], row['error'])}" for eps, side, row in rows)
+    told = "; ".join(f"{side} at &epsilon;<sub>b</sub> = {eps:g}: {number(row['omega'], row['error'])}"
+                     for eps, side, row in rows)
     sure = [abs(v) > SURE for v in z]
-    return Claim(text, YES if all(sure) else NO if not any(sure) else OPEN, told + " (&Omega;/&epsilon;<sub>b</sub>&omega;). "
-                 "Theory has none: without tilt the torques of S<sup>++</sup>, S<sup>&minus;&minus;</sup> are opposite, those of "
-                 "S<sup>+&minus;</sup>, S<sup>&minus;+</sup> zero, whatever the supports do", kind=CHECK,
-                 slug="noise-one-support")
+    told += (" (&Omega;/&epsilon;<sub>b</sub>&omega;). Theory has none: without tilt the torques of S<sup>++</sup> and "
+             "S<sup>&minus;&minus;</sup> are opposite, those of S<sup>+&minus;</sup>, S<sup>&minus;+</sup> zero, "
+             "whatever the supports do")
+    return Claim(text, YES if all(sure) else NO if not any(sure) else OPEN, told, kind=CHECK, slug="noise-one-support")
 
 
 def mirror(lines, table):

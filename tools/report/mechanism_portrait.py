@@ -70,24 +70,29 @@ def drive_of(results, name):
 
 
 def equilibria(system):
-    """Centre of the upper disk at the translational equilibrium of each configuration, from where the disks just touch."""
+    """Centre of the upper disk at the translational equilibrium of each configuration, from where the disks just "
+      "touch."""
     s, c = math.sin(system.theta_h), math.cos(system.theta_h)
     towards = np.array([[-s, -c], [s, -c]])
     return {key: np.linalg.solve(towards, np.array(forces(system, signs)) / system.k_n) for key, signs in SIGNS.items()}
 
 
 def sections(results):
-    tables = {name: numbers(results, name) for name, _ in RUNS}
-    out = Section("mechanism-portrait", "Phase portraits", "One period 2&pi;/&omega;, tilt 0.04&pi;: random vibration at "
-                  "&epsilon;<sub>b</sub> = 10<sup>&minus;4</sup> (<code>inputs/three_disk/random.cfg</code>), supports that "
+    out = Section("mechanism-portrait", "Phase portraits", "One period 2&pi;/&omega;, tilt 0.04&pi;: random "
+                                                           "vibration at "
+                  "&epsilon;<sub>b</sub> = 10<sup>&minus;4</sup> (<code>inputs/three_disk/random.cfg</code>), "
+                  "supports that "
                   "turn in phase and in opposite phases at &Theta;<sub>b</sub> = 0.04 (<code>sync.cfg</code>, "
-                  "<code>async.cfg</code>).", new=True, missing=[f"{n}: not run yet" for n, t in tables.items() if not t])
+                  "<code>async.cfg</code>).", new=True)
+    tables = {name: numbers(results, name) for name, _ in RUNS}
+    out.missing = [f"{name}: not run yet" for name, table in tables.items() if not table]
     amplitudes = {name: drive_of(results, name) for name, _ in RUNS}
     film = numbers(results, FILM)
     told = ""
     if film:
         mechanism_film.write(film, results.folder)
-        told = (' <a href="figures/cycle.gif">A film</a> shows one period in opposite phases (&Theta;<sub>b</sub> = 0.002), '
+        told = (' <a href="figures/cycle.gif">A film</a> shows one period in opposite phases '
+                "(&Theta;<sub>b</sub> = 0.002), "
                 "angles and displacements magnified.")
     out.figures.append(draw(tables, amplitudes, told))
     return [out]
@@ -111,11 +116,11 @@ def draw(tables, amplitudes, told):
         x, y = 1e4 * table.column("x"), 1e4 * table.column("y")
         for axis, a, b in ((above, angle, velocity), (below, x, y)):
             axis.plot(a, b, color=LIGHT, lw=0.8, zorder=1, gid="guide")
-            for n, key in enumerate(ORDER):
+            for key, colour in zip(ORDER, (*COLOURS[:4], GREY, BLACK)):
                 mask = part == key
                 if mask.any() or k == 0:
-                    axis.plot(a[mask], b[mask], ".", ms=3.5, color=COLOURS[n] if key in SIGNS else GREY if key == "stick"
-                              else BLACK, label=CONFIGURATIONS[key][0], zorder=2 + (key in SIGNS))
+                    axis.plot(a[mask], b[mask], ".", ms=3.5, color=colour, label=CONFIGURATIONS[key][0],
+                              zorder=2 + (key in SIGNS))
         for n, (key, place) in enumerate(points.items()):
             below.plot(*(1e4 * place), marker="*", ms=11, mfc=COLOURS[n], mec=BLACK, mew=0.7, ls="none", zorder=5)
         above.set_xlabel(r"$(\theta+\theta_1)\,/\,$amplitude")
@@ -123,7 +128,9 @@ def draw(tables, amplitudes, told):
     axes[0, 0].set_ylabel(r"$(\Omega+\dot\theta_1)\,/\,$velocity")
     axes[1, 0].set_ylabel(r"$y\times10^4$")
     legend_below(picture, axes[0, 0], 6, markerscale=2, columnspacing=1, handletextpad=0.2)
-    return Figure("mechanism-portrait", picture, "Above: velocity of the upper disk relative to the left support's surface "
-                  "against their relative angle. Below: way of the upper disk's centre from where the disks just touch; "
+    return Figure("mechanism-portrait", picture, "Above: velocity of the upper disk relative to the left support's "
+                                                 "surface "
+                  "against their relative angle. Below: way of the upper disk's centre from where the disks just "
+                  "touch; "
                   "stars: translational equilibrium points of the four configurations, in their colours. Grey dots: a "
                   "contact sticks." + told, "Phase portraits of the upper disk and the way of its centre")

@@ -101,20 +101,23 @@ def draw(found):
     legend_below(picture, axes.flat, 4)
     return Figure("mechanism-scan", picture, "Mean angular velocity against one parameter at a time, in units of the "
                   "supports' velocity (&Theta;<sub>b</sub>&omega;<sub>b</sub>; random: rms velocity "
-                  "&epsilon;<sub>b</sub>&omega;). Lines: the limit of strong drive with the centre in its equilibrium at "
+                  "&epsilon;<sub>b</sub>&omega;). Lines: the limit of strong drive with the centre in its "
+                  "equilibrium at "
                   "once (no free parameter); they end where a configuration has no equilibrium. Points beyond the axes "
                   "are in the table.", "Angular velocity against aperture, friction, stiffness, damping and frequency")
 
 
 def sections(results):
-    found, gaps = lines(results)
-    out = Section("mechanism-scan", "What the rotation depends on", "Decks <code>inputs/paper/mechanism_scan.cfg</code> "
-                  "(random vibration, &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>; errors from the scatter of replicas) "
+    out = Section("mechanism-scan", "What the rotation depends on", "Decks "
+                                                                    "<code>inputs/paper/mechanism_scan.cfg</code> "
+                  "(random vibration, &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>; errors from the scatter of "
+                  "replicas) "
                   "and <code>mechanism_scan_turning.cfg</code> (parabolas, &Theta;<sub>b</sub> = 0.04), tilt 0.04&pi;, "
                   "everything else as in the paper. <i>k<sub>n</sub></i> is varied at a damping ratio of 0.5, the "
                   "frequency at a fixed velocity of the supports. A quarter apart: half sum of the phases &pi;/2 and "
                   "&minus;&pi;/2 with <i>k<sub>n</sub></i> = 10<sup>5</sup>; all four configurations then last equally "
-                  "long without tilt, which is the premise of (19).", new=True, missing=gaps)
+                  "long without tilt, which is the premise of (19).", new=True)
+    found, out.missing = lines(results)
     out.figures.append(draw(found))
     out.claims = [*(depends(found, name) for name in SLUGS), *aperture_sign(found), short(found)]
     rows = [[drive, name.replace("_", ""), row[name] / (PI if name in ("theta_h", "omega_b") else 1), row["omega"],
@@ -159,7 +162,8 @@ def aperture_sign(found):
     for drive, text, kind, slug in (
             ("random", "The sign of (19) is the sense of rotation under random vibration, at all apertures.", PAPER,
              "aperture-sign"),
-            ("a quarter apart", "Where all four configurations last equally long without tilt, the sense turns over at the "
+            ("a quarter apart", "Where all four configurations last equally long without tilt, the sense turns over "
+                                "at the "
              "aperture at which (19) changes its sign.", CHECK, "aperture-sign-quarter")):
         place = "section 4, eq. (19)" if kind == PAPER else ""
         line = found.get((drive, "theta_h"))
@@ -171,7 +175,8 @@ def aperture_sign(found):
         if drive != "random":
             crossing = fits.crossing(theta, value, error)
             at = crossing[0] / PI if crossing else math.nan
-            out.append(decide(text, bool(abs(at - zero / PI) < 0.005), f"{told}, &Omega; at {at:.4f} &pi; (counted as equal "
+            out.append(decide(text, bool(abs(at - zero / PI) < 0.005), f"{told}, &Omega; at {at:.4f} &pi; (counted "
+                                                                       f"as equal "
                               "up to 0.005 &pi;)", place, kind=kind, slug=slug))
             continue
         beyond, below = theta > zero * 1.02, theta < zero * 0.98
@@ -179,8 +184,10 @@ def aperture_sign(found):
         right = int((value[beyond] > SURE * error[beyond]).sum())
         before = int((value[below] < -SURE * error[below]).sum())
         out.append(Claim(text, NO if wrong else YES if right == beyond.sum() else OPEN,
-                         f"{told}; below it &Omega; is negative by more than {SURE:g} errors at {before} of {below.sum()} "
-                         f"apertures; above it {right} of {beyond.sum()} are positive by more than that, {wrong} negative: "
+                         f"{told}; below it &Omega; is negative by more than {SURE:g} errors at {before} of "
+                         f"{below.sum()} "
+                         f"apertures; above it {right} of {beyond.sum()} are positive by more than that, {wrong} "
+                         f"negative: "
                          "S<sup>+&minus;</sup> and S<sup>&minus;+</sup> last longer than S<sup>++</sup> and "
                          "S<sup>&minus;&minus;</sup> at all of them", place, kind, slug))
     return out
@@ -196,7 +203,8 @@ def short(found):
         value, error = line.column("omega"), line.column("error")
         last, largest = line.rows[-1], float(np.abs(value).max())
         fine.append(abs(value[-1]) + max(error[-1], 0) < 0.02 * largest)
-        told.append(f"{drive}: {number(value[-1], error[-1] if last['replicas'] > 1 else None)} at &omega; = {last['omega_b'] / PI:g} &pi;, at most "
+        told.append(f"{drive}: {number(value[-1], error[-1] if last['replicas'] > 1 else None)} at &omega; = "
+                    f"{last['omega_b'] / PI:g} &pi;, at most "
                     f"{number(largest, digits=2)} at lower frequencies")
     return decide(text, all(fine), "; ".join(told) + " (&Omega; over the supports' velocity, which is the same at all "
                   "frequencies; counted as none below 2 % of the largest)", place, slug="short-configurations")

@@ -37,8 +37,10 @@ def walks(results):
             rows.append([" ".join(coordinates), eps, tilt, value / unit, error / unit, *parts])
         names = ("coordinates", "eps_b", "tilt", "omega", "error", *SIGNS, "stuck")
         return {name: [row[k] for row in rows] for k, name in enumerate(names)}
-    return results.numbers("mechanism-walk", make, digits=6, title="Permanent sliding with the torques (15)-(18) under random "
-                           "vibration, at the true strength of the drive", units="tilt in pi, omega and error in eps_b w")
+    return results.numbers("mechanism-walk", make, digits=6, title="Permanent sliding with the torques (15)-(18) "
+                                                                   "under random "
+                           "vibration, at the true strength of the drive", units="tilt in pi, omega and error in "
+                                                                                 "eps_b w")
 
 
 def with_measured(p):
@@ -51,20 +53,28 @@ def with_measured(p):
 
 
 def sections(results):
+    out = Section("mechanism-size", "Sense and size of the rotation from the durations", "Without a free parameter: "
+                                                                                         "(i) "
+                  "<i>strong drive</i>: torques (15)-(18), and the probabilities of the four configurations at a "
+                  "steady &Omega;, "
+                  "as the velocities with which the supports drag the upper disk are Gaussian (their covariance "
+                  "follows from (52) "
+                  "and from the linear response of the upper centre); &Omega; is where the mean torque vanishes. "
+                  "(ii) <i>true "
+                  "strength</i>: <i>I</i>d&Omega;/d<i>t</i> = <i>T</i><sup>&plusmn;&plusmn;</sup> with the same "
+                  "torques and "
+                  "velocities, so that the disk catches up with the supports and goes along with one of them for a "
+                  "while. "
+                  "(iii) <i>measured torques</i> in place of (15)-(18) in (i). Decks "
+                  "<code>inputs/paper/mechanism.cfg</code>, "
+                  "<code>mechanism_rotation.cfg</code>.", new=True)
     found, gaps = tep_points(results)
     table = sweep_points(results.sweep("mechanism_rotation"), lambda r: r["eps_b"] * OMEGA)
     mechanism = sweep_points(results.sweep("mechanism"), lambda r: key(r, "eps_b") * key(r, "omega_b"))
     random = mechanism.such(lambda r: all_coordinates(r) and abs(key(r, "omega_b") - OMEGA) < 1e-6 and
                             isinstance(r.get("tilt"), float))
     walk = walks(results)
-    out = Section("mechanism-size", "Sense and size of the rotation from the durations", "Without a free parameter: (i) "
-                  "<i>strong drive</i>: torques (15)-(18), and the probabilities of the four configurations at a steady &Omega;, "
-                  "as the velocities with which the supports drag the upper disk are Gaussian (their covariance follows from (52) "
-                  "and from the linear response of the upper centre); &Omega; is where the mean torque vanishes. (ii) <i>true "
-                  "strength</i>: <i>I</i>d&Omega;/d<i>t</i> = <i>T</i><sup>&plusmn;&plusmn;</sup> with the same torques and "
-                  "velocities, so that the disk catches up with the supports and goes along with one of them for a while. "
-                  "(iii) <i>measured torques</i> in place of (15)-(18) in (i). Decks <code>inputs/paper/mechanism.cfg</code>, "
-                  "<code>mechanism_rotation.cfg</code>.", new=True, missing=[*gaps, *table.missing])
+    out.missing = [*gaps, *table.missing]
     out.figures.append(draw(random, found, table, walk))
     out.claims = claims(found, random, table, walk)
     out.tables += tables(random, found, table, walk)
@@ -78,24 +88,26 @@ def curve(axis, x, values, colour, style, label):
 def draw(random, found, table, walk):
     picture, axes = figure(3, 1, width=7.8, height=4.1)
     xyt = walk.where(coordinates="x y theta")
-    for axis, column, where, scale in ((axes[0], "eps_b", {"tilt": 0.04 * PI}, 1.0), (axes[1], "tilt", {"eps_b": 1e-4}, 1 / PI)):
+    for axis, column, where, scale in ((axes[0], "eps_b", {"tilt": 0.04 * PI}, 1.0),
+                                       (axes[1], "tilt", {"eps_b": 1e-4}, 1 / PI)):
         line = random.where(**where).sorted(column)
         if line:
-            draw_points(axis, scale * line.column(column), line.column("omega"), line.column("error"), "simulation", 0, "o",
-                        line="none", ms=5)
+            draw_points(axis, scale * line.column(column), line.column("omega"), line.column("error"), "simulation", 0,
+                        "o", line="none", ms=5)
         dense = np.geomspace(1e-5, 1e-3, 30) if column == "eps_b" else np.linspace(0, 0.085 * PI, 40)
         drives = [(System(tilt=0.04 * PI), Drive(v)) if column == "eps_b" else (System(tilt=v), Drive()) for v in dense]
-        curve(axis, scale * dense, [predicted(s, d) / (d.eps * d.omega) for s, d in drives], BLACK, "-", "strong drive (i)")
+        curve(axis, scale * dense, [predicted(s, d) / (d.eps * d.omega) for s, d in drives], BLACK, "-", "strong "
+                                                                                                         "drive (i)")
         there = xyt.where(**({"tilt": 0.04} if column == "eps_b" else {"eps_b": 1e-4})).sorted(column)
         if there:
-            draw_points(axis, there.column(column), there.column("omega"), there.column("error"), "true strength (ii)", 1, "s",
+            draw_points(axis, there.column(column), there.column("omega"), there.column("error"), "true strength "
+                                                                                                  "(ii)", 1, "s",
                         line=":", ms=4)
-        name = "amplitude" if column == "eps_b" else "tilt"
-        mine = sorted({getattr(p, name): p for p in chosen(found, "random", **({"tilt": 0.04 * PI} if column == "eps_b" else
-                                                                             {"amplitude": 1e-4}), omega_b=OMEGA)}.items())
+        fixed = {"amplitude" if k == "eps_b" else k: v for k, v in where.items()}
+        mine = [p for p in chosen(found, "random", omega_b=OMEGA, **fixed)]
         if mine:
-            axis.plot([scale * v for v, _ in mine], [with_measured(p) for _, p in mine], "^", color=COLOURS[2], mfc="white",
-                      ms=4.5, label="measured torques (iii)")
+            axis.plot([p.amplitude if column == "eps_b" else p.tilt / PI for p in mine],
+                      [with_measured(p) for p in mine], "^", color=COLOURS[2], mfc="white", ms=4.5, label="measured torques (iii)")
         zero_line(axis)
         axis.set_title("all coordinates, " + (r"$\theta_T=0.04\pi$" if column == "eps_b" else r"$\epsilon_b=10^{-4}$"),
                        pad=52, fontsize=10)
@@ -107,10 +119,13 @@ def draw(random, found, table, walk):
     axes[1].set_xlabel(r"tilt $\theta_T$")
     axes[2].set_xlabel(r"amplitude $\epsilon_b$")
     axes[0].set_ylabel(r"$\Omega/\epsilon_b\omega$")
-    return Figure("mechanism-size", picture, "Mean angular velocity in units of the rms velocity of one coordinate: simulation "
-                  "and predictions without a free parameter. Left and middle: random vibration of all coordinates. Right: the "
+    return Figure("mechanism-size", picture, "Mean angular velocity in units of the rms velocity of one coordinate: "
+                                             "simulation "
+                  "and predictions without a free parameter. Left and middle: random vibration of all coordinates. "
+                  "Right: the "
                   "supports turn at random and do nothing else, each by its own signal or both by one; open symbols "
-                  "<i>k<sub>n</sub></i> = 10<sup>3</sup>, filled 10<sup>5</sup>; lines: strong drive (i), squares: true strength "
+                  "<i>k<sub>n</sub></i> = 10<sup>3</sup>, filled 10<sup>5</sup>; lines: strong drive (i), squares: "
+                  "true strength "
                   "(ii).", "Angular velocity against amplitude and tilt with predictions without a free parameter")
 
 
@@ -126,7 +141,8 @@ def rotation(axis, table, walk):
         axis.axhline(aim, color=COLOURS[k + 3], lw=1.1, gid="guide")
     if walk:
         line = walk.sorted("eps_b")
-        draw_points(axis, line.column("eps_b"), line.column("omega"), line.column("error"), None, 1, "s", line=":", ms=4)
+        draw_points(axis, line.column("eps_b"), line.column("omega"), line.column("error"), None, 1, "s", line=":",
+                    ms=4)
     zero_line(axis)
     axis.set_xscale("log")
     axis.set_title(r"random rotation, $\theta_T=0.1\pi$", pad=52, fontsize=10)
@@ -145,23 +161,34 @@ def strong_rotation(own):
     return predicted(System(tilt=STEEP, **STIFF), Drive(1 / OMEGA, OMEGA, coordinates=("theta",), own=own))
 
 
+def strength_at(walk, eps, tilt):
+    """(Omega, error) at the true strength of the drive, all coordinates; NaN where it has not been computed."""
+    there = walk.such(lambda w: w["coordinates"] == "x y theta" and abs(w["eps_b"] / eps - 1) < 1e-6
+                      and abs(w["tilt"] * PI - tilt) < 1e-6)
+    return (there.rows[0]["omega"], there.rows[0]["error"]) if there else (math.nan, math.nan)
+
+
 def tables(random, found, table, walk):
     rows = []
     for row in sorted(random.rows, key=lambda r: (r["eps_b"], r["tilt"])):
-        p = chosen(found, "random", amplitude=row["eps_b"], tilt=row["tilt"], omega_b=OMEGA)
-        strength = walk.such(lambda w, row=row: w["coordinates"] == "x y theta" and abs(w["eps_b"] / row["eps_b"] - 1) < 1e-6
-                             and abs(w["tilt"] * PI - row["tilt"]) < 1e-6)
-        rows.append([row["eps_b"], row["tilt"] / PI, row["omega"], row["error"],
-                     predicted(System(tilt=row["tilt"]), Drive(row["eps_b"])) / (row["eps_b"] * OMEGA),
-                     *((strength.rows[0]["omega"], strength.rows[0]["error"]) if strength else (math.nan, math.nan)),
-                     with_measured(p[0]) if p else math.nan])
-    out = [Numbers("Size of the rotation, all coordinates", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;",
-                                                             "&Omega;/&epsilon;<sub>b</sub>&omega;", "error", "strong drive (i)",
-                                                             "true strength (ii)", "error", "measured torques (iii)"], rows)]
-    rows = [[row["own"] == "true" and "own signals" or "one signal", key(row, "k_n"), row["eps_b"],
-             (row["tilt"] if isinstance(row.get("tilt"), float) else STEEP) / PI, row["omega"], row["error"]] for row in table.rows]
-    return [*out, Numbers("Random rotation", ["", "<i>k<sub>n</sub></i>", "&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;",
-                                              "&Omega;/&epsilon;<sub>b</sub>&omega;", "error"], rows)]
+        eps, tilt = row["eps_b"], row["tilt"]
+        mine = chosen(found, "random", amplitude=eps, tilt=tilt, omega_b=OMEGA)
+        rows.append([eps, tilt / PI, row["omega"], row["error"],
+                     predicted(System(tilt=tilt), Drive(eps)) / (eps * OMEGA),
+                     *strength_at(walk, eps, tilt), with_measured(mine[0]) if mine else math.nan])
+    unit = "&Omega;/&epsilon;<sub>b</sub>&omega;"
+    size = Numbers("Size of the rotation, all coordinates", [
+        "&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;", unit, "error", "strong drive (i)", "true strength (ii)",
+        "error", "measured torques (iii)"], rows)
+    rows = [["own signals" if row["own"] == "true" else "one signal", key(row, "k_n"), row["eps_b"], turned(row) / PI,
+             row["omega"], row["error"]] for row in table.rows]
+    return [size, Numbers("Random rotation", ["", "<i>k<sub>n</sub></i>", "&epsilon;<sub>b</sub>",
+                                              "&theta;<sub>T</sub>/&pi;", unit, "error"], rows)]
+
+
+def turned(row):
+    """Tilt of a row of the random rotation."""
+    return row["tilt"] if isinstance(row.get("tilt"), float) else STEEP
 
 
 def equal(text, value, error, aim, aim_error, slug):
@@ -174,8 +201,10 @@ def equal(text, value, error, aim, aim_error, slug):
 
 def claims(found, random, table, walk):
     out = [sense(found)]
-    for own, word, slug in (("true", "each by its own signal", "size-own"), ("false", "both by one signal", "size-one")):
-        text = (f"Supports that turn at random, {word}: at strong drive and with stiff disks &Omega; is that of the torques "
+    for own, word, slug in (("true", "each by its own signal", "size-own"),
+                            ("false", "both by one signal", "size-one")):
+        text = (f"Supports that turn at random, {word}: at strong drive and with stiff disks &Omega; is that of the "
+                f"torques "
                 "(15)-(18) and of Gaussian durations (i).")
         line = rotation_line(table, own, True)
         line = line.such(lambda r: r["eps_b"] > 0.9e-3)
@@ -187,13 +216,13 @@ def claims(found, random, table, walk):
         out.append(equal(text, value, float(1 / math.sqrt(np.sum(weight))), strong_rotation(own == "true"), 0.0, slug))
     row = next(iter(random.where(eps_b=1e-4, tilt=0.04 * PI).rows), None)
     mine = chosen(found, "random", amplitude=1e-4, tilt=0.04 * PI, omega_b=OMEGA)
-    there = walk.where(coordinates="x y theta", eps_b=1e-4, tilt=0.04)
     for text, slug, aim in (
-            ("All coordinates, &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt 0.04&pi;: strong drive (i) gives the size.",
+            ("All coordinates, &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt 0.04&pi;: strong drive (i) gives "
+             "the size.",
              "size-strong", (predicted(System(tilt=0.04 * PI), Drive()) / (1e-4 * OMEGA), 0.0)),
             ("The same with measured torques (iii).", "size-measured", (with_measured(mine[0]), 0.0) if mine else None),
             ("The same at the true strength of the drive (ii).", "size-walk",
-             (there.rows[0]["omega"], there.rows[0]["error"]) if there else None)):
+             strength_at(walk, 1e-4, 0.04 * PI))):
         if row is None or aim is None or not math.isfinite(aim[0]):
             out.append(missing(text, kind=CHECK, slug=slug))
         else:
@@ -203,7 +232,8 @@ def claims(found, random, table, walk):
 
 def sense(found):
     """Sign of the TEP torques with the durations measured at zero tilt against that of Omega."""
-    text = ("The durations measured without tilt, with the TEP torques just after tilting, predict the sense: random, in phase "
+    text = ("The durations measured without tilt, with the TEP torques just after tilting, predict the sense: "
+            "random, in phase "
             "and opposite phases.")
     told, fine = [], []
     for drive, title, where in STRONG:
@@ -218,5 +248,6 @@ def sense(found):
         parts = ", ".join(f"{level[0].share(c):.3f}" for c in SIGNS)
         told.append(f"{title}: durations {parts}, torque {number(torque)}, &Omega; = {number(*sense_of)} at tilt "
                     f"{tilted[0].tilt / PI:g} &pi;")
-    return decide(text, all(fine), "; ".join(told) + " (durations of S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, "
+    return decide(text, all(fine), "; ".join(told) + " (durations of S<sup>++</sup>, S<sup>+&minus;</sup>, "
+                                                     "S<sup>&minus;+</sup>, "
                   "S<sup>&minus;&minus;</sup>)", kind=CHECK, slug="weights-sense")

@@ -3,12 +3,12 @@ import math
 
 import numpy as np
 
-from .mechanism import PI, all_coordinates, key, mean
+from .mechanism import PI, all_coordinates, key, mean, name_of
 from .mechanism_theory import SIGNS, System, forces, torques
 from .page import Figure, Numbers, Section
 from .style import COLOURS, CONFIGURATIONS, GREY, figure, in_pi, legend_below, zero_line
 from .style import points as draw_points
-from .verdict import CHECK, NO, OPEN, PAPER, SURE, YES, Claim, decide, missing, number, sliding
+from .verdict import CHECK, NO, OPEN, PAPER, SURE, YES, Claim, decide, missing, number
 
 LEAST = 1e-3   # fraction of time below which a configuration does not count
 CLOSE = 0.1    # torques and forces within 10 % count as those of the equilibrium
@@ -61,7 +61,8 @@ class Point:
             if name == "torque":
                 pairs = [(self.part[c]["torque"], self.tep[c])]
             else:
-                pairs = list(zip((self.part[c]["left.force"], self.part[c]["right.force"]), forces(self.system, SIGNS[c])))
+                pairs = [(self.part[c][f"{side}.force"], aim)
+                         for side, aim in zip(("left", "right"), forces(self.system, SIGNS[c]))]
             out += [(value / aim - 1, error / abs(aim) if math.isfinite(error) else 0.0, c)
                     for (value, error), aim in pairs if aim and math.isfinite(value)]
         return out
@@ -88,6 +89,12 @@ VELOCITY = {"random": 1e-4 * 20 * PI, "random rotation": 1e-2 * 20 * PI, "in pha
             "opposite phases": 0.04 * 20 * PI}
 
 
+def values(points_there, configuration, name):
+    """(means, errors) to be drawn; without replicas there are no errors."""
+    pairs = [p.part[configuration][name] for p in points_there]
+    return [value for value, _ in pairs], np.nan_to_num([error for _, error in pairs])
+
+
 def of_velocity(found, drive):
     """The points at the fixed velocity and tilt, by frequency."""
     line = [p for p in found if p.drive == drive and abs(p.tilt / (0.04 * PI) - 1) < 1e-6
@@ -96,12 +103,14 @@ def of_velocity(found, drive):
 
 
 def sections(results):
-    found, gaps = points(results)
-    out = Section("mechanism-tep", "Torque and forces of each configuration", "Means over the time that the contacts spend "
+    out = Section("mechanism-tep", "Torque and forces of each configuration", "Means over the time that the contacts "
+                                                                              "spend "
                   "in each sliding configuration, against the translational equilibrium points (TEPs): the torques "
-                  "(15)-(18) and the normal forces that belong to them. Decks <code>inputs/paper/mechanism.cfg</code> (errors "
+                  "(15)-(18) and the normal forces that belong to them. Decks "
+                  "<code>inputs/paper/mechanism.cfg</code> (errors "
                   "from the scatter of replicas) and <code>mechanism_turning.cfg</code>, key "
-                  "<code>measure.configurations</code>.", new=True, missing=gaps)
+                  "<code>measure.configurations</code>.", new=True)
+    found, out.missing = points(results)
     out.figures += [against_tilt(found), against_frequency(found)]
     out.claims = claims(found)
     rows = []
@@ -110,12 +119,13 @@ def sections(results):
             if p.share(c) <= 0:
                 continue
             part, aim = p.part[c], forces(p.system, SIGNS[c])
-            rows.append([p.drive, p.amplitude, p.omega_b / PI, p.tilt / PI, sliding("".join("+" if s > 0 else "-" for s in SIGNS[c])),
+            rows.append([p.drive, p.amplitude, p.omega_b / PI, p.tilt / PI, name_of(c),
                          *part[""], *part["torque"], p.tep[c], part["torque_sd"][0], *part["left.force"], aim[0],
                          *part["right.force"], aim[1], part["dwell"][0], part["dwell_sd"][0]])
     out.tables.append(Numbers("Torque, normal forces and durations of each configuration", [
-        "drive", "amplitude", "&omega;/&pi;", "&theta;<sub>T</sub>/&pi;", "", "fraction of time", "error", "torque", "error",
-        "(15)-(18)", "standard deviation", "<i>n</i><sub>1</sub>", "error", "TEP", "<i>n</i><sub>2</sub>", "error", "TEP",
+        "drive", "amplitude", "&omega;/&pi;", "&theta;<sub>T</sub>/&pi;", "", "fraction of time", "error", "torque",
+        "error", "(15)-(18)", "standard deviation", "<i>n</i><sub>1</sub>", "error", "TEP", "<i>n</i><sub>2</sub>",
+        "error", "TEP",
         "mean visit", "standard deviation"], rows))
     out.tables.append(durations(found))
     return [out]
@@ -132,14 +142,15 @@ def durations(found):
         rows.append([p.drive, p.amplitude, p.omega_b / PI, *(1e3 * p.part[c]["dwell"][0] for c in (*SIGNS, "stick")),
                      1e3 * t_c, 1e3 / x, 1e3 / y])
     return Numbers("Mean duration of a visit at tilt 0.04&pi;, in 10<sup>&minus;3</sup> time units", [
-        "drive", "amplitude", "&omega;/&pi;", *(sliding("".join("+" if s > 0 else "-" for s in signs)) for signs in SIGNS.values()),
+        "drive", "amplitude", "&omega;/&pi;", *map(name_of, SIGNS),
         "a contact sticks", "<i>t<sub>c</sub></i>", "1/&omega;<sub>x</sub>", "1/&omega;<sub>y</sub>"], rows)
 
 
 def against_tilt(found):
     picture, axes = figure(3, 2, width=7.6, height=5.6, legend=True, sharex=True)
     tilts = np.linspace(0, 0.085 * PI, 60)
-    curves = {c: np.array([[torques(System(tilt=t))[c], *forces(System(tilt=t), SIGNS[c])] for t in tilts]) for c in SIGNS}
+    curves = {c: np.array([[torques(System(tilt=t))[c], *forces(System(tilt=t), SIGNS[c])] for t in tilts])
+              for c in SIGNS}
     for col, (drive, title, where) in enumerate(STRONG):
         line = sorted({p.tilt: p for p in chosen(found, drive, **where)}.values(), key=lambda p: p.tilt)
         above, below = axes[0, col], axes[1, col]
@@ -152,7 +163,7 @@ def against_tilt(found):
                     if shown:
                         axis.plot(tilts / PI, curves[c][:, i], color=COLOURS[k], lw=1, ls="-" if n == 0 else "--",
                                   gid="guide")
-                        draw_points(axis, x, [p.part[c][name][0] for p in there], np.nan_to_num([p.part[c][name][1] for p in there]),
+                        draw_points(axis, x, *values(there, c, name),
                                     CONFIGURATIONS[c][0] if axis is above else None, k, MARKS[k], line="none", ms=4.5,
                                     **({"mfc": COLOURS[k]} if n == 0 and axis is below else {}))
         above.set_title(title)
@@ -162,10 +173,13 @@ def against_tilt(found):
     axes[0, 0].set_ylabel("torque")
     axes[1, 0].set_ylabel("$n_1$ (filled), $n_2$ (open)")
     legend_below(picture, axes.flat, 4)
-    return Figure("mechanism-tep", picture, "Mean torque (above) and normal forces (below) while the contacts are in each "
+    return Figure("mechanism-tep", picture, "Mean torque (above) and normal forces (below) while the contacts are in "
+                                            "each "
                   "configuration, against tilt. Lines: translational equilibrium points (below: solid "
-                  "<i>n</i><sub>1</sub>, dashed <i>n</i><sub>2</sub>). Random: &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>; "
-                  "turning supports: &Theta;<sub>b</sub> = 0.04; &omega; = 20&pi;. Configurations that last less than 0.1 % of the "
+                  "<i>n</i><sub>1</sub>, dashed <i>n</i><sub>2</sub>). Random: &epsilon;<sub>b</sub> = "
+                  "10<sup>&minus;4</sup>; "
+                  "turning supports: &Theta;<sub>b</sub> = 0.04; &omega; = 20&pi;. Configurations that last less "
+                  "than 0.1 % of the "
                   "time are left out.", "Torque and normal forces of each sliding configuration against tilt")
 
 
@@ -179,8 +193,8 @@ def against_frequency(found):
         for k, c in enumerate(SIGNS):
             there = [p for p in line if p.share(c) > LEAST]
             if there:
-                draw_points(axis, [p.omega_b / PI for p in there], [p.part[c]["torque"][0] for p in there],
-                            np.nan_to_num([p.part[c]["torque"][1] for p in there]), CONFIGURATIONS[c][0], k, MARKS[k], line="none", ms=4)
+                draw_points(axis, [p.omega_b / PI for p in there], *values(there, c, "torque"),
+                            CONFIGURATIONS[c][0], k, MARKS[k], line="none", ms=4)
                 axis.axhline(tep[c], color=COLOURS[k], lw=1, gid="guide")
         axis.set_xscale("log")
         in_pi(axis.xaxis)
@@ -190,10 +204,13 @@ def against_frequency(found):
         zero_line(axis)
     axes[0].set_ylabel("torque")
     legend_below(picture, axes[1:2], 4)
-    return Figure("mechanism-short", picture, "Mean torque of each configuration against the frequency of the drive at a fixed "
-                  "velocity of the supports, tilt 0.04&pi;. Lines: TEP. Dotted: frequency &omega;<sub>x</sub> of the upper "
+    return Figure("mechanism-short", picture, "Mean torque of each configuration against the frequency of the drive "
+                                              "at a fixed "
+                  "velocity of the supports, tilt 0.04&pi;. Lines: TEP. Dotted: frequency &omega;<sub>x</sub> of the "
+                  "upper "
                   "centre's horizontal oscillation. Faster than that the centre cannot follow: the torques become "
-                  "&plusmn;&mu;(<i>n</i><sub>1</sub> &plusmn; <i>n</i><sub>2</sub>) of the same forces in all configurations, "
+                  "&plusmn;&mu;(<i>n</i><sub>1</sub> &plusmn; <i>n</i><sub>2</sub>) of the same forces in all "
+                  "configurations, "
                   "which rectify nothing.", "Torque of each configuration against the frequency of the drive")
 
 
@@ -208,25 +225,27 @@ def judged(text, sets, name, place, slug, kind):
     for c in SIGNS:
         those = [x[0] for x in every if x[2] == c]
         if those:
-            told.append(f"{sliding(''.join('+' if s > 0 else '-' for s in SIGNS[c]))} {100 * min(those):+.0f} to "
+            told.append(f"{name_of(c)} {100 * min(those):+.0f} to "
                         f"{100 * max(those):+.0f} %".replace("-", "&minus;"))
     return Claim(text, NO if far else YES if len(near) == len(every) else OPEN,
-                 f"{len(near)} of {len(every)} values at {len(sets)} points are within {100 * CLOSE:g} %, {len(far)} farther by more "
+                 f"{len(near)} of {len(every)} values at {len(sets)} points are within {100 * CLOSE:g} %, {len(far)} "
+                 f"farther by more "
                  f"than {SURE:g} errors: " + ", ".join(told), place, kind, slug)
 
 
 def claims(found):
     tilted = {drive: [p for p in found if p.drive == drive and p.tilt > 0] for drive in VELOCITY}
     base = {drive: [p for p in those if abs(p.omega_b / (20 * PI) - 1) < 1e-6] for drive, those in tilted.items()}
-    strong = {drive: [p for p in base[drive] if abs(p.amplitude * p.omega_b / VELOCITY[drive] - 1) < 1e-3] for drive in VELOCITY}
-    out = [judged("Under random vibration the mean torque of each configuration is that of its TEP.", base["random"], "torque",
-                  f"{PLACE}, eq. (15)-(18)", "tep-torque", PAPER),
-           judged("Under random vibration the TEP gives the mean normal forces.", base["random"], "force", PLACE, "tep-forces",
-                  PAPER)]
+    strong = {drive: [p for p in base[drive] if abs(p.amplitude * p.omega_b / VELOCITY[drive] - 1) < 1e-3]
+              for drive in VELOCITY}
+    out = [judged("Under random vibration the mean torque of each configuration is that of its TEP.", base["random"],
+                  "torque", f"{PLACE}, eq. (15)-(18)", "tep-torque", PAPER),
+           judged("Under random vibration the TEP gives the mean normal forces.", base["random"], "force", PLACE,
+                  "tep-forces", PAPER)]
     for drive in ("in phase", "opposite phases"):
         word = drive.replace(" ", "-")
-        out += [judged(f"Turning {drive}, strongly, the mean torque of each configuration is that of its TEP.", strong[drive],
-                       "torque", "sections 4.1, 4.2", f"tep-torque-{word}", PAPER),
+        out += [judged(f"Turning {drive}, strongly, the mean torque of each configuration is that of its TEP.",
+                       strong[drive], "torque", "sections 4.1, 4.2", f"tep-torque-{word}", PAPER),
                 judged(f"Turning {drive}, strongly, the TEP gives the mean normal forces.", strong[drive], "force", "",
                        f"tep-forces-{word}", CHECK)]
     return [*out, longer(found), *balances(found, {**strong, "random": base["random"]})]
@@ -248,9 +267,11 @@ def longer(found):
             return missing(text, place, slug="tep-correlation-time")
         values = [misfit(p) for p in line]
         fine.append(values[0] < 0.5 * values[-1])
-        told.append(f"{drive}: {100 * values[0]:.0f} % at &omega; = {line[0].omega_b / PI:g} &pi;, {100 * max(values):.0f} % at most, "
+        told.append(f"{drive}: {100 * values[0]:.0f} % at &omega; = {line[0].omega_b / PI:g} &pi;, "
+                    f"{100 * max(values):.0f} % at most, "
                     f"{100 * values[-1]:.0f} % at {line[-1].omega_b / PI:g} &pi;")
-    return decide(text, all(fine), "mean deviation over mean torque, " + "; ".join(told) + " (counted as better when halved "
+    return decide(text, all(fine), "mean deviation over mean torque, " + "; ".join(told) + " (counted as better when "
+                                                                                           "halved "
                   "from the highest to the lowest frequency)", place, slug="tep-correlation-time")
 
 
@@ -262,9 +283,12 @@ def balances(found, those):
     out = []
     if rows:
         worst = max(rows, key=lambda row: row[0])
-        out.append(decide(text, worst[0] < 1e-3, f"at most {number(worst[0], digits=2)} of the sum of their sizes at {len(rows)} points "
-                          f"({worst[1].drive}, amplitude {worst[1].amplitude:g}); what is left is <i>I</i>&Delta;&Omega; over the "
-                          "measured time (counted as zero below 10<sup>&minus;3</sup>)", kind=CHECK, slug="torque-balance-measured"))
+        out.append(decide(text, worst[0] < 1e-3, f"at most {number(worst[0], digits=2)} of the sum of their sizes at "
+                                                 f"{len(rows)} points "
+                          f"({worst[1].drive}, amplitude {worst[1].amplitude:g}); what is left is "
+                          f"<i>I</i>&Delta;&Omega; over the "
+                          "measured time (counted as zero below 10<sup>&minus;3</sup>)", kind=CHECK,
+                          slug="torque-balance-measured"))
     else:
         out.append(missing(text, kind=CHECK, slug="torque-balance-measured"))
     for drive in ("random", "in phase", "opposite phases"):
@@ -273,7 +297,8 @@ def balances(found, those):
 
 
 def balance(drive, those, found):
-    """Have the durations adjusted until the TEP torques balance (41)? What is left over, in units of what they give with the
+    """Have the durations adjusted until the TEP torques balance (41)? What is left over, in units of what they give "
+      "with the
     durations at zero tilt."""
     text = f"With the TEP torques the durations satisfy (41), {drive}{'' if drive == 'random' else ', strong drive'}."
     place, slug = f"{PLACE}, eq. (41)", "torque-balance" + ("" if drive == "random" else "-" + drive.replace(" ", "-"))
@@ -290,5 +315,6 @@ def balance(drive, those, found):
     low, high = min(rows, key=lambda r: r[0]), max(rows, key=lambda r: r[0])
     return Claim(text, NO if far else YES if len(near) == len(rows) else OPEN,
                  "left over, in units of the torque just after tilting (durations as at zero tilt): from "
-                 + " to ".join(f"{number(r[0], r[1] or None)} (amplitude {r[2].amplitude:g}, tilt {r[2].tilt / PI:g} &pi;)" for r in (low, high))
+                 + " to ".join(f"{number(r[0], r[1] or None)} (amplitude {r[2].amplitude:g}, tilt {r[2].tilt / PI:g} "
+                               f"&pi;)" for r in (low, high))
                  + f"; {len(near)} of {len(rows)} points below {UNDONE:g}", place, PAPER, slug)

@@ -1,4 +1,5 @@
-"""Permanent sliding under random and periodic drive: what the paper's torques and the statistics of the supports predict.
+"""Permanent sliding under random and periodic drive: what the paper's torques and the supports' statistics
+predict.
 
 The configuration is set by the signs of w_i - Omega, where w_i is the velocity with which support i drags the upper
 disk's surface. Under the vibration (52) the w_i are Gaussian, and so is the motion of the upper disk's centre that

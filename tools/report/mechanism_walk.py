@@ -1,4 +1,5 @@
-"""Permanent sliding at any strength of a random drive: I dOmega/dt = T(s1, s2) with the torques (15)-(18), s_i = sign(w_i - Omega).
+"""Permanent sliding at any strength of a random drive: I dOmega/dt = T(s1, s2) with the torques (15)-(18) and
+s_i = sign(w_i - Omega).
 
 The supports' velocities w_i are those of (52), with the linear response of the upper centre, so nothing is fitted. The
 disk that catches up with a support goes along with it for a while, as torques are steps: a step of time is implicit.
