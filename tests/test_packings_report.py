@@ -20,9 +20,11 @@ except ImportError:
     sys.exit(0)
 
 from packings import __main__ as study  # noqa: E402
-from packings import compare, depths, flows, outside, plan, scans, statistics  # noqa: E402
+from packings import (compare, depths, disks, drive, each, energy, flows, low, outside, plan, quiet, scans,  # noqa: E402
+                      statistics)
 from packings.plan import Entry  # noqa: E402
 from packings.runs import Campaign  # noqa: E402
+from report.page import Section  # noqa: E402
 from report.runs import overrides  # noqa: E402
 from report.style import plt  # noqa: E402
 from report.verdict import NO, OPEN, YES  # noqa: E402
@@ -127,6 +129,173 @@ class Comparisons(unittest.TestCase):
         """Below the highest disk beside it, in mean diameters."""
         x, y = numpy.array([0, 0, 0, 5.0]), numpy.array([0, 1, 2, 0.0])
         self.assertEqual(list(depths.depths(x, y, numpy.full(4, 0.5))), [2.5, 1.5, 0.5, 0.5])
+
+
+def box(omega, error, drive=1.0, replica=0, **more):
+    """A made-up packing: disks in four contacts that slide, the same rotation in both halves."""
+    omega = numpy.asarray(omega, float)
+    n = len(omega)
+    columns = {name: numpy.ones(n) for name in disks.COLUMNS}
+    columns |= {"omega": omega, "error": numpy.broadcast_to(numpy.asarray(error, float), n).copy(), "omega_first": omega,
+                "omega_second": omega, "persistent": numpy.full(n, 4.0), "radius": numpy.full(n, 0.02)}
+    columns |= {name: numpy.asarray(values, float) for name, values in more.items()}
+    whole = {"drive": drive, "replica": float(replica), "seed": 1.0, "measured": 100.0, "openings": 8.0, "sliding": 0.3,
+             "coordination": 3.5, "wander": 1e-3, "drift": 1e-3, "farthest": 0.1, "noise": 1e-3}
+    return disks.Box(whole, columns)
+
+
+def packings(still, error=1e-4, n=60, count=6, **more):
+    """Packings of which a part of the disks does not turn but for its error bar."""
+    return [box(numpy.where(numpy.arange(n) < round(still * n), error * RNG.normal(size=n), RNG.choice([-1, 1], n)
+                            * RNG.uniform(0.5, 2, n)), error, replica=k, **more) for k in range(count)]
+
+
+class Shares(unittest.TestCase):
+    def test_share(self):
+        """Its error is that of independent disks where packings are alike, and larger where they are not."""
+        alike, unlike = [(30, 60)] * 6, [(10, 60), (50, 60)] * 3
+        self.assertEqual(statistics.share(alike)[0], 0.5)
+        self.assertAlmostEqual(statistics.share(alike)[1], 0.5 / 360 ** 0.5, 4)
+        self.assertGreater(statistics.share(unlike)[1], 3 * statistics.share(alike)[1])
+        self.assertGreater(statistics.share([(0, 60)] * 3)[1], 0)  # none found is not none there
+        self.assertTrue(numpy.isnan(statistics.share([])[0]))
+
+    def test_two_sided(self):
+        self.assertLess(statistics.two_sided(137.7, 220), 1e-5)  # error bars that are too large are found, too
+        self.assertLess(statistics.two_sided(330, 220), 1e-5)
+        self.assertGreater(statistics.two_sided(219, 220), 0.5)
+
+    def test_weighted_power(self):
+        """Points with large scatter count little; the error is what repeated noise makes of the exponent."""
+        x, noise = numpy.array([0.1, 0.2, 0.5, 1, 2]), numpy.array([1.0, 0.5, 0.1, 0.1, 0.1])
+        fits = []
+        for _ in range(200):
+            curves = [dict(zip(x, 3 * x ** 1.7 * numpy.exp(noise * RNG.normal(size=5)))) for _ in range(6)]
+            fits.append(statistics.weighted_power(curves, x))
+        found = numpy.array([(fit.exponent, fit.error, fit.weights) for fit in fits])
+        self.assertAlmostEqual(found[:, 0].mean(), 1.7, delta=0.02)
+        self.assertAlmostEqual(found[:, 1].mean() / found[:, 0].std(), 1, delta=0.25)
+        self.assertAlmostEqual(found[:, 2].mean() / found[:, 0].std(), 1, delta=0.35)
+        bent = [{point: point ** 2 + 0.05 * (1 + 0.01 * RNG.normal()) for point in x} for _ in range(6)]
+        self.assertLess(statistics.weighted_power(bent, x).chance, 1e-3)
+        self.assertEqual(statistics.weighted_power([{0.1: 1.0}], [0.1]).points, 0)  # one point of one packing: no fit
+        str(statistics.weighted_power([], []))
+
+
+class Each(unittest.TestCase):
+    def verdict(self, found):
+        return each.claim(found, 1.0, "each-disk-1").verdict
+
+    def test_verdicts(self):
+        self.assertEqual(self.verdict(packings(0)), YES)
+        self.assertEqual(self.verdict(packings(0.4)), NO)
+        self.assertEqual(self.verdict(packings(0.05)), OPEN)  # a few only
+        self.assertEqual(self.verdict(packings(0.4, error=1)), OPEN)  # error bars as large as what is to be seen
+        self.assertEqual(self.verdict([]), OPEN)
+
+    def test_rattlers_do_not_count(self):
+        """Disks that stand still and are loose refute nothing."""
+        loose = numpy.where(numpy.arange(60) < 24, 1.0, 4.0)
+        found = packings(0.4, persistent=loose)
+        self.assertEqual(self.verdict(found), YES)
+        self.assertEqual(each.census(found)["loose"][0], 0.4)
+        self.assertEqual(each.census(found)["disks"], 216)
+
+    def test_kinds(self):
+        """Sticking for ever, sliding without turning, and what cannot be told are told apart."""
+        one = box([1, 0, 0, 0.5], [1e-3, 1e-3, 1e-3, 1], friction=[1, 0, 1, 1])
+        self.assertEqual(list(each.kind_of(one)), [each.TURNS, each.STICKS, each.SLIDES, each.UNSEEN])
+
+    def test_lasting(self):
+        """A rotation that has died out, or has turned round, does not last."""
+        one = box([1, 1, 1, 1], 1e-3, omega_first=[1, 2, -1, 1], omega_second=[1, 0.1, 1, 0.7])
+        self.assertEqual(each.lasting([one])[0], 0.5)
+
+    def test_chance(self):
+        """Two in a hundred beyond three errors are no rotation."""
+        found = packings(1.0, n=200)
+        counts = each.census(found)
+        self.assertLess(counts[each.TURNS][0], disks.CHANCE)
+        self.assertIn("(0 % when", each.words(counts))
+
+
+class Quiet(unittest.TestCase):
+    def rows(self, turning, opened=0):
+        n = numpy.arange(60)
+        made = []
+        for drive in (0.03, 0.2):
+            found = [box(numpy.where(n < 60 * turning * (drive > 0.1), 1.0, 1e-6), 1e-3, drive, k,
+                         openings=numpy.where(n < opened, 4.0, 0.0)) for k in range(4)]
+            made.append(quiet.row("quiet", 1e5, drive, found))
+        return made
+
+    def test_openings(self):
+        self.assertEqual(quiet.no_openings(self.rows(0.5)).verdict, YES)
+        self.assertEqual(quiet.no_openings(self.rows(0.5, opened=1)).verdict, NO)
+
+    def test_turning_without_openings(self):
+        self.assertEqual(quiet.without_openings(self.rows(0.5)).verdict, YES)
+        self.assertEqual(quiet.without_openings(self.rows(0)).verdict, NO)
+        self.assertEqual(quiet.without_openings(self.rows(0.5, opened=30)).verdict, NO)  # those that open do not count
+
+    def test_fades(self):
+        self.assertEqual(quiet.vanishes(self.rows(0.5)).verdict, YES)
+        self.assertEqual(quiet.vanishes(self.rows(0.5)[::1][:1]).verdict, OPEN)
+        backwards = self.rows(0.5)
+        backwards[0]["drive"], backwards[1]["drive"] = 0.2, 0.03
+        self.assertEqual(quiet.vanishes(backwards).verdict, NO)
+
+
+class Growth(unittest.TestCase):
+    def claims(self, exponent, scatter=0.1):
+        drives = numpy.array([0.1, 0.2, 0.3, 1, 2, 4])
+        table = {d: [box(d ** exponent * numpy.exp(scatter * RNG.normal()) * RNG.choice([-1, 1], 40), 1e-6, d, k)
+                     for k in range(6)] for d in drives}
+        section = Section("drive", "")
+        drive.growth(section, table, drives, 0.5)
+        return {claim.slug: claim.verdict for claim in section.claims}
+
+    def test_growth(self):
+        self.assertEqual(self.claims(2), {"drive-rms": YES, "drive-median": YES})
+        self.assertEqual(self.claims(-2), {"drive-rms": NO, "drive-median": NO})
+        self.assertEqual(self.claims(0.1, scatter=1), {"drive-rms": OPEN, "drive-median": OPEN})
+
+    def test_median_within_its_error(self):
+        """Where half of the disks stand still the median is no rotation, and is not fitted."""
+        self.assertEqual(drive.seen(packings(0.6)[0]), 0)
+        self.assertGreater(drive.seen(packings(0.2)[0]), 0.1)
+
+
+class Shape(unittest.TestCase):
+    def tails(self, draw):
+        return {claim.slug: claim.verdict for claim in low.shape("low", [draw(200) for _ in range(8)])}
+
+    def test_shape(self):
+        self.assertEqual(self.tails(lambda n: RNG.laplace(size=n)), {"low-symmetric": YES, "low-tails": YES})
+        self.assertEqual(self.tails(lambda n: RNG.uniform(-1, 1, n)), {"low-symmetric": YES, "low-tails": NO})
+        self.assertEqual(self.tails(lambda n: RNG.exponential(size=n))["low-symmetric"], NO)
+
+    def test_halves(self):
+        """The same in both halves, and drawn anew."""
+        same = packings(0)
+        self.assertEqual([low.persists("low", same).verdict, low.ranked("low", same).verdict], [YES, YES])
+        anew = [box(b["omega"], 1e-3, omega_second=RNG.permutation(b["omega"])) for b in packings(0)]
+        self.assertEqual([low.persists("low", anew).verdict, low.ranked("low", anew).verdict], [NO, NO])
+
+
+class Energy(unittest.TestCase):
+    def test_friction(self):
+        found = packings(0)
+        for sign, verdict in ((1, YES), (-1, NO)):
+            for one in found:
+                one.columns["friction"] = 2 + sign * numpy.tanh(numpy.abs(one["omega"]) - 1)
+            self.assertEqual(energy.friction("low", found).verdict, verdict)
+
+    def test_level(self):
+        """A cage is told from diffusion."""
+        for exponent, verdict in ((0.0, YES), (0.8, NO)):
+            points = {lag: (list(0.01 * lag ** exponent * (1 + 0.02 * RNG.normal(size=6))), []) for lag in (1, 2, 4, 8, 16)}
+            self.assertEqual(energy.level("1 <i>g</i>", points).verdict, verdict)
 
 
 class Flows(unittest.TestCase):

@@ -11,12 +11,13 @@ from report.page import Page, badge, missing_list
 from report.runs import STOPPED
 from report.verdict import NO, OPEN, YES
 
-from . import (budget, cages, controls, depths, drive, flows, jamming, jumps, large, limits, low, memory, outside, plan,
-               scans, space)
+from . import (budget, cages, controls, depths, drive, each, energy, flows, jamming, jumps, large, limits, low, memory,
+               outside, plan, quiet, scans, space)
 from .runs import ROOT, Campaign, Stopped
 
 TITLE = "Packings: shaken, compressed, poured"
-MODULES = (low, drive, memory, cages, space, jumps, outside, scans, depths, controls, budget, jamming, flows, large)
+MODULES = (low, each, quiet, drive, energy, memory, cages, space, jumps, outside, scans, depths, controls, budget, jamming,
+           flows, large)
 
 
 def options():

@@ -229,7 +229,8 @@ def drive_figure(rows, drives, start):
     axes[1, 0].set_ylim(-0.1, 1.5)
     axes[1, 0].set_ylabel("fraction")
     axes[1, 0].legend(loc="upper left", ncol=2, fontsize=8.5, columnspacing=0.8)
-    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"), ("drift", "of the mean place", "s"),
+    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"),
+                                             ("drift", "of the mean place", "s"),
                                              ("loose", "about it, rattlers", "x"))):
         value, error = columns(rows, name)
         shown = value > 0

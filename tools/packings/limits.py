@@ -5,12 +5,15 @@ from report.page import Section
 from report.verdict import NO, OPEN
 
 KNOWN = (
-    "All boxes hold 60 disks and are ten mean diameters wide: walls touch a good part of the disks. The runs with "
-    "10<sup>4</sup> disks are single packings, their numbers have no error from packings.",
-    "Openings are counted each time: a contact that chatters opens several times in a period. A few loose disks at the "
-    "surface open contacts at any drive, so there is no drive below which the count is zero.",
-    "At low drive most disks at the bottom stick and do not turn at all: the median of |&Omega;| then says little, and "
-    "correlations rest on the disks that do.",
+    "Boxes hold 60 disks unless said otherwise, and are ten mean diameters wide: walls touch a good part of the disks. "
+    "The runs with 10<sup>4</sup> disks are single packings, their numbers have no error from packings.",
+    "Openings are counted each time: a contact that chatters opens several times in a period, and those of rattlers count "
+    "in the means over all contacts.",
+    "A disk that stands still does so within the limit and the time given there: a slower rotation is not seen, and a "
+    "rearrangement later may set it turning.",
+    "Rattlers are told by the contacts at some hundred moments of the measured time; a disk that is caged for half of it "
+    "counts as caged.",
+    "Each drive of a sweep has packings of its own: the scatter of packings is in every curve.",
     "The heap is 60 mean diameters wide and poured from just above its top, which flattens it there; the drum is one "
     "run.",
     "The time step study has the same seeds at each step, but each run deposits its own packing: its points scatter.",

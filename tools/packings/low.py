@@ -53,7 +53,8 @@ def numbers_table(name, found):
                     "openings per contact and period"],
                    [[f"{box.whole['seed']:.0f}", float(np.sum(~box.held)), float(box["omega"][box.held].mean()),
                      box.rms, box.median, box.noise, float(box.turns[box.held].mean()), pearson(*box.halves),
-                     box.spread("rms"), box.whole["coordination"], box.whole["sliding"], box.openings] for box in found])
+                     box.spread("rms"), box.whole["coordination"], box.whole["sliding"], box.openings]
+                    for box in found])
 
 
 def persists(name, found):

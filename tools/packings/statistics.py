@@ -112,7 +112,8 @@ class Power:
         return two_sided(self.chi2, self.points - 2) if self.points > 2 else np.nan
 
     def __str__(self):
-        fit = (f", &chi;&sup2; = {number(self.chi2, digits=2)} for {self.points - 2} (a chance of {100 * self.chance:.2g} %)"
+        fit = (f", &chi;&sup2; = {number(self.chi2, digits=2)} for {self.points - 2} (a chance of "
+               f"{100 * self.chance:.2g} %)"
                if self.points > 2 else "")
         alone = f"; by the weights of the points &plusmn; {number(self.weights, digits=2)}"
         return f"{number(self.exponent, self.error)} ({self.points} drives{fit}{alone})"
