@@ -267,13 +267,16 @@ class Growth(unittest.TestCase):
 
 
 class Shape(unittest.TestCase):
+    def setUp(self):
+        self.rng = numpy.random.default_rng(2)
+
     def tails(self, draw):
         return {claim.slug: claim.verdict for claim in low.shape("low", [draw(200) for _ in range(8)])}
 
     def test_shape(self):
-        self.assertEqual(self.tails(lambda n: RNG.laplace(size=n)), {"low-symmetric": YES, "low-tails": YES})
-        self.assertEqual(self.tails(lambda n: RNG.uniform(-1, 1, n)), {"low-symmetric": YES, "low-tails": NO})
-        self.assertEqual(self.tails(lambda n: RNG.exponential(size=n))["low-symmetric"], NO)
+        self.assertEqual(self.tails(lambda n: self.rng.laplace(size=n)), {"low-symmetric": YES, "low-tails": YES})
+        self.assertEqual(self.tails(lambda n: self.rng.uniform(-1, 1, n)), {"low-symmetric": YES, "low-tails": NO})
+        self.assertEqual(self.tails(lambda n: self.rng.exponential(size=n))["low-symmetric"], NO)
 
     def test_halves(self):
         """The same in both halves, and drawn anew."""

@@ -11,9 +11,14 @@ CHANCE = 0.02    # so many disks that do not turn are beyond three errors, at mo
 LIMIT = 1.96     # errors that an upper limit of 95 % lies above what was found
 PERIOD = 1 / 80  # of the floor
 
-COLUMNS = ("radius", "x", "y", "omega", "error", "omega_first", "omega_second", "persistent", "coordination", "sliding",
-           "openings", "injected", "friction", "viscous", "rms", "displacement")
-DIGITS = 6
+# What is kept of every run's disks (reading.py), and what is kept besides of these.
+KEPT = {"radius": "radius", "omega": "omega", "error": "error", "omega_first": "first", "omega_second": "second",
+        "rms": "rms_place", "coordination": "contacts"}
+MORE = ("persistent", "sliding", "openings", "injected", "friction", "viscous", "displacement")
+COLUMNS = (*KEPT, *MORE)
+WHOLE = {"openings": "openings", "sliding": "sliding_fraction", "coordination": "coordination", "wander": "wander",
+         "drift": "drift", "farthest": "farthest", "noise": "noise", "seed": "seed", "measured": "measured"}
+DIGITS = 5
 RULE = (f"Rattlers are disks with fewer than {HELD} persistent contacts; a contact is persistent when it is closed in "
         f"{100 * SHARE:.0f} % of the stored tables or more.")
 
@@ -101,21 +106,8 @@ def persistent_contacts(run):
     return found
 
 
-def whole_of(run):
-    return {"replica": float(run.parameters.get("r", 0)),
-            "seed": str(run.seed), "measured": run.measured, "openings": run.openings, "sliding": run.sliding_fraction,
-            "coordination": run.coordination, "wander": run.wander, "drift": run.drift, "farthest": run.farthest,
-            "noise": run.noise}
-
-
-def column_of(run, name):
-    if name == "persistent":
-        return persistent_contacts(run)
-    return run.radius if name == "radius" else np.asarray(run.means[name], float)
-
-
 def _runs(campaign, name):
-    runs = [] if name not in campaign.entries else [run for run in campaign.runs(name) if run.has_means]
+    runs = [run for run in campaign.runs(name) if run.has_means] if name in campaign.entries else []
     return sorted(runs, key=lambda run: (run.parameters.get("drive", 0.0), run.parameters.get("r", 0.0)))
 
 
@@ -124,22 +116,24 @@ def boxes(campaign, name, drive=np.nan):
     from kept tables."""
     runs = _runs(campaign, name)
 
-    def whole():
-        rows = [{"drive": float(run.parameters.get("drive", drive)), **whole_of(run)} for run in runs]
-        return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
-
-    def disks():
-        if not runs:
+    def more():
+        if not runs or not all(run.path for run in runs):
             return None
         number = np.concatenate([np.full(run.n_free, k) for k, run in enumerate(runs)])
-        return {"packing": number, **{key: np.concatenate([column_of(run, key) for run in runs]) for key in COLUMNS}}
+        return {"packing": number, **{key: np.concatenate([persistent_contacts(run) if key == "persistent"
+                                                           else run.means[key] for run in runs]) for key in MORE}}
 
-    table = campaign.numbers(f"{name}-packings", whole, f"packings of {name}; means over the measured time")
-    parts = campaign.numbers(f"{name}-disks", disks, f"disks of {name}; packing counts the rows of {name}-packings",
-                             digits=DIGITS)
-    number = parts.column("packing")
-    columns = {key: parts.column(key) for key in COLUMNS}
-    return [Box(row, {key: values[number == k] for key, values in columns.items()}) for k, row in enumerate(table.rows)]
+    table = campaign.numbers(f"cages-{name}", more, "contacts, powers and displacements of disks; packing: counts the "
+                             "runs by drive and replica", DIGITS)
+    number = table.column("packing")
+    columns = {key: table.column(key) for key in MORE}
+    found = []
+    for k, run in enumerate(runs):
+        whole = {"drive": float(run.parameters.get("drive", drive)), "replica": float(run.parameters.get("r", 0)),
+                 **{key: getattr(run, value) for key, value in WHOLE.items()}}
+        own = {key: np.asarray(getattr(run, value), float) for key, value in KEPT.items()}
+        found.append(Box(whole, own | {key: values[number == k] for key, values in columns.items()}))
+    return found
 
 
 def by_drive(found):
@@ -161,7 +155,7 @@ def square_displacements(run):
     step = float(np.median(np.diff(time[chosen]))) if len(chosen) > 1 else np.nan
     if len(chosen) > 1 and time[chosen[-1]] - time[chosen[-2]] < 0.99 * step:  # the end of the run, at another phase
         chosen = chosen[:-1]
-    place = place[chosen][:, run.id] / (2 * float(run.radius.mean()))
+    place = place[chosen][:, np.asarray(run.id, int)] / (2 * float(run.radius.mean()))
     lags = [lag for lag in LAGS if lag < len(place)]
     squares = [np.mean(np.sum((place[lag:] - place[:-lag]) ** 2, axis=2), axis=0) for lag in lags]
     return np.array(lags) * step, np.array(squares)
@@ -173,6 +167,8 @@ def wandering(campaign, name, found):
     runs = _runs(campaign, name)
 
     def make():
+        if not all(run.path for run in runs):
+            return None
         columns = {"packing": [], "lag": [], "held": [], "loose": []}
         for k, (run, box) in enumerate(zip(runs, found)):
             for lag, square in zip(*square_displacements(run)):
@@ -181,5 +177,5 @@ def wandering(campaign, name, found):
                     columns[key].append(value)
         return columns if columns["lag"] else None
 
-    return campaign.numbers(f"{name}-displacements", make, f"rms displacement against time, {name}, in diameters",
+    return campaign.numbers(f"displacements-{name}", make, f"rms displacement against time, {name}, in diameters",
                             digits=DIGITS)

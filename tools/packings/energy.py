@@ -57,7 +57,7 @@ def friction(name, found):
     value, error = within(found, "friction")
     turning = within(found, "friction", lambda box: box.held & box.turns)
     floor = within(found, "injected", floor_disks)
-    verdict = None if not error > 0 else True if value > SURE * error else False if value < SURE * error else None
+    verdict = None if not error >= 0 else True if value > SURE * error else False if value < SURE * error else None
     return decide(f"At {found[0].drive:g} <i>g</i> disks that turn faster lose more by friction.", verdict,
                   f"rank correlation of |&Omega;| and friction within a packing {number(value, error)}, of those that "
                   f"turn {number(*turning)}; of |&Omega;| and the injected power, of disks that the floor works on, "

@@ -51,7 +51,7 @@ def numbers_table(name, found):
                     "beyond 3 errors", "correlation of halves", "wander/diameter", "contacts per "
                                                                                    "disk", "sliding fraction",
                     "openings per contact and period"],
-                   [[f"{box.whole['seed']:.0f}", float(np.sum(~box.held)), float(box["omega"][box.held].mean()),
+                   [[str(box.whole["seed"]), float(np.sum(~box.held)), float(box["omega"][box.held].mean()),
                      box.rms, box.median, box.noise, float(box.turns[box.held].mean()), pearson(*box.halves),
                      box.spread("rms"), box.whole["coordination"], box.whole["sliding"], box.openings]
                     for box in found])
