@@ -211,6 +211,16 @@ class Each(unittest.TestCase):
         one = box([1, 1, 1, 1], 1e-3, omega_first=[1, 2, -1, 1], omega_second=[1, 0.1, 1, 0.7])
         self.assertEqual(each.lasting([one])[0], 0.5)
 
+    def test_smooth(self):
+        """Disks within their errors, as many as a smooth distribution has there, are no sign that some stand still."""
+        smooth = [box(RNG.normal(size=100), 0.05, replica=k) for k in range(24)]
+        self.assertLess(each.census(smooth)[each.TURNS][0], 0.92)
+        self.assertEqual(self.verdict(smooth), YES)
+        for one in smooth:
+            one["omega"][:25] = 0.05 * RNG.normal(size=25)
+        self.assertEqual(self.verdict(smooth), OPEN)
+        self.assertGreater(each.excess(smooth)[0], 3 * each.excess(smooth)[1])
+
     def test_chance(self):
         """Two in a hundred beyond three errors are no rotation."""
         found = packings(1.0, n=200)
