@@ -70,7 +70,8 @@ def of_run(run):
     total = np.bincount(cage.disk, cage.force, run.n_free)
     out["network"] = contacts.response(cage, out["all"] * total * run.radius)
     out["measured"], out["meshed"] = contacts.response(cage, rectified, own=True), contacts.response(cage, rectified)
-    return out
+    drag = np.pi / 2 * contacts.sliding_speed(run, cage)
+    return {name: values * drag if name in PREDICTIONS else values for name, values in out.items()}
 
 
 def three_disks(angle, force, radius):
@@ -185,11 +186,13 @@ def section(campaign):
                   "the share of the time for which it is closed, from tables of contacts at all phases of the floor "
                   "(<code>inputs/packing/cage_memory.cfg</code>, harmonic drive). The theory of three disks has the "
                   "disk in balance for each combination of sliding signs, (13)&ndash;(18); its mean torque over all "
-                  "combinations, as in (19), over the friction that stops the disk is a prediction of "
-                  "&Omega;<sub>i</sub> up to one factor for all disks. Supports: the two contacts below with the "
-                  "largest forces. The covariance of sliding and normal force is that torque as it is in the run: it "
-                  "tells whether the mechanism is the right one where the theory is not. Chances: shuffles of "
-                  "&Omega; among the disks of a packing. Errors: leaving out one packing at a time.",
+                  "combinations, as in (19), over the drag of its contacts is a prediction of &Omega;<sub>i</sub>. "
+                  "Drag: contacts slide to and fro with a mean speed <i>v</i>, the power of friction over &mu; times "
+                  "the normal forces, so that a mean velocity <i>V</i> of the surfaces shifts the mean sign of "
+                  "sliding by 2<i>V</i>/&pi;<i>v</i>. Supports: the two contacts below with the largest forces. The "
+                  "covariance of sliding and normal force is that torque as it is in the run: it tells whether the "
+                  "mechanism is the right one where the theory is not. Chances: shuffles of &Omega; among the disks "
+                  "of a packing. Errors: leaving out one packing at a time.",
                   missing=campaign.missing(*DRIVES))
     if not table:
         out.claims.append(missing("The cage of a disk predicts its &Omega;.", kind="paper", slug="cage-predicts"))
@@ -200,7 +203,8 @@ def section(campaign):
         out.claims += [predicts(drive, part), sense(drive, part), size(drive, part), mechanism(drive, part)]
     out.figures += [scatter_figure(parts), summary_figure(parts)]
     out.tables.append(Numbers("Predictions of &Omega;<sub>i</sub>", [
-        "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors"],
+        "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
+        "measured over predicted"],
         [row for drive, part in parts.items() for row in part.rows(drive)], shown=True))
     return out
 
@@ -209,7 +213,7 @@ class Part:
     """Disks of one drive: Omega over the rms of the packing, predictions likewise."""
 
     def __init__(self, table):
-        self.group = table.column("packing")
+        self.table, self.group = table, table.column("packing")
         self.omega = scaled(table.column("omega"), self.group)
         self.sure = np.abs(table.column("omega")) > 3 * table.column("error")
         self.known = {name: np.isfinite(table.column(name)) for name in PREDICTIONS}
@@ -225,6 +229,20 @@ class Part:
 
     def correlation(self, name, function=pearson):
         return jackknife(pooled(function), self.groups((self.predicted | self.fitted)[name]))
+
+    def torque(self, name):
+        """Correlation of a torque of the theory with that of the measured covariance, over the same drag."""
+        known = self.known[name] & self.known["measured"]
+        groups = [(self.predicted["measured"][known & (self.group == one)],
+                   self.predicted[name][known & (self.group == one)])
+                  for one in np.unique(self.group)]
+        return jackknife(pooled(pearson), groups)
+
+    def slope(self, name):
+        """Measured over predicted, by least squares, with its error."""
+        values = np.nan_to_num(np.column_stack([self.table.column("omega"), self.table.column(name)]))
+        groups = [values[self.group == one] for one in np.unique(self.group)]
+        return jackknife(lambda kept: ratio_of(np.vstack(kept)), groups)
 
     def chance(self, name):
         predicted = (self.predicted | self.fitted)[name]
@@ -245,8 +263,14 @@ class Part:
     def rows(self, drive):
         words = PREDICTIONS | {"linear": "regression, linear", "cage": "regression, Gaussian kernel"}
         return [[drive, words[name], len(self.omega), number(*self.correlation(name)),
-                 number(*self.correlation(name, spearman)), number(*self.sense(name)[:2])]
+                 number(*self.correlation(name, spearman)), number(*self.sense(name)[:2]),
+                 number(*self.slope(name)) if name in PREDICTIONS else ""]
                 for name in (*PREDICTIONS, *self.fitted)]
+
+
+def ratio_of(values):
+    square = np.sum(values[:, 1] ** 2)
+    return float(np.sum(values[:, 0] * values[:, 1]) / square) if square > 0 else np.nan
 
 
 def predicts(drive, part):
@@ -290,10 +314,12 @@ def size(drive, part):
     value, error = part.correlation(best)
     need = np.sqrt(HALF)
     verdict = YES if value - error >= need else NO if value + 2 * error < need else OPEN
-    return Claim(f"At {drive:g} <i>g</i> the theory of three disks in one of its forms predicts &Omega; up to one "
-                 "factor: half of the variance.", verdict,
+    return Claim(f"At {drive:g} <i>g</i> the theory of three disks in one of its forms explains half of the variance "
+                 "of &Omega;.", verdict,
                  f"correlation of the best form ({PREDICTIONS[best]}) {number(value, error)}, {need:.2f} would be "
-                 f"half of the variance, Spearman {number(*part.correlation(best, spearman))}; "
+                 f"half of the variance, Spearman {number(*part.correlation(best, spearman))}; its torque against "
+                 f"the one that is measured: two supports {number(*part.torque('load'))}, all contacts "
+                 f"{number(*part.torque('all'))}; "
                  + "; ".join(f"{PREDICTIONS[name]} {number(*part.correlation(name))}" for name in THEORY
                              if name != best),
                  kind="own check", slug=f"three-disk-theory-predicts-{drive:g}g")
@@ -304,11 +330,11 @@ def mechanism(drive, part):
     need = np.sqrt(HALF)
     verdict = YES if value - error >= need else NO if value + 2 * error < need else OPEN
     return Claim(f"At {drive:g} <i>g</i> the torque that the covariance of sliding and normal force makes, as "
-                 "measured, predicts &Omega; up to one factor: half of the variance.", verdict,
+                 "measured, explains half of the variance of &Omega;.", verdict,
                  f"with neighbours that turn too: correlation {number(value, error)}, Spearman "
                  f"{number(*part.correlation('meshed', spearman))}, right sense for "
-                 f"{percent_of(part.sense('meshed'))}; as if neighbours did not turn "
-                 f"{number(*part.correlation('measured'))}", kind="own check",
+                 f"{percent_of(part.sense('meshed'))}; measured over predicted {number(*part.slope('meshed'))}; as "
+                 f"if neighbours did not turn correlation {number(*part.correlation('measured'))}", kind="own check",
                  slug=f"rectification-predicts-{drive:g}g")
 
 

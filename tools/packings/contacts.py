@@ -113,8 +113,9 @@ def geometry(angle):
 
 
 def response(cage, torque, own=False):
-    """Omega up to one factor, from torques over mu R of all disks: each contact drags with the mean normal force
-    times the mean velocity of its surfaces, R_i Omega_i + R_j Omega_j. own: as if the neighbours did not turn."""
+    """Omega times 2/(pi v), from torques over mu R of all disks, where v is the mean speed of sliding: a small mean
+    velocity of the surfaces, V = R_i Omega_i + R_j Omega_j, on top of a Gaussian one that has no mean shifts the
+    mean sign of sliding by 2 V/(pi v). own: as if the neighbours did not turn."""
     matrix = np.zeros((cage.n, cage.n))
     np.add.at(matrix, (cage.disk, cage.disk), cage.force * cage.radius[cage.disk])
     if not own:
@@ -126,3 +127,9 @@ def response(cage, torque, own=False):
     out = np.full(cage.n, np.nan)
     out[used] = np.linalg.lstsq(matrix[np.ix_(used, used)], torque[used], rcond=1e-6)[0]
     return out
+
+
+def sliding_speed(run, cage, mu=MU):
+    """Mean speed of sliding: the power of friction over mu times the sum of the mean normal forces."""
+    inner = cage.other < cage.n
+    return run.result.totals.power_friction / (mu * (cage.force[~inner].sum() + cage.force[inner].sum() / 2))

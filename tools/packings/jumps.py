@@ -9,7 +9,7 @@ from .memory import DRIVES, VARIANTS, histories
 from .statistics import jackknife
 
 PERIODS = 9      # of the floor, 80 Hz, from frame to frame
-BLOCK = 8        # frames that are averaged: 0.9 s
+BLOCK = 4        # frames that are averaged: 0.45 s
 SHORTEST = 4     # blocks on each side of a jump
 SURE = 6.0       # errors
 LEAST = 0.05     # of the rms of Omega of the packing: smaller jumps do not count
@@ -200,7 +200,7 @@ def section(campaign):
     traced = campaign.numbers("jumps_trace", lambda: read().trace, digits=5)
     out = Section("jumps", "Jumps of &Omega;<sub>i</sub> at rearrangements",
                   "All runs of <code>inputs/packing/cage_memory.cfg</code>. Angles of each disk, taken at the same "
-                  f"phase of the floor, give its mean angular velocity in blocks of {BLOCK} frames (0.9 s). A jump: "
+                  f"phase of the floor, give its mean angular velocity in blocks of {BLOCK} frames (0.45 s). A jump: "
                   f"the mean changes by more than {SURE:g} errors and {LEAST:g} of the packing's rms (binary "
                   "segmentation; errors from the median step between blocks). A rearrangement of its cage: it or a "
                   f"disk that it touches moves for good by more than {MOVE:g} diameters, or a contact of it is "
@@ -270,6 +270,6 @@ def trace_figure(traced, jumps):
     axes[-1].set_xlabel("time (s)")
     return Figure("jumps", picture,
                   f"A disk at {first['drive']:g} <i>g</i>: its angular velocity, its displacement since measuring "
-                  "began, and the number of its contacts, means over 0.9 s. Vertical lines: jumps of &Omega;, full "
+                  "began, and the number of its contacts, means over 0.45 s. Vertical lines: jumps of &Omega;, full "
                   "where its cage rearranges, dotted where it does not.",
                   "Angular velocity, displacement and contacts of a disk against time")
