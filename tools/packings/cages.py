@@ -180,7 +180,8 @@ def regression(odd, even, values, groups, choices):
 
 # --- the section --------------------------------------------------------------------------------------------------
 def section(campaign):
-    table = campaign.numbers("cages", lambda: numbers(campaign), digits=6)
+    table = campaign.numbers("cages", lambda: numbers(campaign), digits=5,
+                             title="mean angular velocity (rad/s), predictions (rad/s) and the cage of each disk")
     out = Section("cages", "&Omega;<sub>i</sub> and its cage",
                   "For each disk the mean places of it and its neighbours, the mean normal force of each contact and "
                   "the share of the time for which it is closed, from tables of contacts at all phases of the floor "

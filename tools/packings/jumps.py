@@ -195,9 +195,12 @@ def section(campaign):
             found.append(Found(campaign))
         return found[0]
 
-    disks = campaign.numbers("jumps_disks", lambda: read().columns(read().disks), digits=5)
-    jumps = campaign.numbers("jumps", lambda: read().columns(read().jumps), digits=5)
-    traced = campaign.numbers("jumps_trace", lambda: read().trace, digits=5)
+    disks = campaign.numbers("jumps_disks", lambda: read().columns(read().disks), digits=5,
+                             title="jumps and rearrangements of each disk; variant: number of the history")
+    jumps = campaign.numbers("jumps", lambda: read().columns(read().jumps), digits=5,
+                             title="jumps of mean angular velocities; sizes over the rms of the packing")
+    traced = campaign.numbers("jumps_trace", lambda: read().trace, digits=5,
+                              title="a disk with a jump, means over 0.45 s: rad/s, mean diameters")
     out = Section("jumps", "Jumps of &Omega;<sub>i</sub> at rearrangements",
                   "All runs of <code>inputs/packing/cage_memory.cfg</code>. Angles of each disk, taken at the same "
                   f"phase of the floor, give its mean angular velocity in blocks of {BLOCK} frames (0.45 s). A jump: "

@@ -128,7 +128,8 @@ def along(neighbours, reach):
 
 # --- the section --------------------------------------------------------------------------------------------------
 def section(campaign):
-    table = campaign.numbers("space", lambda: numbers(campaign), digits=6)
+    table = campaign.numbers("space", lambda: numbers(campaign), digits=6,
+                             title="sums over pairs of disks by distance; case: number of the packing's kind")
     out = Section("space", "How far &Omega;<sub>i</sub> are correlated",
                   "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang; over &lang;&Omega;&sup2;&rang; of pairs of "
                   "disks by the distance of their mean places and by the number of contacts on the shortest way "
