@@ -184,7 +184,7 @@ class Jumps(unittest.TestCase):
         r = rng()
         found = table(drive=2.0, packing=np.repeat(np.arange(10), 20), variant=0.0, together=r.random(200) < together,
                       covered=0.2)
-        disks = table(drive=2.0, packing=np.arange(10.0), variant=0.0, blocks=60.0, shuffled=0.0, events=30.0,
+        disks = table(drive=2.0, packing=np.arange(10.0), variant=0.0, time=60.0, shuffled=0.0, events=30.0,
                       turned=20.0)
         return jumps.judge(2.0, disks, found)[0].verdict
 

@@ -8,12 +8,13 @@ from report.verdict import NO, OPEN, YES, Claim, missing, number
 from .memory import DRIVES, VARIANTS, histories
 from .statistics import jackknife
 
-PERIODS = 9      # of the floor, 80 Hz, from frame to frame
-BLOCK = 4        # frames that are averaged: 0.45 s
+LONGER = {"low": 0.3, "moderate": 2.0}  # entries of plan.py whose runs are long, with few frames
+WIDTH = 0.45     # s: Omega is taken over blocks of this length, or from frame to frame where these are further apart
 SHORTEST = 4     # blocks on each side of a jump
 SURE = 6.0       # errors
 LEAST = 0.05     # of the rms of Omega of the packing: smaller jumps do not count
-MOVE = 2e-3      # mean diameters: smaller displacements do not count
+MOVE = 1e-5      # mean diameters: smaller displacements do not count; a tenth of the overlap that a disk's weight makes
+LOOKS = 5        # tables of contacts in a block from which on shares of the time are told
 SWITCH = 0.5     # a contact is closed for this much more or less of the time than before
 WITHIN = 2       # blocks: as near in time counts as together
 ENOUGH = 10       # jumps without which nothing can be told
@@ -24,25 +25,23 @@ def sections(campaign):
 
 
 # --- change points --------------------------------------------------------------------------------------------------
-def noise(values):
-    """Standard deviation of values about a level that jumps now and then: from the median of their steps."""
-    return 1.4826 * float(np.median(np.abs(np.diff(values)))) / np.sqrt(2)
-
-
 def changes(values, least, sure=SURE, shortest=SHORTEST):
     """Places where the mean of the values changes by at least `least` and by more than so many errors, first those that
     are clearest, then the parts on both sides (binary segmentation). Values from a place on belong to what is after
     it."""
     values = np.asarray(values, float)
-    spread, found = max(noise(values), 1e-12 * float(np.abs(values).max() or 1)), []
+    found, floor = [], 1e-12 * float(np.abs(values).max() or 1)
 
     def look(first, last):
         count = last - first
         if count < 2 * shortest:
             return
-        total = np.cumsum(values[first:last])
+        part = values[first:last]
+        total, square = np.cumsum(part), np.cumsum(part ** 2)
         k = np.arange(shortest, count - shortest + 1)
         before, after = total[k - 1] / k, (total[-1] - total[k - 1]) / (count - k)
+        within = np.maximum(square[-1] - k * before ** 2 - (count - k) * after ** 2, 0) / (count - 2)
+        spread = np.maximum(np.sqrt(within), floor)
         score = np.abs(after - before) / (spread * np.sqrt(1 / k + 1 / (count - k)))
         best = int(np.argmax(score))
         if score[best] > sure and abs(after[best] - before[best]) >= least:
@@ -88,13 +87,14 @@ class Record:
         time = frames.time
         step = np.median(np.diff(time))
         first = int(np.searchsorted(time, run.steps * run.dt - run.measured - step / 2))
-        time, count = time[first:], (len(time) - first - 1) // BLOCK
-        angle = frames["angle"][first:first + count * BLOCK + 1, :run.n_free]
-        place = frames["position"][first:first + count * BLOCK, :run.n_free] / (2 * run.radius.mean())
-        self.width = BLOCK * step
+        frame = max(1, round(WIDTH / step))
+        time, count = time[first:], (len(time) - first - 1) // frame
+        angle = frames["angle"][first:first + count * frame + 1, :run.n_free]
+        place = frames["position"][first:first + count * frame, :run.n_free] / (2 * run.radius.mean())
+        self.width = frame * step
         self.start, self.count = time[0], count
-        self.omega = np.diff(angle[::BLOCK], axis=0).T / self.width
-        self.place = place.reshape(count, BLOCK, run.n_free, 2).mean(axis=1).transpose(1, 2, 0)
+        self.omega = np.diff(angle[::frame], axis=0).T / self.width
+        self.place = place.reshape(count, frame, run.n_free, 2).mean(axis=1).transpose(1, 2, 0)
         self._read_contacts(run)
 
     def _read_contacts(self, run):
@@ -108,6 +108,7 @@ class Record:
         looks = np.bincount(block[(tables.time >= self.start) & (block < self.count)], minlength=self.count)
         seen = np.bincount(which * self.count + block[row][good], minlength=len(pairs) * self.count)
         closed = seen.reshape(len(pairs), self.count) / np.maximum(looks, 1)
+        self.looks = float(looks.mean())
         self.closed = {(int(p >> 32), int(p & 0xffffffff)): share for p, share in zip(pairs, closed)}
 
     def rearrangements(self):
@@ -119,7 +120,7 @@ class Record:
             own.append(moved)
         cage = [list(moved) for moved in own]
         for (a, b), share in self.closed.items():
-            switched = switches(share)
+            switched = switches(share) if self.looks >= LOOKS else []
             for one, other in ((a, b), (b, a)):
                 if one < n:
                     cage[one] += switched
@@ -128,24 +129,34 @@ class Record:
         return cage
 
 
+def runs(campaign):
+    """[(drive, packing and history, run)] with frames and tables of contacts; packings of LONGER count from 100."""
+    found = []
+    for name, drive in DRIVES.items():
+        found += [({"drive": drive, "packing": packing, "variant": VARIANTS.index(variant)}, run)
+                  for (packing, variant), run in sorted(histories(campaign, name).items())]
+    for name, drive in LONGER.items():
+        found += [({"drive": drive, "packing": 100 + k, "variant": 0}, run)
+                  for k, run in enumerate(campaign.runs(name)) if run.has_means]
+    return [(key, run) for key, run in found if len(run.result.frames) > SHORTEST and len(run.result.contacts) > SHORTEST]
+
+
 class Found:
     """Rows of all jumps, rows of all disks, and the traces of the clearest jump, of all runs."""
 
     def __init__(self, campaign):
         self.jumps, self.disks, self.trace, best = [], [], None, 0.0
-        for name, drive in DRIVES.items():
-            for (packing, variant), run in sorted(histories(campaign, name).items()):
-                if len(run.result.frames) < 3 * BLOCK * SHORTEST or not len(run.result.contacts):
-                    continue
-                key = {"drive": drive, "packing": packing, "variant": VARIANTS.index(variant)}
-                record = Record(run)
-                jumps, disks = of_record(record, run.rms)
-                self.jumps += [{**key, **row} for row in jumps]
-                self.disks += [{**key, **row} for row in disks]
-                clear = [row for row in jumps if row["together"] and row["size"] > best]
-                if clear:
-                    row = max(clear, key=lambda row: row["size"])
-                    best, self.trace = row["size"], trace(record, int(row["disk"]), key)
+        for key, run in runs(campaign):
+            record = Record(run)
+            if record.count < 3 * SHORTEST:
+                continue
+            jumps, disks = of_record(record, run.rms)
+            self.jumps += [{**key, **row} for row in jumps]
+            self.disks += [{**key, **row} for row in disks]
+            clear = [row for row in jumps if row["together"] and row["size"] > best]
+            if clear:
+                row = max(clear, key=lambda row: row["size"])
+                best, self.trace = row["size"], trace(record, int(row["disk"]), key)
 
     def columns(self, rows):
         return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
@@ -162,7 +173,7 @@ def of_record(record, rms):
             jumps.append({"disk": i, "time": record.start + k * record.width, "size": size,
                           "together": float(known[k]), "covered": covered})
         events, turned = merged(cage), near(places, record.count)
-        disks.append({"disk": i, "blocks": record.count, "jumps": len(places), "covered": covered,
+        disks.append({"disk": i, "time": record.count * record.width, "jumps": len(places), "covered": covered,
                       "shuffled": len(changes(rng.permutation(omega), LEAST * rms)), "events": len(events),
                       "turned": int(sum(turned[min(k, record.count - 1)] for k in events))})
     return jumps, disks
@@ -200,16 +211,18 @@ def section(campaign):
     jumps = campaign.numbers("jumps", lambda: read().columns(read().jumps), digits=5,
                              title="jumps of mean angular velocities; sizes over the rms of the packing")
     traced = campaign.numbers("jumps_trace", lambda: read().trace, digits=5,
-                              title="a disk with a jump, means over 0.45 s: rad/s, mean diameters")
+                              title="a disk with a jump, means over blocks: rad/s, mean diameters")
     out = Section("jumps", "Jumps of &Omega;<sub>i</sub> at rearrangements",
-                  "All runs of <code>inputs/packing/cage_memory.cfg</code>. Angles of each disk, taken at the same "
-                  f"phase of the floor, give its mean angular velocity in blocks of {BLOCK} frames (0.45 s). A jump: "
-                  f"the mean changes by more than {SURE:g} errors and {LEAST:g} of the packing's rms (binary "
-                  "segmentation; errors from the median step between blocks). A rearrangement of its cage: it or a "
-                  f"disk that it touches moves for good by more than {MOVE:g} diameters, or a contact of it is "
-                  f"closed for {SWITCH:g} of the time more or less than before. Together: within {WITHIN} blocks. By "
-                  "chance: the share of the time that is so near a rearrangement of the disk's cage. Errors: "
-                  "leaving out one run at a time.", missing=campaign.missing(*DRIVES))
+                  "All runs of <code>inputs/packing/cage_memory.cfg</code>, and the long ones of "
+                  "<code>shake_low.cfg</code> and <code>shake_moderate.cfg</code>. Angles of each disk, taken at "
+                  f"the same phase of the floor, give its mean angular velocity in blocks of {WIDTH:g} s, of the "
+                  f"long runs from frame to frame. A jump: the mean changes by more than {SURE:g} errors and "
+                  f"{LEAST:g} of the packing's rms (binary segmentation; errors from the scatter on both sides). A "
+                  "rearrangement of its cage: it or a disk that it touches moves for good by more than "
+                  "10<sup>&minus;5</sup> diameters, a tenth of the overlap that its weight makes, or a contact of "
+                  f"it is closed for {SWITCH:g} of the time more or less than before. Together: within {WITHIN} "
+                  "blocks. By chance: the share of the time that is so near a rearrangement of the disk's cage. "
+                  "Errors: leaving out one run at a time.", missing=campaign.missing(*DRIVES))
     if not disks:
         out.claims.append(missing("&Omega; of a disk jumps when its cage rearranges.", slug="jumps-at-rearrangements"))
         return out
@@ -239,7 +252,7 @@ def judge(drive, disks, jumps):
     mean = [jackknife(lambda g, k=k: float(np.vstack(g)[:, k].mean()), groups) if groups else (np.nan, np.nan)
             for k in range(2)]
     excess = jackknife(lambda g: float(np.diff(np.vstack(g).mean(axis=0))[0]), groups) if groups else (np.nan, np.nan)
-    time = float(disks.column("blocks").sum()) * BLOCK * PERIODS / 80
+    time = float(disks.column("time").sum())
     false, events = disks.column("shuffled").sum(), disks.column("events").sum()
     turned = disks.column("turned").sum() / events if events else np.nan
     verdict = OPEN
@@ -273,6 +286,6 @@ def trace_figure(traced, jumps):
     axes[-1].set_xlabel("time (s)")
     return Figure("jumps", picture,
                   f"A disk at {first['drive']:g} <i>g</i>: its angular velocity, its displacement since measuring "
-                  "began, and the number of its contacts, means over 0.45 s. Vertical lines: jumps of &Omega;, full "
+                  "began, and the number of its contacts, means over blocks. Vertical lines: jumps of &Omega;, full "
                   "where its cage rearranges, dotted where it does not.",
                   "Angular velocity, displacement and contacts of a disk against time")

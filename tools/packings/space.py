@@ -187,7 +187,7 @@ def at(steps, value):
 
 def gears(words, slug, steps):
     value, error, opposite, its = at(steps, 1)
-    verdict = OPEN if not error > 0 else YES if value + SURE * error < 0 else NO if value - error > 0 else OPEN
+    verdict = OPEN if not its > 0 else YES if opposite - SURE * its > 0.5 else NO if opposite + its < 0.5 else OPEN
     return Claim(f"{words}: disks in contact turn against each other, like gears.", verdict,
                  f"correlation of disks in contact {number(value, error)}, {number(100 * opposite, 100 * its)} % of "
                  "them turn in opposite senses (of those that turn for sure)", kind="own check",
@@ -196,7 +196,7 @@ def gears(words, slug, steps):
 
 def second(words, slug, steps):
     value, error, opposite, its = at(steps, 2)
-    verdict = OPEN if not error > 0 else YES if value - SURE * error > 0 else NO if value + error < 0 else OPEN
+    verdict = OPEN if not its > 0 else YES if opposite + SURE * its < 0.5 else NO if opposite - its > 0.5 else OPEN
     return Claim(f"{words}: disks with one disk between them turn alike, as in a train of gears.", verdict,
                  f"correlation over two contacts {number(value, error)}, {number(100 * opposite, 100 * its)} % in "
                  "opposite senses", kind="own check", slug=f"gears-second-{slug}")
