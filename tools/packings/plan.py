@@ -64,7 +64,7 @@ WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "dru
 ENTRIES = {
     "low": Entry("shake_low.cfg", {**_records(125000, 123457), **SIX}, {**SHORT, "sweep.replicas": 2}, first=4),
     "drum": Entry("drum.cfg", {}, {"phases.start.time": 20, "phases.flow.time": 30}, sweep=False),
-    "outside": Entry("outside.cfg", {}, {**SHORT, "sweep.replicas": 2}, first=2),
+    "outside": Entry("outside.cfg", {"sweep.replicas": 4}, {**SHORT, "sweep.replicas": 2}, first=2),
     "cage": Entry("cage.cfg", {}, SHORT),
     "frictionless": Entry("shake_drive.cfg", {"materials[0].mu": 0, **_times(5, 20), "sweep.replicas": 2,
                                               "sweep.parameters.drive.values": "(0.5, 2, "
@@ -77,9 +77,9 @@ ENTRIES = {
                       {**SHORT, "sweep.replicas": 2}, first=3),
     "random": Entry("shake_random.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX},
                     {**SHORT, "sweep.replicas": 2}, first=3),
-    "scan": Entry("shake_scan.cfg", {}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
+    "scan": Entry("shake_scan.cfg", {EACH: 4}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
     "size": Entry("shake_size.cfg", {}, {**SHORT, "sweep.replicas": 1}, first=1),
-    "prepared": Entry("shake_prepared.cfg", {}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
+    "prepared": Entry("shake_prepared.cfg", {EACH: 4}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
     "hopper": Entry("hopper.cfg", {"container.width": 30, "container.height": 75, "phases.flow.time": 150,
                                    "sweep.parameters.outlet.values": "(4, 5, 6, 7, 8, 10)", "sweep.replicas": 3},
                     {"container.height": 35, "sweep.replicas": 1,
