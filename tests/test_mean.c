@@ -79,6 +79,46 @@ static void error_bars_cover(void **unused) {
   gsl_rng_free(random);
 }
 
+/* Increments of an angle that walks at random, by `walk` in squares per sample, under bounded noise of variance 1 and
+ * correlation time tau: of a disk that sticks, is turned elastically to and fro, and slips now and then. */
+static void bounded_noise(gsl_rng *random, size_t n, double tau, double walk) {
+  double rho = exp(-1 / tau), y = gsl_ran_gaussian(random, 1);
+  for (size_t k = 0; k < n; k++) {
+    double next = rho * y + sqrt(1 - rho * rho) * gsl_ran_gaussian(random, 1);
+    x[k] = 5 + next - y + gsl_ran_gaussian(random, sqrt(walk));
+    y = next;
+  }
+}
+
+static void error_bars_of_bounded_noise_cover(void **unused) {
+  (void)unused;
+  enum { SEEDS = BRIEF(200, 100) };
+  const struct {
+    size_t n;
+    double tau, walk,
+        high; /* allowed mean of error/true error; blocks of the rule of Lee et al. gave 1.07 to 2 */
+  } cases[] = {{N, 5, 1, 1.1},  {N, 5, 0.1, 1.15},    {N, 5, 0.02, 1.25},
+               {N, 20, 1, 1.1}, {2441, 1, 0.1, 1.15}, {1024, 5, 0.1, 1.3}};
+  gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+  for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+    double n = (double)cases[c].n, sum = 0, one = 0, two = 0;
+    double expected = sqrt(cases[c].walk / n + 2 * (1 - exp(-n / cases[c].tau)) / (n * n));
+    for (int seed = 0; seed < SEEDS; seed++) {
+      bounded_noise(random, cases[c].n, cases[c].tau, cases[c].walk);
+      sd_mean mean = sd_mean_of(x, cases[c].n, true);
+      sum += mean.error / expected / SEEDS;
+      one += (fabs(mean.mean - 5) < mean.error) / (double)SEEDS;
+      two += (fabs(mean.mean - 5) < 2 * mean.error) / (double)SEEDS;
+    }
+    print_message("  n %4zu tau %2g walk %4g: error/true %.3f, within one error %.3f, two %.3f\n", cases[c].n,
+                  cases[c].tau, cases[c].walk, sum, one, two);
+    between(sum, 0.95, cases[c].high, "error/true error");
+    between(one, 0.58, 0.85, "coverage of one error");
+    between(two, 0.90, 1, "coverage of two errors");
+  }
+  gsl_rng_free(random);
+}
+
 static void slow_records_are_said_not_to_converge(void **unused) {
   (void)unused;
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
@@ -365,6 +405,7 @@ static void sliding_of_a_state(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(error_bars_cover),
+      cmocka_unit_test(error_bars_of_bounded_noise_cover),
       cmocka_unit_test(slow_records_are_said_not_to_converge),
       cmocka_unit_test(constant_records_have_no_error),
       cmocka_unit_test(short_records_have_none_either),

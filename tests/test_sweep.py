@@ -83,6 +83,18 @@ class Whole(ReferenceTest):
                 self.assertAlmostEqual(sum(five), 1)
                 self.assertGreater(float(row["upper.left.force_min"]), 0)
 
+    def test_error_bars_of_older_results(self):
+        """Tables take them from the bins in the result, whatever its summary says."""
+        shutil.copytree(self.reference, self.out)
+        for path in results(self.out).values():
+            with h5py.File(path, "r+") as file:
+                file["summary/rotation/error"][...] = 7
+                file["summary/rotation/scaled_error"][...] = 7
+            self.assertEqual(run("verify", "--seal", path)[0], 0)
+        self.sweep(self.path, "--table")
+        for one, other in zip(rows(self.reference), rows(self.out)):
+            self.assertEqual(one, other)
+
     def test_csv_is_h5(self):
         with h5py.File(self.reference / "table.h5") as file:
             for group, name in ("points", "table.csv"), ("means", "means.csv"):
