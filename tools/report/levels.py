@@ -47,6 +47,7 @@ FIVE = {"sweep[1].replicas": 5}  # of the tilt curve; the first of each is the p
 NOISES = Plan({"phases.measure.time": 100}, {"sweep.parameters.noise.values": "(1, 2, 3, 4, 5, 6, 7, 8)"})
 FEW_SEEDS = {"sweep.parameters.noise.values": "(1, 2, 3)"}
 
+SHORTER = {"sweep.parameters.length.values": "(25, 100)"}  # coverage
 SHORT = {"phases.measure.time": 20}  # random, mechanism
 ONE_EPS = {f"sweep[{k}].parameters.eps_b.values": "(1e-4)" for k in (0, 1)}
 
@@ -83,6 +84,8 @@ SWEEPS = {
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": NOISES, "full": NOISES}),
+    "coverage": ("coverage.cfg", {"quick": Plan({}, {**SHORTER, "sweep.replicas": 20}), "default": Plan({}, SHORTER),
+                                  "full": AS_IS}),
     "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan({"phases.measure.time": 20}),
                                                               "default": AS_IS,
                                                               "full": AS_IS}),
