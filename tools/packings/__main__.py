@@ -6,7 +6,8 @@ import sys
 import time
 from html import escape
 
-from report import markdown
+from report import markdown, summary
+from report.__main__ import collect, keep_all
 from report.page import Page, badge, missing_list
 from report.runs import STOPPED
 from report.verdict import NO, OPEN, YES
@@ -15,6 +16,7 @@ from . import (budget, cages, controls, depths, drive, each, energy, flows, jamm
                outside, plan, quiet, scans, space)
 from .runs import ROOT, Campaign, Stopped
 
+REASONS = {}  # why a statement is not met, by its slug
 TITLE = "Packings: shaken, compressed, poured"
 MODULES = (low, each, quiet, drive, energy, memory, cages, space, jumps, outside, scans, depths, controls, budget, jamming,
            flows, large)
@@ -45,34 +47,21 @@ def options():
     return args
 
 
-def sections(campaign, modules=MODULES):
-    found = []
-    for module in modules:
-        try:
-            found += module.sections(campaign)
-        except Exception as error:  # one figure that fails must not take the others with it
-            if campaign.strict:
-                raise
-            campaign.failed.append(f"figures of {module.__name__}: {type(error).__name__}: {error}")
-    return found
-
-
 def draw(campaign, keep=None, modules=MODULES):
     """Writes the page; returns its path and the number of each verdict."""
     name = "packings" if campaign.level == "default" else f"packings-{campaign.level}"
-    page = Page(campaign.folder, name + ".html")
-    found = sections(campaign, modules)
-    found.append(limits.section(found))
+    page = Page(campaign.folder, name + ".html", campaign.store)
+    found = collect(campaign, modules)
     claims = [claim for section in found for claim in section.claims]
     counts = {word: sum(claim.verdict == word for claim in claims) for word in (YES, NO, OPEN)}
+    found = summary.sections(found, (), REASONS) + found + [limits.section(found)]
     for section in found:
         page.add(section)
     page.write(TITLE, head(campaign, found, counts))
     text = page.path[:-len(".html")] + ".md"
-    markdown.write(text, TITLE, lead(campaign, counts), found, "figures")
+    markdown.write(text, TITLE, lead(campaign), found, data="data-" + campaign.level)
     if keep:
-        keep_in(keep, text, [figure.name for section in found for figure in section.figures])
-        campaign.store.keep(os.path.join(keep, "data", campaign.page), not campaign.failed)
+        keep_all(campaign, keep, text, found, "packings_study.md", "figures/packings")
     return page.path, counts
 
 
@@ -96,29 +85,14 @@ def head(campaign, found, counts):
     return "\n".join(lines)
 
 
-def lead(campaign, counts):
+def lead(campaign):
     """What stands above the Markdown."""
-    return ["What the decks of `inputs/packing` show, statement by statement. The vibrated boxes follow Moukarzel, "
-            "Peraza-Mues and "
-            "Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are single "
-            "standard errors; "
-            "every verdict is computed from the numbers beside it, and *reproduced* means that the statement is "
-            "met.", "",
-            f"Level: {campaign.level}, {plan.DESCRIPTIONS[campaign.level]}.", "",
-            f"Written by `tools/packings.sh --keep docs` with {words_of(campaign)}: "
-            + ", ".join(f"{number} {word}" for word, number in counts.items()) + "."]
-
-
-def keep_in(folder, page, figures):
-    """Copies the Markdown page and its figures to where they stay."""
-    place = os.path.join(folder, "figures", "packings")
-    os.makedirs(place, exist_ok=True)
-    with open(page) as file:
-        text = file.read()
-    with open(os.path.join(folder, "packings_study.md"), "w") as file:
-        file.write(text.replace("](figures/", "](figures/packings/"))
-    for name in figures:
-        markdown.keep_picture(os.path.join(os.path.dirname(page), "figures", name + ".png"), place)
+    return [markdown.text_of(
+        "What the decks of <code>inputs/packing</code> show, statement by statement. The vibrated boxes follow Moukarzel, "
+        "Peraza-Mues and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are single "
+        "standard errors; every verdict is computed from the numbers beside it, and <i>reproduced</i> means that the statement "
+        f"is met. Written by <code>tools/packings.sh</code>, level {campaign.level}: {plan.DESCRIPTIONS[campaign.level]}. "
+        f"Made by {escape(words_of(campaign))}.")]
 
 
 def main():

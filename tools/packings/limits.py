@@ -2,7 +2,6 @@
 import html
 
 from report.page import Section
-from report.verdict import NO, OPEN
 
 KNOWN = (
     "Boxes hold 60 disks unless said otherwise, and are ten mean diameters wide: walls touch a good part of the disks. "
@@ -22,14 +21,10 @@ KNOWN = (
 
 def section(found):
     """found: all other sections."""
-    out = Section("limits", "Limits, and what was not met")
-    parts = ["<br>".join(f"&bull; {text}" for text in KNOWN)]
-    for word, title in ((NO, "Not met"), (OPEN, "Cannot be told")):
-        texts = [claim.text for part in found for claim in part.claims if claim.verdict == word]
-        if texts:
-            parts.append(f"<b>{title}</b>: " + " ".join(texts))
+    out = Section("limits", "Limits")
+    parts = ["<ul>" + "".join(f"<li>{text}</li>" for text in KNOWN) + "</ul>"]
     missing = list(dict.fromkeys(line for part in found for line in part.missing))
     if missing:
-        parts.append("<b>Not run, or not finished</b>: " + html.escape("; ".join(missing)) + ".")
-    out.lead = "<br><br>".join(parts)
+        parts.append("<p><b>Not run, or not finished</b>: " + html.escape("; ".join(missing)) + ".</p>")
+    out.lead = "".join(parts)
     return out

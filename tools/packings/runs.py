@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 from report.data import Table
+from report.kept import LOG
 from report.runs import POINT_DIGITS, ROOT, Results, Stopped, overrides, read, slipdisk
 
 from . import plan
@@ -65,6 +66,7 @@ class Campaign(Results):
     def runs(self, name):
         """The finished results of a run or sweep, as the tables tell that are kept of them: reading.py. A file that
         cannot be read is named among what failed."""
+        LOG.extend(f"{part}-{name}" for part in ("runs", *TITLES))
         if name not in self._read:
             files = [path for path in self.files(name) if not os.path.isdir(path)] if name in self.entries else []
             self._read[name] = self._runs(name, files)

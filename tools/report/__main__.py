@@ -7,7 +7,8 @@ import time
 
 from . import (configurations, convergence, coverage, diffusion, effort, errors, frequency, geometry, levels, markdown,
                mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep, oscillator, phase,
-               regimes, starts, statements, turning, verdicts, vibration, waveform, waves)
+               regimes, starts, statements, summary, turning, verdicts, vibration, waveform, waves)
+from .kept import LOG, assign
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
 from .verdict import NO, OPEN, PAPER, YES
@@ -55,34 +56,49 @@ def options():
 def draw(results, modules=None, keep=None):
     """Writes the page; returns its path and the number of each verdict on the paper's statements."""
     study = results.level in levels.STUDIES
-    page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html")
-    found = []
-    for module in modules or (STUDY_MODULES if study else MODULES):
-        try:
-            found += module.sections(results)
-        except Exception as error:  # one figure that fails must not take the others with it
-            if results.strict:
-                raise
-            results.failed.append(f"figures of {module.__name__}: {type(error).__name__}: {error}")
-    claims = [claim for section in found for claim in section.claims]
+    page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html", results.store)
+    found = collect(results, modules or (STUDY_MODULES if study else MODULES))
     if not study:
-        summary = statements.sections(results, claims)
-        claims += summary[0].claims
-        found = summary + found
+        LOG.clear()
+        rest = statements.sections(results, [claim for section in found for claim in section.claims])
+        assign(rest, results.store.used)
+        found = summary.sections(rest + found) + rest + found
+    claims = [claim for section in found for claim in section.claims]
     counts = {word: sum(c.verdict == word and c.kind == PAPER for c in claims) for word in (YES, NO, OPEN)}
     for section in found:
         page.add(section)
     title = STUDY_TITLE if study else TITLE
     page.write(title, head(results, found, counts))
     text = page.path[:-len(".html")] + ".md"
-    markdown.write(text, title, lead(results, counts), found, "figures")
+    markdown.write(text, title, lead(results), found, data="data-" + results.level)
     if keep:
-        markdown.keep(keep, text, [figure.name for section in found for figure in section.figures],
-                      "errors.md" if study else "paper.md")
-        results.store.keep(os.path.join(keep, "data", results.page), not results.failed)
+        keep_all(results, keep, text, found, "errors.md" if study else "paper.md", "figures")
         if not study:
-            verdicts.write(keep, claims, lead(results, counts)[-1].split(". ", 1)[-1])
+            verdicts.write(keep, claims, made(results))
     return page.path, counts
+
+
+def collect(results, modules):
+    """Sections of all modules, each with the names of the numbers behind it."""
+    found = []
+    for module in modules:
+        LOG.clear()
+        try:
+            sections = module.sections(results)
+            assign(sections, results.store.used)
+            found += sections
+        except Exception as error:  # one figure that fails must not take the others with it
+            if results.strict:
+                raise
+            results.failed.append(f"figures of {module.__name__}: {type(error).__name__}: {error}")
+    return found
+
+
+def keep_all(results, folder, text, sections, name, pictures):
+    """Page, figures and numbers go to where they stay: folder/name, folder/pictures, folder/data."""
+    markdown.keep(folder, text, [figure.name for section in sections for figure in section.figures], name, pictures,
+                  f"data/{results.page}")
+    results.store.keep(os.path.join(folder, "data", results.page), sections, not results.failed)
 
 
 def head(results, sections, counts):
@@ -98,23 +114,31 @@ def head(results, sections, counts):
         lines.append('<div class="missing"><p>What went wrong:</p><ul>' +
                      "".join(f"<li>{escape(line)}</li>" for line in results.failed) + "</ul></div>")
     made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
-    lines.append(f'<p class="small">{effort.told(results, html=True)} Drawn {made} UTC with '
-                 f"{escape(results.program_line())}. The figures lie beside this page as PDF and PNG, the tables as "
-                 "CSV.</p>")
+    lines.append(f'<p class="small">{effort.told(results, html=True)} Drawn {made} UTC{from_kept(results)}. The figures lie '
+                 "beside this page as PDF and PNG, the tables as CSV.</p>")
     return "\n".join(lines)
 
 
-def lead(results, counts):
+def from_kept(results):
+    """What was not computed here."""
+    names = results.store.from_kept
+    return f" from {len(names)} of {len(results.store.used)} tables of docs/data/{results.page}" if names else ""
+
+
+def made(results):
+    """How long it took, and who computed it."""
+    return effort.told(results) or f"Made by {results.made_by()}."
+
+
+def lead(results):
     """What stands above the Markdown."""
     if results.level in levels.STUDIES:
         return [f"`tools/reproduce.sh --errors`: {levels.DESCRIPTIONS[results.level]}."]
-    by = effort.told(results, html=True) or f"Drawn with {escape(results.program_line())}."
-    return ["Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, *Sustained rotation in a vibrated disk with "
-            "asymmetric supports*. R = mg = 1, g = 10; error bars are single standard errors. Every verdict is computed "
-            "from the numbers beside it; [reproduce.md](reproduce.md) has the rules and the reasons of what is not "
-            "reproduced.", "", f"Level: {results.level}, " + levels.DESCRIPTIONS[results.level] + ".", "",
-            "Written by `tools/reproduce.sh`: " + ", ".join(f"{number} {word}" for word, number in counts.items())
-            + f". {by}"]
+    return [markdown.text_of(
+        "Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk with asymmetric "
+        "supports</i>. <i>R</i> = <i>mg</i> = 1, <i>g</i> = 10; error bars are single standard errors. Every verdict is "
+        'computed from the numbers beside it: <a href="reproduce.md">reproduce.md</a> has the rules. Written by '
+        f"<code>tools/reproduce.sh</code>, level {results.level}: {levels.DESCRIPTIONS[results.level]}. {escape(made(results))}")]
 
 
 def escape(text):

@@ -13,6 +13,23 @@ from .data import Table
 
 CURVE = 500  # rows of a curve that is drawn
 DIGITS = 8  # significant; what is drawn and judged has been rounded so, from results as from kept files
+LOG = []  # sections as they begin, and names of numbers as they are asked for: which section is drawn from which
+
+
+def assign(sections, there):
+    """Gives the sections of one module the names of the numbers that they were made from, of those that are there: asked for
+    since each began, and before the first."""
+    common, here = [], None
+    for item in LOG:
+        if not isinstance(item, str):
+            here = item if any(item is section for section in sections) else here
+        elif here is None:
+            common.append(item)
+        else:
+            here.data.append(item)
+    for section in sections:
+        section.data[:] = dict.fromkeys(name for name in common + section.data if name in there)
+    LOG.clear()
 
 
 def rows_of(found):
@@ -100,6 +117,14 @@ def head_of(path):
     return found
 
 
+INDEX = """# {page}: files
+
+Written with the page. `sweep-`: all points of a sweep; `theory-`: curves of theory; `table-`: tables as the page shows them;
+`runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
+
+"""
+
+
 class NotKept(Exception):
     """A result is asked for more than is kept of it: numbers that need it are read from their own file."""
 
@@ -127,15 +152,19 @@ class Store:
         return self.used.get(name)
 
     def write(self, name, rows, digits=DIGITS, head=()):
+        self.write_text(name, csv_text(rows, digits, head))
+
+    def write_text(self, name, text):
         os.makedirs(self.folder, exist_ok=True)
         path = os.path.join(self.folder, name + ".csv")
         with open(path + ".new", "w") as file:
-            file.write(csv_text(rows, digits, head))
+            file.write(text)
         os.replace(path + ".new", path)
         self.used[name] = path
 
-    def keep(self, folder, all_of_it):
-        """Copies the files of this page to a folder; all_of_it: others there are of no page any more."""
+    def keep(self, folder, sections, all_of_it):
+        """Copies the files of this page to a folder, with a list of what is drawn from which; all_of_it: others there are
+        of no page any more."""
         os.makedirs(folder, exist_ok=True)
         for name, path in self.used.items():
             place = os.path.join(folder, name + ".csv")
@@ -144,3 +173,12 @@ class Store:
         for path in glob.glob(os.path.join(folder, "*.csv")) if all_of_it else []:
             if os.path.basename(path)[:-len(".csv")] not in self.used:
                 os.remove(path)
+        lines = ["| section | figures | numbers behind them | tables of the page |", "|---|---|---|---|"]
+        for section in sections:
+            tables = [section.table_name(k) for k in range(len(section.tables))]
+            cells = [[figure.name for figure in section.figures], section.data, tables]
+            if any(cells):
+                links = [", ".join(f"[{name}]({name}.csv)" for name in some) for some in cells[1:]]
+                lines.append(f"| {section.key} | {', '.join(cells[0])} | {' | '.join(links)} |")
+        with open(os.path.join(folder, "README.md"), "w") as file:
+            file.write(INDEX.format(page=os.path.basename(folder)) + "\n".join(lines) + "\n")

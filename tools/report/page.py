@@ -8,7 +8,7 @@ import math
 import os
 import re
 
-from . import verdict
+from . import kept, verdict
 from .style import mark_empty, plt
 
 
@@ -22,12 +22,14 @@ class Figure:
 
 @dataclasses.dataclass
 class Numbers:
-    """The numbers behind a figure."""
+    """The numbers behind a figure. A column called "error" holds the errors of the one before it: they are shown in one
+    column, with the digits that the error allows; the CSV has both."""
     title: str
     columns: list
     rows: list
     shown: bool = False  # without being asked for
     kept: bool = True    # in the Markdown too
+    digits: dict = dataclasses.field(default_factory=dict)  # {column: significant digits} where there is no error
 
 
 @dataclasses.dataclass
@@ -40,6 +42,14 @@ class Section:
     tables: list = dataclasses.field(default_factory=list)
     missing: list = dataclasses.field(default_factory=list)
     new: bool = False  # not a figure of the paper
+    data: list = dataclasses.field(default_factory=list)  # names of the kept numbers it is drawn from
+
+    def __post_init__(self):
+        kept.LOG.append(self)
+
+    def table_name(self, k):
+        """Of the CSV file of its k-th table."""
+        return f"table-{self.key}{'-' + str(k + 1) if k else ''}"
 
 
 STYLE = """
@@ -65,6 +75,7 @@ ul.claims li.open { border-color: #b8860b; }
            background: #777; white-space: nowrap; }
 .verdict.yes { background: #1b7837; } .verdict.no { background: #b2182b; } .verdict.open { background: #8a6508; }
 .numbers { display: block; font-size: .9rem; color: #333; }
+.kind { font: 600 .85rem/1.4 system-ui, sans-serif; color: #555; margin: 1rem 0 0; }
 .place, .small { font-size: .85rem; color: #555; }
 details { margin: .4rem 0; font-size: .95rem; }
 summary { cursor: pointer; }
@@ -80,15 +91,51 @@ def badge(word):
     return f'<span class="verdict {CLASS[word]}">{word}</span>'
 
 
-def cell(value):
-    """(text, is a number)"""
+def digits_of(column):
+    """Significant digits of numbers without an error."""
+    name = plain(column)
+    return 2 if name in ("residual", "transient") else 3 if "%" in name else 5 if name in (
+        "simulation", "theory", "exact solution") else 4
+
+
+def cell(value, error=None, digits=4):
+    """(HTML, is a number)"""
     if isinstance(value, str):
         return value, False
-    if value is None or isinstance(value, float) and not math.isfinite(value):
+    if value is None or not math.isfinite(value):
         return "", True
-    if isinstance(value, float):
-        value = int(value) if value == int(value) and abs(value) < 1e6 else value
-    return (str(value) if isinstance(value, int) else f"{value:.6g}"), True
+    if error is not None and math.isfinite(error) and error > 0:
+        return verdict.number(value, error), True
+    if value == int(value) and abs(value) < 1e6:
+        return verdict.number(value, digits=7), True
+    return verdict.number(value, digits=digits), True
+
+
+def shown_table(table):
+    """(columns, rows of cells) of a table as it is shown: errors stand beside their values."""
+    errors = {k: k + 1 for k, name in enumerate(table.columns[1:]) if name == "error"}
+    columns = [k for k in range(len(table.columns)) if k not in errors.values()]
+    rows = []
+    for row in table.rows:
+        cells = []
+        for k in columns:
+            digits = table.digits.get(table.columns[k]) or digits_of(table.columns[k])
+            error = row[errors[k]] if k in errors else None
+            whole = plain(table.columns[k]) == "seed" and isinstance(row[k], float) and math.isfinite(row[k])
+            cells.append((f"{row[k]:.0f}", True) if whole else cell(row[k], error if isinstance(error, (int, float)) else None,
+                                                                    digits))
+        rows.append(cells)
+    return [table.columns[k] for k in columns], rows
+
+
+def kinds(claims):
+    """[(heading, claims)]: the paper's statements, own checks, and what holds by construction, each apart."""
+    parts = [(heading, [claim for claim in claims if claim.kind == kind]) for kind, heading in HEADINGS.items()]
+    return [(heading, some) for heading, some in parts if some]
+
+
+HEADINGS = {verdict.PAPER: "statement of the paper", verdict.CHECK: "own check",
+            verdict.TRIVIAL: "holds by construction"}
 
 
 def plain(text):
@@ -107,13 +154,18 @@ def csv_of(table):
 
 
 def html_table(columns, rows):
+    """rows of cells (HTML, is a number)"""
     head = "".join(f'<th scope="col">{name}</th>' for name in columns)
-    lines = []
-    for row in rows:
-        cells = [cell(value) for value in row]
-        lines.append("<tr>" + "".join(f'<td class="n">{t}</td>' if n else f"<td>{t}</td>" for t, n in cells) + "</tr>")
+    lines = ["<tr>" + "".join(f'<td class="n">{t}</td>' if n else f"<td>{t}</td>" for t, n in cells) + "</tr>"
+             for cells in rows]
     body = "\n".join(lines)
     return f'<div class="scroll"><table><thead><tr>{head}</tr></thead><tbody>\n{body}\n</tbody></table></div>'
+
+
+def plural(heading):
+    """Above a list of such claims."""
+    return {"statement of the paper": "Statements of the paper", "own check": "Own checks",
+            "holds by construction": "By construction"}[heading]
 
 
 def data_link(text, name):
@@ -122,11 +174,13 @@ def data_link(text, name):
 
 
 class Page:
-    def __init__(self, folder, name="report.html"):
+    """store: where the tables go as CSV."""
+
+    def __init__(self, folder, name="report.html", store=None):
         self.folder, self.path = folder, os.path.join(folder, name)
+        self.store = store or kept.Store(os.path.join(folder, "data"))
         self.parts, self.index = [], []
         os.makedirs(os.path.join(folder, "figures"), exist_ok=True)
-        os.makedirs(os.path.join(folder, "tables"), exist_ok=True)
 
     def add(self, section):
         self.index.append((section.key, section.title))
@@ -136,18 +190,17 @@ class Page:
         if section.lead:
             out.append(f"<p>{section.lead}</p>")
         out += [self._figure(figure) for figure in section.figures]
-        if section.claims:
-            out.append('<ul class="claims">' + "\n".join(self._claim(c) for c in section.claims) + "</ul>")
+        for heading, claims in kinds(section.claims):
+            out.append(f'<p class="kind">{plural(heading)}</p><ul class="claims">'
+                       + "\n".join(self._claim(c) for c in claims) + "</ul>")
         if section.missing:
             out.append(missing_list(section.missing))
         for k, table in enumerate(section.tables):
-            name = f"{section.key}{'-' + str(k + 1) if k else ''}.csv"
-            text = csv_of(table)
-            with open(os.path.join(self.folder, "tables", name), "w") as file:
-                file.write(text)
+            name, text = section.table_name(k), csv_of(table)
+            self.store.write_text(name, f"# {plain(table.title)}\n{text}")
             out.append(f"<details{' open' if table.shown else ''}><summary>{table.title} ({len(table.rows)} "
-                       "rows)</summary>" f'{html_table(table.columns, table.rows)}<p class="small">As CSV: '
-                       f'{data_link(text, name)}</p></details>')
+                       f"rows)</summary>{html_table(*shown_table(table))}<p class=\"small\">As CSV: "
+                       f'{data_link(text, name + ".csv")}</p></details>')
         out.append("</section>")
         self.parts.append("\n".join(out))
 

@@ -11,7 +11,7 @@ import numpy as np
 from . import levels
 from .data import Table
 from .effort import Ledger, duration, machine
-from .kept import CURVE, DIGITS, NotKept, Store, flatten, nested, rows_of, thin
+from .kept import CURVE, DIGITS, LOG, NotKept, Store, flatten, nested, rows_of, thin
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "tools", "python"))
@@ -85,6 +85,7 @@ class Results:
         """Table of the columns that make() finds in results: {column: values}, {column: value} or a Table; None or
         nothing where there are none: then the kept numbers of this name, if any. What is returned has been rounded as
         it is kept. digits: significant ones, or {column: of this column}; title and head: lines of the file's head."""
+        LOG.append(name)
         if name not in self.found:
             try:
                 rows = rows_of(make())
@@ -190,6 +191,7 @@ class Results:
         """Table of a sweep as far as it has got; empty when this level does not have it."""
         if not self.has(name):
             return Table()
+        LOG.append("sweep-" + name)
         if name not in self.tables:
             self.tables[name] = self._table(name)
         return self.tables[name]

@@ -1,13 +1,13 @@
 """Statements of the paper that no figure shows: contacts, torques of steady rotation, senses that theory predicts,
-printed equations; and the table of all."""
+printed equations."""
 import math
 
 import numpy as np
 
 from .catalogue import complete, paper
-from .page import Numbers, Section, badge
+from .page import Numbers, Section
 from .runs import slipdisk
-from .verdict import PAPER, TOLERANCES, decide, missing, none, number, signed, within
+from .verdict import TOLERANCES, decide, missing, none, number, signed, within
 from .vibration import name_of
 
 PI = math.pi
@@ -21,8 +21,8 @@ PRINTED = ("eq11-printed", "level-torques", "eq19-printed", "eq31-printed", "syn
 
 
 def sections(results, claims):
-    """claims: those of the other sections; the paper's among them are repeated in the table of statements."""
-    out = Section("statements", "All statements of the paper", "Statements of the figures above, and some that need "
+    """claims: those of the other sections. Statements of the paper that no section judges stand here without data."""
+    out = Section("statements", "Statements without a figure", "Some need "
                   "runs of their own: <code>inputs/three_disk/steady.cfg</code>, <code>frozen.cfg</code>, "
                   "<code>weak.cfg</code>.")
     random = results.best("random").joined()
@@ -31,9 +31,6 @@ def sections(results, claims):
     every = complete(claims + own)
     known = {id(claim) for claim in claims}
     out.claims = [claim for claim in every if id(claim) not in known]
-    out.tables.append(Numbers("Statements of the paper", ["where", "statement", "verdict", "numbers"],
-                              [[c.place, c.text, badge(c.verdict), c.numbers] for c in every if c.kind == PAPER],
-                              shown=True))
     return [out]
 
 

@@ -25,11 +25,11 @@ def rows(claims, old):
     out = []
     for claim in claims:
         before, different = old.get(claim.slug, ("", ""))
-        out.append([f"`{claim.slug}`", claim.text + (f" "
+        out.append([f"<code>{claim.slug}</code>", claim.text + (f" "
                                                      f"({claim.place})" if claim.place else
                                                      ""), before or
                     "not judged",
-                    f"**{claim.verdict}**", claim.rule, different])
+                    f"<b>{claim.verdict}</b>", claim.rule, different])
     return out
 
 
@@ -44,10 +44,10 @@ def write(folder, claims, by):
            "Every verdict of [paper.md](paper.md) follows from the numbers beside it by one of these rules "
            "(`tools/report/verdict.py`). The last columns compare the verdicts of the first report, whose rules let "
            f"some statements pass too easily, with those of today. Written by `tools/reproduce.sh --keep`; {by}", "",
-           "## Rules", "", *markdown.table(["rule", "verdict"], [[f"`{name}`", text] for name, text in RULES.items()]),
+           "## Rules", "", *markdown.table(["rule", "verdict"], [[f"<code>{name}</code>", text] for name, text in RULES.items()]),
            "",
            "## Tolerances", "", *markdown.table(["name", "value",
-                                                 "of"], [[f"`{name}`", value, MEANING[name]] for name,
+                                                 "of"], [[f"<code>{name}</code>", value, MEANING[name]] for name,
                                                          value in TOLERANCES.items()])]
     for kind, title in ((PAPER, "The paper's statements"), (TRIVIAL,
                                                             "By construction: geometry, waveforms, printed equations"),

@@ -1,0 +1,126 @@
+"""What a page says first: what holds, what does not and why; and where the paper's equations are not as printed."""
+import re
+
+from .page import Numbers, Section
+from .verdict import CHECK, NO, OPEN, PAPER, TRIVIAL, YES
+
+# Why a statement is not reproduced, by its slug: shown where the verdict says so, beside no numbers of its own.
+REASONS = {
+    "forces-never-zero": "at large amplitude and tilt a contact parts faster than its viscous part lets it expand",
+    "never-open": "at large amplitude and tilt the lighter contact is unloaded at times and opens now and then",
+    "lambda-path": "the law takes increments along the present normal, which turns: a closed path does not return",
+    "lambda-energy": "for the same reason work is left over on a closed path",
+    "equal-durations": "reflection makes S<sup>++</sup> and S<sup>&minus;&minus;</sup> alike, and S<sup>+&minus;</sup> and "
+                       "S<sup>&minus;+</sup>, but does not relate the two pairs",
+    "random-slides": "at the smallest amplitude of the figures a contact sticks most of the time",
+    "rare-sliding": "the disk turns with every slip, the more slowly the fewer there are",
+    "eq35-printed": "the print lacks the factor &omega;<sub>b</sub>/&pi;",
+    "async-configurations": "S<sup>&minus;&minus;</sup> occurs at weak drive only; at strong drive &Omega; is negative all the "
+                            "time, and S<sup>++</sup> occurs twice in each period",
+    "async-sequence-strong": "at strong drive &Omega; is negative all the time, and S<sup>++</sup> occurs twice in each period",
+    "async-straight": "the upper disk's centre is still under way to its equilibrium; with <i>k<sub>n</sub></i> = "
+                      "10<sup>5</sup> theory is met",
+    "sync-straight": "the upper disk's centre is still under way to its equilibrium",
+    "async-excellent": "the upper disk's centre is still under way to its equilibrium; with <i>k<sub>n</sub></i> = "
+                       "10<sup>5</sup> theory is met",
+    "async-approach": "at large tilt (35), of first order in the tilt, and the soft disks are off by more",
+    "tep-torque": "contacts slide for less than the time in which the disk's centre reaches the equilibrium",
+    "tep-forces": "contacts slide for less than the time in which the disk's centre reaches the equilibrium",
+    "torque-balance": "the true torques, not their equilibrium values, balance",
+}
+
+# (place, as printed, what is right, slug of the claim whose numbers tell)
+ERRATA = (
+    ("eq. (11)", "second term &Tau;<sup>++</sup><i>T</i><sup>&minus;&minus;</sup>",
+     "&Tau;<sup>&minus;&minus;</sup><i>T</i><sup>&minus;&minus;</sup>", "eq11-printed"),
+    ("before (19)", "no tilt: &Tau;<sup>++</sup> = &Tau;<sup>&minus;&minus;</sup>, &Tau;<sup>+&minus;</sup> = "
+     "&Tau;<sup>&minus;+</sup> = 0", "&Tau;<sup>++</sup> = &minus;&Tau;<sup>&minus;&minus;</sup>, by (15) and (16)",
+     "level-torques"),
+    ("premise of (19)", "no tilt: all four configurations last equally long",
+     "two pairs: S<sup>++</sup>, S<sup>&minus;&minus;</sup> and S<sup>+&minus;</sup>, S<sup>&minus;+</sup>", "equal-durations"),
+    ("eq. (30)", "4&mu;&Theta;<sub>b</sub>&omega;<sub>b</sub> tan &theta;<sub>T</sub>/&pi; for rotation (20)",
+     "that is for the parabolas (21); for the sine (20) &Theta;<sub>b</sub>&omega;<sub>b</sub> sin(&pi;&mu; tan "
+     "&theta;<sub>T</sub>/2), &pi;&sup2;/8 as much at small tilt", "waveform-phase"),
+    ("eq. (31)", "<i>mgR</i>&mu; sin &theta;<sub>T</sub>/((1 + &mu;&sup2;) cos &theta;<sub>h</sub>)",
+     "<i>mgR</i>&mu;&sup2; &hellip;: the half sum of (15) and (16) has a further factor &mu;", "eq31-printed"),
+    ("eq. (35)", "8&mu;(&mu;&sup2; + 1)&Theta;<sub>b</sub>&theta;<sub>T</sub> &hellip;, no velocity",
+     "&omega;<sub>b</sub>/&pi; times that", "eq35-printed"),
+    ("section 2.2, eq. (4)", "&lambda; follows from the present positions", "it depends on the path", "lambda-path"),
+    ("captions of figs. random-ex-vel, random-ex-tilt", "<i>t<sub>b</sub></i>&Omega;",
+     "<i>t<sub>g</sub></i>&Omega;, <i>t<sub>g</sub></i> = &radic;(2<i>R</i>/<i>g</i>) as in the text", ""),
+    ("caption of fig. sync-vel", "&Theta;<sub>b</sub> = 1&times;10<sup>&minus;3</sup>1", "1&times;10<sup>&minus;3</sup>", ""),
+    ("sections 4.1, 4.2", "&omega;<sub>b</sub> is not given", "20&pi; here, that of section 3", "frequency-phase"),
+)
+
+
+def sections(found, errata=ERRATA, reasons=None):
+    """found: all other sections of the page. errata: of the paper, () for none."""
+    out = [short(found, REASONS if reasons is None else reasons)]
+    claims = {claim.slug: claim for section in found for claim in section.claims if claim.slug}
+    if errata:
+        part = Section("errata", "Errata of the paper", "What is printed, what is right, and the numbers that tell; the "
+                       "statements stand in the sections below.", new=True)
+        part.tables.append(Numbers("Errata", ["where", "printed", "right", "checked"],
+                                   [[*row[:3], claims[row[3]].numbers if row[3] in claims else "by the text"] for row in errata],
+                                   shown=True))
+        out.append(part)
+    return out
+
+
+def short(found, reasons):
+    out = Section("short", "What holds, and what does not", new=True)
+    paper = [claim for section in found for claim in section.claims if claim.kind == PAPER]
+    every = paper or [claim for section in found for claim in section.claims if claim.kind == CHECK]
+    what = "the paper's" if paper else "the"
+    parts = [f"<p><b>Of {what} {len(every)} statements {amount(every, YES)} are reproduced, {amount(every, NO)} are not, and of "
+             f"{amount(every, OPEN)} it cannot be told.</b> {besides(found) if paper else ''}</p>"]
+    for word, title in ((NO, "Not reproduced"), (OPEN, "Cannot be told")):
+        lines = [f"<li>{c.text.rstrip('.')}{place(c)}: <i>{why(c, word, reasons)}.</i></li>" for c in every if c.verdict == word]
+        parts += [f"<p><b>{title}</b></p><ul>{''.join(lines)}</ul>"] if lines else []
+    lines = [f"<li>{name}: {' '.join(texts)}</li>" for name, texts in by_section(found, every).items()]
+    parts += [f"<p><b>Reproduced</b></p><ul>{''.join(lines)}</ul>"] if lines else []
+    out.lead = "".join(parts)
+    rows = []
+    for section in found:
+        of = [claim for claim in section.claims if claim.kind == (PAPER if paper else CHECK)]
+        own = [claim for claim in section.claims if claim.kind == CHECK] if paper else []
+        if of or own:
+            rows.append([f'<a href="#{section.key}">{section.title}</a>', *(count(of, word) for word in (YES, NO, OPEN)),
+                         *([f"{count(own, YES)} of {len(own)}" if own else ""] if paper else [])])
+    out.tables.append(Numbers("Statements by section", ["", YES, NO, OPEN, *(["own checks met"] if paper else [])], rows,
+                              shown=True))
+    return out
+
+
+def by_section(found, every):
+    """{where: sentences that hold}: sections of the paper in their order; without them those of the page."""
+    titles = {id(claim): section.title for section in found for claim in section.claims}
+    where = {}
+    for claim in every:
+        if claim.verdict == YES:
+            number = re.search(r"sections? ([\d.]+)", claim.place)
+            where.setdefault(f"section {number[1]}" if number else titles[id(claim)], []).append(claim.text)
+    return {name: where[name] for name in (sorted(where) if any(name.startswith("section ") for name in where) else where)}
+
+
+def count(claims, word):
+    return sum(claim.verdict == word for claim in claims)
+
+
+def amount(claims, word):
+    return count(claims, word) or "none"
+
+
+def besides(found):
+    own = [claim for section in found for claim in section.claims if claim.kind == CHECK]
+    trivial = [claim for section in found for claim in section.claims if claim.kind == TRIVIAL]
+    return (f"Apart from these, {count(own, YES)} of {len(own)} own checks are met, and {len(trivial)} statements about "
+            "geometry, waveforms and printed equations hold or fail by construction; neither are counted.")
+
+
+def place(claim):
+    return f" ({claim.place})" if claim.place else ""
+
+
+def why(claim, word, reasons):
+    return (reasons.get(claim.slug) if word == NO else "") or claim.numbers.rstrip(".")
