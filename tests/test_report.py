@@ -22,7 +22,7 @@ except ImportError:
     sys.exit(0)
 
 from report import __main__ as report  # noqa: E402
-from report import configurations, effort, errors, fits, levels, markdown, turning, verdict, vibration  # noqa: E402
+from report import configurations, effort, errors, fits, levels, markdown, page, turning, verdict, vibration  # noqa: E402
 from report.data import Table  # noqa: E402
 from report.page import Numbers, Page, Section  # noqa: E402
 from report.runs import Results, overrides  # noqa: E402
@@ -294,29 +294,30 @@ class Pages(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             section = vibration.sections(Synthetic(folder))[0]
             Page(folder).add(section)
-            with open(os.path.join(folder, "tables", "random-ex-vel.csv")) as file:
-                lines = file.read().splitlines()
+            with open(os.path.join(folder, "data", "table-random-ex-vel.csv")) as file:
+                lines = file.read().splitlines()[1:]
         self.assertEqual(len(lines), 34)
         self.assertTrue(lines[0].startswith("θT/π,εb,tgΩ,error,S++"), lines[0])
 
     def test_markdown(self):
         with tempfile.TemporaryDirectory() as folder:
             section = vibration.sections(Synthetic(folder))[0]
-            long = section.tables[0]  # 33 rows: on the HTML page only
+            long = section.tables[0]  # 33 rows: a link to the CSV file
             section.tables.append(Numbers("The first rows", long.columns, long.rows[:5]))
             Page(folder).add(section)
             path, docs = os.path.join(folder, "report.md"), os.path.join(folder, "docs")
-            markdown.write(path, "Title", ["Lead."], [section], "figures")
-            markdown.keep(docs, path, ["random-ex-vel"])
+            markdown.write(path, "Title", ["Lead."], [section], data="data-full")
+            markdown.keep(docs, path, ["random-ex-vel"], "paper.md", "figures", "data/paper")
             self.assertTrue(os.path.getsize(os.path.join(docs, "figures", "random-ex-vel.png")) > 100)
             with open(os.path.join(docs, "paper.md")) as file:
                 lines = file.read().splitlines()
         tables = [line for line in lines if line.startswith("|")]
         self.assertEqual(sum(line.startswith("| **") for line in tables), len(section.claims))
-        self.assertEqual(len(tables), len(section.claims) + 2 + 5 + 2)
+        self.assertEqual(len(tables), len(section.claims) + 2 * len({claim.kind for claim in section.claims}) + 5 + 2)
         self.assertIn(f"![{section.figures[0].alt}](figures/random-ex-vel.png)", lines)
+        self.assertTrue(any("33 rows, [table-random-ex-vel.csv](data/paper/table-random-ex-vel.csv)" in line for line in lines))
         for line in tables:  # as many cells as the head of the table
-            self.assertIn(line.count("|"), (4, len(section.tables[0].columns) + 1), line)
+            self.assertIn(line.replace("\\|", "").count("|"), (4, len(page.shown_table(long)[0]) + 1), line)
 
 
 class Study(unittest.TestCase):

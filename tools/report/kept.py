@@ -117,11 +117,22 @@ def head_of(path):
     return found
 
 
-INDEX = """# {page}: files
+INDEX = "index.csv"
+README = """# Numbers behind the figures
 
-Written with the page. `sweep-`: all points of a sweep; `theory-`: curves of theory; `table-`: tables as the page shows them;
-`runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
+Every figure and table of [paper.md](../paper.md) and [packings_study.md](../packings_study.md) as CSV: all points with their
+parameters, seeds, steps and error bars.
 
+Lines with `#` at the head of a file: what it holds, program and revision and machine that computed it, the level, and the
+command with all keys that differ from the deck. Empty cells have no value. Angles are in radians; lengths, times and angular
+velocities in the units of the deck: the paper's ($R = mg = 1$, $g = 10$), SI for the vibrated packings. Columns of sweeps are those of
+[names.md](../names.md). Numbers are rounded to 8 significant digits, those of sweeps to 10, per-disk columns to 4 to 6.
+
+`tools/reproduce.sh --draw` and `tools/packings.sh --draw` redraw all figures from these files alone: in a fresh clone, without
+results and without the program. `--keep docs` writes them anew from results.
+
+`sweep-`: all points of a sweep; `theory-`: curves of theory; `info-`: what `slipdisk info` says of a run; `table-`: tables as the
+page shows them; `runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
 """
 
 
@@ -139,7 +150,9 @@ class Store:
     def about(self):
         """Head of the kept files: level, program, machine; empty where nothing is kept."""
         for path in sorted(glob.glob(os.path.join(self.kept, "*.csv"))) if self.kept else []:
-            return head_of(path)
+            found = head_of(path)
+            if "level" in found:
+                return found
         return {}
 
     def path(self, name):
@@ -171,14 +184,30 @@ class Store:
             if os.path.abspath(place) != os.path.abspath(path):
                 shutil.copyfile(path, place)
         for path in glob.glob(os.path.join(folder, "*.csv")) if all_of_it else []:
-            if os.path.basename(path)[:-len(".csv")] not in self.used:
+            if os.path.basename(path)[:-len(".csv")] not in self.used and os.path.basename(path) != INDEX:
                 os.remove(path)
-        lines = ["| section | figures | numbers behind them | tables of the page |", "|---|---|---|---|"]
+        rows = []
         for section in sections:
             tables = [section.table_name(k) for k in range(len(section.tables))]
-            cells = [[figure.name for figure in section.figures], section.data, tables]
-            if any(cells):
-                links = [", ".join(f"[{name}]({name}.csv)" for name in some) for some in cells[1:]]
-                lines.append(f"| {section.key} | {', '.join(cells[0])} | {' | '.join(links)} |")
-        with open(os.path.join(folder, "README.md"), "w") as file:
-            file.write(INDEX.format(page=os.path.basename(folder)) + "\n".join(lines) + "\n")
+            rows += [{"figure": figure.name, "section": section.key, "numbers": " ".join(section.data),
+                      "tables": " ".join(tables)} for figure in section.figures or [Nothing] if tables or section.data]
+        with open(os.path.join(folder, INDEX), "w") as file:
+            file.write(csv_text(rows))
+        write_readme(os.path.dirname(folder))
+
+
+class Nothing:
+    """In place of a figure."""
+    name = ""
+
+
+def write_readme(folder):
+    """README.md of docs/data: which file belongs to which figure, of all pages."""
+    with open(os.path.join(folder, "README.md"), "w") as file:
+        file.write(README)
+        for path in sorted(glob.glob(os.path.join(folder, "*", INDEX))):
+            page = os.path.basename(os.path.dirname(path))
+            file.write(f"\n## {page}\n\n| figure | section of the page | numbers behind it | tables |\n|---|---|---|---|\n")
+            for row in Table.read(path).rows:
+                links = [", ".join(f"[{name}]({page}/{name}.csv)" for name in row[key].split()) for key in ("numbers", "tables")]
+                file.write(f"| {row['figure']} | {row['section']} | {' | '.join(links)} |\n")

@@ -68,11 +68,14 @@ def zero_line(axes):
 
 
 def mark_empty(picture):
-    """Says so in axes that show guides only: their points have not been run yet."""
+    """Says so in axes that show guides only: their points have not been run yet. Returns how many there are."""
+    empty = 0
     for axes in picture.get_axes():
         shown = [a for a in (*axes.lines, *axes.collections, *axes.patches) if a.get_gid() != "guide"]
         if axes.axison and not shown:
             axes.text(0.5, 0.6, "no data yet", transform=axes.transAxes, ha="center", va="center", color=GREY)
+            empty += 1
+    return empty
 
 
 def legend_right(axes, title=None, **more):
