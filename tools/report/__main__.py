@@ -74,7 +74,7 @@ def draw(results, modules=None, keep=None):
     if keep:
         keep_all(results, keep, text, found, "errors.md" if study else "paper.md", "figures")
         if not study:
-            verdicts.write(keep, claims, made(results))
+            verdicts.write(keep, claims, results.made_by())
     return page.path, counts
 
 

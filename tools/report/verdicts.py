@@ -25,33 +25,31 @@ def rows(claims, old):
     out = []
     for claim in claims:
         before, different = old.get(claim.slug, ("", ""))
-        out.append([f"<code>{claim.slug}</code>", claim.text + (f" "
-                                                     f"({claim.place})" if claim.place else
-                                                     ""), before or
-                    "not judged",
-                    f"<b>{claim.verdict}</b>", claim.rule, different])
+        if before and before != claim.verdict and not different:
+            different = "the rule as it was, other data"
+        place = f" ({claim.place})" if claim.place else ""
+        out.append([f"<code>{claim.slug}</code>", claim.text + place, before or "not judged", f"<b>{claim.verdict}</b>",
+                    claim.rule, different])
     return out
 
 
 def write(folder, claims, by):
     """claims: all of the page; by: what made it."""
-    old = old_verdicts()
-    every = catalogue.complete(claims)
+    old, every = old_verdicts(), catalogue.complete(claims)
     named = {row[0] for row in catalogue.STATEMENTS}
     every += [claim for claim in claims if claim.slug not in named]
-    head = ["statement", "", "first report", "now", "rule", "what is judged differently"]
+    rules = [[f"<code>{name}</code>", text] for name, text in RULES.items()]
+    tolerances = [[f"<code>{name}</code>", value, MEANING[name]] for name, value in TOLERANCES.items()]
     out = ["# Verdicts: rules, and statement by statement", "",
            "Every verdict of [paper.md](paper.md) follows from the numbers beside it by one of these rules "
-           "(`tools/report/verdict.py`). The last columns compare the verdicts of the first report, whose rules let "
-           f"some statements pass too easily, with those of today. Written by `tools/reproduce.sh --keep`; {by}", "",
-           "## Rules", "", *markdown.table(["rule", "verdict"], [[f"<code>{name}</code>", text] for name, text in RULES.items()]),
-           "",
-           "## Tolerances", "", *markdown.table(["name", "value",
-                                                 "of"], [[f"<code>{name}</code>", value, MEANING[name]] for name,
-                                                         value in TOLERANCES.items()])]
-    for kind, title in ((PAPER, "The paper's statements"), (TRIVIAL,
-                                                            "By construction: geometry, waveforms, printed equations"),
-                        (CHECK, "Own checks")):
+           "(`tools/report/verdict.py`). The tables of statements compare the verdicts of the first report, whose rules "
+           "let some pass too easily, with those of today; a rule without a name there means that there are no data.", "",
+           f"Written by `tools/reproduce.sh --keep docs`; computed by {by}.", "",
+           "## Rules", "", *markdown.table(["rule", "verdict"], rules), "",
+           "## Tolerances", "", *markdown.table(["name", "value", "of"], tolerances)]
+    head = ["name", "statement", "first report", "now", "rule", "what is judged differently"]
+    for kind, title in ((PAPER, "The paper's statements"), (CHECK, "Own checks"),
+                        (TRIVIAL, "By construction: geometry, waveforms, printed equations")):
         chosen = [claim for claim in every if claim.kind == kind]
         out += ["", f"## {title}", "", counted(chosen) + ".", "", *markdown.table(head, rows(chosen, old))]
     with open(os.path.join(folder, "verdicts.md"), "w") as file:
