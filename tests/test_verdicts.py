@@ -150,20 +150,25 @@ class Regimes(unittest.TestCase):
     @staticmethod
     def row(**columns):
         row = {"tilt": 0.1, "eps_b": 1e-5, "upper.omega": -1e-6, "upper.omega_error": 1e-7, "upper.scaled": -5e-7,
-               "upper.scaled_error": 5e-8, "upper.left.sliding": 0.05, "upper.right.sliding": 0.04, "upper.open": 0.0}
+               "upper.scaled_error": 5e-8, "upper.left.sliding": 0.05, "upper.right.sliding": 0.04, "upper.open": 0.0,
+               "upper.pp": 0.01, "upper.pm": 0.01, "upper.mp": 0.01, "upper.mm": 0.01}
         return {**row, **{key.replace("__", "."): value for key, value in columns.items()}}
 
     def test_rare(self):
         turns, still = [self.row() for _ in range(3)], [self.row(upper__omega=s * 1e-7) for s in (1, -1, 0.5)]
-        often = [self.row(upper__left__sliding=0.5)]
+        often = [self.row(upper__pp=0.5)]
         for rows, wanted in ((turns + often, verdict.NO), (still + often, verdict.YES), (often, verdict.OPEN),
                              ([], verdict.OPEN)):
-            table = Table(rows)
-            self.assertEqual(regimes.rare_claim(table, regimes.slides(table)).verdict, wanted)
+            self.assertEqual(regimes.rare_claim(Table(rows)).verdict, wanted)
         never = Table([self.row(upper__left__sliding=0.0, upper__right__sliding=0.0)])
-        self.assertEqual(regimes.never_claim(never, 0).verdict, verdict.NO)  # 1e-6 beside 1e-5 * 20 pi
+        self.assertEqual(regimes.never_claim(never).verdict, verdict.NO)  # 1e-6 beside 1e-5 * 20 pi
         never.rows[0]["upper.omega"] = 1e-9
-        self.assertEqual(regimes.never_claim(never, 0).verdict, verdict.YES)
+        self.assertEqual(regimes.never_claim(never).verdict, verdict.YES)
+
+    def test_few_replicas(self):
+        """t of 9 degrees of freedom beyond 3.25 is as rare as 2.58 errors of a normal number."""
+        self.assertAlmostEqual(1 / regimes.normal(3.25, 1.0, 9) * 3.25, 2.576, delta=0.01)
+        self.assertAlmostEqual(regimes.normal(1.0, 0.3, 10 ** 6), 0.3, places=4)
 
     def test_bouncing(self):
         opened = {"upper__open": 0.3}

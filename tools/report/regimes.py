@@ -4,6 +4,7 @@ import math
 import numpy as np
 
 from .catalogue import paper
+from .data import Table
 from .page import Figure, Numbers, Section
 from .style import COLOURS, figure, in_pi, legend_right, points, power, zero_line
 from .verdict import SURE, TOLERANCES, Claim, decide, missing, number, signs, zero, YES, NO, OPEN
@@ -26,10 +27,16 @@ def scattered(members, values):
     return float(np.mean(values)), error
 
 
+def normal(value, error, degrees):
+    """An error with which value counts as far out as its t of so many degrees of freedom is (Wallace)."""
+    t = value / error if error > 0 else math.nan
+    z = (8 * degrees + 1) / (8 * degrees + 3) * math.sqrt(degrees * math.log1p(t * t / max(degrees, 1)))
+    return abs(value) / z if z > 0 else error
+
+
 # --- without tilt ---------------------------------------------------------------------------------------------------
 def level_section(results):
-    out = Section("level", "Random vibration without tilt: ten "
-                           "seeds",
+    out = Section("level", "Random vibration without tilt: ten seeds",
                   "Deck <code>inputs/paper/level.cfg</code>: each point has ten runs of 500 time units with other "
                   "seeds; means and their errors are those of the ten.", new=True)
     table = results.sweep("level")
@@ -42,13 +49,13 @@ def level_section(results):
         rows.append([members.rows[0]["eps_b"], len(members), mean / 5 ** 0.5, error / 5 ** 0.5,
                      *(v for pair in known for v in pair)])
         omega.append(mean)
-        omega_error.append(error)
+        omega_error.append(normal(mean, error, len(members) - 1))
         if parts.mean(axis=1).min() <= TOLERANCES["absent"]:
             continue  # contacts slide too seldom for all four to occur
         for weights in CONTRASTS.values():
             gap, spread = scattered(members, weights @ parts / parts.sum(axis=0))
             gaps.append(gap)
-            errors.append(spread)
+            errors.append(normal(gap, spread, len(members) - 1))
     out.claims = [level_claim(results, table.joined()),
                   zero("Ten seeds at each amplitude: without tilt the mean over them is zero within its error from "
                        "their scatter.",
@@ -108,8 +115,8 @@ def draw_durations(rows):
 
 # --- rare sliding ---------------------------------------------------------------------------------------------------
 def slides(table):
-    """Fraction of time in which the contact slides that slides more."""
-    return np.maximum(table.disk("left.sliding"), table.disk("right.sliding"))
+    """Fraction of time in which both contacts slide at once: else the disk rolls on one of them or rests."""
+    return sum(table.disk(part) for part in FOUR)
 
 
 def rare_section(results):
@@ -117,13 +124,12 @@ def rare_section(results):
     out = Section("rare", "Random vibration where contacts seldom "
                           "slide",
                   "Deck <code>inputs/paper/rare.cfg</code>. The paper says of such runs, without showing them, that "
-                  f"sustained rotation was never observed. Rare: each contact slides for less than {100 * limit:g} % "
-                  f"of the time.", new=True)
+                  f"sustained rotation was never observed. Rare: both contacts slide at once for less than "
+                  f"{100 * limit:g} % of the time; else the disk rests, or rolls on one of them.", new=True)
     table = results.sweep("rare").joined()
     out.missing = list(table.missing)
-    fraction = slides(table)
-    out.figures.append(draw_rare(table, fraction))
-    out.claims = [rare_claim(table, fraction), never_claim(table, fraction)]
+    out.figures.append(draw_rare(table))
+    out.claims = [rare_claim(table), never_claim(table)]
     rows = [[row["eps_b"], row["tilt"] / PI, row["upper.left.sliding"], row["upper.right.sliding"], row["upper.stick"],
              row["upper.scaled"], row["upper.scaled_error"], row["replicas"],
              row["upper.left.openings"] + row["upper.right.openings"]]
@@ -143,25 +149,31 @@ def turning(table):
     return int((np.abs(table.disk("omega")) > SURE * table.disk("omega_error")).sum())
 
 
-def rare_claim(table, fraction):
-    rare = table.such(lambda row: 0 < max(row["upper.left.sliding"], row["upper.right.sliding"]) < TOLERANCES["rare"])
+def rare_claim(table):
+    """Points between no sliding at all and sliding that is not rare any more."""
+    limit = TOLERANCES["rare"]
+    rare, often = (Table([row for row, part in zip(table.rows, slides(table)) if low <= part < high])
+                   for low, high in ((1e-12, limit), (limit, 2.0)))
     if not rare:
         return missing(**paper("rare-sliding"), why="no points between never and often" if table else "no data yet")
     claim = zero(values=rare.disk("omega"), errors=rare.disk("omega_error"), **paper("rare-sliding"))
     strongest = max(rare.rows, key=lambda row: abs(row["upper.omega"] / row["upper.omega_error"]))
+    single = Table([row for row in rare.rows if max(row["upper.left.sliding"], row["upper.right.sliding"]) < limit])
     claim.numbers += (f"; {turning(rare)} of the {len(rare)} points rotate by more than {SURE:g} errors, most clearly "
                       f"{name_of(strongest)}: <i>t<sub>g</sub></i>&Omega; = "
-                      f"{number(strongest['upper.scaled'], strongest['upper.scaled_error'])} while contacts slide for "
-                      f"{100 * strongest['upper.left.sliding']:.1f} and {100 * strongest['upper.right.sliding']:.1f} % "
-                      f"of the time")
-    often = table.such(lambda row: max(row["upper.left.sliding"], row["upper.right.sliding"]) >= TOLERANCES["rare"])
+                      f"{number(strongest['upper.scaled'], strongest['upper.scaled_error'])} while the contacts slide "
+                      f"for {100 * strongest['upper.left.sliding']:.1f} and "
+                      f"{100 * strongest['upper.right.sliding']:.1f} % of the time, both at once for "
+                      f"{100 * float(slides(Table([strongest]))[0]):.1f} %; of {len(single)} points where neither "
+                      f"slides for {100 * limit:g} % {turning(single)} rotate")
     if often:
-        claim.numbers += (f"; where they slide for {100 * float(slides(often).min()):.0f} to "
-                          f"{100 * float(slides(often).max()):.0f} % {turning(often)} of {len(often)} points rotate")
+        both = slides(often)
+        claim.numbers += (f"; where both slide for {100 * float(both.min()):.0f} to {100 * float(both.max()):.0f} % "
+                          f"{turning(often)} of {len(often)} points rotate")
     return claim
 
 
-def never_claim(table, fraction):
+def never_claim(table):
     """Without any sliding nothing is left but elastic motion."""
     still = table.such(lambda row: max(row["upper.left.sliding"], row["upper.right.sliding"]) == 0)
     text = "Where contacts do not slide at all under random vibration there is no rotation."
@@ -175,9 +187,9 @@ def never_claim(table, fraction):
                   rule="none")
 
 
-def draw_rare(table, fraction):
+def draw_rare(table):
     picture, axes = figure(height=3.8)
-    shown = np.maximum(fraction, 1e-6)
+    shown = np.maximum(slides(table), 1e-6) if table else np.array([])
     for k, eps in enumerate(table.values("eps_b")):
         chosen = np.array([abs(row["eps_b"] / eps - 1) < 1e-6 for row in table.rows])
         line = table.where(eps_b=eps)
@@ -189,13 +201,13 @@ def draw_rare(table, fraction):
     axes.axvline(TOLERANCES["rare"], color=COLOURS[-1], lw=0.8, ls=":", gid="guide")
     zero_line(axes)
     axes.set_xscale("log")
-    axes.set_xlabel("fraction of time in which a contact slides")
+    axes.set_xlabel("fraction of time in which both contacts slide")
     axes.set_ylabel(r"$t_g\,\Omega/\epsilon_b\times10^{3}$")
     if table:
         legend_right(axes, r"amplitude $\epsilon_b$")
     return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which "
-                                   "contacts slide (of the contact that slides more; never: drawn at "
-                                   "10<sup>&minus;6</sup>); dotted: what counts as rare.",
+                                   "both contacts slide at once (never: drawn at 10<sup>&minus;6</sup>); dotted: what "
+                                   "counts as rare.",
                   "Rotation against the fraction of time in which contacts slide, at weak random vibration")
 
 

@@ -28,7 +28,7 @@ MEANING = {
     "none": "of the drive's speed: rotation without noise that counts as none",
     "absent": "fraction of time: what lasts less does not occur",
     "most": "fraction of time: most of the time",
-    "rare": "fraction of time: contacts slide rarely",
+    "rare": "fraction of time: both contacts slide rarely",
 }
 RULES = {
     "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a "
