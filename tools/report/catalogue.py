@@ -6,6 +6,7 @@ that no module judges stands on the page all the same, without data.
 """
 from .verdict import PAPER, TRIVIAL, missing
 
+NEEDS = "needs the sweeps of the mechanism"
 ELSEWHERE = "docs/packings_study.md judges it"
 VELOCITY, TILT = "section 3, fig. random-ex-vel", "section 3, fig. random-ex-tilt"
 EPO, ANALYSIS = "section 4, fig. epo-force", "section 4"
@@ -27,8 +28,8 @@ STATEMENTS = (
     ("tilt", TRIVIAL, "section 2", "The tilt is half the difference of the contact angles, (&alpha;<sub>2</sub> "
                                    "&minus; &alpha;<sub>1</sub>)/2.", ""),
     ("depends-mu", PAPER, "section 2", "&Omega; depends on the friction coefficient.", ""),
-    ("depends-k_n", PAPER, "section 2", "&Omega; depends on the normal stiffness.", ""),
-    ("depends-k_t", PAPER, "section 2", "&Omega; depends on the tangential stiffness.", ""),
+    ("depends-kn", PAPER, "section 2", "&Omega; depends on the normal stiffness.", ""),
+    ("depends-kt", PAPER, "section 2", "&Omega; depends on the tangential stiffness.", ""),
     ("depends-aperture", PAPER, "section 2", "&Omega; depends on the angle between the contacts.", ""),
     ("cutoff", TRIVIAL, "section 2.1", "The normal force can be zero before the disks part, by the viscous part.", ""),
     ("lambda-path", PAPER, "section 2.2, eq. (4)", "The displacement &lambda; follows from the present positions: on a "
@@ -69,19 +70,28 @@ STATEMENTS = (
     ("tep-pm", PAPER, "section 4, eq. (17)", TORQUE.format(S_PM, "(17)"), ""),
     ("tep-mp", PAPER, "section 4, eq. (18)", TORQUE.format(S_MP, "(18)"), ""),
     ("catch-up", PAPER, ANALYSIS, "On supports that go on turning one way the upper disk catches up with them.", ""),
-    ("elastic-after", PAPER, ANALYSIS, "After that it performs elastic rotational oscillations: contacts slide no more, and "
-                                       "its speed swings about that of the supports.", ""),
+    ("elastic-after", PAPER, ANALYSIS, "After that it performs elastic rotational oscillations: contacts slide no "
+                                       "more, and its speed swings about that of the supports.", ""),
     ("tep-torque", PAPER, ANALYSIS, "Under random vibration the mean torque in each configuration is that of its "
-                                    "equilibrium (TEP).", "needs the sums by configuration"),
+                                    "equilibrium (TEP).", NEEDS),
     ("tep-forces", PAPER, ANALYSIS, "Under random vibration the mean contact forces in each configuration are those of "
-                                    "its equilibrium (TEP).", "needs the sums by configuration"),
+                                    "its equilibrium (TEP).", NEEDS),
+    ("tep-torque-in-phase", PAPER, "sections 4.1, 4.2", "Turning in phase, strongly, the mean torque of each "
+                                                        "configuration is that of its TEP.", NEEDS),
+    ("tep-torque-opposite-phases", PAPER, "sections 4.1, "
+                                          "4.2",
+     "Turning opposite phases, strongly, the mean torque of each configuration is that of its TEP.", NEEDS),
     ("durations-correlation", PAPER, ANALYSIS, "The duration of each configuration is proportional to the correlation "
-                                               "time of the motion.", "needs the sums by configuration"),
-    ("tep-correlation", PAPER, ANALYSIS, "The mean torques are the nearer to their TEP values, the longer the "
-                                         "correlation time.", "needs the sums by configuration"),
+                                               "time of the motion.", NEEDS),
+    ("tep-correlation-time", PAPER, ANALYSIS, "The mean torques are the nearer to their TEP values, the longer the "
+                                         "correlation time.", NEEDS),
     ("short-configurations", PAPER, ANALYSIS, "At very short correlation times the disk does not rotate.", ""),
     ("torque-balance", PAPER, "section 4, eq. (11), (41)", "In the steady state torque times duration, summed over the "
-     "configurations with their TEP torques, is zero.", "needs the sums by configuration"),
+     "configurations with their TEP torques, is zero.", NEEDS),
+    ("torque-balance-in-phase", PAPER, "section 4, eq. (41)",
+     "With the TEP torques the durations satisfy (41), in phase, strong drive.", NEEDS),
+    ("torque-balance-opposite-phases", PAPER, "section 4, eq. (41)", "With the TEP torques the durations satisfy (41), "
+                                                                     "opposite phases, strong drive.", NEEDS),
     ("eq11-printed", TRIVIAL, "section 4, eq. (11)", "Equation (11) as printed is the mean torque (its second term has "
      "&Tau;<sup>++</sup> with <i>T</i><sup>&minus;&minus;</sup>).", ""),
     ("level-torques", TRIVIAL, ANALYSIS, "Without tilt &Tau;<sup>++</sup> = &Tau;<sup>&minus;&minus;</sup> and "
@@ -93,6 +103,8 @@ STATEMENTS = (
                                                      "(15)-(18).",
      ""),
     ("eq19-random", PAPER, "section 4, eq. (19)", "The sign of (19) predicts the sense under random vibration.", ""),
+    ("aperture-sign", PAPER, "section 4, eq. (19)", "The sign of (19) is the sense of rotation under random vibration, "
+                                                    "at all apertures.", NEEDS),
     ("frozen", PAPER, ANALYSIS, "With all centres held fixed the upper disk does not rotate, although "
                                 "<i>n</i><sub>1</sub> &ne; <i>n</i><sub>2</sub>.", ""),
     ("sense-reverses", PAPER, "sections 4, 5", "The sense of rotation depends on the excitation: in phase and in "

@@ -101,7 +101,7 @@ def draw_durations(rows):
     for k, name in enumerate(("++", "+-", "-+", "--")):
         if rows:
             eps, value, error = (np.array([row[n] for row in rows]) for n in (0, 4 + 2 * k, 5 + 2 * k))
-            points(axes, 1e5 * eps, value, error, f"$S^{{{name}}}$", k, "os^D"[k])
+            points(axes, 1e5 * eps, value, error, f"$S^{{{name}}}$", k, "os^D"[k], ms=9 if k == 0 else 5)
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"amplitude $\epsilon_b\times10^{5}$")
     axes.set_ylabel("fraction of time")
