@@ -18,7 +18,7 @@ except ImportError:
     sys.exit(0)
 
 from report import __main__ as report  # noqa: E402
-from report import catalogue, diffusion, regimes, starts, verdict, verdicts  # noqa: E402
+from report import catalogue, diffusion, durations, regimes, starts, verdict, verdicts  # noqa: E402
 from report.data import Table  # noqa: E402
 from report.runs import Results  # noqa: E402
 from report.style import plt  # noqa: E402
@@ -192,6 +192,18 @@ class Regimes(unittest.TestCase):
             rows.append((claims["random-level-seeds"], claims["equal-durations"]))
         plt.close("all")
         self.assertEqual(rows, [(verdict.YES, verdict.YES), (verdict.YES, verdict.NO)])
+
+    def test_durations_proportional(self):
+        times, yes = numpy.array([0.01, 0.02, 0.04]), numpy.ones(3) * 1e-6
+        for mean, error, wanted in ((3 * times, yes, verdict.YES), (times ** 0.5, yes, verdict.NO),
+                                    (3 * times, 0.3 * times, verdict.OPEN)):
+            found = {name: (times, mean, error) for name in durations.SIGNS}
+            self.assertEqual(durations.proportional(found).verdict, wanted)
+        self.assertEqual(durations.proportional({}).verdict, verdict.OPEN)
+        rows = [self.row(omega_b=w, set=w, **{f"upper__{name}__dwell": (1 + 0.01 * k) / w for name in durations.SIGNS})
+                for w in (10.0, 20.0, 40.0) for k in range(3)]
+        times, mean, _ = durations.visits(Table(rows))["pp"]
+        self.assertTrue(numpy.allclose(times, [0.05, 0.1, 0.2]) and numpy.allclose(mean / times, 0.505))
 
     def test_period_and_start(self):
         time = numpy.linspace(0, 0.2, 401)

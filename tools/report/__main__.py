@@ -5,9 +5,9 @@ import signal
 import sys
 import time
 
-from . import (configurations, convergence, coverage, diffusion, effort, errors, frequency, geometry, levels, markdown,
-               mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep, oscillator, phase,
-               regimes, starts, statements, summary, turning, verdicts, vibration, waveform, waves)
+from . import (configurations, convergence, coverage, diffusion, durations, effort, errors, frequency, geometry,
+               levels, markdown, mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep,
+               oscillator, phase, regimes, starts, statements, summary, turning, verdicts, vibration, waveform, waves)
 from .kept import LOG, assign
 from .page import Page, badge, missing_list
 from .runs import ROOT, STOPPED, Results, Stopped
@@ -15,8 +15,8 @@ from .verdict import NO, OPEN, PAPER, YES
 
 TITLE = "Sustained rotation in a vibrated disk: the paper's figures, computed anew"
 MODULES = (geometry, oscillator, diffusion, vibration, regimes, waves, starts, turning, waveform, configurations, phase,
-           mechanism_tep, mechanism_size, mechanism_noise, mechanism_scan, mechanism_portrait, convergence, coverage, frequency,
-           effort)
+           mechanism_tep, durations, mechanism_size, mechanism_noise, mechanism_scan, mechanism_portrait, convergence,
+           coverage, frequency, effort)
 STUDY_TITLE = "Three disks: time to a given error"
 STUDY_MODULES = (errors, effort)
 

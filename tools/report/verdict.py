@@ -19,6 +19,7 @@ TOLERANCES = {
     "none": 1e-3,
     "absent": 1e-3,
     "most": 0.5,
+    "proportional": 0.1,
     "rare": 0.1,
 }
 MEANING = {
@@ -27,6 +28,7 @@ MEANING = {
     "curve": "of its largest value: a curve and its formula",
     "none": "of the drive's speed: rotation without noise that counts as none",
     "absent": "fraction of time: what lasts less does not occur",
+    "proportional": "relative, either way: a ratio that is to be the same",
     "most": "fraction of time: most of the time",
     "rare": "fraction of time: both contacts slide rarely",
 }
