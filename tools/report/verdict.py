@@ -64,7 +64,7 @@ class Claim:
     place: str = ""  # where the paper says so; "": a statement that is not the paper's
     kind: str = ""   # PAPER, CHECK or TRIVIAL; "": PAPER with a place, CHECK without
     slug: str = ""   # short unique name, "random-clockwise" say
-    rule: str = ""   # of RULES
+    rule: str = "threshold"  # of RULES; "": no data
 
     def __post_init__(self):
         self.kind = self.kind or (PAPER if self.place else CHECK)
@@ -72,7 +72,7 @@ class Claim:
 
 def missing(text, place="", why="no data yet", **kind):
     """kind: kind and slug of the claim, here and below."""
-    return Claim(text, OPEN, why, place, **kind)
+    return Claim(text, OPEN, why, place, **{**kind, "rule": ""})
 
 
 def number(x, error=None, digits=3):
