@@ -3,10 +3,10 @@ import math
 
 import numpy as np
 
-from .mechanism import PI, constant, points
+from .mechanism import PI, points
 from .mechanism_theory import Drive, System, predicted
 from .page import Figure, Numbers, Section
-from .style import COLOURS, figure, in_pi, legend_below, zero_line
+from .style import figure, in_pi, power, zero_line
 from .style import points as draw_points
 from .verdict import CHECK, NO, OPEN, SURE, YES, Claim, decide, missing, number, zero
 
@@ -83,30 +83,28 @@ def sections(results):
 
 def draw(lines, amplitudes):
     rows = max(len(amplitudes), 1)
-    picture, axes = figure(3, rows, width=7.6, height=2.9 * rows + 0.4, sharey="row", squeeze=False)
+    picture, axes = figure(3, rows, width=7.6, height=2.6 * rows + 0.2, legend=True, squeeze=False)
     for i, eps in enumerate(amplitudes):
         for axis, (group, title) in zip(axes[i], PANELS):
             cases = [c for c in CASES if c[0].startswith(group + "-" if group else ("left", "right"))]
             for k, (case, label, *_) in enumerate(cases):
                 line = lines.get((case, eps))
-                if not line:
-                    continue
-                tilt = line.column("tilt")
-                draw_points(axis, tilt / PI, line.column("omega"), line.column("error"), label, k, "os^vD"[k],
-                            line="-", ms=4)
+                if line:
+                    draw_points(axis, line.column("tilt") / PI, line.column("omega"), line.column("error"), label,
+                                k if group else k + 5, "os^vDP<"[k if group else k + 5], line="-", ms=4)
             zero_line(axis)
-            in_pi(axis.xaxis, 0.02)
-            axis.set_title(f"{title}, $\\epsilon_b={eps * 1e5:g}\\times10^{{-5}}$")
-            axis.legend(fontsize=8.5, ncol=2, handlelength=1.2, columnspacing=0.8, labelspacing=0.25, loc="lower left")
+            in_pi(axis.xaxis, 0.04)
+            axis.set_title(f"{title}, $\\epsilon_b={power(eps)}$", fontsize=10)
         axes[i, 0].set_ylabel(r"$\Omega/\epsilon_b\omega$")
     for axis in axes[-1]:
         axis.set_xlabel(r"tilt $\theta_T$")
+    shown = [axes[0, k].get_legend_handles_labels() for k in (0, 2)]
+    picture.legend_place.legend(*(sum((part[n] for part in shown), []) for n in (0, 1)), loc="center", ncol=7,
+                                columnspacing=1, handletextpad=0.3)
     return Figure("mechanism-noise", picture, "Mean angular velocity against tilt for single coordinates of the "
-                                              "vibration, "
-                  "in units of the rms velocity of one coordinate. Left: each coordinate of each support by its own "
-                  "signal; "
-                  "middle: both supports by the same signals; right: one support vibrates, the other rests. Lines "
-                  "join points.",
+                  "vibration, in units of the rms velocity of one coordinate. Left: each coordinate of each support by "
+                  "its own signal; middle: both supports by the same signals (mind the scale); right: one support "
+                  "vibrates, the other rests. Lines join points.",
                   "Angular velocity against tilt for single coordinates, one support, and equal signals")
 
 

@@ -1,9 +1,11 @@
 """What the durations predict: sense and size of the rotation without a free parameter, and which ingredient fails."""
 import math
+import os
 
 import numpy as np
 
-from . import mechanism_walk
+from . import kept, mechanism_walk
+from .data import Table
 from .mechanism import PI, all_coordinates, key
 from .mechanism import points as sweep_points
 from .mechanism_tep import STRONG, chosen
@@ -23,10 +25,35 @@ WALKS = (*((("x", "y", "theta"), eps, 0.04) for eps in (2e-5, 5e-5, 1e-4, 3e-4, 
          *((("x", "y", "theta"), 1e-4, tilt) for tilt in (0.02, 0.08)),
          *((("theta",), eps, 0.1) for eps in (1e-4, 3e-4, 1e-3, 1e-2)))
 
+WORDS = ("In words: while both contacts slide the same way, S<sup>++</sup> or S<sup>&minus;&minus;</sup>, the "
+         "torque &mu;(<i>n</i><sub>1</sub> + <i>n</i><sub>2</sub>)<i>R</i> is large, and the light disk soon "
+         "catches up with the slower one of the supports. From then on it is slower than one support and faster "
+         "than the other, in S<sup>+&minus;</sup> or S<sup>&minus;+</sup>, where only &mu;(<i>n</i><sub>1</sub> "
+         "&minus; <i>n</i><sub>2</sub>)<i>R</i> acts. With tilt <i>n</i><sub>1</sub> &ne; <i>n</i><sub>2</sub>. In "
+         "S<sup>&minus;+</sup> friction carries part of the weight, in S<sup>+&minus;</sup> it presses the disk "
+         "down, so the two torques are not opposite: their sum is clockwise. S<sup>++</sup> and "
+         "S<sup>&minus;&minus;</sup> leave a smaller counter-clockwise sum. The longer the mixed configurations "
+         "last, the more the clockwise one counts; a drive that never reaches them (in phase) turns the disk the "
+         "other way. The disk turns so fast that the durations balance the torques. Predictions without a free "
+         "parameter: (i) <i>strong drive</i>: torques (15)-(18), and the probabilities of the four configurations "
+         "at a steady &Omega;, as the velocities with which the supports drag the upper disk are Gaussian (their "
+         "covariance follows from (52) and from the linear response of the upper centre); &Omega; is where the "
+         "mean torque vanishes. (ii) <i>true strength</i>: <i>I</i>d&Omega;/d<i>t</i> = "
+         "<i>T</i><sup>&plusmn;&plusmn;</sup> with the same torques and velocities, so that the disk catches up "
+         "with the supports and goes along with one of them for a while. (iii) <i>measured torques</i> in place of "
+         "(15)-(18) in (i). Decks <code>inputs/paper/mechanism.cfg</code>, <code>mechanism_rotation.cfg</code>.")
+
 
 def walks(results):
-    """Omega over the rms velocity of permanent sliding at the true strength; some seconds for each row."""
+    """Omega over the rms velocity of permanent sliding at the true strength. It takes seconds for each row: what a call
+    before this one has found with the same settings is taken over."""
+    settings = "; ".join(map(str, (mechanism_walk.STEP, mechanism_walk.COPIES, mechanism_walk.WARM, mechanism_walk.TIME,
+                                   len(WALKS))))
+
     def make():
+        path = os.path.join(results.store.folder, "mechanism-walk.csv")
+        if os.path.exists(path) and kept.head_of(path).get("settings") == settings:
+            return Table.read(path, finished_only=False)
         if results.dry or results.level == "quick":
             return None
         rows = []
@@ -37,10 +64,9 @@ def walks(results):
             rows.append([" ".join(coordinates), eps, tilt, value / unit, error / unit, *parts])
         names = ("coordinates", "eps_b", "tilt", "omega", "error", *SIGNS, "stuck")
         return {name: [row[k] for row in rows] for k, name in enumerate(names)}
-    return results.numbers("mechanism-walk", make, digits=6, title="Permanent sliding with the torques (15)-(18) "
-                                                                   "under random "
-                           "vibration, at the true strength of the drive", units="tilt in pi, omega and error in "
-                                                                                 "eps_b w")
+    return results.numbers("mechanism-walk", make, digits=6, settings=settings, units="tilt in pi, omega in eps_b w",
+                           title="Permanent sliding with the torques (15)-(18) under random vibration, at the true "
+                           "strength of the drive")
 
 
 def with_measured(p):
@@ -53,21 +79,7 @@ def with_measured(p):
 
 
 def sections(results):
-    out = Section("mechanism-size", "Sense and size of the rotation from the durations", "Without a free parameter: "
-                                                                                         "(i) "
-                  "<i>strong drive</i>: torques (15)-(18), and the probabilities of the four configurations at a "
-                  "steady &Omega;, "
-                  "as the velocities with which the supports drag the upper disk are Gaussian (their covariance "
-                  "follows from (52) "
-                  "and from the linear response of the upper centre); &Omega; is where the mean torque vanishes. "
-                  "(ii) <i>true "
-                  "strength</i>: <i>I</i>d&Omega;/d<i>t</i> = <i>T</i><sup>&plusmn;&plusmn;</sup> with the same "
-                  "torques and "
-                  "velocities, so that the disk catches up with the supports and goes along with one of them for a "
-                  "while. "
-                  "(iii) <i>measured torques</i> in place of (15)-(18) in (i). Decks "
-                  "<code>inputs/paper/mechanism.cfg</code>, "
-                  "<code>mechanism_rotation.cfg</code>.", new=True)
+    out = Section("mechanism-size", "Sense and size of the rotation from the durations", WORDS, new=True)
     found, gaps = tep_points(results)
     table = sweep_points(results.sweep("mechanism_rotation"), lambda r: r["eps_b"] * OMEGA)
     mechanism = sweep_points(results.sweep("mechanism"), lambda r: key(r, "eps_b") * key(r, "omega_b"))
@@ -107,11 +119,12 @@ def draw(random, found, table, walk):
         mine = [p for p in chosen(found, "random", omega_b=OMEGA, **fixed)]
         if mine:
             axis.plot([p.amplitude if column == "eps_b" else p.tilt / PI for p in mine],
-                      [with_measured(p) for p in mine], "^", color=COLOURS[2], mfc="white", ms=4.5, label="measured torques (iii)")
+                      [with_measured(p) for p in mine], "^", color=COLOURS[2], mfc="white", ms=4.5,
+                      label="measured torques (iii)")
         zero_line(axis)
         axis.set_title("all coordinates, " + (r"$\theta_T=0.04\pi$" if column == "eps_b" else r"$\epsilon_b=10^{-4}$"),
-                       pad=52, fontsize=10)
-        legend_above(axis, 1, fontsize=8.5, labelspacing=0.15)
+                       pad=60, fontsize=10)
+    legend_above(axes[0], 1, fontsize=8.5, labelspacing=0.15)
     axes[0].set_xscale("log")
     in_pi(axes[1].xaxis, 0.04)
     rotation(axes[2], table, walk.where(coordinates="theta", tilt=0.1))
@@ -145,7 +158,7 @@ def rotation(axis, table, walk):
                     ms=4)
     zero_line(axis)
     axis.set_xscale("log")
-    axis.set_title(r"random rotation, $\theta_T=0.1\pi$", pad=52, fontsize=10)
+    axis.set_title(r"random rotation, $\theta_T=0.1\pi$", pad=60, fontsize=10)
     if axis.get_legend_handles_labels()[0]:
         legend_above(axis, 1, fontsize=8.5, labelspacing=0.15)
 

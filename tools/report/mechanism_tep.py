@@ -248,7 +248,29 @@ def claims(found):
                        strong[drive], "torque", "sections 4.1, 4.2", f"tep-torque-{word}", PAPER),
                 judged(f"Turning {drive}, strongly, the TEP gives the mean normal forces.", strong[drive], "force", "",
                        f"tep-forces-{word}", CHECK)]
+    out.append(asymmetry(strong))
     return [*out, longer(found), *balances(found, {**strong, "random": base["random"]})]
+
+
+def asymmetry(strong):
+    """The sums over opposite configurations are all that can turn the disk; are they those of the equilibria?"""
+    text = ("What is rectified, the sums of the torques of S<sup>++</sup> and S<sup>&minus;&minus;</sup> and of "
+            "S<sup>+&minus;</sup> and S<sup>&minus;+</sup>, is that of the TEPs under random vibration.")
+    told, z = [], []
+    for p in strong["random"]:
+        for a, b in (("pp", "mm"), ("pm", "mp")):
+            (x, dx), (y, dy) = p.part[a]["torque"], p.part[b]["torque"]
+            aim, error = p.tep[a] + p.tep[b], math.hypot(dx, dy)
+            off = (x + y) / aim - 1
+            z.append((abs(off) - SURE * error / abs(aim) > CLOSE, abs(off) + error / abs(aim) <= CLOSE))
+            if abs(p.tilt - 0.04 * PI) < 1e-6:
+                told.append(f"{name_of(a)}, {name_of(b)}: {number(x + y, error)}, TEPs {number(aim)}")
+    if not z:
+        return missing(text, kind=CHECK, slug="tep-asymmetry")
+    return Claim(text, NO if any(far for far, _ in z) else YES if all(near for _, near in z) else OPEN,
+                 f"at &epsilon;<sub>b</sub> = 10<sup>&minus;4</sup>, tilt 0.04&pi;: {'; '.join(told)}; "
+                 f"{sum(near for _, near in z)} of {len(z)} sums at {len(z) // 2} tilts within {100 * CLOSE:g} %",
+                 kind=CHECK, slug="tep-asymmetry")
 
 
 def misfit(p):
