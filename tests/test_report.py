@@ -23,6 +23,8 @@ except ImportError:
 
 from report import __main__ as report  # noqa: E402
 from report import configurations, effort, errors, fits, levels, markdown, page, turning, verdict, vibration  # noqa: E402
+from report import (mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep,  # noqa: E402
+                    mechanism_theory)
 from report.data import Table  # noqa: E402
 from report.page import Numbers, Page, Section  # noqa: E402
 from report.runs import Results, overrides  # noqa: E402
@@ -129,6 +131,61 @@ class Synthetic(Results):
             rows.append({"name": row["name"], "first_order": 1.3 * row["upper.omega"], "mean": 1.3 * row["upper.omega"],
                          "limit": row["upper.omega"]})
         return Table(rows)
+
+
+class Mechanism(unittest.TestCase):
+    """Permanent sliding under random drive: closed forms."""
+
+    def test_torques(self):
+        """(15)-(18), and the zero of (19)."""
+        tilt, theta, mu = 0.1, 0.5, 0.2
+        found = mechanism_theory.torques(mechanism_theory.System(theta, tilt, mu))
+        for sign, same, mixed in ((1, "pp", "pm"), (-1, "mm", "mp")):
+            self.assertAlmostEqual(found[same], sign * mu * (numpy.cos(tilt) + sign * mu * numpy.sin(tilt))
+                                   / ((1 + mu ** 2) * numpy.cos(theta)), 13)
+            self.assertAlmostEqual(found[mixed], sign * mu * numpy.sin(tilt)
+                                   / (numpy.sin(theta) + sign * mu * numpy.cos(theta)), 13)
+        zero = mechanism_theory.slight_tilt_zero(mu)
+        self.assertAlmostEqual(sum(mechanism_theory.torques(mechanism_theory.System(zero, 1e-3, mu)).values()), 0, 12)
+
+    def test_alternating(self):
+        """(30), and the limit of physics.md for opposite phases."""
+        system = mechanism_theory.System(tilt=0.04 * PI)
+        self.assertAlmostEqual(mechanism_theory.alternating(system, 0), 4 / PI * 0.1 * numpy.tan(system.tilt), 13)
+        self.assertAlmostEqual(mechanism_theory.alternating(system, PI), -0.04776, 5)
+
+    def test_quadrants(self):
+        """The arcsine law at Omega = 0, products without correlation, and a sum of one."""
+        for rho in (-1.0, -0.4, 0.0, 0.9, 1.0):
+            parts = mechanism_theory.quadrants(numpy.array([[1, 2 * rho], [2 * rho, 4]]))
+            self.assertAlmostEqual(parts["pp"], 0.25 + numpy.arcsin(rho) / (2 * PI), 12)
+            self.assertAlmostEqual(sum(parts.values()), 1, 12)
+        parts = mechanism_theory.quadrants(numpy.diag([1.0, 4.0]), 1.0)
+        self.assertAlmostEqual(parts["pp"], mechanism_theory.normal(-1) * mechanism_theory.normal(-0.5), 12)
+
+    def test_one_signal(self):
+        """Both supports turn by one signal: P(w > Omega) is the fraction of S++ that balances the torques."""
+        system = mechanism_theory.System(tilt=0.06 * PI)
+        drive = mechanism_theory.Drive(1e-3, coordinates=("theta",), own=False)
+        omega = mechanism_theory.predicted(system, drive) / (drive.eps * drive.omega)
+        self.assertAlmostEqual(mechanism_theory.normal(-omega), (1 - 0.1 * numpy.tan(system.tilt)) / 2, 5)
+
+    def test_rigid_supports(self):
+        """Stiff disks: the centre goes where both distances stay as they are."""
+        system = mechanism_theory.System(k_n=1e9, gamma_n=1e4)
+        s, c = 0.5, 0.75 ** 0.5
+        found = mechanism_theory.covariance(system, mechanism_theory.Drive()) / (1e-4 * 20 * PI) ** 2
+        self.assertAlmostEqual(found[0, 0], 1 + (1 / c ** 2 + 1 / s ** 2) / 2, 2)
+        self.assertAlmostEqual(found[0, 1], (1 / s ** 2 - 1 / c ** 2) / 2, 2)
+
+    def test_nothing_there(self):
+        with tempfile.TemporaryDirectory() as folder:
+            results = Results(folder, "full", "/bin/false", dry=True, strict=True)
+            results.store.kept = ""
+            for module in (mechanism_tep, mechanism_size, mechanism_noise, mechanism_scan, mechanism_portrait):
+                claims = [claim for section in module.sections(results) for claim in section.claims]
+                self.assertEqual({claim.verdict for claim in claims} - {verdict.OPEN}, set(), module.__name__)
+        plt.close("all")
 
 
 class Fits(unittest.TestCase):

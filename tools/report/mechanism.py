@@ -4,7 +4,7 @@ import math
 import numpy as np
 
 from .data import DISK, Table
-from .verdict import sliding, survival
+from .verdict import number, sliding, survival
 
 PI = math.pi
 FEW = 4  # replicas: the scatter of fewer says little
@@ -49,6 +49,11 @@ def points(table, unit):
         scale = unit(row)
         rows.append({**row, "omega": value / scale, "error": error / scale, "replicas": float(len(members))})
     return Table(rows, table.missing, table.source)
+
+
+def told(value, error):
+    """A value with its error; without it where it is too small to be shown."""
+    return number(value, error if error and error > 1e-3 * abs(value) else None)
 
 
 def constant(value, error):

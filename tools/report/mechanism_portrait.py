@@ -91,9 +91,8 @@ def sections(results):
     told = ""
     if film:
         mechanism_film.write(film, results.folder)
-        told = (' <a href="figures/cycle.gif">A film</a> shows one period in opposite phases '
-                "(&Theta;<sub>b</sub> = 0.002), "
-                "angles and displacements magnified.")
+        told = (" A film of one period in opposite phases (&Theta;<sub>b</sub> = 0.002), angles and displacements "
+                "magnified: <code>figures/cycle.gif</code>.")
     out.figures.append(draw(tables, amplitudes, told))
     return [out]
 

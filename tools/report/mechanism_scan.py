@@ -5,6 +5,7 @@ import numpy as np
 
 from . import fits
 from .mechanism import BASE, PI, all_coordinates, constant, key, points
+from .mechanism import told as shown
 from .mechanism_theory import Drive, System, alternating, predicted, slight_tilt_zero
 from .page import Figure, Numbers, Section
 from .style import COLOURS, figure, in_pi, legend_below, zero_line
@@ -150,8 +151,7 @@ def depends(found, name):
 def span(line, name):
     def at(row):
         x = row[name] / PI if name == "theta_h" else row[name]
-        value = number(row["omega"], row["error"]) if row["replicas"] > 1 else number(row["omega"])
-        return f"{value} at {number(x)}" + (" &pi;" if name == "theta_h" else "")
+        return f"{shown(row['omega'], row['error'])} at {number(x)}" + (" &pi;" if name == "theta_h" else "")
     rows = sorted(line.rows, key=lambda row: row["omega"])
     return f"{at(rows[0])} to {at(rows[-1])}"
 
@@ -203,7 +203,7 @@ def short(found):
         value, error = line.column("omega"), line.column("error")
         last, largest = line.rows[-1], float(np.abs(value).max())
         fine.append(abs(value[-1]) + max(error[-1], 0) < 0.02 * largest)
-        told.append(f"{drive}: {number(value[-1], error[-1] if last['replicas'] > 1 else None)} at &omega; = "
+        told.append(f"{drive}: {shown(value[-1], error[-1])} at &omega; = "
                     f"{last['omega_b'] / PI:g} &pi;, at most "
                     f"{number(largest, digits=2)} at lower frequencies")
     return decide(text, all(fine), "; ".join(told) + " (&Omega; over the supports' velocity, which is the same at all "

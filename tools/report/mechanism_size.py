@@ -8,6 +8,7 @@ from . import kept, mechanism_walk
 from .data import Table
 from .mechanism import PI, all_coordinates, key
 from .mechanism import points as sweep_points
+from .mechanism import told as shown
 from .mechanism_tep import STRONG, chosen
 from .mechanism_tep import points as tep_points
 from .mechanism_theory import SIGNS, Drive, System, covariance, predicted, quadrants, steady
@@ -259,7 +260,7 @@ def sense(found):
         sense_of = tilted[0].omega
         fine.append(bool(np.sign(torque) == np.sign(sense_of[0]) and abs(sense_of[0]) > SURE * (sense_of[1] or 0.0)))
         parts = ", ".join(f"{level[0].share(c):.3f}" for c in SIGNS)
-        told.append(f"{title}: durations {parts}, torque {number(torque)}, &Omega; = {number(*sense_of)} at tilt "
+        told.append(f"{title}: durations {parts}, torque {number(torque)}, &Omega; = {shown(*sense_of)} at tilt "
                     f"{tilted[0].tilt / PI:g} &pi;")
     return decide(text, all(fine), "; ".join(told) + " (durations of S<sup>++</sup>, S<sup>+&minus;</sup>, "
                                                      "S<sup>&minus;+</sup>, "
