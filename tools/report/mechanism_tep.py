@@ -14,6 +14,7 @@ LEAST = 1e-3   # fraction of time below which a configuration does not count
 CLOSE = 0.1    # torques and forces within 10 % count as those of the equilibrium
 UNDONE = 0.2   # of the torque just after tilting may be left over
 DAMPING = 0.5  # of the random vibration: t_c = 1/(c w)
+SUMS = (("pp", "mm"), ("pm", "mp"))
 PLACE = "section 4"
 MARKS = "os^D"
 
@@ -53,6 +54,11 @@ class Point:
     def error(self):
         return math.sqrt(sum((self.part[c][""][1] * self.tep[c]) ** 2 for c in SIGNS
                              if math.isfinite(self.part[c][""][1])))
+
+    def sum_of(self, a, b):
+        """(sum of the torques of two configurations, its error)"""
+        (x, dx), (y, dy) = self.part[a]["torque"], self.part[b]["torque"]
+        return x + y, math.hypot(dx, dy)
 
     def deviations(self, name):
         """[(relative deviation from the equilibrium, its error, configuration)]; name: "torque" or "force"."""
@@ -186,32 +192,44 @@ def against_tilt(found):
 def against_frequency(found):
     drives = (("random", "random vibration"), ("random rotation", "random rotation, strong"), ("in phase", "in phase"),
               ("opposite phases", "opposite phases"))
-    picture, axes = figure(4, 1, width=7.8, height=2.7, legend=True, sharey=True)
+    picture, axes = figure(4, 2, width=7.8, height=4.6, legend=True, sharey="row", sharex=True)
     tep = torques(System(tilt=0.04 * PI))
-    for axis, (drive, title) in zip(axes, drives):
+    for (above, below), (drive, title) in zip(axes.T, drives):
         line = of_velocity(found, drive)
         for k, c in enumerate(SIGNS):
             there = [p for p in line if p.share(c) > LEAST]
             if there:
-                draw_points(axis, [p.omega_b / PI for p in there], *values(there, c, "torque"),
+                draw_points(above, [p.omega_b / PI for p in there], *values(there, c, "torque"),
                             CONFIGURATIONS[c][0], k, MARKS[k], line="none", ms=4)
-                axis.axhline(tep[c], color=COLOURS[k], lw=1, gid="guide")
-        axis.set_xscale("log")
-        in_pi(axis.xaxis)
-        axis.axvline(100 / math.sqrt(2) / PI, color=GREY, lw=0.8, ls=":", gid="guide")
-        axis.set_xlabel(r"frequency $\omega$")
-        axis.set_title(title, fontsize=10)
-        zero_line(axis)
-    axes[0].set_ylabel("torque")
-    legend_below(picture, axes[1:2], 4)
-    return Figure("mechanism-short", picture, "Mean torque of each configuration against the frequency of the drive "
-                                              "at a fixed "
-                  "velocity of the supports, tilt 0.04&pi;. Lines: TEP. Dotted: frequency &omega;<sub>x</sub> of the "
-                  "upper "
-                  "centre's horizontal oscillation. Faster than that the centre cannot follow: the torques become "
-                  "&plusmn;&mu;(<i>n</i><sub>1</sub> &plusmn; <i>n</i><sub>2</sub>) of the same forces in all "
-                  "configurations, "
-                  "which rectify nothing.", "Torque of each configuration against the frequency of the drive")
+                above.axhline(tep[c], color=COLOURS[k], lw=1, gid="guide")
+        for k, (a, b) in enumerate(SUMS):
+            there = [p for p in line if p.share(a) > LEAST and p.share(b) > LEAST]
+            pairs = np.array([p.sum_of(a, b) for p in there]).reshape(-1, 2) / (tep[a] + tep[b])
+            if there:
+                draw_points(below, [p.omega_b / PI for p in there], pairs[:, 0], np.nan_to_num(np.abs(pairs[:, 1])),
+                            f"{CONFIGURATIONS[a][0]} + {CONFIGURATIONS[b][0]} (below)", 4 + 2 * k, "vP"[k], line="-",
+                            ms=4.5)
+        below.axhline(1, color=GREY, lw=0.8, gid="guide")
+        below.set_xscale("log")
+        below.set_xlim(1.8, 450)
+        in_pi(below.xaxis)
+        for axis in (above, below):
+            axis.axvline(100 / math.sqrt(2) / PI, color=GREY, lw=0.8, ls=":", gid="guide")
+            zero_line(axis)
+        below.set_xlabel(r"frequency $\omega$")
+        above.set_title(title, fontsize=10)
+    axes[0, 0].set_ylabel("torque")
+    axes[1, 0].set_ylabel("sum / that of the TEPs")
+    shown = [axis.get_legend_handles_labels() for axis in (axes[0, 0], axes[1, 0])]
+    picture.legend_place.legend(*(sum((part[n] for part in shown), []) for n in (0, 1)), loc="center", ncol=6,
+                                columnspacing=1, handletextpad=0.3)
+    return Figure("mechanism-short", picture, "Above: mean torque of each configuration against the frequency of the "
+                  "drive at a fixed velocity of the supports, tilt 0.04&pi;; lines: TEP. Below: sums of the torques of "
+                  "opposite configurations, which are what is rectified, over those of the TEPs. Dotted: frequency "
+                  "&omega;<sub>x</sub> of the upper centre's horizontal oscillation. Faster than that the centre "
+                  "cannot follow: the torques become &plusmn;&mu;(<i>n</i><sub>1</sub> &plusmn; <i>n</i><sub>2</sub>) of "
+                  "the same forces in all configurations, and the sums vanish.",
+                  "Torque of each configuration against the frequency of the drive")
 
 
 def judged(text, sets, name, place, slug, kind):
@@ -258,13 +276,12 @@ def asymmetry(strong):
             "S<sup>+&minus;</sup> and S<sup>&minus;+</sup>, is that of the TEPs under random vibration.")
     told, z = [], []
     for p in strong["random"]:
-        for a, b in (("pp", "mm"), ("pm", "mp")):
-            (x, dx), (y, dy) = p.part[a]["torque"], p.part[b]["torque"]
-            aim, error = p.tep[a] + p.tep[b], math.hypot(dx, dy)
-            off = (x + y) / aim - 1
+        for a, b in SUMS:
+            (found, error), aim = p.sum_of(a, b), p.tep[a] + p.tep[b]
+            off = found / aim - 1
             z.append((abs(off) - SURE * error / abs(aim) > CLOSE, abs(off) + error / abs(aim) <= CLOSE))
             if abs(p.tilt - 0.04 * PI) < 1e-6:
-                told.append(f"{name_of(a)}, {name_of(b)}: {number(x + y, error)}, TEPs {number(aim)}")
+                told.append(f"{name_of(a)}, {name_of(b)}: {number(found, error)}, TEPs {number(aim)}")
     if not z:
         return missing(text, kind=CHECK, slug="tep-asymmetry")
     return Claim(text, NO if any(far for far, _ in z) else YES if all(near for _, near in z) else OPEN,
