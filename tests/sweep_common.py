@@ -25,7 +25,8 @@ motions = (
   { name = "shake"; disk = ["left", "right"]; coordinate = ["x", "y", "theta"]; type = "random";
     amplitude = 1e-4; omega = "20 pi"; damping = 0.5; ramp = 0.2; }
 );
-measure = { rotation = ["upper"]; sliding = ( { disk = "upper"; partners = ["left", "right"]; } ); };
+measure = { rotation = ["upper"]; sliding = ( { disk = "upper"; partners = ["left", "right"]; } );
+            configurations = true; };
 """
 def three_disks(sweep, steps=20000, checkpoint=60.0, more=""):
     return (f"{THREE}checkpoint = {checkpoint};\noutput = {{ series = {max(steps // 20, 1)}; }};\n"
