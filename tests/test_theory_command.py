@@ -309,6 +309,11 @@ class Tables(Base):
                     "pp": s["durations"]["++"] / s["period"], "pm": s["durations"]["+-"] / s["period"],
                     "mp": s["durations"]["-+"] / s["period"], "mm": s["durations"]["--"] / s["period"],
                     "stuck": 0, "permanent": 1}
+        for name, signs in zip(("pp", "pm", "mp", "mm"), ((1, 1), (1, -1), (-1, 1), (-1, -1))):
+            a, (s1, s2) = (HALF - TILT, HALF + TILT), signs
+            balance = [[math.sin(a[0]) + s1 * MU * math.cos(a[0]), -math.sin(a[1]) + s2 * MU * math.cos(a[1])],
+                       [math.cos(a[0]) - s1 * MU * math.sin(a[0]), math.cos(a[1]) + s2 * MU * math.sin(a[1])]]
+            expected[f"normal_1_{name}"], expected[f"normal_2_{name}"] = np.linalg.solve(balance, [0, 1])
         self.assertEqual(set(row), {"set", "name"} | set(expected))
         self.assertEqual(row["set"], "0")
         for name, value in expected.items():
