@@ -8,7 +8,7 @@ from report.verdict import SURE, decide, missing, number
 from .disks import CHANCE, HELD, LIMIT, RULE, boxes, by_drive
 from .statistics import jackknife, mean_error, pearson, pooled, share, spearman
 
-TIGHT = 0.1      # of the packing's rms: an upper limit on |Omega| below it shows that a disk stands still
+TIGHT = 0.01     # of the packing's rms: an upper limit on |Omega| below it shows that a disk stands still
 SIZEABLE = 0.05  # so many disks that stand still refute "each"
 ALIKE = 0.5      # the smaller of both halves over the larger, from which on a rotation is the same in both
 
@@ -51,8 +51,8 @@ def lasting(found):
 
 
 def excess(found):
-    """(share, error) of the disks within three errors beyond what a smooth distribution has there, half of those between
-    three and nine errors. A distribution with a peak at zero has more, so this is an upper bound."""
+    """(share, error) of the disks within three errors beyond what a smooth distribution has there, which is half of
+    those between three and nine errors. A distribution with a peak at zero has more, so this is an upper bound."""
     groups = []
     for box in found:
         ratio = np.abs(box["omega"][box.held]) / np.maximum(box["error"][box.held], 1e-300)
@@ -130,9 +130,8 @@ def sections(campaign):
     out = Section("each", "Does each disk turn?",
                   "The claim is that <i>each</i> disk of a vibrated packing has a mean angular velocity that is not "
                   f"zero. A disk <i>turns</i> when |&Omega;| is beyond {SURE:g} of its errors; it <i>stands still</i> "
-                  f"when it "
-                  "is not, and the upper limit of 95 % on |&Omega;| is below a tenth of the rms of its packing: its "
-                  "rotation would be seen. Of those the ones whose friction has done no work at all while measured "
+                  "when it is not, and the upper limit of 95 % on |&Omega;| is below a hundredth of the rms of its "
+                  "packing. Of those the ones whose friction has done no work at all while measured "
                   f"<i>stick for ever</i>. {RULE} They are left out. The claim is refuted when "
                   f"more than {100 * SIZEABLE:.0f} % of the disks stand still. It is met when fewer than that do not "
                   f"turn, or "
