@@ -238,6 +238,7 @@ def drive_figure(rows, drives, start):
                             color=COLOURS[k], label=label, **look)
     axes[1, 1].axhline(SOLID, color=LIGHT, lw=0.8, gid="guide")
     axes[1, 1].set_yscale("log")
+    axes[1, 1].set_ylim(top=30)
     axes[1, 1].set_ylabel("rms displacement / diameter")
     axes[1, 1].legend(loc="upper left")
     for panel in axes.flat:

@@ -101,7 +101,7 @@ def power_table(table):
 
 
 def power_figure(sets, table):
-    picture, axes = figure(columns=2, height=3.5)
+    picture, axes = figure(columns=2, width=7.2, height=3.6)
     for k, (name, found) in enumerate(sets.items()):
         for box in found:
             part = box.held & (box["friction"] > 0) & (box["omega"] != 0)
@@ -111,6 +111,8 @@ def power_figure(sets, table):
         if found:
             axes[0].plot([], [], "os"[k], ms=3, color=COLOURS[k], label=f"{found[0].drive:g} $g$")
     axes[0].plot([], [], "o", ms=3, mfc="none", color=GREY, label="within 3 errors")
+    every = np.concatenate([box["friction"][box.held] for found in sets.values() for box in found] or [np.ones(1)])
+    axes[0].set_ylim(bottom=max(np.median(every), 1e-300) * 1e-4)
     axes[0].set_xlabel(r"$|\Omega_i|$ (rad/s)")
     axes[0].set_ylabel("lost by friction (W)")
     for k, (drive, found) in enumerate(table.items()):
@@ -125,8 +127,7 @@ def power_figure(sets, table):
             panel.legend(loc="lower left" if panel is axes[0] else "upper left", fontsize=8.5,
                          ncol=1 if panel is axes[0] else 2, columnspacing=0.6, handletextpad=0.1)
     return Figure("powers", picture, "Left: power that a disk loses by friction against its mean angular velocity; "
-                                     "full: "
-                  "disks that turn. Right: power that the floor puts in against the rms angular velocity, a point a "
+                  "full: disks that turn; those that lose hardly anything are below the axis. Right: power that the floor puts in against the rms angular velocity, a point a "
                   "packing.",
                   "Scatter plots of friction power and injected power against angular velocity")
 

@@ -51,9 +51,10 @@ def numbers_table(name, found):
                     "beyond 3 errors", "correlation of halves", "wander/diameter", "contacts per "
                                                                                    "disk", "sliding fraction",
                     "openings per contact and period"],
-                   [[str(box.whole["seed"]), float(np.sum(~box.held)), float(box["omega"][box.held].mean()),
-                     box.rms, box.median, box.noise, float(box.turns[box.held].mean()), pearson(*box.halves),
-                     box.spread("rms"), box.whole["coordination"], box.whole["sliding"], box.openings]
+                   [[str(box.whole["seed"]), float(np.sum(~box.held)), number(box["omega"][box.held].mean()),
+                     *(number(value) for value in (
+                         box.rms, box.median, box.noise, box.turns[box.held].mean(), pearson(*box.halves),
+                         box.spread("rms"), box.whole["coordination"], box.whole["sliding"], box.openings))]
                     for box in found])
 
 
@@ -63,12 +64,10 @@ def persists(name, found):
     linear = jackknife(pooled(pearson), scaled)
     shifted = jackknife(pooled(pearson), [(a, np.roll(b, 1)) for a, b in scaled])
     plain = jackknife(pooled(pearson), [box.halves for box in found])
-    return decide("Each disk keeps its own mean angular velocity: those of the first and of the second half of the "
-                  "time are "
-                  "correlated.", lasts(linear),
+    return decide("Disks keep mean angular velocities of their own: those of the first and of the second half of the "
+                  "time are correlated.", lasts(linear),
                   f"Pearson {number(*linear)} where each packing is scaled by its rms, {number(*plain)} without; with "
-                  f"the next "
-                  f"disk's second half instead {number(*shifted)}", slug=f"{name}-persists")
+                  f"the next disk's second half instead {number(*shifted)}", slug=f"{name}-persists")
 
 
 def ranked(name, found):
