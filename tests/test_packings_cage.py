@@ -111,17 +111,20 @@ class Cages(unittest.TestCase):
         omega = weight * signal / signal.std() + np.sqrt(1 - weight ** 2) * r.normal(size=n)
         for name in ("load", "meshed"):
             columns[name] = omega + 0.3 * r.normal(size=n) if weight else columns[name]
-        return cages.Part(table(drive=2.0, packing=np.repeat(np.arange(6), 60), omega=omega, error=0.01, **columns))
+        columns["gears"] = 0.8 * omega + 0.4 * r.normal(size=n) if weight else r.normal(size=n)
+        return cages.Part(table(drive=2.0, packing=np.repeat(np.arange(6), 60), disk=np.tile(np.arange(60), 6),
+                                omega=omega, error=0.01, **columns))
 
     def verdicts(self, part):
-        return [f(2.0, part).verdict for f in (cages.predicts, cages.sense, cages.size, cages.mechanism)]
+        return [f(2.0, part).verdict for f in (cages.predicts, cages.sense, cages.size, cages.mechanism,
+                                               cages.gear)]
 
     def test_cage_counts(self):
-        self.assertEqual(self.verdicts(self.part(0.95)), [YES] * 4)
+        self.assertEqual(self.verdicts(self.part(0.95)), [YES] * 5)
 
     def test_cage_does_not_count(self):
         part = self.part(0)
-        self.assertEqual(self.verdicts(part), [NO] * 4)
+        self.assertEqual(self.verdicts(part), [NO] * 5)
         self.assertGreater(part.chance("load"), 0.01)
 
     def test_chance(self):

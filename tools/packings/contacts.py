@@ -129,6 +129,15 @@ def response(cage, torque, own=False):
     return out
 
 
+def meshed(cage, omega):
+    """Omega of each disk if it were a gear without a torque of its own between the disks that it touches."""
+    total = np.bincount(cage.disk, cage.force * cage.radius[cage.disk], cage.n)
+    near = cage.other < cage.n
+    i, j = cage.disk[near], cage.other[near]
+    push = np.bincount(i, cage.force[near] * cage.radius[j] * omega[j], cage.n)
+    return np.where(total > 0, -push / np.where(total > 0, total, 1), np.nan)
+
+
 def sliding_speed(run, cage, mu=MU):
     """Mean speed of sliding: the power of friction over mu times the sum of the mean normal forces."""
     inner = cage.other < cage.n

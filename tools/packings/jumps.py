@@ -5,10 +5,9 @@ from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, figure
 from report.verdict import NO, OPEN, YES, Claim, missing, number
 
-from .memory import DRIVES, VARIANTS, histories
+from .memory import DRIVES, LONGER, VARIANTS, histories
 from .statistics import jackknife
 
-LONGER = {"low": 0.3, "moderate": 2.0}  # entries of plan.py whose runs are long, with few frames
 WIDTH = 0.45     # s: Omega is taken over blocks of this length, or from frame to frame where these are further apart
 SHORTEST = 4     # blocks on each side of a jump
 SURE = 6.0       # errors
@@ -138,7 +137,8 @@ def runs(campaign):
     for name, drive in LONGER.items():
         found += [({"drive": drive, "packing": 100 + k, "variant": 0}, run)
                   for k, run in enumerate(campaign.runs(name)) if run.has_means]
-    return [(key, run) for key, run in found if len(run.result.frames) > SHORTEST and len(run.result.contacts) > SHORTEST]
+    return [(key, run) for key,
+            run in found if len(run.result.frames) > SHORTEST and len(run.result.contacts) > SHORTEST]
 
 
 class Found:

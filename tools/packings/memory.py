@@ -10,6 +10,8 @@ from report.verdict import NO, OPEN, YES, Claim, missing, number
 from .statistics import jackknife, pearson, spearman
 
 DRIVES = {"cage_low": 0.3, "cage_middle": 0.7, "cage_moderate": 2.0}  # entries of plan.py, peak acceleration/g
+LONGER = {"low": 0.3, "moderate": 2.0}  # entries whose runs are long
+FEW = 40  # tables of contacts that tell the mean forces in a cage
 VARIANTS = ("reference", "phase", "spin_plus", "spin_minus", "forgotten", "noise_1", "noise_2")
 # slug, pairs that are compared, label of the figure, the claim's words, is it the paper's
 COMPARISONS = (
@@ -36,6 +38,17 @@ def histories(campaign, name):
     """{(packing, variant): run} of an entry of DRIVES."""
     runs = [run for run in campaign.runs(name) if run.has_means]
     return {(packing_of(run.parameters), variant_of(run.parameters)): run for run in runs}
+
+
+def shaken(campaign):
+    """[(drive, number of the packing, run)]: harmonic runs at these drives with tables of contacts, as they are;
+    packings of the sweep of drives and of long runs count from 100 on."""
+    found = [(drive, packing, run) for name, drive in DRIVES.items()
+             for (packing, variant), run in sorted(histories(campaign, name).items()) if variant == "reference"]
+    others = [(LONGER.get(name, run.parameters.get("drive")), run) for name in (*LONGER, "drive")
+              for run in campaign.runs(name) if run.has_means]
+    found += [(drive, 100 + k, run) for k, (drive, run) in enumerate(others) if drive in DRIVES.values()]
+    return [(drive, packing, run) for drive, packing, run in found if len(run.result.contacts) >= FEW]
 
 
 def packing_of(parameters):

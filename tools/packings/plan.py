@@ -46,7 +46,8 @@ def _memory(drive, thermalise, measure, packings, every=1507):
     keys = {"motions[*].acceleration": drive, **_times(thermalise, measure), "phases.measure.contacts": every,
             "disk_files[0].file": "{folder}/cage_start/points/base.h5", "sweep[*].parameters.start.values": _starts(2)}
     return Entry("cage_memory.cfg", {**keys, "sweep[0].parameters.start.values": _starts(packings)},
-                 {**SHORT, "sweep[*].parameters.start.values": _starts(2)})
+                 {**SHORT, "sweep[*].parameters.start.values": _starts(2),
+                  "sweep[0].parameters.start.values": _starts(3)})
 
 
 def _records(frames, contacts):

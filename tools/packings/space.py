@@ -8,11 +8,11 @@ from report.style import COLOURS, figure, legend_above, points, zero_line
 from report.verdict import NO, OPEN, SURE, YES, Claim, missing, number, zero
 
 from . import contacts
-from .memory import DRIVES, histories
+from .memory import BLOCK, DRIVES, shaken
 from .statistics import jackknife
 
-CASES = {**{name: f"60 disks, {drive:g} <i>g</i>" for name, drive in DRIVES.items()},
-         "shake_1e4": "10000 disks, 2 <i>g</i>"}
+CASES = [*(f"60 disks, {drive:g} <i>g</i>" for drive in DRIVES.values()), "10000 disks, 2 <i>g</i>"]
+SLUGS = [*(f"{drive:g}g" for drive in DRIVES.values()), "1e4"]
 FAR, DEEP = 8, 6   # largest distance in mean diameters; most contacts between two disks
 SIDE = 4            # a large packing is divided into SIDE x SIDE blocks, which count as packings
 SLACK = 0.02        # mean diameters: surfaces of neighbours are as near as this where there are no tables of contacts
@@ -25,44 +25,36 @@ def sections(campaign):
 
 def numbers(campaign):
     """Sums over pairs of disks: a row for each case, packing or block, kind of distance and distance."""
-    rows = []
-    for case, name in enumerate(CASES):
-        for block, (run, cage) in enumerate(packings(campaign, name)):
-            rows += of_run(case, block, run, cage)
+    drives, rows = list(DRIVES.values()), []
+    for drive, packing, run in shaken(campaign):
+        rows += of_run(drives.index(drive), packing, run, contacts.Cage(run))
+    for run in campaign.runs("shake_1e4"):
+        rows += of_run(len(drives), 0, run, None) if run.has_means else []
     return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
-
-
-def packings(campaign, name):
-    """[(run, its cage or None)] of a case: those with harmonic drive as they are."""
-    if name == "shake_1e4":
-        return [(run, None) for run in campaign.runs(name) if run.has_means]
-    found = sorted(histories(campaign, name).items())
-    return [(run, contacts.Cage(run)) for (_, variant), run in found
-            if variant == "reference" and len(run.result.contacts)]
 
 
 def of_run(case, first, run, cage):
     diameter = 2 * run.radius.mean()
     x, y, omega, sure = run.x / diameter, run.y / diameter, run.omega, np.abs(run.omega) > 3 * run.error
-    block = np.full(len(x), first)
+    block = 1000 * first + np.arange(len(x)) // BLOCK
     if cage is None:
         layer = ((y - y.min()) // LAYER).astype(int)
         omega = omega / np.sqrt(np.bincount(layer, omega ** 2) / np.bincount(layer))[layer]
         block = (cut(x) * SIDE + cut(y)).astype(int)
     neighbours = touching(x, y, run.radius / diameter) if cage is None else meshed(cage)
-    square = {one: float(np.mean(omega[block == one] ** 2)) for one in np.unique(block)}
+    square = float(np.mean(omega ** 2))
     rows = []
     for kind, (i, j, distance) in (("distance", near(x, y, FAR)), ("contacts", along(neighbours, DEEP))):
-        step = np.rint(distance).astype(int) if kind == "contacts" else (2 * distance + 0.5).astype(int)
+        step = distance if kind == "contacts" else 1 + np.maximum((distance - 0.75) // 0.5, 0) / 2
         product = omega[i] * omega[j]
         both = sure[i] & sure[j]
-        for one in square:
+        for one in np.unique(block):
             here = block[i] == one
             for value in np.unique(step[here]):
                 some = here & (step == value)
                 rows.append({"case": case, "block": one, "kind": kind,
-                             "distance": value if kind == "contacts" else value / 2,
-                             "pairs": some.sum(), "product": product[some].sum() / square[one],
+                             "distance": value,
+                             "pairs": some.sum(), "product": product[some].sum() / square,
                              "sure": (some & both).sum(), "opposite": (some & both & (product < 0)).sum()})
     return rows
 
@@ -135,11 +127,11 @@ def section(campaign):
                   "disks by the distance of their mean places and by the number of contacts on the shortest way "
                   "between them. 60 disks: harmonic drive, all pairs of disks that touch for a tenth of the time "
                   f"are in contact; 10000 disks: surfaces of mean places nearer than {SLACK:g} diameters, &Omega; "
-                  f"over the rms of its layer of {LAYER} diameters. Errors: leaving out one packing, or one of "
-                  f"{SIDE * SIDE} blocks of the large one, at a time. Without any correlation 60 disks have "
+                  f"over the rms of its layer of {LAYER} diameters. Errors: leaving out ten neighbouring disks, or "
+                  f"one of {SIDE * SIDE} blocks of the large one, at a time. Without any correlation 60 disks have "
                   "&minus;1/59.",
-                  missing=campaign.missing(*CASES))
-    cases = [(k, words) for k, words in enumerate(CASES.values()) if table and len(table.where(case=float(k)))]
+                  missing=campaign.missing(*DRIVES, "shake_1e4"))
+    cases = [(k, words) for k, words in enumerate(CASES) if table and len(table.where(case=float(k)))]
     if not cases:
         out.claims.append(missing("Disks in contact turn against each other, like gears.", slug="gears-contact"))
         return out
@@ -148,12 +140,10 @@ def section(campaign):
     rows = []
     for k, words in cases:
         steps = curves[k]["contacts"]
-        slug = list(CASES)[k].replace("_", "-")
-        out.claims += [gears(words, slug, steps), second(words, slug, steps)]
+        out.claims += [gears(words, SLUGS[k], steps), second(words, SLUGS[k], steps)]
         rows += [[words, int(row[0]), int(row[5]), number(row[1], row[2]), number(row[3], row[4])]
                  for row in zip(*steps)]
-    out.claims += [far(words, list(CASES)[k].replace("_", "-"), curves[k]["distance"]) for k, words in cases
-                   if list(CASES)[k] == "shake_1e4"]
+    out.claims += [far(words, SLUGS[k], curves[k]["distance"]) for k, words in cases if SLUGS[k] == "1e4"]
     out.figures.append(curves_figure(cases, curves))
     out.tables.append(Numbers("By contacts between two disks", [
         "packing", "contacts", "pairs", "&lang;&Omega;<sub>i</sub>&Omega;<sub>j</sub>&rang;/&lang;&Omega;&sup2;&rang;",
