@@ -354,9 +354,9 @@ def gear(drive, part):
 
 
 # --- figures --------------------------------------------------------------------------------------------------------
-SHOWN = ("load", "network", "meshed", "cage")
+SHOWN = ("load", "network", "meshed", "gears")
 TITLES = {"load": "two supports, (19)", "network": "all contacts", "meshed": "measured covariance",
-          "cage": "regression"}
+          "gears": "gear of its neighbours"}
 
 
 def scatter_figure(parts):
@@ -364,13 +364,14 @@ def scatter_figure(parts):
     for row, (drive, part) in zip(axes, parts.items()):
         for panel, name in zip(row, SHOWN):
             values = part.both.get(name)
-            if values is None:
+            if values is None or not values.any():
+                panel.set_axis_off()
                 continue
             for k, one in enumerate(np.unique(part.group)):
                 here = (part.group == one) & (values != 0)
                 panel.plot(values[here], part.omega[here], "o", ms=2, mew=0, color=COLOURS[k % len(COLOURS)])
             for scale, limit in ((panel.set_xscale, panel.set_xlim), (panel.set_yscale, panel.set_ylim)):
-                scale("symlog", linthresh=0.1, linscale=0.5)
+                scale("symlog", linthresh=0.3, linscale=0.8)
                 limit(-9, 9)
             panel.set_xticks([-1, 0, 1], ["$-1$", "0", "1"])
             panel.set_yticks([-1, 0, 1], ["$-1$", "0", "1"] if panel is row[0] else ["", "", ""])
@@ -379,17 +380,17 @@ def scatter_figure(parts):
             panel.axvline(0, color=GREY, lw=0.4, zorder=0, gid="guide")
             panel.text(0.04, 0.96, f"$r$ = {part.correlation(name)[0]:.2f}", transform=panel.transAxes, va="top",
                        fontsize=8)
-            if row is axes[0]:
+            if drive == min(parts):
                 panel.set_title(TITLES[name], fontsize=9)
         row[0].set_ylabel(rf"{drive:g} $g$: $\Omega_i$/rms", fontsize=10)
     for panel in axes[-1]:
         panel.set_xlabel("predicted/rms", fontsize=10)
     return Figure("cages-scatter", picture,
                   "Mean angular velocity of each disk against what its cage predicts, both over the rms of the "
-                  "packing, logarithmic beyond 0.1; a colour per packing. From the left: the theory of three disks "
+                  "packing, logarithmic beyond 0.3; a colour per packing. From the left: the theory of three disks "
                   "with the two supports of the disk; the same balance with all contacts and neighbours that turn; "
-                  "torques from the measured covariance of sliding and force; a regression on the cage, of packings "
-                  "that it has not seen.", "Scatter plots of measured against predicted mean angular velocities")
+                  "torques from the measured covariance of sliding and force; the mean of neighbours, as for gears.",
+                  "Scatter plots of measured against predicted mean angular velocities")
 
 
 def summary_figure(parts):
