@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Runs the decks of inputs/packing, evaluates them, and writes one HTML page with figures, numbers and verdicts.
 #
-#   tools/packings.sh           the campaign that docs/packings_study.md shows: more than an hour on two cores
+#   tools/packings.sh           the campaign that docs/packings_study.md shows: about 80 minutes of one core
 #   tools/packings.sh --quick   all of it, short and coarse: a few minutes
 #   tools/packings.sh --large   besides, 100000 disks: 25 minutes more of one core
 #   tools/packings.sh --draw    runs nothing, draws what is there

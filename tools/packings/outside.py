@@ -2,6 +2,7 @@
 import math
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from report.page import Figure, Numbers, Section
 from report.style import BLACK, COLOURS, GREY, figure
@@ -111,7 +112,9 @@ def picture_of(found):
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xticks(drives, [f"{d:g}" for d in drives])
-    axes.minorticks_off()
+    axes.tick_params(axis="x", which="minor", bottom=False, top=False)
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_ylim(bottom=0.01)
     axes.set_xlim(drives.min() * 0.7, drives.max() * 1.45)
     axes.set_xlabel("peak acceleration of the floor / $g$")
     axes.set_ylabel(r"rms $\Omega$ (rad/s)")

@@ -4,9 +4,9 @@ import dataclasses
 LEVELS = ("quick", "default")
 DESCRIPTIONS = {
     "quick": "a coarse look: few packings, short runs. Many statements cannot be told from it",
-    "default": "the campaign of docs/packings_study.md. The decks ask for 500 s and ten packings at each point; so "
-               "long is low drive measured; here moderate drive for 200 s, the sweep of drives and random vibration "
-               "for 60 s, with six packings",
+    "default": "the campaign of docs/packings_study.md, about 80 minutes of one core. The decks ask for 500 s "
+               "and ten packings at each point; so long is low drive measured; here moderate drive for 200 s, the "
+               "sweep of drives and random vibration for 60 s, with six packings",
 }
 
 
