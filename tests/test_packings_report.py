@@ -4,6 +4,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 
 import numpy
@@ -124,6 +125,34 @@ class Comparisons(unittest.TestCase):
             found = [scans.judge(aim, groups(values, law))[0] for _ in range(8)]
             self.assertGreater(found.count(verdict), 5, f"{aim} {found}")
         self.assertEqual(scans.judge("alike", {x: [1.0] for x in values})[0], OPEN)
+
+    def test_rows_of_scans(self):
+        """What was varied in a run, and to which scans it belongs."""
+        def row(entry, disks=60, **known):
+            run = types.SimpleNamespace(parameters=known, radius=numpy.full(4, 0.02), y_end=numpy.zeros(4), seed=1,
+                                        n_free=disks, measured=30.0, rms=0.1, median=0.05, significant=1.0,
+                                        halves=lambda: (numpy.arange(4.0), numpy.arange(4.0)), sliding_fraction=0.5,
+                                        openings_per_period=lambda frequency: 8 / frequency, coordination=3.0, wander=0)
+            return scans.row_of(entry, run)
+
+        rows = [row("scan", mu=0.3, drive=2.0), row("scan", frequency=40.0, drive=0.7),
+                row("scan", k_t=3700.0, drive=2.0), row("prepared", then="tap", drive=2.0), row("prepared", made="front", drive=2.0),
+                row("size", 240, width=0.4, drive=2.0), row("size", 240, width=1.6, drive=2.0),
+                row("size", width=0.4, drive=2.0), row("shake_1e4", 10000)]
+        self.assertEqual(rows[1]["openings"], 0.2)
+        found = {scan.key: list(scans.points_of(scan, rows)) for scan in scans.SCANS}
+        self.assertEqual(found, {"mu": [(2.0, 0.3)], "stiffness": [(2.0, 0.37)], "frequency": [(0.7, 40.0)],
+                                 "preparation": [(2.0, "front"), (2.0, "shaken down")],
+                                 "depth": [(2.0, 60), (2.0, 240)], "width": [(2.0, 10.0), (2.0, 40.0)],
+                                 "number": [(2.0, 60), (2.0, 10000)]})
+
+    def test_large_is_asked_for(self):
+        """A hundred thousand disks are neither run nor missing unless they are asked for."""
+        with tempfile.TemporaryDirectory() as folder:
+            for large in (False, True):
+                campaign = Campaign(folder, program=PROGRAM, large=large)
+                self.assertEqual("deposit_1e5" in [name for name, _ in campaign._order()], large)
+                self.assertEqual(campaign.missing("shake_1e5"), ["shake_1e5: not finished"] if large else [])
 
     def test_depths(self):
         """Below the highest disk beside it, in mean diameters."""
