@@ -136,7 +136,8 @@ class Comparisons(unittest.TestCase):
             return scans.row_of(entry, run)
 
         rows = [row("scan", mu=0.3, drive=2.0), row("scan", frequency=40.0, drive=0.7),
-                row("scan", k_t=3700.0, drive=2.0), row("prepared", then="tap", drive=2.0), row("prepared", made="front", drive=2.0),
+                row("scan", k_t=3700.0, drive=2.0), row("prepared", then="tap", drive=2.0),
+                row("prepared", made="front", drive=2.0),
                 row("size", 240, width=0.4, drive=2.0), row("size", 240, width=1.6, drive=2.0),
                 row("size", width=0.4, drive=2.0), row("shake_1e4", 10000)]
         self.assertEqual(rows[1]["openings"], 0.2)
