@@ -26,11 +26,9 @@ QUANTITIES = ("rms", "median", "significant", "correlation", "openings", "slidin
 @dataclasses.dataclass(frozen=True)
 class Scan:
     key: str
-    title: str        # of what
-    axis: str         # label of the axis
-    pick: object      # what belongs to it: value of a row of the table, or None
-    claim: str        # what is tested
-    aim: object = None  # exponent that is expected: a number, "changes", "alike" or a sign "-"
+    title: str          # of what
+    axis: str           # label of the axis
+    pick: object        # what belongs to it: value of a row of the table, or None
     place: dict = None  # value -> where it is drawn, of values that are no numbers
     ticks: tuple = ()
 
@@ -39,30 +37,44 @@ MADE = {"rain": 0, "random": 1, "front": 2, "shaken down": 3, "pressed": 4}
 SCANS = (
     Scan("mu", "friction", r"$\mu$",
          lambda row: row["mu"] if row["varied"] == "mu" else None,
-         "The rms of &Omega; depends on the coefficient of friction", "changes", ticks=(0.01, 0.1, 1)),
+         ticks=(0.01, 0.1, 1)),
     Scan("stiffness", "tangential stiffness", "$k_t/k_n$",
          lambda row: row["ratio"] if row["varied"] == "k_t" else None,
-         "The rms of &Omega; does not depend on <i>k<sub>t</sub></i>/<i>k<sub>n</sub></i>", 0.0,
          ticks=(0.4, 0.6, 1)),
     Scan("frequency", "frequency", "frequency (Hz)",
          lambda row: row["frequency"] if row["varied"] == "frequency" else None,
-         "At a given acceleration the rms of &Omega; follows the velocity of the floor, 1/frequency", -1.0,
          ticks=(40, 80, 160)),
     Scan("preparation", "preparation", "",
          lambda row: row["made"] if row["varied"] == "made" else None,
-         "The rms of &Omega; does not depend on how the packing was made", "alike", MADE),
+         MADE),
     Scan("depth", "depth, one width", "disks",
          lambda row: row["disks"] if row["varied"] == "size" and row["width"] < 12 else None,
-         "In deeper boxes of one width the rms of &Omega; is smaller", "-", ticks=(30, 60, 120, 240)),
+         ticks=(30, 60, 120, 240)),
     Scan("width", "width, one depth", "width / mean diameter",
          lambda row: row["width"] if row["varied"] == "size" and row["disks"] in (60, 240)
          and not (row["disks"] == 240 and row["width"] < 12) else None,
-         "The rms of &Omega; does not depend on the width of the box at the same depth", 0.0, ticks=(10, 20, 40)),
+         ticks=(10, 20, 40)),
     Scan("number", "number, about one shape", "number of disks",
          lambda row: row["disks"] if row["varied"] == "size" and (row["disks"], round(row["width"])) in
          ((60, 10), (500, 29), (10000, 100)) else None,
-         "The rms of &Omega; does not depend on the number of disks in boxes of one shape", 0.0,
          ticks=(100, 1000, 10000)),
+)
+# (slug, scan, quantity, statement, aim): the expected exponent, "-" for a negative one, or whether points differ.
+CLAIMS = (
+    ("scan-mu", "mu", "rms", "The rms of &Omega; depends on the coefficient of friction", "changes"),
+    ("scan-mu-median", "mu", "median", "The more friction, the slower the median disk turns", "-"),
+    ("scan-stiffness", "stiffness", "rms", "The rms of &Omega; does not depend on <i>k<sub>t</sub></i>/<i>k<sub>n</sub>"
+                                           "</i>", 0.0),
+    ("scan-frequency", "frequency", "rms", "At a given acceleration the rms of &Omega; follows the velocity of the "
+                                           "floor, 1/frequency", -1.0),
+    ("scan-preparation", "preparation", "rms", "The rms of &Omega; does not depend on how the packing was made",
+     "alike"),
+    ("scan-depth", "depth", "rms", "In deeper boxes of one width the rms of &Omega; is smaller", "-"),
+    ("scan-width", "width", "rms", "The rms of &Omega; does not depend on the width of the box at the same depth", 0.0),
+    ("scan-number", "number", "rms", "The rms of &Omega; does not depend on the number of disks in boxes of about one "
+                                     "shape", 0.0),
+    ("scan-number-median", "number", "median", "The median disk turns as fast among many disks as among few, in boxes "
+                                               "of about one shape", 0.0),
 )
 
 
@@ -83,8 +95,7 @@ def sections(campaign):
         return [out]
     found = {scan.key: points_of(scan, table.rows) for scan in SCANS}
     out.claims.append(all_last(found))
-    for scan in SCANS:
-        out.claims.append(claim_of(scan, found[scan.key]))
+    out.claims += [claim_of(*claim, found[claim[1]]) for claim in CLAIMS]
     out.claims.append(reference(found))
     for name, scans in (("scans", SCANS[:4]), ("scans-size", SCANS[4:])):
         if any(found[scan.key] for scan in scans):
@@ -163,25 +174,25 @@ def all_last(found):
                   + (f"; not: {'; '.join(wrong)}" if wrong else ""), slug="scan-lasts")
 
 
-def claim_of(scan, points):
+def claim_of(slug, _, quantity, text, aim, points):
     verdicts, told = [], []
     for drive in DRIVES:
-        groups = {value: [row["rms"] for row in some] for (at, value), some in points.items() if at == drive}
+        groups = {value: [row[quantity] for row in some] for (at, value), some in points.items() if at == drive}
         if len(groups) > 1:
-            verdict, text = judge(scan.aim, groups)
+            verdict, numbers = judge(aim, groups)
             verdicts.append(verdict)
-            told.append(f"at {drive:g} <i>g</i> {text}")
+            told.append(f"at {drive:g} <i>g</i> {numbers}")
     if not verdicts:
-        return missing(scan.claim + ".", slug="scan-" + scan.key)
-    if scan.aim == "changes":  # one drive is enough
+        return missing(text + ".", slug=slug)
+    if aim == "changes":  # one drive is enough
         verdict = YES if YES in verdicts else NO if all(v == NO for v in verdicts) else OPEN
     else:
         verdict = NO if NO in verdicts else YES if all(v == YES for v in verdicts) else OPEN
-    return Claim(scan.claim + ".", verdict, "; ".join(told), slug="scan-" + scan.key)
+    return Claim(text + ".", verdict, "; ".join(told), slug=slug)
 
 
 def judge(aim, groups):
-    """(verdict, numbers) of groups {value: rms of each packing} at one drive."""
+    """(verdict, numbers) of groups {value: rms or median of each packing} at one drive."""
     chance = differ(list(groups.values()))
     ends = [f"{number(*mean_error(groups[value]))} ({plain(value)})" for value in groups]
     told = ", ".join(ends) + " rad/s"
