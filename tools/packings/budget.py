@@ -44,8 +44,8 @@ def sections(campaign):
         out.claims.append(missing(text, slug="energy-residual"))
     out.tables.append(Numbers("Largest residual of the runs of each deck",
                               ["deck", "runs", "dt", "whole run / scale", "measured time / work"], rows))
-    out.tables.append(Numbers("Cost: steps times the least time of a step and disk among the runs of the deck, on one core",
-                              ["deck", "runs", "core-minutes"], [[name, count, round(time, 1)] for name, count, time in cost]
+    out.tables.append(Numbers("Cost: steps times the least time of a step and disk among the runs of a deck, on one core",
+                              ["deck", "runs", "core-minutes"], [[*some, round(time, 1)] for *some, time in cost]
                               + [["all", sum(count for _, count, _ in cost), round(sum(time for *_, time in cost))]]))
     out.claims += convergence(campaign.runs("step"), out)
     return [out]

@@ -41,8 +41,8 @@ def frictionless(runs):
     largest = max(float(np.abs(run.omega).max()) for run in runs)
     drives = sorted({run.parameters.get("drive", np.nan) for run in runs})
     return decide(text, largest == 0, f"{sum(len(run.omega) for run in runs)} disks in {len(runs)} packings at "
-                  + ", ".join(f"{d:g}" for d in drives) + f" <i>g</i>: largest |&Omega;| = {number(largest)} rad/s", kind=TRIVIAL,
-                  slug="frictionless")
+                  + ", ".join(f"{d:g}" for d in drives) + f" <i>g</i>: largest |&Omega;| = {number(largest)} rad/s",
+                  kind=TRIVIAL, slug="frictionless")
 
 
 def layers(run):
