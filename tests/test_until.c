@@ -102,7 +102,7 @@ static void goal_of_a_state(void **unused) {
 
 /* --- runs -------------------------------------------------------------------------------------------------- */
 
-/* A disk on two supports that shake: the goal is reached after some 6e4 steps. */
+/* A disk on two supports that shake: the goal is reached after some thousand steps. */
 #define SHAKEN(last, until)                                                                                  \
   "dt = 2e-5; gravity = { g = 10; tilt = 0.1; }; materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; "       \
   "gamma_n = 2; mu = 0.4; } );\n"                                                                            \
