@@ -79,12 +79,15 @@ static bool stands_out(const double *x, size_t d, size_t n) {
 drift drift_of(const double *x, size_t n, double error) {
   size_t quarter = n / 4;
   drift result = {.ratio = 0};
-  if (quarter == 0) return result;
+  if (n < ENOUGH) return result;
   double q[4];
   for (size_t k = 0; k < 4; k++) q[k] = gsl_stats_mean(x + (n - (4 - k) * quarter), 1, quarter);
   double fall = fabs(q[0] - (q[1] + q[2] + q[3]) / 3);
   bool rounding = fall <= 8 * DBL_EPSILON * fabs(q[3]);
-  result.sigmas = rounding ? 0 : fall / (error * sqrt(4 + 4. / 3));
+  /* variance of a mean over a length L: error^2 n/L, and of bounded noise c/L^2, which a sixteenth tells */
+  double bounded = fmax(0, pow(scatter_of(x, n, n / ENOUGH), 2) - 16 * error * error);
+  double sigma = sqrt((4 + 4. / 3) * error * error + bounded * (1. / 16 + 1. / 144));
+  result.sigmas = rounding ? 0 : fall / sigma;
   result.half = fabs(q[0] + q[1] - q[2] - q[3]) / 4;
   result.ratio = (q[2] - q[3]) / (q[0] - q[1]);
   if (!(result.ratio > 0)) result.ratio = 0;
