@@ -34,8 +34,8 @@ STATEMENTS = (
     ("cutoff", TRIVIAL, "section 2.1", "The normal force can be zero before the disks part, by the viscous part.", ""),
     ("lambda-path", PAPER, "section 2.2, eq. (4)", "The displacement &lambda; follows from the present positions: on a "
                                                    "closed path without slipping it returns.", ""),
-    ("lambda-energy", PAPER, "section 2.2", "The energy stored in the skin does not depend on the path, and a "
-                                            "closed path without slipping costs nothing.", ""),
+    ("lambda-energy", PAPER, "section 2.2", "The energy stored in the skin does not depend on the path, and a closed "
+                                            "path without slipping costs nothing.", ""),
     ("damping-ratio", TRIVIAL, "section 3", "&gamma;/2&radic;(<i>k<sub>n</sub>m</i>) = 0.5: underdamped.", ""),
     ("correlation-time", TRIVIAL, "section 3", "<i>t<sub>c</sub>/t<sub>g</sub></i> = &radic;5/<i>c</i>&omega; &asymp; "
                                                "0.07.",
@@ -54,7 +54,7 @@ STATEMENTS = (
                               "and is constant while the joint slides.", ""),
     ("epo-symmetric", PAPER, ANALYSIS, "Oscillator with equal limits: no systematic drift.", ""),
     ("epo-diffusion", PAPER, ANALYSIS, "Oscillator with equal limits under random forcing: normal diffusion, "
-     "&lang;<i>x</i>&sup2;&rang; &prop; <i>t</i>.", ""),
+                                       "&lang;<i>x</i>&sup2;&rang; &prop; <i>t</i>.", ""),
     ("epo-asymmetric", PAPER, ANALYSIS, "Oscillator with unequal limits under harmonic forcing: it drifts towards the "
                                         "smaller one.", ""),
     ("epo-random-drift", PAPER, ANALYSIS, "Oscillator with unequal limits under random forcing: it drifts towards the "
@@ -78,24 +78,23 @@ STATEMENTS = (
                                     "its equilibrium (TEP).", NEEDS),
     ("tep-torque-in-phase", PAPER, "sections 4.1, 4.2", "Turning in phase, strongly, the mean torque of each "
                                                         "configuration is that of its TEP.", NEEDS),
-    ("tep-torque-opposite-phases", PAPER, "sections 4.1, "
-                                          "4.2",
+    ("tep-torque-opposite-phases", PAPER, "sections 4.1, 4.2",
      "Turning opposite phases, strongly, the mean torque of each configuration is that of its TEP.", NEEDS),
     ("durations-correlation", PAPER, ANALYSIS, "The duration of each configuration is proportional to the correlation "
                                                "time of the motion.", NEEDS),
     ("tep-correlation-time", PAPER, ANALYSIS, "The mean torques are the nearer to their TEP values, the longer the "
-                                         "correlation time.", NEEDS),
+                                              "correlation time.", NEEDS),
     ("short-configurations", PAPER, ANALYSIS, "At very short correlation times the disk does not rotate.", ""),
     ("torque-balance", PAPER, "section 4, eq. (11), (41)", "In the steady state torque times duration, summed over the "
-     "configurations with their TEP torques, is zero.", NEEDS),
+                                                           "configurations with their TEP torques, is zero.", NEEDS),
     ("torque-balance-in-phase", PAPER, "section 4, eq. (41)",
      "With the TEP torques the durations satisfy (41), in phase, strong drive.", NEEDS),
-    ("torque-balance-opposite-phases", PAPER, "section 4, eq. (41)", "With the TEP torques the durations satisfy (41), "
-                                                                     "opposite phases, strong drive.", NEEDS),
+    ("torque-balance-opposite-phases", PAPER, "section 4, eq. (41)",
+     "With the TEP torques the durations satisfy (41), opposite phases, strong drive.", NEEDS),
     ("eq11-printed", TRIVIAL, "section 4, eq. (11)", "Equation (11) as printed is the mean torque (its second term has "
-     "&Tau;<sup>++</sup> with <i>T</i><sup>&minus;&minus;</sup>).", ""),
+                                                     "&Tau;<sup>++</sup> with <i>T</i><sup>&minus;&minus;</sup>).", ""),
     ("level-torques", TRIVIAL, ANALYSIS, "Without tilt &Tau;<sup>++</sup> = &Tau;<sup>&minus;&minus;</sup> and "
-     "&Tau;<sup>+&minus;</sup> = &Tau;<sup>&minus;+</sup> = 0, as printed.", ""),
+                                         "&Tau;<sup>+&minus;</sup> = &Tau;<sup>&minus;+</sup> = 0, as printed.", ""),
     ("equal-durations", PAPER, ANALYSIS, "Without tilt all four configurations last equally long under random "
                                          "vibration.",
      ""),
@@ -118,11 +117,10 @@ STATEMENTS = (
                                                             f"other (weak drive).", ""),
     ("sync-sequence-strong", PAPER, "section 4.1, fig. sync",
      f"In phase, in a period {S_MM} and {S_PP} follow each other (strong drive).", ""),
-    ("sync-straight", PAPER, "section 4.1, fig. sync, eq. "
-                             "(28)",
+    ("sync-straight", PAPER, "section 4.1, fig. sync, eq. (28)",
      "In phase the velocity of the upper disk is piecewise straight and follows (28).", ""),
-    ("sync-durations", PAPER, "section 4.1, eq. (26), (27)", "In phase the durations approach (26) and (27) at large "
-     "&Theta;<sub>b</sub>.", ""),
+    ("sync-durations", PAPER, "section 4.1, eq. (26), (27)",
+     "In phase the durations approach (26) and (27) at large &Theta;<sub>b</sub>.", ""),
     ("sync-balance", TRIVIAL, IN_PHASE, "(26) and (27) make the mean torque zero.", ""),
     ("sync-level", PAPER, SYNC, "In phase the disk does not rotate without tilt.", ""),
     ("sync-sign", PAPER, SYNC, "In phase the disk always rotates counter-clockwise (&Omega; &gt; 0).", ""),
@@ -131,8 +129,7 @@ STATEMENTS = (
     ("sync-elastic", PAPER, IN_PHASE, "At low amplitudes contacts spend more of the time in the elastic phase (in "
                                       "phase).",
      ""),
-    ("eq31-printed", TRIVIAL, "section 4.1, eq. (31)", "Equation (31) as printed is the half sum of (15) and "
-                                                       "(16).",
+    ("eq31-printed", TRIVIAL, "section 4.1, eq. (31)", "Equation (31) as printed is the half sum of (15) and (16).",
      ""),
     ("eq31-sync", PAPER, "section 4.1, eq. (31)", "The sign of (31) predicts the sense in phase (corrected by the "
                                                   "factor &mu; that the print lacks; the sign is the same).", ""),
@@ -142,11 +139,9 @@ STATEMENTS = (
     ("random-configurations", PAPER, OPPOSITE, "Under random vibration all four configurations occur.", ""),
     ("async-sequence-weak", PAPER, "section 4.2, fig. async",
      f"In opposite phases, in a period {S_MM}, {S_MP}, {S_PP}, {S_PM} follow each other (weak drive).", ""),
-    ("async-sequence-strong", PAPER, "section 4.2, fig. "
-                                     "async",
+    ("async-sequence-strong", PAPER, "section 4.2, fig. async",
      f"In opposite phases, in a period {S_MM}, {S_MP}, {S_PP}, {S_PM} follow each other (strong drive).", ""),
-    ("async-straight", PAPER, "section 4.2, fig. async, eq. "
-                              "(34)",
+    ("async-straight", PAPER, "section 4.2, fig. async, eq. (34)",
      "In opposite phases the velocity of the upper disk is piecewise straight and follows (34).", ""),
     ("async-period", PAPER, OPPOSITE, "In opposite phases a periodic state is reached whose period is that of the "
                                       "drive.",
@@ -156,7 +151,7 @@ STATEMENTS = (
     ("async-approach", PAPER, ASYNC, "In opposite phases &Omega; approaches (35) as &Theta;<sub>b</sub> grows "
                                      "(corrected by the factor &omega;<sub>b</sub>/&pi; that the print lacks).", ""),
     ("async-excellent", PAPER, ASYNC, "In opposite phases the agreement with (35), so corrected, is excellent at large "
-     "&Theta;<sub>b</sub>.", ""),
+                                      "&Theta;<sub>b</sub>.", ""),
     ("eq19-async", PAPER, OPPOSITE, "The sign of (19) predicts the sense in opposite phases.", ""),
     ("packings", PAPER, "section 5", "In packings that are vibrated from the bottom each disk acquires a rotational "
                                      "velocity.",

@@ -41,8 +41,7 @@ def exponent(lags, msd):
 
 
 def sections(results):
-    out = Section("diffusion", "Elasto-plastic oscillators under random "
-                               "forcing",
+    out = Section("diffusion", "Elasto-plastic oscillators under random forcing",
                   "Deck <code>inputs/epo/random.cfg</code>: 24 disks that cannot turn, each on a wall of its own that "
                   "is shaken at random along itself (rms amplitude 10<sup>&minus;3</sup>, &omega; = 20&pi;, rms "
                   "acceleration 3.9 <i>&mu;g</i>); 16 with equal limits, 8 pushed by <i>f</i> = 0.02. Exponent of "
@@ -68,17 +67,15 @@ def sections(results):
     constant = float(np.mean(msd[-1]) / lags[-1] / 2)
     out.claims = [Claim(verdict=verdict, numbers=f"exponent {number(power, error)} (counted as 1 within {SURE:g} "
                                                  f"errors, when its error is below {LARGEST_ERROR:g}); diffusion "
-                                                 f"constant "
-                                                 f"{number(constant, digits=2)}",
+                                                 f"constant {number(constant, digits=2)}",
                         rule="exponent", **paper("epo-diffusion")),
-                  zero("Oscillators with equal limits under random forcing do not "
-                       "drift.", [mean[0][0]], [mean[0][1]],
+                  zero("Oscillators with equal limits under random forcing do not drift.", [mean[0][0]], [mean[0][1]],
                        what="drift",
                        slug="epo-random-level"),
                   signed(values=[mean[1][0]], errors=[mean[1][1]], sign=1,
                          what="the mean drift", **paper("epo-random-drift"))]
-    out.claims[-1].numbers += (f"; drift {number(*mean[1])} of {len(speed) - EQUAL} oscillators with limits &minus;0.08 "
-                               f"and 0.12")
+    out.claims[-1].numbers += (f"; drift {number(*mean[1])} of {len(speed) - EQUAL} oscillators with limits "
+                               f"&minus;0.08 and 0.12")
     out.tables.append(Numbers("Mean square displacement", ["lag", "&lang;<i>x</i>&sup2;&rang;", "error"],
                               [[t, float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))] for t, v in zip(lags,
                                                                                                               msd)]))

@@ -46,16 +46,17 @@ def proportional(found):
         return missing(**paper("durations-correlation"))
     verdict = next((word for word in (NO, OPEN) if word in verdicts), YES)
     return Claim(verdict=verdict, numbers="duration over correlation time from " + "; ".join(told)
-                 + f" (counted as the same within &plusmn;{100 * limit:g} %)", rule="equal", **paper("durations-correlation"))
+                 + f" (counted as the same within &plusmn;{100 * limit:g} %)",
+                 rule="equal", **paper("durations-correlation"))
 
 
 def sections(results):
     out = Section("durations", "Duration of the configurations against the correlation time",
                   "Mean duration of a visit to each sliding configuration under random vibration at tilt 0.04&pi;; the "
                   "frequency is varied at a fixed rms velocity of the supports (deck "
-                  "<code>inputs/paper/mechanism.cfg</code>). <i>t<sub>c</sub></i> = 1/<i>c</i>&omega;. The "
-                  "supports' velocity under (52) is as rough as a random walk: where two velocities meet they cross many "
-                  "times, and most visits are cut short.", new=True)
+                  "<code>inputs/paper/mechanism.cfg</code>). <i>t<sub>c</sub></i> = 1/<i>c</i>&omega;. The supports' "
+                  "velocity under (52) is as rough as a random walk: where two velocities meet they cross many times, "
+                  "and most visits are cut short.", new=True)
     table = results.sweep("mechanism")
     found = visits(table) if table.has("upper.pp.dwell") else {}
     out.claims = [proportional(found)]

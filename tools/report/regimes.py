@@ -89,8 +89,7 @@ def durations_claim(rows, gaps, errors):
     claim = zero(values=gaps, errors=errors, what="difference", **paper("equal-durations"))
     last = rows[-1]
     claim.numbers = (f"fractions of time in S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, "
-                     f"S<sup>&minus;&minus;</sup> at &epsilon;<sub>b</sub> = "
-                     f"{number(last[0])}: " +
+                     f"S<sup>&minus;&minus;</sup> at &epsilon;<sub>b</sub> = {number(last[0])}: " +
                      ", ".join(number(last[k], last[k + 1]) for k in (4, 6, 8, 10))
                      + "; differences at all amplitudes at which all four occur: " + claim.numbers)
     return claim
@@ -121,8 +120,7 @@ def slides(table):
 
 def rare_section(results):
     limit = TOLERANCES["rare"]
-    out = Section("rare", "Random vibration where contacts seldom "
-                          "slide",
+    out = Section("rare", "Random vibration where contacts seldom slide",
                   "Deck <code>inputs/paper/rare.cfg</code>. The paper says of such runs, without showing them, that "
                   f"sustained rotation was never observed. Rare: both contacts slide at once for less than "
                   f"{100 * limit:g} % of the time; else the disk rests, or rolls on one of them.", new=True)
@@ -135,8 +133,7 @@ def rare_section(results):
              row["upper.left.openings"] + row["upper.right.openings"]]
             for row in sorted(table.rows, key=lambda row: (row["eps_b"], row["tilt"]))]
     out.tables.append(Numbers("Weak drive", ["&epsilon;<sub>b</sub>", "&theta;<sub>T</sub>/&pi;", "left contact slides",
-                                             "right contact "
-                                             "slides",
+                                             "right contact slides",
                                              "a contact sticks",
                                              "<i>t<sub>g</sub></i>&Omega;",
                                              "error",
@@ -205,16 +202,15 @@ def draw_rare(table):
     axes.set_ylabel(r"$t_g\,\Omega/\epsilon_b\times10^{3}$")
     if table:
         legend_right(axes, r"amplitude $\epsilon_b$")
-    return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which "
-                                   "both contacts slide at once (never: drawn at 10<sup>&minus;6</sup>); dotted: what "
+    return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which both "
+                                   "contacts slide at once (never: drawn at 10<sup>&minus;6</sup>); dotted: what "
                                    "counts as rare.",
                   "Rotation against the fraction of time in which contacts slide, at weak random vibration")
 
 
 # --- bouncing -------------------------------------------------------------------------------------------------------
 def bouncing_section(results):
-    out = Section("bouncing", "Random vibration where the disk "
-                              "bounces",
+    out = Section("bouncing", "Random vibration where the disk bounces",
                   "Deck <code>inputs/paper/bouncing.cfg</code>: ten times and more the amplitudes of the figures, four "
                   "runs of 500 time units a point.", new=True)
     table = results.sweep("bouncing").joined()

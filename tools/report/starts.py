@@ -63,8 +63,7 @@ def start_section(results):
     out.figures.append(Figure("starts", picture, "Angular velocity of the upper disk over two periods of the drive, "
                                                  "from three starts: the lines lie on each "
                                                  "other.", "Angular velocity over two periods from three starts"))
-    out.tables.append(Numbers("Starts", ["", "spin at the "
-                                             "start",
+    out.tables.append(Numbers("Starts", ["", "spin at the start",
                                          "angle at the start",
                                          "mean &Omega;",
                                          "change after a period",
@@ -126,8 +125,7 @@ class Caught:
 
 
 def caught_section(results):
-    out = Section("catch-up", "Supports that go on turning one "
-                              "way",
+    out = Section("catch-up", "Supports that go on turning one way",
                   "Deck <code>inputs/three_disk/steady.cfg</code>, S<sup>++</sup>, with an upper disk that may turn; "
                   "the supports reach their speed 1 after 0.1 time units.", new=True)
     path = results.run("catch_up")
@@ -154,8 +152,7 @@ def caught_section(results):
     for panel in axes:
         panel.set_xlabel("time $t$")
     out.figures.append(Figure("catch-up", picture, "Left: angular velocity of the upper disk; dashed: of the supports' "
-                                                   "surfaces. Right: difference from it after the disk has caught "
-                                                   "up.",
+                                                   "surfaces. Right: difference from it after the disk has caught up.",
                               "Angular velocity of a disk that catches up with its supports"))
     torque = theory.rows[0].get("torque_pp") if theory else None
     told = f"it meets their speed at {number(found['met'], digits=4)}"
@@ -198,8 +195,7 @@ def rounds(path):
 
 
 def loop_section(results):
-    out = Section("loop", "The displacement &lambda; on a closed "
-                          "path",
+    out = Section("loop", "The displacement &lambda; on a closed path",
                   "Deck <code>inputs/paper/loop.cfg</code>: a disk is led a hundred times round a closed path about "
                   "another one, without slipping: approach, turn, retreat, turn back. The paper's law: torque "
                   "&tau;<i>R</i>, force &tau;; for comparison the force &tau;(<i>R<sub>a</sub></i> + "
@@ -214,10 +210,8 @@ def loop_section(results):
         else:
             out.missing.append(f"loop_{name}: not run yet")
     out.claims = loop_claims(found)
-    out.tables.append(Numbers("Per round", ["force on the "
-                                            "centres",
-                                            "change of &lambda; &minus; "
-                                            "&lambda;*",
+    out.tables.append(Numbers("Per round", ["force on the centres",
+                                            "change of &lambda; &minus; &lambda;*",
                                             "work gained",
                                             "largest energy stored"],
                               [[name, row["change"], row["work"], row["stored"]] for name, row in found.items()]))

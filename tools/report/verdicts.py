@@ -42,8 +42,10 @@ def write(folder, claims, by):
     tolerances = [[f"<code>{name}</code>", value, MEANING[name]] for name, value in TOLERANCES.items()]
     out = ["# Verdicts: rules, and statement by statement", "",
            "Every verdict of [paper.md](paper.md) follows from the numbers beside it by one of these rules "
-           "(`tools/report/verdict.py`). The tables of statements compare the verdicts of the first report, whose rules "
-           "let some pass too easily, with those of today; a rule without a name there means that there are no data.", "",
+           "(`tools/report/verdict.py`). The tables of statements compare the verdicts of the first report, whose "
+           "rules let some pass too easily, with those of today; a rule without a name there means that there are no "
+           "data.",
+           "",
            f"Written by `tools/reproduce.sh --keep docs`; computed by {by}.", "",
            "## Rules", "", *markdown.table(["rule", "verdict"], rules), "",
            "## Tolerances", "", *markdown.table(["name", "value", "of"], tolerances)]
