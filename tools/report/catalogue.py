@@ -114,7 +114,7 @@ STATEMENTS = (
     ("sync-period", PAPER, IN_PHASE, "In phase a periodic state is reached whose period is that of the drive.", ""),
     ("sync-start", PAPER, IN_PHASE, "In phase the periodic state is the same regardless of the start.", ""),
     ("sync-sequence-weak", PAPER, "section 4.1, fig. sync", f"In phase, in a period {S_MM} and {S_PP} follow each "
-                                                            f"other (weak drive).", ""),
+                                                            "other (weak drive).", ""),
     ("sync-sequence-strong", PAPER, "section 4.1, fig. sync",
      f"In phase, in a period {S_MM} and {S_PP} follow each other (strong drive).", ""),
     ("sync-straight", PAPER, "section 4.1, fig. sync, eq. (28)",

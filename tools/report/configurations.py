@@ -102,7 +102,7 @@ def four_claim(table, name):
     amplitude = "theta_b" if name == "async" else "eps_b"
     lacking = sorted({row[amplitude] for row, value in zip(table.rows, least) if value <= limit})
     told = (f"all four last longer than {100 * limit:g} % of the time at {int((least > limit).sum())} of {len(table)} "
-            f"points with tilt")
+            "points with tilt")
     if lacking:
         told += "; not at all tilts at amplitudes " + ", ".join(f"{a:g}" for a in lacking)
     return decide(condition=not lacking, numbers=told, **paper(f"{name}-configurations"))

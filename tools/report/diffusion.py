@@ -46,7 +46,7 @@ def sections(results):
                   "is shaken at random along itself (rms amplitude 10<sup>&minus;3</sup>, &omega; = 20&pi;, rms "
                   "acceleration 3.9 <i>&mu;g</i>); 16 with equal limits, 8 pushed by <i>f</i> = 0.02. Exponent of "
                   f"&lang;<i>x</i>&sup2;&rang; between {FIRST:g} and {LAST:g} time units, its error from leaving out "
-                  f"each oscillator in turn.")
+                  "each oscillator in turn.")
     path = results.run("epo_random")
     table = results.numbers("epo-random", lambda: read(path) if path else None,
                             "displacement of each oscillator", digits=5)
@@ -75,7 +75,7 @@ def sections(results):
                   signed(values=[mean[1][0]], errors=[mean[1][1]], sign=1,
                          what="the mean drift", **paper("epo-random-drift"))]
     out.claims[-1].numbers += (f"; drift {number(*mean[1])} of {len(speed) - EQUAL} oscillators with limits "
-                               f"&minus;0.08 and 0.12")
+                               "&minus;0.08 and 0.12")
     out.tables.append(Numbers("Mean square displacement", ["lag", "&lang;<i>x</i>&sup2;&rang;", "error"],
                               [[t, float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))] for t, v in zip(lags,
                                                                                                               msd)]))

@@ -181,7 +181,7 @@ def claims(found):
                                   f"&minus;<i>k<sub>t</sub></i> = &minus;20), extremes {number(low, digits=4)} and "
                                   f"{number(high, digits=4)}; limits {number(soft.limits[0], digits=4)} and "
                                   f"{number(soft.limits[1], digits=4)} (counted as equal up to {100 * equal:g} "
-                                  f"%)", **paper("epo-force")))
+                                  "%)", **paper("epo-force")))
     else:
         out.append(missing(**paper("epo-force")))
     out.append(none(value=symmetric.drift, unit=symmetric.amplitude * symmetric.omega,

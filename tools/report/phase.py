@@ -161,7 +161,7 @@ def claims(lines, level, stiff, curves, turns):
                        what="&Omega; in phase and &minus;&Omega; opposite", **paper("sense-reverses"))
         claim.numbers += (f"; in phase {number(min(ends[0])[0])} to {number(max(ends[0])[0])}, opposite "
                           f"{number(min(ends[1])[0])} to {number(max(ends[1])[0])} "
-                          f"&Theta;<sub>b</sub>&omega;<sub>b</sub>")
+                          "&Theta;<sub>b</sub>&omega;<sub>b</sub>")
         out.append(claim)
     else:
         out.append(missing(**paper("sense-reverses")))

@@ -88,7 +88,7 @@ def durations_claim(rows, gaps, errors):
         return missing(**paper("equal-durations"))
     claim = zero(values=gaps, errors=errors, what="difference", **paper("equal-durations"))
     last = rows[-1]
-    claim.numbers = (f"fractions of time in S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, "
+    claim.numbers = ("fractions of time in S<sup>++</sup>, S<sup>+&minus;</sup>, S<sup>&minus;+</sup>, "
                      f"S<sup>&minus;&minus;</sup> at &epsilon;<sub>b</sub> = {number(last[0])}: " +
                      ", ".join(number(last[k], last[k + 1]) for k in (4, 6, 8, 10))
                      + "; differences at all amplitudes at which all four occur: " + claim.numbers)
@@ -122,7 +122,7 @@ def rare_section(results):
     limit = TOLERANCES["rare"]
     out = Section("rare", "Random vibration where contacts seldom slide",
                   "Deck <code>inputs/paper/rare.cfg</code>. The paper says of such runs, without showing them, that "
-                  f"sustained rotation was never observed. Rare: both contacts slide at once for less than "
+                  "sustained rotation was never observed. Rare: both contacts slide at once for less than "
                   f"{100 * limit:g} % of the time; else the disk rests, or rolls on one of them.", new=True)
     table = results.sweep("rare").joined()
     out.missing = list(table.missing)
@@ -178,7 +178,7 @@ def never_claim(table):
         return missing(text, slug="random-no-sliding", why="contacts slide at all points" if table else "no data yet")
     worst = float(np.abs(still.disk("omega") / (still.column("eps_b") * 20 * PI)).max())
     return decide(text, worst < TOLERANCES["none"], f"{len(still)} points, largest |&Omega;| {number(worst)} "
-                                                    f"&epsilon;<sub>b</sub>&omega; (counted as none below "
+                                                    "&epsilon;<sub>b</sub>&omega; (counted as none below "
                                                     f"{number(TOLERANCES['none'])})",
                   slug="random-no-sliding",
                   rule="none")

@@ -32,7 +32,7 @@ def last_periods(path):
 
 
 def start_section(results):
-    out = Section("starts", "The periodic state", f"Supports that turn at &Theta;<sub>b</sub> = "
+    out = Section("starts", "The periodic state", "Supports that turn at &Theta;<sub>b</sub> = "
                                                   f"{levels.STRONG_DRIVE:g} (parabola, tilt 0.04&pi;), upper disk at "
                                                   "rest and with other spins and angles at the start; its velocity "
                                                   "after 60 time units (600 periods).", new=True)
@@ -157,7 +157,7 @@ def caught_section(results):
     torque = theory.rows[0].get("torque_pp") if theory else None
     told = f"it meets their speed at {number(found['met'], digits=4)}"
     if isinstance(torque, float):
-        told += (f" (at constant torque (15), with supports that speed up over 0.1: "
+        told += (" (at constant torque (15), with supports that speed up over 0.1: "
                  f"{number(found['aim'] * 0.05 / torque, digits=4)})")
     limit = TOLERANCES["equal"]
     out.claims = [decide(condition=bool(found["met"] == found["met"] and found["largest"] < limit),
@@ -169,12 +169,12 @@ def caught_section(results):
 
 def elastic_claim(found):
     sticks, swings = found["last_slide"] < found["end"] - 0.1, found["crossings"] >= 20
-    return decide(condition=sticks and swings, numbers=f"contacts slide for the last time at "
+    return decide(condition=sticks and swings, numbers="contacts slide for the last time at "
                                                        f"{number(found['last_slide'], digits=4)}; in the last 0.1 time "
                                                        f"units &Omega; crosses its mean {found['crossings']:g} times "
-                                                       f"(counted as swinging from 20 on), rms swing "
+                                                       "(counted as swinging from 20 on), rms swing "
                                                        f"{number(found['swing'])}: it dies out by the viscosity of the "
-                                                       f"contacts", **paper("elastic-after"))
+                                                       "contacts", **paper("elastic-after"))
 
 
 # --- lambda -----------------------------------------------------------------------------------------------------------
@@ -226,11 +226,11 @@ def loop_claims(found):
     return [decide(condition=law["change"] < limit * law["extent"],
                    numbers=f"largest change from round to round {number(law['change'])} of an extent of "
                            f"{number(law['extent'])} in {law['rounds']:g} rounds (counted as none below "
-                           f"10<sup>&minus;9</sup> of it)",
+                           "10<sup>&minus;9</sup> of it)",
                    **paper("lambda-path")),
             decide(condition=abs(law["work"]) < limit * law["stored"],
                    numbers=f"the paper's force gains {number(law['work'], digits=4)} per round, "
                            f"{percent(law['work'] / law['stored'])} of the largest energy stored (counted as none "
-                           f"below 10<sup>&minus;9</sup> of it): &lambda; returns, but the force on the centres does "
+                           "below 10<sup>&minus;9</sup> of it): &lambda; returns, but the force on the centres does "
                            "not derive from the stored energy; the one that does gains "
                            f"{number(other['work'])}", **paper("lambda-energy"))]

@@ -154,6 +154,6 @@ def printed_claims(results):
                   within(value=eq19, target=mean, **same, **paper("eq19-printed")), claim,
                   decide(condition=abs(pp * times[0] + mm * times[1]) < 1e-12,
                          numbers="&Tau;<sup>++</sup><i>T</i><sup>++</sup> + "
-                                 f"&Tau;<sup>&minus;&minus;</sup><i>T</i><sup>&minus;&minus;</sup> = "
+                                 "&Tau;<sup>&minus;&minus;</sup><i>T</i><sup>&minus;&minus;</sup> = "
                                  f"{number(pp * times[0] + mm * times[1])}",
                          **paper("sync-balance"))]

@@ -5,10 +5,9 @@ import numpy as np
 
 from .catalogue import paper
 from .page import Figure, Numbers, Section
-from .style import (BLACK, COLOURS, GREY, TURNING_MARKERS, figure, in_pi, legend_above, legend_below, legend_right,
-                    marker, plt, points,
-                    power, zero_line)
-from .verdict import (TOLERANCES, approaches, decide, excellent, missing, none, number, percent, signed, within)
+from .style import (BLACK, TURNING_MARKERS, figure, in_pi, legend_below, legend_right, marker, plt, points, power,
+                    zero_line)
+from .verdict import TOLERANCES, approaches, decide, excellent, missing, none, percent, signed, within
 
 PI = math.pi
 OMEGA_B = 20 * PI  # of the decks sync.cfg and async.cfg
@@ -114,7 +113,7 @@ def velocity_figure(table, curve, kind, facts):
         legend_below(picture, left, 9, fontsize=9.5, handlelength=1.6, columnspacing=1)
     return Figure(f"{kind}-vel", picture, "Left: mean angular velocity over amplitude against tilt, for seven "
                                           f"amplitudes, with theory. Right: the same over {formula}, which tells the "
-                                          f"amplitudes &Theta;<sub>b</sub> (symbols) apart. Dashed lines join points; "
+                                          "amplitudes &Theta;<sub>b</sub> (symbols) apart. Dashed lines join points; "
                                           "error bars are smaller than the symbols.",
                   f"Angular velocity over amplitude against tilt, supports {kind}, with theory curves")
 
@@ -159,7 +158,7 @@ def claims(table, facts, kind):
     if flat:
         out.append(none(value=float(np.abs(flat.column("size")).max()), unit=1,
                         unit_name=f"&Theta;<sub>b</sub>&omega;<sub>b</sub> at most, at {len(flat)} "
-                                  f"amplitudes", **paper(f"{kind}-level")))
+                                  "amplitudes", **paper(f"{kind}-level")))
     else:
         out.append(missing(**paper(f"{kind}-level")))
     out.append(signed(values=tilted.disk("omega"), errors=tilted.disk("omega_error"), sign=sign, names=[
@@ -199,7 +198,7 @@ def printed(row):
                    error=row["upper.omega_error"],
                    names=("&Omega;", "printed"), **paper("eq35-printed"))
     claim.numbers += (f"; &Omega; is {row['upper.omega'] / value:.2f} times the printed value, &omega;<sub>b</sub>/&pi; "
-                      f"= " \
+                      "= " \
                       f"{OMEGA_B / PI:g}")
     return claim
 
@@ -235,7 +234,7 @@ def long_runs(results, kind, table, out):
             told.append(f"&Theta;<sub>b</sub> = {row['theta_b']:g}: {percent(gaps[-1], 3)}")
             rows.append([row["theta_b"], row["tilt"] / PI, row["upper.omega"], row["upper.omega_error"], row["steps"],
                          short[0]["upper.omega"], short[0]["upper.omega_error"], short[0]["steps"]])
-    text = (f"Shorter runs with a larger time step give the &Omega; of 5&times;10<sup>8</sup> steps of "
+    text = ("Shorter runs with a larger time step give the &Omega; of 5&times;10<sup>8</sup> steps of "
             f"10<sup>&minus;6</sup> ({'in phase' if kind == 'sync' else 'opposite phases'}).")
     out.claims.append(decide(text, max(abs(g) for g in gaps) < 0.003, "; ".join(told)
                              + " (counted as equal up to 0.3 %)", slug=f"{kind}-short") if gaps

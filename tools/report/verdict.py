@@ -35,16 +35,16 @@ MEANING = {
 RULES = {
     "zero": f"&chi;&sup2; of all values from zero: a chance below {100 * REFUTED:g} % for a larger one refutes; a "
             f"chance below {100 * DOUBTED:g} % on either side leaves it open (a &chi;&sup2; that is too small means "
-            f"error bars that are too large)",
-    "scatter": f"&chi;&sup2; of values from their mean, as for zero; where error bars themselves are judged a chance "
+            "error bars that are too large)",
+    "scatter": "&chi;&sup2; of values from their mean, as for zero; where error bars themselves are judged a chance "
                f"below {100 * REFUTED:g} % on either side refutes",
     "none": "without noise: the speed is below the tolerance, in units of the drive's speed",
     "sign": f"every point has the sign by more than {SURE:g} errors; one with the other sign refutes, by as many "
             f"errors as chance gives one of so many points as seldom as a single one {SURE:g} (Bonferroni); else open, "
-            f"and the undecided points are named",
+            "and the undecided points are named",
     "growth": "as for a sign, of the steps from each point to the next",
     "equal": f"the relative difference is within the tolerance by {SURE:g} errors; beyond it by {SURE:g} errors "
-             f"refutes; else open",
+             "refutes; else open",
     "approach": "the largest relative deviation falls by more than its error from each amplitude to the next until it "
                 "is within what counts as excellent, and stays there; a rise, or an end outside, refutes",
     "excellent": "as for equal, for the largest relative deviation at the largest amplitude",
@@ -294,7 +294,7 @@ def excellent(text, deviation, error, numbers, place="", **kind):
     if not math.isfinite(deviation):
         return missing(text, place, **kind)
     return Claim(text, close(deviation, error, limit), f"{numbers} (counted as excellent up to {100 * limit:g} "
-                                                       f"%)", place, **kind)
+                                                       "%)", place, **kind)
 
 
 def decide(text, condition, numbers, place="", **kind):

@@ -80,19 +80,19 @@ def explained(stiff):
     torque = parabola["theory.torque_pp"] / 0.05  # over I = m R^2/2
     drive = parabola["theory.amplitude"] * parabola["theory.omega"] ** 2
     off = [row["upper.omega"] / row["theory.mean"] - 1 for row in (parabola, sine)]
-    return (f" <b>Weak drive.</b> At &Theta;<sub>b</sub> = 0.001 in phase the ratio is "
+    return (" <b>Weak drive.</b> At &Theta;<sub>b</sub> = 0.001 in phase the ratio is "
             f"{number(pair(*soft)[0], digits=3)} where the exact solution has {number(pair(*soft)[2], digits=3)}. "
             f"There the torque turns the disk almost as fast as the supports: {number(torque, digits=2)} beside an "
             f"acceleration of the supports of {number(8 / PI ** 2 * drive, digits=2)} (parabola, constant) and at most "
             f"{number(drive, digits=2)} (sine). In theory the parabola outruns the disk all the time; the sine sticks "
             f"to it for {100 * sine['theory.stuck']:.0f} % of the period, which costs it rotation: hence a ratio below "
-            f"1. In the simulation normal forces need a while to come to their new equilibrium after each reversal, "
+            "1. In the simulation normal forces need a while to come to their new equilibrium after each reversal, "
             f"and until then the torque is another one: a contact sticks for {100 * parabola['upper.stick']:.0f} % of "
             f"the time with the parabola and {100 * sine['upper.stick']:.0f} % with the sine, &Omega; is "
             f"{percent(off[0])} and {percent(off[1])} off. It is <i>k<sub>n</sub></i> that matters, "
             f"<i>k<sub>t</sub></i> hardly does. With <i>k<sub>n</sub></i> = {number(last[0]['k_n'])}, "
             f"<i>k<sub>t</sub></i> = {number(last[0]['k_t'])} the ratio is {number(pair(*last)[0], digits=3)}: theory "
-            f"is right, and does not apply to soft disks.")
+            "is right, and does not apply to soft disks.")
 
 
 def stiffest(stiff):

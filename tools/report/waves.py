@@ -249,10 +249,10 @@ def straight(found, known):
         return missing(**known, why="no data or no theory curve yet")
     gaps, limit = {s: deviation(*found[s][:2]) for s in found}, TOLERANCES["curve"]
     told = "; ".join(f"&Theta;<sub>b</sub> = {found[s][0].amplitude:g}: largest distance {percent(g)} of the largest "
-                     f"|&Omega;|"
+                     "|&Omega;|"
                      for s, g in gaps.items())
     return decide(condition=gaps["strong"] < limit, numbers=f"{told} (counted as equal up to {100 * limit:g} % at the "
-                                                            f"strong drive)", **known)
+                                                            "strong drive)", **known)
 
 
 def sections(results):
