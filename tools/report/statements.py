@@ -11,27 +11,16 @@ from .verdict import TOLERANCES, decide, missing, none, number, signed, within
 from .vibration import name_of
 
 PI = math.pi
-SIGNS = {"pp": "S<sup>++</sup>", "mm": "S<sup>&minus;&minus;</sup>",
-         "pm":
-         "S<sup>+&minus;</sup>",
-         "mp":
-         "S<sup>&minus;+</sup>"}
+SIGNS = {"pp": "S<sup>++</sup>", "mm": "S<sup>&minus;&minus;</sup>", "pm": "S<sup>+&minus;</sup>",
+         "mp": "S<sup>&minus;+</sup>"}
 K_N, GAMMA, MASS, MU, HALF_APERTURE, DAMPING, OMEGA = 1e3, 10, 0.1, 0.1, PI / 6, 0.5, 20 * PI  # of the paper
 PRINTED = ("eq11-printed", "level-torques", "eq19-printed", "eq31-printed", "sync-balance")
 
 
 def sections(results, claims):
-<<<<<<< HEAD
     """claims: those of the other sections. Statements of the paper that no section judges stand here without data."""
-    out = Section("statements", "Statements without a figure", "Some need "
-                  "runs of their own: <code>inputs/three_disk/steady.cfg</code>, <code>frozen.cfg</code>, "
-                  "<code>weak.cfg</code>.")
-=======
-    """claims: those of the other sections; the paper's among them are repeated in the table of statements."""
-    out = Section("statements", "All statements of the paper",
-                  "Statements of the figures above, and some that need runs of their own: "
+    out = Section("statements", "Statements without a figure", "Some need runs of their own: "
                   "<code>inputs/three_disk/steady.cfg</code>, <code>frozen.cfg</code>, <code>weak.cfg</code>.")
->>>>>>> 878e3af (Report: strings filled to the line)
     random = results.best("random").joined()
     own = [*contact_claims(random), *torque_claims(results, out), still_claim(results, "frozen", "frozen", out),
            still_claim(results, "weak", "no-sliding", out), *sense_claims(results, random), *printed_claims(results)]
