@@ -45,7 +45,8 @@ ERRATA = (
      "<i>mgR</i>&mu;&sup2; &hellip;: the half sum of (15) and (16) has a further factor &mu;", "eq31-printed"),
     ("eq. (35)", "8&mu;(&mu;&sup2; + 1)&Theta;<sub>b</sub>&theta;<sub>T</sub> &hellip;, no velocity",
      "&omega;<sub>b</sub>/&pi; times that", "eq35-printed"),
-    ("section 2.2, eq. (4)", "&lambda; follows from the present positions", "it depends on the path", "lambda-path"),
+    ("section 2.2", "no path dependence of the energy stored in the skin", "&lambda; returns on a closed path, but the force "
+     "&tau; on the centres does work on it", "lambda-energy"),
     ("captions of figs. random-ex-vel, random-ex-tilt", "<i>t<sub>b</sub></i>&Omega;",
      "<i>t<sub>g</sub></i>&Omega;, <i>t<sub>g</sub></i> = &radic;(2<i>R</i>/<i>g</i>) as in the text", ""),
     ("caption of fig. sync-vel", "&Theta;<sub>b</sub> = 1&times;10<sup>&minus;3</sup>1", "1&times;10<sup>&minus;3</sup>", ""),
