@@ -295,8 +295,8 @@ def longer(found):
     """Distance of the rectified sums from those of the equilibria at the lowest and the highest frequency."""
     out = []
     for drives, text, place, slug, kind in (
-            (("random",), "Under random vibration of a given velocity the torques come the closer to their TEP values the "
-             "longer the correlation time.", PLACE, "tep-correlation-time", PAPER),
+            (("random",), "Under random vibration of a given velocity the torques come the closer to their TEP values "
+             "the longer the correlation time.", PLACE, "tep-correlation-time", PAPER),
             (("random rotation", "in phase", "opposite phases"), "The same at strong drive: supports that turn at "
              "random, in phase and in opposite phases.", "", "tep-correlation-strong", CHECK)):
         told, fine = [], []
@@ -320,15 +320,15 @@ def longer(found):
 def balances(found, those):
     """Torque times duration, with what is measured and with the TEPs."""
     text = "The measured torques times their durations add up to zero."
-    # Left over is I (Omega(end) - Omega(begin))/time; the two follow the supports, whose surfaces move at 2 v (rms) when all
-    # coordinates vibrate: about 3 v apart.
+    # Left over is I (Omega(end) - Omega(begin))/time; the two follow the supports, whose surfaces move at 2 v (rms)
+    # when all coordinates vibrate: about 3 v apart.
     rows = [(abs(p.measured()) * p.time * math.sqrt(p.replicas) / (3 * p.system.inertia * p.amplitude * p.omega_b), p)
             for p in found if p.seen()]
     out = []
     if rows:
         worst, p = max(rows, key=lambda row: row[0])
-        out.append(decide(text, worst < SURE, "left over, in units of <i>I</i>&Delta;&Omega;/time with the &Delta;&Omega; of "
-                          f"supports that vibrate like these: at most {number(worst, digits=2)} at {len(rows)} points "
+        out.append(decide(text, worst < SURE, "left over, in units of <i>I</i>&Delta;&Omega;/time with the "
+                          f"&Delta;&Omega; of supports that vibrate like these: at most {number(worst, digits=2)} at {len(rows)} points "
                           f"({p.drive}, amplitude {p.amplitude:g}; counted as zero below {SURE:g})", kind=CHECK,
                           slug="torque-balance-measured"))
     else:
