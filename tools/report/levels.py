@@ -93,7 +93,7 @@ SWEEPS = {
                                               "default": Plan({}, replicas(6, 4)), "full": AS_IS}),
     "mechanism_noise": ("mechanism_noise.cfg", {"quick": Plan(SHORT, {**replicas(2, 1), **ONE_EPS}),
                                                 "default": AS_IS, "full": AS_IS}),
-    "mechanism_rotation": ("mechanism_rotation.cfg", {"quick": Plan(SHORT, replicas(2, 2)), "default": AS_IS,
+    "mechanism_rotation": ("mechanism_rotation.cfg", {"quick": Plan(SHORT, replicas(3, 2)), "default": AS_IS,
                                                       "full": AS_IS}),
     "mechanism": ("mechanism.cfg", {"quick": Plan(SHORT, replicas(4, 2)), "default": AS_IS, "full": AS_IS}),
     "mechanism_turning": ("mechanism_turning.cfg", {"quick": Plan({"phases.rest.time": 10, "phases.measure.time": 5}),

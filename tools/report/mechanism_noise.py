@@ -59,8 +59,7 @@ def sections(results):
                   "signals. Errors are those of the scatter of replicas. Theory: permanent sliding with the torques "
                   "(15)-(18) "
                   "at strong drive, the supports' velocities and the linear response of the upper centre being "
-                  "Gaussian "
-                  "(no free parameter).", new=True)
+                  "Gaussian (no free parameter).", new=True)
     table = points(results.sweep("mechanism_noise"), lambda row: row["eps_b"] * OMEGA)
     out.missing = list(table.missing)
     for row in table.rows:

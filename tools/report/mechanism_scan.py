@@ -163,8 +163,7 @@ def aperture_sign(found):
             ("random", "The sign of (19) is the sense of rotation under random vibration, at all apertures.", PAPER,
              "aperture-sign"),
             ("a quarter apart", "Where all four configurations last equally long without tilt, the sense turns over "
-                                "at the "
-             "aperture at which (19) changes its sign.", CHECK, "aperture-sign-quarter")):
+                                "at the aperture at which (19) changes its sign.", CHECK, "aperture-sign-quarter")):
         place = "section 4, eq. (19)" if kind == PAPER else ""
         line = found.get((drive, "theta_h"))
         if not line or len(line) < 4:

@@ -328,8 +328,8 @@ def balances(found, those):
     if rows:
         worst, p = max(rows, key=lambda row: row[0])
         out.append(decide(text, worst < SURE, "left over, in units of <i>I</i>&Delta;&Omega;/time with the "
-                          f"&Delta;&Omega; of supports that vibrate like these: at most {number(worst, digits=2)} at {len(rows)} points "
-                          f"({p.drive}, amplitude {p.amplitude:g}; counted as zero below {SURE:g})", kind=CHECK,
+                          f"&Delta;&Omega; of supports that vibrate like these: at most {number(worst, digits=2)} at "
+                          f"{len(rows)} points ({p.drive}, amplitude {p.amplitude:g}; counted as zero below {SURE:g})", kind=CHECK,
                           slug="torque-balance-measured"))
     else:
         out.append(missing(text, kind=CHECK, slug="torque-balance-measured"))
