@@ -318,6 +318,14 @@ class Shape(unittest.TestCase):
         self.assertEqual(self.tails(lambda n: self.rng.uniform(-1, 1, n)), {"low-symmetric": YES, "low-tails": NO})
         self.assertEqual(self.tails(lambda n: self.rng.exponential(size=n))["low-symmetric"], NO)
 
+    def test_higher(self):
+        """Those that turn at the top, at the bottom, anywhere."""
+        for slope, verdict in ((1, YES), (-1, NO), (0, OPEN)):
+            found = packings(0.4)
+            for one in found:
+                one.columns["height"] = 0.5 + slope * 0.1 * one.turns + 0.01 * self.rng.normal(size=60)
+            self.assertEqual(low.deeper("low", found).verdict, verdict)
+
     def test_halves(self):
         """The same in both halves, and drawn anew."""
         same = packings(0)

@@ -12,8 +12,8 @@ LIMIT = 1.96     # errors that an upper limit of 95 % lies above what was found
 PERIOD = 1 / 80  # of the floor
 
 # What is kept of every run's disks (reading.py), and what is kept besides of these.
-KEPT = {"radius": "radius", "omega": "omega", "error": "error", "omega_first": "first", "omega_second": "second",
-        "rms": "rms_place", "coordination": "contacts"}
+KEPT = {"radius": "radius", "height": "y_end", "omega": "omega", "error": "error", "omega_first": "first",
+        "omega_second": "second", "rms": "rms_place", "coordination": "contacts"}
 MORE = ("persistent", "sliding", "openings", "injected", "friction", "viscous", "displacement")
 COLUMNS = (*KEPT, *MORE)
 WHOLE = {"openings": "openings", "sliding": "sliding_fraction", "coordination": "coordination", "wander": "wander",

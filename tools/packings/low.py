@@ -37,7 +37,8 @@ def persistence(campaign, name):
         return out
     scaled = [box["omega"][box.held] / box.rms for box in found]
     out.figures += [halves_figure(name, found), distribution_figure(name, scaled)]
-    out.claims += [persists(name, found), ranked(name, found), centred(name, found), *shape(name, scaled)]
+    out.claims += [persists(name, found), ranked(name, found), centred(name, found), *shape(name, scaled),
+                   deeper(name, found)]
     if runs:
         out.figures.append(map_figure(name, runs[0]))
         out.claims.append(counter(name, runs))
@@ -78,6 +79,25 @@ def ranked(name, found):
                   lasts(ranks), f"Spearman, mean over packings: {number(*ranks)} of all disks, {number(*turning)} of "
                                 f"those "
                   f"beyond {SURE:g} errors", slug=f"{name}-ranks")
+
+
+def deeper(name, found):
+    """Where the disks are that turn, and those that do not: heights in mean diameters, and how much of the time their
+    contacts slide."""
+    steps, sliding = [], {True: [], False: []}
+    for box in found:
+        parts = [box["height"][box.held & (box.turns == turn)] for turn in (True, False)]
+        if min(map(len, parts)) >= 3:
+            steps.append((parts[0].mean() - parts[1].mean()) / (2 * float(box["radius"].mean())))
+        for turn in (True, False):
+            chosen = box["sliding"][box.held & (box.turns == turn)]
+            sliding[turn] += [float(chosen.mean())] if len(chosen) else []
+    step, error = mean_error(steps)
+    verdict = None if not error >= 0 else True if step > SURE * error else False if step < -SURE * error else None
+    return decide("Disks that turn lie higher than those that do not.", verdict,
+                  f"by {number(step, error)} mean diameters; contacts of those that turn slide for "
+                  f"{number(*mean_error(sliding[True]))} of the time, of those that do not for "
+                  f"{number(*mean_error(sliding[False]))}", slug=f"{name}-higher")
 
 
 def centred(name, found):
