@@ -231,6 +231,16 @@ class Each(unittest.TestCase):
         self.assertEqual(each.census(found)["loose"][0], 0.4)
         self.assertEqual(each.census(found)["disks"], 216)
 
+    def test_regimes(self):
+        """Drives are sorted by openings, and all of a regime count together."""
+        table = {0.1: packings(0.5), 2.0: packings(0), 9.0: packings(0)}
+        for drives, openings in (((0.1,), 0.8), ((2.0, 9.0), 160)):
+            for at in drives:
+                for one in table[at]:
+                    one.whole["openings"] = openings
+        self.assertEqual([claim.verdict for claim in each.regimes(table)], [NO, YES])
+        self.assertEqual([claim.verdict for claim in each.regimes({2.0: table[2.0]})], [OPEN, YES])
+
     def test_kinds(self):
         """Sticking for ever, sliding without turning, and what cannot be told are told apart."""
         one = box([1, 0, 0, 0.5], [1e-3, 1e-3, 1e-3, 1], friction=[1, 0, 1, 1])
@@ -256,7 +266,7 @@ class Each(unittest.TestCase):
         found = packings(1.0, n=200)
         counts = each.census(found)
         self.assertLess(counts[each.TURNS][0], disks.CHANCE)
-        self.assertIn("(0 % when", each.words(counts))
+        self.assertIn("(0 % without", each.words(counts))
 
 
 class Quiet(unittest.TestCase):

@@ -10,6 +10,8 @@ HELD = 2         # a disk with fewer persistent contacts is a rattler, as for `s
 CHANCE = 0.02    # so many disks that do not turn are beyond three errors, at most (docs/physics.md, section 9)
 LIMIT = 1.96     # errors that an upper limit of 95 % lies above what was found
 PERIOD = 1 / 80  # of the floor
+OPEN = 0.1       # openings per contact and period that separate the regimes: from here on contacts open
+MANY = 1.0       # so many: they bounce
 
 # What is kept of every run's disks (reading.py), and what is kept besides of these.
 KEPT = {"radius": "radius", "height": "y_end", "omega": "omega", "error": "error", "omega_first": "first",

@@ -7,10 +7,10 @@ from report.style import COLOURS, GREY, LIGHT, figure
 from report.verdict import SURE, decide, missing, number
 
 from . import disks, each
+from .disks import MANY, OPEN
 from .statistics import crossing, jackknife, mean_error, share, trend, weighted_power
 
-OPEN = 0.1           # openings per contact and period that separate the regimes
-FEW, MANY = 0.01, 1.0  # how sharp it is: the drives at which this many are reached
+FEW = 0.01           # openings per contact and period; how sharp the onset is: from here to MANY
 SHARP = 5.0
 SOLID = 0.25         # rms displacement about the mean place over the mean diameter, below which it is a solid
 

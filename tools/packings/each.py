@@ -5,7 +5,7 @@ from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, LIGHT, figure, legend_above
 from report.verdict import SURE, decide, missing, number
 
-from .disks import CHANCE, HELD, LIMIT, RULE, boxes, by_drive
+from .disks import CHANCE, HELD, LIMIT, MANY, OPEN, RULE, boxes, by_drive
 from .statistics import jackknife, mean_error, pearson, pooled, share, spearman
 
 TIGHT = 0.01     # of the packing's rms: an upper limit on |Omega| below it shows that a disk stands still
@@ -98,20 +98,13 @@ def percent(value):
 
 def words(counts):
     turning = (counts[TURNS][0] - CHANCE) / (1 - CHANCE)
-    told = (f"{percent(counts[TURNS])} of {counts['disks']} disks are beyond {SURE:g} errors"
-            f" ({100 * max(turning, 0):.0f} % when the {100 * CHANCE:.0f} % are taken off that may be so by chance), "
-            f"{percent(counts['lasting'])} of them with the same sense and size in both halves of the time; "
-            f"{percent(counts[SLIDES])} slide and yet stand still, {percent(counts[STICKS])} never slide at all, of "
-            f"{percent(counts[UNSEEN])} it cannot be told")
+    told = (f"{percent(counts[TURNS])} of {counts['disks']} disks are beyond {SURE:g} errors "
+            f"({100 * max(turning, 0):.0f} % without those that may be so by chance); {percent(counts['still'])} stand "
+            f"still ({percent(counts[STICKS])} never slide)")
     if np.isfinite(counts["limit"]):
-        told += (f"; those that stand still turn, with 95 % confidence, by less than "
-                 f"{number(counts['limit'], digits=2)} "
-                 "of the rms (median)")
-    told += (f". Within {SURE:g} errors there are {percent(counts['excess'])} of the disks more than a smooth "
-             f"distribution "
-             "has there")
-    return (told + f". Of the disks with three persistent contacts or more {percent(counts['caged'])} turn; "
-            f"{percent(counts['loose'])} are rattlers and left out")
+        told += f", to {number(counts['limit'], digits=2)} of the rms (limit of 95 %, median)"
+    return (told + f"; within {SURE:g} errors there are {percent(counts['excess'])} of the disks more than a smooth "
+            "distribution has there")
 
 
 def claim(found, drive, slug, where=""):
@@ -146,6 +139,7 @@ def sections(campaign):
     if not shown:
         out.claims.append(missing("Each disk turns for good.", slug="each-disk"))
         return [out]
+    out.claims += regimes(table)
     for (drive, name), found in sorted(shown.items()):
         time = found[0].whole["measured"]
         out.claims.append(claim(found, drive, f"each-disk-{name or f'{drive:g}'}",
@@ -158,6 +152,22 @@ def sections(campaign):
     out.tables.append(numbers_table([(f"{drive:g} <i>g</i>{', ' + name if name else ''}", found)
                                      for (drive, name), found in sorted(shown.items())]))
     return [out]
+
+
+def regimes(table):
+    """The claim for all drives of a regime together: contacts hardly open, or open in each period."""
+    rate = {drive: np.mean([box.openings for box in found]) for drive, found in table.items()}
+    made = []
+    for slug, chosen, what in (("sliding", [d for d in rate if rate[d] < OPEN],
+                                f"Where contacts hardly open, less than {OPEN:g} times in a period"),
+                               ("bouncing", [d for d in rate if rate[d] >= MANY],
+                                "Where each contact opens once in a period or more")):
+        where = f" ({', '.join(f'{d:g}' for d in chosen)} <i>g</i>)" if chosen else ""
+        text = f"{what}{where}, each disk turns for good."
+        counts = census([box for drive in chosen for box in table[drive]])
+        made.append(decide(text, each(counts), words(counts), slug=f"each-disk-{slug}") if counts["disks"]
+                    else missing(text, why="no such drive", slug=f"each-disk-{slug}"))
+    return made
 
 
 def numbers_table(rows):
