@@ -218,7 +218,7 @@ def drive_figure(rows, drives, start):
                         mfc="white", color=COLOURS[3])
     axes[0, 1].axhline(OPEN, color=LIGHT, lw=0.8, gid="guide")
     axes[0, 1].set_yscale("log")
-    axes[0, 1].set_ylabel("openings per contact and period")
+    axes[0, 1].set_ylabel("openings per contact\nand period")
     for k, (name, label, sign) in enumerate((("pearson", "correlation of halves", "o"),
                                              ("spearman", "the same of ranks", "D"),
                                              ("significant", "beyond 3 errors", "s"),

@@ -116,7 +116,7 @@ def power_figure(sets, table):
     axes[0].set_xlabel(r"$|\Omega_i|$ (rad/s)")
     axes[0].set_ylabel("lost by friction (W)")
     for k, (drive, found) in enumerate(table.items()):
-        axes[1].plot([box.rms for box in found], [injected(box) for box in found], "o", ms=4, mfc="white",
+        axes[1].plot([box.rms for box in found], [injected(box) for box in found], "os"[k // 8], ms=4, mfc="white",
                      color=COLOURS[k % len(COLOURS)], label=f"{drive:g} $g$")
     axes[1].set_xlabel(r"rms $\Omega$ of the packing (rad/s)")
     axes[1].set_ylabel("injected power per disk (W)")
