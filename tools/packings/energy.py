@@ -127,8 +127,8 @@ def power_figure(sets, table):
             panel.legend(loc="lower left" if panel is axes[0] else "upper left", fontsize=8.5,
                          ncol=1 if panel is axes[0] else 2, columnspacing=0.6, handletextpad=0.1)
     return Figure("powers", picture, "Left: power that a disk loses by friction against its mean angular velocity; "
-                  "full: disks that turn; those that lose hardly anything are below the axis. Right: power that the floor puts in against the rms angular velocity, a point a "
-                  "packing.",
+                  "full: disks that turn; those that lose hardly anything are below the axis. Right: power that the "
+                  "floor puts in against the rms angular velocity, a point a packing.",
                   "Scatter plots of friction power and injected power against angular velocity")
 
 
