@@ -5,7 +5,7 @@ from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, figure
 from report.verdict import NO, OPEN, YES, Claim, missing, number
 
-from .memory import DRIVES, LONGER, VARIANTS, histories
+from .memory import DRIVES, LONGER, VARIANTS, histories, measured
 from .statistics import jackknife
 
 WIDTH = 0.45     # s: Omega is taken over blocks of this length, or from frame to frame where these are further apart
@@ -136,7 +136,7 @@ def runs(campaign):
                   for (packing, variant), run in sorted(histories(campaign, name).items())]
     for name, drive in LONGER.items():
         found += [({"drive": drive, "packing": 100 + k, "variant": 0}, run)
-                  for k, run in enumerate(campaign.runs(name)) if run.has_means]
+                  for k, run in enumerate(measured(campaign, name))]
     return [(key, run) for key,
             run in found if len(run.result.frames) > SHORTEST and len(run.result.contacts) > SHORTEST]
 

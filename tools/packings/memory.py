@@ -34,9 +34,14 @@ def sections(campaign):
     return [section(campaign)]
 
 
+def measured(campaign, name):
+    """Runs of an entry whose results are there, with means of the disks; none where only kept numbers are."""
+    return [run for run in campaign.runs(name) if run.path and run.has_means]
+
+
 def histories(campaign, name):
     """{(packing, variant): run} of an entry of DRIVES."""
-    runs = [run for run in campaign.runs(name) if run.has_means]
+    runs = measured(campaign, name)
     return {(packing_of(run.parameters), variant_of(run.parameters)): run for run in runs}
 
 
@@ -46,7 +51,7 @@ def shaken(campaign):
     found = [(drive, packing, run) for name, drive in DRIVES.items()
              for (packing, variant), run in sorted(histories(campaign, name).items()) if variant == "reference"]
     others = [(LONGER.get(name, run.parameters.get("drive")), run) for name in (*LONGER, "drive")
-              for run in campaign.runs(name) if run.has_means]
+              for run in measured(campaign, name)]
     found += [(drive, 100 + k, run) for k, (drive, run) in enumerate(others) if drive in DRIVES.values()]
     return [(drive, packing, run) for drive, packing, run in found if len(run.result.contacts) >= FEW]
 

@@ -50,7 +50,7 @@ class Campaign(Results):
     def _words(self, name):
         entry = self.entries[name]
         deck = entry.deck if os.path.isabs(entry.deck) else os.path.join(ROOT, "inputs", "packing", entry.deck)
-        keys = {path: str(value).replace("{folder}", os.path.join(self.folder, self.level))
+        keys = {path: str(value).replace("{folder}", os.path.abspath(os.path.join(self.folder, self.level)))
                 for path, value in {**entry.keys, **(entry.quick if self.level == "quick" else {})}.items()}
         path = self._place(name) + ("" if entry.sweep else ".h5")
         return [self.program, "sweep" if entry.sweep else "run", deck, "-o", path, *overrides(keys)]

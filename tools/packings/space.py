@@ -8,7 +8,7 @@ from report.style import COLOURS, figure, legend_above, points, zero_line
 from report.verdict import NO, OPEN, SURE, YES, Claim, missing, number, zero
 
 from . import contacts
-from .memory import BLOCK, DRIVES, shaken
+from .memory import BLOCK, DRIVES, measured, shaken
 from .statistics import jackknife
 
 CASES = [*(f"60 disks, {drive:g} <i>g</i>" for drive in DRIVES.values()), "10000 disks, 2 <i>g</i>"]
@@ -28,8 +28,8 @@ def numbers(campaign):
     drives, rows = list(DRIVES.values()), []
     for drive, packing, run in shaken(campaign):
         rows += of_run(drives.index(drive), packing, run, contacts.Cage(run))
-    for run in campaign.runs("shake_1e4"):
-        rows += of_run(len(drives), 0, run, None) if run.has_means else []
+    for run in measured(campaign, "shake_1e4"):
+        rows += of_run(len(drives), 0, run, None)
     return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
 
 
