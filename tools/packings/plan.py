@@ -88,7 +88,7 @@ ENTRIES = {
     "cage_start": Entry("cage_start.cfg"),
     "cage_moderate": _memory(2, 5, 40, 8),
     "cage_middle": _memory(0.7, 5, 40, 8),
-    "cage_low": _memory(0.3, 20, 100, 6),
+    "cage_low": _memory(0.3, 15, 60, 6),
     "quiet": Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3},
                    {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2),
     "quiet_stiff": Entry("quiet.cfg", {**_times(10, 100), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,
