@@ -29,7 +29,7 @@ def sections(campaign):
         out.figures.append(profiles(table.rows))
     out.tables.append(Numbers("Depth and rotation: each size of box",
                               ["disks", "width/d", "drive/<i>g</i>", "packings", "correlation of |&Omega;| with depth",
-                               "share of the top layer in &Omega;&sup2;", "of the disks"], summary(ranks.rows)))
+                               "error", "share of the top layer in &Omega;&sup2;", "error", "of the disks", "error"], summary(ranks.rows)))
     return [out]
 
 
@@ -110,8 +110,8 @@ def summary(rows):
     boxes = {}
     for row in rows:
         boxes.setdefault((row["disks"], row["width"], row["drive"]), []).append(row)
-    return [[disks, width, drive, len(some), *(number(*mean_error([row[name] for row in some]))
-                                                for name in ("correlation", "share", "of"))]
+    return [[disks, width, drive, len(some), *(cell for name in ("correlation", "share", "of")
+                                                for cell in mean_error([row[name] for row in some]))]
             for (disks, width, drive), some in sorted(boxes.items())]
 
 

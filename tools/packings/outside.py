@@ -39,10 +39,10 @@ def sections(campaign):
     out.claims += [one(drive, rms) for drive, rms in found.items()]
     out.figures.append(picture_of(found))
     out.tables.append(Numbers("Two programs, rms &Omega; (rad/s)",
-                              ["drive/<i>g</i>", "packings", "this program", "standard deviation", "other program",
-                               "ratio"],
-                              [[drive, len(rms), number(*mean_error(rms)), number(float(np.std(rms, ddof=1)))
-                                if len(rms) > 1 else "", THEIRS[drive], number(THEIRS[drive] / float(np.mean(rms)))]
+                              ["drive/<i>g</i>", "packings", "this program", "error", "standard deviation",
+                               "other program", "ratio"],
+                              [[drive, len(rms), *mean_error(rms), float(np.std(rms, ddof=1)) if len(rms) > 1 else "",
+                                THEIRS[drive], THEIRS[drive] / float(np.mean(rms))]
                                for drive, rms in found.items()], shown=True))
     return [out]
 

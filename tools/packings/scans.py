@@ -101,9 +101,10 @@ def sections(campaign):
         if any(found[scan.key] for scan in scans):
             out.figures.append(overview(name, scans, found))
     out.tables.append(Numbers("Each point of the scans (rms and median in rad/s)",
-                              ["scan", "value", "drive/<i>g</i>", "packings", *QUANTITIES],
+                              ["scan", "value", "drive/<i>g</i>", "packings",
+                               *(name for q in QUANTITIES for name in (q, "error"))],
                               [[scan.title, plain(value), drive, len(some),
-                                *(number(*mean_error([row[q] for row in some])) for q in QUANTITIES)]
+                                *(cell for q in QUANTITIES for cell in mean_error([row[q] for row in some]))]
                                for scan in SCANS for (drive, value), some in found[scan.key].items()]))
     return [out]
 
