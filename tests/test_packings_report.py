@@ -92,6 +92,12 @@ class Comparisons(unittest.TestCase):
         self.assertLess(compare.differ([RNG.normal(size=5) + 3 * k for k in range(3)]), 0.01)
         self.assertTrue(numpy.isnan(compare.differ([[1.0], [2.0]])))
 
+    def test_together(self):
+        self.assertAlmostEqual(compare.together([0.05]), 0.05, 6)
+        found = [compare.together(RNG.random(2)) for _ in range(400)]
+        self.assertAlmostEqual(numpy.mean(numpy.array(found) < 0.1), 0.1, delta=0.05)
+        self.assertTrue(numpy.isnan(compare.together([numpy.nan])))
+
     def test_exponent(self):
         x = numpy.repeat([40, 80, 160.0], 6)
         found = [compare.exponent(x, x ** -1 * numpy.exp(0.3 * RNG.normal(size=18))) for _ in range(300)]
@@ -122,9 +128,10 @@ class Comparisons(unittest.TestCase):
         for aim, law, verdict in ((-1.0, lambda x: 1 / x, YES), (-1.0, lambda x: x, NO), (0.0, lambda x: 1, YES),
                                   (0.0, lambda x: x, NO), ("-", lambda x: 1 / x, YES), ("-", lambda x: x, NO),
                                   ("changes", lambda x: x, YES), ("alike", lambda x: x, NO)):
-            found = [scans.judge(aim, groups(values, law))[0] for _ in range(8)]
+            judge = scans.judge_groups if aim in ("changes", "alike") else scans.judge_exponent
+            found = [judge(aim, {0.7: groups(values, law), 2: groups(values, law)})[0] for _ in range(8)]
             self.assertGreater(found.count(verdict), 5, f"{aim} {found}")
-        self.assertEqual(scans.judge("alike", {x: [1.0] for x in values})[0], OPEN)
+        self.assertEqual(scans.judge_groups("alike", {2: {x: [1.0] for x in values}})[0], OPEN)
 
     def test_rows_of_scans(self):
         """What was varied in a run, and to which scans it belongs."""

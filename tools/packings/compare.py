@@ -3,6 +3,8 @@ import math
 
 import numpy as np
 
+from report.verdict import survival
+
 from .statistics import ranks
 
 SHUFFLES = 4000
@@ -58,6 +60,12 @@ def differ(groups, seed=1):
     shuffled = np.random.default_rng(seed).permuted(np.tile(place, (SHUFFLES, 1)), axis=1)
     above = int(np.sum(statistic(shuffled) >= statistic(place[None])[0] * (1 - 1e-12)))
     return (above + 1) / (SHUFFLES + 1)
+
+
+def together(chances):
+    """Chance that independent tests of one statement give such chances (Fisher)."""
+    chances = [chance for chance in chances if math.isfinite(chance)]
+    return survival(-2 * sum(math.log(max(c, 1e-300)) for c in chances), 2 * len(chances)) if chances else math.nan
 
 
 def exponent(x, y):

@@ -10,7 +10,7 @@ from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, plt
 from report.verdict import NO, OPEN, YES, Claim, decide, missing, number
 
-from .compare import differ, exponent, percent, student
+from .compare import differ, exponent, percent, student, together
 from .drive import bars, lasts
 from .statistics import mean_error, pearson, spearman
 
@@ -19,6 +19,7 @@ LARGE = "shake_1e4"
 CLEAR = 0.01     # chance below which groups differ
 SAME = 0.05      # and above which they may be alike
 OFF = 0.002      # chance below which an exponent is another one
+COARSE = 0.2     # points known less well than this (relative) may differ unnoticed
 FINE = 0.25      # an exponent with a larger error tells nothing
 QUANTITIES = ("rms", "median", "significant", "correlation", "openings", "sliding", "contacts", "wander")
 
@@ -176,45 +177,54 @@ def all_last(found):
 
 
 def claim_of(slug, _, quantity, text, aim, points):
-    verdicts, told = [], []
-    for drive in DRIVES:
-        groups = {value: [row[quantity] for row in some] for (at, value), some in points.items() if at == drive}
-        if len(groups) > 1:
-            verdict, numbers = judge(aim, groups)
-            verdicts.append(verdict)
-            told.append(f"at {drive:g} <i>g</i> {numbers}")
-    if not verdicts:
+    drives = {}
+    for (drive, value), some in points.items():
+        drives.setdefault(drive, {})[value] = [row[quantity] for row in some]
+    drives = {drive: groups for drive, groups in drives.items() if len(groups) > 1}
+    if not drives:
         return missing(text + ".", slug=slug)
-    if aim == "changes":  # one drive is enough
-        verdict = YES if YES in verdicts else NO if all(v == NO for v in verdicts) else OPEN
-    else:
-        verdict = NO if NO in verdicts else YES if all(v == YES for v in verdicts) else OPEN
-    return Claim(text + ".", verdict, "; ".join(told), slug=slug)
+    verdict, numbers = (judge_groups if aim in ("changes", "alike") else judge_exponent)(aim, drives)
+    return Claim(text + ".", verdict, numbers, slug=slug)
 
 
-def judge(aim, groups):
-    """(verdict, numbers) of groups {value: rms or median of each packing} at one drive."""
-    chance = differ(list(groups.values()))
-    ends = [f"{number(*mean_error(groups[value]))} ({plain(value)})" for value in groups]
-    told = ", ".join(ends) + " rad/s"
-    if math.isfinite(chance):
-        told += f"; a chance of {percent(chance)} for equal ones"
-    if aim in ("changes", "alike"):
-        if not math.isfinite(chance):
-            return OPEN, told
-        if aim == "changes":
-            return YES if chance < CLEAR else NO if chance > SAME and spread(groups) < 0.2 else OPEN, told
-        return NO if chance < CLEAR else YES if chance > SAME and spread(groups) < 0.2 else OPEN, told
-    x = np.concatenate([np.full(len(some), value) for value, some in groups.items()])
-    b, error, degrees = exponent(x, np.concatenate(list(groups.values())))
-    told = f"~ value<sup>{number(b, error)}</sup>: " + told
-    if not (degrees >= 2 and error > 0):
+def values(drive, groups):
+    return f"at {drive:g} <i>g</i> " + ", ".join(f"{number(*mean_error(some))} ({plain(value)})"
+                                                 for value, some in groups.items()) + " rad/s"
+
+
+def judge_groups(aim, drives):
+    """(verdict, numbers) on {drive: {value: rms or median of each packing}}: do they differ anywhere?"""
+    chances = [differ(list(groups.values())) for groups in drives.values()]
+    told = "; ".join(values(*item) + f", a chance of {percent(chance)} for equal ones"
+                     for item, chance in zip(drives.items(), chances))
+    chance = together(chances)
+    told += f"; together {percent(chance)}"
+    fine = np.mean([spread(groups) for groups in drives.values()]) < COARSE
+    if not math.isfinite(chance):
         return OPEN, told
-    wanted = 0.0 if aim == "-" else aim
-    chance = student((b - wanted) / error, degrees)
-    told += f", {percent(chance)} for an exponent of {number(wanted)}"
+    changed = True if chance < CLEAR else False if chance > SAME and fine else None
+    return OPEN if changed is None else YES if changed == (aim == "changes") else NO, told
+
+
+def judge_exponent(aim, drives):
+    """The same on the exponent of a power of the value: aim, or negative for "-"."""
+    wanted, found, told = 0.0 if aim == "-" else aim, [], []
+    for drive, groups in drives.items():
+        x = np.concatenate([np.full(len(some), value) for value, some in groups.items()])
+        b, error, degrees = exponent(x, np.concatenate(list(groups.values())))
+        if degrees >= 1 and error > 0:
+            found.append((b, error, student((b - wanted) / error, degrees)))
+            told.append(f"{values(drive, groups)}: exponent {number(b, error)}, a chance of {percent(found[-1][2])} "
+                        f"for {number(wanted)}")
+        else:
+            told.append(values(drive, groups))
+    if not found:
+        return OPEN, "; ".join(told)
+    b, error, chances = np.array(found).T
+    chance, error = together(chances), float(np.sum(error ** -2) ** -0.5)
+    told = "; ".join([*told, f"together {percent(chance)}, with an error of {number(error, digits=2)}"])
     if aim == "-":
-        return OPEN if chance > OFF else YES if b < 0 else NO, told
+        return YES if chance < OFF and (b < 0).all() else NO if chance < OFF and (b > 0).all() else OPEN, told
     return NO if chance < OFF else YES if chance > SAME and error < FINE else OPEN, told
 
 
