@@ -2,28 +2,31 @@
 import math
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from .page import Figure, Numbers, Section
-from .style import COLOURS, figure, legend_below, power
+from .style import BLACK, COLOURS, GREY, figure, points, power
 from .verdict import CHECK, NO, OPEN, SURE, YES, Claim, beyond, judged, missing, number, survival
 
 WITHIN = (1, 2, 3)  # error bars
 NORMAL = [math.erf(k / math.sqrt(2)) for k in WITHIN]
-MARKERS = "ovs^D*"
+LINES = ("-", "--", ":")
 FEWEST = 10  # seeds of a set that counts
 
 
 def sections(results):
-    out = Section("coverage", "Coverage of error bars", "Random vibration (tilt 0.02&pi;), deck "
-                  "<code>inputs/paper/coverage.cfg</code>: up to 200 seeds for each length of the measured time and each "
-                  "amplitude. <i>z</i> is the distance of a run's &Omega; from the mean of its set in its own error bars, "
-                  "times &radic;(<i>n</i>/(<i>n</i> &minus; 1)). Were the error bars known exactly, <i>z</i> would be "
-                  "normal. They are known to about 15 %, so that tails are a little longer.", new=True)
+    out = Section("coverage", "Coverage of error bars",
+                  "Random vibration (tilt 0.02&pi;), deck <code>inputs/paper/coverage.cfg</code>: many seeds for each "
+                  "measured time and amplitude. <i>z</i> is the distance of a run's &Omega; from the mean of its set "
+                  "in its own error bars, times &radic;(<i>n</i>/(<i>n</i> &minus; 1)). Were the error bars known "
+                  "exactly, <i>z</i> would be normal.", new=True)
     table = results.sweep("coverage")
     out.missing = list(table.missing)
     cases = [case for case in map(measured, table.sets()) if case]
     out.claims = [ratio_claim(cases), within_claim(cases)]
     if cases:
+        known = 100 * np.mean([case["spread"] / case["bar"] for case in cases])
+        out.lead += f" They scatter by {known:.0f} % themselves, so that its tails are a little longer."
         out.figures.append(draw(cases))
         out.tables.append(numbers(cases))
     return [out]
@@ -41,7 +44,8 @@ def measured(members):
     ratio = float(error.mean()) / scatter
     return {"length": members.rows[0]["length"], "eps_b": members.rows[0]["eps_b"], "n": n, "scatter": scatter,
             "bar": float(error.mean()), "spread": float(error.std(ddof=1)), "ratio": ratio,
-            "ratio_error": ratio * math.hypot(1 / math.sqrt(2 * (n - 1)), error.std(ddof=1) / error.mean() / math.sqrt(n)),
+            "ratio_error": ratio * math.hypot(1 / math.sqrt(2 * (n - 1)),
+                                              error.std(ddof=1) / error.mean() / math.sqrt(n)),
             "z": np.sort(z),
             "within": [float((np.abs(z) < k).mean()) for k in WITHIN],
             "reliable": float(np.mean(members.disk("converged")[good]))}
@@ -58,10 +62,11 @@ def ratio_claim(cases):
         return missing(text, kind=CHECK, **kind)
     off = [(case["ratio"] - 1) / case["ratio_error"] for case in cases]
     chi2 = float(np.sum(np.square(off)))
-    worst = max(range(len(cases)), key=lambda k: abs(off[k]))
-    return Claim(text, judged(chi2, len(cases)), "ratios " + ", ".join(number(c["ratio"], c["ratio_error"]) for c in cases)
-                 + f"; &chi;&sup2; from 1 = {chi2:.1f} for {len(cases)} (a chance of {100 * survival(chi2, len(cases)):.2g} % for "
-                 f"more); farthest off: {name_of(cases[worst])}", kind=CHECK, rule="scatter", **kind)
+    worst = cases[max(range(len(cases)), key=lambda k: abs(off[k]))]
+    ratios = ", ".join(number(case["ratio"], case["ratio_error"]) for case in cases)
+    numbers = (f"ratios {ratios}; &chi;&sup2; from 1 = {chi2:.1f} for {len(cases)} (a chance of "
+               f"{100 * survival(chi2, len(cases)):.2g} % for more); farthest off: {name_of(worst)}")
+    return Claim(text, judged(chi2, len(cases)), numbers, kind=CHECK, rule="scatter", **kind)
 
 
 def within_claim(cases):
@@ -74,47 +79,54 @@ def within_claim(cases):
     worst, limit = max(map(abs, off)), beyond(len(off))
     runs = sum(case["n"] for case in cases)
     pooled = [100 * sum(case["within"][k] * case["n"] for case in cases) / runs for k in range(len(WITHIN))]
-    return Claim(text, NO if worst > limit else OPEN if worst > SURE else YES, f"of {runs} runs "
-                 + ", ".join(f"{value:.1f} % within {k}" for k, value in zip(WITHIN, pooled)) + " (normal: "
-                 + ", ".join(f"{100 * p:.1f} %" for p in NORMAL) + f"); {len(off)} fractions, the farthest off is {worst:.1f} "
-                 f"of its standard deviations ({limit:.1f} refute)", kind=CHECK, rule="threshold", **kind)
+    numbers = (f"of {runs} runs " + ", ".join(f"{x:.1f} % within {k}" for k, x in zip(WITHIN, pooled)) + " (normal: "
+               + ", ".join(f"{100 * p:.1f} %" for p in NORMAL) + f"); of {len(off)} fractions the farthest off is "
+               f"{worst:.1f} of its standard deviations away ({limit:.1f} refute)")
+    verdict = NO if worst > limit else OPEN if worst > SURE else YES
+    return Claim(text, verdict, numbers, kind=CHECK, rule="threshold", **kind)
 
 
 def draw(cases):
-    """Distribution function of z against the normal one: a curve that is steeper has bars that are too large."""
-    picture, (left, right) = figure(2, legend=True)
+    """Distribution function of z against the normal one, and the mean error bar over the scatter."""
+    picture, (left, right) = figure(2)
     grid = np.linspace(-4, 4, 400)
-    phi = np.array([0.5 * math.erfc(-x / math.sqrt(2)) for x in grid])
-    left.plot(grid, phi, color="#111111", lw=1.2, gid="guide", label="normal")
+    normal = [0.5 * math.erfc(-x / math.sqrt(2)) for x in grid]
+    left.plot(grid, normal, color=BLACK, lw=1.4, gid="guide", label="normal")
     lengths = sorted({case["length"] for case in cases})
     for k, eps in enumerate(sorted({case["eps_b"] for case in cases})):
-        for case in (c for c in cases if c["eps_b"] == eps):
-            style = ("-", "--", ":")[lengths.index(case["length"]) % 3]
+        line = sorted((case for case in cases if case["eps_b"] == eps), key=lambda case: case["length"])
+        for case in line:
             share = (np.arange(case["n"]) + 0.5) / case["n"]
-            left.plot(case["z"], share, drawstyle="steps-mid", color=COLOURS[k], ls=style, lw=0.9,
-                      label=rf"${power(eps)}$, {case['length']:g}")
-        line = sorted((c for c in cases if c["eps_b"] == eps), key=lambda c: c["length"])
-        right.errorbar([c["length"] * (0.97 + 0.06 * k) for c in line], [c["ratio"] for c in line],
-                       [c["ratio_error"] for c in line], fmt=MARKERS[k] + "-", color=COLOURS[k], mfc="white", lw=0.7)
-    left.set_xlabel(r"$z$: distance from the mean in error bars")
-    left.set_ylabel("fraction of runs below")
+            left.plot(case["z"], share, color=COLOURS[k], ls=LINES[lengths.index(case["length"]) % 3], lw=1)
+        points(right, [case["length"] * (0.96 + 0.08 * k) for case in line], [case["ratio"] for case in line],
+               [case["ratio_error"] for case in line], rf"$\epsilon_b={power(eps)}$", k, "os^"[k % 3])
+    for k, length in enumerate(lengths):
+        left.plot([], [], color=GREY, ls=LINES[k % 3], lw=1, label=f"{length:g}")
+    left.set_xlabel(r"$z$: distance in error bars")
+    left.set_ylabel(r"fraction of runs below $z$")
     left.set_xlim(-4, 4)
-    right.axhline(1, color="#111111", lw=1.2, gid="guide")
+    left.legend(title="measured time", loc="upper left", fontsize=8, title_fontsize=8)
+    right.axhline(1, color=BLACK, lw=1.4, zorder=0, gid="guide")
     right.set_xscale("log")
+    right.set_xticks(lengths, [f"{length:g}" for length in lengths])
+    right.xaxis.set_minor_formatter(NullFormatter())
     right.set_xlabel("measured time")
     right.set_ylabel("mean error bar / scatter")
-    right.set_ylim(0, None)
-    legend_below(picture, [left], 4)
-    return Figure("coverage", picture, "Left: fraction of runs below <i>z</i> for each amplitude &epsilon;<sub>b</sub> "
-                  "(colour) and length (line), and the normal law. Steeper than it: error bars too large. Right: mean error "
-                  "bar over the scatter of seeds.", "Distribution of the distance from the mean in error bars, and mean "
-                  "error bar over scatter against the measured time")
+    right.set_ylim(0, 1.5)
+    right.legend(loc="lower right")
+    caption = ("Left: fraction of runs below <i>z</i> for each amplitude &epsilon;<sub>b</sub> (colour) and measured time "
+               "(line), and the normal law; a curve steeper than it means error bars that are too large. Right: mean "
+               "error bar over the scatter of seeds.")
+    return Figure("coverage", picture, caption, "Distribution of the distance from the mean in error bars, and mean error "
+                  "bar over scatter against the measured time")
 
 
 def numbers(cases):
-    columns = ["length", "&epsilon;<sub>b</sub>", "seeds", "scatter of &Omega;", "mean error bar", "bars' own scatter",
-               "bar/scatter", "error", *(f"within {k}" for k in WITHIN), *(f"normal {k}" for k in WITHIN),
-               "binomial error of the first", "reliable"]
-    return Numbers("Coverage", columns, [
-        [c["length"], c["eps_b"], c["n"], c["scatter"], c["bar"], c["spread"], c["ratio"], c["ratio_error"], *c["within"],
-         *NORMAL, math.sqrt(NORMAL[0] * (1 - NORMAL[0]) / c["n"]), c["reliable"]] for c in cases])
+    """Fractions stand with the standard deviation that the normal law gives them."""
+    columns = ["measured time", "&epsilon;<sub>b</sub>", "seeds", "scatter of &Omega;", "mean error bar", "bar/scatter",
+               "error", *(word for k in WITHIN for word in (f"within {k}", "error")), "reliable"]
+    rows = [[c["length"], c["eps_b"], c["n"], c["scatter"], c["bar"], c["ratio"], c["ratio_error"],
+             *(x for found, p in zip(c["within"], NORMAL) for x in (found, math.sqrt(p * (1 - p) / c["n"]))),
+             c["reliable"]] for c in cases]
+    law = ", ".join(f"{p:.4f}" for p in NORMAL)
+    return Numbers(f"Coverage; a normal law has {law} within 1, 2, 3", columns, rows)
