@@ -19,7 +19,8 @@ def sections(results):
                   "Random vibration (tilt 0.02&pi;), deck <code>inputs/paper/coverage.cfg</code>: many seeds for each "
                   "measured time and amplitude. <i>z</i> is the distance of a run's &Omega; from the mean of its set "
                   "in its own error bars, times &radic;(<i>n</i>/(<i>n</i> &minus; 1)). Were the error bars known "
-                  "exactly, <i>z</i> would be normal. Runs that call their error bar unreliable do not count.", new=True)
+                  "exactly, <i>z</i> would be normal. Runs that call their error bar unreliable do not "
+                  "count.", new=True)
     table = results.sweep("coverage")
     out.missing = list(table.missing)
     cases = [case for case in map(measured, table.sets()) if case]
@@ -116,7 +117,7 @@ def draw(cases):
     right.set_ylim(0, 1.5)
     right.legend(loc="lower right")
     caption = ("Left: fraction of runs below <i>z</i> for each amplitude &epsilon;<sub>b</sub> (colour) and measured "
-               "time (line), and the normal law; a curve steeper than it means error bars that are too large. Right: mean "
+               "time (line), and the normal law; a steeper curve means error bars that are too large. Right: mean "
                "error bar over the scatter of seeds.")
     return Figure("coverage", picture, caption, "Distribution of the distance from the mean in error bars, and mean "
                   "error bar over scatter against the measured time")
