@@ -126,7 +126,7 @@ class Pages(unittest.TestCase):
         first, errata = summary.sections([section], (("eq. (1)", "a", "b", "two"),), {"two": "a reason"})
         text = markdown.text_of(first.lead)
         self.assertIn("Of the paper's 2 statements 1 are reproduced, 1 are not, and of none it cannot be told.", text)
-        self.assertIn("Two (section 4): *a reason.*", text)
+        self.assertIn("Two (section 4) – a reason.", text)
         self.assertNotIn("Three", text)
         self.assertEqual(errata.tables[0].rows[0][-1], "2 of 3")
         self.assertEqual(first.tables[0].rows[0][1:], [1, 1, 0, "0 of 1"])

@@ -23,7 +23,7 @@ plt.rcParams.update({
     "axes.linewidth": 0.8, "lines.linewidth": 1.1, "lines.markersize": 5,
     "xtick.direction": "in", "ytick.direction": "in", "xtick.top": True, "ytick.right": True,
     "xtick.minor.visible": True, "ytick.minor.visible": True,
-    "legend.frameon": False, "errorbar.capsize": 2, "figure.dpi": 100, "savefig.dpi": 220,
+    "legend.frameon": False, "errorbar.capsize": 2, "figure.dpi": 100, "savefig.dpi": 180, "figure.max_open_warning": 0,
     "axes.formatter.use_mathtext": True, "axes.formatter.limits": (-3, 4), "pdf.fonttype": 42,
 })
 

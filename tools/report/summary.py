@@ -1,15 +1,15 @@
 """What a page says first: what holds, what does not and why; and where the paper's equations are not as printed."""
 import re
 
-from .page import Numbers, Section
+from .page import Numbers, Section, plain
 from .verdict import CHECK, NO, OPEN, PAPER, TRIVIAL, YES
 
 # Why a statement is not reproduced, by its slug: shown where the verdict says so, beside no numbers of its own.
 REASONS = {
     "forces-never-zero": "at large amplitude and tilt a contact parts faster than its viscous part lets it expand",
     "never-open": "at large amplitude and tilt the lighter contact is unloaded at times and opens now and then",
-    "lambda-path": "the law takes increments along the present normal, which turns: a closed path does not return",
-    "lambda-energy": "for the same reason work is left over on a closed path",
+    "lambda-path": "a closed path of the disks does not bring it back",
+    "lambda-energy": "&lambda; returns, but the work of the force on a closed path without slipping is not zero",
     "equal-durations": "reflection makes S<sup>++</sup> and S<sup>&minus;&minus;</sup> alike, and S<sup>+&minus;</sup> and "
                        "S<sup>&minus;+</sup>, but does not relate the two pairs",
     "random-slides": "at the smallest amplitude of the figures a contact sticks most of the time",
@@ -29,6 +29,7 @@ REASONS = {
     "torque-balance": "the true torques, not their equilibrium values, balance",
 }
 
+ROOM = 160  # signs
 # (place, as printed, what is right, slug of the claim whose numbers tell)
 ERRATA = (
     ("eq. (11)", "second term &Tau;<sup>++</sup><i>T</i><sup>&minus;&minus;</sup>",
@@ -62,10 +63,15 @@ def sections(found, errata=ERRATA, reasons=None):
         part = Section("errata", "Errata of the paper", "What is printed, what is right, and the numbers that tell; the "
                        "statements stand in the sections below.", new=True)
         part.tables.append(Numbers("Errata", ["where", "printed", "right", "checked"],
-                                   [[*row[:3], claims[row[3]].numbers if row[3] in claims else "by the text"] for row in errata],
-                                   shown=True))
+                                   [[*row[:3], claims[row[3]].numbers if row[3] in claims else "by the text"] for row in errata
+                                    if wrong(claims.get(row[3]))], shown=True))
         out.append(part)
     return out
+
+
+def wrong(claim):
+    """Is this erratum one? Not when the numbers bear out what is printed."""
+    return not claim or claim.kind == CHECK or claim.verdict != YES
 
 
 def short(found, reasons):
@@ -76,7 +82,8 @@ def short(found, reasons):
     parts = [f"<p><b>Of {what} {len(every)} statements {amount(every, YES)} are reproduced, {amount(every, NO)} are not, and of "
              f"{amount(every, OPEN)} it cannot be told.</b> {besides(found) if paper else ''}</p>"]
     for word, title in ((NO, "Not reproduced"), (OPEN, "Cannot be told")):
-        lines = [f"<li>{c.text.rstrip('.')}{place(c)}: <i>{why(c, word, reasons)}.</i></li>" for c in every if c.verdict == word]
+        lines = [f"<li>{c.text.rstrip('.')}{place(c)} &ndash; {why(c, word, reasons)}.</li>" for c in sorted(every, key=order)
+                 if c.verdict == word]
         parts += [f"<p><b>{title}</b></p><ul>{''.join(lines)}</ul>"] if lines else []
     lines = [f"<li>{name}: {' '.join(texts)}</li>" for name, texts in by_section(found, every).items()]
     parts += [f"<p><b>Reproduced</b></p><ul>{''.join(lines)}</ul>"] if lines else []
@@ -99,9 +106,15 @@ def by_section(found, every):
     where = {}
     for claim in every:
         if claim.verdict == YES:
-            number = re.search(r"sections? ([\d.]+)", claim.place)
-            where.setdefault(f"section {number[1]}" if number else titles[id(claim)], []).append(claim.text)
+            number = order(claim)
+            where.setdefault(f"section {number:g}" if number else titles[id(claim)], []).append(claim.text)
     return {name: where[name] for name in (sorted(where) if any(name.startswith("section ") for name in where) else where)}
+
+
+def order(claim):
+    """Number of the paper's section; 0 for none."""
+    found = re.search(r"sections? ([\d.]+)", claim.place)
+    return float(found[1]) if found else 0.0
 
 
 def count(claims, word):
@@ -124,4 +137,8 @@ def place(claim):
 
 
 def why(claim, word, reasons):
-    return (reasons.get(claim.slug) if word == NO else "") or claim.numbers.rstrip(".")
+    """Its reason, or what of its numbers has room in a line or two."""
+    known = reasons.get(claim.slug) if word == NO else ""
+    parts = re.split(r"; (?=[^&]|&[a-z]+;)", claim.numbers.rstrip("."))
+    fits = [k for k in range(1, len(parts) + 1) if len(plain("; ".join(parts[:k]))) < ROOM]
+    return known or "; ".join(parts[:max(fits, default=1)])
