@@ -39,7 +39,8 @@ DICT = {
     "motions": {"shake": {"disk": ["left", "right"], "coordinate": ["x", "y", "theta"], "type": "random", "amplitude": 1e-4,
                           "omega": "20 pi", "damping": 0.5, "ramp": 0.2}},
     "phases": [{"name": "settle", "steps": 1000}, {"name": "measure", "steps": 100_000}],
-    "measure": {"rotation": ["upper"], "sliding": [{"disk": "upper", "partners": ["left", "right"]}]},
+    "measure": {"rotation": ["upper"], "sliding": [{"disk": "upper", "partners": ["left", "right"]}],
+                "configurations": True},
 }
 GRAINS = {"dt": 2e-5, "time": 1, "gravity": {"g": 9.81}, "materials": {"grain": {"k_n": 1e4, "gamma_n": 0.5}},
           "walls": {"floor": {"type": "line", "points": [[-1, 0], [1, 0]]}}}
