@@ -144,7 +144,7 @@ class Results:
         words = [self.program, "run", os.path.join(ROOT, "inputs", deck), "-o", path, "--quiet",
                  *overrides({**keys, **by_level[self.level]})]
         note = path[:-3] + ".txt"
-        text = shlex.join([os.path.basename(words[0]), "run", "inputs/" + deck, *words[6:]])
+        text = shlex.join(["slipdisk", "run", "inputs/" + deck, *words[6:]])
         known = read(note) == text + "\n"
         if known and os.path.exists(path):
             return
