@@ -1,9 +1,11 @@
 """Elasto-plastic oscillators under random forcing: normal diffusion with equal limits, drift with unequal ones."""
+import functools
 import math
 
 import numpy as np
 
 from .catalogue import paper
+from .kept import CURVE, thin
 from .page import Figure, Numbers, Section
 from .runs import slipdisk
 from .style import BLACK, COLOURS, figure, legend_above
@@ -14,18 +16,32 @@ FIRST, LAST = 1.0, 20.0    # lags of the fit
 LARGEST_ERROR = 0.05       # of an exponent that can be told from those beside it
 
 
-def read(path):
-    """Displacement of each block since the drive was on, by time."""
-    frames = slipdisk.Result(path).frames
-    time, x = frames.time, frames["position"][:, :, 0]
-    begin = np.argmax(time > 1 - 1e-9)  # the settled state
-    return {"time": time[begin:] - time[begin], **{f"x{k}": x[begin:, k] - x[begin, k] for k in range(x.shape[1])}}
+class Record:
+    """Displacement of each block since the drive was on."""
+
+    def __init__(self, path):
+        frames = slipdisk.Result(path).frames
+        begin = np.argmax(frames.time > 1 - 1e-9)  # the settled state
+        self.time = frames.time[begin:] - frames.time[begin]
+        self.x = frames["position"][begin:, :, 0] - frames["position"][begin, :, 0]
+
+    def trace(self):
+        return thin({"time": self.time, **{f"x{k}": column for k, column in enumerate(self.x.T)}}, CURVE // 2)
+
+    def squares(self):
+        lags, msd = spread(self.x[:, :EQUAL], self.time[1] - self.time[0])
+        return {"lag": lags, **{f"x{k}": column for k, column in enumerate(msd.T)}}
 
 
 def spread(x, step):
     """(lags, mean square displacement of each block at them)"""
     lags = np.unique(np.round(np.geomspace(1, len(x) // 4, 24)).astype(int))
     return lags * step, np.array([np.mean((x[lag:] - x[:-lag]) ** 2, axis=0) for lag in lags])
+
+
+def blocks(table):
+    """Columns x0, x1, ... side by side."""
+    return np.stack([table.column(f"x{k}") for k in range(sum(key.startswith("x") for key in table.rows[0]))], axis=1)
 
 
 def exponent(lags, msd):
@@ -48,16 +64,16 @@ def sections(results):
                   f"&lang;<i>x</i>&sup2;&rang; between {FIRST:g} and {LAST:g} time units, its error from leaving out "
                   "each oscillator in turn.")
     path = results.run("epo_random")
-    table = results.numbers("epo-random", lambda: read(path) if path else None,
-                            "displacement of each oscillator", digits=5)
+    record = functools.cache(lambda: Record(path))
+    made = (lambda: record().trace() if path else None), (lambda: record().squares() if path else None)
+    trace = results.numbers("epo-random", made[0], "displacement of each oscillator", digits=5)
+    squares = results.numbers("epo-random-msd", made[1], "mean square displacement of each", digits=5)
     slugs = ("epo-diffusion", "epo-random-drift")
-    if not table:
+    if not trace or not squares:
         out.missing.append("epo_random: not run yet")
         out.claims = [missing(**paper(slug)) for slug in slugs]
         return [out]
-    time = table.column("time")
-    x = np.stack([table.column(f"x{k}") for k in range(sum(key.startswith("x") for key in table.rows[0]))], axis=1)
-    lags, msd = spread(x[:, :EQUAL], time[1] - time[0])
+    time, x, lags, msd = trace.column("time"), blocks(trace), squares.column("lag"), blocks(squares)
     power, error = exponent(lags, msd)
     speed = x[-1] / time[-1]
     out.figures.append(draw(time, x, lags, msd, power))
@@ -70,15 +86,14 @@ def sections(results):
                                                  f"constant {number(constant, digits=2)}",
                         rule="exponent", **paper("epo-diffusion")),
                   zero("Oscillators with equal limits under random forcing do not drift.", [mean[0][0]], [mean[0][1]],
-                       what="drift",
-                       slug="epo-random-level"),
+                       what="drift", slug="epo-random-level"),
                   signed(values=[mean[1][0]], errors=[mean[1][1]], sign=1,
                          what="the mean drift", **paper("epo-random-drift"))]
     out.claims[-1].numbers += (f"; drift {number(*mean[1])} of {len(speed) - EQUAL} oscillators with limits "
                                "&minus;0.08 and 0.12")
     out.tables.append(Numbers("Mean square displacement", ["lag", "&lang;<i>x</i>&sup2;&rang;", "error"],
-                              [[t, float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))] for t, v in zip(lags,
-                                                                                                              msd)]))
+                              [[t, float(v.mean()), float(v.std(ddof=1) / math.sqrt(len(v)))]
+                               for t, v in zip(lags, msd)]))
     return [out]
 
 
