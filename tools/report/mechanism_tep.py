@@ -328,9 +328,9 @@ def balances(found, those):
     if rows:
         worst, p = max(rows, key=lambda row: row[0])
         out.append(decide(text, worst < SURE, "left over, in units of <i>I</i>&Delta;&Omega;/time with the "
-                          f"&Delta;&Omega; of supports that vibrate like these: at most {number(worst, digits=2)} at "
-                          f"{len(rows)} points ({p.drive}, amplitude {p.amplitude:g}; counted as zero below {SURE:g})", kind=CHECK,
-                          slug="torque-balance-measured"))
+                          "&Delta;&Omega; of supports that vibrate like these: at most "
+                          f"{number(worst, digits=2)} at {len(rows)} points ({p.drive}, amplitude {p.amplitude:g}; "
+                          f"counted as zero below {SURE:g})", kind=CHECK, slug="torque-balance-measured"))
     else:
         out.append(missing(text, kind=CHECK, slug="torque-balance-measured"))
     for drive in ("random", "in phase", "opposite phases"):

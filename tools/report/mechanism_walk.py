@@ -5,11 +5,12 @@ The supports' velocities w_i are those of (52), with the linear response of the 
 disk that catches up with a support goes along with it for a while, as torques are steps: a step of time is implicit.
 Many copies at once, each of a duration of some 1/omega; the mean over all.
 """
+import dataclasses
 import math
 
 import numpy as np
 
-from .mechanism_theory import torques
+from .mechanism_theory import SIGNS, forces, torques
 
 STEP, COPIES, WARM, TIME = 1e-4, 600, 0.4, 1.6
 
@@ -28,55 +29,71 @@ def propagator(drive, h):
 
 
 class Centre:
-    """The upper centre, carried along by the normal springs."""
+    """The upper centre on its normal springs, from where it rests without friction; `moved`: friction moves it, too."""
 
-    def __init__(self, system, copies):
+    def __init__(self, system, copies, moved):
+        self.system, self.moved = system, moved
         s, c = math.sin(system.theta_h), math.cos(system.theta_h)
-        self.s, self.c = s, c
-        self.spring = 2 * system.k_n / system.mass * np.array([[s * s], [c * c]])
-        self.drag = 2 * system.gamma_n / system.mass * np.array([[s * s], [c * c]])
-        self.place, self.speed = np.zeros((2, copies)), np.zeros((2, copies))
-
-    def aim(self, u):
-        """Where the springs would hold the centre; u: x, y of support 1, then of support 2."""
-        cot = self.c / self.s
-        return np.stack([(u[0] + u[2] + cot * (u[1] - u[3])) / 2, ((u[0] - u[2]) / cot + u[1] + u[3]) / 2])
+        self.normal = np.array([[-s, -c], [s, -c]])  # from the upper disk to the supports
+        self.along = np.array([[c, -s], [c, s]])     # a positive torque pushes the upper surface this way
+        self.rest = np.array(forces(dataclasses.replace(system, mu=0.0), (1, 1)))[:, None]
+        self.place, self.speed, self.tau = np.zeros((2, copies)), np.zeros((2, copies)), np.zeros((2, copies))
 
     def step(self, u, v, h):
-        """The velocities along the contacts that supports and centre have relative to each other."""
-        self.speed += h * (self.spring * (self.aim(u) - self.place) + self.drag * (self.aim(v) - self.speed))
+        """(velocities along the contacts that supports and centre have relative to each other, normal forces)
+        u, v: x, y of support 1, then of support 2, and their velocities."""
+        system = self.system
+        pressed = np.stack([self.normal[i] @ (self.place - u[2 * i:2 * i + 2]) for i in (0, 1)])
+        rate = np.stack([self.normal[i] @ (self.speed - v[2 * i:2 * i + 2]) for i in (0, 1)])
+        extra = system.k_n * pressed + system.gamma_n * rate
+        force = -self.normal.T @ extra
+        if self.moved:
+            force += self.along.T @ self.tau
+        self.speed += h / system.mass * force
         self.place += h * self.speed
-        x, y = self.speed
-        return self.c * (v[0] - x) - self.s * (v[1] - y), self.c * (v[2] - x) + self.s * (v[3] - y)
+        drag = np.stack([self.along[i] @ (v[2 * i:2 * i + 2] - self.speed) for i in (0, 1)])
+        return drag, np.maximum(self.rest + extra, 0)
 
 
-def mean(system, drive, seed=1):
-    """(Omega, its error, fractions of time in S++ S+- S-+ S--, stuck) of independent signals."""
+def mean(system, drive, moved=False, seed=1):
+    """(Omega, its error, fractions of time in S++ S+- S-+ S--, stuck) of independent signals. moved: with the normal
+    forces of the moment, which friction changes as it moves the centre, in place of those at the equilibria."""
     random = np.random.default_rng(seed)
     planar = "x" in drive.coordinates
-    n = 6 if planar else 2
+    n = 6 if planar or moved else 2
     matrix, noise = propagator(drive, STEP)
-    u = random.standard_normal((n, COPIES)) * drive.eps
-    v = random.standard_normal((n, COPIES)) * drive.eps * drive.omega
-    centre, omega = Centre(system, COPIES), np.zeros(COPIES)
-    rise = {key: STEP / system.inertia * value for key, value in torques(system).items()}
+    used = np.array([True, True, *[planar] * (n - 2)])[:, None]
+    u = random.standard_normal((n, COPIES)) * drive.eps * used
+    v = random.standard_normal((n, COPIES)) * drive.eps * drive.omega * used
+    centre, omega = Centre(system, COPIES, moved), np.zeros(COPIES)
+    gain = STEP / system.inertia
+    rise = {key: gain * value for key, value in torques(system).items()}
     total, parts, looks = np.zeros(COPIES), np.zeros(5), 0
     steps, warm = round((WARM + TIME) / STEP), round(WARM / STEP)
     for i in range(steps):
-        a, b = random.standard_normal((2, n, COPIES))
+        a, b = random.standard_normal((2, n, COPIES)) * used
         u, v = (matrix[0, 0] * u + matrix[0, 1] * v + noise[0, 0] * a,
                 matrix[1, 0] * u + matrix[1, 1] * v + noise[1, 0] * a + noise[1, 1] * b)
-        w1, w2 = -v[0], -v[1]
-        if planar:
-            along = centre.step(u[2:], v[2:], STEP)
-            w1, w2 = w1 + along[0], w2 + along[1]
-        middle = np.clip(omega + np.where(w1 > w2, rise["pm"], rise["mp"]), np.minimum(w1, w2), np.maximum(w1, w2))
+        w = -v[:2]
+        if n > 2:
+            drag, normal = centre.step(u[2:], v[2:], STEP)
+            w = w + drag
+        if moved:
+            limit = gain * system.mu * normal
+            rise = {key: s * limit[0] + t * limit[1] for key, (s, t) in SIGNS.items()}
+        before = omega
+        middle = np.clip(omega + np.where(w[0] > w[1], rise["pm"], rise["mp"]), w.min(axis=0), w.max(axis=0))
         omega = np.minimum(np.maximum(middle, omega + rise["mm"]), omega + rise["pp"])
+        if moved:  # what slides has the friction of its limit, what sticks the rest of the torque
+            tau = np.sign(w - omega) * system.mu * normal
+            left = (omega - before) / gain - tau.sum(axis=0)
+            centre.tau = tau + np.where(w == omega, left, 0.0)
         if i < warm:
             continue
         total += omega
         if i % 10 == 0:
-            first, second, stuck = w1 > omega, w2 > omega, (omega == w1) | (omega == w2)
+            first, second = w > omega
+            stuck = (w == omega).any(axis=0)
             parts += [np.mean(f & s & ~stuck) for f, s in ((first, second), (first, ~second), (~first, second),
                                                            (~first, ~second))] + [np.mean(stuck)]
             looks += 1
