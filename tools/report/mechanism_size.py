@@ -104,7 +104,7 @@ def curve(axis, x, values, colour, style, label):
 
 
 def draw(random, found, table, walk):
-    picture, axes = figure(3, 1, width=7.8, height=4.1)
+    picture, axes = figure(3, 1, width=7.8, height=4.4)
     for axis, column, where, scale in ((axes[0], "eps_b", {"tilt": 0.04 * PI}, 1.0),
                                        (axes[1], "tilt", {"eps_b": 1e-4}, 1 / PI)):
         line = random.where(**where).sorted(column)
@@ -129,7 +129,7 @@ def draw(random, found, table, walk):
                       label="measured torques (iii)")
         zero_line(axis)
         axis.set_title("all coordinates, " + (r"$\theta_T=0.04\pi$" if column == "eps_b" else r"$\epsilon_b=10^{-4}$"),
-                       pad=60, fontsize=10)
+                       pad=74, fontsize=10)
     legend_above(axes[0], 1, fontsize=8.5, labelspacing=0.15)
     axes[0].set_xscale("log")
     in_pi(axes[1].xaxis, 0.04)
@@ -162,7 +162,7 @@ def rotation(axis, table, walk):
                         "sx"[n], line=":", ms=4 + 2 * n)
     zero_line(axis)
     axis.set_xscale("log")
-    axis.set_title(r"random rotation, $\theta_T=0.1\pi$", pad=60, fontsize=10)
+    axis.set_title(r"random rotation, $\theta_T=0.1\pi$", pad=74, fontsize=10)
     if axis.get_legend_handles_labels()[0]:
         legend_above(axis, 1, fontsize=8.5, labelspacing=0.15)
 
