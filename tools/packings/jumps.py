@@ -153,10 +153,11 @@ class Found:
             jumps, disks = of_record(record, run.rms)
             self.jumps += [{**key, **row} for row in jumps]
             self.disks += [{**key, **row} for row in disks]
-            clear = [row for row in jumps if row["together"] and row["size"] > best]
+            shown = 1.0 if record.looks >= LOOKS else 1e-3  # where contacts are known as means
+            clear = [row for row in jumps if row["together"] and shown * row["size"] > best]
             if clear:
                 row = max(clear, key=lambda row: row["size"])
-                best, self.trace = row["size"], trace(record, int(row["disk"]), key)
+                best, self.trace = shown * row["size"], trace(record, int(row["disk"]), key)
 
     def columns(self, rows):
         return {key: [row[key] for row in rows] for key in rows[0]} if rows else None
