@@ -6,7 +6,7 @@ from report.style import COLOURS, GREY, figure, legend_above, zero_line
 from report.verdict import NO, OPEN, YES, Claim, missing, number
 
 from . import contacts
-from .memory import BLOCK, DRIVES, shaken
+from .memory import BLOCK, DRIVES, at_random, shaken
 from .statistics import jackknife, pearson, spearman
 
 # name in the table: words
@@ -36,9 +36,11 @@ def sections(campaign):
 
 # --- numbers of each disk -------------------------------------------------------------------------------------------
 def numbers(campaign):
-    """A row for each disk of each packing and drive (harmonic, as it is): Omega, what is predicted, and its cage."""
-    rows = [{"drive": np.full(run.n_free, drive), "packing": np.full(run.n_free, packing), "disk": run.id,
-             "omega": run.omega, "error": run.error, **of_run(run)} for drive, packing, run in shaken(campaign)]
+    """A row for each disk of each packing and drive, harmonic or random: Omega, what is predicted, and its cage."""
+    found = [(0, *one) for one in shaken(campaign)] + [(1, *one) for one in at_random(campaign)]
+    rows = [{"random": np.full(run.n_free, random), "drive": np.full(run.n_free, drive),
+             "packing": np.full(run.n_free, packing), "disk": run.id, "omega": run.omega, "error": run.error,
+             **of_run(run)} for random, drive, packing, run in found]
     return {key: np.concatenate([row[key] for row in rows]) for key in rows[0]} if rows else None
 
 
@@ -199,11 +201,13 @@ def section(campaign):
     if not table:
         out.claims.append(missing("The cage of a disk predicts its &Omega;.", kind="paper", slug="cage-predicts"))
         return out
-    drives = [drive for drive in DRIVES.values() if (table.column("drive") == drive).any()]
-    parts = {drive: Part(table.where(drive=drive)) for drive in drives}
+    drives = [drive for drive in DRIVES.values() if len(table.where(drive=drive, random=0.0))]
+    parts = {drive: Part(table.where(drive=drive, random=0.0)) for drive in drives}
     for drive, part in parts.items():
         out.claims += [predicts(drive, part), sense(drive, part), size(drive, part),
                        mechanism(drive, part), gear(drive, part)]
+    if len(table.where(random=1.0)):
+        out.claims.append(by_chance(Part(table.where(random=1.0))))
     out.figures += [scatter_figure(parts), summary_figure(parts)]
     out.tables.append(Numbers("Predictions of &Omega;<sub>i</sub>", [
         "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
@@ -216,8 +220,8 @@ class Part:
     """Disks of one drive: Omega over the rms of the packing, predictions likewise."""
 
     def __init__(self, table):
-        self.table, self.group = table, table.column("packing")
-        self.block = self.group * 1000 + table.column("disk") // BLOCK  # left out one at a time, for errors
+        self.table, self.group = table, table.column("packing") + 1e3 * table.column("drive")
+        self.block = self.group * 1e3 + table.column("disk") // BLOCK  # left out one at a time, for errors
         self.omega = scaled(table.column("omega"), self.group)
         self.sure = np.abs(table.column("omega")) > 3 * table.column("error")
         self.known = {name: np.isfinite(table.column(name)) for name in PREDICTIONS}
@@ -294,20 +298,31 @@ def percent_of(found):
     return f"{number(100 * value, 100 * error)} % of {count} disks"
 
 
-def sense(drive, part):
-    """The sign of (19) with the disk's own supports."""
+def better(part):
+    """(verdict on whether (19) with the disk's own supports tells the sense, the numbers)."""
     value, error, count = part.sense("load")
     chances = part.chance("load")
     sure = error > 0
     verdict = (YES if sure and value - 3 * error > 0.5 else
                NO if sure and value + error < 0.6 and chances > 0.01 else OPEN)
+    return verdict, (f"right for {percent_of((value, error, count))} that turn for sure; correlation "
+                     f"{number(*part.correlation('load'))}, a chance of {100 * chances:.2g} %; with the load along "
+                     f"gravity {percent_of(part.sense('gravity'))}, in phase, (31), {percent_of(part.sense('sync'))}")
+
+
+def sense(drive, part):
     return Claim(f"At {drive:g} <i>g</i> the theory of three disks, (19) with the two supports of a disk and their "
-                 "own forces, predicts the sense in which it turns better than chance.", verdict,
-                 f"right for {percent_of((value, error, count))} that turn for sure; correlation "
-                 f"{number(*part.correlation('load'))}, a chance of {100 * chances:.2g} %; with the load along "
-                 f"gravity {percent_of(part.sense('gravity'))}, in phase, (31), {percent_of(part.sense('sync'))}",
-                 kind="own check",
-                 slug=f"three-disk-sense-{drive:g}g")
+                 "own forces, predicts the sense in which it turns better than chance.", *better(part),
+                 kind="own check", slug=f"three-disk-sense-{drive:g}g")
+
+
+def by_chance(part):
+    verdict, found = better(part)
+    drives = ", ".join(f"{drive:g}" for drive in np.unique(part.table.column("drive")))
+    return Claim("Under random vibration of the floor, at all drives together, (19) with the two supports of a disk "
+                 "predicts the sense in which it turns better than chance.", verdict,
+                 f"{found}; {len(np.unique(part.group))} packings at {drives} <i>g</i>", kind="own check",
+                 slug="three-disk-sense-random")
 
 
 def size(drive, part):

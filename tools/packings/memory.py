@@ -56,6 +56,15 @@ def shaken(campaign):
     return [(drive, packing, run) for drive, packing, run in found if len(run.result.contacts) >= FEW]
 
 
+def at_random(campaign):
+    """[(drive, number of the packing, run)] under random vibration, one history of each packing."""
+    found = [(drive, packing, run) for name, drive in DRIVES.items()
+             for (packing, variant), run in sorted(histories(campaign, name).items()) if variant == "noise_1"]
+    found += [(run.parameters["drive"], 100 + k, run) for k, run in enumerate(measured(campaign, "random"))
+              if "drive" in run.parameters]
+    return [(drive, packing, run) for drive, packing, run in found if len(run.result.contacts) >= FEW]
+
+
 def packing_of(parameters):
     """Number of the packing that a run began with: 0 of base.h5, k of r=k.h5, which is r_k.h5 in a point's name."""
     found = re.search(r"_r_(\d+)\.h5$", str(parameters.get("start", "")))
