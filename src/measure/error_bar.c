@@ -24,7 +24,7 @@
 #include <math.h>
 
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64 };
-static const double foretold = 1e-5; /* of the variance: what is left then is no noise */
+static const double foretold = 1e-3; /* of the variance: what is left then is no noise */
 
 /* Means of whole blocks of b up to the record's end; their number. */
 static size_t block_means(const double *x, size_t n, size_t b, double *y) {

@@ -136,8 +136,7 @@ transient transient_of(const double *x, size_t n) {
     if (square[d] < square[best]) best = d;
   bool quiet = square[best] <= quiet_at * quiet_at * whole;
   if (square != few) free(square);
-  transient found = {
-      .length = best == 0 ? 0 : start + best * batch, .inside = best < last || quiet, .quiet = quiet};
+  transient found = {.length = start + best * batch, .inside = best < last || quiet, .quiet = quiet};
   if (quiet) return found;
   if (found.length > 0 && !stands_out(x, found.length, n)) found = (transient){.inside = true};
   cut_drift(x, n, &found);
