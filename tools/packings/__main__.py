@@ -10,7 +10,7 @@ from report import markdown, summary
 from report.__main__ import collect, keep_all
 from report.page import Page, badge, missing_list
 from report.runs import STOPPED
-from report.verdict import NO, OPEN, YES
+from report.verdict import CHECK, NO, OPEN, PAPER, YES
 
 from . import (budget, cages, controls, depths, drive, each, energy, flows, jamming, jumps, large, limits, low, memory,
                outside, plan, quiet, scans, space)
@@ -52,9 +52,10 @@ def draw(campaign, keep=None, modules=MODULES):
     name = "packings" if campaign.level == "default" else f"packings-{campaign.level}"
     page = Page(campaign.folder, name + ".html", campaign.store)
     found = collect(campaign, modules)
+    campaign.keep_missing()
     claims = [claim for section in found for claim in section.claims]
     counts = {word: sum(claim.verdict == word for claim in claims) for word in (YES, NO, OPEN)}
-    found = summary.sections(found, (), REASONS) + found + [limits.section(found)]
+    found = summary.sections(found, (), REASONS, (PAPER, CHECK)) + found + [limits.section(found)]
     for section in found:
         page.add(section)
     page.write(TITLE, head(campaign, found, counts))

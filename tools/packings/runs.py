@@ -31,7 +31,7 @@ class Campaign(Results):
         self.large = large
         self.entries = plan.ENTRIES if entries is None else entries
         super().__init__(folder, level, program, jobs, dry, strict, say, kept)
-        self._read, self._made = {}, None
+        self._read, self._made, self._missing = {}, None, {}
 
     def keep_program(self):
         """Runs with a copy of the program, so that building it anew changes nothing half-way."""
@@ -67,6 +67,9 @@ class Campaign(Results):
         """The finished results of a run or sweep, as the tables tell that are kept of them: reading.py. A file that
         cannot be read is named among what failed."""
         LOG.extend(f"{part}-{name}" for part in ("runs", *TITLES))
+        return self._all(name)
+
+    def _all(self, name):
         if name not in self._read:
             files = [path for path in self.files(name) if not os.path.isdir(path)] if name in self.entries else []
             self._read[name] = self._runs(name, files)
@@ -179,21 +182,26 @@ class Campaign(Results):
             file.write(f"{time.monotonic() - begin:.1f}\n")
 
     def missing(self, *names):
-        """What of these is not there: one line each."""
-        lines = []
-        for name in names:
-            if not self.wanted(name):
-                continue
-            if not self.files(name) and self.runs(name):  # drawn from what is kept
-                continue
-            if not self.entries[name].sweep:
-                lines += [] if self.files(name) else [f"{name}: not finished"]
-                continue
-            done = self._ask([*self._words(name), "--count"])
-            wanted = int(done.stdout) if done.returncode == 0 and done.stdout.strip().isdigit() else None
-            have = len(self.files(name))
-            if wanted is None:
-                lines.append(f"{name}: {done.stderr.strip().splitlines()[0] if done.stderr.strip() else 'unknown'}")
-            elif have < wanted:
-                lines.append(f"{name}: {have} of {wanted} points are there")
-        return lines
+        """What of these is not there: one line each; of kept numbers what was not there when they were made."""
+        names = [name for name in names if self.wanted(name)]
+        if self.store.kept and not self.anything():
+            return [row["missing"] for row in self.numbers("missing", lambda: None).rows if row["entry"] in names]
+        self._missing.update((name, self._lacks(name)) for name in names)
+        return [self._missing[name] for name in names if self._missing[name]]
+
+    def keep_missing(self):
+        """So that a page drawn from kept numbers says it, too."""
+        self.numbers("missing", lambda: Table({"entry": name, "missing": line} for name, line in self._missing.items() if line),
+                     "what was not there when the page was made")
+
+    def _lacks(self, name):
+        have = len(self.files(name))
+        if not have and self._all(name):  # drawn from what is kept
+            return ""
+        if not self.entries[name].sweep:
+            return "" if have else f"{name}: not finished"
+        done = self._ask([*self._words(name), "--count"])
+        if done.returncode or not done.stdout.strip().isdigit():
+            return f"{name}: {done.stderr.strip().splitlines()[0] if done.stderr.strip() else 'unknown'}"
+        wanted = int(done.stdout)
+        return f"{name}: {have} of {wanted} points are there" if have < wanted else ""

@@ -28,7 +28,7 @@ def assign(sections, there):
         else:
             here.data.append(item)
     for section in sections:
-        section.data[:] = dict.fromkeys(name for name in common + section.data if name in there)
+        section.data[:] = sorted({name for name in common + section.data if name in there and name != "missing"})
     LOG.clear()
 
 

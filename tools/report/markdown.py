@@ -9,7 +9,7 @@ from PIL import Image, ImageChops
 
 from .page import cell, kinds, shown_table
 
-UNSEEN = 8  # levels of 255
+UNSEEN = 20  # levels of 255
 LONGEST = 16  # rows: longer tables are in docs/data, and on the HTML page
 
 SUB = dict(zip("0123456789+−=()aehijklmnoprstuvxβγρφχ", "₀₁₂₃₄₅₆₇₈₉₊₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓᵦᵧᵨᵩᵪ"))
@@ -151,6 +151,6 @@ def keep_picture(path, folder):
     """Copies a picture; with a palette of 256 colours where no pixel changes visibly, as in plots of lines."""
     with Image.open(path) as picture:
         full = picture.convert("RGB")
-    few = full.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few = full.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=4, dither=Image.Dither.NONE)
     change = max(high for _, high in ImageChops.difference(full, few.convert("RGB")).getextrema())
     (few if change <= UNSEEN else full).save(os.path.join(folder, os.path.basename(path)), optimize=True)

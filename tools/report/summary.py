@@ -1,4 +1,5 @@
 """What a page says first: what holds, what does not and why; and where the paper's equations are not as printed."""
+import html
 import re
 
 from .page import Numbers, Section, plain
@@ -55,9 +56,9 @@ ERRATA = (
 )
 
 
-def sections(found, errata=ERRATA, reasons=None):
-    """found: all other sections of the page. errata: of the paper, () for none."""
-    out = [short(found, REASONS if reasons is None else reasons)]
+def sections(found, errata=ERRATA, reasons=None, counts=(PAPER,)):
+    """found: all other sections of the page. errata: of the paper, () for none. counts: kinds of claims that are counted."""
+    out = [short(found, REASONS if reasons is None else reasons, counts)]
     claims = {claim.slug: claim for section in found for claim in section.claims if claim.slug}
     if errata:
         part = Section("errata", "Errata of the paper", "What is printed, what is right, and the numbers that tell; the "
@@ -74,10 +75,10 @@ def wrong(claim):
     return not claim or claim.kind == CHECK or claim.verdict != YES
 
 
-def short(found, reasons):
+def short(found, reasons, counts):
     out = Section("short", "What holds, and what does not", new=True)
-    paper = [claim for section in found for claim in section.claims if claim.kind == PAPER]
-    every = paper or [claim for section in found for claim in section.claims if claim.kind == CHECK]
+    paper = CHECK not in counts
+    every = [claim for section in found for claim in section.claims if claim.kind in counts]
     what = "the paper's" if paper else "the"
     parts = [f"<p><b>Of {what} {len(every)} statements {amount(every, YES)} are reproduced, {amount(every, NO)} are not, and of "
              f"{amount(every, OPEN)} it cannot be told.</b> {besides(found) if paper else ''}</p>"]
@@ -90,7 +91,7 @@ def short(found, reasons):
     out.lead = "".join(parts)
     rows = []
     for section in found:
-        of = [claim for claim in section.claims if claim.kind == (PAPER if paper else CHECK)]
+        of = [claim for claim in section.claims if claim.kind in counts]
         own = [claim for claim in section.claims if claim.kind == CHECK] if paper else []
         if of or own:
             rows.append([f'<a href="#{section.key}">{section.title}</a>', *(count(of, word) for word in (YES, NO, OPEN)),
@@ -139,6 +140,6 @@ def place(claim):
 def why(claim, word, reasons):
     """Its reason, or what of its numbers has room in a line or two."""
     known = reasons.get(claim.slug) if word == NO else ""
-    parts = re.split(r"; (?=[^&]|&[a-z]+;)", claim.numbers.rstrip("."))
+    parts = re.sub(r"&(?!lt|gt|amp)\w+;", lambda sign: html.unescape(sign[0]), claim.numbers.rstrip(".")).split("; ")
     fits = [k for k in range(1, len(parts) + 1) if len(plain("; ".join(parts[:k]))) < ROOM]
     return known or "; ".join(parts[:max(fits, default=1)])
