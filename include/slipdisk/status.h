@@ -58,7 +58,7 @@ SD_API void sd_messages_print(const sd_messages *m, FILE *out);
 
 /* Frees memory that a function of this library has returned, where its header says so. */
 SD_API void sd_free(void *memory);
-/* Version of the library that runs, "0.3.0"; SD_VERSION is that of the headers. */
+/* Version of the library that runs, "0.4.0"; SD_VERSION is that of the headers. */
 SD_API const char *sd_version(void);
 
 #ifdef __cplusplus
