@@ -149,8 +149,9 @@ class Comparisons(unittest.TestCase):
                 row("size", width=0.4, drive=2.0), row("shake_1e4", 10000)]
         self.assertEqual(rows[1]["openings"], 0.2)
         found = {scan.key: list(scans.points_of(scan, rows)) for scan in scans.SCANS}
-        self.assertEqual(found, {"mu": [(2.0, 0.3)], "stiffness": [(2.0, 0.37)], "frequency": [(0.7, 40.0)],
-                                 "preparation": [(2.0, "front"), (2.0, "shaken down")],
+        self.assertEqual(found, {"mu": [(2.0, 0.1), (2.0, 0.3)], "stiffness": [(2.0, 0.37), (2.0, 0.5)],
+                                 "frequency": [(0.7, 40.0), (2.0, 80.0)],
+                                 "preparation": [(2.0, "rain"), (2.0, "front"), (2.0, "shaken down")],
                                  "depth": [(2.0, 60), (2.0, 240)], "width": [(2.0, 10.0), (2.0, 40.0)],
                                  "number": [(2.0, 60), (2.0, 10000)]})
 

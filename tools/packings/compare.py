@@ -22,6 +22,8 @@ def student(t, degrees):
 
 
 def percent(chance):
+    if chance < 1e-5:
+        return "less than 0.001 %"
     return f"{100 * chance:.0f} %" if chance > 0.1 else f"{100 * chance:.2g} %"
 
 

@@ -26,10 +26,11 @@ def sections(campaign):
     for drive in DRIVES:
         out.claims.append(claim(drive, [row for row in ranks.rows if row["drive"] == drive]))
     if table.rows:
-        out.figures.append(profiles(table.rows))
+        out.figures.append(profiles(table))
     out.tables.append(Numbers("Depth and rotation: each size of box",
                               ["disks", "width/d", "drive/<i>g</i>", "packings", "correlation of |&Omega;| with depth",
-                               "error", "share of the top layer in &Omega;&sup2;", "error", "of the disks", "error"], summary(ranks.rows)))
+                               "error", "share of the top layer in &Omega;&sup2;", "error", "of the disks", "error"],
+                              summary(ranks.rows)))
     return [out]
 
 
@@ -94,16 +95,14 @@ def claim(drive, rows):
     boxes = {}
     for row in rows:
         boxes.setdefault((row["disks"], row["width"]), []).append(row["correlation"])
-    several = {box: mean_error(values) for box, values in boxes.items() if len(values) > 1}
-    if not several:
+    mean, error = mean_error([value for values in boxes.values() for value in values])
+    if not error > 0:
         return missing(text, slug=slug)
-    up = [mean + SURE * error < 0 for mean, error in several.values()]
-    down = [mean - SURE * error > 0 for mean, error in several.values()]
-    return decide(text, False if any(down) else True if sum(up) > len(up) / 2 else None,
-                  "Spearman's correlation of |&Omega;| and depth: " + "; ".join(
-                      f"{disks:g} disks, {width:g} wide: {number(*pair)}" for (disks, width), pair in several.items())
-                  + "".join(f"; {disks:g} disks: {number(values[0])} (one packing)"
-                            for (disks, width), values in boxes.items() if len(values) == 1), slug=slug)
+    sizes = "; ".join(f"{disks:g} disks, {width:g} wide: {number(*mean_error(values))}"
+                      for (disks, width), values in sorted(boxes.items()))
+    return decide(text, False if mean > SURE * error else True if mean < -SURE * error else None,
+                  f"Spearman's correlation of |&Omega;| and depth: {number(mean, error)} in the mean of "
+                  f"{sum(map(len, boxes.values()))} packings of all sizes ({sizes})", slug=slug)
 
 
 def summary(rows):
@@ -115,13 +114,13 @@ def summary(rows):
             for (disks, width, drive), some in sorted(boxes.items())]
 
 
-def profiles(rows):
+def profiles(table):
     picture, axes = figure(columns=len(DRIVES), width=7.2, height=3.4, sharey=True)
     for panel, drive in zip(axes, DRIVES):
         for k, (disks, width) in enumerate(SHOWN):
-            here = [row for row in rows if (row["disks"], row["width"], row["drive"]) == (disks, width, drive)]
-            if here:
-                x, y, error = np.array([(row["depth"], row["rms"], row["error"]) for row in here], float).T
+            here = table.where(disks=disks, width=width, drive=drive)
+            if here.rows:
+                x, y, error = map(here.column, ("depth", "rms", "error"))
                 panel.errorbar(x, y, yerr=bars(y, error), fmt="osD^"[k] + "-", lw=0.7, ms=4, color=COLOURS[k],
                                mfc="white", label=f"{disks}")
         panel.set_xscale("log")

@@ -87,7 +87,8 @@ def sections(campaign):
                   "disks, 10 mean diameters wide, &mu; = 0.1, <i>k<sub>t</sub></i>/<i>k<sub>n</sub></i> = 0.5, 80 Hz, "
                   "rain. Prepared: <i>random</i> disks fall all at once, a <i>front</i> is placed densely, "
                   "<i>shaken down</i> is 5 s at 5 <i>g</i>, <i>pressed</i> is 5 s under a lid of thirty times the "
-                  "weight. Error bars: scatter of packings.",
+                  "weight. The box with none of these changed is run for each scan; its packings count in all of them. "
+                  "Error bars: scatter of packings; none for a single one.",
                   missing=campaign.missing("scan", "size", "prepared"))
     table = campaign.numbers("scans", lambda: rows(campaign), "each packing: angular velocities in rad/s, lengths in "
                              "mean diameters, openings per contact and period")
@@ -97,7 +98,7 @@ def sections(campaign):
     found = {scan.key: points_of(scan, table.rows) for scan in SCANS}
     out.claims.append(all_last(found))
     out.claims += [claim_of(*claim, found[claim[1]]) for claim in CLAIMS]
-    out.claims.append(reference(found))
+    out.claims.append(reference(table.rows))
     for name, scans in (("scans", SCANS[:4]), ("scans-size", SCANS[4:])):
         if any(found[scan.key] for scan in scans):
             out.figures.append(overview(name, scans, found))
@@ -143,11 +144,20 @@ def plain(value):
     return value if isinstance(value, str) else number(value)
 
 
+BASE = {"mu": 0.1, "stiffness": 0.5, "frequency": 80.0, "preparation": "rain", "depth": 60, "width": 10.0, "number": 60}
+
+
+def is_base(row):
+    """The box that is a point of each scan."""
+    return (row["mu"], row["ratio"], row["frequency"], row["made"], row["disks"], round(row["width"])) == (
+        0.1, 0.5, 80, "rain", 60, 10)
+
+
 def points_of(scan, rows_):
     """{(drive, value): rows}, in order of drive and value."""
     found = {}
     for row in rows_:
-        value = scan.pick(row)
+        value = BASE[scan.key] if is_base(row) else scan.pick(row)
         if value is not None and row["drive"] in DRIVES:
             found.setdefault((row["drive"], value), []).append(row)
     order = (scan.place or {}).get
@@ -234,16 +244,16 @@ def spread(groups):
     return float(np.mean(error / mean)) if np.isfinite(error).all() else math.inf
 
 
-BASE = {"mu": 0.1, "stiffness": 0.5, "frequency": 80.0, "depth": 60.0, "preparation": "rain"}
-
-
-def reference(found):
-    """The same box is a point of each scan, with packings of its own: these must agree."""
-    text = "The point that all scans share is the same in each of them."
+def reference(rows_):
+    """The same box is run for each scan, with packings of its own: these must agree."""
+    text = "The box that all scans share is the same in each of them."
     verdicts, told = [], []
     for drive in DRIVES:
-        groups = [[row["rms"] for row in found[key].get((drive, value), [])] for key, value in BASE.items()]
-        groups = [g for g in groups if g]
+        groups = {}
+        for row in rows_:
+            if is_base(row) and row["drive"] == drive:
+                groups.setdefault(row["varied"], []).append(row["rms"])
+        groups = list(groups.values())
         chance = differ(groups)
         if math.isfinite(chance):
             verdicts.append(YES if chance > SAME else NO if chance < 0.001 else OPEN)
