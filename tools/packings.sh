@@ -4,7 +4,7 @@
 #   tools/packings.sh           the campaign that docs/packings_study.md shows: about 80 minutes of one core
 #   tools/packings.sh --quick   all of it, short and coarse: a few minutes
 #   tools/packings.sh --large   besides, 100000 disks: 25 minutes more of one core
-#   tools/packings.sh --draw    runs nothing, draws what is there
+#   tools/packings.sh --draw    runs nothing, draws what is there; without results from docs/data alone
 #   tools/packings.sh --help    all options: -o DIR, -j N, --only NAME, --program FILE, --keep DIR
 # Results go to build/packings. It may be stopped at any time: the same command goes on, and the page shows what is
 # there, with a list of what is missing. `--keep docs` renews docs/packings_study.md and its figures.

@@ -5,7 +5,7 @@
 #   tools/reproduce.sh --quick   everything, coarse: about two minutes
 #   tools/reproduce.sh --full    the paper's whole campaign, and five times its statistics for the tilt curve
 #   tools/reproduce.sh --errors  instead: how far time step and noise interval can be raised, and what it buys
-#   tools/reproduce.sh --draw    runs nothing, draws what is there
+#   tools/reproduce.sh --draw    runs nothing, draws what is there; without results from docs/data alone
 #   tools/reproduce.sh --help    all options: -o DIR, -j N, --only NAME, --keep DIR, --program FILE
 # Results go to build/reproduce. It may be stopped at any time: the same command goes on, and the page shows what is
 # there, with a list of what is missing, and what it took in all calls. docs/reproduce.md says more.

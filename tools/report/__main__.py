@@ -37,7 +37,8 @@ def options():
     parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "slipdisk"), metavar="FILE")
     parser.add_argument("--only", action="append", default=[], metavar="NAME",
                         help="only these runs and sweeps: " + ", ".join([*levels.SWEEPS, *levels.RUNS]))
-    parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there")
+    parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there; without results from "
+                        "docs/data alone")
     parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/paper.md (--errors: "
                         "DIR/errors.md) and DIR/figures (docs, when they are to stay with the sources)")
     parser.set_defaults(level="default")

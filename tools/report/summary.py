@@ -7,27 +7,29 @@ from .verdict import CHECK, NO, OPEN, PAPER, TRIVIAL, YES
 
 # Why a statement is not reproduced, by its slug: shown where the verdict says so, beside no numbers of its own.
 REASONS = {
-    "forces-never-zero": "at large amplitude and tilt a contact parts faster than its viscous part lets it expand",
+    "forces-never-zero": "at large amplitude and tilt the lighter contact is unloaded at times",
     "never-open": "at large amplitude and tilt the lighter contact is unloaded at times and opens now and then",
     "lambda-path": "a closed path of the disks does not bring it back",
-    "lambda-energy": "&lambda; returns, but the work of the force on a closed path without slipping is not zero",
-    "equal-durations": "reflection makes S<sup>++</sup> and S<sup>&minus;&minus;</sup> alike, and S<sup>+&minus;</sup> and "
-                       "S<sup>&minus;+</sup>, but does not relate the two pairs",
-    "random-slides": "at the smallest amplitude of the figures a contact sticks most of the time",
+    "lambda-energy": "&lambda; returns, but the paper's force does not derive from the energy",
+    "equal-durations": "S<sup>+&minus;</sup> and S<sup>&minus;+</sup> last about three times as long as S<sup>++</sup> and "
+                       "S<sup>&minus;&minus;</sup>; reflection makes equal within the pairs only",
+    "random-slides": "at the smallest amplitudes of the figures a contact sticks most of the time",
+    "random-configurations": "at the smallest amplitudes contacts stick most of the time, and not all four occur",
     "rare-sliding": "the disk turns with every slip, the more slowly the fewer there are",
     "eq35-printed": "the print lacks the factor &omega;<sub>b</sub>/&pi;",
     "async-configurations": "S<sup>&minus;&minus;</sup> occurs at weak drive only; at strong drive &Omega; is negative all the "
                             "time, and S<sup>++</sup> occurs twice in each period",
     "async-sequence-strong": "at strong drive &Omega; is negative all the time, and S<sup>++</sup> occurs twice in each period",
-    "async-straight": "the upper disk's centre is still under way to its equilibrium; with <i>k<sub>n</sub></i> = "
+    "async-straight": "the centre of the upper disk is still under way to its equilibrium; with <i>k<sub>n</sub></i> = "
                       "10<sup>5</sup> theory is met",
-    "sync-straight": "the upper disk's centre is still under way to its equilibrium",
-    "async-excellent": "the upper disk's centre is still under way to its equilibrium; with <i>k<sub>n</sub></i> = "
-                       "10<sup>5</sup> theory is met",
-    "async-approach": "at large tilt (35), of first order in the tilt, and the soft disks are off by more",
-    "tep-torque": "contacts slide for less than the time in which the disk's centre reaches the equilibrium",
-    "tep-forces": "contacts slide for less than the time in which the disk's centre reaches the equilibrium",
-    "torque-balance": "the true torques, not their equilibrium values, balance",
+    "sync-approach": "&Omega; passes (30) and ends above it: disks of finite stiffness at this frequency",
+    "sync-excellent": "&Omega; ends above (30): disks of finite stiffness at this frequency",
+    "async-excellent": "the centre of the upper disk is still under way to its equilibrium",
+    "tep-torque": "a visit to a configuration is over long before the centre of the upper disk is in equilibrium",
+    "tep-forces": "a visit to a configuration is over long before the centre of the upper disk is in equilibrium",
+    "torque-balance": "the torques of the equilibria are off by some per cent, and their small differences are what counts",
+    "aperture-sign": "S<sup>+&minus;</sup> and S<sup>&minus;+</sup> last longer at any aperture; where all four last equally "
+                     "long it is met",
 }
 
 ROOM = 160  # signs
