@@ -13,8 +13,11 @@ from .style import BLACK, COLOURS, CONFIGURATIONS, GREY, LIGHT, figure, legend_b
 
 RUNS = (("portrait_random", "random vibration"), ("sync_strong", "in phase"), ("async_strong", "opposite phases"))
 FILM = "async_weak"  # all four configurations last long enough to be seen
-ROWS = 500
+ROWS = 400
 SPAN = 0.1  # time shown: a period of the turning supports
+DIGITS_OF = {"angle_upper": 9, "angle_left": 8, "angle_right": 8, "x": 6, "y": 6, **dict.fromkeys(
+    ("time", "spin_upper", "spin_left", "spin_right", "x_left", "y_left", "x_right", "y_right", "n1", "n2", "tau1",
+     "tau2"), 5)}  # significant digits that are kept
 ORDER = [*SIGNS, "stick", "open"]
 
 
@@ -57,7 +60,7 @@ def numbers(results, name):
     def make():
         path = results.run(name)
         return trace(path) if path else None
-    return results.numbers(f"mechanism-portrait-{name.replace('_', '-')}", make, digits=9,
+    return results.numbers(f"mechanism-portrait-{name.replace('_', '-')}", make, digits=DIGITS_OF,
                            title=f"One period of the run {name}: upper disk, supports, contacts",
                            units="lengths in R, forces in m g, tau > 0: positive torque on the upper disk")
 
