@@ -57,8 +57,8 @@ def sections(results):
     out = Section("mechanism-noise", "Which noise is rectified", "Deck <code>inputs/paper/mechanism_noise.cfg</code>: "
                   "random vibration (52) of single coordinates, of one support only, and of both supports by the same "
                   "signals. Errors join the error bars of two replicas. Theory: permanent sliding with the torques "
-                  "(15)-(18) at strong drive, the supports' velocities and the linear response of the upper centre being "
-                  "Gaussian (no free parameter).", new=True)
+                  "(15)-(18) at strong drive, the supports' velocities and the linear response of the upper centre "
+                  "being Gaussian (no free parameter).", new=True)
     table = points(results.sweep("mechanism_noise"), lambda row: row["eps_b"] * OMEGA)
     out.missing = list(table.missing)
     for row in table.rows:
