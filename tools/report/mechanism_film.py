@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 
 from .mechanism_theory import SIGNS
-from .style import BLACK, COLOURS, GREY, LIGHT, plt, zero_line
+from .style import BLACK, COLOURS, GREY, plt, zero_line
 
 FRAMES, PER_SECOND = 60, 10
 TURN = 0.5    # rad: amplitude of the supports' angles as drawn

@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from . import mechanism_film
-from .mechanism import BASE, PI
+from .mechanism import BASE
 from .mechanism_theory import SIGNS, System, forces
 from .page import Figure, Section
 from .runs import slipdisk

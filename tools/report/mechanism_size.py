@@ -11,7 +11,7 @@ from .mechanism import points as sweep_points
 from .mechanism import told as shown
 from .mechanism_tep import STRONG, chosen
 from .mechanism_tep import points as tep_points
-from .mechanism_theory import SIGNS, Drive, System, covariance, predicted, quadrants, steady
+from .mechanism_theory import SIGNS, Drive, System, covariance, predicted, steady
 from .page import Figure, Numbers, Section
 from .style import BLACK, COLOURS, figure, in_pi, legend_above, power, zero_line
 from .style import points as draw_points
