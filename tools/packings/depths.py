@@ -6,7 +6,7 @@ from report.style import COLOURS, figure
 from report.verdict import SURE, decide, missing, number
 
 from .drive import bars
-from .scans import DRIVES, LARGE
+from .scans import DRIVES, LARGE, is_base, row_of
 from .statistics import mean_error, spearman
 
 LAYER = 2.0   # mean diameters
@@ -16,13 +16,13 @@ TEXT = "Disks turn faster the nearer they are to the surface"
 
 def sections(campaign):
     out = Section("depths", "Rotation against depth",
-                  "The boxes of <code>shake_size.cfg</code> and <code>shake_1e4.cfg</code>. The depth of a disk is "
-                  "that of its centre below the highest point of the packing within a mean diameter to its sides, at "
+                  "The boxes of <code>shake_size.cfg</code>, <code>shake_1e4.cfg</code> and those of 60 disks of the "
+                  "scans. The depth of a disk is that of its centre below the highest point of the packing within a mean diameter to its sides, at "
                   "the end of the run. Error bars: scatter of packings; of the 10000 disks, of tenths of its width.")
     ranks = campaign.numbers("depth-ranks", lambda: rank_rows(campaign), "each packing: Spearman's correlation of "
                              "|Omega| and depth; share of the top layer in the sum of Omega^2, and among the disks")
-    table = campaign.numbers("depths", lambda: profile_rows(campaign), "rms angular velocity (rad/s) against depth "
-                             "(mean diameters)")
+    table = campaign.numbers("depths", lambda: profile_rows(campaign), "rms and median of |Omega| (rad/s) against "
+                             "depth (mean diameters)")
     for drive in DRIVES:
         out.claims.append(claim(drive, [row for row in ranks.rows if row["drive"] == drive]))
     if table.rows:
@@ -35,13 +35,12 @@ def sections(campaign):
 
 
 def runs_of(campaign):
-    """(disks, width, drive, run) of what is compared."""
-    for entry in ("size", LARGE):
+    """(disks, width, drive, run) of what is compared: the boxes of all sizes, and that which all scans share."""
+    for entry in ("size", "scan", "prepared", LARGE):
         for run in campaign.runs(entry):
-            if run.has_means:
-                diameter = 2 * float(run.radius.mean())
-                width = run.parameters.get("width", 4.0 if entry == LARGE else 0.4) / diameter
-                yield run.n_free, int(round(width)), run.parameters.get("drive", 2.0), run
+            row = row_of(entry, run) if run.has_means else None
+            if row and (row["varied"] == "size" or is_base(row)):
+                yield row["disks"], int(round(row["width"])), row["drive"], run
 
 
 def depths(x, y, radius):
@@ -84,9 +83,11 @@ def profile_rows(campaign):
             layers = [omega[(depth >= low) & (depth < high)] for depth, omega in samples]
             layers = [layer for layer in layers if len(layer)]
             if sum(map(len, layers)) >= 10:
-                mean, error = mean_error([float(np.sqrt(np.mean(layer ** 2))) for layer in layers])
-                found.append({"disks": disks, "width": width, "drive": drive, "depth": 0.5 * (low + high), "rms": mean,
-                              "error": error, "number": sum(map(len, layers))})
+                rms = mean_error([float(np.sqrt(np.mean(layer ** 2))) for layer in layers])
+                median = mean_error([float(np.median(np.abs(layer))) for layer in layers])
+                found.append({"disks": disks, "width": width, "drive": drive, "depth": 0.5 * (low + high),
+                              "rms": rms[0], "rms_error": rms[1], "median": median[0], "median_error": median[1],
+                              "number": sum(map(len, layers))})
     return {key: [row[key] for row in found] for key in found[0]} if found else None
 
 
@@ -115,20 +116,23 @@ def summary(rows):
 
 
 def profiles(table):
-    picture, axes = figure(columns=len(DRIVES), width=7.2, height=3.4, sharey=True)
-    for panel, drive in zip(axes, DRIVES):
-        for k, (disks, width) in enumerate(SHOWN):
-            here = table.where(disks=disks, width=width, drive=drive)
-            if here.rows:
-                x, y, error = map(here.column, ("depth", "rms", "error"))
-                panel.errorbar(x, y, yerr=bars(y, error), fmt="osD^"[k] + "-", lw=0.7, ms=4, color=COLOURS[k],
-                               mfc="white", label=f"{disks}")
-        panel.set_xscale("log")
-        panel.set_yscale("log")
-        panel.set_title(f"{drive:g} $g$")
-        panel.set_xlabel("depth / mean diameter")
-        panel.set_xticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
-        panel.legend(title="disks", fontsize=9, loc="lower left")
-    axes[0].set_ylabel(r"rms $\Omega$ of the layer (rad/s)")
-    return Figure("depths", picture, "Rms of the mean angular velocities of the disks in layers of the packing against "
-                                     "their depth below the surface.", "Angular velocity against depth in the packing")
+    picture, axes = figure(columns=len(DRIVES), rows=2, width=7.2, height=5.8, sharex=True, sharey="row")
+    for column, drive in zip(axes.T, DRIVES):
+        for panel, quantity in zip(column, ("rms", "median")):
+            for k, (disks, width) in enumerate(SHOWN):
+                here = table.where(disks=disks, width=width, drive=drive)
+                if here.rows:
+                    x, y, error = map(here.column, ("depth", quantity, quantity + "_error"))
+                    panel.errorbar(x, y, yerr=bars(y, error), fmt="osD^"[k] + "-", lw=0.7, ms=4, color=COLOURS[k],
+                                   mfc="white", label=f"{disks}")
+            panel.set_xscale("log")
+            panel.set_yscale("log")
+            panel.set_xticks([1, 3, 10, 30, 100], ["1", "3", "10", "30", "100"])
+        column[0].set_title(f"{drive:g} $g$")
+        column[1].set_xlabel("depth / mean diameter")
+    axes[0, 1].legend(title="disks", fontsize=9, loc="lower right", ncol=2)
+    axes[0, 0].set_ylabel(r"rms $\Omega$ of the layer (rad/s)")
+    axes[1, 0].set_ylabel(r"median $|\Omega|$ (rad/s)")
+    return Figure("depths", picture, "Rms and median of the mean angular velocities of the disks in layers of the "
+                                     "packing against their depth below the surface. Deep down the rms is that of few "
+                                     "loose disks.", "Angular velocity against depth in the packing")
