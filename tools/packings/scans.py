@@ -20,7 +20,7 @@ CLEAR = 0.01     # chance below which groups differ
 SAME = 0.05      # and above which they may be alike
 OFF = 0.002      # chance below which an exponent is another one
 COARSE = 0.2     # points known less well than this (relative) may differ unnoticed
-FINE = 0.25      # an exponent with a larger error tells nothing
+FINE = 0.25      # error of ln(rms) over the range of values above which an exponent tells nothing
 QUANTITIES = ("rms", "median", "significant", "correlation", "openings", "sliding", "contacts", "wander")
 
 
@@ -97,7 +97,8 @@ def sections(campaign):
         return [out]
     found = {scan.key: points_of(scan, table.rows) for scan in SCANS}
     out.claims.append(all_last(found))
-    out.claims += [claim_of(*claim, found[claim[1]]) for claim in CLAIMS]
+    for claim in CLAIMS:
+        out.claims += claims_of(*claim, found[claim[1]])
     out.claims.append(reference(table.rows))
     for name, scans in (("scans", SCANS[:4]), ("scans-size", SCANS[4:])):
         if any(found[scan.key] for scan in scans):
@@ -186,15 +187,19 @@ def all_last(found):
                   + (f"; not: {'; '.join(wrong)}" if wrong else ""), slug="scan-lasts")
 
 
-def claim_of(slug, _, quantity, text, aim, points):
+def claims_of(slug, _, quantity, text, aim, points):
+    """One claim; on an expected exponent one for each drive, since regimes may differ."""
     drives = {}
     for (drive, value), some in points.items():
         drives.setdefault(drive, {})[value] = [row[quantity] for row in some]
     drives = {drive: groups for drive, groups in drives.items() if len(groups) > 1}
     if not drives:
-        return missing(text + ".", slug=slug)
-    verdict, numbers = (judge_groups if aim in ("changes", "alike") else judge_exponent)(aim, drives)
-    return Claim(text + ".", verdict, numbers, slug=slug)
+        return [missing(text + ".", slug=slug)]
+    if aim in ("changes", "alike", "-"):
+        judge = judge_exponent if aim == "-" else judge_groups
+        return [Claim(text + ".", *judge(aim, drives), slug=slug)]
+    return [Claim(f"{text}, at {drive:g} <i>g</i>.", *judge_exponent(aim, {drive: groups}), slug=f"{slug}-{drive:g}g")
+            for drive, groups in drives.items()]
 
 
 def values(drive, groups):
@@ -205,10 +210,10 @@ def values(drive, groups):
 def judge_groups(aim, drives):
     """(verdict, numbers) on {drive: {value: rms or median of each packing}}: do they differ anywhere?"""
     chances = [differ(list(groups.values())) for groups in drives.values()]
-    told = "; ".join(values(*item) + f", a chance of {percent(chance)} for equal ones"
-                     for item, chance in zip(drives.items(), chances))
     chance = together(chances)
-    told += f"; together {percent(chance)}"
+    told = ("a chance for equal ones of " + ", ".join(f"{percent(one)} at {drive:g} <i>g</i>"
+                                                      for drive, one in zip(drives, chances))
+            + f", together {percent(chance)}; " + "; ".join(values(*item) for item in drives.items()))
     fine = np.mean([spread(groups) for groups in drives.values()]) < COARSE
     if not math.isfinite(chance):
         return OPEN, told
@@ -218,24 +223,23 @@ def judge_groups(aim, drives):
 
 def judge_exponent(aim, drives):
     """The same on the exponent of a power of the value: aim, or negative for "-"."""
-    wanted, found, told = 0.0 if aim == "-" else aim, [], []
+    wanted, found, reach = 0.0 if aim == "-" else aim, {}, []
     for drive, groups in drives.items():
         x = np.concatenate([np.full(len(some), value) for value, some in groups.items()])
         b, error, degrees = exponent(x, np.concatenate(list(groups.values())))
         if degrees >= 1 and error > 0:
-            found.append((b, error, student((b - wanted) / error, degrees)))
-            told.append(f"{values(drive, groups)}: exponent {number(b, error)}, a chance of {percent(found[-1][2])} "
-                        f"for {number(wanted)}")
-        else:
-            told.append(values(drive, groups))
+            found[drive] = b, error, student((b - wanted) / error, degrees)
+            reach.append(error * float(np.log(x.max() / x.min())))
+    told = "; ".join(values(*item) for item in drives.items())
     if not found:
-        return OPEN, "; ".join(told)
-    b, error, chances = np.array(found).T
-    chance, error = together(chances), float(np.sum(error ** -2) ** -0.5)
-    told = "; ".join([*told, f"together {percent(chance)}, with an error of {number(error, digits=2)}"])
+        return OPEN, told
+    b, _, chances = np.array(list(found.values())).T
+    chance = together(chances)
+    told = ("exponent " + ", ".join(f"{number(*pair)} at {drive:g} <i>g</i>" for drive, (*pair, _) in found.items())
+            + f", {'together ' * (len(found) > 1)}a chance of {percent(chance)} for {number(wanted)}; {told}")
     if aim == "-":
         return YES if chance < OFF and (b < 0).all() else NO if chance < OFF and (b > 0).all() else OPEN, told
-    return NO if chance < OFF else YES if chance > SAME and error < FINE else OPEN, told
+    return NO if chance < OFF else YES if chance > SAME and max(reach) < FINE else OPEN, told
 
 
 def spread(groups):
