@@ -207,6 +207,12 @@ static void transients_are_found(void **unused) {
   between(fabs(mean.mean - 3), 0, 1e-3, "relaxed");
   between(mean.error, fabs(mean.mean - 3) / 5, 1e-3, "its error");
 
+  /* as short as what the whole batches up to the end leave out */
+  for (size_t k = 0; k < 453; k++) x[k] = 3 + (k < 3) + 1e-3 * cos(2.1 * (double)k);
+  mean = sd_mean_of(x, 453, true);
+  between((double)mean.discarded, 3, 50, "discarded");
+  between(fabs(mean.mean - 3), 0, 1e-5, "without it");
+
   /* a drift never ends */
   for (size_t k = 0; k < N; k++) x[k] = (double)k;
   assert_false(sd_mean_of(x, N, true).converged);
