@@ -1,5 +1,5 @@
-"""Numbers kept with the sources (docs/data): they are read back as they were judged, and every figure is drawn from them
-alone, without results and without the program."""
+"""Numbers kept with the sources (docs/data): they are read back as they were judged, and every figure is drawn from
+them alone, without results and without the program."""
 import csv
 import os
 import pathlib
@@ -99,7 +99,8 @@ class Numbered(unittest.TestCase):
 class Pages(unittest.TestCase):
     def test_digits(self):
         """Values are shown with the digits that their errors allow, errors beside them; the CSV has all."""
-        table = Numbers("A", ["&Omega;", "error", "off, %", "seed"], [[0.00951962, 0.00030001, 0.00951962, 5753210969526250.0],
+        table = Numbers("A", ["&Omega;", "error", "off, %", "seed"], [[0.00951962, 0.00030001, 0.00951962,
+                                                                       5753210969526250.0],
                                                                      [1.5, numpy.nan, 25.0, 3.0]])
         columns, cells = page.shown_table(table)
         self.assertEqual(columns, ["&Omega;", "off, %", "seed"])
@@ -121,7 +122,8 @@ class Pages(unittest.TestCase):
     def test_first_page(self):
         """It counts the paper's statements only, and names what does not hold with its reason."""
         section = Section("key", "A section")
-        section.claims = [Claim("One.", YES, "1", "section 3", PAPER, "one"), Claim("Two.", NO, "2 of 3", "section 4", PAPER, "two"),
+        section.claims = [Claim("One.", YES, "1", "section 3", PAPER, "one"), Claim("Two.", NO, "2 of 3", "section 4",
+                                                                                    PAPER, "two"),
                           Claim("Three.", NO, "x", "", CHECK), Claim("Four.", NO, "x", "section 2", TRIVIAL)]
         first, errata = summary.sections([section], (("eq. (1)", "a", "b", "two"),), {"two": "a reason"})
         text = markdown.text_of(first.lead)
@@ -149,7 +151,8 @@ class Redrawn(unittest.TestCase):
             self.assertEqual(results.failed, [])
             self.assertEqual(empty, [], "figures without data")
             tables = sorted(path.name for path in (DATA / name).glob("table-*.csv"))
-            self.assertEqual(tables, sorted(path.name for path in pathlib.Path(results.store.folder).glob("table-*.csv")))
+            self.assertEqual(tables, sorted(path.name
+                                            for path in pathlib.Path(results.store.folder).glob("table-*.csv")))
             for table in tables:
                 here, there = rows(os.path.join(results.store.folder, table)), rows(DATA / name / table)
                 self.assertEqual(len(here), len(there), table)

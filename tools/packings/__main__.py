@@ -19,7 +19,8 @@ from .runs import ROOT, Campaign, Stopped
 DEEP = "larger boxes are deeper: far below the surface contacts hardly open, and few disks but loose ones turn"
 REASONS = {"scan-number-2g": DEEP, "scan-number-median-2g": DEEP, "large-most": DEEP}  # why not met, by slug
 TITLE = "Packings: shaken, compressed, poured"
-MODULES = (low, each, quiet, drive, energy, memory, cages, space, jumps, outside, scans, depths, controls, budget, jamming,
+MODULES = (low, each, quiet, drive, energy, memory, cages, space, jumps, outside, scans, depths, controls, budget,
+           jamming,
            flows, large)
 
 
@@ -91,10 +92,14 @@ def head(campaign, found, counts):
 def lead(campaign):
     """What stands above the Markdown."""
     return [markdown.text_of(
-        "What the decks of <code>inputs/packing</code> show, statement by statement. The vibrated boxes follow Moukarzel, "
-        "Peraza-Mues and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are single "
-        "standard errors; every verdict is computed from the numbers beside it, and <i>reproduced</i> means that the statement "
-        f"is met. Written by <code>tools/packings.sh</code>, level {campaign.level}: {plan.DESCRIPTIONS[campaign.level]}. "
+        "What the decks of <code>inputs/packing</code> show, statement by statement. The vibrated boxes follow "
+        "Moukarzel, "
+        "Peraza-Mues and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are "
+        "single "
+        "standard errors; every verdict is computed from the numbers beside it, and <i>reproduced</i> means that the "
+        "statement "
+        f"is met. Written by <code>tools/packings.sh</code>, level {campaign.level}: "
+        f"{plan.DESCRIPTIONS[campaign.level]}. "
         f"Made by {escape(words_of(campaign))}.")]
 
 

@@ -83,7 +83,8 @@ def heap(campaign):
         "friction"))
     shown = min(runs, key=lambda run: abs(run.parameters["mu"] - 0.5))
     out.figures.append(heap_figure(shown.parameters["mu"],
-                                   campaign.numbers("repose-disks", lambda: heap_disks(shown), "a heap, in mean diameters"),
+                                   campaign.numbers("repose-disks", lambda: heap_disks(shown), "a heap, in mean "
+                                                    "diameters"),
                                    campaign.numbers("repose-forces", lambda: heap_forces(shown), "its contacts")))
     return out
 
@@ -111,7 +112,8 @@ def heap_figure(mu, disks, forces):
     x, y, radius = disks.column("x"), disks.column("y"), disks.column("radius")
     picture, axes = figure(width=7.2, height=2.9)
     maps.disks(axes, x, y, radius, plt.get_cmap("Greys")(np.full(len(x), 0.15)), width=0.3)
-    ends = np.stack([[forces.column(name) for name in pair] for pair in (("x0", "y0"), ("x1", "y1"))]).transpose(2, 0, 1)
+    ends = np.stack([[forces.column(name) for name in pair] for pair in (("x0", "y0"),
+                                                                         ("x1", "y1"))]).transpose(2, 0, 1)
     maps.contacts(axes, ends, forces.column("force"), 2.0, COLOURS[1])
     _, lines = flanks(x, y, radius)
     for ends in lines:
@@ -194,7 +196,8 @@ def hopper(campaign):
             for outlet, flow in flows()), "disks per time; the same in the first and second half of the window").rows:
         found.setdefault(row["outlet"], []).append(Discharge(row["rate"], row["early"], row["late"]))
     found = dict(sorted(found.items()))
-    curves = campaign.numbers("hopper-curves", lambda: discharged(flows()), "disks that are out: mean and range of runs")
+    curves = campaign.numbers("hopper-curves", lambda: discharged(flows()), "disks that are out: mean and range of "
+                              "runs")
     text = "The rate follows Beverloo's law with the exponent 3/2."
     if sum(size <= NARROW for size in found) < 4:
         out.claims.append(missing(text, slug="hopper-beverloo"))
@@ -211,7 +214,8 @@ def hopper(campaign):
     fixed = beverloo(width[narrow], rate[narrow, 0], error[narrow], 1.5)
     every = beverloo(width, rate[:, 0], error)
     out.claims.append(decide(text, bool(abs(a - 1.5) < 2 * a_error) if a_error < 0.15 else None,
-                             f"free exponent {number(a, a_error)} with k = {number(k, k_error)} (&chi;&sup2; = {chi2:.1f} "
+                             f"free exponent {number(a, a_error)} with k = {number(k, k_error)} (&chi;&sup2; = "
+                             f"{chi2:.1f} "
                              f"for {degrees} degrees of freedom); exponent 3/2: k = {number(fixed[2], fixed[3])}, C = "
                              f"{number(fixed[4])}, &chi;&sup2; = {fixed[5]:.1f} for {fixed[6]}. With all outlets, also "
                              f"those wider than a third of the hopper: exponent {number(every[0], every[1])}, k = "
@@ -220,7 +224,8 @@ def hopper(campaign):
     mean, spread = mean_error(change)
     steady = True if abs(mean) + spread < STEADY else False if abs(mean) - 2 * spread > STEADY else None
     out.claims.append(decide("The rate is constant: it does not depend on the height of the filling.", steady,
-                             f"second half of the window against the first: {percent(mean)} &plusmn; {100 * spread:.1f} %, "
+                             f"second half of the window against the first: {percent(mean)} &plusmn; "
+                             f"{100 * spread:.1f} %, "
                              f"counted as constant up to {100 * STEADY:g} %", slug="hopper-steady"))
     out.tables.append(Numbers("Discharge", ["D/d", "runs", "rate (disks per sqrt(d/g))", "error", "late/early"],
                               [[float(d), len(found[d]), float(r[0]), float(r[1]),
@@ -282,7 +287,8 @@ def drum(campaign):
         out.claims.append(missing("The packing flows at a steady dynamic angle of repose.", slug="drum-steady"))
         return out
     run = runs[0]
-    table = campaign.numbers("drum-angles", lambda: drum_angles(run), "angle of the packing and of its surface, degrees")
+    table = campaign.numbers("drum-angles", lambda: drum_angles(run), "angle of the packing and of its surface, "
+                             "degrees")
     time, angles, slopes = (table.column(name) for name in ("time", "angle", "surface"))
     blocks = [b.mean() for b in np.array_split(angles, 10)]
     mean, error = mean_error(blocks)

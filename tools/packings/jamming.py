@@ -14,7 +14,7 @@ TARGET = 0.05   # targets below are pressures in units of k_n, above packing fra
 
 
 def coordination(a, b, n, least):
-    """(contacts per disk, the same without rattlers, their fraction, isostatic value of this many disks) of contacts a-b.
+    """(contacts per disk, the same without rattlers, their fraction, isostatic value of so many disks) of contacts a-b.
 
     Rattlers have fewer than `least` contacts; they are taken away until none is left."""
     alive = np.ones(n, bool)
@@ -38,8 +38,8 @@ def final(run):
 
 
 def stages(run):
-    """[(pressure asked for, pressure, packing fraction, contacts per disk, the same without rattlers)] where phases that
-    seek a pressure end; contacts are those of the last table in the phase."""
+    """[(pressure asked for, pressure, packing fraction, contacts per disk, the same without rattlers)] where phases
+    that seek a pressure end; contacts are those of the last table in the phase."""
     time, pressure, fraction, contacts = run.series("pressure", "packing_fraction", "contacts")
     found = []
     for phase, end in zip(run.phases, np.cumsum([phase["steps"] for phase in run.phases])):
@@ -56,16 +56,19 @@ ENDS = ("pressure", "fraction", "contacts", "without_rattlers", "rattlers", "iso
 
 def held(campaign, runs):
     """stages() of each run, in order of pressure."""
-    found = campaign.numbers("jam-stages", lambda: Table({"run": k, **dict(zip(STAGE, stage))} for k, run in enumerate(runs)
+    found = campaign.numbers("jam-stages", lambda: Table({"run": k, **dict(zip(STAGE, stage))} for k,
+                                                         run in enumerate(runs)
                                                          for stage in sorted(stages(run))),
                              "where a pressure is reached; pressures in k_n")
-    return [list(zip(*(part.column(name) for name in STAGE))) for part in (found.where(run=k) for k in found.values("run"))]
+    return [list(zip(*(part.column(name) for name in STAGE))) for part in (found.where(run=k)
+                                                                           for k in found.values("run"))]
 
 
 def last_contacts(campaign, name, runs, columns=ENDS[2:]):
     """[run][column] of the contacts at the end: what coordination() finds, and final()."""
     def make():
-        rows = [(*final(run), *coordination(*run.neighbours()[:2], run.n_free, 3 if run.parameters.get("mu", 0) == 0 else 2))
+        rows = [(*final(run), *coordination(*run.neighbours()[:2], run.n_free, 3 if run.parameters.get("mu", 0) == 0
+                                            else 2))
                 for run in runs]
         return dict(zip(ENDS, zip(*rows))) if rows else None
 
@@ -96,7 +99,8 @@ def frictionless(campaign):
     few = max(2, len(rows) // 2)  # the least pressures, where the line is straight
     phi, error = jackknife(lambda some: float(np.mean([line(*np.array(t)[:few, 1:3].T)[2] for t in some])), table)
     out.claims.append(decide(text, bool(abs(phi - PHI) < TOLERANCE),
-                             f"{number(phi, error)} from {len(runs)} packing{'s' * (len(runs) > 1)} of {runs[0].n_free} disks and the {few} "
+                             f"{number(phi, error)} from {len(runs)} packing{'s' * (len(runs) > 1)} of "
+                             f"{runs[0].n_free} disks and the {few} "
                              f"least pressures; "
                              f"counted as equal up to {TOLERANCE:g}", slug="jamming-density"))
     z = last_contacts(campaign, "jam", runs)

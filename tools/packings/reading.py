@@ -2,7 +2,8 @@
 
 Of every run three tables are kept with the sources, so that a page is drawn without results: numbers of the run
 (SCALARS), columns of its disks (DISKS), and its contacts at the end. A Run is made of their rows, with results and
-without; series, frames and whatever else is read from a result goes through Campaign.numbers of the module that needs it.
+without; series, frames and whatever else is read from a result goes through Campaign.numbers of the module that needs
+it.
 """
 import functools
 import os
@@ -44,7 +45,8 @@ class Reading:
                  "steps": result.step, "measured": summary.measured * result.dt, "n_free": self.n_free,
                  "n_disks": self.n_disks, "box_x": box[0], "box_y": box[1],
                  "nanoseconds": summary.step_nanoseconds, "wall": run.wall_seconds, "step_seconds": run.step_seconds,
-                 "threads": run.threads, "residual": energy["residual"] / energy["scale"] if energy["scale"] else np.nan,
+                 "threads": run.threads, "residual": energy["residual"] / energy["scale"] if energy["scale"]
+                 else np.nan,
                  "measured_residual": self.measured_residual(), "has_means": self.has_means}
         if self.has_means:
             found.update({name: getattr(self.totals, key) for name, key in TOTALS.items()})
@@ -95,7 +97,8 @@ class Reading:
         if not len(frames):
             return {}
         place, rows, first = frames["position"], [], 0
-        shape = {name: self.result.rows(f"particles/walls/shape/{name}") for name in ("kind", "count", "points", "radius")}
+        shape = {name: self.result.rows(f"particles/walls/shape/{name}") for name in ("kind", "count", "points",
+                                                                                      "radius")}
         for k, (kind, count) in enumerate(zip(shape["kind"], shape["count"])):
             own = shape["points"][first:first + count] + place[-1, k] - place[0, k]  # given as in the deck
             first += count
@@ -105,8 +108,8 @@ class Reading:
 
 
 WALL_KINDS = {0: "line", 1: "segment", 2: "segment", 3: "round"}
-# Of all disks together: wander and drift are rms distances from the mean places and from where measuring began, over the
-# mean diameter.
+# Of all disks together: wander and drift are rms distances from the mean places and from where measuring began, over
+# the mean diameter.
 TOTALS = {"wander": "position_rms", "drift": "displacement_rms", "coordination": "coordination",
           "sliding_fraction": "sliding", "openings": "openings", "noise": "omega_noise"}
 MEANS = {"omega": "omega", "error": "error", "first": "omega_first", "second": "omega_second", "rms_place": "rms",

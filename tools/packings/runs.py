@@ -191,7 +191,8 @@ class Campaign(Results):
 
     def keep_missing(self):
         """So that a page drawn from kept numbers says it, too."""
-        self.numbers("missing", lambda: Table({"entry": name, "missing": line} for name, line in self._missing.items() if line),
+        self.numbers("missing", lambda: Table({"entry": name, "missing": line} for name, line in self._missing.items()
+                                              if line),
                      "what was not there when the page was made")
 
     def _lacks(self, name):

@@ -57,7 +57,8 @@ def options():
 def draw(results, modules=None, keep=None):
     """Writes the page; returns its path and the number of each verdict on the paper's statements."""
     study = results.level in levels.STUDIES
-    page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html", results.store)
+    page = Page(results.folder, "report.html" if results.level == "default" else f"report-{results.level}.html",
+                results.store)
     found = collect(results, modules or (STUDY_MODULES if study else MODULES))
     if not study:
         LOG.clear()
@@ -114,9 +115,9 @@ def head(results, sections, counts):
     if results.failed:
         lines.append('<div class="missing"><p>What went wrong:</p><ul>' +
                      "".join(f"<li>{escape(line)}</li>" for line in results.failed) + "</ul></div>")
-    made = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
-    lines.append(f'<p class="small">{effort.told(results, html=True)} Drawn {made} UTC{from_kept(results)}. The figures lie '
-                 "beside this page as PDF and PNG, the tables as CSV.</p>")
+    made_at = time.strftime("%Y-%m-%d %H:%M", time.gmtime())
+    lines.append(f'<p class="small">{effort.told(results, html=True)} Drawn {made_at} UTC{from_kept(results)}. The '
+                 "figures lie beside this page as PDF and PNG, the tables as CSV.</p>")
     return "\n".join(lines)
 
 
@@ -136,10 +137,13 @@ def lead(results):
     if results.level in levels.STUDIES:
         return [f"`tools/reproduce.sh --errors`: {levels.DESCRIPTIONS[results.level]}."]
     return [markdown.text_of(
-        "Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk with asymmetric "
-        "supports</i>. <i>R</i> = <i>mg</i> = 1, <i>g</i> = 10; error bars are single standard errors. Every verdict is "
+        "Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk with "
+        "asymmetric "
+        "supports</i>. <i>R</i> = <i>mg</i> = 1, <i>g</i> = 10; error bars are single standard errors. Every verdict "
+        "is "
         'computed from the numbers beside it: <a href="reproduce.md">reproduce.md</a> has the rules. Written by '
-        f"<code>tools/reproduce.sh</code>, level {results.level}: {levels.DESCRIPTIONS[results.level]}. {escape(made(results))}")]
+        f"<code>tools/reproduce.sh</code>, level {results.level}: {levels.DESCRIPTIONS[results.level]}. "
+        f"{escape(made(results))}")]
 
 
 def escape(text):

@@ -127,7 +127,8 @@ def sections(results):
                   "Drawn from the positions, radii and the tilt of gravity in a result of "
                   "<code>inputs/three_disk/sync.cfg</code>, turned so that gravity points down.")
     path = results.run(RUN)
-    table = results.numbers("geometry", lambda: read(path) if path else None, "named disks in units of R, tilt of gravity")
+    table = results.numbers("geometry", lambda: read(path) if path else None, "named disks in units of R, tilt of "
+                            "gravity")
     if not table:
         out.missing.append(f"{RUN}: not run yet")
         return [out]
@@ -143,7 +144,8 @@ def sections(results):
                               "and gravity labelled"))
     half, found = (alpha[0] + alpha[1]) / 2, (alpha[1] - alpha[0]) / 2
     out.claims += [within(value=alpha[0] + alpha[1], target=math.pi / 3, tolerance=1e-3, **paper("aperture")),
-                   within(value=found, target=tilt, tolerance=1e-3, names=("from the positions", "deck's tilt of gravity"), **paper("tilt"))]
+                   within(value=found, target=tilt, tolerance=1e-3, names=("from the positions", "deck's tilt of "
+                                                                           "gravity"), **paper("tilt"))]
     rows = [[f"centre of the {name} disk, x, y", f"{r[0]:.6g}, {r[1]:.6g}"] for name, r in centre.items()]
     rows += [["radii", ", ".join(f"{r:g}" for r in radius.values())],
              ["&alpha;<sub>1</sub>/&pi;, " "&alpha;<sub>2</sub>/&pi;", f"{alpha[0] / math.pi:.6f}, "

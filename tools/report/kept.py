@@ -1,5 +1,5 @@
-"""The numbers behind figures and tables as CSV: written beside the results, kept with the sources in docs/data, and read
-back from there where there are no results."""
+"""The numbers behind figures and tables as CSV: written beside the results, kept with the sources in docs/data, and
+read back from there where there are no results."""
 import csv
 import glob
 import io
@@ -17,8 +17,8 @@ LOG = []  # sections as they begin, and names of numbers as they are asked for: 
 
 
 def assign(sections, there):
-    """Gives the sections of one module the names of the numbers that they were made from, of those that are there: asked for
-    since each began, and before the first."""
+    """Gives the sections of one module the names of the numbers that they were made from, of those there are: asked
+    for since each began, and before the first."""
     common, here = [], None
     for item in LOG:
         if not isinstance(item, str):
@@ -47,7 +47,7 @@ def rows_of(found):
 
 
 def thin(found, most=None):
-    """A table or columns with every so-manieth row, and with the last one, so that there are not many more than `most`."""
+    """A table or columns with every n-th row, and with the last one, so that there are not many more than `most`."""
     rows = rows_of(found)
     step = max(1, math.ceil((len(rows) - 1) / (most or CURVE)))
     return Table(rows[::step] + (rows[-1:] if (len(rows) - 1) % step else []))
@@ -120,19 +120,20 @@ def head_of(path):
 INDEX = "index.csv"
 README = """# Numbers behind the figures
 
-Every figure and table of [paper.md](../paper.md) and [packings_study.md](../packings_study.md) as CSV: all points with their
-parameters, seeds, steps and error bars.
+Every figure and table of [paper.md](../paper.md) and [packings_study.md](../packings_study.md) as CSV: all points
+with their parameters, seeds, steps and error bars.
 
-Lines with `#` at the head of a file: what it holds, program and revision and machine that computed it, the level, and the
-command with all keys that differ from the deck. Empty cells have no value. Angles are in radians; lengths, times and angular
-velocities in the units of the deck: the paper's ($R = mg = 1$, $g = 10$), SI for the vibrated packings. Columns of sweeps are those of
-[names.md](../names.md). Numbers are rounded to 8 significant digits, those of sweeps to 10, per-disk columns to 4 to 6.
+Lines with `#` at the head of a file: what it holds, program and revision and machine that computed it, the level, and
+the command with all keys that differ from the deck. Empty cells have no value. Angles are in radians; lengths, times
+and angular velocities in the units of the deck: the paper's ($R = mg = 1$, $g = 10$), SI for the vibrated packings.
+Columns of sweeps are those of [names.md](../names.md). Numbers are rounded to 8 significant digits, those of sweeps
+to 10, per-disk columns to 4 to 6.
 
-`tools/reproduce.sh --draw` and `tools/packings.sh --draw` redraw all figures from these files alone: in a fresh clone, without
-results and without the program. `--keep docs` writes them anew from results.
+`tools/reproduce.sh --draw` and `tools/packings.sh --draw` redraw all figures from these files alone: in a fresh
+clone, without results and without the program. `--keep docs` writes them anew from results.
 
-`sweep-`: all points of a sweep; `theory-`: curves of theory; `info-`: what `slipdisk info` says of a run; `table-`: tables as the
-page shows them; `runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
+`sweep-`: all points of a sweep; `theory-`: curves of theory; `info-`: what `slipdisk info` says of a run; `table-`:
+tables as the page shows them; `runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
 """
 
 
@@ -176,8 +177,8 @@ class Store:
         self.used[name] = path
 
     def keep(self, folder, sections, all_of_it):
-        """Copies the files of this page to a folder, with a list of what is drawn from which; all_of_it: others there are
-        of no page any more."""
+        """Copies the files of this page to a folder, with a list of what is drawn from which; all_of_it: others there
+        are of no page any more."""
         os.makedirs(folder, exist_ok=True)
         for name, path in self.used.items():
             place = os.path.join(folder, name + ".csv")
@@ -207,7 +208,9 @@ def write_readme(folder):
         file.write(README)
         for path in sorted(glob.glob(os.path.join(folder, "*", INDEX))):
             page = os.path.basename(os.path.dirname(path))
-            file.write(f"\n## {page}\n\n| figure | section of the page | numbers behind it | tables |\n|---|---|---|---|\n")
+            file.write(f"\n## {page}\n\n| figure | section of the page | numbers behind it | tables "
+                       "|\n|---|---|---|---|\n")
             for row in Table.read(path).rows:
-                links = [", ".join(f"[{name}]({page}/{name}.csv)" for name in row[key].split()) for key in ("numbers", "tables")]
+                links = [", ".join(f"[{name}]({page}/{name}.csv)" for name in row[key].split()) for key in ("numbers",
+                                                                                                            "tables")]
                 file.write(f"| {row['figure']} | {row['section']} | {' | '.join(links)} |\n")

@@ -1,4 +1,4 @@
-"""A page as Markdown, for documentation that is kept with the sources: what GitHub and the site both show, in Unicode."""
+"""A page as Markdown in Unicode, for documentation that is kept with the sources: GitHub and the site both show it."""
 import glob
 import html.parser
 import os
@@ -54,7 +54,8 @@ class Converter(html.parser.HTMLParser):
         elif raised:
             known = SUB if raised[-1] == "sub" else SUP
             whole = all(sign in known for sign in data)
-            self.out.append("".join(known[sign] for sign in data) if whole else f"<{raised[-1]}>{escape(data)}</{raised[-1]}>")
+            self.out.append("".join(known[sign] for sign in data) if whole
+                            else f"<{raised[-1]}>{escape(data)}</{raised[-1]}>")
         else:
             mark = "**" if "b" in self.open else "*" if "i" in self.open or "em" in self.open else ""
             self.out.append(marked(escape(data, self.table), mark))
@@ -135,7 +136,7 @@ def write(path, title, lead, sections, pictures="figures", data=""):
 
 
 def keep(folder, page, figures, name, pictures, data):
-    """Copies a page of write() to folder/name, its figures (names) to folder/pictures; data: where its CSV files will be."""
+    """Copies a page of write() to folder/name, its figures to folder/pictures; data: where its CSV files are."""
     os.makedirs(os.path.join(folder, pictures), exist_ok=True)
     with open(page) as file:
         text = re.sub(r"\]\(data-\w[\w-]*/", f"]({data}/", file.read().replace("](figures/", f"]({pictures}/"))

@@ -122,7 +122,8 @@ def shown_table(table):
             digits = table.digits.get(table.columns[k]) or digits_of(table.columns[k])
             error = row[errors[k]] if k in errors else None
             whole = plain(table.columns[k]) == "seed" and isinstance(row[k], float) and math.isfinite(row[k])
-            cells.append((f"{row[k]:.0f}", True) if whole else cell(row[k], error if isinstance(error, (int, float)) else None,
+            cells.append((f"{row[k]:.0f}", True) if whole else cell(row[k], error if isinstance(error, (int, float))
+                                                                    else None,
                                                                     digits))
         rows.append(cells)
     return [table.columns[k] for k in columns], rows
