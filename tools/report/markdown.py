@@ -115,7 +115,7 @@ def write(path, title, lead, sections, pictures="figures", data=""):
             out += [text_of(section.lead), ""]
         for figure in section.figures:
             out += [f"![{bare(figure.alt)}]({pictures}/{figure.name}.png)", "", text_of(figure.caption), ""]
-        for heading, claims in kinds(section.claims):
+        for heading, claims in kinds(section):
             rows = [[(f"<b>{c.verdict}</b>", False), (c.text + (f" ({c.place})" if c.place else ""), False),
                      (c.numbers, False)] for c in claims]
             out += [*table(["verdict", heading, "found"], rows), ""]

@@ -129,10 +129,13 @@ def shown_table(table):
     return [table.columns[k] for k in columns], rows
 
 
-def kinds(claims):
+def kinds(section):
     """[(heading, claims)]: the paper's statements, own checks, and what holds by construction, each apart."""
-    parts = [(heading, [claim for claim in claims if claim.kind == kind]) for kind, heading in HEADINGS.items()]
-    return [(heading, some) for heading, some in parts if some]
+    parts = [(heading, [claim for claim in section.claims if claim.kind == kind]) for kind, heading in HEADINGS.items()]
+    parts = [(heading, some) for heading, some in parts if some]
+    if len(parts) == 1 and not section.new and parts[0][0] == HEADINGS[verdict.CHECK]:
+        return [("statement", section.claims)]  # of a page that is not about the paper
+    return parts
 
 
 HEADINGS = {verdict.PAPER: "statement of the paper", verdict.CHECK: "own check",
@@ -166,7 +169,7 @@ def html_table(columns, rows):
 def plural(heading):
     """Above a list of such claims."""
     return {"statement of the paper": "Statements of the paper", "own check": "Own checks",
-            "holds by construction": "By construction"}[heading]
+            "holds by construction": "By construction"}.get(heading, "Statements")
 
 
 def data_link(text, name):
@@ -191,7 +194,7 @@ class Page:
         if section.lead:
             out.append(f"<p>{section.lead}</p>")
         out += [self._figure(figure) for figure in section.figures]
-        for heading, claims in kinds(section.claims):
+        for heading, claims in kinds(section):
             out.append(f'<p class="kind">{plural(heading)}</p><ul class="claims">'
                        + "\n".join(self._claim(c) for c in claims) + "</ul>")
         if section.missing:

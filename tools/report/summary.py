@@ -73,7 +73,7 @@ def sections(found, errata=ERRATA, reasons=None, counts=(PAPER,)):
     if errata:
         part = Section("errata", "Errata of the paper", "What is printed, what is right, and the numbers that tell; "
                        "the "
-                       "statements stand in the sections below.", new=True)
+                       "statements stand in the sections below.")
         part.tables.append(Numbers("Errata", ["where", "printed", "right", "checked"],
                                    [[*row[:3], claims[row[3]].numbers if row[3] in claims else "by the text"]
                                     for row in errata
@@ -88,7 +88,7 @@ def wrong(claim):
 
 
 def short(found, reasons, counts):
-    out = Section("short", "What holds, and what does not", new=True)
+    out = Section("short", "What holds, and what does not")
     paper = CHECK not in counts
     every = [claim for section in found for claim in section.claims if claim.kind in counts]
     what = "the paper's" if paper else "the"
