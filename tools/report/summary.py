@@ -11,9 +11,11 @@ REASONS = {
     "never-open": "at large amplitude and tilt the lighter contact is unloaded at times and opens now and then",
     "lambda-path": "a closed path of the disks does not bring it back",
     "lambda-energy": "&lambda; returns, but the paper's force does not derive from the energy",
-    "equal-durations": "S<sup>+&minus;</sup> and S<sup>&minus;+</sup> last about three times as long as S<sup>++</sup> "
+    "equal-durations": "reflection relates S<sup>++</sup> and S<sup>&minus;&minus;</sup> alone; S<sup>+&minus;</sup> "
     "and "
-                       "S<sup>&minus;&minus;</sup>; reflection makes equal within the pairs only",
+                       "S<sup>&minus;+</sup>, each its own mirror image, last about three times as long and not "
+    "equally",
+    "durations-correlation": "durations hardly change where the correlation time changes a hundredfold",
     "random-slides": "at the smallest amplitudes of the figures a contact sticks most of the time",
     "random-configurations": "at the smallest amplitudes contacts stick most of the time, and not all four occur",
     "rare-sliding": "the disk turns with every slip, the more slowly the fewer there are",
@@ -46,8 +48,8 @@ ERRATA = (
      "&Tau;<sup>&minus;+</sup> = 0", "&Tau;<sup>++</sup> = &minus;&Tau;<sup>&minus;&minus;</sup>, by (15) and (16)",
      "level-torques"),
     ("premise of (19)", "no tilt: all four configurations last equally long",
-     "two pairs: S<sup>++</sup>, S<sup>&minus;&minus;</sup> and S<sup>+&minus;</sup>, S<sup>&minus;+</sup>",
-     "equal-durations"),
+     "S<sup>++</sup> and S<sup>&minus;&minus;</sup> do, by reflection; S<sup>+&minus;</sup> and S<sup>&minus;+</sup> "
+     "last longer", "equal-durations"),
     ("eq. (30)", "4&mu;&Theta;<sub>b</sub>&omega;<sub>b</sub> tan &theta;<sub>T</sub>/&pi; for rotation (20)",
      "that is for the parabolas (21); for the sine (20) &Theta;<sub>b</sub>&omega;<sub>b</sub> sin(&pi;&mu; tan "
      "&theta;<sub>T</sub>/2), &pi;&sup2;/8 as much at small tilt", "waveform-phase"),
@@ -72,8 +74,7 @@ def sections(found, errata=ERRATA, reasons=None, counts=(PAPER,)):
     claims = {claim.slug: claim for section in found for claim in section.claims if claim.slug}
     if errata:
         part = Section("errata", "Errata of the paper", "What is printed, what is right, and the numbers that tell; "
-                       "the "
-                       "statements stand in the sections below.")
+                       "the statements stand in the sections below.")
         part.tables.append(Numbers("Errata", ["where", "printed", "right", "checked"],
                                    [[*row[:3], claims[row[3]].numbers if row[3] in claims else "by the text"]
                                     for row in errata
