@@ -198,13 +198,14 @@ def draw_rare(table):
     axes.axvline(TOLERANCES["rare"], color=COLOURS[-1], lw=0.8, ls=":", gid="guide")
     zero_line(axes)
     axes.set_xscale("log")
+    axes.set_yscale("symlog", linthresh=1)
     axes.set_xlabel("fraction of time in which both contacts slide")
     axes.set_ylabel(r"$t_g\,\Omega/\epsilon_b\times10^{3}$")
     if table:
         legend_right(axes, r"amplitude $\epsilon_b$")
     return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which both "
                                    "contacts slide at once (never: drawn at 10<sup>&minus;6</sup>); dotted: what "
-                                   "counts as rare.",
+                                   "counts as rare. The axis is linear between &minus;1 and 1, logarithmic beyond.",
                   "Rotation against the fraction of time in which contacts slide, at weak random vibration")
 
 
