@@ -74,8 +74,8 @@ def sections(campaign):
                   "<code>inputs/packing/quiet.cfg</code>: contacts ten times as stiff as in the other boxes, so that "
                   "the lowest resonance lies above the 80 Hz of the floor (a chain of eight disks has 138 Hz, with the "
                   "soft contacts 44 Hz); a hundred times as stiff; and two packings for 2000 s. "
-                  "<i>k</i><sub>t</sub>/<i>k</i><sub>n</sub> = 0.5 as elsewhere, velocity-Verlet at a 50th of the shortest period. The weakest drives of the sweep with soft contacts stand beside them. An "
-                  "opening is "
+                  "<i>k</i><sub>t</sub>/<i>k</i><sub>n</sub> = 0.5 as elsewhere, velocity-Verlet at a 50th of the "
+                  "shortest period. The weakest drives of the sweep with soft contacts stand beside them. An opening is "
                   f"a contact that ends, at any step. {RULE}", missing=campaign.missing(*OWN))
     if not own:
         out.claims.append(missing("Disks turn although none of their contacts ever opens.", slug="quiet-turning"))
