@@ -202,6 +202,8 @@ def draw_rare(table):
     axes.set_xlabel("fraction of time in which both contacts slide")
     axes.set_ylabel(r"$t_g\,\Omega/\epsilon_b\times10^{3}$")
     if table:
+        low = 1e3 * float(np.min(table.disk("scaled") / table.column("eps_b")))
+        axes.set_ylim(min(2 * low, -2), 10)
         legend_right(axes, r"amplitude $\epsilon_b$")
     return Figure("rare", picture, "Scaled angular velocity over amplitude against the fraction of time in which both "
                                    "contacts slide at once (never: drawn at 10<sup>&minus;6</sup>); dotted: what "
