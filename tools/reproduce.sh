@@ -3,7 +3,7 @@
 #
 #   tools/reproduce.sh           a telling subset at the paper's length
 #   tools/reproduce.sh --quick   everything, coarse: about two minutes
-#   tools/reproduce.sh --full    the paper's whole campaign, and five times its statistics for the tilt curve
+#   tools/reproduce.sh --full    the paper's whole campaign, and twice its statistics for the tilt curve
 #   tools/reproduce.sh --errors  instead: how far time step and noise interval can be raised, and what it buys
 #   tools/reproduce.sh --draw    runs nothing, draws what is there; without results from docs/data alone
 #   tools/reproduce.sh --help    all options: -o DIR, -j N, --only NAME, --keep DIR, --program FILE

@@ -15,7 +15,7 @@ DESCRIPTIONS = {
                "part of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at "
                "four points at the paper's length",
     "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points, "
-            "and five independent runs of that length at each point of the tilt curve",
+            "and two independent runs of that length at each point of the tilt curve",
     "errors": "how far time step and noise interval can be raised, and what it buys",
     "errors-quick": "the same, so short that it only shows that everything works",
 }
@@ -42,7 +42,7 @@ FEWER_STIFF = {f"sweep.parameters.{name}.values": values for name, values in (
     ("k_n", "(1e3, 4e3, 1e6)"), ("gamma_n", '(10, 20, "sqrt(1e5)")'), ("k_t", "(1e6, 1e6, 1e7)"))}
 NO_FINE = "(2e-5, 1e-5, 5e-6)"
 
-FIVE = {"sweep[1].replicas": 5}  # of the tilt curve; the first of each is the point of "random"
+TWICE = {"sweep[1].replicas": 2}  # of the tilt curve; the first of each is the point of "random"
 # Time step: eight realisations of the noise, a full vector, each shorter than the deck's one.
 NOISES = Plan({"phases.measure.time": 100}, {"sweep.parameters.noise.values": "(1, 2, 3, 4, 5, 6, 7, 8)"})
 FEW_SEEDS = {"sweep.parameters.noise.values": "(1, 2, 3)"}
@@ -62,7 +62,7 @@ SWEEPS = {
     "sync": ("sync.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
     "async": ("async.cfg", {"quick": Plan(COARSE_TURN, FEW_TILTS), "default": Plan(TURN), "full": AS_IS}),
     "random": ("random.cfg", {"quick": Plan(COARSE, FEWER_EPS), "default": Plan({}, HALF_EPS), "full": AS_IS}),
-    "random_replicas": ("random.cfg", {"full": Plan({}, FIVE)}),
+    "random_replicas": ("random.cfg", {"full": Plan({}, TWICE)}),
     "sync_long": ("sync.cfg", {"default": Plan({}, LONG)}),  # at level full these are among the points of "sync"
     "async_long": ("async.cfg", {"default": Plan({}, LONG)}),
     "phase": ("phase.cfg", {"quick": Plan(COARSE_TURN), "default": AS_IS, "full": AS_IS}),
