@@ -42,11 +42,12 @@ def row(drive, found):
 
 
 def lasts(correlation):
-    """Correlation of halves above 0.5 and significant; None when it is above but cannot be told from 0."""
+    """Correlation of halves above 0.5 and significant; False when it is below by its errors, None when it cannot be
+    told."""
     value, error = correlation
-    if not value > 0.5:
-        return False
-    return True if value > SURE * error else None
+    if value > 0.5:
+        return True if value > SURE * error else None
+    return None if value + SURE * np.nan_to_num(error) > 0.5 else False
 
 
 def columns(rows, name):
