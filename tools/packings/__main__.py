@@ -38,7 +38,7 @@ def options():
     parser.add_argument("--only", action="append", default=[], metavar="NAME", help="only these: " + ", "
         "".join(plan.ENTRIES))
     parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there; without results from "
-                        "docs/data alone")
+                                                            "docs/data alone")
     parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/packings_study.md and "
                         "DIR/figures/packings (docs, when they are to stay with the sources)")
     parser.set_defaults(level="default")
@@ -93,11 +93,9 @@ def lead(campaign):
     """What stands above the Markdown."""
     return [markdown.text_of(
         "What the decks of <code>inputs/packing</code> show, statement by statement. The vibrated boxes follow "
-        "Moukarzel, "
-        "Peraza-Mues and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; error bars are "
-        "single "
-        "standard errors; every verdict is computed from the numbers beside it, and <i>reproduced</i> means that the "
-        "statement "
+        "Moukarzel, Peraza-Mues and Carvente, Phys. Rev. Lett. 125, 028001 (2020). SI units unless said otherwise; "
+        "error bars are single standard errors; every verdict is computed from the numbers beside it, and "
+        "<i>reproduced</i> means that the statement "
         f"is met. Written by <code>tools/packings.sh</code>, level {campaign.level}: "
         f"{plan.DESCRIPTIONS[campaign.level]}. "
         f"Made by {escape(words_of(campaign))}.")]

@@ -208,7 +208,7 @@ def section(campaign):
                        mechanism(drive, part), gear(drive, part)]
     if len(table.where(random=1.0)):
         out.claims.append(by_chance(Part(table.where(random=1.0))))
-    out.figures += [scatter_figure(parts), summary_figure(parts)]
+    out.figures += [scatter_figure(parts), summary_figure(parts)] if parts else []
     out.tables.append(Numbers("Predictions of &Omega;<sub>i</sub>", [
         "drive/<i>g</i>", "from", "disks", "Pearson", "Spearman", "right sense of those beyond 3 errors",
         "measured over predicted"],

@@ -38,7 +38,7 @@ def options():
     parser.add_argument("--only", action="append", default=[], metavar="NAME",
                         help="only these runs and sweeps: " + ", ".join([*levels.SWEEPS, *levels.RUNS]))
     parser.add_argument("--draw", action="store_true", help="run nothing, draw what is there; without results from "
-                        "docs/data alone")
+                                                            "docs/data alone")
     parser.add_argument("--keep", metavar="DIR", help="copy claims, numbers and figures to DIR/paper.md (--errors: "
                         "DIR/errors.md) and DIR/figures (docs, when they are to stay with the sources)")
     parser.set_defaults(level="default")
@@ -138,9 +138,8 @@ def lead(results):
         return [f"`tools/reproduce.sh --errors`: {levels.DESCRIPTIONS[results.level]}."]
     return [markdown.text_of(
         "Model and statements: G. G. Peraza-Mues and C. F. Moukarzel, <i>Sustained rotation in a vibrated disk with "
-        "asymmetric "
-        "supports</i>. <i>R</i> = <i>mg</i> = 1, <i>g</i> = 10; error bars are single standard errors. Every verdict "
-        "is "
+        "asymmetric supports</i>. <i>R</i> = <i>mg</i> = 1, <i>g</i> = 10; error bars are single standard errors. "
+        "Every verdict is "
         'computed from the numbers beside it: <a href="reproduce.md">reproduce.md</a> has the rules. Written by '
         f"<code>tools/reproduce.sh</code>, level {results.level}: {levels.DESCRIPTIONS[results.level]}. "
         f"{escape(made(results))}")]

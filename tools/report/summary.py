@@ -12,19 +12,17 @@ REASONS = {
     "lambda-path": "a closed path of the disks does not bring it back",
     "lambda-energy": "&lambda; returns, but the paper's force does not derive from the energy",
     "equal-durations": "reflection relates S<sup>++</sup> and S<sup>&minus;&minus;</sup> alone; S<sup>+&minus;</sup> "
-    "and "
-                       "S<sup>&minus;+</sup>, each its own mirror image, last about three times as long and not "
-    "equally",
+                       "and S<sup>&minus;+</sup>, each its own mirror image, last about three times as long and not "
+                       "equally",
     "durations-correlation": "durations hardly change where the correlation time changes a hundredfold",
     "random-slides": "at the smallest amplitudes of the figures a contact sticks most of the time",
     "random-configurations": "at the smallest amplitudes contacts stick most of the time, and not all four occur",
     "rare-sliding": "the disk turns with every slip, the more slowly the fewer there are",
     "eq35-printed": "the print lacks the factor &omega;<sub>b</sub>/&pi;",
-    "async-configurations": "S<sup>&minus;&minus;</sup> occurs at weak drive only; at strong drive &Omega; is negative "
-    "all the "
-                            "time, and S<sup>++</sup> occurs twice in each period",
+    "async-configurations": "S<sup>&minus;&minus;</sup> occurs at weak drive only; at strong drive &Omega; is "
+                            "negative all the time, and S<sup>++</sup> occurs twice in each period",
     "async-sequence-strong": "at strong drive &Omega; is negative all the time, and S<sup>++</sup> occurs twice in "
-    "each period",
+                             "each period",
     "async-straight": "the centre of the upper disk is still under way to its equilibrium; with <i>k<sub>n</sub></i> = "
                       "10<sup>5</sup> theory is met",
     "sync-approach": "&Omega; passes (30) and ends above it: disks of finite stiffness at this frequency",
@@ -33,10 +31,9 @@ REASONS = {
     "tep-torque": "a visit to a configuration is over long before the centre of the upper disk is in equilibrium",
     "tep-forces": "a visit to a configuration is over long before the centre of the upper disk is in equilibrium",
     "torque-balance": "the torques of the equilibria are off by some per cent, and their small differences are what "
-    "counts",
+                      "counts",
     "aperture-sign": "S<sup>+&minus;</sup> and S<sup>&minus;+</sup> last longer at any aperture; where all four last "
-    "equally "
-                     "long it is met",
+                     "equally long it is met",
 }
 
 ROOM = 160  # signs
@@ -57,8 +54,8 @@ ERRATA = (
      "<i>mgR</i>&mu;&sup2; &hellip;: the half sum of (15) and (16) has a further factor &mu;", "eq31-printed"),
     ("eq. (35)", "8&mu;(&mu;&sup2; + 1)&Theta;<sub>b</sub>&theta;<sub>T</sub> &hellip;, no velocity",
      "&omega;<sub>b</sub>/&pi; times that", "eq35-printed"),
-    ("section 2.2", "no path dependence of the energy stored in the skin", "&lambda; returns on a closed path, but the "
-     "force "
+    ("section 2.2", "no path dependence of the energy stored in the skin", "&lambda; returns on a closed path, but "
+                                                                           "the force "
      "&tau; on the centres does work on it", "lambda-energy"),
     ("captions of figs. random-ex-vel, random-ex-tilt", "<i>t<sub>b</sub></i>&Omega;",
      "<i>t<sub>g</sub></i>&Omega;, <i>t<sub>g</sub></i> = &radic;(2<i>R</i>/<i>g</i>) as in the text", ""),
