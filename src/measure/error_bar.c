@@ -69,7 +69,7 @@ static double weighted(const double *value, const double *criterion, size_t n) {
 
 /* Spectral density at frequency zero of y[0..n), white noise having its variance everywhere; NAN: there is no noise. */
 static double spectrum_at_zero(const double *y, size_t n) {
-  double forward[BLOCKS], backward[BLOCKS], found[ORDERS + 1], criterion[ORDERS + 1];
+  double forward[BLOCKS] = {0}, backward[BLOCKS] = {0}, found[ORDERS + 1], criterion[ORDERS + 1];
   double mean = gsl_stats_mean(y, 1, n), all = (double)n;
   for (size_t t = 0; t < n; t++) forward[t] = backward[t] = y[t] - mean;
   double variance = gsl_stats_variance(y, 1, n) * (all - 1) / all, left = variance, gain = 1;
@@ -104,7 +104,7 @@ static bool is_constant(const double *x, size_t n) {
 
 error_bar error_bar_of(const double *x, size_t n) {
   if (n < SHORTEST) return (error_bar){.error = NAN, .correlation = NAN, .reliable = false};
-  double y[BLOCKS], half[BLOCKS];
+  double y[BLOCKS] = {0}, half[BLOCKS];
   size_t blocks = block_means(x, n, (n + BLOCKS - 1) / BLOCKS, y);
   if (is_constant(y, blocks)) return (error_bar){.error = 0, .correlation = 0.5, .reliable = true};
   size_t halves = n > BLOCKS ? halved(y, blocks, half) : 0;
