@@ -5,7 +5,7 @@ from report.page import Figure, Numbers, Section
 from report.style import COLOURS, GREY, figure
 from report.verdict import NO, OPEN, YES, Claim, missing, number
 
-from .memory import DRIVES, LONGER, VARIANTS, histories, measured
+from .memory import DRIVES, LONGER, VARIANTS, histories, measured, replica_of
 from .statistics import jackknife
 
 WIDTH = 0.45     # s: Omega is taken over blocks of this length, or from frame to frame where these are further apart
@@ -16,7 +16,7 @@ MOVE = 1e-5      # mean diameters: smaller displacements do not count; a tenth o
 LOOKS = 5        # tables of contacts in a block from which on shares of the time are told
 SWITCH = 0.5     # a contact is closed for this much more or less of the time than before
 WITHIN = 2       # blocks: as near in time counts as together
-ENOUGH = 10       # jumps without which nothing can be told
+ENOUGH, SEVERAL = 10, 3  # jumps and packings without which nothing can be told
 
 
 def sections(campaign):
@@ -129,14 +129,15 @@ class Record:
 
 
 def runs(campaign):
-    """[(drive, packing and history, run)] with frames and tables of contacts; packings of LONGER count from 100."""
+    """[(drive, packing and history, run)] with frames and tables of contacts; packings of LONGER are those of
+    cage_start.cfg."""
     found = []
     for name, drive in DRIVES.items():
         found += [({"drive": drive, "packing": packing, "variant": VARIANTS.index(variant)}, run)
                   for (packing, variant), run in sorted(histories(campaign, name).items())]
     for name, drive in LONGER.items():
-        found += [({"drive": drive, "packing": 100 + k, "variant": 0}, run)
-                  for k, run in enumerate(measured(campaign, name))]
+        found += [({"drive": drive, "packing": replica_of(run), "variant": len(VARIANTS)}, run)
+                  for run in measured(campaign, name)]
     return [(key, run) for key,
             run in found if len(run.result.frames) > SHORTEST and len(run.result.contacts) > SHORTEST]
 
@@ -223,7 +224,7 @@ def section(campaign):
                   "10<sup>&minus;5</sup> diameters, a tenth of the overlap that its weight makes, or a contact of "
                   f"it is closed for {SWITCH:g} of the time more or less than before. Together: within {WITHIN} "
                   "blocks. By chance: the share of the time that is so near a rearrangement of the disk's cage. "
-                  "Errors: leaving out one run at a time.", missing=campaign.missing(*DRIVES))
+                  "Errors: leaving out one packing at a time.", missing=campaign.missing(*DRIVES))
     if not disks:
         out.claims.append(missing("&Omega; of a disk jumps when its cage rearranges.", slug="jumps-at-rearrangements"))
         return out
@@ -247,9 +248,10 @@ def run_of(table):
 
 
 def judge(drive, disks, jumps):
-    runs, of_jump = run_of(disks), run_of(jumps)
+    runs = run_of(disks)
     hit, covered = jumps.column("together"), jumps.column("covered")
-    groups = [np.column_stack([hit, covered])[of_jump == one] for one in np.unique(of_jump)]
+    packing = jumps.column("packing")  # histories of a packing have the same rearrangements
+    groups = [np.column_stack([hit, covered])[packing == one] for one in np.unique(packing)]
     mean = [jackknife(lambda g, k=k: float(np.vstack(g)[:, k].mean()), groups) if groups else (np.nan, np.nan)
             for k in range(2)]
     excess = jackknife(lambda g: float(np.diff(np.vstack(g).mean(axis=0))[0]), groups) if groups else (np.nan, np.nan)
@@ -257,14 +259,16 @@ def judge(drive, disks, jumps):
     false, events = disks.column("shuffled").sum(), disks.column("events").sum()
     turned = disks.column("turned").sum() / events if events else np.nan
     verdict = OPEN
-    if len(hit) >= ENOUGH and excess[1] > 0:
+    if len(hit) >= ENOUGH and len(groups) >= SEVERAL and excess[1] > 0:
         more, half = -excess[0], mean[0][0] - 0.5
         verdict = (YES if more > 3 * excess[1] and half > mean[0][1] else
                    NO if more < excess[1] or half < -2 * mean[0][1] else OPEN)
-    found = (f"{len(hit)} jumps in {len(np.unique(runs))} runs, {number(1e2 * len(hit) / time)} per disk and 100 s "
-             f"(blocks in random order have {int(false)}); {number(100 * mean[0][0], 100 * mean[0][1])} % come with "
-             f"a rearrangement of the cage, {number(100 * mean[1][0], 100 * mean[1][1])} % would by chance; of "
-             f"{int(events)} rearrangements {number(100 * turned)} % come with a jump")
+    count = len(np.unique(disks.column("packing")))
+    found = (f"{len(hit)} jumps in {len(np.unique(runs))} runs of {count} packings, {number(1e2 * len(hit) / time)} "
+             f"per disk and 100 s (blocks in random order have {int(false)}); "
+             f"{number(100 * mean[0][0], 100 * mean[0][1])} % come with a rearrangement of the cage, "
+             f"{number(100 * mean[1][0], 100 * mean[1][1])} % would by chance; of {int(events)} rearrangements "
+             f"{number(100 * turned)} % come with a jump")
     claim = Claim(f"At {drive:g} <i>g</i> &Omega; of a disk jumps when its cage rearranges: most of its jumps do.",
                   verdict,
                   found, kind="own check", slug=f"jumps-at-rearrangements-{drive:g}g")

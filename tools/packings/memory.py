@@ -46,14 +46,22 @@ def histories(campaign, name):
 
 
 def shaken(campaign):
-    """[(drive, number of the packing, run)]: harmonic runs at these drives with tables of contacts, as they are;
-    packings of the sweep of drives and of long runs count from 100 on."""
+    """[(drive, number of the packing, run)]: harmonic runs at these drives with tables of contacts, as they are.
+    Packings of LONGER are those of cage_start.cfg and count once; those of the sweep of drives are others and count
+    from 100 on."""
     found = [(drive, packing, run) for name, drive in DRIVES.items()
              for (packing, variant), run in sorted(histories(campaign, name).items()) if variant == "reference"]
-    others = [(LONGER.get(name, run.parameters.get("drive")), run) for name in (*LONGER, "drive")
-              for run in measured(campaign, name)]
-    found += [(drive, 100 + k, run) for k, (drive, run) in enumerate(others) if drive in DRIVES.values()]
-    return [(drive, packing, run) for drive, packing, run in found if len(run.result.contacts) >= FEW]
+    found += [(drive, replica_of(run), run) for name, drive in LONGER.items() for run in measured(campaign, name)]
+    found += [(run.parameters.get("drive"), 100 + k, run) for k, run in enumerate(measured(campaign, "drive"))]
+    once = {}
+    for drive, packing, run in found:
+        if drive in DRIVES.values() and len(run.result.contacts) >= FEW:
+            once.setdefault((drive, packing), run)
+    return [(*key, run) for key, run in once.items()]
+
+
+def replica_of(run):
+    return int(run.parameters.get("r", 0))
 
 
 def at_random(campaign):
