@@ -50,6 +50,7 @@ class Reading:
                  "measured_residual": self.measured_residual(), "has_means": self.has_means}
         if self.has_means:
             found.update({name: getattr(self.totals, key) for name, key in TOTALS.items()})
+            found["noise"] = float(np.sqrt(np.mean(self.means["error"] ** 2)))
         return {**found, "version": run.version, "revision": run.revision}
 
     def measured_residual(self):
@@ -80,7 +81,14 @@ class Reading:
         """/summary/disks (docs/results.md), in the order of the state."""
         means, number = self.result.means, self.result.state["id"][:self.n_free]
         order = np.argsort(means["id"])  # means are in the order of numbers, the state in that of slots
-        return means[order[np.searchsorted(means["id"][order], number)]]
+        found = means[order[np.searchsorted(means["id"][order], number)]]
+        if tuple(map(int, self.result.provenance.version.split("."))) < ERRORS_SINCE:
+            state = self.result.state
+            count, length = int(state["mean_bins"]), float(state["mean_bin_steps"]) * self.result.dt
+            for row, bins in zip(found, state["mean_bin"].reshape(self.n_free, -1)):
+                mean = slipdisk.mean(bins[:count])
+                row["omega"], row["error"] = mean.mean / length, mean.error / length
+        return found
 
     def contacts(self):
         """Closed contacts between disks at the end, counted as in disks()."""
@@ -118,6 +126,7 @@ DIGITS = {"x_end": 6, "y_end": 6, "radius": 6, "omega": 6, "first": 6, "second":
           "contacts": 5, "force": 5}
 
 
+ERRORS_SINCE = (0, 4, 0)  # error bars of older results are taken anew from the bins that they hold
 NO_CONTACTS = {"a": np.zeros(0, int), "b": np.zeros(0, int), "force": np.zeros(0)}
 
 
