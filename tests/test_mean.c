@@ -92,7 +92,7 @@ static void bounded_noise(gsl_rng *random, size_t n, double tau, double walk) {
 
 static void error_bars_of_bounded_noise_cover(void **unused) {
   (void)unused;
-  enum { SEEDS = BRIEF(200, 100) };
+  enum { SEEDS = 200 };
   const struct {
     size_t n;
     double tau, walk,
@@ -245,7 +245,7 @@ static void stationary_records_keep_their_start(void **unused) {
 /* Slow or weak relaxations under noise: found, or in the error bar. */
 static void slow_transients_are_covered(void **unused) {
   (void)unused;
-  enum { SEEDS = BRIEF(200, 100) };
+  enum { SEEDS = 200 };
   const struct {
     double height, time, least, most_converged;
   } cases[] = {{1, 150, 0.58, 1}, {1, 400, 0.55, 1}, {10, 400, 0.56, 1}, {10, 800, 0, 0.1}};

@@ -48,6 +48,7 @@ NOISES = Plan({"phases.measure.time": 100}, {"sweep.parameters.noise.values": "(
 FEW_SEEDS = {"sweep.parameters.noise.values": "(1, 2, 3)"}
 
 SHORTER = {"sweep.parameters.length.values": "(25, 100)"}  # coverage
+WIDE = {"dt": 5e-5}  # of its time step: all seeds have the same
 SHORT = {"phases.measure.time": 20}  # random, mechanism
 ONE_EPS = {f"sweep[{k}].parameters.eps_b.values": "(1e-4)" for k in (0, 1)}
 
@@ -84,8 +85,8 @@ SWEEPS = {
     "step": ("step.cfg", {
         "quick": Plan({"phases.measure.time": 50}, {"sweep.parameters.dt.values": NO_FINE}),
         "default": NOISES, "full": NOISES}),
-    "coverage": ("coverage.cfg", {"quick": Plan({}, {**SHORTER, "sweep.replicas": 20}), "default": Plan({}, SHORTER),
-                                  "full": AS_IS}),
+    "coverage": ("coverage.cfg", {"quick": Plan(WIDE, {**SHORTER, "sweep.replicas": 20}), "default": Plan(WIDE, SHORTER),
+                                  "full": Plan(WIDE)}),
     "mechanism_scan_turning": ("mechanism_scan_turning.cfg", {"quick": Plan({"phases.measure.time": 20}),
                                                               "default": AS_IS,
                                                               "full": AS_IS}),
