@@ -134,6 +134,9 @@ def scaled(values, groups):
     return out
 
 
+PARTS = 5  # of the packings, left out one at a time
+
+
 def kernels(odd, even):
     """Kernels for functions that change their sign in the mirror: linear in the odd descriptors, and Gaussian ones
     of all with several widths."""
@@ -167,8 +170,8 @@ def explained(values, predicted):
 
 
 def regression(odd, even, values, groups, choices):
-    """Predictions of each group by the kernel and ridge that do best among the other groups."""
-    found = kernels(odd, even)
+    """Predictions of each part of the groups by the kernel and ridge that do best among the other parts."""
+    found, groups = kernels(odd, even), np.unique(groups, return_inverse=True)[1] % PARTS
     picked = [(found[name], ridge) for name in found if name.startswith(choices) for ridge in (0.03, 0.3, 3, 30)]
     out = np.empty_like(values)
     for one in np.unique(groups):
