@@ -67,8 +67,8 @@ def heap(campaign):
         return out
     mu = np.array(list(found))
     mean = np.array([mean_error(np.concatenate([angles for angles, _ in some])) for some in found.values()])
-    grows = mean[-1, 0] > mean[0, 0] + 3 * np.hypot(mean[0, 1], mean[-1, 1]) if len(mu) > 1 else None
-    out.claims.append(decide(text, None if grows is None else bool(grows), "; ".join(
+    rise = (mean[-1, 0] - mean[0, 0]) / np.hypot(mean[0, 1], mean[-1, 1]) if len(mu) > 1 else 0
+    out.claims.append(decide(text, bool(rise > 0) if abs(rise) > 3 else None, "; ".join(
         f"&mu; = {m:g}: {number(*pair)}&deg;" for m, pair in zip(mu, mean)), slug="repose-friction"))
     out.tables.append(Numbers("Angle of repose", ["&mu;", "heaps", "angle (degrees)", "error", "disks in the heap "
         "(mean)"],
