@@ -67,7 +67,7 @@ typedef struct sd_slide {
 /* k-th watch; without one fractions are NAN, disk and partners UINT32_MAX. */
 SD_API sd_slide sd_slide_of(const sd_model *model, const sd_state *state, size_t k);
 
-/* What two watched contacts do in one of their sliding configurations; NAN: it was never met. */
+/* Two watched contacts in one of their sliding configurations; NAN: it was never met. */
 typedef struct sd_configuration {
   uint32_t disk;
   int32_t configuration; /* S++ 0, S+- 1, S-+ 2, S-- 3, stick 4, open 5 */

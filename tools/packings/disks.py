@@ -13,7 +13,7 @@ PERIOD = 1 / 80  # of the floor
 OPEN = 0.1       # openings per contact and period that separate the regimes: from here on contacts open
 MANY = 1.0       # so many: they bounce
 
-# What is kept of every run's disks (reading.py), and what is kept besides of these.
+# Columns of disks that are kept: of every run (reading.py), and further ones.
 KEPT = {"radius": "radius", "height": "y_end", "omega": "omega", "error": "error", "omega_first": "first",
         "omega_second": "second", "rms": "rms_place", "coordination": "contacts"}
 MORE = ("persistent", "sliding", "openings", "injected", "friction", "viscous", "displacement")

@@ -12,7 +12,7 @@ TIGHT = 0.01     # of the packing's rms: an upper limit on |Omega| below it show
 SIZEABLE = 0.05  # so many disks that stand still refute "each"
 ALIKE = 0.5      # the smaller of both halves over the larger, from which on a rotation is the same in both
 
-# What a disk does, in the order in which it is asked.
+# Kinds of disks, in the order in which they are asked for.
 TURNS, STICKS, SLIDES, UNSEEN = "turns", "sticks", "slides", "unseen"
 KINDS = {TURNS: f"turns: beyond {SURE:g} errors", SLIDES: "slides without turning",
          STICKS: "sticks for ever", UNSEEN: "cannot be told"}

@@ -84,7 +84,9 @@ class Campaign(Results):
             except (OSError, KeyError) as error:
                 self.failed.append(f"{path}: {error}")
                 read.pop(path, None)
-        told = {"command": self._told(self._words(name))} if name in self.entries else {}
+        place = os.path.abspath(self.folder)  # folders of this machine are not told
+        words = [word.replace(place, "build/packings") for word in self._words(name)] if name in self.entries else []
+        told = {"command": self._told(words)} if words else {}
         rows = self.numbers("runs-" + name, lambda: Table(one.rows for one in read.values()), "finished runs",
                             POINT_DIGITS, **told).rows
         disks, contacts, walls = (self._parts(name, part, read) for part in ("disks", "contacts", "walls"))
