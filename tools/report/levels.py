@@ -15,7 +15,7 @@ DESCRIPTIONS = {
                "part of its points; periodic drive at all points with a time step of 10<sup>&minus;5</sup>, and at "
                "four points at the paper's length",
     "full": "the paper's whole campaign: 5&times;10<sup>8</sup> steps of 10<sup>&minus;6</sup> at each of its points, "
-            "and two independent runs of that length at each point of the tilt curve",
+            "and a second run of that length at points of the tilt curve, as far as the table of its points says",
     "errors": "how far time step and noise interval can be raised, and what it buys",
     "errors-quick": "the same, so short that it only shows that everything works",
 }
