@@ -84,7 +84,7 @@ static void goals_can_be_out_of_reach(void **unused) {
   "motions = ( { name = \"s\"; wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; omega = "          \
   "1.0; " more " } );\n"
   advised(FRICTIONLESS PHASE(SETTLE),
-          "nothing takes energy out (gamma_n, restitution, mu with k_t): relax = true");
+          "nothing takes energy out (gamma_n, restitution, mu with k_t, drag, damping): relax = true");
   advised(FRICTIONLESS PHASE("relax = true; " SETTLE), NULL);
   advised(DROP PHASE(SETTLE), NULL);
   advised(DROP SHAKE("amplitude = 0.1;") PHASE(SETTLE),

@@ -184,8 +184,21 @@ class Cluster(unittest.TestCase):
                                           "--threads 1 deck.cfg ")
         self.assertEqual(calls, [])
 
+    def test_one_run(self):
+        """SLIPDISK_COMMAND=run: the deck itself, over all ranks where there are some."""
+        self.options[self.options.index(f"phases.measure.steps={self.steps}")] = "phases.measure.steps=1000000000"
+        launcher = os.environ.get("SLIPDISK_MPIEXEC")
+        more = {"SLIPDISK_LAUNCHER": f"{launcher} -n 2", "SLURM_NTASKS": "2"} if launcher else {}
+        process = self.start(SLIPDISK_COMMAND="run", **more)
+        wait_for(lambda: process.poll() is not None or list((self.top / "deck.h5.parts").glob("checkpoint*")))
+        process.send_signal(signal.SIGUSR1)
+        self.wait(process, 75)
+        self.assertEqual(self.requeued(), ["requeue 17"])
+
     def test_mistakes_are_not_repeated(self):
         self.wait(self.start([]), 2)
+        self.wait(self.start(SLIPDISK_COMMAND="walk"), 2)
+        self.wait(self.start(SLIPDISK_COMMAND="run", SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID="0"), 2)
         self.wait(self.start(["none.cfg"], SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID="0"), 2)
         self.wait(self.start_task(POINTS), 2)
         self.assertEqual(self.requeued(), [])
@@ -206,7 +219,7 @@ class Documentation(unittest.TestCase):
         page = (ROOT / "docs/cluster.md").read_text()
         for title in ("One machine", "GNU parallel"):
             with self.subTest(title):
-                block = re.search(rf"^## {title}\n+```sh\n(.*?)```", page, re.S | re.M).group(1)
+                block = re.search(rf"^### {title}\n+```sh\n(.*?)```", page, re.S | re.M).group(1)
                 with tempfile.TemporaryDirectory(prefix="slipdisk-cluster-") as top:
                     self.type(pathlib.Path(top), block)
 

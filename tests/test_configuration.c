@@ -330,7 +330,7 @@ static void test_many_radical_cells(void **state) {
   sd_model_free(m);
 }
 
-/* Disks on one line, and a single one, have cells, too: nothing that Qhull could span. */
+/* Disks on one line, and a single one, have cells, too: nothing that spans a plane. */
 static void test_flat_cells(void **state) {
   (void)state;
   for (int n = 1; n <= 5; n += 4) {

@@ -50,7 +50,7 @@ def surroundings(folder):
                                        f"Libs: -L{BUILD} -Wl,-rpath,{BUILD} -lslipdisk\n")
     return dict(os.environ, PATH=f"{tools}:{os.environ['PATH']}", PYTHONPATH=str(ROOT / "tools/python"), PKG_CONFIG_PATH=str(tools),
                 SLIPDISK_LIBRARY=str(BUILD / "libslipdisk.so"), SLIPDISK_PROGRAM=str(tools / "slipdisk"), SLIPDISK_PYTHON=sys.executable,
-                MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1", OMP_WAIT_POLICY="passive",
+                MPLBACKEND="Agg", PYTHONDONTWRITEBYTECODE="1",
                 OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
 
 

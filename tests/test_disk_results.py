@@ -1,13 +1,14 @@
 """Means of every disk: /summary/disks, the report, `info` of a finished and of an unfinished run, the table of a sweep."""
 import csv
 import json
+import os
 import signal
 import unittest
 
 import h5py
 import numpy
 
-from results_common import LONG, Folder, run, start, wait_for
+from results_common import LONG, Folder, changed, run, start, wait_for
 
 DECK = """
 dt = 5e-5; integrator = "verlet"; seed = 3; gravity = { g = 9.81; };
@@ -20,6 +21,16 @@ phases = ( { name = "rest"; time = 0.3; motions = (); }, { name = "measure"; tim
 measure = { disks = true; every = 5; rotation = (); };
 checkpoint = 0.1;
 sweep = { parameters = ( { path = "motions.shake.amplitude"; name = "drive"; values = (0, 4e-5); } ); replicas = 2; };
+"""
+MANY = 17000  # more than a checkpoint has means of
+MANY_DECK = """
+dt = 0.002; integrator = "verlet"; gravity = { g = 1; };
+materials = ( { name = "grain"; k_n = 1000; k_t = 500; gamma_n = 1; mu = 0.3; } );
+container = { type = "box"; width = 150; height = 150; };
+packings = ( { type = "front"; count = %d; sizes = "uniform"; lower = 0.4; upper = 0.6; density = 1; } );
+phases = ( { name = "go"; steps = 100000000; } );
+measure = { disks = true; rotation = (); };
+checkpoint = 0.1;
 """
 ROWS = ", ".join(f"({-0.075 + 0.044 * (k % 5) + 0.003 * (k // 5 % 2)}, {0.022 + 0.043 * (k // 5)}, {0.016 + 0.002 * (k % 3)})"
                  for k in range(20))
@@ -116,6 +127,62 @@ class Means(Folder):
         self.assertIsNone(self.info(self.result))
         with h5py.File(self.result) as file:
             self.assertNotIn("disks", file["summary"])
+
+    def check_many(self, means, file):
+        """As the bins of the state in the file have them."""
+        state = file["state"]
+        n, bins, length = MANY, int(state["mean_bins"][()]), int(state["mean_bin_steps"][()]) * 0.002
+        free = state["id"][:n]
+        record = state["mean_bin"][:].reshape(n, -1)[:, :bins]
+        half = bins // 2
+        self.assertEqual((list(means["id"]), means["bins"]), (list(range(n)), bins))
+        for name, part in ("omega_first", record[:, :half]), ("omega_second", record[:, -half:]):
+            expected = numpy.empty(n)
+            expected[free] = part.mean(1) / length
+            numpy.testing.assert_allclose(numpy.array(means[name], float), expected, rtol=1e-9, atol=1e-12)
+        omega = numpy.array(means["omega"], float)
+        numpy.testing.assert_allclose(means["totals"]["omega_rms"], numpy.sqrt(numpy.mean(omega ** 2)), rtol=1e-9)
+        return omega
+
+    def test_many(self):
+        """Of very many disks a checkpoint has the state alone: all that read it compute the means from it, a result has them."""
+        deck = self.folder / "many.cfg"
+        deck.write_text(MANY_DECK % MANY)
+        process = start("run", deck, "-o", self.result)
+        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 4 or process.poll() is not None)
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=LONG)
+        newest = self.parts / f"checkpoint-{self.checkpoints()[0]}.h5"
+        means = self.info(self.result)
+        with h5py.File(newest) as file:
+            self.assertEqual(list(file["summary/disks"]), [])
+            self.assertNotIn("fastest", file["summary"])
+            self.assertEqual(file["summary/disks"].attrs["count"], MANY)
+            omega = self.check_many(means, file)
+        page, _ = self.run_ok("info", newest)
+        self.assertRegex(page, f"means of {MANY} free disks over time .*: the result will have them, and info --json computes them now")
+        self.run_ok("measure", newest, "--csv", self.folder)
+        with open(self.folder / "means.csv", encoding="utf-8") as file:
+            table = list(csv.DictReader(file))
+        numpy.testing.assert_allclose([float(row["omega"]) for row in table], omega, rtol=1e-14)
+        self.run_ok("view", newest, "-o", self.folder / "page.html")
+        deck_told, _ = self.run_ok("info", newest, "--deck")
+        self.assertIn("packings", deck_told)
+        # a deck that cannot be read again takes no more than the means away
+        with changed(newest) as file:
+            del file["parameters/deck_full"]
+            file["parameters/deck_full"] = "nonsense"
+        status, page, err = run("info", "--json", newest)
+        self.assertEqual((status, "energy" in json.loads(page), json.loads(page)["means"]), (0, True, None), err)
+        self.assertIn("the means of every disk cannot be told", err)
+        self.run_ok("run", deck, "--quiet", "--force", "-D", "phases.go.steps=20", "-o", self.result)
+        with h5py.File(self.result) as file:
+            d = {name: file["summary/disks"][name][:] for name in file["summary/disks"]}
+            totals = dict(file["summary/disks"].attrs)
+            self.check_many({**d, "bins": totals["bins"], "totals": totals}, file)
+        pages = {run("measure", self.result, "--json", env={**os.environ, "OMP_NUM_THREADS": str(n)}) for n in (1, 2, 5)}
+        self.assertEqual([status for status, _, _ in pages], [0])  # one page, whatever the threads
 
     def test_sweep(self):
         """The totals are columns of the tables; without drive nothing turns and nothing is injected."""

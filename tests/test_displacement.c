@@ -40,7 +40,8 @@ static sd_simulation *start_threads(sd_model *m, int threads) {
   sd_simulation *first = system_start(m), *s = NULL;
   sd_simulation_free(first);
   assert_int_equal(
-      simulation_new(m, threads, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, &s, NULL), SD_OK);
+      simulation_new(m, threads, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, &s, NULL),
+      SD_OK);
   return s;
 }
 
@@ -119,9 +120,9 @@ static void forms_of_the_step(void **unused) {
       const sd_state *wide = sd_simulation_state(together[i]);
       for (int threads = 1; threads <= (i == 1 ? 2 : 1); threads++) { /* 1: in a lane, 2: the general step */
         sd_simulation *alone;
-        assert_int_equal(
-            simulation_new(model[i], 1, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE, &alone, NULL),
-            SD_OK);
+        assert_int_equal(simulation_new(model[i], 1, threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE,
+                                        NULL, &alone, NULL),
+                         SD_OK);
         system_advance(alone, STEPS);
         const sd_field *f = sd_state_difference(sd_simulation_state(alone), wide);
         if (f) fail_msg("%s, %s, %d: %s differs", integrators[k], limits[i], threads, f->name);

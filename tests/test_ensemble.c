@@ -149,6 +149,15 @@ static void rough(void **unused) {
       {.deck = "collisions/two_disks.cfg",
        .key = {"disks[0].vx", "materials[0].k_n"},
        .value = {{"0.5", "1", "3"}, {"1e4", "1e5", "3e4"}}},
+      {.deck = "collisions/disk_wall.cfg",
+       .key = {"disks[0].vx", "materials[0].k_n", "walls[0].points"},
+       .value = {{"0.5", "1", "3"},
+                 {"1e4", "1e5", "3e4"},
+                 {"((-1, 0), (1, 0))", "((1, 0.02), (-1, -0.01))"}}},
+      {.deck = "epo/asymmetric.cfg",
+       .common = {"phases[0].steps=500"},
+       .key = {"motions[*].amplitude", "disks[0].mass", "walls[0].type"},
+       .value = {{"0.01", "0.03"}, {"0.1", "0.12"}, {"line", "segment", "line"}}},
   };
   for (size_t d = 0; d < sizeof decks / sizeof *decks; d++) {
     assert_true(same(&decks[d], 7, one_piece) > 1);

@@ -4,7 +4,7 @@
 - A floor with rooms: a file includes only headers of its own room or of rooms below, so that no circle runs through two.
 - Files outside a room with doors include its doors only.
 - A public header includes public headers and the C library only.
-- libconfig, HDF5, MPI and Qhull are each seen by the files of one name only.
+- libconfig, HDF5, MPI and Zoltan are each seen by the files of one name only.
 - `work` is the engine's own: outside physics/ nothing reaches into it (physics/step/access.h is the door).
 - Nothing below app/ ends the process.
 - No source file and no test has 600 lines or more.
@@ -20,12 +20,12 @@ SRC = ROOT / "src"
 ROOMS = {"physics": ["system", "contact", "neighbours", "motion", "step", "small"], "io": ["store", "results", "deck"]}
 # Headers of a room that files outside may include.
 DOORS = {"io/deck": ["deck"], "io/store": ["file", "folder", "h5"],
-         "io/results": ["checkpoint", "frames", "merge", "provenance", "record", "summary"],
+         "io/results": ["checkpoint", "frames", "merge", "provenance", "record", "record_share", "summary"],
          "app/check": [], "app/export": [], "app/measure": ["measure"], "app/sweep": ["sweep"], "app/theory": [],
          "app/view": ["live"]}
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
 ONLY = {"libconfig.h": "io/deck/", "hdf5.h": "io/store/h5", "hdf5_hl.h": "io/store/h5", "mpi.h": "base/comm",
-        "libqhull_r/libqhull_r.h": "measure/cells"}
+        "zoltan.h": "base/comm_cuts"}
 LINES = 600
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
 ENDS = re.compile(r"\b(?:exit|_exit|_Exit|quick_exit|abort)\s*\(")

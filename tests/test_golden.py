@@ -72,7 +72,7 @@ class Golden(unittest.TestCase):
             for name in (*golden.BODIES, "id"):
                 state[name][...] = file["state"][name][()][by_body]
             for name in state:
-                if name.startswith("contact_"):
+                if name.startswith("contact_") and len(file["state"][name]):
                     state[name][...] = file["state"][name][()][by_contact]
             state["another"] = numpy.arange(3.0)
             self.assertEqual(golden.trajectory_hash(state), golden.trajectory_hash(file["state"]))

@@ -25,7 +25,7 @@ static sd_simulation *start(const char *deck, const char *const *overrides, size
   sd_messages *m = sd_messages_new();
   sd_simulation *sim = NULL;
   if (sd_deck_load(path, n, overrides, model, m) != SD_OK ||
-      simulation_new(*model, 1, step, &sim, m) != SD_OK)
+      simulation_new(*model, 1, step, NULL, &sim, m) != SD_OK)
     sd_messages_print(m, stderr);
   sd_messages_free(m);
   assert_non_null(sim);
@@ -77,21 +77,94 @@ static void collision(void **state) {
   for (size_t k = 0; k < 2; k++) compare("collisions/two_disks.cfg", integrators[k], NULL, 0, 3000);
 }
 
+static void compare_text(const char *deck, const char *what, int64_t steps) {
+  for (size_t i = 0; i < 2; i++) {
+    sd_simulation *sim[2];
+    sd_model *model[2];
+    for (int k = 0; k < 2; k++) {
+      sd_messages *m = sd_messages_new();
+      sim[k] = NULL;
+      if (sd_deck_load_text(deck, "deck", 1, &integrators[i], &model[k], m) != SD_OK ||
+          simulation_new(model[k], 1, steps_to_take[k], NULL, &sim[k], m) != SD_OK)
+        sd_messages_print(m, stderr);
+      sd_messages_free(m);
+      assert_non_null(sim[k]);
+      assert_int_equal(simulation_is_small(sim[k]), k == 0);
+    }
+    for (int64_t done = 0; done < steps; done += steps / 10) {
+      for (int k = 0; k < 2; k++) assert_int_equal(sd_simulation_advance(sim[k], steps / 10, NULL), SD_OK);
+      const sd_field *f = sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
+      if (f) fail_msg("%s, %s: %s differs", what, integrators[i], f->name);
+    }
+    const sd_energy e = sd_simulation_energy(sim[0]);
+    print_message("  %s, %s: friction %.2g, opening %.2g, viscous %.2g\n", what, integrators[i], e.friction,
+                  e.opening, e.viscous);
+    assert_true(e.friction > 0 && e.opening > 0 && e.viscous > 0);
+    for (int k = 0; k < 2; k++) {
+      sd_simulation_free(sim[k]);
+      sd_model_free(model[k]);
+    }
+  }
+}
+
+/* Lines and segments: a block on a shaken table; disks that bounce, roll around ends and fly off, between disks, drums and walls. */
+static void straight_walls(void **state) {
+  (void)state;
+  const char *shortened[] = {"phases[0].steps=3000"};
+  for (size_t k = 0; k < 2; k++) {
+    compare("epo/symmetric.cfg", integrators[k], shortened, 1, 40000);
+    compare("epo/asymmetric.cfg", integrators[k], shortened, 1, 40000);
+    compare("collisions/disk_wall.cfg", integrators[k], NULL, 0, 25000);
+  }
+#define MATERIAL                                                                                             \
+  "materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } ); gravity = { g = 9.81; "   \
+  "};\n"
+#define HERTZ                                                                                                \
+  "materials = ( { name = \"m\"; law = \"hertz\"; k_n = 1e5; k_t = 5e3; restitution = 0.7; mu = 0.4; } ); "  \
+  "gravity = { g = 9.81; };\n"
+  static const char off_the_end[] = "dt = 1e-5; time = 10; disks = ( { x = 0; y = 0.3; vx = 1; omega = 20; "
+                                    "radius = 0.1; density = 3; } );\n"
+                                    "walls = ( { name = \"shelf\"; type = \"segment\"; points = ((0.3, 0), "
+                                    "(-0.05, 0.02)); }, { name = \"floor\"; type = \"line\"; "
+                                    "points = ((1, -0.4), (0, -0.4)); } );\n"
+                                    "motions = ( { wall = \"shelf\"; coordinate = (\"x\", \"y\"); type = "
+                                    "\"harmonic\"; amplitude = 0.003; frequency = 30; } );\n";
+  static const char company[] =
+      "dt = 1e-5; time = 10; disks = ( { x = 0; y = 0.05; vx = -1; omega = 300; radius = 0.1; density = 3; "
+      "},\n"
+      "{ x = 0.21; y = 0.12; omega = -100; radius = 0.1; density = 3; }, { x = -0.3; y = -0.3; radius = "
+      "0.15; density = 3; fixed = true; } );\n"
+      "walls = ( { name = \"drum\"; type = \"circle\"; center = (0, 0); radius = 0.5; side = \"inside\"; },\n"
+      "{ name = \"slope\"; type = \"line\"; points = ((0, -0.3), (1, 0.1)); } );\n"
+      "motions = ( { wall = \"drum\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 4; }, { wall = "
+      "\"slope\"; coordinate = "
+      "\"y\"; type = \"random\"; amplitude = 2e-3; frequency = 20; } );\n";
+  static const char *const decks[] = {off_the_end, company}, *const laws[] = {MATERIAL, HERTZ};
+  for (int d = 0; d < 2; d++)
+    for (int law = 0; law < 2; law++)
+      for (int variant = 0; variant < 2; variant++) {
+        char deck[2000];
+        snprintf(deck, sizeof deck, "%scontact_variant = \"%s\";\n%s", laws[law],
+                 variant ? "conservative" : "paper", decks[d]);
+        compare_text(deck, d ? "company" : "off the end", 60000);
+      }
+}
+
 /* Where too large an overlap ends the run: the same step, message, losses and coordinates; the derivatives are
  * those of the next step's predictor. */
 static void an_overlap_ends_both_alike(void **state) {
   (void)state;
-  const char *decks[] = {"collisions/two_disks.cfg", "three_disk/random.cfg"};
+  const char *decks[] = {"collisions/two_disks.cfg", "three_disk/random.cfg", "collisions/disk_wall.cfg"};
   const char *gone[] = {"x2", "y2", "theta2", "x3", "y3", "theta3",
                         "x4", "y4", "theta4", "x5", "y5", "theta5"};
-  for (size_t c = 0; c < 4; c++) {
+  for (size_t c = 0; c < 6; c++) {
     const char *more[] = {integrators[c % 2], "max_overlap=2e-5", "dt=1e-5", "gravity.g=1e-6"};
     sd_model *model[2];
     sd_simulation *sim[2];
     char text[2][256];
     for (int k = 0; k < 2; k++) {
-      sim[k] = start(decks[c / 2], more, c / 2 ? 4 : 3, steps_to_take[k], &model[k]);
-      if (c / 2) model[k]->max_overlap = 1e-12; /* the supports shake it deeper than gravity does */
+      sim[k] = start(decks[c / 2], more, c / 2 == 1 ? 4 : 3, steps_to_take[k], &model[k]);
+      if (c / 2 == 1) model[k]->max_overlap = 1e-12; /* the supports shake it deeper than gravity does */
       sd_messages *m = sd_messages_new();
       assert_int_equal(sd_simulation_advance(sim[k], 100000, m), SD_ERROR_NUMERIC);
       assert_int_equal(sd_messages_count(m), 1);
@@ -141,8 +214,11 @@ static void not_finite(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(three_disks), cmocka_unit_test(rough), cmocka_unit_test(collision),
-      cmocka_unit_test(an_overlap_ends_both_alike), cmocka_unit_test(not_finite)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(three_disks),
+                                     cmocka_unit_test(rough),
+                                     cmocka_unit_test(collision),
+                                     cmocka_unit_test(straight_walls),
+                                     cmocka_unit_test(an_overlap_ends_both_alike),
+                                     cmocka_unit_test(not_finite)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,6 +12,22 @@
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/walls.h"
 
+/* A zigzag and a star of many segments across the box and beyond it, and pegs. */
+static void add_long_walls(text *t, double w, double h) {
+  enum { TEETH = 90, PEGS = 12 };
+  text_add(t, ", { type = \"polyline\"; points = (");
+  for (int k = 0; k < TEETH; k++)
+    text_add(t, "%s(%.6g, %.6g)", k ? ", " : "", -0.5 + 1.3 * w * k / TEETH, 2 + h * (0.3 + 0.02 * (k % 3)));
+  text_add(t, "); }, { type = \"polyline\"; closed = true; points = (");
+  for (int k = 0; k < TEETH; k++)
+    text_add(t, "%s(%.6g, %.6g)", k ? ", " : "", (0.3 + 0.4 * (k % 2)) * w * cos(0.0698 * k) + 0.4 * w - 0.3,
+             2 + h * (0.5 + (0.3 + 0.4 * (k % 2)) * sin(0.0698 * k)));
+  text_add(t, "); }");
+  for (int k = 0; k < PEGS; k++)
+    text_add(t, ", { type = \"circle\"; center = (%.6g, %.6g); radius = %.6g; side = \"outside\"; }",
+             w * k / PEGS - 0.3, 2 + 0.7 * h, 0.002 * (k + 1));
+}
+
 /* n disks at random in a w by h box, overlapping or not; some fixed, some on the edges of cells and of the box. A
  * deck would refuse them, so they are put there afterwards. */
 static sd_model *scattered(int n, double w, double h, double spread, int periodic, bool walls,
@@ -21,7 +37,7 @@ static sd_model *scattered(int n, double w, double h, double spread, int periodi
                "0.5; } ); steps = 1000;\n"
                "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"fixed\"); mass = 1; rows = (");
   for (int k = 0; k < n; k++)
-    text_add(&t, "%s(%d, 99, %.6g, %s)", k ? ", " : "", k, 0.016 * pow(spread, next_uniform(&seed)),
+    text_add(&t, "%s(%d, 9999, %.6g, %s)", k ? ", " : "", 4 * k, 0.016 * pow(spread, next_uniform(&seed)),
              k % 5 == 4 ? "true" : "false");
   text_add(&t, "); } );\n");
   if (walls)
@@ -30,7 +46,9 @@ static sd_model *scattered(int n, double w, double h, double spread, int periodi
                  "{ type = \"polyline\"; closed = true; points = ((0.1, 2.1), (0.5, 2.2), (0.4, 2.6), (0.2, "
                  "2.3)); },\n"
                  "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.2; side = \"outside\"; },\n"
-                 "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.45; side = \"outside\"; } );\n");
+                 "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.45; side = \"outside\"; }");
+  if (walls && spread > 10.0) add_long_walls(&t, w, h);
+  if (walls) text_add(&t, " );\n");
   sd_model *m = model_of(t.s);
   free(t.s);
   m->max_overlap = 1e9;
@@ -131,8 +149,31 @@ static void lists_equal_brute_force(void **unused) {
   assert_true(total > 10000);
 }
 
+/* Radii over two decades, and one disk 100 times as large as the others, free or prescribed: levels of few cells, disks
+ * that are larger than rows of the others' cells, walls of many segments. */
+static void lists_of_all_sizes_equal_brute_force(void **unused) {
+  (void)unused;
+  const double shapes[][2] = {{4, 4}, {9, 7}, {7.9, 30}, {30, 8}, {0.5, 0.6}};
+  size_t total = 0;
+  for (int c = 0; c < 5 * 4 * 2 * 3; c++) {
+    const double *shape = shapes[c % 5];
+    const int kind = c / 40; /* 0: two decades; 1: a large free disk; 2: a large prescribed one */
+    sd_model *model = scattered(150, shape[0], shape[1], 100, c / 5 % 4, c / 20 % 2, 7000 + (uint64_t)c);
+    for (size_t k = 0; kind > 0 && k < model->n_disks; k++) {
+      const bool large = k == (kind == 1 ? 3 : 4);
+      model->disks[k].radius = large ? 1.6 : 0.016 + 0.0001 * (double)(k % 50);
+    }
+    sd_simulation *sim = begin_run(model, 1);
+    total += check_lists(sim);
+    sd_simulation_free(sim);
+    sd_model_free(model);
+  }
+  print_message("  %zu pairs\n", total);
+  assert_true(total > 10000);
+}
+
 /* The record of every closed pair, its side and sliding, by its bodies. */
-enum { REMEMBERED = SD_CONTACT_COLUMNS + 2 };
+enum { REMEMBERED = SD_CONTACT_ALL + 2 };
 static size_t remember(const engine *e, double (*memory)[REMEMBERED], uint32_t (*key)[3]) {
   const pairs *p = &e->work.pairs;
   size_t n = 0;
@@ -254,6 +295,7 @@ static void what_a_jump_drops_does_not_depend_on_the_skin(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(lists_equal_brute_force),
+      cmocka_unit_test(lists_of_all_sizes_equal_brute_force),
       cmocka_unit_test(rebuilds_carry_the_memory),
       cmocka_unit_test(no_contact_is_missed_between_builds),
       cmocka_unit_test(what_a_jump_drops_does_not_depend_on_the_skin),

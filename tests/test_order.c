@@ -112,11 +112,84 @@ static void the_way_does_not_matter(void **unused) {
   }
 }
 
+/* --- disks of all sizes --------------------------------------------------------------------------------- */
+
+/* Radii over a decade and a half, and one disk as large as forty, on a shaken floor of many segments. */
+static sd_model *mixture(const char *integrator) {
+  text t = {0};
+  text_add(&t,
+           "dt = 2e-3; seed = 3; integrator = \"%s\"; gravity = { g = 1; };\n"
+           "materials = ( { name = \"a\"; k_n = 3e3; k_t = 1.5e3; gamma_n = 40; mu = 0.5; } );\n"
+           "disks = ( { x = 0; y = 45; radius = 40; mass = 5000; } );\n"
+           "packings = ( { type = \"front\"; count = 1300; density = 1; sizes = \"powerlaw\"; lower = 1; "
+           "upper = 30;\n"
+           "  exponent = 3; x = (-100, 100); y = (0, 400); } );\n"
+           "walls = ( { type = \"line\"; points = ((-100, 1), (-100, 0)); }, { type = \"line\"; points = "
+           "((100, 0), "
+           "(100, 1)); },\n{ name = \"floor\"; type = \"polyline\"; points = (",
+           integrator);
+  for (int k = 0; k <= 400; k++) text_add(&t, "%s(%.9g, %.9g)", k ? ", " : "", 0.5 * k - 100, -0.2 * (k % 3));
+  text_add(
+      &t,
+      "); } );\nmotions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; "
+      "frequency = 1; },\n{ wall = \"floor\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.01; "
+      "frequency = 0.7; } );\n"
+      "phases = ( { steps = 400; }, { steps = 300; }, { steps = 300; } );\n");
+  sd_model *model = model_of(t.s);
+  free(t.s);
+  return model;
+}
+
+static uint64_t hash_of_mixture(const char *integrator, int threads, bool rebuild, const char *path) {
+  if (path) setenv("SLIPDISK_PATH", path, 1);
+  sd_model *model = mixture(integrator);
+  sd_simulation *sim = begin_run(model, threads);
+  unsetenv("SLIPDISK_PATH");
+  for (int k = 0; k < BRIEF(16, 4); k++) {
+    advance(sim, 25);
+    if (rebuild) assert_int_equal(sd_simulation_rebuild(sim, NULL), SD_OK);
+  }
+  const uint64_t hash = sd_state_hash(sd_simulation_state(sim));
+  sd_simulation_free(sim);
+  sd_model_free(model);
+  return hash;
+}
+
+static void all_sizes_have_the_same_bits_however_they_are_run(void **unused) {
+  (void)unused;
+  const char *const integrators[] = {"verlet", "gear5"};
+  for (int g = 0; g < 2; g++) {
+    const uint64_t hash = hash_of_mixture(integrators[g], 1, false, NULL);
+    assert_true(hash_of_mixture(integrators[g], 2, false, NULL) == hash);
+    assert_true(hash_of_mixture(integrators[g], 3, true, NULL) == hash);
+    assert_true(hash_of_mixture(integrators[g], 1, true, "baseline") == hash);
+  }
+}
+
+/* Slots go by size, each size by place: those of the largest disks are the last. */
+static void large_disks_stand_last(void **unused) {
+  (void)unused;
+  sd_model *model = mixture("verlet");
+  sd_simulation *sim = begin_run(model, 1);
+  const sd_state *s = sd_simulation_state(sim);
+  double most = 0.0;
+  for (size_t i = 0; i < s->n_free; i++) {
+    assert_true(s->radius[i] > most / 4.0);
+    most = s->radius[i] > most ? s->radius[i] : most;
+  }
+  assert_true(s->radius[s->n_free - 1] == 40.0 || s->radius[s->n_free - 1] > 10.0);
+  assert_true(s->radius[0] < 40.0 / 16.0);
+  sd_simulation_free(sim);
+  sd_model_free(model);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(neighbours_stand_side_by_side),
       cmocka_unit_test(numbers_are_names),
       cmocka_unit_test(the_way_does_not_matter),
+      cmocka_unit_test(large_disks_stand_last),
+      cmocka_unit_test(all_sizes_have_the_same_bits_however_they_are_run),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

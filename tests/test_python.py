@@ -4,6 +4,7 @@ import gc
 import os
 import pathlib
 import pickle
+import re
 import sys
 import tempfile
 import threading
@@ -156,6 +157,21 @@ class Stepping(unittest.TestCase):
         a.advance(10)
         self.assertEqual(a.step, 101_000)
 
+    def test_extents_are_those_of_the_header(self):
+        header = (ROOT / "include/slipdisk/state.h").read_text()
+        names = re.findall(r"\bSD_(PER_\w+)\b", header[header.index("typedef enum sd_extent"):header.index("SD_EXTENTS")])
+        self.assertEqual([getattr(lib, name) for name in names], list(range(len(names))))
+
+    def test_fields(self):
+        deck = {**FREE, "integrator": "verlet", "fields": {"air": {"type": "drag", "gamma": 1.0},
+                                                           "pull": {"type": "central", "strength": 0.1}}}
+        s = slipdisk.Simulation(deck, disks={"x": [0.0, 3.0], "y": [0.0, 0.0], "radius": 1, "mass": 1, "vx": [1.0, 2.0]})
+        s.advance(500)
+        x, v = s.disks["x"], s.disks["vx"]
+        np.testing.assert_allclose(s.columns["field_x"], -v - 0.1 * x, rtol=1e-12)
+        self.assertAlmostEqual(s.energy["drag"], s.disks["loss_drag"].sum(), delta=1e-12)
+        self.assertEqual(len(slipdisk.Simulation(FREE, disks={"x": [0.0], "y": [0.0], "radius": 1, "mass": 1}).columns["field_x"]), 0)
+
     def test_often(self):
         """The short way of calls that repeat each other: same bits, errors, warnings; nothing breaks when only it is left."""
         a, b = ratchet(), ratchet()
@@ -273,8 +289,9 @@ class Reading(unittest.TestCase):
         s = ratchet()
         s.advance(5000)
         e = s.energy
-        closed = (e.kinetic_translation + e.kinetic_rotation + e.elastic_normal + e.elastic_tangential + e.external - e.start
-                  - e.work - e.nonconservative_work + e.viscous + e.friction + e.opening + e.relaxed)
+        closed = (e.kinetic_translation + e.kinetic_rotation + e.elastic_normal + e.elastic_tangential + e.elastic_rolling
+                  + e.cohesion + e.external - e.start - e.work - e.nonconservative_work + e.viscous + e.friction + e.rolling
+                  + e.bridge + e.opening + e.drag + e.damping + e.relaxed)
         self.assertAlmostEqual(closed, e.residual, 12)
         self.assertEqual(e["work"], e.work)
         self.assertLess(abs(e.residual), 1e-6 * e.scale)

@@ -122,7 +122,7 @@ static void test_booked(void **unused) {
     advance(sim, 40);
     sd_state *before = copy_of(m, sd_simulation_state(sim));
     sd_energy old = sd_simulation_energy(sim);
-    relax_step(engine_of(sim), &(team){0, 1}, &team_sums);
+    relax_step(engine_of(sim), &(team){.size = 1}, &team_sums);
     const sd_state *s = sd_simulation_state(sim);
     sd_energy new = sd_simulation_energy(sim);
     double taken = kinetic(&old) - kinetic(&new);
@@ -159,7 +159,7 @@ static void test_out_of_play(void **unused) {
   bodies_fill_constants(engine_of(sim));
   double kept = s->vx[5], lost = s->vx[6];
   relax_sums team_sums;
-  relax_step(engine_of(sim), &(team){0, 1}, &team_sums);
+  relax_step(engine_of(sim), &(team){.size = 1}, &team_sums);
   assert_true(s->vx[5] == kept && s->vx[6] != lost);
   end_run(sim, m);
 }

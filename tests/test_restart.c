@@ -10,7 +10,7 @@
 
 #include "deck_runs.h"
 
-enum { DECKS = 5, MOST = 2600 };
+enum { DECKS = 7, MOST = 2600 };
 
 #define MATERIAL                                                                                             \
   "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; }, { name = \"b\"; k_n = "     \
@@ -119,8 +119,70 @@ static void carpet(text *t) {
               "phases = ( { steps = 100000; measure = true; } );\n");
 }
 
-static void (*const decks[DECKS])(text *t) = {supports, gas, packing, hills, carpet};
-static const char *const deck_names[DECKS] = {"supports", "gas", "packing", "hills", "carpet"};
+/* Surfaces that run, of walls of every shape, switched on and off; arcs that move and turn, with disks on their ends. */
+static void belts(text *t) {
+  text_add(
+      t, "dt = 2e-5; gravity = { g = 9.81; };\n" MATERIAL
+         "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; material = \"a\"; rows = (");
+  add_lattice(t, 53, 9, -0.17, 0.03, 0.042, 0.02, 5);
+  text_add(
+      t, "); } );\nwalls = ( { name = \"belt\"; type = \"segment\"; material = \"b\"; points = ((-0.3, "
+         "-0.01), (-0.05, -0.01)); },\n"
+         "{ name = \"bowl\"; type = \"arc\"; material = \"b\"; center = (0.05, 0.19); radius = 0.2; from = "
+         "-1.9; to = -1.2; },\n"
+         "{ name = \"floor\"; type = \"line\"; material = \"a\"; points = ((-1, -0.07), (1, -0.07)); },\n"
+         "{ name = \"ring\"; type = \"arc\"; material = \"b\"; center = (0.19, -0.035); radius = 0.03; from "
+         "= 0; to = \"2 pi\"; },\n"
+         "{ name = \"drum\"; type = \"circle\"; material = \"b\"; center = (0, 0.2); radius = 0.5; side = "
+         "\"inside\"; } );\n"
+         "motions = ( { name = \"run\"; wall = (\"belt\", \"ring\", \"drum\"); coordinate = \"surface\"; "
+         "type = \"velocity\"; "
+         "velocity = 40; ramp = 0.01; },\n"
+         "{ name = \"to and fro\"; wall = (\"belt\", \"floor\"); coordinate = \"surface\"; type = "
+         "\"harmonic\"; amplitude = "
+         "3e-3; frequency = 80; },\n"
+         "{ wall = (\"bowl\", \"belt\"); coordinate = \"surface\"; type = \"random\"; amplitude = 2e-4; "
+         "frequency = 70; },\n"
+         "{ wall = \"bowl\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; frequency = 90; },\n"
+         "{ wall = (\"bowl\", \"ring\"); coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.6; "
+         "frequency = 4; } );\n"
+         "phases = ( { steps = 700; motions = [\"run\"]; }, { steps = 500; }, { steps = 300; motions = [\"to "
+         "and fro\"]; }, "
+         "{ steps = 100000; measure = true; } );\n"
+         "measure = { rotation = (0, 11, 30); };\n");
+}
+
+/* Clumps fly, turn, wrap and collide, across both edges; a plate of three disks is driven along x and free along y; then all
+ * are braked. */
+static void dimers(text *t) {
+  uint64_t seed = 5;
+  text_add(t,
+           "dt = 5e-5; box = { x = (0, 1); y = (-0.5, 0.5); periodic = \"xy\"; };\n" MATERIAL
+           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3; material = \"a\"; rows = (");
+  for (int k = 0; k < 20; k++) {
+    const double x = 0.1 + 0.2 * (k % 5), y = -0.49 + 0.21 * (k / 5);
+    text_add(t, "%s(%.4f, %.4f, 0.05), (%.4f, %.4f, %.4f)", k ? ", " : "", x, y, x + 0.04, y + 0.05 * (k % 3),
+             0.02 + 0.02 * next_uniform(&seed));
+  }
+  text_add(t, "); }, { columns = (\"x\", \"y\"); radius = 0.03; mass = 0.1; group = \"plate\"; material = "
+              "\"b\"; rows = "
+              "((0.94, 0.43), (0.99, 0.43), (0.04, 0.43)); } );\nclumps = ( ");
+  for (int k = 0; k < 20; k++)
+    text_add(t, "{ disk = (%d, %d); force = (%d, 0); velocity = (%.4f, %.4f); omega = %.4f; },\n", 2 * k,
+             2 * k + 1, k < 2 ? 2 - 4 * k : 0, 2 * next_uniform(&seed) - 1, 2 * next_uniform(&seed) - 1,
+             k == 3 ? 0.0 : 200 * next_uniform(&seed) - 100);
+  text_add(
+      t,
+      "{ name = \"plate\"; group = \"plate\"; mass = 2; locked = \"theta\"; force = (0, -5); } );\n"
+      "motions = ( { clump = \"plate\"; coordinate = \"x\"; type = \"velocity\"; velocity = 4; },\n"
+      "{ clump = 3; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 5; omega = 300; } );\n"
+      "phases = ( { steps = 1000; }, { steps = 1200; measure = true; }, { steps = 100000; relax = true; } ); "
+      "measure = { rotation = (0, 3, 7); disks = true; };\n");
+}
+
+static void (*const decks[DECKS])(text *t) = {supports, gas, packing, hills, carpet, belts, dimers};
+static const char *const deck_names[DECKS] = {"supports", "gas",   "packing", "hills",
+                                              "carpet",   "belts", "dimers"};
 
 static sd_model *deck(int d, int integrator, const char *more) {
   text t = {0};

@@ -119,8 +119,9 @@ class Layout(Folder):
         o = {name: item["value"][()] for name, item in self.file["observables"].items()
              if isinstance(item, h5py.Group)}
         residual = (o["kinetic_translation"] + o["kinetic_rotation"] + o["elastic_normal"] + o["elastic_tangential"] +
-                    o["external"] - o["start"] - o["work"] - o["nonconservative_work"] + o["viscous"] + o["friction"] +
-                    o["opening"])
+                    o["elastic_rolling"] + o["cohesion"] + o["external"] - o["start"] - o["work"] -
+                    o["nonconservative_work"] + o["viscous"] + o["friction"] + o["rolling"] + o["bridge"] + o["opening"] +
+                    o["drag"] + o["damping"])
         numpy.testing.assert_allclose(residual, o["residual"], atol=1e-12)
 
     def test_every_column_has_a_unit(self):

@@ -4,15 +4,13 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <unistd.h>
+#include <pthread.h>
+#include <stdatomic.h>
 
 #include <cmocka.h>
 
+#include "base/team.h"
 #include "deck_runs.h"
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 /* n disks in a shaken, tilted box with a turning knob; periodic in x or not. */
 static sd_model *packing(int n, int wide, const char *integrator, bool periodic) {
@@ -122,26 +120,87 @@ static void small_packings_do_not_depend_on_the_threads(void **unused) {
   }
 }
 
-/* Fewer threads than asked for, as inside a parallel region or under a limit: all disks are moved all the same. */
+/* Fewer threads than asked for, as under a limit: all disks are moved all the same. */
 static void fewer_threads_than_asked_for_do_all_the_work(void **unused) {
   (void)unused;
-#ifdef _OPENMP
   sd_model *model = packing(61, 9, "gear5", false);
   sd_simulation *one = begin_run(model, 1), *many = begin_run(model, 4);
+  engine *e = engine_of(many);
+  pool_free(e->pool);
+  e->pool = pool_new(2);
   advance(one, 400);
-  omp_set_max_active_levels(1);
-  sd_status status = SD_OK;
-#pragma omp parallel num_threads(2)
-  {
-#pragma omp master
-    status = sd_simulation_advance(many, 400, NULL);
-  }
-  assert_int_equal(status, SD_OK);
-  same_states(sd_simulation_state(one), sd_simulation_state(many), "inside a parallel region");
+  advance(many, 400);
+  same_states(sd_simulation_state(one), sd_simulation_state(many), "two threads of four");
   sd_simulation_free(one);
   sd_simulation_free(many);
   sd_model_free(model);
-#endif
+}
+
+static atomic_bool busy;
+static void *keep_busy(void *unused) {
+  while (atomic_load(&busy)) {}
+  return unused;
+}
+
+static void *advance_alone(void *with) {
+  advance(with, 100);
+  return NULL;
+}
+
+/* Many more threads than cores, beside others that want them, too: all wait for some that do not run, and get on. */
+static void threads_beside_others_get_on(void **unused) {
+  (void)unused;
+  enum { N = 3, THREADS = 4 };
+  sd_model *model = packing(301, 25, "verlet", false);
+  sd_simulation *one = begin_run(model, 1), *many[N];
+  pthread_t other[N], leader[N];
+  advance(one, 100);
+  atomic_store(&busy, true);
+  for (int k = 0; k < N; k++) {
+    many[k] = begin_run(model, THREADS);
+    assert_int_equal(pthread_create(&other[k], NULL, keep_busy, NULL), 0);
+  }
+  for (int k = 0; k < N; k++) assert_int_equal(pthread_create(&leader[k], NULL, advance_alone, many[k]), 0);
+  for (int k = 0; k < N; k++) pthread_join(leader[k], NULL);
+  atomic_store(&busy, false);
+  for (int k = 0; k < N; k++) {
+    pthread_join(other[k], NULL);
+    same_states(sd_simulation_state(one), sd_simulation_state(many[k]), "beside others");
+    sd_simulation_free(many[k]);
+  }
+  sd_simulation_free(one);
+  sd_model_free(model);
+}
+
+static void add_one(const team *t, void *with) {
+  int *count = with;
+  for (int k = 0; k < 60; k++) { /* in turn */
+    if (k % t->size == t->rank) ++*count;
+    team_wait(t);
+  }
+}
+
+static void add_within(const team *t, void *with) {
+  add_one(t, with);
+  if (t->rank > 0) {
+    team_help(t);
+  } else {
+    team_lead(t);
+    for (int k = 0; k < 3; k++) pool_run(t->pool, add_one, with);
+    team_release(t);
+  }
+  add_one(t, with);
+}
+
+static void tasks_within_tasks_are_done_by_all(void **unused) {
+  (void)unused;
+  for (int threads = 1; threads <= 5; threads++) {
+    pool *c = pool_new(threads);
+    int count = 0;
+    for (int k = 0; k < 2; k++) pool_run(c, add_within, &count);
+    pool_free(c);
+    assert_int_equal(count, 600);
+  }
 }
 
 /* Resumed on another number of threads, again and again. */
@@ -160,18 +219,14 @@ static void threads_may_change_on_the_way(void **unused) {
   sd_model_free(model);
 }
 
-int main(int argc, char **argv) {
-  (void)argc;
-  /* there may be fewer cores than threads: no spinning, which the library must know before it starts */
-  if (!getenv("OMP_WAIT_POLICY")) {
-    setenv("OMP_WAIT_POLICY", "passive", 1);
-    execv("/proc/self/exe", argv);
-  }
+int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(large_packings_do_not_depend_on_the_threads),
       cmocka_unit_test(gases_do_not_depend_on_the_threads),
       cmocka_unit_test(small_packings_do_not_depend_on_the_threads),
       cmocka_unit_test(fewer_threads_than_asked_for_do_all_the_work),
+      cmocka_unit_test(threads_beside_others_get_on),
+      cmocka_unit_test(tasks_within_tasks_are_done_by_all),
       cmocka_unit_test(threads_may_change_on_the_way),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

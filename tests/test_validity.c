@@ -217,7 +217,7 @@ static void faults_of_steps(void **unused) {
 
 /* Steps and new lists look by themselves. */
 static void take_a_step(const engine *e) {
-  const team alone = {0, 1};
+  const team alone = {.size = 1};
   step_begin((engine *)(uintptr_t)e, 1);
   step_once((engine *)(uintptr_t)e, &alone);
 }

@@ -5,6 +5,7 @@
 #   tools/compare_peers.sh --sizes 1e3,1e4,1e5,1e6    half an hour and more
 #   tools/compare_peers.sh --three                    instead: one disk on two supports that shake
 #   tools/compare_peers.sh --accuracy                 instead: what the tangential memory keeps, in loops and restarts
+#   tools/compare_peers.sh --laws                     instead: each contact law beside LAMMPS; two minutes, no timing
 #   tools/compare_peers.sh --help                     all options: -o DIR, --repeats N, --only NAME, --keep DIR, ...
 # Installs what is missing of the Debian packages lammps and liggghts (never needed by slipdisk itself) when it is root
 # or can become so, else says which to install and goes on with what is there. --no-install installs and builds nothing. Numbers are worth

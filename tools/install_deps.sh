@@ -4,7 +4,7 @@
 #   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need; --docs is part of it
 #   tools/install_deps.sh --docs    also what makes the documentation site
 #   tools/install_deps.sh --deb     also what makes and checks the .deb
-#   tools/install_deps.sh --mpi     also Open MPI, for builds with -DSLIPDISK_MPI=ON
+#   tools/install_deps.sh --mpi     also Open MPI and Zoltan, for builds with -DSLIPDISK_MPI=ON
 # Several may be given. Needs root (or sudo) only when something is missing.
 set -euo pipefail
 case " $* " in
@@ -12,7 +12,7 @@ case " $* " in
 esac
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
-          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libqhull-dev libmicrohttpd-dev zlib1g-dev)
+          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libmicrohttpd-dev zlib1g-dev)
 site=(python3-sphinx python3-myst-parser python3-breathe doxygen furo python3-sphinx-copybutton libjs-katex fonts-katex
       node-normalize.css python3-numpy python3-h5py python3-matplotlib)
 deb=(dpkg-dev fakeroot lintian)
@@ -21,14 +21,14 @@ for option in "$@"; do
   case "$option" in
     --tests)
       tests=yes
-      packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14 libomp-dev
+      packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14
                  python3 python3-h5py python3-numpy python3-matplotlib hdf5-tools parallel
                  ccache gcovr
                  chromium chromium-driver python3-selenium ffmpeg python3-mdanalysis python3-vtk9 python3-ase lammps
                  poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}") ;;
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;
-    --mpi) packages+=(libopenmpi-dev openmpi-bin) ;;
+    --mpi) packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev) ;;
     *) "$0" --help >&2; exit 2 ;;
   esac
 done

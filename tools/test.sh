@@ -58,12 +58,12 @@ part() {
       build release
       ctest --preset slow -j "$jobs" --stop-time "$(date -d '+25 minutes' +%H:%M:%S)" ;;
     soak) say "Trials that try to lose a result"
-      build release --target slipdisk_program
+      build release
       tools/soak.sh ;;
     coverage) say "Coverage"; tools/soak.sh coverage ;;
     mpi) say "Tests of the build with MPI"
       tools/install_deps.sh --mpi
-      build mpi --target slipdisk_program test_comm
+      build mpi --target slipdisk_program test_comm calls
       ctest --preset mpi -L mpi -j "$jobs" ;;
     *) tools/test.sh --help >&2; exit 2 ;;
   esac

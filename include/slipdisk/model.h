@@ -8,7 +8,8 @@
  * Units are any consistent set; angles are radians, counter-clockwise positive.
  *
  * Bodies have numbers: disk i has number i, in the order in which they were added; wall w has number n_disks + w. Where a
- * wall is meant before all disks are there, sd_model_add_wall's own value, SD_WALL(w), does as well.
+ * wall is meant before all disks are there, sd_model_add_wall's own value, SD_WALL(w), does as well. Motions also take the
+ * number of a clump: n_disks + n_walls + k, or SD_CLUMP(k).
  *
  * Structs that are passed to functions may grow at their end in later versions: set members by name
  * ((sd_disk){.radius = 1, .mass = 1}); what is not named is 0, and 0 is a default.
@@ -29,6 +30,8 @@ extern "C" {
 typedef struct sd_model sd_model;
 
 enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
+/* Things that a motion can move: a coordinate, or the surface of a wall, which runs along it while the wall stays (a belt). */
+enum { SD_SURFACE = 3, SD_MOVED = 4 };
 
 typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
 /* Tangential force on the centres: the paper's tau, or tau (R_a+R_b)/r which derives from the tangential energy. */
@@ -36,15 +39,29 @@ typedef enum sd_variant { SD_PAPER, SD_CONSERVATIVE } sd_variant;
 
 /* Elastic normal force of the overlap: k_n delta, k_n delta^(3/2). */
 typedef enum sd_normal_law { SD_NORMAL_LINEAR, SD_NORMAL_HERTZ, SD_NORMAL_LAWS } sd_normal_law;
+/* Tangential stiffness: k_t, or k_t sqrt(delta). */
+typedef enum sd_tangential_law { SD_TANGENTIAL_SPRING, SD_TANGENTIAL_MINDLIN } sd_tangential_law;
+/* Attraction: none; pull_off at contact, falling to 0 at gap `range`; a capillary bridge from touch to gap `rupture`. */
+typedef enum sd_cohesion_law { SD_COHESION_NONE, SD_COHESION_CONSTANT, SD_COHESION_BRIDGE } sd_cohesion_law;
 
-/* Constants of the contact law for one pair of materials (eq. 2, tau, 36). */
+/* Constants of the contact law for one pair of materials (eq. 2, tau, 36; docs/physics.md 2). */
 typedef struct sd_contact_law {
   double k_n;     /* normal stiffness > 0, force/length; Hertz: force/length^(3/2) */
-  double k_t;     /* tangential stiffness, force/length, >= 0 */
+  double k_t;     /* tangential stiffness, force/length, >= 0; Mindlin: force/length^(3/2) */
   double gamma_n; /* normal viscosity, force time/length, >= 0 */
   double mu;      /* Amonton's coefficient, >= 0 */
   sd_normal_law normal;
-  double restitution; /* Hertz: damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
+  double restitution; /* damping by a coefficient of restitution < 1, besides gamma_n; 0 or 1: none */
+  bool damping_pulls; /* key limit_damping = false: the damping may pull while disks overlap */
+  double mu_kinetic;  /* <= mu, while a contact slides; 0: mu */
+  sd_tangential_law tangential;
+  double gamma_t;      /* tangential viscosity, force time/length, >= 0 */
+  double k_r, gamma_r; /* rolling stiffness, force/length, and viscosity, force time/length; >= 0 */
+  double mu_r;         /* coefficient of rolling friction, >= 0 */
+  sd_cohesion_law cohesion;
+  double pull_off; /* largest attraction, force */
+  double range;    /* constant: gap where it ends, >= 0; bridge: decay length, > 0 */
+  double rupture;  /* bridge: gap at which it breaks, > 0 */
 } sd_contact_law;
 
 typedef struct sd_disk {
@@ -58,13 +75,38 @@ typedef struct sd_disk {
   bool locked[3];               /* this coordinate never changes, whatever pushes (velocity must be 0) */
   bool driven;  /* all three coordinates are prescribed: fixed, or by the motions that name it */
   bool waiting; /* out of play until its rain releases it; position is then where it waits */
+  int clump;    /* 1 + number of the clump that it belongs to, 0: none; set by sd_model_add_clump */
 } sd_disk;
 
-typedef enum sd_wall_kind { SD_WALL_LINE, SD_WALL_SEGMENT, SD_WALL_POLYLINE, SD_WALL_CIRCLE } sd_wall_kind;
+/* Disks that move as one rigid body about its centre of mass; they may overlap one another. Its mass, and the moment of inertia
+ * about the centre, are those of its disks (sum of m, of I + m d^2) unless given; a given mass is shared out among the disks, as theirs are. */
+typedef struct sd_clump {
+  const char *name; /* may be NULL */
+  size_t n_disks;
+  const uint32_t *disks; /* free disks without velocities and locks of their own */
+  double mass, inertia;  /* 0: those of its disks */
+  double velocity[3];    /* of the centre; angular velocity */
+  double force[3]; /* constant body force on the centre, and torque; besides gravity and those of its disks */
+  bool locked[3];  /* this coordinate of the clump never changes */
+  double position[3]; /* filled in: the centre of mass at the start, angle 0 */
+} sd_clump;
+
+typedef enum sd_wall_kind {
+  SD_WALL_LINE,
+  SD_WALL_SEGMENT,
+  SD_WALL_POLYLINE,
+  SD_WALL_CIRCLE,
+  SD_WALL_ARC,
+  SD_WALL_KINDS
+} sd_wall_kind;
 
 /* A wall is a body with a pose (pivot, angle) and a shape given in space at the start.
  * Line: points[0] and points[1] lie on it. Segment: its ends. Polyline: its vertices, closed or not.
- * Circle: the pivot is its centre. Both sides of a line or segment push. */
+ * Circle: the pivot is its centre. Arc: of a circle about `center`, counter-clockwise from the angle `from` to `to`; its
+ * points are filled in, close together, for pictures. Both sides of a line, segment or arc push.
+ *
+ * A motion of the surface (SD_SURFACE) runs along the wall from its first point on the left of this way, and back on the
+ * right, like a belt around it; an arc's way is counter-clockwise; a circle's surface turns counter-clockwise. */
 typedef struct sd_wall {
   const char *name;
   sd_wall_kind kind;
@@ -73,8 +115,10 @@ typedef struct sd_wall {
   size_t n_points;
   double (*points)[2]; /* absolute coordinates at the start */
   bool closed;         /* polyline: the last vertex is joined to the first */
-  double radius;       /* circle: > 0 */
+  double radius;       /* circle, arc: > 0 */
   bool inside;         /* circle: disks live inside (a drum) */
+  double center[2];    /* arc */
+  double from, to;     /* arc: angles, from < to <= from + 2 pi */
 } sd_wall;
 
 typedef enum sd_motion_kind {
@@ -95,7 +139,7 @@ typedef enum sd_motion_kind {
 typedef struct sd_motion {
   const char *name;
   sd_motion_kind kind;
-  int coordinate; /* SD_X, SD_Y, SD_THETA */
+  int coordinate; /* SD_X, SD_Y, SD_THETA; walls also SD_SURFACE */
   size_t n_bodies;
   uint32_t *bodies;   /* body numbers, or SD_WALL(w) */
   double amplitude;   /* waves: A; random: rms displacement; table: factor */
@@ -117,6 +161,38 @@ typedef struct sd_motion {
   bool periodic;                    /* ... or repeated: value[0] == value[n-1] */
 } sd_motion;
 
+typedef enum sd_field_kind {
+  SD_FIELD_DRAG,     /* viscous drag by a fluid that flows */
+  SD_FIELD_DAMPING,  /* Cundall's non-viscous damping */
+  SD_FIELD_CENTRAL,  /* towards a point, by distance */
+  SD_FIELD_ROTATION, /* a frame that turns: centrifugal and Coriolis force */
+  SD_FIELD_KINDS
+} sd_field_kind;
+
+/* How the force grows from disk to disk. */
+typedef enum sd_field_per { SD_FIELD_PER_DISK, SD_FIELD_PER_RADIUS, SD_FIELD_PER_MASS } sd_field_per;
+
+/* A force on free disks that follows from their place and velocity (physics.md 15). With r = (x, y) - centre:
+ *   drag      f (u - v), torque f_r (w - omega); fluid: u = flow + (shear_rate r_y - swirl r_y, swirl r_x),
+ *             w = swirl - shear_rate/2. f = gamma, gamma R, gamma m; f_r = gamma_rotation times 1, R^3, I
+ *   damping   -alpha |F| sgn(v) of each coordinate, F the sum of all other forces; torque: alpha_rotation
+ *   central   -strength r s^(power - 1), s^2 = r^2 + softening^2; times 1, R, m
+ *   rotation  m omega^2 r + 2 m omega (v_y, -v_x) */
+typedef struct sd_body_force {
+  const char *name; /* may be NULL */
+  sd_field_kind kind;
+  size_t n_disks; /* 0: it acts on all */
+  uint32_t *disks;
+  sd_field_per per;                  /* drag, central */
+  double centre[2];                  /* all but damping */
+  double gamma, gamma_rotation;      /* >= 0 */
+  double flow[2], shear_rate, swirl; /* length/time, 1/time, rad/time */
+  double alpha, alpha_rotation;      /* 0 <= alpha < 1 */
+  double strength, softening;        /* strength > 0: attracts; softening >= 0 */
+  int64_t power;                     /* -8 ... 8; 1: a spring */
+  double omega;                      /* of the frame, rad/time */
+} sd_body_force;
+
 /* A phase ends at the first look at which all criteria that are > 0 hold, and no disk waits any more. */
 typedef struct sd_settle {
   bool asked;
@@ -133,10 +209,24 @@ typedef struct sd_compress {
   double tolerance;          /* relative */
 } sd_compress;
 
+/* How the periodic box deforms in a phase: positions of images are h n with h = ((Lx, offset), (0, Ly)), and h' = L h with
+ * L = ((xx, xy), (0, yy)), the velocity gradient. Each component of L is given, or follows the stress. */
+enum { SD_CELL_XX, SD_CELL_YY, SD_CELL_XY, SD_CELL_COMPONENTS };
+typedef struct sd_cell {
+  bool asked;
+  double rate[SD_CELL_COMPONENTS];     /* velocity gradient, 1/time; xy: of vx along y */
+  bool controlled[SD_CELL_COMPONENTS]; /* the rate follows the stress */
+  double stress[SD_CELL_COMPONENTS];   /* then wanted, force/length, compression positive */
+  double response; /* of the control: time in which stress comes to its value; 0: chosen */
+  double max_rate; /* of controlled components, 0: any */
+  bool boundary;   /* a change of the rates moves images only; else all disks take it up at once */
+} sd_cell;
+
 typedef struct sd_phase {
   const char *name;
   int64_t steps;          /* the most, when it may settle before; 0: it has no end */
   bool *active;           /* of each motion; NULL: all are on */
+  bool *fields;           /* of each field; NULL: all are on */
   bool measure;           /* statistics are gathered in this phase */
   int64_t series_every;   /* steps between rows of the time series, 0: none */
   int64_t frames_every;   /* steps between stored frames of all bodies, 0: none */
@@ -144,6 +234,7 @@ typedef struct sd_phase {
   sd_settle settle;
   bool relax; /* velocities are steered towards equilibrium (FIRE) */
   sd_compress compress;
+  sd_cell cell;
 } sd_phase;
 
 typedef enum sd_outside { SD_OUTSIDE_REPORT, SD_OUTSIDE_STOP, SD_OUTSIDE_REMOVE } sd_outside;
@@ -201,9 +292,14 @@ SD_API void sd_model_set_disk(sd_model *model, uint32_t number, const sd_disk *d
 SD_API int sd_model_add_group(sd_model *model, const char *name, size_t n, const uint32_t *disks);
 #define SD_WALL(w) (0x80000000u | (uint32_t)(w))
 SD_API uint32_t sd_model_add_wall(sd_model *model, const sd_wall *wall); /* returns SD_WALL(w) */
+#define SD_CLUMP(k) (0x40000000u | (uint32_t)(k))
+/* Makes one rigid body of disks that were added before; returns SD_CLUMP(k), by which motions mean it. */
+SD_API uint32_t sd_model_add_clump(sd_model *model, const sd_clump *clump);
 /* A motion is on in phases without `active`, and off in those with it that were added before. */
 SD_API int sd_model_add_motion(sd_model *model, const sd_motion *motion);
-/* `active`: of the motions added so far. Without any phase there is one that has no end and has all motions on. */
+/* A field is on and off in phases like a motion (`fields`). */
+SD_API int sd_model_add_field(sd_model *model, const sd_body_force *field);
+/* `active` and `fields`: of the motions and fields added so far. Without any phase there is one that has no end and has all motions on. */
 SD_API int sd_model_add_phase(sd_model *model, const sd_phase *phase);
 /* Disks whose mean angular velocity is measured (sd_rotation_of in measure.h). */
 SD_API void sd_model_measure_rotation(sd_model *model, size_t n, const uint32_t *disks);
@@ -230,6 +326,9 @@ SD_API double sd_model_dt(const sd_model *model);     /* time step */
 SD_API uint32_t sd_model_find(const sd_model *model, const char *name);
 /* As given, inertia filled in; NULL: there is none. Valid as long as the model. */
 SD_API const sd_disk *sd_model_disk(const sd_model *model, uint32_t number);
+SD_API size_t sd_model_clumps(const sd_model *model);
+/* Clump k as given, its disks, mass, inertia and position filled in; NULL: there is none. Valid as long as the model. */
+SD_API const sd_clump *sd_model_clump(const sd_model *model, size_t k);
 /* NULL: no such materials. */
 SD_API const sd_contact_law *sd_model_law(const sd_model *model, int material_a, int material_b);
 /* Name for messages: the body's own, else "disk 17", "wall 3"; written into text[size]. */
@@ -247,7 +346,7 @@ SD_API double sd_model_shortest_period(const sd_model *model, uint32_t *disk);
 
 /* The time step from which on the model's integrator blows up when a disk is held between two others (physics.md 5), and
  * what sets it; HUGE_VAL: no disk is free to move. In a packing the limit is up to three times shorter. */
-typedef enum sd_bound { SD_BOUND_NORMAL, SD_BOUND_TANGENTIAL, SD_BOUND_VISCOSITY } sd_bound;
+typedef enum sd_bound { SD_BOUND_NORMAL, SD_BOUND_TANGENTIAL, SD_BOUND_VISCOSITY, SD_BOUND_FIELD } sd_bound;
 typedef struct sd_step_limit {
   double dt;
   uint32_t disk;

@@ -108,23 +108,27 @@ SD_API uint32_t sd_simulation_slot(const sd_simulation *simulation, uint32_t bod
 SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body);
 
 /* Energies and their changes since step 0 (physics.md 8). All in units of energy.
- * residual = (kinetic + elastic_normal + elastic_tangential + external) - start
- *            - (work + nonconservative_work) + viscous + friction + opening + relaxed, ideally 0. */
+ * residual = (kinetic + elastic_normal + elastic_tangential + elastic_rolling + cohesion + external) - start
+ *            - (work + nonconservative_work) + viscous + friction + rolling + bridge + opening + drag + damping + relaxed,
+ * ideally 0. */
 typedef struct sd_energy {
   double kinetic_translation, kinetic_rotation; /* of coordinates that are neither driven nor locked */
-  double elastic_normal, elastic_tangential;
+  double elastic_normal, elastic_tangential, elastic_rolling;
+  double cohesion; /* of attraction, <= 0; 0 where it ends */
   double external; /* potential of gravity and constant body forces */
   double start;    /* the sum of the above at step 0, and what disks brought or took along since */
   double work;     /* done by prescribed bodies and coordinates, by compression and by force fields */
-  double nonconservative_work;       /* put in by the paper's variant of the tangential force */
-  double viscous, friction, opening; /* lost */
-  double relaxed;                    /* taken out by the relaxer */
+  double nonconservative_work;     /* put in by the paper's variant of the tangential force */
+  double viscous, friction;        /* lost to dashpots of contacts, and to sliding */
+  double rolling, bridge, opening; /* lost to rolling, when capillary bridges form, in contacts that opened */
+  double drag, damping;            /* lost to viscous drag of fields, and to non-viscous damping */
+  double relaxed;                  /* taken out by the relaxer */
   double residual;
   double
       scale; /* the larger of |work| + losses and the kinetic energy, at rest 1e-9 of the other energies: what the
                    residual is compared with */
 } sd_energy;
-SD_API sd_energy sd_simulation_energy(const sd_simulation *simulation);
+SD_API sd_energy sd_simulation_energy(sd_simulation *simulation);
 
 /* Where a run stands; costs nothing. A phase can end before its length (sd_settle, sd_until in model.h). */
 typedef struct sd_stage {

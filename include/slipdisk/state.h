@@ -28,8 +28,11 @@ typedef enum sd_extent {
   SD_PER_RUN,     /* 1 */
   SD_PER_BODY,    /* disks and walls, by slot */
   SD_PER_FREE,    /* free disks, by slot */
+  SD_PER_SURFACE, /* walls in their order, where motions move the surface of any; else none */
   SD_PER_CONTACT, /* closed contacts, ordered by (lower slot, partner) */
   SD_PER_MOTION,
+  SD_PER_CELL,      /* lengths in x and y, offset, shear: all where a phase deforms the box, or none */
+  SD_PER_CELL_DISK, /* free disks, by slot, there */
   SD_PER_PHASE,
   SD_PER_ROTATION,      /* watched disks */
   SD_PER_ROTATION_BIN,  /* watched disks * SD_BINS, row by row */
@@ -44,6 +47,10 @@ typedef enum sd_extent {
   SD_PER_VISIT_CLASS,   /* the same * SD_CONFIGURATIONS */
   SD_PER_VISIT_SUM,     /* the same * SD_CONFIGURATIONS * 6 sums */
   SD_PER_VISIT_AGE,     /* the same * SD_CONFIGURATIONS * SD_AGES */
+  SD_PER_FIELDED,       /* free disks of a model with fields: all or none */
+  SD_PER_CLUMP,         /* rigid bodies of several disks, by their numbers */
+  SD_PER_LAW_CONTACT,   /* closed contacts, where laws need these columns (SD_CONTACT_MORE): all or none */
+  SD_PER_LAW_FREE,      /* free disks, likewise */
   SD_EXTENTS
 } sd_extent;
 

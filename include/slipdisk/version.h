@@ -3,11 +3,11 @@
 #define SLIPDISK_VERSION_H
 
 #define SD_VERSION_MAJOR 0
-#define SD_VERSION_MINOR 4
+#define SD_VERSION_MINOR 5
 #define SD_VERSION_PATCH 0
-#define SD_VERSION "0.4.0"
+#define SD_VERSION "0.5.0"
 #define SD_VERSION_DATE "2026-11-23" /* of the release, or of the last work on it */
-/* For comparisons: 400 is 0.4.0. */
+/* For comparisons: 500 is 0.5.0. */
 #define SD_VERSION_NUMBER (10000 * SD_VERSION_MAJOR + 100 * SD_VERSION_MINOR + SD_VERSION_PATCH)
 
 #endif

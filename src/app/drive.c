@@ -13,10 +13,13 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/comm.h"
 #include "base/text.h"
 #include "app/app.h"
 #include "app/view/live.h"
 #include "io/store/file.h"
+#include "run/model_share.h"
+#include "run/ranks.h"
 #include "run/session.h"
 #include "run/simulation_private.h"
 
@@ -146,13 +149,30 @@ static void tell_start(teller *t, const drive_options *options, const sd_model *
     const provenance *origin = session_provenance(s);
     if (options->verbose)
       app_line(outs[k],
-               "slipdisk %s (%s), %s, %" PRId64
+               "slipdisk %s (%s), %s, %" PRId64 " rank%s of %" PRId64
                " thread%s, %zu disks (%zu free), %zu walls, %zu motions, dt %g",
-               origin->version, origin->revision, origin->cpu_path, origin->threads,
-               origin->threads == 1 ? "" : "s", model->n_disks, model->n_free, model->n_walls,
-               model->n_motions, model->dt);
+               origin->version, origin->revision, origin->cpu_path, origin->ranks,
+               origin->ranks == 1 ? "" : "s", origin->threads, origin->threads == 1 ? "" : "s",
+               model->n_disks, model->n_free, model->n_walls, model->n_motions, model->dt);
     fflush(outs[k]);
   }
+}
+
+/* How evenly ranks were busy. */
+static void tell_balance(teller *t, const session *s) {
+  FILE *outs[2] = {t->screen, t->log};
+  if (!session_ranks(s)) return;
+  const ranks_balance b = ranks_balance_of(session_ranks(s));
+  char busy[160] = "";
+  if (!isnan(b.excess))
+    snprintf(busy, sizeof busy,
+             "; in the end each had %" PRId64 " to %" PRId64
+             ", and the busiest worked %.0f %% longer than the mean",
+             b.least, b.most, 100.0 * b.excess);
+  for (int k = 0; k < 2; k++)
+    if (outs[k] && b.cuts > 0)
+      app_line(outs[k], "the ranks shared out the disks %" PRId64 " time%s%s", b.cuts, b.cuts == 1 ? "" : "s",
+               busy);
 }
 
 /* A page that cannot be shown is no reason not to run. */
@@ -213,6 +233,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
                          .threads = (int)options->threads,
                          .force = options->force,
                          .stop = &app_stop,
+                         .over_ranks = comm_size() > 1 ? &app_stop : NULL,
                          .progress = show,
                          .look = options->live ? look : NULL,
                          .user = t};
@@ -242,6 +263,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
     tell_result(stdout, s, options->result);
   }
   if (status == SD_OK && t->log) tell_result(t->log, s, options->result);
+  if (options->verbose) tell_balance(t, s);
   session_close(s);
   return in_doubt ? SD_DOUBTFUL : status;
 }
@@ -256,7 +278,49 @@ static int open_log(teller *t, const char *path) {
   return link ? SD_ERROR_USER : SD_ERROR_IO;
 }
 
+/* The ranks beside the first, till that has finished. */
+static int serve(void) {
+  sd_model *model;
+  model_share(NULL, &model, NULL);
+  ranks *r = model ? ranks_new(model, &app_stop) : NULL;
+  if (!r) {
+    app_line(stderr, "error: rank %d: no memory", comm_rank());
+    comm_abort(SD_ERROR_IO);
+    return SD_ERROR_IO;
+  }
+  const int status = ranks_serve(r);
+  ranks_free(r);
+  sd_model_free(model);
+  return status;
+}
+
+int drive_begin(sd_messages *messages) {
+  const int status = comm_begin(messages);
+  if (status != SD_OK) sd_messages_print(messages, stderr);
+  if (comm_size() > 1) app_begin_saving(); /* a rank that is gone would be waited for */
+  return status;
+}
+
+int drive_agree(int status, sd_messages *messages) {
+  int first = status;
+  comm_share(&first, sizeof first);
+  if (status != SD_OK && (comm_rank() == 0 || first == SD_OK)) sd_messages_print(messages, stderr);
+  if (comm_rank() > 0) sd_messages_clear(messages);
+  return comm_max(status);
+}
+
+static int drive_alone(const sd_model *model, const drive_options *options, sd_messages *messages);
+
 int drive_run(const sd_model *model, const drive_options *options, sd_messages *messages) {
+  if (comm_rank() > 0) return serve();
+  sd_model *none;
+  int status = model_share(model, &none, messages);
+  if (status == SD_OK) status = drive_alone(model, options, messages);
+  ranks_dismiss(status);
+  return status;
+}
+
+static int drive_alone(const sd_model *model, const drive_options *options, sd_messages *messages) {
   int status = SD_OK;
   app_begin_saving();
   double now = clock_seconds();

@@ -1,5 +1,5 @@
 /* info.c: slipdisk info FILE: what a run has found. Only attributes and small datasets are read, so the size
- * of the file does not matter. */
+ * of the file does not matter, but for means of very many disks that a checkpoint leaves to its readers. */
 #include <inttypes.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -43,9 +43,23 @@ static void add_dataset(void *user, const char *path, sd_type type, bool text, i
       user, json_pack("{s:s, s:s, s:o}", "path", path, "type", text ? "text" : names[type], "shape", shape));
 }
 
-/* A finished file when there is one, unless something of an unfinished run was named. every_disk: with the means of
- * each disk, which the page does not show. */
-static sd_status read_facts(facts *f, const place *p, bool named_parts, bool every_disk,
+/* Of every disk; the page shows totals and the fastest, where the file has them. */
+typedef enum wanted_means { MEANS_AS_WRITTEN, MEANS_ALL } wanted_means;
+
+/* Without the deck's files they are not known, all else is. */
+static void complete_means(facts *f, const h5_file *file, sd_messages *messages) {
+  sd_messages *own = sd_messages_new();
+  if (checkpoint_complete(file, f->path, NULL, &f->found.packing, own) != SD_OK) {
+    for (size_t k = 0; own && k < sd_messages_count(own); k++)
+      sd_warn(messages, "%s", sd_messages_text(own, k));
+    sd_warn(messages, "%s: the means of every disk cannot be told", f->path);
+    summary_disks_free(&f->found.packing);
+  }
+  sd_messages_free(own);
+}
+
+/* A finished file when there is one, unless something of an unfinished run was named. */
+static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_means means,
                             sd_messages *messages) {
   h5_file *file = NULL;
   f->finished = file_exists(p->result) && !named_parts && !p->checkpoint;
@@ -59,7 +73,9 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, bool eve
   }
   if (status == SD_OK) status = checkpoint_check_origin(file, f->path, messages);
   if (status == SD_OK) status = summary_read(&f->found, file, messages);
-  if (status == SD_OK && every_disk) status = summary_disks_read_all(&f->found.packing, file, messages);
+  if (status == SD_OK && means == MEANS_ALL)
+    status = summary_disks_read_all(&f->found.packing, file, messages);
+  if (status == SD_OK && means == MEANS_ALL) complete_means(f, file, messages);
   if (status == SD_OK) status = provenance_read(&f->origin, file, messages);
   if (status == SD_OK) status = h5_visit(file, add_dataset, f->datasets, messages);
   if (status == SD_OK) {
@@ -332,10 +348,10 @@ const command_line app_info_line = {
 /* All observables: the tables of docs/names.md. */
 static int print_names(void) {
   const observable_list *const lists[] = {
-      &energy_observables,        &series_observables,     &frame_observables,      &contact_observables,
-      &fact_observables,          &outcome_observables,    &rotation_observables,   &slide_observables,
-      &configuration_observables, &phase_observables,      &until_observables,      &disk_observables,
-      &total_observables,         &provenance_observables, &measurement_observables};
+      &energy_observables,  &series_observables,        &frame_observables,      &clump_observables,
+      &contact_observables, &fact_observables,          &outcome_observables,    &rotation_observables,
+      &slide_observables,   &configuration_observables, &phase_observables,      &until_observables,
+      &disk_observables,    &total_observables,         &provenance_observables, &measurement_observables};
   for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) observable_print(stdout, lists[k]);
   return SD_OK;
 }
@@ -350,7 +366,8 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
   int status = refuse_sweep(name, messages);
   if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);
-  if (status == SD_OK) status = read_facts(&f, &p, named_parts, into, messages);
+  if (status == SD_OK)
+    status = read_facts(&f, &p, named_parts, into && !text ? MEANS_ALL : MEANS_AS_WRITTEN, messages);
   sd_messages_print(messages, stderr);
   if (status == SD_OK && text)
     fputs(a->deck ? f.origin.deck_full : f.origin.deck_text, stdout);

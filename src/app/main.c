@@ -27,6 +27,7 @@ char *app_default_name(const char *deck, const char *ending) {
 
 static char *shown_text(const char *format, va_list args) {
   char *text = NULL, *shown = vasprintf(&text, format, args) < 0 ? NULL : text_escaped(text, LIMIT_LINE);
+  if (!shown) shortage_note();
   free(text);
   return shown;
 }
@@ -224,7 +225,7 @@ sd_messages *app_messages(void) {
   exit(app_no_memory());
 }
 
-/* Libraries that have no memory call exit (HDF5, OpenMP, the reader of decks), some of them without a word. */
+/* Libraries that have no memory call exit (HDF5, the reader of decks), some of them without a word. */
 static void end_of_library(void) {
   static const char text[] = "error: a library has ended the process, as some do without memory; what was "
                              "saved before is not damaged\n";

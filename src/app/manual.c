@@ -25,8 +25,7 @@ static const manual_row statuses[] = {
 };
 
 static const manual_row environment[] = {
-    {"OMP_WAIT_POLICY",
-     "`passive`: threads sleep while they wait for each other, for machines that are busy"},
+    {"OMP_NUM_THREADS", "most threads that are chosen where `--threads` does not say; by default the cores"},
     {"SLIPDISK_AUTHOR", "the author's name in results; by default that of the account, of root \"unknown\""},
     {"SLIPDISK_PATH", "instruction set of the kernels, `baseline`, `avx2` or `avx512`, to the same bits; by "
                       "default the best that the machine has"},

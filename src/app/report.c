@@ -181,6 +181,13 @@ static void report_fastest(FILE *out, const summary_disks *p) {
 static void report_disks(FILE *out, const summary *found) {
   const summary_disks *p = &found->packing;
   if (p->n == 0) return;
+  if (p->later) {
+    fprintf(out,
+            "\nmeans of %zu free disks over time %.6g: the result will have them, and info --json computes "
+            "them now\n",
+            p->n, p->measured);
+    return;
+  }
   fprintf(out, "\nmeans of %.0f of %zu free disks over time %.6g, %" PRId64 " looks at the contacts\n",
           isnan(p->totals.disks) ? 0.0 : p->totals.disks, p->n, p->measured, p->looks);
   if (!(p->totals.disks > 0)) return;
@@ -242,11 +249,12 @@ const char *report_of(const summary *found) {
 }
 
 void report_cost(FILE *out, const summary *found, const provenance *origin) {
-  char wall[40], cost[40] = "";
+  char wall[40], cost[40] = "", ranks[40] = "";
   if (isfinite(found->step_nanoseconds)) /* it is not before the first step */
     snprintf(cost, sizeof cost, "%.4g ns per step, ", found->step_nanoseconds);
-  fprintf(out, "\n%" PRId64 " %s %" PRId64 " steps, time %.9g, wall time %s, %s%" PRId64 " thread%s (%s)\n",
+  if (origin->ranks > 1) snprintf(ranks, sizeof ranks, "%" PRId64 " ranks of ", origin->ranks);
+  fprintf(out, "\n%" PRId64 " %s %" PRId64 " steps, time %.9g, wall time %s, %s%s%" PRId64 " thread%s (%s)\n",
           found->step, report_of(found), found->steps, (double)found->step * found->dt,
-          report_duration(origin->wall_seconds, wall, sizeof wall), cost, origin->threads,
+          report_duration(origin->wall_seconds, wall, sizeof wall), cost, ranks, origin->threads,
           origin->threads == 1 ? "" : "s", origin->cpu_path);
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/comm.h"
 #include "base/text.h"
 #include "app/app.h"
 #include "io/results/checkpoint.h"
@@ -37,7 +38,7 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   sd_model *model = NULL;
   sd_status status = place_find(&p, name, messages);
   if (status == SD_OK && !file_is_folder(p.folder)) {
-    if (!drive->quiet) app_line(stderr, "%s is finished already", p.result);
+    if (!drive->quiet && comm_rank() == 0) app_line(stderr, "%s is finished already", p.result);
     place_free(&p);
     return SD_OK;
   }
@@ -45,15 +46,14 @@ static int resume(const char *name, drive_options *drive, sd_messages *messages)
   if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);
   if (status == SD_OK) status = provenance_read(&origin, file, messages);
   h5_close(file, NULL);
-  if (status == SD_OK) status = simulation_model_of(&origin, &model, messages);
+  if (status == SD_OK && comm_rank() == 0) status = simulation_model_of(&origin, &model, messages);
   if (status == SD_OK && !(again = format_text("resume %s", p.result)))
     status = sd_fail(messages, SD_ERROR_IO, "no memory");
+  status = drive_agree(status, messages);
   if (status == SD_OK) {
     drive->result = p.result;
     drive->again = again;
     status = drive_run(model, drive, messages);
-  } else {
-    sd_messages_print(messages, stderr);
   }
   sd_model_free(model);
   provenance_free(&origin);
@@ -69,7 +69,9 @@ int app_resume(int argc, char **argv) {
   int status = options_parse(&app_resume_line, argc, argv, &a);
   if (status != 0) return status;
   sd_messages *messages = app_messages();
-  status = resume(a.name, &a.drive, messages);
+  status = drive_begin(messages);
+  if (status == SD_OK) status = resume(a.name, &a.drive, messages);
+  comm_end();
   sd_messages_free(messages);
   return status;
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/comm.h"
 #include "base/text.h"
 #include "app/app.h"
 #include "slipdisk/deck.h"
@@ -46,13 +47,14 @@ int app_run(int argc, char **argv) {
   sd_model *model = NULL;
   char *output = NULL, *again = NULL;
   int status = options_parse(&app_run_line, argc, argv, &a);
+  if (status == 0) status = drive_begin(messages);
   if (status == 0) {
     assert(a.deck);
     output = a.output ? format_text("%s", a.output) : app_default_name(a.deck, "h5");
     again = output ? format_text("resume %s", output) : NULL;
-    status = sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
-    if (status != SD_OK) sd_messages_print(messages, stderr);
-    if (status == SD_OK && sd_model_deck(model)->sweep_points > 0)
+    if (comm_rank() == 0) status = sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
+    status = drive_agree(status, messages);
+    if (status == SD_OK && comm_rank() == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,
               "%s has a sweep of %zu point%s, which `slipdisk sweep` runs; this is the deck as it stands",
               a.deck, sd_model_deck(model)->sweep_points, sd_model_deck(model)->sweep_points == 1 ? "" : "s");
@@ -68,5 +70,6 @@ int app_run(int argc, char **argv) {
   free(a.overrides.item);
   sd_model_free(model);
   sd_messages_free(messages);
+  comm_end();
   return status;
 }

@@ -77,7 +77,8 @@ static double state_bytes(const sd_model *m, size_t contacts) {
                       .n_rotations = m->n_rotations,
                       .n_slides = m->n_slides,
                       .n_means = m->measure_disks ? m->n_free : 0,
-                      .n_visits = m->measure_configurations ? m->n_slides : 0};
+                      .n_visits = m->measure_configurations ? m->n_slides : 0,
+                      .n_clumps = m->n_clumps};
   double bytes = (double)(s.n_means * disk_observables.n * sizeof(double));
   for (size_t k = 0; k < sd_field_count; k++)
     bytes += (double)(sd_extent_size(&s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
@@ -90,7 +91,7 @@ static double result_bytes(const sd_model *m, const record *r, const rows *n) {
   double bytes = FILE_BYTES + (m->n_walls ? WALLS_BYTES : 0) + BODY_BYTES * (double)sd_model_bodies(m);
   for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) bytes += texts[k] ? (double)strlen(texts[k]) : 0;
   bytes += state_bytes(m, contacts) + (double)n->series * row_bytes(&r->series, 1);
-  bytes += (double)n->frames * row_bytes(&r->disks, NOISE_LEFT);
+  bytes += (double)n->frames * (row_bytes(&r->disks, NOISE_LEFT) + row_bytes(&r->clumps, NOISE_LEFT));
   /* walls move regularly, or not at all */
   bytes += (double)n->contacts *
            (row_bytes(&r->contact_index, 1) + (double)contacts * row_bytes(&r->contact_rows, FORCE_LEFT));
@@ -109,7 +110,7 @@ const char *size_text(double bytes, char *text, size_t size) {
 
 sd_status size_find(result_size *size, const sd_model *m, sd_messages *messages) {
   record r;
-  sd_status status = record_new(&r, m, messages);
+  sd_status status = record_new(&r, m, false, messages);
   *size = (result_size){.most_contacts = most_contacts(m), .at_most = m->until.asked};
   if (status == SD_OK) {
     const rows n = count_rows(m);

@@ -14,11 +14,10 @@
 #include <stdlib.h>
 #include <time.h>
 
-#ifdef SD_HAVE_MPI
-#include <mpi.h>
-#endif
-
 #include "base/comm.h"
+#ifdef SD_HAVE_MPI
+#include "base/comm_mpi.h"
+#endif
 
 enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
 
@@ -75,7 +74,7 @@ typedef struct letter {
   MPI_Request request;
 } letter;
 
-static MPI_Comm ranks; /* our own, apart from other users of MPI in the process */
+MPI_Comm comm_ranks;
 static letter (*letters)[PLACES];
 
 static sd_status start(sd_messages *messages) {
@@ -86,12 +85,12 @@ static sd_status start(sd_messages *messages) {
     MPI_Finalize();
     return sd_fail(messages, SD_ERROR_IO, "this MPI does not allow threads (MPI_THREAD_FUNNELED)");
   }
-  MPI_Comm_dup(MPI_COMM_WORLD, &ranks);
-  MPI_Comm_rank(ranks, &comm.rank);
-  MPI_Comm_size(ranks, &comm.size);
+  MPI_Comm_dup(MPI_COMM_WORLD, &comm_ranks);
+  MPI_Comm_rank(comm_ranks, &comm.rank);
+  MPI_Comm_size(comm_ranks, &comm.size);
   letters = malloc((size_t)comm.size * sizeof *letters);
   if (!letters) {
-    MPI_Abort(ranks, SD_ERROR_IO); /* the others would wait for ever */
+    MPI_Abort(comm_ranks, SD_ERROR_IO); /* the others would wait for ever */
     return sd_fail(messages, SD_ERROR_IO, "no memory");
   }
   for (int k = 0; k < comm.size; k++)
@@ -102,7 +101,7 @@ static sd_status start(sd_messages *messages) {
 static void finish(void) {
   free(letters);
   letters = NULL;
-  MPI_Comm_free(&ranks);
+  MPI_Comm_free(&comm_ranks);
   MPI_Finalize();
 }
 
@@ -115,7 +114,7 @@ static void post(int to, int place, int64_t word) {
   letter *l = &letters[to][place];
   await(&l->request);
   l->word = word;
-  MPI_Isend(&l->word, 1, MPI_INT64_T, to, 0, ranks, &l->request);
+  MPI_Isend(&l->word, 1, MPI_INT64_T, to, 0, comm_ranks, &l->request);
 }
 
 static void settle_post(void) {
@@ -126,17 +125,17 @@ static void settle_post(void) {
 static bool receive(int *from, int64_t *word) {
   int there;
   MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, 0, ranks, &there, &status);
+  MPI_Iprobe(MPI_ANY_SOURCE, 0, comm_ranks, &there, &status);
   if (!there) return false;
   *from = status.MPI_SOURCE;
-  MPI_Recv(word, 1, MPI_INT64_T, *from, 0, ranks, MPI_STATUS_IGNORE);
+  MPI_Recv(word, 1, MPI_INT64_T, *from, 0, comm_ranks, MPI_STATUS_IGNORE);
   return true;
 }
 
 static int largest(int value) {
   int most = value;
   MPI_Request request;
-  MPI_Iallreduce(&value, &most, 1, MPI_INT, MPI_MAX, ranks, &request);
+  MPI_Iallreduce(&value, &most, 1, MPI_INT, MPI_MAX, comm_ranks, &request);
   await(&request);
   return most;
 }
@@ -146,12 +145,12 @@ static void share(unsigned char *data, size_t bytes) {
   const size_t most = (size_t)1 << 24;
   for (size_t at = 0; at < bytes; at += most) {
     MPI_Request request;
-    MPI_Ibcast(data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0, ranks, &request);
+    MPI_Ibcast(data + at, (int)(bytes - at < most ? bytes - at : most), MPI_BYTE, 0, comm_ranks, &request);
     await(&request);
   }
 }
 
-static void end_all(int status) { MPI_Abort(ranks, status); }
+static void end_all(int status) { MPI_Abort(comm_ranks, status); }
 
 /* NOLINTEND(clang-analyzer-optin.mpi.*) */
 

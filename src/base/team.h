@@ -2,15 +2,47 @@
  *
  * Work is shared by contiguous ranges, and each loop writes only its own indices, so results do not depend
  * on the number of threads. A team of one costs nothing.
+ *
+ * A pool has threads that help: they wait for tasks that the leader, the thread which made the pool or holds its simulation,
+ * gives to all with pool_run. Within a long task the leader can go on alone, and give shorter tasks while the others help:
+ *
+ *     if (t->rank == 0) { team_lead(t); ... pool_run(pool, ...) ... team_release(t); } else team_help(t);
+ *
+ * Threads that wait look for some microseconds, then sleep (team.c).
  */
 #ifndef BASE_TEAM_H
 #define BASE_TEAM_H
 
 #include <stddef.h>
 
+typedef struct pool pool;
+
 typedef struct team {
   int rank, size;
+  pool *pool; /* of more than one */
 } team;
+
+typedef void team_task(const team *t, void *with);
+
+/* As many threads, with the one that calls; or fewer where the system gives no more. NULL without memory. */
+pool *pool_new(int threads);
+/* Waits until the threads have ended. */
+void pool_free(pool *c);
+/* All threads do the task, each with its rank; returns when all are through. Without a pool, or while its threads are at work
+ * on another task, the caller does it alone. */
+void pool_run(pool *c, team_task *task, void *with);
+/* How many threads this process may use at once: OMP_NUM_THREADS, else its cores. */
+int pool_most(void);
+
+void team_lead(const team *t);
+void team_release(const team *t);
+void team_help(const team *t);
+
+void team_wait_all(const team *t);
+/* Waits for the whole team; what was written before is seen after. */
+static inline void team_wait(const team *t) {
+  if (t->size > 1) team_wait_all(t);
+}
 
 /* This thread's part [*begin, *end) of n items, in multiples of 8 so that vectors are not split. */
 static inline void team_share(const team *t, size_t n, size_t *begin, size_t *end) {
@@ -24,14 +56,6 @@ static inline void team_share(const team *t, size_t n, size_t *begin, size_t *en
   *end = blocks * (rank + 1) / size * 8;
   if (*begin > n) *begin = n;
   if (*end > n) *end = n;
-}
-
-/* Waits for the whole team; what was written before is seen after. */
-static inline void team_wait(const team *t) {
-  if (t->size == 1) return;
-#ifdef _OPENMP
-#pragma omp barrier
-#endif
 }
 
 #endif

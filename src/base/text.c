@@ -49,6 +49,7 @@ size_t text_quoted(const char *text, size_t n) {
 char *text_escaped(const char *text, size_t most) {
   size_t length = strlen(text);
   char *out = malloc(4 * (length < most ? length : most) + 8), *to = out;
+  if (!out) shortage_note();
   if (!out) return NULL;
   for (const char *p = text; *p;) {
     size_t n = text_step(p);

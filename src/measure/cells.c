@@ -1,60 +1,26 @@
-/* cells.c: see cells.h. Qhull: Barber, Dobkin, Huhdanpaa, ACM Trans. Math. Software 22 (1996) 469; radical cells
- * through the lower hull: Aurenhammer, SIAM J. Comput. 16 (1987) 78. */
+/* cells.c: see cells.h. */
 #include "measure/cells.h"
 
 #include <assert.h>
 #include <gsl/gsl_statistics_double.h>
-#include <stdio.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpedantic"
-#pragma GCC diagnostic ignored "-Wstrict-prototypes"
-#include <libqhull_r/libqhull_r.h>
-#pragma GCC diagnostic pop
+#include "base/team.h"
+#include "measure/sites.h"
+#include "physics/contact/walls.h"
 
 /* --- sites -------------------------------------------------------------------------------------------- */
-
-/* Disks, then images of disks, then four points far away that make every hull solid. */
-typedef struct sites {
-  size_t n, n_disks, capacity;
-  double (*at)[2];
-  double *radius;
-  double centre[2], size; /* of what the sites cover */
-} sites;
-
-enum { FAR = 4 }; /* points */
-
-static sd_status sites_add(sites *s, double x, double y, double radius) {
-  if (s->n == s->capacity) {
-    size_t capacity = 2 * s->capacity + 64;
-    double(*at)[2] = realloc(s->at, capacity * sizeof *at);
-    if (at) s->at = at;
-    double *radii = realloc(s->radius, capacity * sizeof *radii);
-    if (radii) s->radius = radii;
-    if (!at || !radii) return SD_ERROR_IO;
-    s->capacity = capacity;
-  }
-  s->at[s->n][0] = x;
-  s->at[s->n][1] = y;
-  s->radius[s->n++] = radius;
-  return SD_OK;
-}
-
-static void sites_free(sites *s) {
-  free(s->at);
-  free(s->radius);
-  *s = (sites){0};
-}
 
 /* Images at most `margin` outside the box. */
 static sd_status add_images(sites *s, const configuration *c, const double margin[2]) {
   const sd_model *m = c->model;
   sd_status status = SD_OK;
+  const int most = c->offset != 0.0 ? 2 : 1; /* rows of images may be shifted by half a length */
   for (int j = -1; j <= 1; j++)
-    for (int i = -1; i <= 1; i++) {
-      double shift[2] = {i * c->length[0], j * c->length[1]};
+    for (int i = -most; i <= most; i++) {
+      double shift[2] = {i * c->length[0] + j * c->offset, j * c->length[1]};
       if ((i == 0 && j == 0) || (i != 0 && shift[0] == 0.0) || (j != 0 && shift[1] == 0.0)) continue;
       for (size_t k = 0; status == SD_OK && k < m->n_disks; k++) {
         bool near = true;
@@ -86,101 +52,7 @@ static sd_status sites_new(sites *s, const configuration *c, const region *g, co
     }
   for (int k = 0; k < 2; k++) s->centre[k] = 0.5 * (lower[k] + upper[k]);
   s->size = fmax(upper[0] - lower[0], upper[1] - lower[1]);
-  /* their cells begin beyond all that is measured; not on a circle, and not on lines of a lattice */
-  static const double far[FAR][2] = {{4.1, 3.3}, {-3.7, 4.3}, {-4.2, -3.9}, {3.5, -4.4}};
-  for (int k = 0; status == SD_OK && k < FAR; k++)
-    status = sites_add(s, s->centre[0] + far[k][0] * s->size, s->centre[1] + far[k][1] * s->size, 0.0);
-  return status;
-}
-
-/* --- neighbours --------------------------------------------------------------------------------------- */
-
-/* Rows of neighbours of the disks (not of images). */
-typedef struct edges {
-  size_t *start;
-  uint32_t *site;
-} edges;
-
-static void edges_free(edges *e) {
-  free(e->start);
-  free(e->site);
-  *e = (edges){0};
-}
-
-/* Calls for each pair of sites with a common facet of the lower hull, from both sides; each edge is met twice. */
-static void visit_edges(qhT *qh, const sites *s, edges *e, bool fill) {
-  facetT *facet;
-  vertexT *vertex, **vertexp;
-  FORALLfacets {
-    if (facet->normal[2] >= 0.0) continue; /* of the upper hull */
-    int corner[3], n = 0;
-    FOREACHvertex_(facet->vertices) {
-      if (n < 3) corner[n] = qh_pointid(qh, vertex->point);
-      n++;
-    }
-    for (int k = 0; k < 6 && n == 3; k++) { /* triangles: option Qt */
-      size_t a = (size_t)corner[k / 2], b = (size_t)corner[(k / 2 + 1 + k % 2) % 3];
-      if (a >= s->n_disks) continue;
-      if (fill)
-        e->site[e->start[a + 1]++] = (uint32_t)b;
-      else
-        e->start[a + 2]++;
-    }
-  }
-}
-
-static sd_status collect_edges(qhT *qh, const sites *s, edges *e) {
-  e->start = calloc(s->n_disks + 3, sizeof *e->start);
-  if (!e->start) return SD_ERROR_IO;
-  visit_edges(qh, s, e, false);
-  for (size_t i = 0; i < s->n_disks; i++) e->start[i + 2] += e->start[i + 1];
-  e->site = calloc(e->start[s->n_disks + 1] + 1, sizeof *e->site);
-  if (!e->site) return SD_ERROR_IO;
-  visit_edges(qh, s, e, true);
-  return SD_OK;
-}
-
-/* Coordinates about the middle, in units of the size: Qhull's tolerances are absolute. */
-static coordT *lift(const sites *s) {
-  coordT *point = calloc(3 * s->n, sizeof *point);
-  for (size_t i = 0; point && i < s->n; i++) {
-    double x = (s->at[i][0] - s->centre[0]) / s->size, y = (s->at[i][1] - s->centre[1]) / s->size;
-    double r = s->radius[i] / s->size;
-    point[3 * i] = x;
-    point[3 * i + 1] = y;
-    point[3 * i + 2] = x * x + y * y - r * r;
-  }
-  return point;
-}
-
-static sd_status triangulate(const sites *s, edges *e, sd_messages *messages) {
-  char options[] = "qhull Qt Qbb Q12 Pp", *said = NULL;
-  size_t size = 0;
-  coordT *points = lift(s);
-  FILE *errors = open_memstream(&said, &size); /* the library prints what goes wrong */
-  qhT *qh = calloc(1, sizeof *qh);
-  if (!points || !errors || !qh || s->n > INT32_MAX) {
-    if (errors) fclose(errors);
-    free(said);
-    free(points);
-    free(qh);
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the cells of %zu disks", s->n_disks);
-  }
-  qh_zero(qh, errors);
-  int failed = qh_new_qhull(qh, 3, (int)s->n, points, False, options, NULL, errors);
-  sd_status status = failed == qh_ERRmem ? SD_ERROR_IO : failed ? SD_ERROR_NUMERIC : collect_edges(qh, s, e);
-  qh_freeqhull(qh, !qh_ALL);
-  int long_blocks, long_bytes;
-  qh_memfreeshort(qh, &long_blocks, &long_bytes);
-  fclose(errors);
-  if (failed)
-    sd_fail(messages, status, "Qhull found no cells: %.*s", said ? (int)strcspn(said, "\n") : 0, said);
-  else if (status != SD_OK)
-    sd_fail(messages, status, "no memory for the cells of %zu disks", s->n_disks);
-  free(said);
-  free(points);
-  free(qh);
-  return status;
+  return status == SD_OK ? sites_sort(s) : status;
 }
 
 /* --- one cell ----------------------------------------------------------------------------------------- */
@@ -193,6 +65,7 @@ typedef struct polygon {
   size_t n;
   double at[MOST_CORNERS][2];
   unsigned char edge[MOST_CORNERS];
+  bool sure[MOST_CORNERS]; /* no site is nearer to this corner */
 } polygon;
 
 static void polygon_box(polygon *p, double half_x, double half_y) {
@@ -201,6 +74,7 @@ static void polygon_box(polygon *p, double half_x, double half_y) {
     p->at[k][0] = k == 1 || k == 2 ? half_x : -half_x;
     p->at[k][1] = k >= 2 ? half_y : -half_y;
     p->edge[k] = BY_NOTHING;
+    p->sure[k] = false;
   }
 }
 
@@ -208,13 +82,17 @@ static void polygon_box(polygon *p, double half_x, double half_y) {
  * too many corners. */
 static bool polygon_cut(polygon *p, double nx, double ny, double d, double slack, unsigned char by) {
   double deepest = 0.0;
-  for (size_t k = 0; k < p->n; k++) deepest = fmax(deepest, nx * p->at[k][0] + ny * p->at[k][1] - d);
+  for (size_t k = 0; k < p->n; k++) {
+    const double depth = nx * p->at[k][0] + ny * p->at[k][1] - d;
+    if (depth > deepest) deepest = depth;
+  }
   if (!(deepest > slack)) return true;
   if (p->n + 2 > MOST_CORNERS) return false;
   polygon from;
   from.n = p->n;
   memcpy(from.at, p->at, p->n * sizeof *p->at);
   memcpy(from.edge, p->edge, p->n);
+  memcpy(from.sure, p->sure, p->n);
   p->n = 0;
   for (size_t k = 0; k < from.n; k++) {
     const double *a = from.at[k], *b = from.at[k + 1 < from.n ? k + 1 : 0];
@@ -222,12 +100,14 @@ static bool polygon_cut(polygon *p, double nx, double ny, double d, double slack
     if (da <= 0.0) {
       p->at[p->n][0] = a[0];
       p->at[p->n][1] = a[1];
+      p->sure[p->n] = from.sure[k];
       p->edge[p->n++] = from.edge[k];
     }
     if ((da <= 0.0) == (db <= 0.0)) continue;
     double t = da / (da - db);
     p->at[p->n][0] = a[0] + t * (b[0] - a[0]);
     p->at[p->n][1] = a[1] + t * (b[1] - a[1]);
+    p->sure[p->n] = false;
     p->edge[p->n++] = da <= 0.0 ? by : from.edge[k];
   }
   return true;
@@ -246,27 +126,70 @@ typedef struct cutter {
   const configuration *c;
   const region *whole;
   const sites *s;
-  const edges *e;
   double margin[2], largest; /* radius */
   bool short_of_images;      /* some cell may have a neighbour that was not there */
 } cutter;
 
-static bool cut_neighbours(const cutter *q, size_t i, polygon *p) {
-  const double *at = q->s->at[i], r = q->s->radius[i];
-  bool fits = true;
-  for (size_t k = q->e->start[i]; fits && k < q->e->start[i + 1]; k++) {
-    size_t j = q->e->site[k];
-    if (j >= q->s->n - FAR) continue;
-    double dx = q->s->at[j][0] - at[0], dy = q->s->at[j][1] - at[1], s = q->s->radius[j];
-    fits = polygon_cut(p, dx, dy, 0.5 * (dx * dx + dy * dy + (r - s) * (r + s)), 0.0, BY_NEIGHBOUR);
+/* By the radical line of disk i and site j. */
+static bool cut_site(const sites *s, size_t i, size_t j, polygon *p) {
+  double dx = s->at[j][0] - s->at[i][0], dy = s->at[j][1] - s->at[i][1];
+  double d = 0.5 * (dx * dx + dy * dy + (s->radius[i] + s->radius[j]) * (s->radius[i] - s->radius[j]));
+  return polygon_cut(p, dx, dy, d, 0.0, BY_NEIGHBOUR);
+}
+
+/* No circle with its centre beyond the block can have a lower power at a point than `power`. */
+static bool block_decides(const sites_block *b, const double at[2], double power, double largest) {
+  static const double slack = 1e-9; /* of what rounding moves between cells */
+  double gap = HUGE_VAL;
+  for (int k = 0; k < 2; k++) {
+    const double below = at[k] - b->lower[k], above = b->upper[k] - at[k];
+    gap = below < gap ? below : gap;
+    gap = above < gap ? above : gap;
   }
-  return fits;
+  gap *= 1.0 - slack;
+  return b->complete && gap > 0.0 && gap * gap - largest * largest > power;
+}
+
+/* First by what is near, then by the site that is nearest to a corner, until the disk itself is nearest to all of them. A site
+ * that has cut and is found again is nearer by rounding alone. */
+static bool cut_neighbours(const sites *s, size_t i, double largest, polygon *p) {
+  static const double rounding = 1e-14;
+  uint32_t used[MOST_CORNERS];
+  enum { NEAR = 64 };
+  sites_block block;
+  size_t n = sites_around(s, i, used, NEAR, &block);
+  for (size_t k = 0; k < n; k++)
+    if (!cut_site(s, i, used[k], p)) return false;
+  for (size_t k = 0; k < p->n;) {
+    if (p->sure[k]) {
+      k++;
+      continue;
+    }
+    const double x = p->at[k][0], y = p->at[k][1], far = x * x + y * y, r = s->radius[i];
+    const double at[2] = {s->at[i][0] + x, s->at[i][1] + y};
+    if (block_decides(&block, at, far - r * r, largest)) {
+      p->sure[k++] = true;
+      continue;
+    }
+    const size_t j = sites_nearest(s, i, at, far - r * r - rounding * (far + r * r));
+    bool known = j == SIZE_MAX;
+    for (size_t u = 0; u < n && !known; u++) known = used[u] == j;
+    if (known) {
+      p->sure[k] = true;
+      continue;
+    }
+    if (n == MOST_CORNERS || !cut_site(s, i, j, p)) return false;
+    used[n++] = (uint32_t)j;
+    k = 0;
+  }
+  return true;
 }
 
 /* A site that is not there could come nearer to a corner than this disk only from within a circle about the corner. */
 static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   const sd_model *m = q->c->model;
   double r = q->s->radius[i];
+  if (q->c->length[0] == 0.0 && q->c->length[1] == 0.0) return false;
   for (size_t k = 0; k < p->n; k++) {
     double x = p->at[k][0], y = p->at[k][1];
     double reach = sqrt(fmax(x * x + y * y - r * r + q->largest * q->largest, 0.0));
@@ -280,6 +203,14 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   return false;
 }
 
+/* By the tangent at the nearest point of the arc. */
+static void cut_arc(const sd_segment *g, const double *pivot, const double *at, polygon *p) {
+  const placed_segment placed = walls_place(g, pivot[0], pivot[1], 1.0, 0.0, 1.0);
+  const nearest_point q = walls_nearest(&placed, at[0], at[1]);
+  const double r = hypot(q.dx, q.dy);
+  if (q.active && q.flat && r > 0.0) polygon_cut(p, q.dx / r, q.dy / r, r, 0.0, BY_WALL);
+}
+
 /* Walls stop a cell where the disk stands before them. */
 static void cut_walls(const cutter *q, size_t i, polygon *p) {
   const sd_model *m = q->c->model;
@@ -287,6 +218,10 @@ static void cut_walls(const cutter *q, size_t i, polygon *p) {
   for (size_t k = 0; k < m->n_segments; k++) {
     const sd_segment *g = &m->segments[k];
     const double *pivot = m->walls[g->body - m->n_disks].pivot;
+    if (g->piece != SD_PIECE_STRAIGHT) {
+      cut_arc(g, pivot, at, p);
+      continue;
+    }
     double rx = pivot[0] + g->start[0] - at[0], ry = pivot[1] + g->start[1] - at[1];
     double u = -(rx * g->tangent[0] + ry * g->tangent[1]);
     if (g->length < HUGE_VAL && (u < 0.0 || u > g->length)) continue;
@@ -354,7 +289,7 @@ static double round_area(const cutter *q, size_t i, polygon *p, bool *closed) {
   return area;
 }
 
-static double cell_area(cutter *q, size_t i, bool *closed) {
+static double cell_area(const cutter *q, size_t i, bool *closed, bool *short_of_images) {
   polygon p;
   const region *g = q->whole;
   const double *length = q->c->length;
@@ -362,14 +297,13 @@ static double cell_area(cutter *q, size_t i, bool *closed) {
   *closed = false;
   if (!region_holds(g, q->s->at[i][0], q->s->at[i][1])) return NAN;
   polygon_box(&p, length[0] > 0.0 ? length[0] : size, length[1] > 0.0 ? length[1] : size);
-  if (q->e->start[i] == q->e->start[i + 1] || !cut_neighbours(q, i, &p))
-    return NAN; /* hidden by larger disks */
+  if (!cut_neighbours(q->s, i, q->largest, &p) || p.n < 3) return NAN; /* hidden by larger disks */
   cut_walls(q, i, &p);
   if (g->round) {
     area = round_area(q, i, &p, closed);
   } else {
     cut_region(q, i, &p);
-    if (!q->short_of_images && needs_images(q, i, &p)) q->short_of_images = true;
+    if (!*short_of_images && needs_images(q, i, &p)) *short_of_images = true;
     *closed = is_closed(q, i, &p);
     area = polygon_area(&p);
   }
@@ -378,23 +312,38 @@ static double cell_area(cutter *q, size_t i, bool *closed) {
   return NAN;
 }
 
+typedef struct areas_task {
+  const cutter *q;
+  cells *t;
+  size_t n;
+  atomic_bool more; /* images */
+} areas_task;
+
+static void areas_together(const team *t, void *with) {
+  areas_task *f = with;
+  size_t begin, end;
+  bool more = false;
+  team_share(t, f->n, &begin, &end);
+  for (size_t i = begin; i < end; i++) f->t->area[i] = cell_area(f->q, i, &f->t->closed[i], &more);
+  if (more) f->more = true;
+}
+
 /* --- all cells ---------------------------------------------------------------------------------------- */
 
 static sd_status cut_cells(cells *t, cutter *q, sd_messages *messages) {
   sites s = {0};
-  edges e = {0};
   sd_status status = sites_new(&s, q->c, q->whole, q->margin);
   if (status != SD_OK) sd_fail(messages, status, "no memory for the cells of %zu disks", t->n);
-  if (status == SD_OK) status = triangulate(&s, &e, messages);
-  if (status == SD_OK) assert(e.start && e.site);
   q->s = &s;
-  q->e = &e;
-  q->short_of_images = false;
-  for (size_t i = 0; status == SD_OK && i < t->n; i++) t->area[i] = cell_area(q, i, &t->closed[i]);
+  const size_t n = status == SD_OK ? t->n : 0;
+  areas_task f = {.q = q, .t = t, .n = n};
+  enum { FEW = 1024 }; /* cells, not worth a thread */
+  pool *all = n > FEW ? pool_new(pool_most()) : NULL;
+  pool_run(all, areas_together, &f);
+  pool_free(all);
+  q->short_of_images = f.more;
   q->s = NULL;
-  q->e = NULL;
   sites_free(&s);
-  edges_free(&e);
   return status;
 }
 

@@ -1,10 +1,10 @@
 /* cells.h: radical (power, Laguerre) cells of disks: the points whose power distance |x - c|^2 - R^2 to this disk is the
  * least. For equal radii these are Voronoi cells; cells of disks that do not overlap contain their disks.
  *
- * Qhull gives the neighbours: the lower hull of the points (x, y, x^2 + y^2 - R^2) is the regular triangulation,
- * whose edges join disks with a common edge of their cells. Each cell is then cut out by its neighbours' radical lines,
- * by straight walls, and by the region, so that its area is exact to rounding. Along periodic directions images are
- * added, as many as the cells turn out to need.
+ * A cell is cut out of the plane by the radical lines of near disks; then each of its corners is asked which site is nearest to
+ * it, and the radical line of that one cuts, until no site is nearer to any corner than the disk itself: then no other can cut.
+ * Straight walls and the region cut last. Areas are exact to rounding. Along periodic directions images are added, as many as the
+ * cells turn out to need.
  *
  * A cell is closed when neighbours and walls bound it, and no corner of it is farther from the disk's edge than
  * CELLS_VOID largest radii (in a box that is periodic in x and y there is no such limit). Otherwise it is open: it lies at

@@ -4,6 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/comm_data.h"
+#include "base/team.h"
+#include "model/cell.h"
+#include "model/laws.h"
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
@@ -13,7 +17,7 @@
 
 sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages) {
   size_t n = n_disks + n_walls;
-  *f = (frame_data){.scale = 1.0, .n_bodies = n, .n_disks = n_disks};
+  *f = (frame_data){.scale = 1.0, .stretch = {1.0, 1.0}, .n_bodies = n, .n_disks = n_disks};
   f->position = calloc(n + 1, sizeof *f->position);
   f->velocity = calloc(n + 1, sizeof *f->velocity);
   f->angle = calloc(n + 1, sizeof *f->angle);
@@ -45,46 +49,85 @@ void frame_data_free(frame_data *f) {
   *f = (frame_data){0};
 }
 
+/* Of the state as a whole. */
+static void fill_moment(frame_data *f, const sd_model *m, const sd_state *s) {
+  f->step = s->step;
+  f->time = (double)s->step * m->dt;
+  f->scale = s->box_scale;
+  for (int c = 0; s->n_cell && c < 2; c++) f->stretch[c] = s->cell[c];
+  f->offset = cell_offset(m, s);
+  cell_gradient_of(m, s, f->gradient);
+}
+
+static void fill_body(frame_data *f, size_t body, const sd_state *s, size_t slot) {
+  f->position[body][0] = s->x[slot];
+  f->position[body][1] = s->y[slot];
+  f->velocity[body][0] = s->vx[slot];
+  f->velocity[body][1] = s->vy[slot];
+  f->spin[body] = s->omega[slot];
+  f->angle[body] = s->turn[slot] + s->theta[slot];
+  if (slot < s->n_free) f->activity[body] = s->activity[slot];
+  if (body >= f->n_disks) return;
+  f->image[body][0] = s->image_x[slot];
+  f->image[body][1] = s->image_y[slot];
+}
+
+/* Materials come from `materials`, a model of the frame's bodies. */
+static void fill_contact(frame_data *f, size_t k, const sd_model *materials, const sd_state *s, uint32_t a,
+                         uint32_t b) {
+  f->a[k] = a;
+  f->b[k] = b;
+  f->part[k] = s->contact_part[k];
+  f->overlap[k] = s->contact_overlap[k];
+  f->force[k] = s->contact_force[k];
+  f->tau[k] = configuration_tau_of(materials, s, k, configuration_material(materials, a),
+                                   configuration_material(materials, b));
+  f->slide[k] = s->contact_slide[k];
+}
+
 sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *s, sd_messages *messages) {
   sd_status status = frame_data_new(f, m->n_disks, m->n_walls, messages);
   if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
   if (status != SD_OK) return status;
-  f->step = s->step;
-  f->time = (double)s->step * m->dt;
-  f->scale = s->box_scale;
-  for (size_t k = 0; k < s->n_bodies; k++) {
-    uint32_t body = s->id[k];
-    f->position[body][0] = s->x[k];
-    f->position[body][1] = s->y[k];
-    f->velocity[body][0] = s->vx[k];
-    f->velocity[body][1] = s->vy[k];
-    f->spin[body] = s->omega[k];
-    f->angle[body] = s->turn[k] + s->theta[k];
-    if (k < s->n_free) f->activity[body] = s->activity[k];
-    if (body >= m->n_disks) continue;
-    f->image[body][0] = s->image_x[k];
-    f->image[body][1] = s->image_y[k];
-  }
-  for (size_t k = 0; k < s->n_contacts; k++) {
-    f->a[k] = s->contact_a[k];
-    f->b[k] = s->contact_b[k];
-    f->part[k] = s->contact_part[k];
-    f->overlap[k] = s->contact_overlap[k];
-    f->force[k] = s->contact_force[k];
-    f->tau[k] = configuration_tau(m, f->a[k], f->b[k], s->contact_zeta[k]);
-    f->slide[k] = s->contact_slide[k];
-  }
+  fill_moment(f, m, s);
+  for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, s->id[k], s, k);
+  for (size_t k = 0; k < s->n_contacts; k++) fill_contact(f, k, m, s, s->contact_a[k], s->contact_b[k]);
+  return SD_OK;
+}
+
+sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *m, const sd_state *s,
+                             const uint32_t *slots, sd_messages *messages) {
+  *constants = *m;
+  constants->n_disks = s->n_disks;
+  constants->disks = calloc(s->n_disks + 1, sizeof *constants->disks);
+  sd_status status = frame_data_new(f, s->n_disks, m->n_walls, messages);
+  if (status == SD_OK) status = frame_data_contacts(f, s->n_contacts, messages);
+  if (status != SD_OK) return status;
+  if (!constants->disks) return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", s->n_disks);
+  f->shared = true;
+  f->n_own = s->n_free;
+  fill_moment(f, m, s);
+  for (size_t k = 0; k < s->n_disks; k++)
+    constants->disks[k] = (sd_disk){.radius = s->radius[k],
+                                    .mass = s->mass[k],
+                                    .inertia = s->inertia[k],
+                                    .material = s->material[k],
+                                    .group = s->group[k],
+                                    .driven = k >= s->n_free + s->n_ghosts};
+  for (size_t k = 0; k < s->n_bodies; k++) fill_body(f, k, s, k);
+  for (size_t k = 0; k < s->n_contacts; k++)
+    fill_contact(f, k, constants, s, slots[s->contact_a[k]], slots[s->contact_b[k]]);
   return SD_OK;
 }
 
 /* --- bodies ------------------------------------------------------------------------------------------- */
 
 /* Edges of box and region now: everything is stretched about the lower corner. */
-static void fill_space(sd_model *m, const sd_model *from, double scale) {
+static void fill_space(sd_model *m, const sd_model *from, const frame_data *f) {
   m->container = from->container;
   m->variant = from->variant;
   for (int c = 0; c < 2; c++) {
-    double corner = box_corner(from, c);
+    double corner = box_corner(from, c), scale = f->scale * f->stretch[c];
     m->gravity[c] = from->gravity[c];
     m->periodic[c] = from->periodic[c];
     m->lower[c] = from->lower[c];
@@ -107,11 +150,15 @@ static sd_status fill_laws(sd_model *m, const sd_model *from) {
 }
 
 /* Rounding can leave a coordinate on the upper edge. */
-static double into_box(const sd_model *m, int c, double at) {
-  if (!m->periodic[c]) return at;
-  double length = m->upper[c] - m->lower[c];
-  at -= length * floor((at - m->lower[c]) / length);
-  return at >= m->lower[c] && at < m->upper[c] ? at : m->lower[c];
+static void into_box(const configuration *c, double at[2]) {
+  const sd_model *m = c->model;
+  for (int k = 1; k >= 0; k--) {
+    if (!m->periodic[k]) continue;
+    const double length = m->upper[k] - m->lower[k], n = floor((at[k] - m->lower[k]) / length);
+    at[k] -= length * n;
+    if (k == 1 && n != 0.0) at[0] -= c->offset * n;
+    if (!(at[k] >= m->lower[k] && at[k] < m->upper[k])) at[k] = m->lower[k];
+  }
 }
 
 static void fill_disks(configuration *c, const sd_model *from, const frame_data *f, uint32_t *renumbered) {
@@ -123,27 +170,33 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
     c->n_removed += activity == SD_REMOVED;
     if (!configuration_in_play(activity)) continue;
     const sd_disk *d = &from->disks[i];
+    double at[2] = {f->position[i][0], f->position[i][1]};
+    into_box(c, at);
     renumbered[i] = (uint32_t)m->n_disks;
     c->number[m->n_disks] = i;
-    m->disks[m->n_disks++] = (sd_disk){
-        .position = {into_box(m, 0, f->position[i][0]), into_box(m, 1, f->position[i][1]), f->angle[i]},
-        .velocity = {f->velocity[i][0], f->velocity[i][1], f->spin[i]},
-        .radius = d->radius,
-        .mass = d->mass,
-        .inertia = d->inertia,
-        .force = {d->force[0], d->force[1], d->force[2]},
-        .material = d->material,
-        .group = d->group,
-        .driven = d->driven};
+    m->disks[m->n_disks++] = (sd_disk){.position = {at[0], at[1], f->angle[i]},
+                                       .velocity = {f->velocity[i][0], f->velocity[i][1], f->spin[i]},
+                                       .radius = d->radius,
+                                       .mass = d->mass,
+                                       .inertia = d->inertia,
+                                       .force = {d->force[0], d->force[1], d->force[2]},
+                                       .material = d->material,
+                                       .group = d->group,
+                                       .driven = d->driven};
   }
 }
 
-void configuration_wall_point(const sd_wall *wall, const frame_data *f, size_t body, size_t k, double at[2]) {
+static void wall_point(const sd_wall *wall, const frame_data *f, size_t body, const double first[2],
+                       double at[2]) {
   double cosine = cos(f->angle[body]), sine = sin(f->angle[body]);
-  double x = f->scale * (wall->points[k][0] - wall->pivot[0]);
-  double y = f->scale * (wall->points[k][1] - wall->pivot[1]);
+  double x = f->scale * (first[0] - wall->pivot[0]);
+  double y = f->scale * (first[1] - wall->pivot[1]);
   at[0] = f->position[body][0] + cosine * x - sine * y;
   at[1] = f->position[body][1] + sine * x + cosine * y;
+}
+
+void configuration_wall_point(const sd_wall *wall, const frame_data *f, size_t body, size_t k, double at[2]) {
+  wall_point(wall, f, body, wall->points[k], at);
 }
 
 static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f, size_t body) {
@@ -152,12 +205,15 @@ static sd_status fill_wall(sd_wall *w, const sd_wall *from, const frame_data *f,
                  .pivot = {f->position[body][0], f->position[body][1]},
                  .closed = from->closed,
                  .radius = from->radius,
-                 .inside = from->inside};
+                 .inside = from->inside,
+                 .from = from->from + f->angle[body],
+                 .to = from->to + f->angle[body]};
   if (from->kind == SD_WALL_CIRCLE) return SD_OK;
   w->points = calloc(from->n_points + 1, sizeof *w->points);
   if (!w->points) return SD_ERROR_IO;
   w->n_points = from->n_points;
   for (size_t k = 0; k < w->n_points; k++) configuration_wall_point(from, f, body, k, w->points[k]);
+  wall_point(from, f, body, from->center, w->center);
   return SD_OK;
 }
 
@@ -168,20 +224,22 @@ static double across(const sd_wall *w, int c) {
   return fabs(rise) <= 1e-9 * fabs(run) ? w->points[0][c] : NAN;
 }
 
-/* All disks that move are on one side of a line across c at `at`: -1 below, +1 above, 0 on both. */
-static int side_of_disks(const sd_model *m, int c, double at) {
-  bool below = false, above = false;
+/* All disks that move are on one side of a line across c at `at`: -1 below, +1 above, 0 on both. Collective. */
+static int side_of_disks(const sd_model *m, bool shared, int c, double at) {
+  enum { BELOW = 1, ABOVE = 2 };
+  unsigned sides = 0;
   for (size_t i = 0; i < m->n_disks; i++) {
     if (m->disks[i].driven) continue;
-    below |= m->disks[i].position[c] < at;
-    above |= m->disks[i].position[c] > at;
+    if (m->disks[i].position[c] < at) sides |= BELOW;
+    if (m->disks[i].position[c] > at) sides |= ABOVE;
   }
-  return (above ? 1 : 0) - (below ? 1 : 0);
+  if (shared) sides = comm_or(sides);
+  return (sides & ABOVE ? 1 : 0) - (sides & BELOW ? 1 : 0);
 }
 
 /* An edge of the region that was a straight wall at the start goes where the wall has gone, and a straight wall within
- * the region ends it where no disk is behind: lids and servo walls make a container smaller. */
-static void follow_walls(sd_model *m, const sd_model *from) {
+ * the region ends it where no disk is behind: lids and servo walls make a container smaller. Collective. */
+static void follow_walls(sd_model *m, const sd_model *from, bool shared) {
   for (size_t w = 0; w < m->n_walls; w++)
     for (int c = 0; c < 2; c++) {
       double before = across(&from->walls[w], c), now = across(&m->walls[w], c);
@@ -194,7 +252,7 @@ static void follow_walls(sd_model *m, const sd_model *from) {
     for (int c = 0; c < 2; c++) {
       double now = across(&m->walls[w], c);
       if (!(now > m->region_lower[c] && now < m->region_upper[c])) continue;
-      int side = side_of_disks(m, c, now);
+      int side = side_of_disks(m, shared, c, now);
       if (side > 0) m->region_lower[c] = now;
       if (side < 0) m->region_upper[c] = now;
     }
@@ -213,7 +271,7 @@ static sd_status fill_bodies(configuration *c, const sd_model *from, const frame
     renumbered[from->n_disks + w] = (uint32_t)m->n_disks + w;
     if (fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w) != SD_OK) return SD_ERROR_IO;
   }
-  follow_walls(m, from);
+  follow_walls(m, from, f->shared);
   return SD_OK;
 }
 
@@ -222,17 +280,7 @@ static sd_status fill_bodies(configuration *c, const sd_model *from, const frame
 static placed_segment place(const sd_model *m, uint32_t part) {
   const sd_segment *s = &m->segments[part];
   const double *pivot = m->walls[s->body - m->n_disks].pivot;
-  placed_segment g = {.x = pivot[0] + s->start[0],
-                      .y = pivot[1] + s->start[1],
-                      .tx = s->tangent[0],
-                      .ty = s->tangent[1],
-                      .length = s->length,
-                      .px = s->previous[0],
-                      .py = s->previous[1],
-                      .backwards = s->length < HUGE_VAL ? 0.0 : -HUGE_VAL,
-                      .arc = s->arc,
-                      .end_cap = s->end_cap,
-                      .joined = s->next >= 0};
+  placed_segment g = walls_place(s, pivot[0], pivot[1], 1.0, 0.0, 1.0);
   if (g.joined) {
     const sd_segment *next = &m->segments[s->next];
     g.end_x = pivot[0] + next->start[0];
@@ -260,8 +308,9 @@ static void distance_of(const configuration *c, const config_contact *k, double 
   }
   for (int x = 0; x < 2; x++) {
     double at = wall ? wall->pivot[x] : m->disks[k->b].position[x];
-    d[x] = configuration_nearest(c, x, at - a->position[x]);
+    d[x] = at - a->position[x];
   }
+  configuration_nearest(c, d);
   *sum += !wall ? m->disks[k->b].radius : wall->inside ? -wall->radius : wall->radius;
 }
 
@@ -292,7 +341,8 @@ static void complete(const configuration *c, config_contact *k) {
   const sd_contact_law *law =
       sd_model_law(m, configuration_material(m, k->a), configuration_material(m, k->b));
   k->mu = law->mu;
-  k->k_t = law->k_t;
+  k->push = k->force + law_pull(law, k->overlap);
+  k->k_t = law->gamma_t > 0.0 || law->tangential != SD_TANGENTIAL_SPRING ? 0.0 : law->k_t;
 }
 
 static sd_status take_contacts(configuration *c, const sd_model *from, const frame_data *f,
@@ -334,6 +384,15 @@ static sd_status copy_contacts(configuration *c, const sd_state *s) {
   return SD_OK;
 }
 
+/* The box is that of the model, but for the shift and motion of its images. */
+static void deform(const configuration *c, sd_state *s) {
+  const double *g = c->gradient;
+  s->cell_start[CELL_OFFSET] = c->offset / c->length[0];
+  s->cell_speed[CELL_X] = g[SD_CELL_XX];
+  s->cell_speed[CELL_Y] = g[SD_CELL_YY];
+  s->cell_speed[CELL_OFFSET] = (g[SD_CELL_XY] * c->length[1] + g[SD_CELL_XX] * c->offset) / c->length[0];
+}
+
 /* A system that starts from this frame: the engine finds what touches, and how strongly. */
 static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_disks, sd_messages *messages) {
   const sd_model *m = c->model;
@@ -344,6 +403,7 @@ static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_d
   if (e && s) {
     *e = (engine){.model = m, .state = s};
     engine_fill_state(m, s);
+    if (s->n_cell) deform(c, s);
     for (size_t k = s->n_free; k < s->n_bodies; k++) {
       size_t body = s->id[k] < m->n_disks ? c->number[s->id[k]] : n_disks + (s->id[k] - m->n_disks);
       s->vx[k] = f->velocity[body][0];
@@ -363,6 +423,20 @@ static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_d
 
 /* --- all ---------------------------------------------------------------------------------------------- */
 
+static void complete_together(const team *t, void *with) {
+  configuration *c = with;
+  size_t begin, end;
+  team_share(t, c->n_contacts, &begin, &end);
+  for (size_t k = begin; k < end; k++) complete(c, &c->contacts[k]);
+}
+
+static void complete_contacts(configuration *c) {
+  enum { FEW = 1024 }; /* contacts, not worth a thread */
+  pool *all = c->n_contacts > FEW ? pool_new(pool_most()) : NULL;
+  pool_run(all, complete_together, c);
+  pool_free(all);
+}
+
 static bool is_frictionless(const sd_model *m) {
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
     if (m->laws[k].k_n > 0.0 && m->laws[k].mu > 0.0 && m->laws[k].k_t > 0.0) return false;
@@ -371,8 +445,12 @@ static bool is_frictionless(const sd_model *m) {
 
 sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
                             sd_messages *messages) {
-  *c = (configuration){
-      .step = frame->step, .time = frame->time, .n_deck = frame->n_disks, .recomputed = !frame->has_contacts};
+  *c = (configuration){.step = frame->step,
+                       .time = frame->time,
+                       .n_deck = frame->n_disks,
+                       .shared = frame->shared,
+                       .n_own = frame->n_own,
+                       .recomputed = !frame->has_contacts};
   if (frame->n_disks != constants->n_disks || frame->n_bodies != sd_model_bodies(constants))
     return sd_fail(messages, SD_ERROR_USER, "the frame has %zu disks and %zu walls, the run %zu and %zu",
                    frame->n_disks, frame->n_bodies - frame->n_disks, constants->n_disks, constants->n_walls);
@@ -383,9 +461,13 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
     m->dt = 1.0; /* nothing moves */
     m->limits.unstable_step = true;
     m->max_overlap = 1e300; /* whatever is there is measured */
-    fill_space(m, constants, frame->scale);
+    fill_space(m, constants, frame);
+    c->offset = frame->offset;
+    memcpy(c->gradient, frame->gradient, sizeof c->gradient);
     status = fill_laws(m, constants);
   }
+  for (int k = 0; status == SD_OK && k < SD_CELL_COMPONENTS; k++)
+    m->phases[0].cell.asked |= frame->offset != 0.0 || frame->gradient[k] != 0.0;
   if (status == SD_OK) status = fill_bodies(c, constants, frame, renumbered);
   if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
   for (int k = 0; status == SD_OK && k < 2; k++)
@@ -398,7 +480,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   if (any && status == SD_OK)
     status = frame->has_contacts ? take_contacts(c, constants, frame, renumbered, messages)
                                  : find_contacts(c, frame, constants->n_disks, messages);
-  for (size_t k = 0; status == SD_OK && k < c->n_contacts; k++) complete(c, &c->contacts[k]);
+  if (status == SD_OK) complete_contacts(c);
   free(renumbered);
   return status;
 }
@@ -412,13 +494,17 @@ void configuration_free(configuration *c) {
 
 /* --- region ------------------------------------------------------------------------------------------- */
 
-static void about_disks(const sd_model *m, int c, double *lower, double *upper) {
+static void about_disks(const configuration *config, int c, double *lower, double *upper) {
+  const sd_model *m = config->model;
   *lower = HUGE_VAL;
   *upper = -HUGE_VAL;
   for (size_t i = 0; i < m->n_disks; i++) {
     *lower = fmin(*lower, m->disks[i].position[c] - m->disks[i].radius);
     *upper = fmax(*upper, m->disks[i].position[c] + m->disks[i].radius);
   }
+  if (!config->shared) return;
+  *lower = -comm_largest(-*lower);
+  *upper = comm_largest(*upper);
 }
 
 region configuration_region(const configuration *c, const double *wanted) {
@@ -436,7 +522,7 @@ region configuration_region(const configuration *c, const double *wanted) {
       g.lower[k] = m->region_lower[k];
       g.upper[k] = m->region_upper[k];
     } else {
-      about_disks(m, k, &g.lower[k], &g.upper[k]);
+      about_disks(c, k, &g.lower[k], &g.upper[k]);
     }
     double length = c->length[k];
     g.whole[k] = length > 0.0 && g.upper[k] - g.lower[k] >= length * (1.0 - 1e-12);
@@ -455,6 +541,7 @@ region configuration_region(const configuration *c, const double *wanted) {
 static bool has_wall(const sd_model *m, int c, double at, double near) {
   for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
+    if (wall->kind == SD_WALL_ARC) continue;
     for (size_t k = 0; k + (wall->closed ? 0 : 1) < wall->n_points; k++) {
       const double *p = wall->points[k], *q = wall->points[k + 1 < wall->n_points ? k + 1 : 0];
       if (fabs(p[c] - at) <= near && fabs(q[c] - at) <= near) return true;

@@ -13,6 +13,7 @@
 
 #include <math.h>
 
+#include "base/comm.h"
 #include "measure/region.h"
 #include "model/model.h"
 #include "model/state.h"
@@ -21,8 +22,12 @@
 typedef struct frame_data {
   int64_t step;
   double time;
-  double scale; /* lengths of the region over those of the deck */
+  double scale;              /* lengths of the region over those of the deck */
+  double stretch[2], offset; /* of a box that deforms: lengths over these, shift of a row of cells */
+  double gradient[SD_CELL_COMPONENTS]; /* its velocity gradient */
   size_t n_bodies, n_disks;
+  bool shared;                           /* they are those of one of several ranks: ... */
+  size_t n_own;                          /* ... so many of its own, ghosts, prescribed ones, which all have */
   double (*position)[2], (*velocity)[2]; /* in the periodic box */
   double *angle, *spin;
   int32_t *activity;   /* [n_disks] SD_IN_PLAY ... */
@@ -41,6 +46,10 @@ void frame_data_free(frame_data *f);
 /* The state as a frame, with its contacts. frame_data_free also when it fails. */
 sd_status frame_data_of_state(frame_data *f, const sd_model *model, const sd_state *state,
                               sd_messages *messages);
+/* The same of one rank's part, whose bodies have their slots as numbers; slots[body]. constants: a model of these bodies, of which
+ * only `disks` is to be freed, also when it fails. */
+sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model *model, const sd_state *part,
+                             const uint32_t *slots, sd_messages *messages);
 
 typedef struct config_contact {
   uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
@@ -48,7 +57,9 @@ typedef struct config_contact {
   double lx, ly;       /* branch vector: to b's centre, or to the surface of a wall or prescribed disk */
   double x, y;         /* the point of contact */
   double fx, fy;       /* force on b, without the tangential one where tau is NAN */
-  double overlap, force, tau, mu, k_t;
+  double overlap, force, tau, mu;
+  double k_t;  /* tau = -k_t zeta; 0: it is not */
+  double push; /* normal force without attraction, to which friction is limited */
   int slide;
 } config_contact;
 
@@ -59,7 +70,11 @@ typedef struct configuration {
   uint32_t *number; /* [model->n_disks] in the deck */
   size_t n_deck;    /* disks of the deck */
   size_t n_waiting, n_removed;
-  double length[2];  /* of the periodic box, 0 where it is open */
+  double length[2];                    /* of the periodic box, 0 where it is open */
+  double offset;                       /* of a row of its cells against the one below */
+  double gradient[SD_CELL_COMPONENTS]; /* of velocities in a box that deforms */
+  bool shared;                         /* as in the frame; functions that say so are collective then */
+  size_t n_own;
   bool recomputed;   /* contacts were not stored */
   bool frictionless; /* no pair of materials has k_t > 0 and mu > 0 */
   size_t n_contacts;
@@ -68,13 +83,13 @@ typedef struct configuration {
 
 /* constants: a model of the run (disks, walls, laws, box, region); only what a frame does not have is read. While no disk is
  * in play there are walls, box and region only. configuration_free also when it fails. SD_ERROR_USER: the frame does not
- * fit the model. */
+ * fit the model. Collective. */
 sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
                             sd_messages *messages);
 void configuration_free(configuration *c);
 
 /* Region whose filling is measured: that of the model, with walls that have moved, the periodic box along periodic directions, and where neither
- * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. */
+ * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. Collective. */
 region configuration_region(const configuration *c, const double *wanted);
 /* Edges of that region which are neither a wall nor periodic: what is per area depends on where they are put. Bit 2 c + 0
  * or 1: lower or upper edge of coordinate c. */
@@ -83,9 +98,19 @@ unsigned configuration_open(const configuration *c);
 static inline int configuration_material(const sd_model *m, uint32_t body) {
   return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
 }
-/* tau of a contact of the run: -k_t zeta, without -0. */
-static inline double configuration_tau(const sd_model *m, uint32_t a, uint32_t b, double zeta) {
-  return 0.0 - sd_model_law(m, configuration_material(m, a), configuration_material(m, b))->k_t * zeta;
+/* tau of stored contact c: -k_t zeta where laws need no more, without -0. a, b: its materials. */
+static inline double configuration_tau_of(const sd_model *m, const sd_state *s, size_t c, int a, int b) {
+  return 0.0 + (s->law_columns ? s->contact_tau[c] : 0.0 - sd_model_law(m, a, b)->k_t * s->contact_zeta[c]);
+}
+/* The model of a rank does not know the materials of all disks. slots[body] in the state */
+static inline double configuration_tau(const sd_model *m, const sd_state *s, const uint32_t *slots,
+                                       size_t c) {
+  return configuration_tau_of(m, s, c, s->material[slots[s->contact_a[c]]],
+                              s->material[slots[s->contact_b[c]]]);
+}
+/* Is the disk one that this rank adds to sums? */
+static inline bool configuration_counts(const configuration *c, uint32_t disk) {
+  return !c->shared || c->number[disk] < c->n_own || (c->model->disks[disk].driven && comm_rank() == 0);
 }
 /* b of a contact can be a disk that moves. */
 static inline bool configuration_is_free(const configuration *c, uint32_t body) {
@@ -98,9 +123,14 @@ void configuration_wall_point(const sd_wall *wall, const frame_data *frame, size
 static inline bool configuration_in_play(int32_t activity) {
   return activity == SD_IN_PLAY || activity == SD_OUTSIDE;
 }
-/* Shortest vector between two points. */
-static inline double configuration_nearest(const configuration *c, int k, double d) {
-  return c->length[k] > 0.0 ? d - c->length[k] * nearbyint(d / c->length[k]) : d;
+/* Makes the vector between two points the shortest one. */
+static inline void configuration_nearest(const configuration *c, double d[2]) {
+  for (int k = 1; k >= 0; k--) {
+    if (!(c->length[k] > 0.0)) continue;
+    const double n = nearbyint(d[k] / c->length[k]);
+    d[k] -= c->length[k] * n;
+    if (k == 1) d[0] -= c->offset * n;
+  }
 }
 static inline double configuration_radius(const configuration *c) { /* mean */
   double sum = 0.0;

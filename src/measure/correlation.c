@@ -3,19 +3,24 @@
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_statistics_double.h>
+#include <stdatomic.h>
 #include <stdlib.h>
+
+#include "base/team.h"
 
 /* --- pairs of centres --------------------------------------------------------------------------------- */
 
-/* Disks of the window in square cells no smaller than the reach. */
+/* Centres in the window, by square cells no smaller than the reach. */
 typedef struct grid {
   size_t n;
-  double (*at)[2];
-  double lower[2], width[2]; /* of the window */
+  double (*at)[2];               /* [n] */
+  double lower[2], width[2];     /* of the window */
+  double inverse[2], narrows[2]; /* 1/width where it repeats, else 0; 0 and 1: does the window end there? */
   bool wraps[2];
+  double offset; /* of rows of images */
   size_t cells[2];
   size_t *start;
-  uint32_t *disk;
+  double *x, *y; /* [n] cell after cell */
 } grid;
 
 static size_t grid_cell(const grid *g, const double at[2]) {
@@ -32,34 +37,91 @@ static sd_status grid_fill(grid *g, double reach) {
     double most = 2.0 * sqrt((double)g->n) + 1.0;
     g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
     if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1; /* else a cell is its neighbour twice */
+    g->inverse[k] = g->wraps[k] ? 1.0 / g->width[k] : 0.0;
+    g->narrows[k] = g->wraps[k] ? 0.0 : 1.0;
   }
+  if (g->offset != 0.0 && g->cells[1] == 1) g->cells[0] = 1;
   size_t cells = g->cells[0] * g->cells[1];
   g->start = calloc(cells + 2, sizeof *g->start);
-  g->disk = calloc(g->n + 1, sizeof *g->disk);
-  if (!g->start || !g->disk) return SD_ERROR_IO;
+  g->x = calloc(g->n + 1, sizeof *g->x);
+  g->y = calloc(g->n + 1, sizeof *g->y);
+  if (!g->start || !g->x || !g->y) return SD_ERROR_IO;
   for (size_t i = 0; i < g->n; i++) g->start[grid_cell(g, g->at[i]) + 2]++;
   for (size_t c = 0; c < cells; c++) g->start[c + 2] += g->start[c + 1];
-  for (size_t i = 0; i < g->n; i++) g->disk[g->start[grid_cell(g, g->at[i]) + 1]++] = (uint32_t)i;
+  for (size_t i = 0; i < g->n; i++) {
+    const size_t k = g->start[grid_cell(g, g->at[i]) + 1]++;
+    g->x[k] = g->at[i][0];
+    g->y[k] = g->at[i][1];
+  }
   return SD_OK;
 }
 
 static void grid_free(grid *g) {
   free(g->at);
   free(g->start);
-  free(g->disk);
+  free(g->x);
+  free(g->y);
   *g = (grid){0};
 }
 
-static void count_pair(const grid *g, size_t i, size_t j, gsl_histogram *h, double reach) {
-  double d[2], weight = 2.0; /* i, j and j, i */
-  for (int k = 0; k < 2; k++) {
-    d[k] = g->at[j][k] - g->at[i][k];
-    if (g->wraps[k]) d[k] -= g->width[k] * nearbyint(d[k] / g->width[k]);
+/* All threads count, a chunk of rows of cells at a time; histograms of chunks are added in their order, so that sums do not
+ * depend on the number of threads. */
+enum { CHUNKS = 32 };
+typedef struct counter {
+  const grid *g;
+  double reach;
+  size_t bins;
+  const double *range; /* [bins + 1] */
+  double *bin;         /* [CHUNKS][bins] */
+  atomic_size_t next;  /* chunk */
+} counter;
+
+/* nearbyint, in the processor's vectors. */
+static inline double rounded(double x) {
+  static const double shift = 0x1.8p52;
+  return (x + shift) - shift;
+}
+
+/* Pairs of centre i with those of a run: their distances, which of them are near, then their bins. */
+static void count_run(const counter *q, double *bin, size_t i, size_t first, size_t last) {
+  enum { BATCH = 64 };
+  const grid *g = q->g;
+  double square[BATCH], area[BATCH];
+  const double limit = q->reach * q->reach, scale = (double)q->bins / q->reach;
+  for (size_t n; first < last; first += n) {
+    size_t near = 0;
+    n = last - first < BATCH ? last - first : BATCH;
+    for (size_t k = 0; k < n; k++) {
+      double y = g->y[first + k] - g->y[i], turns = rounded(y * g->inverse[1]);
+      double x = g->x[first + k] - g->x[i] - g->offset * turns;
+      y -= g->width[1] * turns;
+      x -= g->width[0] * rounded(x * g->inverse[0]);
+      square[k] = x * x + y * y;
+      area[k] = (g->width[0] - g->narrows[0] * fabs(x)) * (g->width[1] - g->narrows[1] * fabs(y));
+    }
+    for (size_t k = 0; k < n; k++) {
+      const bool is_near = square[k] <= limit;
+      square[near] = square[k];
+      area[near] = area[k];
+      near += is_near;
+    }
+    for (size_t k = 0; k < near; k++) {
+      const double r = sqrt(square[k]);
+      size_t b = (size_t)(r * scale);
+      if (!(r < q->reach)) continue;
+      b = b < q->bins ? b : q->bins - 1;
+      b += r >= q->range[b + 1];
+      b -= r < q->range[b];
+      bin[b] += 2.0 / area[k]; /* i, j and j, i */
+    }
   }
-  double r = hypot(d[0], d[1]);
-  if (!(r < reach)) return;
-  for (int k = 0; k < 2; k++) weight /= g->wraps[k] ? g->width[k] : g->width[k] - fabs(d[k]);
-  gsl_histogram_accumulate(h, r, weight);
+}
+
+/* Cells that are near each other meet twice. */
+static void count_cells(const counter *q, double *bin, size_t c, size_t other) {
+  const size_t *start = q->g->start;
+  for (size_t p = start[c]; other >= c && p < start[c + 1]; p++)
+    count_run(q, bin, p, c == other ? p + 1 : start[other], start[other + 1]);
 }
 
 /* Neighbouring cell, or false beyond the window. */
@@ -71,19 +133,53 @@ static bool step_cell(const grid *g, int k, size_t from, int step, size_t *to) {
   return true;
 }
 
-static void count_pairs(const grid *g, gsl_histogram *h, double reach) {
-  for (size_t y = 0; y < g->cells[1]; y++)
-    for (size_t x = 0; x < g->cells[0]; x++) {
-      size_t c = y * g->cells[0] + x;
-      for (int k = 0; k < 9; k++) {
-        size_t nx, ny;
-        if (!step_cell(g, 0, x, k % 3 - 1, &nx) || !step_cell(g, 1, y, k / 3 - 1, &ny)) continue;
-        size_t other = ny * g->cells[0] + nx;
-        for (size_t p = g->start[c]; p < g->start[c + 1]; p++)
-          for (size_t q = g->start[other]; q < g->start[other + 1]; q++)
-            if (g->disk[p] < g->disk[q]) count_pair(g, g->disk[p], g->disk[q], h, reach);
-      }
+/* Pairs of a cell with those of a row of images, `side` above or below, that reach it. */
+static void count_shifted(const counter *q, double *bin, size_t c, size_t x, size_t row, int side) {
+  const grid *g = q->g;
+  const int64_t n = (int64_t)g->cells[0];
+  const int64_t first = (int64_t)floor((double)x - side * g->offset / g->width[0] * (double)n) - 1;
+  for (int64_t k = first; k < first + (n < 4 ? n : 4); k++)
+    count_cells(q, bin, c, row * g->cells[0] + (size_t)(((k % n) + n) % n));
+}
+
+static void count_row(const counter *q, double *bin, size_t y) {
+  const grid *g = q->g;
+  for (size_t x = 0; x < g->cells[0]; x++) {
+    size_t c = y * g->cells[0] + x;
+    for (int k = 0; k < 9; k++) {
+      size_t nx, ny;
+      if (!step_cell(g, 0, x, k % 3 - 1, &nx) || !step_cell(g, 1, y, k / 3 - 1, &ny)) continue;
+      const bool shifted = g->offset != 0.0 && k / 3 != 1 && g->cells[1] > 1 && ny + 1 != y && ny != y + 1;
+      if (!shifted)
+        count_cells(q, bin, c, ny * g->cells[0] + nx);
+      else if (k % 3 == 0)
+        count_shifted(q, bin, c, x, ny, k / 3 - 1); /* all columns at once */
     }
+  }
+}
+
+static void count_together(const team *t, void *with) {
+  counter *q = with;
+  (void)t;
+  for (size_t k = q->next++; k < CHUNKS; k = q->next++) {
+    const size_t rows = q->g->cells[1];
+    for (size_t y = rows * k / CHUNKS; y < rows * (k + 1) / CHUNKS; y++)
+      count_row(q, q->bin + k * q->bins, y);
+  }
+}
+
+static sd_status count_pairs(const grid *g, gsl_histogram *h, double reach) {
+  enum { FEW = 1024 }; /* disks, not worth a thread */
+  counter q = {.g = g, .reach = reach, .bins = h->n, .range = h->range};
+  q.bin = calloc(CHUNKS * h->n, sizeof *q.bin);
+  if (!q.bin) return SD_ERROR_IO;
+  pool *all = g->n > FEW ? pool_new(pool_most()) : NULL;
+  pool_run(all, count_together, &q);
+  pool_free(all);
+  for (size_t k = 0; k < CHUNKS; k++)
+    for (size_t b = 0; b < h->n; b++) h->bin[b] += q.bin[k * h->n + b];
+  free(q.bin);
+  return SD_OK;
 }
 
 /* The region, and no more than where disks are. */
@@ -111,6 +207,7 @@ static sd_status fill_window(grid *g, const configuration *c, const region *r) {
     upper[k] = g->wraps[k] ? r->upper[k] : fmin(r->upper[k], high[k]);
     g->width[k] = upper[k] - g->lower[k];
   }
+  g->offset = g->wraps[1] ? c->offset : 0.0;
   return SD_OK;
 }
 
@@ -125,7 +222,7 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
     t->density = n / area;
     t->pairs = gsl_histogram_calloc_uniform(bins, 0.0, t->reach);
     status = t->pairs ? grid_fill(&g, t->reach) : SD_ERROR_IO;
-    if (status == SD_OK) count_pairs(&g, t->pairs, t->reach);
+    if (status == SD_OK) status = count_pairs(&g, t->pairs, t->reach);
     for (size_t k = 0; status == SD_OK && k < bins; k++) {
       double low, high;
       gsl_histogram_get_range(t->pairs, k, &low, &high);
@@ -185,7 +282,7 @@ static sd_status distribute_forces(correlation *t, const configuration *c, const
     normal[n++] = q->force;
     if (!(q->mu > 0.0) || !isfinite(q->tau)) continue;
     tangential[n_skin] = fabs(q->tau);
-    mobilised[n_skin++] = fabs(q->tau) / (q->mu * q->force);
+    mobilised[n_skin++] = fabs(q->tau) / (q->mu * q->push);
     t->n_limit += q->slide != 0;
   }
   sd_status status = distribute(&t->normal, normal, n, CORRELATION_FORCES, bins, true);

@@ -84,8 +84,9 @@ static void sample_contacts(engine *e, size_t begin, size_t end) {
     double contacts = 0.0, sliding = 0.0, force = 0.0;
     for (size_t at = engine_first(e, i); at < engine_first(e, i + 1); at++) {
       size_t k = engine_candidate(e, at);
-      contacts += engine_contact_closed(e, k) ? 1.0 : 0.0;
-      sliding += engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
+      const bool touches = engine_contact_overlap(e, k) > 0.0; /* what attraction alone holds is none */
+      contacts += touches ? 1.0 : 0.0;
+      sliding += touches && engine_contact_sliding(e, k) != 0 ? 1.0 : 0.0;
       force += engine_contact_force(e, k);
     }
     s->sum_contacts[i] += contacts;
@@ -130,6 +131,7 @@ typedef struct drive {
 static drive drive_of(const engine *e, size_t slot) {
   const sd_state *s = e->state;
   drive d = {s->vx[slot], s->vy[slot], s->omega[slot]};
+  if (slot >= s->n_free && slot < s->n_free + s->n_ghosts) return (drive){0};
   if (slot >= s->n_free) return d;
   if (engine_columns(e, SD_X)->inverse[slot] != 0.0) d.vx = 0.0;
   if (engine_columns(e, SD_Y)->inverse[slot] != 0.0) d.vy = 0.0;

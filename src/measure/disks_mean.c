@@ -9,12 +9,13 @@
 #include "measure/mean.h"
 #include "model/state.h"
 #include "measure/observable.h"
+#include "measure/sums.h"
 
 /* --- one disk ---------------------------------------------------------------------------------------------- */
 
 /* Mean over `count` bins from `first` on, per time. */
 static double part_of(const double *bin, size_t first, size_t count, double per_bin) {
-  return count > 0 ? gsl_stats_mean(bin + first, 1, count) * per_bin : NAN;
+  return count > 0 ? sums_mean(bin + first, count) * per_bin : NAN;
 }
 
 static void fill_rotation(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {

@@ -20,8 +20,10 @@
 #include "measure/error_bar.h"
 
 #include <float.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
+#include <string.h>
+
+#include "measure/sums.h"
 
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64 };
 static const double foretold = 1e-3; /* of the variance: what is left then is no noise */
@@ -29,7 +31,8 @@ static const double foretold = 1e-3; /* of the variance: what is left then is no
 /* Means of whole blocks of b up to the record's end; their number. */
 static size_t block_means(const double *x, size_t n, size_t b, double *y) {
   size_t blocks = n / b;
-  for (size_t k = 0; k < blocks; k++) y[k] = gsl_stats_mean(x + (n - (blocks - k) * b), 1, b);
+  if (b == 1) memcpy(y, x, n * sizeof *y);
+  for (size_t k = 0; b > 1 && k < blocks; k++) y[k] = sums_mean(x + (n - (blocks - k) * b), b);
   return blocks;
 }
 
@@ -49,7 +52,7 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
   double y[BLOCKS], largest = 0;
   for (size_t b = 1; n / b >= FEWEST; b = larger(b)) {
     size_t blocks = block_means(x, n, b, y);
-    double found = gsl_stats_variance(y, 1, blocks) / (double)blocks, scatter = 1 / sqrt(2 * (double)blocks);
+    double found = sums_variance(y, blocks) / (double)blocks, scatter = 1 / sqrt(2 * (double)blocks);
     if (found >= largest) *square = largest = found;
     *square = fmin(*square, found * (1 + scatter) * (1 + scatter));
   }
@@ -58,7 +61,8 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
 
 /* Mean over orders with the weights exp(-AIC/2). */
 static double weighted(const double *value, const double *criterion, size_t n) {
-  double least = gsl_stats_min(criterion, 1, n), sum = 0, weights = 0;
+  double least = criterion[0], sum = 0, weights = 0;
+  for (size_t p = 1; p < n; p++) least = criterion[p] < least ? criterion[p] : least;
   for (size_t p = 0; p < n; p++) {
     double weight = exp((least - criterion[p]) / 2);
     sum += weight * value[p];
@@ -67,28 +71,54 @@ static double weighted(const double *value, const double *criterion, size_t n) {
   return sum / weights;
 }
 
+/* Two neighbours at once: left to itself the compiler takes vectors across blocks of eight, and transposes them. */
+typedef double pair __attribute__((vector_size(16)));
+static inline pair pair_at(const double *x) {
+  pair p;
+  memcpy(&p, x, sizeof p);
+  return p;
+}
+
+/* Reflection coefficient of forward errors f[0..n) and the backward errors that meet them; both go on with zeros. */
+static double reflection(const double *restrict f, const double *restrict b, size_t n) {
+  pair both[SUMS / 2] = {0}, squares[SUMS / 2] = {0};
+  for (size_t t = 0; t < n; t += SUMS)
+    for (size_t k = 0; k < SUMS / 2; k++) {
+      const pair x = pair_at(f + t + 2 * k), y = pair_at(b + t + 2 * k);
+      both[k] += x * y;
+      squares[k] += x * x + y * y;
+    }
+  return 2 * sums_all((const double *)both) / sums_all((const double *)squares);
+}
+
+/* Errors of the next order, in place. */
+static void reflect(double *restrict f, double *restrict b, size_t n, double k) {
+  for (size_t t = 0; t < n; t += SUMS)
+    for (size_t l = t; l < t + SUMS; l++) {
+      double before = f[l];
+      f[l] -= k * b[l];
+      b[l] -= k * before;
+    }
+}
+
 /* Spectral density at frequency zero of y[0..n), white noise having its variance everywhere; NAN: there is no noise. */
 static double spectrum_at_zero(const double *y, size_t n) {
-  double forward[BLOCKS] = {0}, backward[BLOCKS] = {0}, found[ORDERS + 1], criterion[ORDERS + 1];
-  double mean = gsl_stats_mean(y, 1, n), all = (double)n;
+  double forward[BLOCKS + SUMS], backward[BLOCKS + SUMS], found[ORDERS + 1], criterion[ORDERS + 1];
+  double mean = sums_mean(y, n), all = (double)n;
   for (size_t t = 0; t < n; t++) forward[t] = backward[t] = y[t] - mean;
-  double variance = gsl_stats_variance(y, 1, n) * (all - 1) / all, left = variance, gain = 1;
+  memset(forward + n, 0, SUMS * sizeof *forward);
+  memset(backward + n, 0, SUMS * sizeof *backward);
+  double variance = sums_variance(y, n) * (all - 1) / all, left = variance, gain = 1;
   size_t orders = (size_t)fmin(fmin(10 * log10(all), all / 4), ORDERS);
   for (size_t p = 0; left > foretold * variance; p++) {
     criterion[p] = all * log(left) + 2 * (double)p;
     found[p] = left * all / (all - 1 - (double)p) / (gain * gain);
     if (p == orders) return weighted(found, criterion, p + 1);
-    double both = 0, squares = 0;
-    for (size_t t = p + 1; t < n; t++) {
-      both += forward[t] * backward[t - 1];
-      squares += forward[t] * forward[t] + backward[t - 1] * backward[t - 1];
-    }
-    double k = 2 * both / squares;
-    for (size_t t = n - 1; t > p; t--) {
-      double before = forward[t];
-      forward[t] -= k * backward[t - 1];
-      backward[t] = backward[t - 1] - k * before;
-    }
+    /* forward error t meets backward error t - 1, which stands p places before it */
+    size_t pairs = n - 1 - p;
+    backward[pairs] = 0;
+    double k = reflection(forward + p + 1, backward, pairs);
+    reflect(forward + p + 1, backward, pairs, k);
     gain *= 1 - k;
     left *= 1 - k * k;
   }
@@ -97,8 +127,11 @@ static double spectrum_at_zero(const double *y, size_t n) {
 
 /* Variation that rounding alone brings into a record of this size counts as none. */
 static bool is_constant(const double *x, size_t n) {
-  double low, high;
-  gsl_stats_minmax(&low, &high, x, 1, n);
+  double low = x[0], high = x[0];
+  for (size_t k = 1; k < n; k++) {
+    low = x[k] < low ? x[k] : low;
+    high = x[k] > high ? x[k] : high;
+  }
   return high - low <= 8 * DBL_EPSILON * fmax(fabs(low), fabs(high));
 }
 
@@ -111,7 +144,7 @@ error_bar error_bar_of(const double *x, size_t n) {
   double square =
       halves ? spectrum_at_zero(half, halves) / (double)halves : spectrum_at_zero(y, blocks) / (double)blocks;
   bool noise = !isnan(square), period = !noise && periodic_variance(y, blocks, &square);
-  double tau = square / gsl_stats_variance(x, 1, n) * (double)n / 2;
+  double tau = square / sums_variance(x, n) * (double)n / 2;
   bool reliable = noise ? (double)n >= LONG * tau : period;
   return (error_bar){.error = sqrt(square), .correlation = tau, .reliable = reliable};
 }

@@ -14,15 +14,6 @@ typedef struct error_bar {
 /* Standard error of the mean of x[0..n) as a stationary record. */
 error_bar error_bar_of(const double *x, size_t n);
 
-typedef struct transient {
-  size_t length; /* samples to discard at the start */
-  double tail;   /* bias that it is likely to leave in the mean of the rest */
-  bool inside;   /* it ends before half the record */
-  bool quiet;    /* what follows is steady to a hundredth of the whole, by the naive error */
-} transient;
-
-transient transient_of(const double *x, size_t n);
-
 /* From here on, in sigmas, a drift is cut off or put into the error bar; and it spoils convergence. */
 enum { DRIFT_SEEN = 2, DRIFT_CERTAIN = 3 };
 
@@ -35,5 +26,18 @@ typedef struct drift {
 
 /* error: that of the mean of x[0..n). */
 drift drift_of(const double *x, size_t n, double error);
+
+typedef struct transient {
+  size_t length;  /* samples to discard at the start */
+  double tail;    /* bias that it is likely to leave in the mean of the rest */
+  bool inside;    /* it ends before half the record */
+  bool quiet;     /* what follows is steady to a hundredth of the whole, by the naive error */
+  error_bar rest; /* of the mean of what follows */
+  drift left;     /* in it */
+} transient;
+
+transient transient_of(const double *x, size_t n);
+/* Nothing is discarded. */
+transient transient_none(const double *x, size_t n);
 
 #endif

@@ -1,5 +1,4 @@
 /* mean.c: means with error bars, of records and of what a state has gathered. */
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -7,6 +6,7 @@
 #include "base/shortage.h"
 #include "measure/error_bar.h"
 #include "measure/mean.h"
+#include "measure/sums.h"
 #include "model/state.h"
 #include "model/motion_kinds.h"
 #include "measure/observable.h"
@@ -22,13 +22,12 @@ static double systematic(drift left, bool reliable, bool quiet) {
 sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   sd_mean mean = {.mean = NAN, .error = NAN, .correlation = NAN};
   if (n == 0) return mean;
-  transient start = look ? transient_of(x, n) : (transient){.inside = true};
+  const transient start = look ? transient_of(x, n) : transient_none(x, n);
+  const error_bar error = start.rest;
+  const drift left = start.left;
   mean.discarded = start.length;
   mean.used = n - start.length;
-  mean.mean = gsl_stats_mean(x + start.length, 1, mean.used);
-
-  error_bar error = error_bar_of(x + start.length, mean.used);
-  drift left = drift_of(x + start.length, mean.used, error.error);
+  mean.mean = sums_mean(x + start.length, mean.used);
   mean.correlation = error.correlation;
   mean.error = hypot(error.error, hypot(start.tail, systematic(left, error.reliable, start.quiet)));
   /* a relaxation without noise has no noise, and needs none once little of it is left */

@@ -2,33 +2,68 @@
 #include "measure/measurement.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stddef.h>
+
+#include "base/team.h"
+
+/* Parts of a measurement that go side by side, with threads of their own. */
+enum { STRESS, PAIRS, CELLS, PARTS };
+typedef struct parts_task {
+  measurement *m;
+  region whole;
+  size_t bins;
+  sd_status status[PARTS];
+  sd_messages *messages[PARTS];
+  atomic_int next;
+} parts_task;
+
+static void parts_together(const team *t, void *with) {
+  parts_task *f = with;
+  measurement *m = f->m;
+  (void)t;
+  for (int k = f->next++; k < PARTS; k = f->next++) {
+    sd_messages *own = f->messages[k] = sd_messages_new();
+    f->status[k] = k == STRESS  ? stress_new(&m->s, &m->c, &m->region, own)
+                   : k == PAIRS ? correlation_new(&m->pairs, &m->c, &m->region, f->bins, own)
+                                : cells_new(&m->cells, &m->c, &f->whole, &m->region, own);
+  }
+}
 
 sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
                           const double *wanted, size_t bins, sd_messages *messages) {
   sd_status status = configuration_new(&m->c, constants, frame, messages);
   if (status == SD_OK && m->c.model->n_disks == 0)
     status = sd_fail(messages, SD_ERROR_USER, "step %lld: no disk is in play", (long long)frame->step);
+  if (status == SD_OK && wanted && m->c.offset != 0.0)
+    status =
+        sd_fail(messages, SD_ERROR_USER,
+                "step %lld: a region of a sheared box is not measured; leave the region out, the whole box "
+                "is",
+                (long long)frame->step);
   if (status != SD_OK) return status;
-  region whole = configuration_region(&m->c, NULL);
+  parts_task f = {.m = m, .whole = configuration_region(&m->c, NULL), .bins = bins};
   m->region = configuration_region(&m->c, wanted);
   m->region_given = wanted;
   m->open = wanted ? 0 : configuration_open(&m->c);
   m->width = m->region.upper[0] - m->region.lower[0];
   m->height = m->region.upper[1] - m->region.lower[1];
-  status = stress_new(&m->s, &m->c, &m->region, messages);
-  if (status == SD_OK) status = correlation_new(&m->pairs, &m->c, &m->region, bins, messages);
-  if (status != SD_OK) return status;
-  sd_messages *own = sd_messages_new();
-  status = cells_new(&m->cells, &m->c, &whole, &m->region, own);
-  m->has_cells = status == SD_OK;
-  if (!m->has_cells) {
-    m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
-    for (size_t k = 0; own && k < sd_messages_count(own); k++)
-      sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(own, k));
+  enum { FEW = 1024 }; /* disks, not worth a thread */
+  pool *all = m->c.model->n_disks > FEW && pool_most() > 1 ? pool_new(2) : NULL;
+  pool_run(all, parts_together, &f);
+  pool_free(all);
+  m->has_cells = f.status[CELLS] == SD_OK;
+  if (!m->has_cells) m->cells.inside = m->cells.mean = m->cells.deviation = NAN;
+  for (int k = 0; k < PARTS; k++) {
+    for (size_t l = 0; f.messages[k] && l < sd_messages_count(f.messages[k]); l++)
+      if (k == CELLS)
+        sd_warn(messages, "step %lld: %s", (long long)m->c.step, sd_messages_text(f.messages[k], l));
+      else
+        sd_fail(messages, f.status[k], "%s", sd_messages_text(f.messages[k], l));
+    sd_messages_free(f.messages[k]);
+    if (status == SD_OK && !(k == CELLS && f.status[k] == SD_ERROR_NUMERIC)) status = f.status[k];
   }
-  sd_messages_free(own);
-  return status == SD_ERROR_NUMERIC ? SD_OK : status;
+  return status;
 }
 
 void measurement_free(measurement *m) {

@@ -105,10 +105,18 @@ typedef struct moment_body {
 } moment_body;
 extern const observable_list frame_observables; /* of moment_body */
 
+/* A clump at a moment; row of frames. */
+typedef struct moment_clump {
+  const sd_state *state;
+  size_t clump;
+} moment_clump;
+extern const observable_list clump_observables; /* of moment_clump */
+
 /* A closed contact at a moment; row of contact tables. */
 typedef struct moment_contact {
   const sd_model *model;
   const sd_state *state;
+  const uint32_t *slots;
   size_t contact;
 } moment_contact;
 extern const observable_list contact_observables; /* of moment_contact */

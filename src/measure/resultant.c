@@ -4,18 +4,43 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/comm.h"
+#include "base/comm_data.h"
 #include "measure/configuration.h"
+#include "measure/observable.h"
 #include "measure/stress.h"
+#include "pack/compress.h"
+#include "physics/step/outside.h"
+#include "physics/system/bodies.h"
 
 static const size_t NONE = SIZE_MAX;
 
+/* Sums of the whole; then rows of each wall, group and chosen disk. */
+enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, WHOLE };
+enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, ROW };
+
+/* A state, or the part of one that a rank has. */
+typedef struct part {
+  const sd_model *model;
+  const sd_state *state;
+  const uint32_t *slots;
+  bool shared, first; /* first: counts bodies that all ranks have */
+} part;
+
+static exact_sum *walls_of(const resultants *r) { return r->sums + WHOLE; }
+static exact_sum *groups_of(const resultants *r, const sd_model *m) { return walls_of(r) + ROW * m->n_walls; }
+static exact_sum *disks_of(const resultants *r, const sd_model *m) {
+  return groups_of(r, m) + ROW * m->n_groups;
+}
+
 sd_status resultants_new(resultants *r, const sd_model *m, sd_messages *messages) {
-  *r = (resultants){0};
+  *r = (resultants){.n_sums = WHOLE + ROW * (m->n_walls + m->n_groups + m->n_contact_disks)};
   r->wall = calloc(m->n_walls + 1, sizeof *r->wall);
   r->group = calloc(m->n_groups + 1, sizeof *r->group);
   r->disk = calloc(m->n_contact_disks + 1, sizeof *r->disk);
   r->chosen = calloc(m->n_disks + 1, sizeof *r->chosen);
-  if (!r->wall || !r->group || !r->disk || !r->chosen)
+  r->sums = calloc(r->n_sums, sizeof *r->sums);
+  if (!r->wall || !r->group || !r->disk || !r->chosen || !r->sums)
     return sd_fail(messages, SD_ERROR_IO, "no memory for the series");
   for (size_t k = 0; k < m->n_contact_disks; k++) r->chosen[m->contact_disks[k]] = (uint32_t)k + 1;
   return SD_OK;
@@ -26,133 +51,234 @@ void resultants_free(resultants *r) {
   free(r->group);
   free(r->disk);
   free(r->chosen);
+  free(r->sums);
   *r = (resultants){0};
 }
 
-/* --- sums over contacts -------------------------------------------------------------------------------- */
+static void add_up(const part *p, exact_sum *sum, size_t n) {
+  if (p->shared) comm_total_exact(sum, n);
+}
+
+/* Each body in one part. */
+static bool counts(const part *p, size_t slot) {
+  const sd_state *s = p->state;
+  return slot < s->n_free || (p->first && slot >= s->n_free + s->n_ghosts);
+}
+
+/* --- sums over contacts ------------------------------------------------------------------------------- */
 
 /* To which wall, group or chosen disk a body belongs. */
-typedef size_t owner_of(const resultants *r, const sd_model *m, uint32_t body);
+typedef size_t owner_of(const resultants *r, const part *p, uint32_t body);
 
-static size_t wall_of(const resultants *r, const sd_model *m, uint32_t body) {
+static size_t wall_of(const resultants *r, const part *p, uint32_t body) {
   (void)r;
-  return body >= m->n_disks ? body - m->n_disks : NONE;
+  return body >= p->model->n_disks ? body - p->model->n_disks : NONE;
 }
 
-static size_t group_of(const resultants *r, const sd_model *m, uint32_t body) {
+static size_t group_of(const resultants *r, const part *p, uint32_t body) {
   (void)r;
-  return body < m->n_disks && m->disks[body].group >= 0 ? (size_t)m->disks[body].group : NONE;
+  const int32_t group = p->state->group[p->slots[body]];
+  return group >= 0 ? (size_t)group : NONE;
 }
 
-static size_t chosen_of(const resultants *r, const sd_model *m, uint32_t body) {
-  return body < m->n_disks && r->chosen[body] ? r->chosen[body] - 1 : NONE;
+static size_t chosen_of(const resultants *r, const part *p, uint32_t body) {
+  return body < p->model->n_disks && r->chosen[body] ? r->chosen[body] - 1 : NONE;
 }
 
-static void sum_contacts(const resultants *r, resultant *sum, owner_of *owner, const sd_model *m,
-                         const frame_data *f) {
-  for (size_t k = 0; k < f->n_contacts; k++) {
-    const size_t side[2] = {owner(r, m, f->a[k]), owner(r, m, f->b[k])};
+static void add_contacts(const resultants *r, const part *p, exact_sum *rows, owner_of *owner) {
+  const sd_state *s = p->state;
+  for (size_t c = 0; c < s->n_contacts; c++) {
+    const size_t side[2] = {owner(r, p, s->contact_a[c]), owner(r, p, s->contact_b[c])};
     for (int x = 0; side[0] != side[1] && x < 2; x++) {
       if (side[x] == NONE) continue;
-      resultant *s = &sum[side[x]];
-      s->normal += f->force[k];
-      s->tangential += f->tau[k];
-      s->contacts++;
-      s->sliding += f->slide[k] != 0;
+      exact_sum *row = rows + ROW * side[x];
+      exact_sum_add(&row[NORMAL], s->contact_force[c]);
+      exact_sum_add(&row[TANGENTIAL], configuration_tau(p->model, s, p->slots, c));
+      exact_sum_add(&row[ROW_CONTACTS], 1.0);
+      if (s->contact_slide[c] != 0) exact_sum_add(&row[ROW_SLIDING], 1.0);
     }
   }
 }
 
-/* --- force and torque ---------------------------------------------------------------------------------- */
-
-/* As the engine has them. */
-static void copy_force(resultant *s, const sd_state *state, uint32_t slot) {
-  s->force_x = state->force_x[slot];
-  s->force_y = state->force_y[slot];
-  s->torque = state->torque[slot];
+/* As the engine has it. */
+static void add_force(const part *p, exact_sum *row, uint32_t body) {
+  const sd_state *s = p->state;
+  const uint32_t slot = p->slots[body];
+  if (slot >= s->n_bodies || s->id[slot] != body || !counts(p, slot))
+    return; /* slots of other ranks' disks are no such */
+  exact_sum_add(&row[FORCE_X], s->force_x[slot]);
+  exact_sum_add(&row[FORCE_Y], s->force_y[slot]);
+  exact_sum_add(&row[TORQUE], s->torque[slot]);
 }
 
-typedef struct centre {
-  double mass, x, y;
-} centre;
+/* --- of all contacts and disks ------------------------------------------------------------------------- */
+
+/* F_n r, r the distance of two centres or that from a wall: compress.h. */
+static double virial_of(const part *p, size_t c) {
+  const sd_state *s = p->state;
+  const uint32_t a = s->contact_a[c], b = s->contact_b[c];
+  const double r = s->radius[p->slots[a]] + (b < p->model->n_disks ? s->radius[p->slots[b]] : 0.0);
+  return s->contact_force[c] * (r - s->contact_overlap[c]);
+}
+
+/* A pair that attraction alone holds is none. */
+static void add_whole(const resultants *r, const part *p) {
+  const sd_state *s = p->state;
+  const bool compresses = series_compresses(p->model);
+  int64_t contacts = 0, sliding = 0;
+  for (size_t c = 0; c < s->n_contacts; c++) {
+    const bool touches = s->contact_overlap[c] > 0.0;
+    contacts += touches || !s->law_columns;
+    sliding += touches && s->contact_slide[c] != 0;
+    if (compresses) exact_sum_add(&r->sums[VIRIAL], virial_of(p, c));
+  }
+  for (size_t i = 0; compresses && i < s->n_free; i++)
+    if (body_in_play(s, i)) exact_sum_add(&r->sums[SQUARES], s->radius[i] * s->radius[i]);
+  exact_sum_add(&r->sums[CONTACTS], (double)contacts);
+  exact_sum_add(&r->sums[SLIDING], (double)sliding);
+  exact_sum_add(&r->sums[OUTSIDE], (double)outside_count(s));
+}
+
+/* --- groups -------------------------------------------------------------------------------------------- */
 
 /* Position with the images of a periodic box. */
 static void absolute(const configuration *c, const sd_state *s, uint32_t slot, double at[2]) {
-  at[0] = s->x[slot] + s->image_x[slot] * c->length[0];
+  at[0] = s->x[slot] + s->image_x[slot] * c->length[0] + s->image_y[slot] * c->offset;
   at[1] = s->y[slot] + s->image_y[slot] * c->length[1];
 }
 
-static sd_status group_forces(resultant *sum, const configuration *c, const sd_model *m, const sd_state *s,
-                              const uint32_t *slots, sd_messages *messages) {
-  centre *mean = calloc(m->n_groups + 1, sizeof *mean);
-  if (!mean) return sd_fail(messages, SD_ERROR_IO, "no memory for the series");
+/* Slots of the disks of a configuration: in parts their numbers. */
+static uint32_t slot_of(const part *p, const configuration *c, uint32_t disk) {
+  return p->shared ? c->number[disk] : p->slots[c->number[disk]];
+}
+
+/* Centres of mass: after `mass`, x and y. */
+enum { MASS, MASS_X, MASS_Y, CENTRE };
+
+static void add_masses(exact_sum *sum, const part *p, const configuration *c) {
   double at[2];
-  for (size_t i = 0; i < c->model->n_disks; i++) {
-    const sd_disk *d = &m->disks[c->number[i]];
-    if (d->group < 0) continue;
-    centre *g = &mean[d->group];
-    absolute(c, s, slots[c->number[i]], at);
-    g->mass += d->mass;
-    g->x += d->mass * at[0];
-    g->y += d->mass * at[1];
+  for (uint32_t i = 0; i < c->model->n_disks; i++) {
+    const sd_disk *d = &c->model->disks[i];
+    if (d->group < 0 || !configuration_counts(c, i)) continue;
+    exact_sum *centre = sum + CENTRE * (size_t)d->group;
+    absolute(c, p->state, slot_of(p, c, i), at);
+    exact_sum_add(&centre[MASS], d->mass);
+    exact_sum_add(&centre[MASS_X], d->mass * at[0]);
+    exact_sum_add(&centre[MASS_Y], d->mass * at[1]);
   }
+  add_up(p, sum, CENTRE * p->model->n_groups);
+}
+
+static void add_group_forces(exact_sum *rows, const double (*centre)[2], const part *p,
+                             const configuration *c) {
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
     const uint32_t body[2] = {q->a, q->b};
     int group[2];
-    for (int x = 0; x < 2; x++)
-      group[x] = body[x] < c->model->n_disks ? m->disks[c->number[body[x]]].group : -1;
+    double at[2];
+    for (int x = 0; x < 2; x++) group[x] = body[x] < c->model->n_disks ? c->model->disks[body[x]].group : -1;
     for (int x = 0; group[0] != group[1] && x < 2; x++) {
       if (group[x] < 0) continue;
-      double sign = x == 0 ? -1.0 : 1.0, fx = sign * q->fx, fy = sign * q->fy;
-      const centre *g = &mean[group[x]];
-      resultant *r = &sum[group[x]];
-      uint32_t number = c->number[body[x]];
-      absolute(c, s, slots[number], at);
-      r->force_x += fx;
-      r->force_y += fy;
-      r->torque +=
-          (at[0] - g->x / g->mass) * fy - (at[1] - g->y / g->mass) * fx + m->disks[number].radius * q->tau;
+      const double sign = x == 0 ? -1.0 : 1.0, fx = sign * q->fx, fy = sign * q->fy;
+      const double *g = centre[group[x]];
+      exact_sum *row = rows + ROW * (size_t)group[x];
+      absolute(c, p->state, slot_of(p, c, body[x]), at);
+      exact_sum_add(&row[FORCE_X], fx);
+      exact_sum_add(&row[FORCE_Y], fy);
+      exact_sum_add(&row[TORQUE],
+                    (at[0] - g[0]) * fy - (at[1] - g[1]) * fx + c->model->disks[body[x]].radius * q->tau);
     }
   }
-  free(mean);
-  return SD_OK;
+}
+
+static sd_status group_forces(const resultants *r, const part *p, const configuration *c,
+                              sd_messages *messages) {
+  const size_t n = p->model->n_groups;
+  exact_sum *sum = calloc(CENTRE * n + 1, sizeof *sum);
+  double(*centre)[2] = calloc(n + 1, sizeof *centre);
+  if (sum && centre) {
+    add_masses(sum, p, c);
+    for (size_t k = 0; k < n; k++)
+      for (int x = 0; x < 2; x++)
+        centre[k][x] =
+            exact_sum_value(&sum[CENTRE * k + MASS_X + (size_t)x]) / exact_sum_value(&sum[CENTRE * k]);
+    add_group_forces(groups_of(r, p->model), (const double(*)[2])centre, p, c);
+  }
+  const bool there = sum && centre;
+  free(sum);
+  free(centre);
+  return there ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the series");
 }
 
 /* --- region and stress --------------------------------------------------------------------------------- */
 
-static sd_status take_geometry(resultants *r, const sd_model *m, const sd_state *s, const uint32_t *slots,
-                               const frame_data *f, sd_messages *messages) {
+static sd_status take_geometry(resultants *r, const part *p, const sd_model *constants, const frame_data *f,
+                               sd_messages *messages) {
   configuration c;
-  sd_status status = configuration_new(&c, m, f, messages);
+  sd_status status = configuration_new(&c, constants, f, messages);
   if (status == SD_OK) {
     region g = configuration_region(&c, NULL);
     r->width = isfinite(g.upper[0]) ? g.upper[0] - g.lower[0] : NAN;
     r->height = isfinite(g.upper[1]) ? g.upper[1] - g.lower[1] : NAN;
-    if (m->measure_stress) stress_tensors(r->stress, r->kinetic, &c, &g);
+    if (p->model->measure_stress) stress_tensors(r->stress, r->kinetic, &c, &g);
   }
-  if (status == SD_OK && m->measure_groups) status = group_forces(r->group, &c, m, s, slots, messages);
+  if (status == SD_OK && p->model->measure_groups) status = group_forces(r, p, &c, messages);
   configuration_free(&c);
   return status;
 }
 
-sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, const uint32_t *slots,
-                          sd_messages *messages) {
-  bool geometry = m->measure_groups || m->measure_box || m->measure_stress;
-  if (!geometry && !m->measure_walls && m->n_contact_disks == 0) return SD_OK;
-  memset(r->wall, 0, m->n_walls * sizeof *r->wall);
-  memset(r->group, 0, m->n_groups * sizeof *r->group);
-  memset(r->disk, 0, m->n_contact_disks * sizeof *r->disk);
+static sd_status take_frame(resultants *r, const part *p, sd_messages *messages) {
   frame_data f;
-  sd_status status = frame_data_of_state(&f, m, s, messages);
-  if (status == SD_OK) {
-    if (m->measure_walls) sum_contacts(r, r->wall, wall_of, m, &f);
-    if (m->measure_groups) sum_contacts(r, r->group, group_of, m, &f);
-    if (m->n_contact_disks) sum_contacts(r, r->disk, chosen_of, m, &f);
-    for (size_t k = 0; k < m->n_walls; k++) copy_force(&r->wall[k], s, slots[m->n_disks + k]);
-    for (size_t k = 0; k < m->n_contact_disks; k++) copy_force(&r->disk[k], s, slots[m->contact_disks[k]]);
-  }
-  if (status == SD_OK && geometry) status = take_geometry(r, m, s, slots, &f, messages);
+  sd_model constants = {0};
+  sd_status status = p->shared ? frame_data_of_part(&f, &constants, p->model, p->state, p->slots, messages)
+                               : frame_data_of_state(&f, p->model, p->state, messages);
+  if (status == SD_OK) status = take_geometry(r, p, p->shared ? &constants : p->model, &f, messages);
   frame_data_free(&f);
+  free(constants.disks);
+  if (p->shared && status != SD_OK) comm_abort(SD_ERROR_IO);
+  return status;
+}
+
+/* --- all ----------------------------------------------------------------------------------------------- */
+
+static void round_rows(resultant *out, const exact_sum *row, size_t n) {
+  for (size_t k = 0; k < n; k++, row += ROW)
+    out[k] = (resultant){.force_x = exact_sum_value(&row[FORCE_X]),
+                         .force_y = exact_sum_value(&row[FORCE_Y]),
+                         .torque = exact_sum_value(&row[TORQUE]),
+                         .normal = exact_sum_value(&row[NORMAL]),
+                         .tangential = exact_sum_value(&row[TANGENTIAL]),
+                         .contacts = (int64_t)exact_sum_value(&row[ROW_CONTACTS]),
+                         .sliding = (int64_t)exact_sum_value(&row[ROW_SLIDING])};
+}
+
+static void round_all(resultants *r, const sd_model *m, const sd_state *s) {
+  const double area = compress_area(m, s);
+  r->contacts = (int64_t)exact_sum_value(&r->sums[CONTACTS]);
+  r->sliding = (int64_t)exact_sum_value(&r->sums[SLIDING]);
+  r->outside = (int64_t)exact_sum_value(&r->sums[OUTSIDE]);
+  r->pressure = exact_sum_value(&r->sums[VIRIAL]) / (2.0 * area);
+  r->fraction = M_PI * exact_sum_value(&r->sums[SQUARES]) / area;
+  if (m->measure_walls) round_rows(r->wall, walls_of(r), m->n_walls);
+  if (m->measure_groups) round_rows(r->group, groups_of(r, m), m->n_groups);
+  round_rows(r->disk, disks_of(r, m), m->n_contact_disks);
+}
+
+sd_status resultants_take(resultants *r, const sd_model *m, const sd_state *s, const uint32_t *slots,
+                          bool shared, sd_messages *messages) {
+  const part p = {m, s, slots, shared, !shared || comm_rank() == 0};
+  sd_status status = SD_OK;
+  memset(r->sums, 0, r->n_sums * sizeof *r->sums);
+  add_whole(r, &p);
+  if (m->measure_walls) add_contacts(r, &p, walls_of(r), wall_of);
+  if (m->measure_groups) add_contacts(r, &p, groups_of(r, m), group_of);
+  if (m->n_contact_disks) add_contacts(r, &p, disks_of(r, m), chosen_of);
+  for (size_t k = 0; m->measure_walls && k < m->n_walls; k++)
+    add_force(&p, walls_of(r) + ROW * k, (uint32_t)(m->n_disks + k));
+  for (size_t k = 0; k < m->n_contact_disks; k++)
+    add_force(&p, disks_of(r, m) + ROW * k, m->contact_disks[k]);
+  if (m->measure_groups || m->measure_box || m->measure_stress) status = take_frame(r, &p, messages);
+  add_up(&p, r->sums, r->n_sums);
+  if (status == SD_OK) round_all(r, m, s);
   return status;
 }

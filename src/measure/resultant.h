@@ -1,13 +1,16 @@
-/* resultant.h: what the contacts of a moment add up to, as series that the deck asks for: forces on walls, on groups and on
- * chosen disks, size of the region, stress.
+/* resultant.h: what the disks and contacts of a moment add up to, as series: counts and pressure, and, where the deck asks for them,
+ * forces on walls, on groups and on chosen disks, size of the region, stress.
  *
  * A wall and a disk count all their contacts, a group those between one of its disks and a body that is not in it. Of each:
  * force and torque that act on it, of a wall about its pivot, of a disk about its centre, of a group about its
  * centre of mass (with images); normal, the sum of F_n; tangential, the sum of tau, which is positive where it turns the disks
- * of the contact counter-clockwise. */
+ * of the contact counter-clockwise.
+ *
+ * All sums are exact (base/exact_sum.h): ranks that add up their parts have the bits of one process. */
 #ifndef MEASURE_RESULTANT_H
 #define MEASURE_RESULTANT_H
 
+#include "base/exact_sum.h"
 #include "model/state.h"
 
 typedef struct resultant {
@@ -17,17 +20,23 @@ typedef struct resultant {
 } resultant;
 
 typedef struct resultants {
+  int64_t contacts, sliding,
+      outside;               /* contacts that do not hold by attraction alone, and disks beyond the bounds */
+  double pressure, fraction; /* in the region, of models that compress or deform */
   resultant *wall, *group, *disk; /* of the model's walls, groups, contact_disks */
-  uint32_t *chosen;               /* [n_disks] 1 + place in contact_disks, 0: none */
   double width, height;           /* of the region, NAN: there is none */
   double stress[4], kinetic[4];   /* as in stress.h */
+  uint32_t *chosen;               /* [n_disks] 1 + place in contact_disks, 0: none */
+  exact_sum *sums;                /* scratch */
+  size_t n_sums;
 } resultants;
 
 /* resultants_free also when it fails. */
 sd_status resultants_new(resultants *r, const sd_model *model, sd_messages *messages);
 void resultants_free(resultants *r);
-/* slots[body] in the state. Only what the model asks for is computed. */
+/* slots[body] in the state. Only what the model asks for is computed. shared: every rank calls, with the part of the state that it
+ * has, contacts stored; then all know the sums, and a rank without memory ends the job. */
 sd_status resultants_take(resultants *r, const sd_model *model, const sd_state *state, const uint32_t *slots,
-                          sd_messages *messages);
+                          bool shared, sd_messages *messages);
 
 #endif

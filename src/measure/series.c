@@ -2,8 +2,7 @@
 #include "measure/configuration.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
-#include "pack/compress.h"
-#include "physics/step/outside.h"
+#include "model/cell.h"
 
 /* --- energies ------------------------------------------------------------------------------------------ */
 
@@ -15,14 +14,22 @@ static const observable energies[] = {
     ENERGY(kinetic_rotation, "kinetic energy of the free coordinates, rotation", "kinetic_rotation"),
     ENERGY(elastic_normal, "elastic energy of the normal springs", NULL),
     ENERGY(elastic_tangential, "elastic energy of the tangential springs", NULL),
+    ENERGY(elastic_rolling, "elastic energy of the rolling springs", NULL),
+    ENERGY(cohesion, "energy of attraction between bodies, 0 where it ends", NULL),
     ENERGY(external, "potential energy of gravity and constant body forces", NULL),
     ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since", NULL),
-    ENERGY(work, "work done by prescribed bodies and coordinates, and by compression, since step 0", "work"),
+    ENERGY(work,
+           "work done by prescribed bodies and coordinates, by compression and deforming boxes, since step 0",
+           "work"),
     ENERGY(nonconservative_work,
            "work of the paper's tangential force that does not derive from its energy, since step 0", NULL),
     ENERGY(viscous, "energy lost to viscosity since step 0", "viscous"),
     ENERGY(friction, "energy lost to sliding since step 0", "friction"),
+    ENERGY(rolling, "energy lost to rolling friction since step 0", NULL),
+    ENERGY(bridge, "energy lost when capillary bridges formed since step 0", NULL),
     ENERGY(opening, "energy left in contacts that opened since step 0", NULL),
+    ENERGY(drag, "energy lost to viscous drag of fields since step 0", NULL),
+    ENERGY(damping, "energy lost to non-viscous damping since step 0", NULL),
     ENERGY(relaxed, "energy taken out by the relaxer since step 0", NULL),
     ENERGY(residual, "what the energy budget does not account for", NULL),
     ENERGY(scale, "larger of |work| + losses and kinetic energy, to compare the residual with", NULL),
@@ -33,19 +40,11 @@ const observable_list energy_observables = OBSERVABLES(
 
 /* --- other series -------------------------------------------------------------------------------------- */
 
-OBSERVABLE_GET(contacts, moment, (double)at->state->n_contacts)
-
-static double sliding_contacts(const void *row, size_t k) {
-  const sd_state *s = ((const moment *)row)->state;
-  size_t n = 0;
-  (void)k;
-  for (size_t c = 0; c < s->n_contacts; c++) n += s->contact_slide[c] != 0;
-  return (double)n;
-}
-
-OBSERVABLE_GET(pressure, moment, compress_stored_pressure(at->model, at->state))
-OBSERVABLE_GET(packing_fraction, moment, compress_fraction(at->model, at->state))
-OBSERVABLE_GET(outside, moment, (double)outside_count(at->state))
+OBSERVABLE_GET(contacts, moment, (double)at->sums->contacts)
+OBSERVABLE_GET(sliding_contacts, moment, (double)at->sums->sliding)
+OBSERVABLE_GET(pressure, moment, at->sums->pressure)
+OBSERVABLE_GET(packing_fraction, moment, at->sums->fraction)
+OBSERVABLE_GET(outside, moment, (double)at->sums->outside)
 
 static uint32_t watched(const moment *now, size_t k) { return now->slots[now->model->rotations[k]]; }
 
@@ -67,6 +66,38 @@ OBSERVABLE_GET(kinetic_xx, moment, at->sums->kinetic[STRESS_XX])
 OBSERVABLE_GET(kinetic_xy, moment, at->sums->kinetic[STRESS_XY])
 OBSERVABLE_GET(kinetic_yy, moment, at->sums->kinetic[STRESS_YY])
 
+/* Hencky strains, and the shear strain. */
+static double strain(const moment *at, int k) { return log(at->state->cell[k]); }
+OBSERVABLE_GET(strain_xx, moment, strain(at, CELL_X))
+OBSERVABLE_GET(strain_yy, moment, strain(at, CELL_Y))
+OBSERVABLE_GET(strain_xy, moment, at->state->cell[CELL_SHEAR])
+OBSERVABLE_GET(offset, moment, cell_offset(at->model, at->state))
+
+/* Of disks in play, about their mean: where the box begins has no meaning. */
+static double deviation(const sd_state *s, const double *x) {
+  double n = 0.0, mean = 0.0, sum = 0.0;
+  for (size_t i = 0; i < s->n_cell_disks; i++) {
+    if (!configuration_in_play(s->activity[i])) continue;
+    mean += x[i];
+    n += 1.0;
+  }
+  mean /= n;
+  for (size_t i = 0; i < s->n_cell_disks; i++)
+    if (configuration_in_play(s->activity[i])) sum += (x[i] - mean) * (x[i] - mean);
+  return n > 0.0 ? sqrt(sum / n) : NAN;
+}
+OBSERVABLE_GET(nonaffine_x, moment, deviation(at->state, at->state->nonaffine_x))
+OBSERVABLE_GET(nonaffine_y, moment, deviation(at->state, at->state->nonaffine_y))
+
+static double cell_rate(const moment *at, int k) {
+  double g[SD_CELL_COMPONENTS];
+  cell_gradient_of(at->model, at->state, g);
+  return g[k];
+}
+OBSERVABLE_GET(rate_xx, moment, cell_rate(at, SD_CELL_XX))
+OBSERVABLE_GET(rate_yy, moment, cell_rate(at, SD_CELL_YY))
+OBSERVABLE_GET(rate_xy, moment, cell_rate(at, SD_CELL_XY))
+
 static bool asks_box(const sd_model *m) { return m->measure_box; }
 static bool asks_stress(const sd_model *m) { return m->measure_stress; }
 static bool asks_walls(const sd_model *m) { return m->measure_walls && m->n_walls > 0; }
@@ -86,6 +117,7 @@ static bool has_bounds(const sd_model *m) { return m->bounds.given; }
 static bool watches(const sd_model *m) { return m->n_rotations > 0; }
 
 bool series_compresses(const sd_model *m) {
+  if (cell_deforms(m)) return true;
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].compress.asked) return true;
   return false;
@@ -115,11 +147,11 @@ bool series_compresses(const sd_model *m) {
 static const observable others[] = {
     SERIES("contacts", "1", "closed contacts", OBSERVABLE_I64, 1, contacts, NULL),
     SERIES("sliding_contacts", "1", "closed contacts that slide", OBSERVABLE_I64, 1, sliding_contacts, NULL),
-    SERIES("pressure", "force/length", "pressure of the contacts in the region (when a phase compresses)",
-           OBSERVABLE_F64, 1, pressure, series_compresses),
-    SERIES("packing_fraction", "1",
-           "area of the free disks in play over that of the region (when a phase compresses)", OBSERVABLE_F64,
-           1, packing_fraction, series_compresses),
+    SERIES("pressure", "force/length",
+           "pressure of the contacts in the region (when a phase compresses or deforms)", OBSERVABLE_F64, 1,
+           pressure, series_compresses),
+    SERIES("packing_fraction", "1", "area of the free disks in play over that of the region (likewise)",
+           OBSERVABLE_F64, 1, packing_fraction, series_compresses),
     SERIES("outside", "1", "disks beyond the bounds or taken out (with bounds)", OBSERVABLE_I64, 1, outside,
            has_bounds),
     SERIES("angle", "rad", "angle of each watched disk, not wrapped", OBSERVABLE_F64, OBSERVABLE_WATCHED,
@@ -129,6 +161,21 @@ static const observable others[] = {
            OBSERVABLE_WATCHED, watched_spin, watches),
     SERIES("width", "length", "width of the region (measure.box)", OBSERVABLE_F64, 1, width, asks_box),
     SERIES("height", "length", "its height", OBSERVABLE_F64, 1, height, asks_box),
+    SERIES("strain_xx", "1",
+           "logarithm of the length in x over that at the start (when a phase deforms the box)",
+           OBSERVABLE_F64, 1, strain_xx, cell_deforms),
+    SERIES("strain_yy", "1", "the same in y", OBSERVABLE_F64, 1, strain_yy, cell_deforms),
+    SERIES("strain_xy", "1", "shear strain: time integral of rate_xy", OBSERVABLE_F64, 1, strain_xy,
+           cell_deforms),
+    SERIES("rate_xx", "1/time", "velocity gradient of the box", OBSERVABLE_F64, 1, rate_xx, cell_deforms),
+    SERIES("rate_yy", "1/time", "the same along y", OBSERVABLE_F64, 1, rate_yy, cell_deforms),
+    SERIES("rate_xy", "1/time", "shear rate: of vx along y", OBSERVABLE_F64, 1, rate_xy, cell_deforms),
+    SERIES("offset", "length", "shift of a row of periodic images against the one below", OBSERVABLE_F64, 1,
+           offset, cell_deforms),
+    SERIES("nonaffine_x", "length",
+           "root mean square of x displacements since the phase began, beside that of the box",
+           OBSERVABLE_F64, 1, nonaffine_x, cell_deforms),
+    SERIES("nonaffine_y", "length", "the same along y", OBSERVABLE_F64, 1, nonaffine_y, cell_deforms),
     STRESS(stress_xx, "stress of the contacts in the region, compression positive (measure.stress)"),
     STRESS(stress_xy, "stress of the contacts"),
     STRESS(stress_yx, "stress of the contacts"),
@@ -174,6 +221,34 @@ const observable_list frame_observables =
                 "/particles/walls",
                 bodies);
 
+/* --- clumps of a frame ---------------------------------------------------------------------------------- */
+
+OBSERVABLE_GET(clump_position, moment_clump, (k == 0 ? at->state->clump_x : at->state->clump_y)[at->clump])
+OBSERVABLE_GET(clump_image, moment_clump,
+               (k == 0 ? at->state->clump_image_x : at->state->clump_image_y)[at->clump])
+OBSERVABLE_GET(clump_velocity, moment_clump, (k == 0 ? at->state->clump_vx : at->state->clump_vy)[at->clump])
+OBSERVABLE_GET(clump_angle, moment_clump,
+               at->state->clump_turn[at->clump] + at->state->clump_theta[at->clump])
+OBSERVABLE_GET(clump_spin, moment_clump, at->state->clump_omega[at->clump])
+OBSERVABLE_GET(clump_force, moment_clump,
+               (k == 0 ? at->state->clump_force_x : at->state->clump_force_y)[at->clump])
+OBSERVABLE_GET(clump_torque, moment_clump, at->state->clump_torque[at->clump])
+
+static const observable clump_rows[] = {
+    SERIES("position", "length", "centre of mass", OBSERVABLE_F64, 2, clump_position, NULL),
+    SERIES("image", "1", "periodic images crossed by the centre", OBSERVABLE_I32, 2, clump_image, NULL),
+    SERIES("velocity", "length/time", "velocity of the centre", OBSERVABLE_F64, 2, clump_velocity, NULL),
+    SERIES("angle", "rad", "angle turned since the start", OBSERVABLE_F64, 1, clump_angle, NULL),
+    SERIES("angular_velocity", "rad/time", "spin, counter-clockwise positive", OBSERVABLE_F64, 1, clump_spin,
+           NULL),
+    SERIES("force", "force", "of the contacts of its disks", OBSERVABLE_F64, 2, clump_force, NULL),
+    SERIES("torque", "force length", "of the contacts of its disks, about the centre", OBSERVABLE_F64, 1,
+           clump_torque, NULL),
+};
+const observable_list clump_observables =
+    OBSERVABLES("clumps", "frames of all clumps in /particles/clumps; a disk's clump: /particles/disks/clump",
+                clump_rows);
+
 /* --- contacts of a moment --------------------------------------------------------------------------------- */
 
 OBSERVABLE_GET(contact_a, moment_contact, at->state->contact_a[at->contact])
@@ -184,9 +259,7 @@ OBSERVABLE_GET(contact_force, moment_contact, at->state->contact_force[at->conta
 OBSERVABLE_GET(contact_zeta, moment_contact, at->state->contact_zeta[at->contact])
 OBSERVABLE_GET(contact_sliding, moment_contact, at->state->contact_slide[at->contact])
 
-OBSERVABLE_GET(contact_tau, moment_contact,
-               configuration_tau(at->model, at->state->contact_a[at->contact],
-                                 at->state->contact_b[at->contact], at->state->contact_zeta[at->contact]))
+OBSERVABLE_GET(contact_tau, moment_contact, configuration_tau(at->model, at->state, at->slots, at->contact))
 
 static const observable contact_rows[] = {
     SERIES("a", "1", "body number of the disk", OBSERVABLE_U32, 1, contact_a, NULL),

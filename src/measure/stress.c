@@ -3,6 +3,8 @@
 
 #include <stdlib.h>
 
+#include "base/comm_data.h"
+
 principal stress_principal(const double t[4]) {
   double half = 0.5 * (t[STRESS_XX] - t[STRESS_YY]), shear = 0.5 * (t[STRESS_XY] + t[STRESS_YX]);
   principal p = {0.5 * (t[STRESS_XX] + t[STRESS_YY]), hypot(half, shear), NAN};
@@ -23,10 +25,12 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
     /* centre to point of contact, as seen from either side */
     double px = k->x - m->disks[k->a].position[0], py = k->y - m->disks[k->a].position[1];
     if (e) {
-      px = configuration_nearest(c, 0, k->x - m->disks[k->b].position[0]);
-      py = configuration_nearest(c, 1, k->y - m->disks[k->b].position[1]);
+      double d[2] = {k->x - m->disks[k->b].position[0], k->y - m->disks[k->b].position[1]};
+      configuration_nearest(c, d);
+      px = d[0];
+      py = d[1];
     }
-    s->contacts[body[e]]++;
+    s->contacts[body[e]] += k->overlap > 0.0; /* what attraction alone holds is none */
     s->bearing[body[e]] += bears;
     s->resultant[body[e]][0] += sign * k->fx;
     s->resultant[body[e]][1] += sign * k->fy;
@@ -131,31 +135,53 @@ static bool moves_inside(const sd_disk *d, const region *g) {
   return !d->driven && region_holds(g, d->position[0], d->position[1]);
 }
 
-static void kinetic_stress(double sum[4], const configuration *c, const region *g, double area) {
-  const sd_model *m = c->model;
-  double mass = 0.0, mean[2] = {0};
-  for (int k = 0; k < 4; k++) sum[k] = 0.0;
-  for (size_t i = 0; i < m->n_disks; i++)
-    if (moves_inside(&m->disks[i], g)) mass += m->disks[i].mass;
-  for (size_t i = 0; i < m->n_disks; i++)
-    for (int k = 0; k < 2 && moves_inside(&m->disks[i], g); k++)
-      mean[k] += m->disks[i].mass * m->disks[i].velocity[k] / mass;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
-    if (!moves_inside(d, g)) continue;
-    double v[2] = {d->velocity[0] - mean[0], d->velocity[1] - mean[1]};
-    for (int k = 0; k < 4; k++) sum[k] += d->mass * v[k / 2] * v[k % 2] / area;
-  }
+/* Velocity beside that of a box that deforms. */
+static void beside_flow(const configuration *c, const sd_disk *d, double v[2]) {
+  const double *g = c->gradient, x = d->position[0] - c->model->lower[0],
+               y = d->position[1] - c->model->lower[1];
+  v[0] = d->velocity[0] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y);
+  v[1] = d->velocity[1] - g[SD_CELL_YY] * y;
 }
 
-static void contact_stress(double sum[4], const configuration *c, const region *g, double area) {
-  for (int e = 0; e < 4; e++) sum[e] = 0.0;
+/* Of all ranks, when the configuration is one of theirs. */
+static void add_up(const configuration *c, exact_sum *sums, size_t n) {
+  if (c->shared) comm_total_exact(sums, n);
+}
+
+static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
+  const sd_model *m = c->model;
+  exact_sum momentum[3] = {0}, sum[4] = {0}; /* x, y, and the mass */
+  double v[2];
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    if (!moves_inside(&m->disks[i], g) || !configuration_counts(c, i)) continue;
+    beside_flow(c, &m->disks[i], v);
+    for (int k = 0; k < 2; k++) exact_sum_add(&momentum[k], m->disks[i].mass * v[k]);
+    exact_sum_add(&momentum[2], m->disks[i].mass);
+  }
+  add_up(c, momentum, 3);
+  const double mass = exact_sum_value(&momentum[2]);
+  const double mean[2] = {exact_sum_value(&momentum[0]) / mass, exact_sum_value(&momentum[1]) / mass};
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    if (!moves_inside(d, g) || !configuration_counts(c, i)) continue;
+    beside_flow(c, d, v);
+    for (int k = 0; k < 2; k++) v[k] -= mean[k];
+    for (int k = 0; k < 4; k++) exact_sum_add(&sum[k], d->mass * v[k / 2] * v[k % 2]);
+  }
+  add_up(c, sum, 4);
+  for (int k = 0; k < 4; k++) out[k] = exact_sum_value(&sum[k]) / area;
+}
+
+static void contact_stress(double out[4], const configuration *c, const region *g, double area) {
+  exact_sum sum[4] = {0};
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
     const double *centre = c->model->disks[q->a].position, l[2] = {q->lx, q->ly}, f[2] = {q->fx, q->fy};
     double part = region_line(g, centre[0], centre[1], l[0], l[1]);
-    for (int e = 0; e < 4; e++) sum[e] += part * l[e / 2] * f[e % 2] / area;
+    for (int e = 0; e < 4; e++) exact_sum_add(&sum[e], part * l[e / 2] * f[e % 2]);
   }
+  add_up(c, sum, 4);
+  for (int e = 0; e < 4; e++) out[e] = exact_sum_value(&sum[e]) / area;
 }
 
 void stress_tensors(double contact[4], double kinetic[4], const configuration *c, const region *g) {
@@ -172,6 +198,7 @@ static void sum_contacts(stress *s, const configuration *c, const region *g) {
     const double *centre = m->disks[q->a].position, n[2] = {q->nx, q->ny};
     tangential = tangential && isfinite(q->tau);
     if (!region_holds(g, centre[0] + 0.5 * q->lx, centre[1] + 0.5 * q->ly)) continue;
+    if (!(q->overlap > 0.0)) continue;
     s->n_contacts++;
     s->n_wall += !configuration_is_free(c, q->b);
     s->n_sliding += q->slide != 0;

@@ -53,7 +53,7 @@ typedef struct stress {
 /* stress_free also when it fails. */
 sd_status stress_new(stress *s, const configuration *c, const region *g, sd_messages *messages);
 void stress_free(stress *s);
-/* Only these of it. */
+/* Only these of it: exact sums. Collective. */
 void stress_tensors(double contact[4], double kinetic[4], const configuration *c, const region *g);
 
 #endif

@@ -24,13 +24,12 @@
  * the whole record; the search ends at a thousandth of this.
  */
 #include <float.h>
-#include <gsl/gsl_rstat.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/shortage.h"
 #include "measure/error_bar.h"
+#include "measure/sums.h"
 #include "model/state.h"
 
 enum { SMALLEST = 5, FEWEST_BATCHES = 64, PARTS = 4, STEPS = 16, BATCHES = 64, ENOUGH = 16 };
@@ -38,18 +37,16 @@ static const double quiet_at = 1e-2, enough = 1e-5, distinct = 3;
 
 /* Square of the naive error for truncations 0 .. last batches, of m. */
 static void naive(const double *x, size_t batch, size_t m, size_t last, double *square) {
-  /* gsl_rstat's moments are running ones: going backwards, one pass serves all truncations */
-  gsl_rstat_quantile_workspace median = {.p = 0.5};
-  gsl_rstat_workspace rest = {.median_workspace_p = &median};
-  gsl_rstat_reset(&rest);
-  double scale = 0;
+  /* running moments (Welford): going backwards, one pass serves all truncations */
+  double scale = 0, mean = 0, squares = 0;
   for (size_t d = m; d-- > 0;) {
-    double y = gsl_stats_mean(x + d * batch, 1, batch), kept = (double)(m - d);
+    double y = sums_mean(x + d * batch, batch), kept = (double)(m - d), off = y - mean;
     scale = fmax(scale, fabs(y));
-    gsl_rstat_add(y, &rest);
+    mean += off / kept;
+    squares += off * (y - mean);
     if (d > last) continue;
     /* below the rounding of the samples all truncations are equally good */
-    double variance = fmax(gsl_rstat_variance(&rest), pow(4 * DBL_EPSILON * scale, 2));
+    double variance = fmax(squares / (kept - 1), pow(4 * DBL_EPSILON * scale, 2));
     square[d] = variance * (kept - 1) / (kept * kept);
   }
 }
@@ -58,20 +55,20 @@ static void naive(const double *x, size_t batch, size_t m, size_t last, double *
 static double scatter_of(const double *x, size_t n, size_t part) {
   double y[BATCHES];
   size_t count = n / part < BATCHES ? n / part : BATCHES;
-  for (size_t k = 0; k < count; k++) y[k] = gsl_stats_mean(x + (n - (k + 1) * part), 1, part);
-  return count < ENOUGH ? 0 : gsl_stats_sd(y, 1, count);
+  for (size_t k = 0; k < count; k++) y[k] = sums_mean(x + (n - (k + 1) * part), part);
+  return count < ENOUGH ? 0 : sqrt(sums_variance(y, count));
 }
 
 /* Is x[0..d), or the start of it, unlike x[d..n)? Samples that anticorrelate scatter more over a short part than the
  * error bar of the rest has it. */
 static bool stands_out(const double *x, size_t d, size_t n) {
-  double rest = gsl_stats_mean(x + d, 1, n - d), error = error_bar_of(x + d, n - d).error;
+  double rest = sums_mean(x + d, n - d), error = error_bar_of(x + d, n - d).error;
   size_t part = d;
   for (int k = 0; k < PARTS && part > 0; k++, part /= 2) {
     double short_one = fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
     double sigma = hypot(error, short_one);
     /* without an error bar there is nothing against the cut */
-    if (!(fabs(gsl_stats_mean(x, 1, part) - rest) <= distinct * sigma)) return true;
+    if (!(fabs(sums_mean(x, part) - rest) <= distinct * sigma)) return true;
   }
   return false;
 }
@@ -81,7 +78,7 @@ drift drift_of(const double *x, size_t n, double error) {
   drift result = {.ratio = 0};
   if (n < ENOUGH) return result;
   double q[4];
-  for (size_t k = 0; k < 4; k++) q[k] = gsl_stats_mean(x + (n - (4 - k) * quarter), 1, quarter);
+  for (size_t k = 0; k < 4; k++) q[k] = sums_mean(x + (n - (4 - k) * quarter), quarter);
   double fall = fabs(q[0] - (q[1] + q[2] + q[3]) / 3);
   bool rounding = fall <= 8 * DBL_EPSILON * fabs(q[3]);
   /* variance of a mean over a length L: error^2 n/L, and of bounded noise c/L^2, which a sixteenth tells */
@@ -99,36 +96,44 @@ drift drift_of(const double *x, size_t n, double error) {
 static double tail_of(const double *x, size_t d, size_t n) {
   size_t half = d / 2;
   if (half == 0) return 0;
-  double rest = gsl_stats_mean(x + d, 1, n - d);
-  double first = gsl_stats_mean(x, 1, half) - rest, second = gsl_stats_mean(x + (d - half), 1, half) - rest;
+  double rest = sums_mean(x + d, n - d);
+  double first = sums_mean(x, half) - rest, second = sums_mean(x + (d - half), half) - rest;
   double ratio = fmin(second / first, 0.75);
   return ratio > 0 ? fabs(second) * ratio / (1 - ratio) * (double)half / (double)(n - d) : 0;
 }
 
-/* Lengthens a cut while something of the relaxation is seen behind it. */
+/* Lengthens a cut while something of the relaxation is seen behind it, and tells what error and drift are left. */
 static void cut_drift(const double *x, size_t n, transient *found) {
   for (size_t step = n / STEPS;; found->length += step) {
     const double *rest = x + found->length;
     size_t kept = n - found->length;
-    double error = error_bar_of(rest, kept).error;
+    found->rest = error_bar_of(rest, kept);
+    const double error = found->rest.error;
+    found->left = drift_of(rest, kept, error);
     found->tail = tail_of(x, found->length, n);
-    if (!(found->tail > error / 2 || drift_of(rest, kept, error).sigmas > DRIFT_SEEN)) return;
+    if (!(found->tail > error / 2 || found->left.sigmas > DRIFT_SEEN)) return;
     if (step > 0 && found->length + step <= n / 2) continue;
     found->inside &= found->tail <= error;
     return;
   }
 }
 
+transient transient_none(const double *x, size_t n) {
+  transient found = {.inside = true, .rest = error_bar_of(x, n)};
+  found.left = drift_of(x, n, found.rest.error);
+  return found;
+}
+
 transient transient_of(const double *x, size_t n) {
   size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
   if (batch < SMALLEST) batch = SMALLEST;
   size_t m = n / batch, last = m / 2, best = 0, start = n - m * batch; /* whole batches up to the end */
-  if (m < 4) return (transient){.inside = true};
+  if (m < 4) return transient_none(x, n);
 
   double few[SD_BINS], *square = last < SD_BINS ? few : malloc((last + 1) * sizeof *square);
   if (!square) {
     shortage_note();
-    return (transient){.inside = false};
+    return (transient){.inside = false, .rest = {.error = NAN, .correlation = NAN}};
   }
   naive(x + start, batch, m, last, square);
   double whole = square[0], goal = enough * enough * whole;
@@ -137,7 +142,11 @@ transient transient_of(const double *x, size_t n) {
   bool quiet = square[best] <= quiet_at * quiet_at * whole;
   if (square != few) free(square);
   transient found = {.length = start + best * batch, .inside = best < last || quiet, .quiet = quiet};
-  if (quiet) return found;
+  if (quiet) {
+    found.rest = error_bar_of(x + found.length, n - found.length);
+    found.left = drift_of(x + found.length, n - found.length, found.rest.error);
+    return found;
+  }
   if (found.length > 0 && !stands_out(x, found.length, n)) found = (transient){.inside = true};
   cut_drift(x, n, &found);
   return found;

@@ -8,6 +8,7 @@
 
 #include "base/shortage.h"
 #include "base/text.h"
+#include "model/field_kinds.h"
 #include "model/laws.h"
 #include "model/normal_laws.h"
 #include "model/overlaps.h"
@@ -23,7 +24,8 @@ static const char *const integrators[] = {[SD_GEAR5] = "gear5", [SD_VERLET] = "v
 static const char *bound_text(sd_bound bound) {
   static const char *const texts[] = {[SD_BOUND_NORMAL] = "normal spring",
                                       [SD_BOUND_TANGENTIAL] = "tangential spring",
-                                      [SD_BOUND_VISCOSITY] = "viscosity gamma_n"};
+                                      [SD_BOUND_VISCOSITY] = "viscosity gamma_n",
+                                      [SD_BOUND_FIELD] = "drag and springs of fields"};
   return texts[bound];
 }
 
@@ -35,7 +37,8 @@ static char *better_step(const sd_model *m, const sd_step_limit *limit) {
   double verlet = sd_model_step_limit(&other).dt;
   char *text = format_text("take %.2g or less", best);
   if (text && m->integrator == SD_GEAR5 && m->dt < verlet / FEWEST_VISCOUS)
-    text = append_text(text, ", or integrator = \"verlet\", whose limit is %.3g", verlet);
+    text = isfinite(verlet) ? append_text(text, ", or integrator = \"verlet\", whose limit is %.3g", verlet)
+                            : append_text(text, ", or integrator = \"verlet\", which has no limit here");
   return text;
 }
 
@@ -43,11 +46,12 @@ char *advice_unstable(const sd_model *m) {
   const sd_step_limit limit = sd_model_step_limit(m);
   if (m->limits.unstable_step || !(m->dt > limit.dt)) return NULL;
   char name[96], *better = better_step(m, &limit);
-  char *text = format_text(
-      "beyond %.3g, from which on %s blows up (%s of %s between two others); %s; limits.unstable_step = true "
-      "allows it",
-      limit.dt, integrators[m->integrator], bound_text(limit.bound),
-      sd_model_body_name(m, limit.disk, name, sizeof name), better ? better : "");
+  char *text =
+      format_text("beyond %.3g, from which on %s blows up (%s of %s%s); %s; limits.unstable_step = true "
+                  "allows it",
+                  limit.dt, integrators[m->integrator], bound_text(limit.bound),
+                  sd_model_body_name(m, limit.disk, name, sizeof name),
+                  limit.bound == SD_BOUND_FIELD ? "" : " between two others", better ? better : "");
   free(better);
   return text;
 }
@@ -186,8 +190,9 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
     if (p->active && p->active[j] && swings && m->motions[j].amplitude != 0)
       return "settle waits for rest, but a motion shakes all the time: switch it off with motions = ()";
   }
-  if (!p->relax && each_law(m, loses_energy, NULL) == 0)
-    return "settle waits for rest, but nothing takes energy out (gamma_n, restitution, mu with k_t): "
+  if (!p->relax && each_law(m, loses_energy, NULL) == 0 && !body_forces_lose(m, p - m->phases))
+    return "settle waits for rest, but nothing takes energy out (gamma_n, restitution, mu with k_t, drag, "
+           "damping): "
            "relax = true brings the disks to rest";
   return NULL;
 }
@@ -367,8 +372,8 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
 
 /* --- all -------------------------------------------------------------------------------------------------- */
 
-advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,  check_settle,
-                                       check_compress,  check_overlap,  check_watches};
+advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,   check_settle,
+                                       check_compress,  check_overlap,  check_watches, advice_fields};
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
 void sd_model_advise(const sd_model *m, sd_messages *messages) {

@@ -8,6 +8,8 @@
 
 /* Adds its warnings, the worst first; how bad that is: 0, there are none. Comparable among models, not among checks. */
 typedef double advice_check(const sd_model *model, sd_messages *messages);
+/* Of the fields; advice_fields.c. */
+advice_check advice_fields;
 extern advice_check *const advice_checks[];
 extern const size_t advice_count;
 

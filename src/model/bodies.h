@@ -7,10 +7,21 @@
 /* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free ones. */
 sd_status model_find_driven(sd_model *model);
 
-/* Straight segments of a wall; a circle has none. */
+/* Fills m->segments. */
+sd_status model_find_pieces(sd_model *model);
+/* Does a motion move the surface of a wall? */
+bool model_moves_surfaces(const sd_model *model);
+
+/* Pieces of a wall; a circle has none. Those of an arc: its ends and what is between them, or three thirds of a ring. */
 static inline size_t wall_segments(const sd_wall *w) {
   if (w->kind == SD_WALL_CIRCLE || w->n_points < 2) return 0;
+  if (w->kind == SD_WALL_ARC) return 3;
   return w->kind == SD_WALL_POLYLINE ? w->n_points - 1 + (w->closed ? 1 : 0) : 1;
+}
+
+/* One straight piece? */
+static inline bool wall_is_straight(const sd_wall *w) {
+  return w->kind == SD_WALL_LINE || w->kind == SD_WALL_SEGMENT;
 }
 
 /* The usual pivot: the mean of the points. */

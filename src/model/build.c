@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/guess.h"
+#include "model/arc.h"
 #include "model/keys.h"
 #include "model/model.h"
 #include "model/streams.h"
@@ -98,6 +99,7 @@ void sd_model_set(sd_model *m, const char *path, double value) {
       if (whole) *(uint64_t *)at = (uint64_t)value;
       break;
     case DECK_SETS_BOOL: *(bool *)at = value != 0.0; return;
+    case DECK_SETS_OFF: *(bool *)at = value == 0.0; return;
     default: sd_fail(mistakes(m), SD_ERROR_USER, "%s = %g: expected a text", path, value); return;
   }
   if (!whole) sd_fail(mistakes(m), SD_ERROR_USER, "%s = %.17g: expected a whole number", path, value);
@@ -228,6 +230,7 @@ static void put_disk(sd_model *m, sd_disk *to, const sd_disk *from) {
   *to = *from;
   to->name = name;
   to->group = -1;
+  to->clump = 0;
 }
 
 uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
@@ -252,6 +255,7 @@ void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
   sd_disk *at = &m->disks[number], old = *at;
   put_disk(m, at, disk);
   at->group = old.group;
+  at->clump = old.clump;
   free((char *)old.name);
 }
 
@@ -270,6 +274,12 @@ int sd_model_add_group(sd_model *m, const char *name, size_t n, const uint32_t *
   return (int)group;
 }
 
+static void trace_arc(sd_model *m, sd_wall *arc) {
+  arc->n_points = 0;
+  arc->points = grow(m, arc->points, 0, ARC_POINTS, sizeof *arc->points, "an arc");
+  if (arc->points) arc_trace(arc);
+}
+
 uint32_t sd_model_add_wall(sd_model *m, const sd_wall *wall) {
   const uint32_t number = SD_WALL(m->n_walls);
   sd_wall *walls = grow(m, m->walls, m->n_walls, 1, sizeof *walls, "walls");
@@ -280,22 +290,45 @@ uint32_t sd_model_add_wall(sd_model *m, const sd_wall *wall) {
   copy_text(m, wall->name, &to->name);
   if (!copy_of(m, wall->points, wall->n_points, sizeof *wall->points, &to->points, "a wall"))
     to->n_points = 0;
+  if (wall->kind == SD_WALL_ARC) trace_arc(m, to);
+  return number;
+}
+
+uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
+  const uint32_t number = SD_CLUMP(m->n_clumps);
+  sd_clump *clumps = grow(m, m->clumps, m->n_clumps, 1, sizeof *clumps, "clumps");
+  if (!clumps) return number;
+  m->clumps = clumps;
+  sd_clump *to = &m->clumps[m->n_clumps++];
+  *to = *clump;
+  to->disks = NULL;
+  to->name = NULL;
+  copy_text(m, clump->name, &to->name);
+  const char *name = clump->name ? clump->name : "?";
+  for (size_t k = 0; k < clump->n_disks; k++)
+    if (clump->disks[k] >= m->n_disks)
+      sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u does not exist", name, clump->disks[k]);
+    else if (m->disks[clump->disks[k]].clump)
+      sd_fail(mistakes(m), SD_ERROR_USER, "clump \"%s\": disk %u belongs to a clump already", name,
+              clump->disks[k]);
+    else
+      m->disks[clump->disks[k]].clump = (int)m->n_clumps;
   return number;
 }
 
 /* --- motions and phases ----------------------------------------------------------------------------- */
 
-/* From motion number `from` on they are on, or off, in a phase. */
-static void activate(sd_model *m, sd_phase *phase, size_t from, bool on) {
-  bool *active = grow(m, phase->active, m->n_motions, 1, sizeof *active, "a phase");
+/* From number `from` on, the n motions or fields of a phase are on, or off. */
+static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
+  bool *active = grow(m, *list, n, 1, sizeof *active, "a phase");
   if (!active) return;
-  phase->active = active;
-  for (size_t k = from; k < m->n_motions; k++) active[k] = on;
+  *list = active;
+  for (size_t k = from; k < n; k++) active[k] = on;
 }
 
 int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
   const int number = (int)m->n_motions;
-  if ((unsigned)motion->kind >= SD_MOTION_KINDS || (unsigned)motion->coordinate >= SD_COORDINATES) {
+  if ((unsigned)motion->kind >= SD_MOTION_KINDS || (unsigned)motion->coordinate >= SD_MOVED) {
     sd_fail(mistakes(m), SD_ERROR_USER,
             "motion \"%s\": kind %d, coordinate %d: expected SD_MOTION_..., SD_X ...",
             motion->name ? motion->name : "?", (int)motion->kind, motion->coordinate);
@@ -315,7 +348,26 @@ int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
   if (motion->kind == SD_MOTION_RANDOM && motion->stream == 0) to->stream = OWN_STREAM;
   /* phases that name their motions were added without this one */
   for (size_t k = 0; k < m->n_phases; k++)
-    if (m->phases[k].active) activate(m, &m->phases[k], m->n_motions - 1, false);
+    if (m->phases[k].active) activate(m, &m->phases[k].active, m->n_motions - 1, m->n_motions, false);
+  return number;
+}
+
+int sd_model_add_field(sd_model *m, const sd_body_force *field) {
+  const int number = (int)m->n_fields;
+  if ((unsigned)field->kind >= SD_FIELD_KINDS || (unsigned)field->per > SD_FIELD_PER_MASS) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "field \"%s\": kind %d, per %d: expected SD_FIELD_...",
+            field->name ? field->name : "?", (int)field->kind, (int)field->per);
+    return number;
+  }
+  sd_body_force *fields = grow(m, m->fields, m->n_fields, 1, sizeof *fields, "fields");
+  if (!fields) return number;
+  m->fields = fields;
+  sd_body_force *to = &m->fields[m->n_fields++];
+  *to = *field;
+  copy_text(m, field->name, &to->name);
+  if (!copy_of(m, field->disks, field->n_disks, sizeof *field->disks, &to->disks, "a field")) to->n_disks = 0;
+  for (size_t k = 0; k < m->n_phases; k++)
+    if (m->phases[k].fields) activate(m, &m->phases[k].fields, m->n_fields - 1, m->n_fields, false);
   return number;
 }
 
@@ -328,6 +380,7 @@ int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
   *to = *phase;
   copy_text(m, phase->name, &to->name);
   copy_of(m, phase->active, phase->active ? m->n_motions : 0, sizeof(bool), &to->active, "a phase");
+  copy_of(m, phase->fields, phase->fields ? m->n_fields : 0, sizeof(bool), &to->fields, "a phase");
   if (to->steps == 0) to->steps = ENDLESS;
   if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
   if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;
@@ -357,9 +410,11 @@ void sd_model_set_until(sd_model *m, const sd_until *until) {
 
 /* --- finishing -------------------------------------------------------------------------------------- */
 
-/* SD_WALL(w) becomes a body number; any other number stays, for the checks. */
+/* SD_WALL(w) and SD_CLUMP(k) become body numbers; any other number stays, for the checks. */
 static uint32_t body_number(const sd_model *m, uint32_t body) {
-  const uint32_t wall = body & ~SD_WALL(0);
+  const uint32_t wall = body & ~SD_WALL(0), clump = body & ~SD_CLUMP(0);
+  if (!(body & SD_WALL(0)) && body & SD_CLUMP(0))
+    return clump < m->n_clumps ? (uint32_t)(sd_model_bodies(m) + clump) : body;
   if (!(body & SD_WALL(0))) return body;
   return wall < m->n_walls ? (uint32_t)m->n_disks + wall : body;
 }
@@ -386,7 +441,7 @@ void model_complete(sd_model *m) {
   const sd_phase endless = {.name = "run", .measure = m->n_rotations || m->n_slides || m->measure_disks};
   if (m->n_phases == 0) sd_model_add_phase(m, &endless);
   for (size_t k = 0; k < m->n_phases; k++)
-    if (!m->phases[k].active) activate(m, &m->phases[k], 0, true);
+    if (!m->phases[k].active) activate(m, &m->phases[k].active, 0, m->n_motions, true);
   for (size_t k = 0; k < m->n_motions; k++) {
     sd_motion *q = &m->motions[k];
     for (size_t b = 0; b < q->n_bodies; b++) q->bodies[b] = body_number(m, q->bodies[b]);

@@ -6,24 +6,28 @@
 #include "model/image.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/bodies.h"
 #include "model/motion_kinds.h"
 
 typedef struct image {
   unsigned char *bytes; /* written: grows; read: const */
   size_t n, capacity;   /* written or read so far; of the bytes */
   bool writes, damaged, starved;
+  bool of_rank;       /* image_for_ranks */
   const char *source; /* written last: where it stands in memory and in the bytes */
   size_t offset;
 } image;
 
 /* Sizes that must be those of the program. */
-static const uint32_t layout[] = {SD_VERSION_NUMBER,   sizeof(sd_model),      sizeof(sd_contact_law),
-                                  sizeof(sd_disk),     sizeof(sd_wall),       sizeof(sd_motion),
-                                  sizeof(sd_phase),    sizeof(sd_rain),       sizeof(sd_contact_memory),
-                                  sizeof(sd_material), sizeof(sd_slide_watch)};
+static const uint32_t layout[] = {SD_VERSION_NUMBER,   sizeof(sd_model),       sizeof(sd_contact_law),
+                                  sizeof(sd_disk),     sizeof(sd_wall),        sizeof(sd_motion),
+                                  sizeof(sd_phase),    sizeof(sd_rain),        sizeof(sd_contact_memory),
+                                  sizeof(sd_material), sizeof(sd_slide_watch), sizeof(sd_body_force),
+                                  sizeof(sd_clump)};
 
 static bool failed(const image *im) { return im->damaged || im->starved; }
 
@@ -87,11 +91,46 @@ static void text(image *im, void *place) {
 #define FORGET_ALL(im, list, n, member)                                                                      \
   for (size_t k_ = 0; k_ < (n); k_++) forget(im, &(list)[k_].member)
 
-static void walk_bodies(image *im, sd_model *m) {
+/* It is more than its row of the state says. */
+static bool is_special(const sd_disk *d) {
+  bool special = d->driven || d->clump > 0 || d->name;
+  for (int c = 0; c < SD_COORDINATES; c++)
+    special = special || d->locked[c] || d->force[c] != 0.0 || signbit(d->force[c]);
+  return special;
+}
+
+/* Of the others all is zero, in pages that nothing is written to. */
+static void walk_special_disks(image *im, sd_model *m) {
+  uint64_t n = 0;
+  if (!im->writes) im->starved = !(m->disks = calloc(m->n_disks ? m->n_disks : 1, sizeof *m->disks));
+  if (failed(im)) return;
+  for (size_t k = 0; im->writes && k < m->n_disks; k++) n += is_special(&m->disks[k]);
+  transfer(im, &n, sizeof n);
+  for (uint64_t k = 0; n > 0 && !failed(im); k++) {
+    if (im->writes && !is_special(&m->disks[k])) continue;
+    transfer(im, &k, sizeof k);
+    im->damaged = k >= m->n_disks;
+    if (failed(im)) return;
+    transfer(im, &m->disks[k], sizeof *m->disks);
+    forget(im, &m->disks[k].name);
+    text(im, &m->disks[k].name);
+    n--;
+  }
+}
+
+static void walk_disks(image *im, sd_model *m) {
   array(im, &m->disks, m->n_disks, sizeof *m->disks);
   if (failed(im)) return;
   FORGET_ALL(im, m->disks, m->n_disks, name);
   for (size_t k = 0; k < m->n_disks; k++) text(im, &m->disks[k].name);
+}
+
+static void walk_bodies(image *im, sd_model *m) {
+  if (im->of_rank)
+    walk_special_disks(im, m);
+  else
+    walk_disks(im, m);
+  if (failed(im)) return;
   array(im, &m->walls, m->n_walls, sizeof *m->walls);
   if (failed(im)) return;
   FORGET_ALL(im, m->walls, m->n_walls, name);
@@ -100,6 +139,11 @@ static void walk_bodies(image *im, sd_model *m) {
     text(im, &m->walls[k].name);
     array(im, &m->walls[k].points, m->walls[k].n_points, sizeof *m->walls->points);
   }
+  array(im, &m->clumps, m->n_clumps, sizeof *m->clumps);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->clumps, m->n_clumps, name);
+  FORGET_ALL(im, m->clumps, m->n_clumps, disks); /* disks say to which they belong */
+  for (size_t k = 0; k < m->n_clumps; k++) text(im, &m->clumps[k].name);
 }
 
 static void walk_motions(image *im, sd_model *m) {
@@ -116,15 +160,33 @@ static void walk_motions(image *im, sd_model *m) {
     array(im, &q->table_time, q->n_table, sizeof(double));
     array(im, &q->table_value, q->n_table, sizeof(double));
   }
+}
+
+/* A flag for each motion or field; NULL: all are on. */
+static void switches(image *im, bool **list, size_t n) {
+  uint8_t has = *list != NULL;
+  transfer(im, &has, 1);
+  if (has) array(im, list, n, sizeof(bool));
+}
+
+static void walk_phases(image *im, sd_model *m) {
+  array(im, &m->fields, m->n_fields, sizeof *m->fields);
+  if (failed(im)) return;
+  FORGET_ALL(im, m->fields, m->n_fields, name);
+  FORGET_ALL(im, m->fields, m->n_fields, disks);
+  for (size_t k = 0; k < m->n_fields; k++) {
+    text(im, &m->fields[k].name);
+    array(im, &m->fields[k].disks, m->fields[k].n_disks, sizeof(uint32_t));
+  }
   array(im, &m->phases, m->n_phases, sizeof *m->phases);
   if (failed(im)) return;
   FORGET_ALL(im, m->phases, m->n_phases, name);
   FORGET_ALL(im, m->phases, m->n_phases, active);
+  FORGET_ALL(im, m->phases, m->n_phases, fields);
   for (size_t k = 0; k < m->n_phases; k++) {
     text(im, &m->phases[k].name);
-    uint8_t has = m->phases[k].active != NULL;
-    transfer(im, &has, 1);
-    if (has) array(im, &m->phases[k].active, m->n_motions, sizeof(bool));
+    switches(im, &m->phases[k].active, m->n_motions);
+    switches(im, &m->phases[k].fields, m->n_fields);
   }
 }
 
@@ -144,22 +206,24 @@ static void walk_materials(image *im, sd_model *m) {
 
 /* After the struct itself. */
 static void walk(image *im, sd_model *m) {
-  void *places[] = {&m->title,    &m->materials, &m->laws,     &m->groups,       &m->disks,     &m->walls,
-                    &m->motions,  &m->phases,    &m->rains,    &m->memories,     &m->rotations, &m->slides,
-                    &m->mistakes, &m->deck,      &m->segments, &m->contact_disks};
+  void *places[] = {&m->title,    &m->materials,     &m->laws,   &m->groups,      &m->disks,
+                    &m->walls,    &m->motions,       &m->fields, &m->phases,      &m->rains,
+                    &m->memories, &m->rotations,     &m->slides, &m->mistakes,    &m->deck,
+                    &m->segments, &m->contact_disks, &m->clumps, &m->clump_disks, &m->clump_offsets};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
   if (!failed(im)) walk_motions(im, m);
+  if (!failed(im)) walk_phases(im, m);
   array(im, &m->rains, m->n_rains, sizeof *m->rains);
-  array(im, &m->memories, m->n_memories, sizeof *m->memories);
+  if (!im->of_rank) array(im, &m->memories, m->n_memories, sizeof *m->memories);
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);
   array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
 }
 
-void *image_of_model(const sd_model *model, size_t *size) {
-  image im = {.writes = true};
+static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {
+  image im = {.writes = true, .of_rank = of_rank};
   /* walked, not changed: places are only written when an image is read */
   sd_model *m = (sd_model *)(uintptr_t)model;
   uint32_t head[sizeof layout / sizeof *layout];
@@ -173,13 +237,22 @@ void *image_of_model(const sd_model *model, size_t *size) {
   return NULL;
 }
 
+void *image_of_model(const sd_model *model, size_t *size) { return bytes_of(model, false, size); }
+
+void *image_for_ranks(const sd_model *model, size_t *size) {
+  assert(model->finished);
+  return bytes_of(model, true, size);
+}
+
 /* Counts of what could not be read are 0, so that the rest can be freed. */
 static void drop(sd_model *m) {
   if (!m->materials) m->n_materials = 0;
   if (!m->groups) m->n_groups = 0;
   if (!m->disks) m->n_disks = 0;
   if (!m->walls) m->n_walls = 0;
+  if (!m->clumps) m->n_clumps = 0;
   if (!m->motions) m->n_motions = 0;
+  if (!m->fields) m->n_fields = 0;
   if (!m->phases) m->n_phases = 0;
   sd_model_free(m);
 }
@@ -187,34 +260,48 @@ static void drop(sd_model *m) {
 /* Numbers that tables are indexed with before sd_model_finish looks at them. */
 static bool kinds_exist(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
-    if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS ||
-        (unsigned)m->motions[k].coordinate >= SD_COORDINATES)
+    if ((unsigned)m->motions[k].kind >= SD_MOTION_KINDS || (unsigned)m->motions[k].coordinate >= SD_MOVED)
       return false;
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
     if ((unsigned)m->laws[k].normal >= SD_NORMAL_LAWS) return false;
+  for (size_t k = 0; k < m->n_fields; k++)
+    if ((unsigned)m->fields[k].kind >= SD_FIELD_KINDS || (unsigned)m->fields[k].per > SD_FIELD_PER_MASS)
+      return false;
   return (unsigned)m->integrator <= SD_VERLET && (unsigned)m->variant <= SD_CONSERVATIVE;
 }
 
-sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
+static sd_status model_of(const void *bytes, size_t size, bool of_rank, sd_model **out,
+                          sd_messages *messages) {
   *out = NULL;
   if (size < sizeof layout || memcmp(bytes, layout, sizeof layout) != 0)
     return sd_fail(messages, SD_ERROR_USER,
                    "the model was saved by another version of slipdisk; this is version %s", SD_VERSION);
   sd_model *m = calloc(1, sizeof *m);
   if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
-  image im = {.bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size};
+  image im = {
+      .bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size, .of_rank = of_rank};
   transfer(&im, m, sizeof *m);
   walk(&im, m);
   sd_status status = SD_OK;
   if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
   if (!im.starved && (failed(&im) || im.n != size || !kinds_exist(m)))
     status = sd_fail(messages, SD_ERROR_IO, "the saved model is damaged");
-  if (status == SD_OK && m->finished) status = model_finish_again(m, messages);
+  if (status == SD_OK && of_rank && model_find_pieces(m) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  if (status == SD_OK && m->finished && !of_rank) status = model_finish_again(m, messages);
   if (status == SD_OK)
     *out = m;
   else
     drop(m);
   return status;
+}
+
+sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
+  return model_of(bytes, size, false, out, messages);
+}
+
+sd_status image_read_for_rank(const void *bytes, size_t size, sd_model **out, sd_messages *messages) {
+  return model_of(bytes, size, true, out, messages);
 }
 
 sd_model *sd_model_clone(const sd_model *model) {

@@ -66,6 +66,7 @@ void deck_key_defaults(const deck_table *table, void *members) {
     if (key->target == DECK_SETS_INTEGER || key->target == DECK_SETS_UNSIGNED)
       *(int64_t *)member = strtoll(text, NULL, 10);
     if (key->target == DECK_SETS_BOOL) *(bool *)member = text[0] == 't';
+    if (key->target == DECK_SETS_OFF) *(bool *)member = text[0] != 't';
     if (key->target == DECK_SETS_ENUM) *(int *)member = word_value(key->words, text);
   }
 }

@@ -58,6 +58,7 @@ typedef enum deck_target {
   DECK_SETS_INTEGER,
   DECK_SETS_UNSIGNED, /* of 64 bits */
   DECK_SETS_BOOL,
+  DECK_SETS_OFF, /* a bool, false where the key is true */
   DECK_SETS_TEXT,
   DECK_SETS_ENUM
 } deck_target;
@@ -126,6 +127,8 @@ typedef struct deck_table {
                char *: DECK_SETS_TEXT,              \
                const char *: DECK_SETS_TEXT,        \
                default: DECK_SETS_ENUM)
+
+#define SETS_OFF(type, member) offsetof(type, member), DECK_SETS_OFF
 
 /* --- what follows from a row ---------------------------------------------------------------------------------- */
 

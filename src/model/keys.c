@@ -41,8 +41,10 @@ static const deck_key top_keys[] = {
     {"bounds", GROUP, "-", NULL, "where the disks belong; what leaves is reported"},
     {"forces", GROUPS, "-", NULL, "constant forces and torques"},
     {"locks", GROUPS, "-", NULL, "coordinates that never change"},
+    {"clumps", GROUPS, "-", NULL, "rigid bodies of several disks"},
     {"walls", GROUPS, "-", NULL, "walls"},
     {"motions", GROUPS, "-", NULL, "prescribed motions of disks and walls"},
+    {"fields", GROUPS, "-", NULL, "drag, damping, and forces that follow from place and velocity"},
     {"phases", GROUPS, "-", NULL, "parts of the run, one after the other"},
     {"output", GROUP, "-", NULL, "how often results are stored"},
     {"measure", GROUP, "-", NULL, "what is measured"},
@@ -99,11 +101,13 @@ static const deck_key phase_keys[] = {
     {"steps", INTEGER(DECK_AT_LEAST_1, "steps"), "-", NULL, "length; either this or time"},
     {"time", NUMBER(DECK_POSITIVE, "time"), "-", NULL, "length as a time, rounded to whole steps"},
     {"motions", BODIES, "(all)", NULL, "motions that are on, by name or number; () for none"},
+    {"fields", BODIES, "(all)", NULL, "fields that are on, by name or number; () for none"},
     {"measure", BOOL, "(true in the last phase)", NULL, "statistics are gathered", SETS(sd_phase, measure)},
     {"settle", GROUP, "-", NULL, "criterion at which the phase ends before its length"},
     {"relax", BOOL, "false", NULL, "seek equilibrium: not dynamics, but velocities steered downhill (FIRE)",
      SETS(sd_phase, relax)},
     {"compress", GROUP, "-", NULL, "shrink the periodic box, or the container, with all that is in it"},
+    {"cell", GROUP, "-", NULL, "deform the periodic box: shear, extension, at given rates or stresses"},
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
      "steps between rows of the time series; 0: none", SETS(sd_phase, series_every)},
     {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
@@ -140,6 +144,34 @@ TABLE_EITHER(deck_compress, "phases.compress", true,
              "Lengths of the box or container and all positions change by the same factor. With `settle` the "
              "phase ends when the target is reached, too.",
              compress_keys, "pressure/fraction");
+
+#define CELL_RATE(name, component, meaning)                                                                  \
+  { name, NUMBER(DECK_ANY, "1/time"), "-", NULL, meaning, SETS(sd_cell, rate[component]) }
+#define CELL_STRESS(name, component, meaning)                                                                \
+  { name, NUMBER(DECK_ANY, "force/length"), "-", NULL, meaning, SETS(sd_cell, stress[component]) }
+static const deck_key cell_keys[] = {
+    CELL_RATE("rate_xx", SD_CELL_XX,
+              "rate at which the box becomes longer in x, over its length; without it 0"),
+    CELL_RATE("rate_yy", SD_CELL_YY, "the same in y"),
+    CELL_RATE("rate_xy", SD_CELL_XY, "shear rate: how vx grows along y (Lees-Edwards)"),
+    CELL_STRESS("stress_xx", SD_CELL_XX, "stress that the length in x follows, compression positive"),
+    CELL_STRESS("stress_yy", SD_CELL_YY, "the same in y"),
+    CELL_STRESS("stress_xy", SD_CELL_XY,
+                "shear stress that the shear follows; a positive rate makes it negative"),
+    {"response", NUMBER(DECK_POSITIVE, "time"), "-", NULL,
+     "time in which a controlled stress comes to its value; without it 4 sqrt(mean mass/largest stress)",
+     SETS(sd_cell, response)},
+    {"max_rate", NUMBER(DECK_NOT_NEGATIVE, "1/time"), "0", NULL,
+     "largest rate of controlled components; 0: any", SETS(sd_cell, max_rate)},
+    {"boundary", BOOL, "false", NULL,
+     "a change of the rates moves the periodic images only; otherwise all disks take it up at once",
+     SETS(sd_cell, boundary)},
+};
+TABLE(deck_cell, "phases.cell", true,
+      "The periodic box deforms with all that is in it. Of each component either the rate or the stress is "
+      "given; "
+      "what is not given stays as it is.",
+      cell_keys);
 
 static const deck_key output_keys[] = {
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(a thousandth of each phase)", NULL,

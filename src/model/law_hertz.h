@@ -11,6 +11,8 @@
 static inline double hertz_force(double k, double delta) { return k * delta * sqrt(delta); }
 static inline double hertz_energy(double k, double delta) { return 0.4 * k * delta * delta * sqrt(delta); }
 static inline double hertz_stiffness(double k, double delta) { return 1.5 * k * sqrt(delta); }
+static inline double hertz_viscosity(double tsuji, double delta) { return tsuji * sqrt(sqrt(delta)); }
+static inline double hertz_factor(double b) { return sqrt(5.0) * b; }
 
 #endif
 
@@ -21,6 +23,9 @@ LANE_INLINE LANE(real) LANE(hertz_elastic)(LANE(real) k, LANE(real) delta) {
 }
 LANE_INLINE LANE(real) LANE(hertz_damping)(LANE(real) gamma_n, LANE(real) tsuji, LANE(real) delta) {
   return gamma_n + tsuji * LANE(sqrt)(LANE(sqrt)(delta));
+}
+LANE_INLINE LANE(real) LANE(hertz_stored)(LANE(real) k, LANE(real) delta) {
+  return 0.4 * k * delta * delta * LANE(sqrt)(delta);
 }
 
 #endif

@@ -1,27 +1,124 @@
 /* laws.c: see laws.h. */
 #include "model/laws.h"
 
+#include <math.h>
+
+#include "base/text.h"
+#include "model/law_cohesion.h"
 #include "model/normal_laws.h"
 
 #define LAW_WORD(number, word, keys, meaning) {#word, number, keys, meaning},
 static const deck_shape normal_words[] = {NORMAL_LAWS(LAW_WORD) LAST_WORD};
+static const deck_shape cohesion_words[] = {COHESION_LAWS(LAW_WORD) LAST_WORD};
 #undef LAW_WORD
+static const deck_shape tangential_words[] = {WORD("spring", SD_TANGENTIAL_SPRING),
+                                              WORD("mindlin", SD_TANGENTIAL_MINDLIN), LAST_WORD};
 
 static const deck_key law_keys[] = {
     {"law", CHOICE, "\"linear\"", normal_words, "normal law, see below", SETS(sd_contact_law, normal)},
     {"k_n", NUMBER(DECK_POSITIVE, "force/length"), "required", NULL,
      "normal stiffness; hertz: k_n of F = k_n delta^(3/2), force/length^(3/2)", SETS(sd_contact_law, k_n)},
-    {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "stiffness of the tangential spring",
-     SETS(sd_contact_law, k_t)},
+    {"k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL,
+     "stiffness of the tangential spring; mindlin: force/length^(3/2)", SETS(sd_contact_law, k_t)},
     {"gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL, "normal viscosity",
      SETS(sd_contact_law, gamma_n)},
     {"mu", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL, "coefficient of friction (Amonton)",
      SETS(sd_contact_law, mu)},
     {"restitution", NUMBER(DECK_UP_TO_1, "-"), "-", NULL,
-     "hertz: coefficient of restitution e at any speed (1: none of its damping), which is added to gamma_n",
+     "coefficient of restitution e at any speed (1: none of its damping), whose damping is added to gamma_n",
      SETS(sd_contact_law, restitution)},
+    {"limit_damping", BOOL, "true", NULL,
+     "the normal force of an overlap never pulls; false: its damping may, until the overlap ends",
+     SETS_OFF(sd_contact_law, damping_pulls)},
+    {"mu_kinetic", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "coefficient of friction while a contact slides, at most mu; not given: mu",
+     SETS(sd_contact_law, mu_kinetic)},
+    {"tangential", CHOICE, "\"spring\"", tangential_words,
+     "tangential stiffness: k_t, or k_t sqrt(delta) (mindlin)", SETS(sd_contact_law, tangential)},
+    {"gamma_t", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
+     "tangential viscosity, within the limit of friction", SETS(sd_contact_law, gamma_t)},
+    {"k_r", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL,
+     "rolling stiffness: of the displacement R_eff (theta_a - theta_b)", SETS(sd_contact_law, k_r)},
+    {"gamma_r", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
+     "rolling viscosity, within the limit of rolling friction", SETS(sd_contact_law, gamma_r)},
+    {"mu_r", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
+     "coefficient of rolling friction: the couple is at most mu_r R_eff F_n", SETS(sd_contact_law, mu_r)},
+    {"cohesion", CHOICE, "\"none\"", cohesion_words, "attraction, see below", SETS(sd_contact_law, cohesion)},
+    {"pull_off", NUMBER(DECK_POSITIVE, "force"), "-", NULL, "largest attraction",
+     SETS(sd_contact_law, pull_off)},
+    {"range", NUMBER(DECK_NOT_NEGATIVE, "length"), "-", NULL,
+     "constant: gap at which the attraction ends; bridge: gap over which it falls to 1/e",
+     SETS(sd_contact_law, range)},
+    {"rupture", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "bridge: gap at which it breaks",
+     SETS(sd_contact_law, rupture)},
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
+
+/* --- mistakes ------------------------------------------------------------------------------------------- */
+
+char *law_mistake(const sd_contact_law *law, const char **key) {
+  const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
+  const struct {
+    bool wrong;
+    const char *key;
+    double value;
+    const char *text;
+  } rules[] = {
+      {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
+      {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
+       "without k_t and mu there is no tangential force; give both"},
+      {law->gamma_r > 0 && !(law->k_r > 0), "gamma_r", law->gamma_r,
+       "without k_r there is no rolling resistance"},
+      {law->mu_r > 0 && !(law->k_r > 0), "mu_r", law->mu_r,
+       "without k_r there is no rolling resistance; give k_r, usually of the size of k_t"},
+      {law->cohesion != SD_COHESION_NONE && !(law->pull_off > 0), "pull_off", law->pull_off,
+       "expected a force > 0"},
+      {bridge && !(law->range > 0), "range", law->range, "expected a decay length > 0"},
+      {bridge && !(law->rupture > 0), "rupture", law->rupture, "expected a gap > 0"},
+  };
+  for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
+    if (!rules[k].wrong || isnan(rules[k].value)) continue; /* what is no number was told of before */
+    *key = rules[k].key;
+    return format_text("%g: %s", rules[k].value, rules[k].text);
+  }
+  return NULL;
+}
+
+double law_pull(const sd_contact_law *law, double delta) {
+  const double gap = fmax(-delta, 0.0);
+  switch (law->cohesion) {
+    case SD_COHESION_CONSTANT:
+      return gap > 0.0 ? law->pull_off * fmax(1.0 - gap / law->range, 0.0) : law->pull_off;
+    case SD_COHESION_BRIDGE: return law->pull_off * exp(-gap / law->range);
+    case SD_COHESION_NONE: break;
+  }
+  return 0.0;
+}
+
+/* --- features ------------------------------------------------------------------------------------------- */
+
+unsigned law_features(const sd_contact_law *law) {
+  unsigned f = 0;
+  if (!law_is_given(law)) return 0;
+  if (law->normal != SD_NORMAL_LINEAR) f |= LAW_NORMAL;
+  if (law->restitution > 0 && law->restitution < 1) f |= LAW_NORMAL;
+  if (law->damping_pulls && (law->gamma_n > 0 || (f & LAW_NORMAL))) f |= LAW_PULLS;
+  if (law->mu_kinetic > 0 && law->mu_kinetic < law->mu) f |= LAW_KINETIC;
+  if (law->k_t > 0 && law->tangential == SD_TANGENTIAL_MINDLIN) f |= LAW_MINDLIN;
+  if (law->gamma_t > 0) f |= LAW_DASHPOT;
+  if (law->k_r > 0) f |= LAW_ROLLING;
+  if (law->cohesion != SD_COHESION_NONE) f |= LAW_COHESION;
+  if (law->cohesion == SD_COHESION_BRIDGE) f |= LAW_BRIDGE;
+  return f;
+}
+
+unsigned laws_features(const sd_model *m) {
+  unsigned f = 0;
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) f |= law_features(&m->laws[k]);
+  return f;
+}
+
+/* --- which there are -------------------------------------------------------------------------------------- */
 
 /* Materials that are none are left out; they are reported elsewhere. */
 void laws_count_uses(const sd_model *m, law_use *use) {

@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <math.h>
 
+#include "model/arc.h"
 #include "model/motion_kinds.h"
 #include "model/normal_laws.h"
 
@@ -40,7 +41,8 @@ int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
     double away = (disks[0] - p[0]) * normal[0] + (disks[1] - p[1]) * normal[1];
     return sign_of(away) * sign_of(normal[coordinate]);
   }
-  if (w->kind == SD_WALL_POLYLINE) {
+  if (w->kind == SD_WALL_ARC && arc_is_ring(w)) return 0;
+  if (w->kind == SD_WALL_POLYLINE || w->kind == SD_WALL_ARC) {
     at = 0.0;
     for (size_t k = 0; k < w->n_points; k++) at += w->points[k][coordinate] / (double)w->n_points;
   }
@@ -77,7 +79,7 @@ static void check_one(const sd_model *m, const sd_motion *q, sd_messages *msg) {
   const char *name = q->name ? q->name : "?", *kind = motion_kinds[q->kind].name;
   size_t before = sd_messages_errors(msg);
   char wall[96];
-  if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate == SD_THETA)
+  if (q->n_bodies != 1 || !is_wall(m, q->bodies[0]) || q->coordinate > SD_Y)
     sd_fail(msg, SD_ERROR_USER, "motion \"%s\": a %s moves one wall along x or y", name, kind);
   if (!isfinite(q->force) || !isfinite(q->pressure) || q->ramp > 0.0)
     sd_fail(msg, SD_ERROR_USER, "motion \"%s\": expected a finite force or pressure, and no ramp", name);

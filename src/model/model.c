@@ -1,4 +1,5 @@
 /* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
+#include "model/cell.h"
 #include "model/model.h"
 
 #include <assert.h>
@@ -7,7 +8,10 @@
 #include <string.h>
 
 #include "model/advice.h"
+#include "model/arc.h"
 #include "model/bodies.h"
+#include "model/clumps.h"
+#include "model/field_kinds.h"
 #include "model/keys.h"
 #include "model/laws.h"
 #include "model/normal_laws.h"
@@ -42,6 +46,11 @@ void sd_model_free(sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++) {
     free((char *)m->phases[k].name);
     free(m->phases[k].active);
+    free(m->phases[k].fields);
+  }
+  for (size_t k = 0; k < m->n_fields; k++) {
+    free((char *)m->fields[k].name);
+    free(m->fields[k].disks);
   }
   free(m->title);
   free(m->materials);
@@ -50,6 +59,7 @@ void sd_model_free(sd_model *m) {
   free(m->disks);
   free(m->walls);
   free(m->motions);
+  free(m->fields);
   free(m->phases);
   free(m->rains);
   free(m->memories);
@@ -57,6 +67,10 @@ void sd_model_free(sd_model *m) {
   free(m->contact_disks);
   free(m->slides);
   free(m->segments);
+  for (size_t k = 0; k < m->n_clumps; k++) free((char *)m->clumps[k].name);
+  free(m->clumps);
+  free(m->clump_disks);
+  free(m->clump_offsets);
   sd_messages_free(m->mistakes);
   if (m->deck) {
     char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full, m->deck->bodies};
@@ -81,6 +95,8 @@ uint32_t sd_model_find(const sd_model *m, const char *name) {
     if (m->disks[k].name && strcmp(m->disks[k].name, name) == 0) return (uint32_t)k;
   for (size_t k = 0; k < m->n_walls; k++)
     if (m->walls[k].name && strcmp(m->walls[k].name, name) == 0) return (uint32_t)(m->n_disks + k);
+  for (size_t k = 0; k < m->n_clumps; k++)
+    if (m->clumps[k].name && strcmp(m->clumps[k].name, name) == 0) return (uint32_t)(sd_model_bodies(m) + k);
   return UINT32_MAX;
 }
 
@@ -96,15 +112,20 @@ const sd_contact_law *sd_model_law(const sd_model *m, int a, int b) {
 }
 
 const char *sd_model_body_name(const sd_model *m, uint32_t body, char *text, size_t size) {
-  bool disk = body < m->n_disks, exists = body < sd_model_bodies(m);
-  const char *name = disk ? m->disks[body].name : exists ? m->walls[body - m->n_disks].name : NULL;
-  unsigned number = disk ? body : body - (uint32_t)m->n_disks;
+  const size_t bodies = sd_model_bodies(m);
+  const bool disk = body < m->n_disks, wall = !disk && body < bodies, exists = body < model_movables(m);
+  const char *kind = disk ? "disk" : wall ? "wall" : "clump";
+  const size_t number = disk ? body : wall ? body - m->n_disks : body - bodies;
+  const char *name = disk     ? m->disks[number].name
+                     : wall   ? m->walls[number].name
+                     : exists ? m->clumps[number].name
+                              : NULL;
   if (!exists)
     snprintf(text, size, "body %u, which does not exist", body);
   else if (name)
-    snprintf(text, size, "%s \"%s\"", disk ? "disk" : "wall", name);
+    snprintf(text, size, "%s \"%s\"", kind, name);
   else
-    snprintf(text, size, "%s %u", disk ? "disk" : "wall", number);
+    snprintf(text, size, "%s %zu", kind, number);
   return text;
 }
 
@@ -154,7 +175,8 @@ static void check_disks(const sd_model *m, sd_messages *msg) {
 }
 
 static bool wall_is_finite(const sd_wall *w) {
-  bool good = isfinite(w->pivot[0]) && isfinite(w->pivot[1]) && isfinite(w->radius);
+  bool good = isfinite(w->pivot[0]) && isfinite(w->pivot[1]) && isfinite(w->radius) &&
+              isfinite(w->center[0]) && isfinite(w->center[1]) && isfinite(w->from) && isfinite(w->to);
   for (size_t k = 0; k < w->n_points; k++)
     good = good && isfinite(w->points[k][0]) && isfinite(w->points[k][1]);
   return good;
@@ -167,15 +189,17 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
     sd_model_body_name(m, (uint32_t)m->n_disks + w, name, sizeof name);
     if (wall->material < 0 || (size_t)wall->material >= m->n_materials)
       sd_fail(msg, SD_ERROR_USER, "%s: material: no such material", name);
-    if ((unsigned)wall->kind > SD_WALL_CIRCLE)
+    if ((unsigned)wall->kind >= SD_WALL_KINDS)
       sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
     if (!wall_is_finite(wall))
       sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite", name);
-    if (wall->kind == SD_WALL_CIRCLE) {
-      if (!(wall->radius > 0.0))
-        sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
-      continue;
-    }
+    const bool arc = wall->kind == SD_WALL_ARC;
+    if ((arc || wall->kind == SD_WALL_CIRCLE) && !(wall->radius > 0.0))
+      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
+    if (arc && !(wall->to > wall->from && wall->to - wall->from <= ARC_RING))
+      sd_fail(msg, SD_ERROR_USER, "%s: from = %g, to = %g: expected from < to, at most a whole turn apart",
+              name, wall->from, wall->to);
+    if (arc || wall->kind == SD_WALL_CIRCLE) continue;
     size_t least = 2;
     if (wall->n_points < least || (wall->kind != SD_WALL_POLYLINE && wall->n_points != 2)) {
       sd_fail(msg, SD_ERROR_USER, "%s: %zu points: expected %s", name, wall->n_points,
@@ -190,14 +214,34 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
+/* Rolling resistance of a round wall knows its angle, not the way of its surface. */
+static bool rolls_on_surface(const sd_model *m, size_t body) {
+  const sd_wall *wall = &m->walls[body - m->n_disks];
+  bool rolls = false;
+  for (size_t k = 0; k < m->n_materials && wall->kind == SD_WALL_CIRCLE; k++) {
+    const sd_contact_law *law = sd_model_law(m, wall->material, (int)k);
+    rolls = rolls || (law && law->k_r > 0.0);
+  }
+  return rolls;
+}
+
 static void check_motions(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
     const char *name = q->name ? q->name : "?";
     if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": it moves no disk and no wall", name);
     for (size_t b = 0; b < q->n_bodies; b++)
-      if (q->bodies[b] >= sd_model_bodies(m))
+      if (q->bodies[b] >= model_movables(m))
         sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
+      else if (q->coordinate == SD_SURFACE &&
+               (q->bodies[b] < m->n_disks || q->bodies[b] >= m->n_disks + m->n_walls))
+        sd_fail(msg, SD_ERROR_USER,
+                "motion \"%s\": only walls have a surface that moves; others turn (theta)", name);
+      else if (q->coordinate == SD_SURFACE && rolls_on_surface(m, q->bodies[b]))
+        sd_fail(msg, SD_ERROR_USER,
+                "motion \"%s\": the surface of a round wall with rolling resistance (k_r); turn the wall "
+                "(theta) instead",
+                name);
     if (!isfinite(q->amplitude) || !isfinite(q->omega) || !isfinite(q->phase) || !isfinite(q->velocity))
       sd_fail(msg, SD_ERROR_USER, "motion \"%s\": amplitude, omega, phase and velocity must be finite", name);
     if (!(q->ramp >= 0.0))
@@ -208,6 +252,16 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
 
 static const char *material_name(const sd_model *m, size_t k) {
   return m->materials[k].name ? m->materials[k].name : "?";
+}
+
+static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
+  const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+  const char *key = NULL;
+  if (!law_is_given(law)) return;
+  deck_key_check(&law_table, law, material_name(m, a), msg);
+  char *text = law_mistake(law, &key);
+  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %s", material_name(m, a), key, text);
+  free(text);
 }
 
 /* Laws must exist for every pair of materials that can meet. */
@@ -221,9 +275,7 @@ static sd_status check_laws(const sd_model *m, sd_messages *msg) {
             "materials \"%s\" and \"%s\" can touch, but their contact constants are not given",
             material_name(m, a), material_name(m, b));
   for (size_t a = 0; a < m->n_materials; a++)
-    for (size_t b = a; b < m->n_materials; b++)
-      if (law_is_given(sd_model_law(m, (int)a, (int)b)))
-        deck_key_check(&law_table, sd_model_law(m, (int)a, (int)b), material_name(m, a), msg);
+    for (size_t b = a; b < m->n_materials; b++) check_law(m, a, b, msg);
   free(use);
   return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
@@ -330,7 +382,7 @@ static void check_compress(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "phases[%zu].compress: there is no region to compress", k);
     check_compressed_walls(m, k, msg);
     for (size_t q = 0; q < m->n_motions; q++)
-      if (p->active && p->active[q] && m->motions[q].coordinate != SD_THETA)
+      if (p->active && p->active[q] && m->motions[q].coordinate < SD_THETA)
         sd_fail(
             msg, SD_ERROR_USER,
             "phases[%zu].compress: motion \"%s\" prescribes positions that compression changes; expected a "
@@ -356,7 +408,7 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
       sd_model_body_name(m, (uint32_t)i, name, sizeof name);
       if (!d->waiting || d->driven)
         sd_fail(msg, SD_ERROR_USER, "%s: expected a free disk that waits for rains[%zu]", name, k);
-      if (!(2.0 * d->radius <= r->upper - r->lower))
+      if (!(2.0 * clumps_grain(m, i, r->first + r->count).radius <= r->upper - r->lower))
         sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: it does not fit into rain %g wide", name, d->radius,
                 r->upper - r->lower);
     }
@@ -443,55 +495,23 @@ sd_status model_find_driven(sd_model *m) {
 }
 
 static void derive_numbers(sd_model *m) {
+  double inverse = 0.0;
+  m->largest_radius = 0.0;
   for (size_t k = 0; k < m->n_motions; k++)
     if (m->motions[k].interval < 1) m->motions[k].interval = 1;
   for (size_t i = 0; i < m->n_disks; i++) {
     sd_disk *d = &m->disks[i];
     if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
+    inverse += 1.0 / d->radius;
+    if (!d->driven) m->largest_radius = fmax(m->largest_radius, d->radius);
   }
+  m->mean_radius = (double)m->n_disks / inverse;
 }
 
-static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size_t number) {
-  size_t n = wall_segments(w);
-  double arc = 0.0;
-  for (size_t k = 0; k < n; k++) {
-    sd_segment *s = &first[k];
-    const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
-    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
-    *s = (sd_segment){.body = body,
-                      .start = {p[0] - w->pivot[0], p[1] - w->pivot[1]},
-                      .tangent = {dx / length, dy / length},
-                      .length = w->kind == SD_WALL_LINE ? HUGE_VAL : length,
-                      .arc = arc,
-                      .next = -1};
-    arc += length;
-  }
-  for (size_t k = 0; k < n; k++) {
-    bool last = k + 1 == n, joined = !last || w->closed;
-    first[k].end_cap = !joined;
-    first[k].next = joined ? (int64_t)(number + (k + 1) % n) : -1;
-    bool has_previous = k > 0 || w->closed;
-    const sd_segment *before = &first[(k + n - 1) % n];
-    for (int c = 0; c < 2; c++)
-      first[k].previous[c] = has_previous ? before->tangent[c] : -first[k].tangent[c];
-  }
-}
-
-static sd_status derive_segments(sd_model *m) {
-  free(m->segments);
-  m->n_segments = 0;
-  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_segments(&m->walls[w]);
-  m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
-  if (!m->segments) return SD_ERROR_IO;
-  size_t at = 0;
-  for (size_t w = 0; w < m->n_walls; w++) {
-    derive_wall(&m->walls[w], (uint32_t)(m->n_disks + w), m->segments + at, at);
-    at += wall_segments(&m->walls[w]);
-  }
-  assert(at == m->n_segments);
-  for (size_t k = 0; k < m->n_segments; k++)
-    assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
-  return SD_OK;
+static void derive_period(sd_model *m) {
+  bool servo = false;
+  for (size_t k = 0; k < m->n_motions; k++) servo |= m->motions[k].kind == SD_MOTION_SERVO;
+  m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
 }
 
 sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
@@ -509,8 +529,10 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_walls(m, own);
   check_motions(m, own);
   loads_check(m, own);
+  body_forces_check(m, own);
   check_box(m, own);
   check_compress(m, own);
+  cell_check(m, own);
   check_rains(m, own);
   check_settle(m, own);
   check_bounds(m, own);
@@ -518,12 +540,14 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_watches(m, own);
   check_until(m, own);
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
-  if (status == SD_OK && (model_find_driven(m) != SD_OK || derive_segments(m) != SD_OK))
+  if (status == SD_OK && (model_find_driven(m) != SD_OK || model_find_pieces(m) != SD_OK))
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
   if (status == SD_OK) derive_numbers(m);
+  if (status == SD_OK) status = clumps_derive(m, own);
   if (status == SD_OK) status = check_laws(m, own);
   if (status == SD_OK) check_round_walls(m, own);
   if (status == SD_OK) loads_check_steps(m, own);
+  if (status == SD_OK) derive_period(m);
   if (status == SD_OK && !m->deck) check_step(m, own);
   if (status == SD_OK && sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (own != msg) sd_messages_free(own);

@@ -64,16 +64,23 @@ typedef struct sd_contact_memory {
 
 /* --- derived by sd_model_finish ------------------------------------------------------------------- */
 
-/* A straight piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
+/* Pieces of walls: straight ones, parts of a circle, and the ends of an arc. */
+typedef enum sd_piece { SD_PIECE_STRAIGHT, SD_PIECE_CURVE, SD_PIECE_FIRST_END, SD_PIECE_LAST_END } sd_piece;
+
+/* A piece of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
 typedef struct sd_segment {
   uint32_t body;
-  double start[2];    /* one end; for a line any point */
+  sd_piece piece;
+  double start[2];    /* one end; for a line any point; of an arc: the centre of the circle */
   double tangent[2];  /* unit vector from the start to the other end */
   double length;      /* HUGE_VAL for a line (then it also extends backwards) */
   double previous[2]; /* tangent of the piece before; -tangent at a free end: bounds the start's own region */
   bool end_cap;       /* the far end is free and pushes as a point */
   double arc;         /* arc length of the start along a polyline */
   int64_t next;       /* feature number of the piece that follows, -1: none */
+  double radius;      /* of an arc; its directions from the centre: of the ends, and between them */
+  double first[2], last[2], middle[2];
+  bool wide; /* an arc of more than half a turn */
 } sd_segment;
 
 /* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */
@@ -109,8 +116,12 @@ struct sd_model {
   sd_disk *disks;
   size_t n_walls;
   sd_wall *walls;
+  size_t n_clumps;
+  sd_clump *clumps;
   size_t n_motions;
   sd_motion *motions;
+  size_t n_fields;
+  sd_body_force *fields;
   size_t n_phases;
   sd_phase *phases;
 
@@ -142,8 +153,16 @@ struct sd_model {
   bool finished;
   size_t n_segments;
   sd_segment *segments;
-  size_t n_free; /* disks that are not driven */
+  size_t n_free;          /* disks that are not driven */
+  double mean_radius;     /* harmonic mean of all disks */
+  double largest_radius;  /* of a free disk */
+  double shortest_period; /* as sd_model_shortest_period; where there are servos */
+  uint32_t *clump_disks;  /* of all clumps, one after the other, by number: what sd_clump.disks points to */
+  double (*clump_offsets)[2]; /* of each of these from its clump's centre, at the start */
 };
+
+/* Bodies that a motion can name: disks, walls, clumps. */
+static inline size_t model_movables(const sd_model *m) { return m->n_disks + m->n_walls + m->n_clumps; }
 
 /* Completes a model that was built by functions: default phase, numbers of walls, random streams. */
 void model_complete(sd_model *model);

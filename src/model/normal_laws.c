@@ -1,7 +1,8 @@
 /* normal_laws.c: see normal_laws.h. */
 #include "model/normal_laws.h"
 
-#define ROW_OF(number, word, keys, meaning) [number] = {#word, word##_force, word##_energy, word##_stiffness},
+#define ROW_OF(number, word, keys, meaning)                                                                  \
+  [number] = {#word, word##_force, word##_energy, word##_stiffness, word##_factor, word##_viscosity},
 const normal_law normal_laws[SD_NORMAL_LAWS] = {NORMAL_LAWS(ROW_OF)};
 #undef ROW_OF
 
@@ -18,13 +19,19 @@ static double restitution_of(double b) {
   return exp(-b * t);
 }
 
-double law_tsuji(const sd_contact_law *law) {
-  if (!(law->restitution > 0.0 && law->restitution < 1.0)) return 0.0;
+double law_damping_ratio(double e, bool pulls) {
+  if (pulls) /* e = exp(-pi b/sqrt(1 - b^2)) */
+    return -log(e) / hypot(M_PI, log(e));
   double low = 0.0, high = 1.0;
-  while (restitution_of(high) > law->restitution && high < 1e6) high *= 2.0;
+  while (restitution_of(high) > e && high < 1e6) high *= 2.0;
   for (int k = 0; k < 200 && high - low > 1e-16 * high; k++) {
     double middle = 0.5 * (low + high);
-    *(restitution_of(middle) > law->restitution ? &low : &high) = middle;
+    *(restitution_of(middle) > e ? &low : &high) = middle;
   }
-  return sqrt(5.0) * low;
+  return low;
+}
+
+double law_tsuji(const sd_contact_law *law) {
+  if (!(law->restitution > 0.0 && law->restitution < 1.0)) return 0.0;
+  return normal_laws[law->normal].factor(law_damping_ratio(law->restitution, law->damping_pulls));
 }

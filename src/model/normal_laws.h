@@ -5,11 +5,15 @@
  *   NAME_force(k, delta)      without damping
  *   NAME_energy(k, delta)     stored, energy
  *   NAME_stiffness(k, delta)  dF/ddelta: time steps, loads, compression
+ *   NAME_viscosity(tsuji, delta)  coefficient of the damping by restitution, tsuji: alpha sqrt(m_eff k)
+ *   NAME_factor(b)            alpha of the damping alpha sqrt(m_eff k) ... that has the restitution of a linear oscillator of
+ *                             frequency 1 damped by b
  * and over lanes
  *   NAME_elastic(k, delta)    force without damping
- *   NAME_damping(gamma_n, tsuji, delta)  coefficient of the damping force -gamma u_n
+ *   NAME_damping(gamma_n, tsuji, delta)  coefficient of the damping force -gamma u_n; tsuji: alpha sqrt(m_eff k)
+ *   NAME_stored(k, delta)     energy
  * Normal forces act along the line of centres and turn nothing. The tangential tau turns both bodies in the same sense, times
- * their radii (SUM_TURN of physics/system/work.h); a moment that turned them in opposite ones would need a row of its own there.
+ * their radii (SUM_TURN of physics/system/work.h); the couple of rolling turns them in opposite ones (SUM_COUPLE).
  *
  * The rows are read once; the text over lanes once per LANE_WIDTH, after base/lane.h.
  */
@@ -22,15 +26,16 @@
 
 /* ROW(number, name in the deck, keys as in deck_keys.h, meaning) */
 #define NORMAL_LAWS(ROW)                                                                                     \
-  ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta, damped by gamma_n (eq. 2)")                              \
-  ROW(SD_NORMAL_HERTZ, hertz, "restitution",                                                                 \
-      "F = k_n delta^(3/2), damped by gamma_n or by a coefficient of restitution")
+  ROW(SD_NORMAL_LINEAR, linear, "", "F = k_n delta (eq. 2)")                                                 \
+  ROW(SD_NORMAL_HERTZ, hertz, "", "F = k_n delta^(3/2)")
 
 typedef struct normal_law {
   const char *name;
   double (*force)(double k, double delta);
   double (*energy)(double k, double delta);
   double (*stiffness)(double k, double delta);
+  double (*factor)(double b);
+  double (*viscosity)(double tsuji, double delta);
 } normal_law;
 
 extern const normal_law normal_laws[SD_NORMAL_LAWS];
@@ -50,7 +55,9 @@ static inline double law_stiffness(const sd_contact_law *law, double delta) {
 static inline double law_typical_stiffness(const sd_contact_law *law, double radius) {
   return law_stiffness(law, 0.01 * radius);
 }
-/* alpha of law_hertz.h; 0 without a coefficient of restitution. */
+/* b of a linear oscillator of frequency 1 whose collisions have this restitution; the force is cut off at 0, or may pull. */
+double law_damping_ratio(double restitution, bool pulls);
+/* alpha of the damping by a coefficient of restitution; 0 without one. */
 double law_tsuji(const sd_contact_law *law);
 
 #endif

@@ -2,7 +2,7 @@
  *
  * Each pair of disks is found from its smaller one. Disks are sorted into levels by size, a factor of two in radius each; a
  * level has cells of its largest diameter, as a hash table of lists. So a disk looks at nine cells of every level above
- * its own, whatever the sizes are.
+ * its own, whatever the sizes are. Blocks of 8 by 8 cells stand together in the table: neighbours are near in memory.
  */
 #include "model/overlaps.h"
 
@@ -10,25 +10,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/arc.h"
 #include "model/bodies.h"
+#include "model/clumps.h"
 
-enum { NONE = -1 };
+#define NONE UINT32_MAX
 
 /* Disks of radii within a factor of two. Cells have numbers of type double: far away they are still apart. */
 typedef struct level {
+  double largest; /* radius */
   double cell;
-  size_t n_cells; /* of the hash table, a power of two */
-  int64_t *head;
+  size_t n_disks, n_cells; /* of the hash table, a power of two */
+  uint32_t *head;
 } level;
+
+/* Exponents of radii: those of all doubles. */
+enum { EXPONENTS = 2200, LEAST_EXPONENT = -1100 };
 
 typedef struct grid {
   const sd_model *m;
   overlap_visitor *visit;
   void *user;
-  size_t n_levels;
-  level *levels;    /* the smallest first */
-  int64_t *next;    /* of each disk: the next in its list */
-  double length[2]; /* of the box, 0: open */
+  level *levels;         /* by exponent of the radius; without disks: none */
+  int smallest, largest; /* levels that there are lie between them */
+  uint32_t *next;        /* of each disk: the next in its list */
+  double length[2];      /* of the box, 0: open */
 } grid;
 
 static bool sound(const sd_disk *disk) {
@@ -40,44 +46,58 @@ static double wrapped(const grid *g, double x, int c) {
   return x - floor((x - g->m->lower[c]) / g->length[c]) * g->length[c];
 }
 
-static size_t hash(const level *l, double i, double j) {
+static uint64_t mixed(double i, double j) {
   uint64_t a, b;
   memcpy(&a, &i, sizeof a);
   memcpy(&b, &j, sizeof b);
   uint64_t h = a * 0x9E3779B97F4A7C15u ^ (b * 0xC2B2AE3D27D4EB4Fu + 0x165667B19E3779F9u);
   h ^= h >> 29;
-  return (size_t)(h * 0xBF58476D1CE4E5B9u >> 20) & (l->n_cells - 1);
+  return h * 0xBF58476D1CE4E5B9u >> 20;
+}
+
+/* The places of a block's cells are its own: where only one cell of each has disks, these still spread over the table. */
+static size_t hash(const level *l, double i, double j) {
+  enum { SIDE = 8 };
+  const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
+  const uint64_t block = mixed(p, q), within = (uint64_t)fmax(0.0, (i - SIDE * p) + SIDE * (j - SIDE * q));
+  return (size_t)((block ^ within) & (l->n_cells - 1));
 }
 
 /* + 0.0: there is one zero only. */
 static double cell_of(const level *l, double x) { return floor(x / l->cell) + 0.0; }
 
-/* Disk j, as large or larger, against an image of disk i at x, y. True: enough of disk i. */
-static bool check_pair(grid *g, size_t i, size_t j, double x, double y) {
+/* Disk j, as large or larger, dx and dy from an image of disk i. True: enough of disk i. */
+static bool check_pair(grid *g, size_t i, size_t j, double dx, double dy) {
   const sd_disk *a = &g->m->disks[i], *b = &g->m->disks[j];
   if (b->radius < a->radius || (b->radius == a->radius && j <= i)) return false;
-  double dx = wrapped(g, b->position[0], 0) - x, dy = wrapped(g, b->position[1], 1) - y, r = hypot(dx, dy);
+  const double r = hypot(dx, dy);
   const overlap found = {(uint32_t)i, (uint32_t)j, a->radius + b->radius - r, r == 0};
   return found.depth > 0 && g->visit(g->user, &found);
 }
 
 /* Overlaps of one cell. True: enough of the disk. */
 static bool check_cell(grid *g, const level *l, size_t i, const double at[2], double p, double q) {
-  for (int64_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
+  for (uint32_t j = l->head[hash(l, p, q)]; j != NONE; j = g->next[j]) {
+    const sd_disk *d = &g->m->disks[j];
+    const double x = wrapped(g, d->position[0], 0), y = wrapped(g, d->position[1], 1);
+    const double dx = x - at[0], dy = y - at[1], touch = (d->radius + g->m->disks[i].radius) * (1 + 1e-9);
+    if (j == i || fabs(dx) > touch || fabs(dy) > touch) continue;
     /* another cell may share the slot of the table */
-    const double *c = g->m->disks[j].position;
-    bool here = cell_of(l, wrapped(g, c[0], 0)) == p && cell_of(l, wrapped(g, c[1], 1)) == q;
-    if (here && (size_t)j != i && check_pair(g, i, (size_t)j, at[0], at[1])) return true;
+    bool here = cell_of(l, x) == p && cell_of(l, y) == q;
+    if (here && !clumps_join(g->m, i, j) && check_pair(g, i, j, dx, dy)) return true;
   }
   return false;
 }
 
 /* The disk reaches no farther than one cell: its radius and that of the other make one at most. */
 static bool check_around(grid *g, const level *l, size_t i, const double at[2]) {
+  const double reach = (g->m->disks[i].radius + l->largest) * (1 + 1e-9);
+  const double x = cell_of(l, at[0]), left = cell_of(l, at[0] - reach), right = cell_of(l, at[0] + reach);
+  const double y = cell_of(l, at[1]), below = cell_of(l, at[1] - reach), above = cell_of(l, at[1] + reach);
   for (int p = -1; p <= 1; p++)
     for (int q = -1; q <= 1; q++) {
-      double x = cell_of(l, at[0]), y = cell_of(l, at[1]);
       if ((p && x + p == x) || (q && y + q == y)) continue; /* so far away that there are no next cells */
+      if (x + p < left || x + p > right || y + q < below || y + q > above) continue;
       if (check_cell(g, l, i, at, x + p, y + q)) return true;
     }
   return false;
@@ -104,59 +124,93 @@ static bool check_level(grid *g, const level *l, size_t i) {
 static int level_of(double radius) {
   int exponent;
   frexp(radius, &exponent);
-  return exponent;
+  return exponent - LEAST_EXPONENT;
 }
 
-typedef struct sized {
-  double radius;
-  size_t disk;
-} sized;
+/* --- lists ------------------------------------------------------------------------------------------------ */
 
-static int by_size(const void *a, const void *b) {
-  const sized *p = a, *q = b;
-  if (p->radius != q->radius) return p->radius < q->radius ? -1 : 1;
-  return p->disk < q->disk ? -1 : 1;
-}
-
-/* Lists of the disks by level and cell. Each begins with the largest, so that of disks upon each other all but that one
- * find a larger one at once. `all`: the sound ones, sorted. */
-static bool fill_level(grid *g, const sized *all, size_t n, level *l) {
-  *l = (level){.cell = ldexp(2, level_of(all[0].radius)), .n_cells = 16};
-  while (l->n_cells < 2 * n) l->n_cells *= 2;
-  l->head = malloc(l->n_cells * sizeof *l->head);
-  if (!l->head) return false;
-  for (size_t k = 0; k < l->n_cells; k++) l->head[k] = NONE;
-  for (size_t k = 0; k < n; k++) {
-    const double *x = g->m->disks[all[k].disk].position;
-    size_t slot = hash(l, cell_of(l, wrapped(g, x[0], 0)), cell_of(l, wrapped(g, x[1], 1)));
-    g->next[all[k].disk] = l->head[slot];
-    l->head[slot] = (int64_t)all[k].disk;
+static bool make_levels(grid *g) {
+  g->levels = calloc(EXPONENTS, sizeof *g->levels);
+  g->next = malloc((g->m->n_disks + 1) * sizeof *g->next);
+  if (!g->levels || !g->next) return false;
+  for (size_t i = 0; i < g->m->n_disks; i++) {
+    if (!sound(&g->m->disks[i])) continue;
+    const double radius = g->m->disks[i].radius;
+    level *l = &g->levels[level_of(radius)];
+    l->n_disks++;
+    if (radius > l->largest) l->largest = radius;
+  }
+  g->smallest = EXPONENTS;
+  for (int k = 0; k < EXPONENTS; k++) {
+    level *l = &g->levels[k];
+    if (l->n_disks == 0) continue;
+    if (g->smallest == EXPONENTS) g->smallest = k;
+    g->largest = k;
+    l->cell = 2 * l->largest;
+    l->n_cells = 64;
+    while (l->n_cells < 2 * l->n_disks) l->n_cells *= 2;
+    l->head = malloc(l->n_cells * sizeof *l->head);
+    if (!l->head) return false;
+    memset(l->head, 0xff, l->n_cells * sizeof *l->head);
   }
   return true;
 }
 
-static bool fill_levels(grid *g, const sized *all, size_t n) {
-  size_t levels = 0;
-  for (size_t k = 0; k < n; k++) levels += k == 0 || level_of(all[k].radius) != level_of(all[k - 1].radius);
-  g->levels = calloc(levels + 1, sizeof *g->levels);
-  for (size_t first = 0, end; g->levels && first < n; first = end) {
-    for (end = first; end < n && level_of(all[end].radius) == level_of(all[first].radius);) end++;
-    if (!fill_level(g, all + first, end - first, &g->levels[g->n_levels++])) return false;
-  }
-  return g->levels;
+/* Lists merged in pairs, in pairs of pairs, ...: the larger disk first, of equal ones the one with the higher number. */
+static bool comes_first(const grid *g, uint32_t a, uint32_t b) {
+  const double p = g->m->disks[a].radius, q = g->m->disks[b].radius;
+  return p != q ? p > q : a > b;
 }
 
+static uint32_t merge(grid *g, uint32_t a, uint32_t b) {
+  uint32_t first = NONE, *end = &first;
+  while (a != NONE && b != NONE) {
+    uint32_t *lead = comes_first(g, a, b) ? &a : &b;
+    *end = *lead;
+    end = &g->next[*lead];
+    *lead = *end;
+  }
+  *end = a != NONE ? a : b;
+  return first;
+}
+
+static uint32_t sorted(grid *g, uint32_t list) {
+  enum { RUNS = 33 };
+  uint32_t run[RUNS], all = NONE; /* run[k]: none, or 2^k disks */
+  memset(run, 0xff, sizeof run);
+  while (list != NONE) {
+    uint32_t one = list;
+    list = g->next[list];
+    g->next[one] = NONE;
+    int k = 0;
+    for (; run[k] != NONE; k++) {
+      one = merge(g, run[k], one);
+      run[k] = NONE;
+    }
+    run[k] = one;
+  }
+  for (int k = 0; k < RUNS; k++) all = merge(g, run[k], all);
+  return all;
+}
+
+/* Each list begins with the largest, so that of disks upon each other all but that one find a larger one at once. */
 static bool make_grid(grid *g) {
-  const sd_model *m = g->m;
-  size_t n = 0;
-  sized *all = malloc((m->n_disks + 1) * sizeof *all);
-  g->next = malloc((m->n_disks + 1) * sizeof *g->next);
-  for (size_t i = 0; all && i < m->n_disks; i++)
-    if (sound(&m->disks[i])) all[n++] = (sized){m->disks[i].radius, i};
-  if (n) qsort(all, n, sizeof *all, by_size);
-  bool filled = all && g->next && fill_levels(g, all, n);
-  free(all);
-  return filled;
+  if (!make_levels(g)) return false;
+  for (size_t i = 0; i < g->m->n_disks; i++) {
+    const sd_disk *d = &g->m->disks[i];
+    if (!sound(d)) continue;
+    const level *l = &g->levels[level_of(d->radius)];
+    uint32_t *head = &l->head[hash(l, cell_of(l, wrapped(g, d->position[0], 0)),
+                                   cell_of(l, wrapped(g, d->position[1], 1)))];
+    g->next[i] = *head;
+    *head = (uint32_t)i;
+  }
+  for (int k = g->smallest; k <= g->largest; k++)
+    for (size_t slot = 0; slot < g->levels[k].n_cells; slot++) {
+      uint32_t *head = &g->levels[k].head[slot];
+      if (*head != NONE && g->next[*head] != NONE) *head = sorted(g, *head);
+    }
+  return true;
 }
 
 sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *user) {
@@ -167,10 +221,10 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
   for (size_t i = 0; made && i < m->n_disks; i++) {
     if (!sound(&m->disks[i])) continue;
     bool done = false;
-    for (size_t k = 0; k < g.n_levels && !done; k++)
-      if (g.levels[k].cell > 2 * m->disks[i].radius) done = check_level(&g, &g.levels[k], i);
+    for (int k = level_of(m->disks[i].radius); k <= g.largest && !done; k++)
+      if (g.levels[k].n_disks > 0) done = check_level(&g, &g.levels[k], i);
   }
-  for (size_t k = 0; k < g.n_levels; k++) free(g.levels[k].head);
+  for (int k = 0; g.levels && k < EXPONENTS; k++) free(g.levels[k].head);
   free(g.levels);
   free(g.next);
   return made ? SD_OK : SD_ERROR_IO;
@@ -196,6 +250,7 @@ static wall_tree make_tree(const sd_wall *wall) {
   wall_tree t = {.wall = wall, .leaves = 1};
   bool endless = wall->kind == SD_WALL_LINE;
   t.n = wall_segments(wall);
+  if (wall->kind == SD_WALL_ARC) t.n = 0;
   if (t.n == 0) return t;
   while (t.leaves < t.n) t.leaves *= 2;
   t.low = malloc(2 * t.leaves * sizeof *t.low);
@@ -235,6 +290,7 @@ static double depth_in_wall(const wall_tree *t, const double *p, double radius) 
     double r = hypot(p[0] - wall->pivot[0], p[1] - wall->pivot[1]);
     return wall->inside ? radius + r - wall->radius : radius + wall->radius - r;
   }
+  if (wall->kind == SD_WALL_ARC) return radius - fmin(radius, arc_distance(wall, p));
   return t->n ? radius - nearest_segment(t, 1, p, radius) : 0;
 }
 
@@ -264,6 +320,7 @@ static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
     double r = hypot(p[0] - w->pivot[0], p[1] - w->pivot[1]);
     return w->inside ? w->radius - r - radius : r - w->radius - radius;
   }
+  if (w->kind == SD_WALL_ARC) return arc_distance(w, p) - radius;
   for (size_t k = 0; k < wall_segments(w); k++)
     nearest = fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
                                                 w->kind == SD_WALL_LINE));

@@ -1,7 +1,8 @@
 /* stability.c: how long a time step may be.
  *
  * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2 gamma_n/m along the normal, and
- * w^2 = 2 k_t (1/m + R^2/I), c = 0 along the tangent. Both integrators see the velocity predicted from the old acceleration.
+ * w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along the tangent; rolling between walls adds 2 k_r R^2/I, 2 gamma_r R^2/I
+ * to the rotation. Stiffness that depends on the overlap is that at 0.01 R. Both integrators see the velocity predicted from the old acceleration.
  * An eigenvalue of their step passes -1, and the motion blows up within a few steps, beyond
  *
  *   a (w dt)^2 + b c dt = 1        Verlet: a = 1/4,   b = 1
@@ -12,6 +13,8 @@
 #include <stdlib.h>
 
 #include "base/shortage.h"
+#include "model/clumps.h"
+#include "model/field_kinds.h"
 #include "model/laws.h"
 #include "model/normal_laws.h"
 #include "model/model.h"
@@ -22,7 +25,7 @@ static const double VISCOUS[] = {[SD_GEAR5] = 551.0 / 90, [SD_VERLET] = 1};
 /* Of a disk between two bodies of one material. */
 typedef struct oscillator {
   double normal2, tangential2; /* w^2 */
-  double damping;              /* c of the normal one */
+  double damping, friction;    /* c of these */
 } oscillator;
 
 /* tsuji: law_tsuji of the law; moved: bits 1 << coordinate that motions prescribe. Tangential spring and rotation: physics.md 5. */
@@ -31,11 +34,14 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
   bool turns = !d->locked[SD_THETA] && !(moved & 1u << SD_THETA);
   double inverse_mass = still ? 0.0 : 1.0 / d->mass;
   double inverse_inertia = turns ? d->radius * d->radius / d->inertia : 0.0;
-  double gamma = law->gamma_n;
-  if (tsuji > 0.0) gamma += tsuji * sqrt(d->mass * law->k_n) * sqrt(sqrt(0.01 * d->radius));
+  double gamma = law->gamma_n, rubs = law->mu > 0.0 ? 2.0 * (inverse_mass + inverse_inertia) : 0.0;
+  double k_t = law->tangential == SD_TANGENTIAL_MINDLIN ? law->k_t * sqrt(0.01 * d->radius) : law->k_t;
+  if (tsuji > 0.0)
+    gamma += normal_laws[law->normal].viscosity(tsuji * sqrt(d->mass * law->k_n), 0.01 * d->radius);
   return (oscillator){.normal2 = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass,
-                      .tangential2 = law->mu > 0.0 ? 2.0 * law->k_t * (inverse_mass + inverse_inertia) : 0.0,
-                      .damping = 2.0 * gamma * inverse_mass};
+                      .tangential2 = k_t * rubs + 2.0 * law->k_r * inverse_inertia,
+                      .damping = 2.0 * gamma * inverse_mass,
+                      .friction = law->gamma_t * rubs + 2.0 * law->gamma_r * inverse_inertia};
 }
 
 double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
@@ -44,7 +50,8 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
     for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
       const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
       if (!law_is_given(law)) continue;
-      const oscillator o = oscillator_of(&m->disks[i], law, 0.0, 0);
+      const sd_disk felt = clumps_felt(m, i);
+      const oscillator o = oscillator_of(&felt, law, 0.0, 0);
       double w2 = fmax(o.normal2, o.tangential2);
       if (!(w2 > fastest)) continue;
       fastest = w2;
@@ -82,9 +89,10 @@ sd_step_limit sd_model_step_limit(const sd_model *m) {
       const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
       size_t others = use ? use[b].count - ((size_t)m->disks[i].material == b) : 1;
       if (!law_is_given(law) || others == 0) continue;
+      const sd_disk felt = clumps_felt(m, i);
       const oscillator o =
-          oscillator_of(&m->disks[i], law, tsuji ? tsuji[law - m->laws] : 0.0, moved ? moved[i] : 0);
-      double normal = longest(m, o.normal2, o.damping), tangential = longest(m, o.tangential2, 0.0);
+          oscillator_of(&felt, law, tsuji ? tsuji[law - m->laws] : 0.0, moved ? moved[i] : 0);
+      double normal = longest(m, o.normal2, o.damping), tangential = longest(m, o.tangential2, o.friction);
       if (!(fmin(normal, tangential) < limit.dt)) continue;
       limit = (sd_step_limit){.dt = fmin(normal, tangential), .disk = i};
       double viscous = VISCOUS[m->integrator] * o.damping * normal; /* its part of the 1 */
@@ -95,5 +103,6 @@ sd_step_limit sd_model_step_limit(const sd_model *m) {
   free(moved);
   free(use);
   free(tsuji);
+  body_forces_limit(m, &limit);
   return limit;
 }

@@ -6,6 +6,9 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "model/cell.h"
+#include "model/bodies.h"
+#include "model/law_features.h"
 #include "model/visits.h"
 
 #define COLUMN(name, type, extent, unit, meaning)                                                            \
@@ -65,6 +68,13 @@ const sd_field sd_fields[] = {
     COLUMN(past_nonconservative_work, SD_F64, SD_PER_BODY, "energy",
            "of nonconservative_work: in contacts that have ended"),
 
+    COLUMN(surface, SD_F64, SD_PER_SURFACE, "length",
+           "way of the wall's surface along it beyond surface_turn"),
+    COLUMN(surface_turn, SD_F64, SD_PER_SURFACE, "length", "the rest of it, in multiples of a fixed length"),
+    COLUMN(surface_speed, SD_F64, SD_PER_SURFACE, "length/time", "velocity of the wall's surface along it"),
+    COLUMN(surface_force, SD_F64, SD_PER_SURFACE, "force", "of the contacts on the surface at the last step"),
+    COLUMN(base_surface, SD_F64, SD_PER_SURFACE, "length", "prescribed way without the running motions"),
+
     COLUMN(activity, SD_I32, SD_PER_FREE, "1", "0 in play, 1 waiting, 2 removed, 3 outside the bounds"),
     COLUMN(x2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of x"),
     COLUMN(y2, SD_F64, SD_PER_FREE, "length", "dt^2/2 times the 2nd derivative of y"),
@@ -79,6 +89,18 @@ const sd_field sd_fields[] = {
     COLUMN(y5, SD_F64, SD_PER_FREE, "length", "dt^5/120 times the 5th derivative of y"),
     COLUMN(theta5, SD_F64, SD_PER_FREE, "rad", "dt^5/120 times the 5th derivative of the angle"),
 
+    COLUMN(field_x, SD_F64, SD_PER_FIELDED, "force", "x force of the model's fields at the last step"),
+    COLUMN(field_y, SD_F64, SD_PER_FIELDED, "force", "y force of the model's fields at the last step"),
+    COLUMN(field_torque, SD_F64, SD_PER_FIELDED, "force length",
+           "torque of the model's fields at the last step"),
+    COLUMN(power_work, SD_F64, SD_PER_FIELDED, "power",
+           "at which fields do work on the disk, at the last step"),
+    COLUMN(power_drag, SD_F64, SD_PER_FIELDED, "power", "lost to drag, at the last step"),
+    COLUMN(power_damping, SD_F64, SD_PER_FIELDED, "power", "lost to non-viscous damping, at the last step"),
+    COLUMN(field_work, SD_F64, SD_PER_FIELDED, "energy", "work of the model's fields on the disk"),
+    COLUMN(loss_drag, SD_F64, SD_PER_FIELDED, "energy", "lost to drag"),
+    COLUMN(loss_damping, SD_F64, SD_PER_FIELDED, "energy", "lost to non-viscous damping"),
+
     COLUMN(contact_a, SD_U32, SD_PER_CONTACT, "1", "body number of the first disk"),
     COLUMN(contact_b, SD_U32, SD_PER_CONTACT, "1", "body number of the second disk or wall"),
     COLUMN(contact_part, SD_U32, SD_PER_CONTACT, "1", "straight piece of the wall"),
@@ -87,8 +109,14 @@ const sd_field sd_fields[] = {
 #define RECORD_COLUMN(name, unit, meaning) COLUMN(contact_##name, SD_F64, SD_PER_CONTACT, unit, meaning),
     SD_CONTACT_RECORD(RECORD_COLUMN)
 #undef RECORD_COLUMN
+#define MORE_COLUMN(name, unit, meaning) COLUMN(contact_##name, SD_F64, SD_PER_LAW_CONTACT, unit, meaning),
+        SD_CONTACT_MORE(MORE_COLUMN)
+#undef MORE_COLUMN
+            COLUMN(past_rolling, SD_F64, SD_PER_LAW_FREE, "energy",
+                   "lost to rolling in this disk's contacts that have ended"),
+    COLUMN(loss_bridge, SD_F64, SD_PER_LAW_FREE, "energy", "lost when bridges of this disk formed"),
 
-        COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
+    COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1", "step at which the motion was switched on, -1: off"),
     COLUMN(motion_u0, SD_F64, SD_PER_MOTION, "length or rad",
            "random motion: displacement at the last draw; load, servo: displacement"),
     COLUMN(motion_v0, SD_F64, SD_PER_MOTION, "1/time",
@@ -96,6 +124,22 @@ const sd_field sd_fields[] = {
     COLUMN(motion_u1, SD_F64, SD_PER_MOTION, "length or rad",
            "random motion: displacement at the next draw; servo: smoothed force"),
     COLUMN(motion_v1, SD_F64, SD_PER_MOTION, "1/time", "random motion: velocity at the next draw"),
+
+    COLUMN(cell, SD_F64, SD_PER_CELL, "1",
+           "lengths in x, y, offset of rows of cells over the lengths before (x), shear strain"),
+    COLUMN(cell_start, SD_F64, SD_PER_CELL, "1", "the same at step cell_from"),
+    COLUMN(cell_from, SD_I64, SD_PER_CELL, "1", "step from which on cell grows at cell_speed"),
+    COLUMN(cell_speed, SD_F64, SD_PER_CELL, "1/time", "change of cell per time"),
+    COLUMN(cell_force, SD_F64, SD_PER_CELL, "force",
+           "forces across the edges of the box: sum of force times cells between, xx, xy, yx, yy"),
+    COLUMN(cell_mean, SD_F64, SD_PER_CELL, "1/time",
+           "running means of rates that follow stresses: xx, yy, xy"),
+    COLUMN(cell_u, SD_F64, SD_PER_CELL_DISK, "1",
+           "place in the box along x, when displacements were added up"),
+    COLUMN(cell_v, SD_F64, SD_PER_CELL_DISK, "1", "place in the box along y, likewise"),
+    COLUMN(nonaffine_x, SD_F64, SD_PER_CELL_DISK, "length",
+           "x displacement since the phase began, without that of the deforming box"),
+    COLUMN(nonaffine_y, SD_F64, SD_PER_CELL_DISK, "length", "y displacement, likewise"),
 
     COLUMN(phase_steps, SD_I64, SD_PER_PHASE, "1", "steps that the phase took, 0: not over"),
     COLUMN(phase_reached, SD_I32, SD_PER_PHASE, "1", "1: ended with what settle and compress asked for"),
@@ -146,6 +190,35 @@ const sd_field sd_fields[] = {
     COLUMN(sum_friction, SD_F64, SD_PER_MEAN, "energy", "lost to sliding, likewise"),
     COLUMN(sum_opening, SD_F64, SD_PER_MEAN, "energy", "left in contacts that opened, likewise"),
     COLUMN(sum_openings, SD_I64, SD_PER_MEAN, "1", "contacts that opened in measured steps"),
+
+    COLUMN(clump_x, SD_F64, SD_PER_CLUMP, "length", "x of the centre of mass, in the box"),
+    COLUMN(clump_y, SD_F64, SD_PER_CLUMP, "length", "y of the centre of mass, in the box"),
+    COLUMN(clump_theta, SD_F64, SD_PER_CLUMP, "rad", "angle beyond clump_turn, within [-4, 4]"),
+    COLUMN(clump_turn, SD_F64, SD_PER_CLUMP, "rad", "angle in multiples of 8 rad"),
+    COLUMN(clump_vx, SD_F64, SD_PER_CLUMP, "length/time", "velocity of the centre along x"),
+    COLUMN(clump_vy, SD_F64, SD_PER_CLUMP, "length/time", "velocity of the centre along y"),
+    COLUMN(clump_omega, SD_F64, SD_PER_CLUMP, "rad/time", "angular velocity"),
+    COLUMN(clump_image_x, SD_I32, SD_PER_CLUMP, "1", "periodic images crossed along x"),
+    COLUMN(clump_image_y, SD_I32, SD_PER_CLUMP, "1", "periodic images crossed along y"),
+    COLUMN(clump_base_x, SD_F64, SD_PER_CLUMP, "length", "prescribed x without the running motions"),
+    COLUMN(clump_base_y, SD_F64, SD_PER_CLUMP, "length", "prescribed y without the running motions"),
+    COLUMN(clump_base_theta, SD_F64, SD_PER_CLUMP, "rad", "prescribed theta without the running motions"),
+    COLUMN(clump_force_x, SD_F64, SD_PER_CLUMP, "force", "x force of the contacts at the last step"),
+    COLUMN(clump_force_y, SD_F64, SD_PER_CLUMP, "force", "y force of the contacts at the last step"),
+    COLUMN(clump_torque, SD_F64, SD_PER_CLUMP, "force length",
+           "torque of the contacts about the centre at the last step"),
+    COLUMN(clump_x2, SD_F64, SD_PER_CLUMP, "length", "dt^2/2 times the 2nd derivative of x"),
+    COLUMN(clump_y2, SD_F64, SD_PER_CLUMP, "length", "dt^2/2 times the 2nd derivative of y"),
+    COLUMN(clump_theta2, SD_F64, SD_PER_CLUMP, "rad", "dt^2/2 times the 2nd derivative of the angle"),
+    COLUMN(clump_x3, SD_F64, SD_PER_CLUMP, "length", "dt^3/6 times the 3rd derivative of x"),
+    COLUMN(clump_y3, SD_F64, SD_PER_CLUMP, "length", "dt^3/6 times the 3rd derivative of y"),
+    COLUMN(clump_theta3, SD_F64, SD_PER_CLUMP, "rad", "dt^3/6 times the 3rd derivative of the angle"),
+    COLUMN(clump_x4, SD_F64, SD_PER_CLUMP, "length", "dt^4/24 times the 4th derivative of x"),
+    COLUMN(clump_y4, SD_F64, SD_PER_CLUMP, "length", "dt^4/24 times the 4th derivative of y"),
+    COLUMN(clump_theta4, SD_F64, SD_PER_CLUMP, "rad", "dt^4/24 times the 4th derivative of the angle"),
+    COLUMN(clump_x5, SD_F64, SD_PER_CLUMP, "length", "dt^5/120 times the 5th derivative of x"),
+    COLUMN(clump_y5, SD_F64, SD_PER_CLUMP, "length", "dt^5/120 times the 5th derivative of y"),
+    COLUMN(clump_theta5, SD_F64, SD_PER_CLUMP, "rad", "dt^5/120 times the 5th derivative of the angle"),
 };
 
 const size_t sd_field_count = sizeof sd_fields / sizeof *sd_fields;
@@ -161,8 +234,12 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_RUN: return 1;
     case SD_PER_BODY: return s->n_bodies;
     case SD_PER_FREE: return s->n_free;
+    case SD_PER_FIELDED: return s->n_fielded;
+    case SD_PER_SURFACE: return s->n_surfaces;
     case SD_PER_CONTACT: return s->n_contacts;
     case SD_PER_MOTION: return s->n_motions;
+    case SD_PER_CELL: return s->n_cell;
+    case SD_PER_CELL_DISK: return s->n_cell_disks;
     case SD_PER_PHASE: return s->n_phases;
     case SD_PER_ROTATION: return s->n_rotations;
     case SD_PER_ROTATION_BIN: return s->n_rotations * SD_BINS;
@@ -177,6 +254,9 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_VISIT_CLASS: return s->n_visits * VISIT_CLASSES;
     case SD_PER_VISIT_SUM: return s->n_visits * VISIT_CLASSES * VISIT_SUMS;
     case SD_PER_VISIT_AGE: return s->n_visits * VISIT_CLASSES * VISIT_AGES;
+    case SD_PER_CLUMP: return s->n_clumps;
+    case SD_PER_LAW_CONTACT: return s->law_columns * s->n_contacts;
+    case SD_PER_LAW_FREE: return s->law_columns * s->n_free;
     case SD_EXTENTS: break;
   }
   assert(!"an extent");
@@ -200,7 +280,7 @@ static void *column_new(size_t n, sd_type type) {
   return p;
 }
 
-static bool in_room(const sd_field *f) { return f->extent != SD_PER_RUN && f->extent != SD_PER_CONTACT; }
+static bool in_room(const sd_field *f) { return f->extent != SD_PER_RUN && !state_of_contacts(f->extent); }
 
 static sd_status columns_new(sd_state *s) {
   arena_plan plan = {0};
@@ -217,23 +297,65 @@ static sd_status columns_new(sd_state *s) {
   return SD_OK;
 }
 
-sd_state *sd_state_new(const sd_model *m) {
+typedef struct spread_task {
+  const sd_state *s;
+  void **from; /* [sd_field_count] */
+} spread_task;
+
+static void copy_share(const team *t, void *with) {
+  const spread_task *f = with;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    if (!in_room(&sd_fields[k])) continue;
+    const size_t size = sd_type_size(sd_fields[k].type);
+    size_t begin, end;
+    team_share(t, sd_extent_size(f->s, sd_fields[k].extent), &begin, &end);
+    memcpy((char *)sd_field_data(f->s, &sd_fields[k]) + begin * size, (const char *)f->from[k] + begin * size,
+           (end - begin) * size);
+  }
+}
+
+void state_spread(sd_state *s, pool *c) {
+  void *room = s->columns, **from = c ? calloc(sd_field_count, sizeof *from) : NULL;
+  if (!from) return;
+  for (size_t k = 0; k < sd_field_count; k++) from[k] = sd_field_data(s, &sd_fields[k]);
+  if (columns_new(s) == SD_OK) {
+    pool_run(c, copy_share, &(spread_task){s, from});
+    arena_free(room);
+  } else {
+    s->columns = room; /* they stay where they are */
+  }
+  free(from);
+}
+
+sd_state *sd_state_new(const sd_model *m) { return state_new_part(m, m->n_free, 0); }
+
+sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
   sd_state *s = calloc(1, sizeof *s);
   if (!s) return NULL;
-  s->n_free = m->n_free;
-  s->n_disks = m->n_disks;
-  s->n_bodies = sd_model_bodies(m);
+  s->n_free = n_free;
+  s->n_ghosts = n_ghosts;
+  s->n_disks = n_free + n_ghosts + (m->n_disks - m->n_free);
+  s->n_bodies = s->n_disks + m->n_walls;
+  s->n_surfaces = model_moves_surfaces(m) ? m->n_walls : 0;
   assert(s->n_free <= s->n_disks && s->n_disks <= s->n_bodies);
+  s->n_cell = cell_deforms(m) ? CELL_COLUMNS : 0;
+  s->n_cell_disks = s->n_cell ? n_free : 0;
   s->n_motions = m->n_motions;
+  s->n_clumps = m->n_clumps;
   s->n_phases = m->n_phases;
   s->n_rotations = m->n_rotations;
   s->n_slides = m->n_slides;
-  s->n_means = m->measure_disks ? m->n_free : 0;
+  s->n_means = m->measure_disks ? n_free : 0;
   s->n_visits = m->measure_configurations ? m->n_slides : 0;
+  s->n_fielded = m->n_fields ? n_free : 0;
+  s->law_columns = (laws_features(m) & LAW_GENERAL) != 0;
   s->bin_steps = s->mean_bin_steps = 1;
   s->box_scale = 1.0;
   s->fast_step = s->fast_disk = -1;
-  if (columns_new(s) == SD_OK && sd_state_reserve_contacts(s, 8) == SD_OK) return s;
+  if (columns_new(s) == SD_OK && sd_state_reserve_contacts(s, 8) == SD_OK) {
+    if (s->n_cell) s->cell[CELL_X] = s->cell_start[CELL_X] = s->cell[CELL_Y] = s->cell_start[CELL_Y] = 1.0;
+    return s;
+  }
   sd_state_free(s);
   return NULL;
 }
@@ -241,7 +363,7 @@ sd_state *sd_state_new(const sd_model *m) {
 void sd_state_free(sd_state *s) {
   if (!s) return;
   for (size_t k = 0; k < sd_field_count; k++)
-    if (sd_fields[k].extent == SD_PER_CONTACT) free(*field_pointer(s, &sd_fields[k]));
+    if (state_of_contacts(sd_fields[k].extent)) free(*field_pointer(s, &sd_fields[k]));
   arena_free(s->columns);
   free(s);
 }
@@ -251,12 +373,13 @@ sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
   size_t capacity = n + n / 4;
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
-    if (f->extent != SD_PER_CONTACT) continue;
-    void *column = column_new(capacity, f->type);
+    if (!state_of_contacts(f->extent)) continue;
+    const bool kept = f->extent == SD_PER_CONTACT || s->law_columns;
+    void *column = column_new(kept ? capacity : 0, f->type);
     if (!column) return SD_ERROR_IO;
     void **old = field_pointer(s, f);
     assert(s->n_contacts <= s->contact_capacity && s->contact_capacity < capacity);
-    if (*old) memcpy(column, *old, s->n_contacts * sd_type_size(f->type));
+    if (*old && kept) memcpy(column, *old, s->n_contacts * sd_type_size(f->type));
     free(*old);
     *old = column;
   }
@@ -267,14 +390,23 @@ sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
 sd_contact_record sd_state_record(const sd_state *s, size_t c) {
   assert(c < s->n_contacts);
 #define RECORD_READ(name, unit, meaning) .name = s->contact_##name[c],
-  return (sd_contact_record){SD_CONTACT_RECORD(RECORD_READ)};
+  sd_contact_record record = {SD_CONTACT_RECORD(RECORD_READ)};
 #undef RECORD_READ
+#define MORE_READ(name, unit, meaning) record.name = s->contact_##name[c];
+  if (s->law_columns) {
+    SD_CONTACT_MORE(MORE_READ)
+  }
+#undef MORE_READ
+  return record;
 }
 
 void sd_state_set_record(sd_state *s, size_t c, const sd_contact_record *record) {
   assert(c < s->n_contacts && s->n_contacts <= s->contact_capacity);
 #define RECORD_WRITE(name, unit, meaning) s->contact_##name[c] = record->name;
   SD_CONTACT_RECORD(RECORD_WRITE)
+  if (s->law_columns) {
+    SD_CONTACT_MORE(RECORD_WRITE)
+  }
 #undef RECORD_WRITE
 }
 

@@ -2,6 +2,7 @@
 #ifndef MODEL_STATE_H
 #define MODEL_STATE_H
 
+#include "base/team.h"
 #include "model/model.h"
 #include "slipdisk/state.h"
 
@@ -32,8 +33,12 @@ struct sd_state {
 
   /* extents */
   size_t n_free, n_disks, n_bodies;
+  size_t n_ghosts; /* disks of other processes, in the slots from n_free on; they count as disks */
   size_t n_contacts, contact_capacity;
-  size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits;
+  size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits, n_fielded, n_clumps;
+  size_t n_cell, n_cell_disks;
+  size_t n_surfaces;  /* walls, where motions move the surface of any; else 0 */
+  size_t law_columns; /* 1: there are those of SD_CONTACT_MORE, 0: none */
 
   /* per body */
   uint32_t *id; /* body number of model.h */
@@ -52,10 +57,22 @@ struct sd_state {
       *past_nonconservative_work; /* of loss_viscous, loss_friction, nonconservative_work: in contacts that
                                                        have ended */
 
+  /* per wall whose surface may move: how far its surface is along it, beyond `surface_turn`; speed, force of the
+   * contacts on it, and as base_x */
+  double *surface, *surface_turn, *surface_speed, *surface_force, *base_surface;
+
   /* per free disk: Nordsieck column k is dt^k/k! times the k-th derivative */
   int32_t *activity; /* SD_IN_PLAY ... */
+  double *
+      past_rolling; /* energy lost to rolling in contacts that have ended, by disk as loss_viscous; law_columns */
+  double *loss_bridge; /* of capillary bridges when they formed; law_columns */
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
+
+  /* per free disk of a model with fields (physics.md 15): forces of the last step, their powers, and what these add up to */
+  double *field_x, *field_y, *field_torque;
+  double *power_work, *power_drag, *power_damping;
+  double *field_work, *loss_drag, *loss_damping;
 
   /* per closed contact, ordered by (lower slot, partner) */
   uint32_t *contact_a;    /* body number of the disk */
@@ -65,6 +82,7 @@ struct sd_state {
   int32_t *contact_slide; /* 0 stuck, +1/-1 sliding with that sign of torque */
 #define SD_CONTACT_POINTER(name, unit, meaning) double *contact_##name;
   SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* contact.h */
+  SD_CONTACT_MORE(SD_CONTACT_POINTER)   /* law_columns */
 #undef SD_CONTACT_POINTER
 
   /* per motion */
@@ -72,6 +90,16 @@ struct sd_state {
   double *motion_u0, *motion_v0, *motion_u1, *motion_v1; /* random: oscillator at the last and next draw;
                                                             load: displacement, velocity; servo: these and
                                                             the smoothed force */
+
+  /* the periodic box, over its lengths before it deformed: CELL_X ... of cell.h */
+  double *cell;
+  double *cell_start; /* at step cell_from; from there on they change at cell_speed */
+  int64_t *cell_from;
+  double *cell_speed;
+  double *cell_force;      /* sum of f (x) n over contacts with images n cells away: xx, xy, yx, yy */
+  double *cell_mean;       /* running means of the rates that follow stresses: xx, yy, xy */
+  double *cell_u, *cell_v; /* where disks are in the box, over its edges, when last looked at */
+  double *nonaffine_x, *nonaffine_y; /* displacement since the phase began, without that of the box */
 
   /* per phase, when it ended */
   int64_t *phase_steps;                     /* that it took; 0: not over */
@@ -114,10 +142,34 @@ struct sd_state {
   double *sum_viscous, *sum_friction, *sum_opening; /* losses in measured phases; while one goes on, less
                                                           what had been lost (loss_*) when it began */
   int64_t *sum_openings;                            /* contacts that opened in measured steps */
+
+  /* per clump: its centre of mass as a free body */
+  double *clump_x, *clump_y, *clump_theta, *clump_turn;
+  double *clump_vx, *clump_vy, *clump_omega;
+  int32_t *clump_image_x, *clump_image_y;
+  double *clump_base_x, *clump_base_y, *clump_base_theta;
+  double *clump_force_x, *clump_force_y, *clump_torque; /* of the contacts of its disks at the last step */
+  double *clump_x2, *clump_y2, *clump_theta2, *clump_x3, *clump_y3, *clump_theta3;
+  double *clump_x4, *clump_y4, *clump_theta4, *clump_x5, *clump_y5, *clump_theta5;
 };
+
+/* Columns of which each closed contact has an element. */
+/* Has the column rows of free disks, and of nothing else? */
+static inline bool state_of_free(sd_extent extent) {
+  return extent == SD_PER_FREE || extent == SD_PER_MEAN || extent == SD_PER_MEAN_BIN ||
+         extent == SD_PER_FIELDED || extent == SD_PER_LAW_FREE || extent == SD_PER_CELL_DISK;
+}
+static inline bool state_of_contacts(sd_extent extent) {
+  return extent == SD_PER_CONTACT || extent == SD_PER_LAW_CONTACT;
+}
 
 /* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
 sd_state *sd_state_new(const sd_model *model);
+/* The same for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
+sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
+/* Columns of bodies move to pages that the threads have touched first, each its share, so that they stand near it. Without
+ * memory they stay. */
+void state_spread(sd_state *state, pool *c);
 /* Room for n contacts; their old contents are kept as far as they fit. */
 sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
 /* Record of stored contact c. */

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/cell.h"
 #include "pack/rain.h"
 #include "physics/system/bodies.h"
 #include "physics/contact/energy.h"
@@ -19,9 +20,9 @@ static const double QUIET = 0.5;
 
 /* --- pressure and packing fraction -------------------------------------------------------------------- */
 
-static double area_of(const sd_model *m, const sd_state *s) {
+double compress_area(const sd_model *m, const sd_state *s) {
   double width = m->region_upper[0] - m->region_lower[0], height = m->region_upper[1] - m->region_lower[1];
-  return width * height * s->box_scale * s->box_scale;
+  return width * height * cell_scale(s, SD_X) * cell_scale(s, SD_Y);
 }
 
 typedef struct virial {
@@ -30,7 +31,7 @@ typedef struct virial {
 
 static virial virial_of(const engine *e) {
   const sd_state *s = e->state;
-  double force = 0.0, stiffness = 0.0, twice = 2.0 * area_of(e->model, s);
+  double force = 0.0, stiffness = 0.0, twice = 2.0 * compress_area(e->model, s);
   for (size_t k = 0; k < engine_candidates(e); k++) {
     if (!engine_contact_closed(e, k)) continue;
     size_t a = engine_contact_a(e, k), b = engine_contact_b(e, k);
@@ -43,21 +44,11 @@ static virial virial_of(const engine *e) {
 
 double compress_pressure(const engine *e) { return virial_of(e).pressure; }
 
-double compress_stored_pressure(const sd_model *m, const sd_state *s) {
-  double force = 0.0;
-  for (size_t c = 0; c < s->n_contacts; c++) {
-    uint32_t a = s->contact_a[c], b = s->contact_b[c];
-    double r = m->disks[a].radius + (b < m->n_disks ? m->disks[b].radius : 0.0) - s->contact_overlap[c];
-    force += s->contact_force[c] * r;
-  }
-  return force / (2.0 * area_of(m, s));
-}
-
 double compress_fraction(const sd_model *m, const sd_state *s) {
   double sum = 0.0;
   for (size_t i = 0; i < s->n_free; i++)
     if (body_in_play(s, i)) sum += s->radius[i] * s->radius[i];
-  return M_PI * sum / area_of(m, s);
+  return M_PI * sum / compress_area(m, s);
 }
 
 /* --- target ------------------------------------------------------------------------------------------- */
@@ -103,7 +94,7 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
 }
 
 static double potential(const sd_energy *e) {
-  return e->elastic_normal + e->elastic_tangential + e->external;
+  return e->elastic_normal + e->elastic_tangential + e->elastic_rolling + e->cohesion + e->external;
 }
 
 sd_status compress_step(engine *e, sd_messages *messages) {
@@ -115,6 +106,7 @@ sd_status compress_step(engine *e, sd_messages *messages) {
   sd_status status = rescale(e, f, messages);
   sd_energy after = energy_of(e);
   s->work_driven += (potential(&after) - potential(&before)) + (after.friction - before.friction) +
-                    (after.opening - before.opening);
+                    (after.opening - before.opening) + (after.rolling - before.rolling) +
+                    (after.bridge - before.bridge);
   return status;
 }

@@ -21,10 +21,11 @@ sd_status compress_step(engine *e, sd_messages *messages);
 /* The running phase's target is reached within its tolerance. */
 bool compress_done(const engine *e);
 
-/* Pressure in the region, force/length: of the live contacts, and of those that the state has stored. */
+/* Pressure in the region, force/length, of the live contacts. */
 double compress_pressure(const engine *e);
-double compress_stored_pressure(const sd_model *model, const sd_state *state);
 /* Area of the free disks in play over that of the region. */
 double compress_fraction(const sd_model *model, const sd_state *state);
+/* Of the region. */
+double compress_area(const sd_model *model, const sd_state *state);
 
 #endif

@@ -19,6 +19,7 @@ typedef struct body {
   double tx, ty; /* straight: unit vector */
   double length; /* straight: from the point along t; infinite: backwards too */
   bool straight;
+  double lower[2], upper[2]; /* the box around a fixed body */
 } body;
 
 typedef struct pocket {
@@ -175,9 +176,21 @@ static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
 
 /* --- bodies -------------------------------------------------------------------------------------------------- */
 
+/* Boxes so far apart that no disk touches both; images are not looked for. */
+static bool boxes_apart(const front *f, const body *b, const double lower[2], const double upper[2]) {
+  for (int c = 0; c < 2; c++) {
+    const double gap = fmax(b->lower[c] - upper[c], lower[c] - b->upper[c]);
+    if (!(f->s->period[c] > 0) && gap > 2.0 * (1.0 + 1e-9) * f->largest) return true;
+  }
+  return false;
+}
+
 /* A disk could touch both this one and the edge or wall. */
 static bool near_fixed(const front *f, const body *b, const double *disk) {
+  const double lower[2] = {disk[0] - disk[2], disk[1] - disk[2]},
+               upper[2] = {disk[0] + disk[2], disk[1] + disk[2]};
   double gap;
+  if (boxes_apart(f, b, lower, upper)) return false;
   if (b->straight) {
     gap = fabs((disk[0] - b->x) * -b->ty + (disk[1] - b->y) * b->tx) - disk[2];
   } else {
@@ -204,6 +217,12 @@ static sd_status add_fixed(front *f, body b) {
   body *fixed = grow(f->fixed, &f->fixed_capacity, f->n_fixed + 1, sizeof *fixed);
   if (!fixed) return SD_ERROR_IO;
   f->fixed = fixed;
+  const double at[2] = {b.x, b.y}, along[2] = {b.tx, b.ty};
+  for (int c = 0; c < 2; c++) {
+    const double other = at[c] + (isinf(b.length) ? 0.0 : b.length * along[c]), wide = fabs(b.radius);
+    b.lower[c] = isinf(b.length) ? -HUGE_VAL : fmin(at[c], other) - wide;
+    b.upper[c] = isinf(b.length) ? HUGE_VAL : fmax(at[c], other) + wide;
+  }
   fixed[f->n_fixed++] = b;
   return SD_OK;
 }
@@ -243,7 +262,9 @@ static sd_status add_edges_and_walls(front *f) {
   if (status == SD_OK && s->edge[0]) status = add_fixed(f, straight(right, high, true));
   for (size_t w = 0; w < s->model->n_walls && status == SD_OK; w++) status = add_wall(f, &s->model->walls[w]);
   for (uint32_t a = 0; a < f->n_fixed && status == SD_OK; a++)
-    for (uint32_t b = 0; b < a && status == SD_OK; b++) status = add_pockets(f, FIXED | a, FIXED | b);
+    for (uint32_t b = 0; b < a && status == SD_OK; b++)
+      if (!boxes_apart(f, &f->fixed[b], f->fixed[a].lower, f->fixed[a].upper))
+        status = add_pockets(f, FIXED | a, FIXED | b);
   return status;
 }
 

@@ -8,6 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "model/arc.h"
+
 /* --- the inside of a container ---------------------------------------------------------------------------- */
 
 double place_half_width(const place_interior *in, double y) {
@@ -191,16 +193,25 @@ static double from_piece(double x, double y, const double *a, const double *b, b
   return hypot(x - a[0] - along * tx, y - a[1] - along * ty);
 }
 
-/* Distance from the wall's surface, not looking at images of straight walls; < 0: in it. */
-static double from_wall(const place_space *s, const sd_wall *wall, double x, double y) {
+/* Is x farther than this from all between a and b? */
+static bool beyond(double x, double a, double b, double within) {
+  return (a - x >= within && b - x >= within) || (x - a >= within && x - b >= within);
+}
+
+/* Distance from the wall's surface, not looking at images of straight walls; < 0: in it. Segments farther than `within` do not count. */
+static double from_wall(const place_space *s, const sd_wall *wall, double x, double y, double within) {
   if (wall->kind == SD_WALL_CIRCLE) {
     double r = hypot(place_apart(s, x, wall->pivot[0], 0), place_apart(s, y, wall->pivot[1], 1));
     return wall->inside ? wall->radius - r : r - wall->radius;
   }
   double nearest = HUGE_VAL;
-  for (size_t k = 0; k + 1 < wall->n_points + (wall->closed ? 1 : 0); k++)
-    nearest = fmin(nearest, from_piece(x, y, wall->points[k], wall->points[(k + 1) % wall->n_points],
-                                       wall->kind == SD_WALL_LINE));
+  if (wall->kind == SD_WALL_ARC) return arc_distance(wall, (const double[2]){x, y});
+  for (size_t k = 0; k + 1 < wall->n_points + (wall->closed ? 1 : 0); k++) {
+    const double *a = wall->points[k], *b = wall->points[(k + 1) % wall->n_points];
+    if (wall->kind != SD_WALL_LINE && (beyond(x, a[0], b[0], within) || beyond(y, a[1], b[1], within)))
+      continue;
+    nearest = fmin(nearest, from_piece(x, y, a, b, wall->kind == SD_WALL_LINE));
+  }
   return nearest;
 }
 
@@ -212,7 +223,8 @@ static bool clear_of_walls(const place_space *s, double x, double y, double radi
     int p_most = images && s->period[0] > 0, q_most = images && s->period[1] > 0;
     for (int p = -p_most; p <= p_most; p++)
       for (int q = -q_most; q <= q_most; q++)
-        if (from_wall(s, wall, x + p * s->period[0], y + q * s->period[1]) < radius * (1 - PLACE_SLACK))
+        if (from_wall(s, wall, x + p * s->period[0], y + q * s->period[1], radius) <
+            radius * (1 - PLACE_SLACK))
           return false;
   }
   return true;

@@ -8,7 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "model/clumps.h"
 #include "physics/system/bodies.h"
+#include "physics/system/clumps.h"
+#include "physics/system/body_forces.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
@@ -56,9 +59,23 @@ static double top_of(const engine *e, const sd_rain *r) {
   return top;
 }
 
+/* An arc may cross the vertical twice; its ends are those of what is between them. */
+static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x, double y, double radius,
+                       double low) {
+  if (q->active && hypot(q->dx, q->dy) < radius * (1.0 - ROUNDING)) return true;
+  const double dx = x - g->x;
+  if (g->piece != SD_PIECE_CURVE || fabs(dx) >= g->radius) return false;
+  for (int side = -1; side <= 1; side += 2) {
+    const double height = g->y + side * sqrt(g->radius * g->radius - dx * dx);
+    if (walls_nearest(g, x, height).active && height > low && height < y) return true;
+  }
+  return false;
+}
+
 /* Does the piece pass through the disk, or below it, above y = low? */
 static bool segment_blocks(const placed_segment *g, double x, double y, double radius, double low) {
   nearest_point q = walls_nearest(g, x, y);
+  if (g->piece != SD_PIECE_STRAIGHT) return arc_blocks(g, &q, x, y, radius, low);
   if (hypot(q.dx, q.dy) < radius * (1.0 - ROUNDING)) return true;
   if (g->tx == 0.0) return false;
   double along = (x - g->x) / g->tx, height = g->y + along * g->ty;
@@ -94,9 +111,11 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
 size_t rain_row(const sd_model *m, size_t first, size_t end, double width) {
   double taken = 0.0;
   size_t n = 0;
-  for (; first + n < end; n++) {
-    taken += 2.0 * m->disks[first + n].radius;
+  while (first + n < end) {
+    const clump_grain grain = clumps_grain(m, first + n, end);
+    taken += 2.0 * grain.radius;
     if (n > 0 && taken > ROW_FILL * width) break;
+    n += grain.disks;
   }
   return n;
 }
@@ -119,31 +138,48 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
   return numbers;
 }
 
-static void set_out(engine *e, size_t i, double x, double y, double speed) {
+/* The grain of n disks that begins with this one. */
+static void set_out(engine *e, uint32_t disk, size_t n, double x, double y, double speed) {
   sd_state *s = e->state;
-  assert(i < s->n_free && s->activity[i] == SD_WAITING);
-  s->activity[i] = SD_IN_PLAY;
-  s->x[i] = x;
-  s->y[i] = y;
-  s->vy[i] = -speed;
-  s->released++;
+  for (size_t k = 0; k < n; k++) {
+    const size_t i = engine_slot(e, disk + (uint32_t)k);
+    assert(i < s->n_free && s->activity[i] == SD_WAITING);
+    s->activity[i] = SD_IN_PLAY;
+    s->x[i] = x;
+    s->y[i] = y;
+    s->vy[i] = -speed;
+    s->released++;
+  }
+  if (e->model->disks[disk].clump > 0)
+    clump_set_out(e, (size_t)e->model->disks[disk].clump - 1, x, y, -speed);
+}
+
+/* Largest of the grains in these n disks; *taken: the sum of their diameters; returns how many there are. */
+static size_t measure_row(const sd_model *m, size_t first, size_t n, double *largest, double *taken) {
+  size_t grains = 0;
+  *largest = *taken = 0.0;
+  for (size_t k = 0; k < n; grains++) {
+    const clump_grain grain = clumps_grain(m, first + k, first + n);
+    *taken += 2.0 * grain.radius;
+    *largest = fmax(*largest, grain.radius);
+    k += grain.disks;
+  }
+  return grains;
 }
 
 /* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. */
 static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, double low, double end,
                            gsl_rng *numbers, double *gaps, sd_messages *messages) {
   const sd_model *m = e->model;
-  double taken = 0.0, largest = 0.0;
-  for (size_t k = 0; k < n; k++) {
-    taken += 2.0 * m->disks[first + k].radius;
-    largest = fmax(largest, m->disks[first + k].radius);
-    gaps[k] = gsl_rng_uniform(numbers);
-  }
-  gsl_sort(gaps, 1, n);
+  double taken, largest;
+  const size_t grains = measure_row(m, first, n, &largest, &taken);
+  for (size_t k = 0; k < grains; k++) gaps[k] = gsl_rng_uniform(numbers);
+  gsl_sort(gaps, 1, grains);
   double left = r->lower, slack = r->upper - r->lower - taken;
-  for (size_t k = 0; k < n; k++) {
-    uint32_t disk = (uint32_t)(first + k);
-    double radius = m->disks[disk].radius, x = left + slack * gaps[k] + radius;
+  uint32_t disk = (uint32_t)first;
+  for (size_t k = 0; k < grains; k++) {
+    const clump_grain grain = clumps_grain(m, disk, first + n);
+    double radius = grain.radius, x = left + slack * gaps[k] + radius;
     double y = low + radius + 2.0 * (largest - radius) * gsl_rng_uniform(numbers);
     char name[96], wall[96];
     const char *what = obstacle(e, x, y, radius, end, wall, sizeof wall);
@@ -152,8 +188,9 @@ static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, 
                      "step %lld: rain: %s has no room at (%g, %g), %s is in the way; expected a higher "
                      "container, fewer disks, or more time between batches",
                      (long long)e->state->step, sd_model_body_name(m, disk, name, sizeof name), x, y, what);
-    set_out(e, engine_slot(e, disk), x, y, r->speed);
+    set_out(e, disk, grain.disks, x, y, r->speed);
     left += 2.0 * radius;
+    disk += (uint32_t)grain.disks;
   }
   return SD_OK;
 }
@@ -165,9 +202,9 @@ static sd_status place_rows(engine *e, const sd_rain *r, size_t first, size_t en
   double top = top_of(e, r), low = top + r->gap;
   sd_status status = SD_OK;
   for (size_t n; status == SD_OK && first < end; first += n) {
-    double largest = 0.0;
+    double largest, taken;
     n = rain_row(m, first, end, r->upper - r->lower);
-    for (size_t k = 0; k < n; k++) largest = fmax(largest, m->disks[first + k].radius);
+    measure_row(m, first, n, &largest, &taken);
     /* a lid that presses on the highest disk is in the way, too */
     double end_of_fall = fmax(top - 0.5 * largest, r->floor);
     status = place_row(e, r, first, n, low, end_of_fall, numbers, gaps, messages);
@@ -195,11 +232,17 @@ static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_m
 /* --- release ------------------------------------------------------------------------------------------ */
 
 /* They fall freely: accelerations without contacts. */
-static void accelerate(const engine *e, const sd_rain *r, int64_t batch) {
+static void accelerate(engine *e, const sd_rain *r, int64_t batch) {
   size_t first = (size_t)batch * r->batch;
   for (size_t k = first; k < r->count && k < first + r->batch; k++) {
     uint32_t i = engine_slot(e, (uint32_t)(r->first + k));
+    body_forces_renew(e, i, i + 1);
     for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, i, 0.0);
+  }
+  for (size_t k = first; k < r->count && k < first + r->batch; k++) {
+    const sd_disk *d = &e->model->disks[r->first + k];
+    if (d->clump > 0 && e->model->clumps[d->clump - 1].disks[0] == r->first + k)
+      clump_accelerate(e, (size_t)d->clump - 1);
   }
 }
 
@@ -213,6 +256,7 @@ sd_status rain_release(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
   sd_energy before = energy_of(e);
   sd_status status = SD_OK;
+  engine_pose_walls(e);
   for (size_t k = 0; k < m->n_rains && status == SD_OK; k++)
     if (due(e, &m->rains[k]))
       status = place_batch_of(e, &m->rains[k], s->step / m->rains[k].interval, messages);

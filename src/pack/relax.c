@@ -17,6 +17,7 @@
 #include <math.h>
 
 #include "physics/step/access.h"
+#include "physics/system/clumps.h"
 
 enum { PATIENCE = 5 };
 static const double ALPHA = 0.1, SHRINK = 0.99, BRAKE = 2.0;
@@ -31,7 +32,7 @@ static const double *inertia_of(const sd_state *s, int coordinate) {
 }
 
 static void block_of(const engine *e, size_t block, size_t *begin, size_t *end) {
-  team_share(&(team){(int)block, RELAX_BLOCKS}, e->state->n_free, begin, end);
+  team_share(&(team){.rank = (int)block, .size = RELAX_BLOCKS}, e->state->n_free, begin, end);
 }
 
 /* The blocks of one thread. */
@@ -54,6 +55,25 @@ static inline double free_part(const columns *c, size_t i, double value) {
 /* Power and the squares of both norms, in several sums side by side, so that none waits for itself. */
 enum { SIDE_BY_SIDE = 4 };
 
+static void clumps_of(const engine *e, size_t block, size_t *begin, size_t *end) {
+  team_share(&(team){.rank = (int)block, .size = RELAX_BLOCKS}, engine_clumps(e), begin, end);
+}
+
+static void measure_clumps(const engine *e, size_t block, double *power, double *speed2, double *push2) {
+  size_t begin, end;
+  clumps_of(e, block, &begin, &end);
+  for (size_t i = begin; i < end; i++) {
+    const clump_load load = clump_total(e, i);
+    for (int k = 0; k < SD_COORDINATES; k++) {
+      const columns *c = engine_clump_columns(e, k);
+      if (c->inverse[i] == 0.0) continue;
+      *power += load.on[k] * c->v[i];
+      *speed2 += c->v[i] * c->v[i] / c->inverse[i];
+      *push2 += load.on[k] * load.on[k] * c->inverse[i];
+    }
+  }
+}
+
 static void measure(const engine *e, size_t block, relax_sums *team_sums) {
   double power[SIDE_BY_SIDE] = {0}, speed2[SIDE_BY_SIDE] = {0}, push2[SIDE_BY_SIDE] = {0};
   size_t begin, end;
@@ -72,12 +92,27 @@ static void measure(const engine *e, size_t block, relax_sums *team_sums) {
       }
     }
   }
+  measure_clumps(e, block, &power[0], &speed2[0], &push2[0]);
   team_sums->power[block] = (power[0] + power[1]) + (power[2] + power[3]);
   team_sums->speed2[block] = (speed2[0] + speed2[1]) + (speed2[2] + speed2[3]);
   team_sums->push2[block] = (push2[0] + push2[1]) + (push2[2] + push2[3]);
 }
 
 /* v <- keep v + steer F/M */
+static void change_clumps(engine *e, size_t block, double keep, double steer) {
+  size_t begin, end;
+  clumps_of(e, block, &begin, &end);
+  for (size_t i = begin; i < end; i++) {
+    const clump_load load = clump_total(e, i);
+    for (int k = 0; k < SD_COORDINATES; k++) {
+      const columns *c = engine_clump_columns(e, k);
+      if (c->inverse[i] != 0.0) c->v[i] = keep * c->v[i] + steer * (load.on[k] * c->inverse[i]);
+      if (c->inverse[i] != 0.0 && keep == 0.0 && e->model->integrator == SD_GEAR5)
+        c->q3[i] = c->q4[i] = c->q5[i] = 0.0;
+    }
+  }
+}
+
 static void change(engine *e, size_t block, double keep, double steer) {
   size_t begin, end;
   block_of(e, block, &begin, &end);
@@ -115,10 +150,12 @@ void relax_step(engine *e, const team *t, relax_sums *team_sums) {
   const double steer = downhill ? s->relax_alpha * sqrt(speed2 / push2) : 0.0;
   for (size_t b = begin; b < end; b++) {
     change(e, b, keep, steer);
+    change_clumps(e, b, keep, steer);
     if (!downhill) forget_derivatives(e, b);
   }
   team_wait(t);
   if (t->rank > 0) return;
+  clumps_place_all(e);
   assert(!(speed2 < 0.0) && !(push2 < 0.0) && s->relax_alpha >= 0.0 && s->relax_alpha <= ALPHA);
   /* M v^2/2 before and after, summed up: nobody has to look at the disks again */
   s->relaxed += 0.5 * (speed2 - (keep * keep * speed2 + 2.0 * keep * steer * power + steer * steer * push2));

@@ -5,6 +5,8 @@
 
 #include "pack/rain.h"
 #include "physics/step/access.h"
+#include "physics/system/clumps.h"
+#include "physics/system/halo.h"
 
 /* 0 for a coordinate that is held. */
 static double resultant(const columns *c, size_t i) {
@@ -15,35 +17,60 @@ static double moving(const columns *c, const double *mass, size_t i) {
   return c->inverse[i] != 0.0 ? 0.5 * mass[i] * c->v[i] * c->v[i] : 0.0;
 }
 
-static double mean_force(const engine *e) {
-  double sum = 0.0;
-  size_t n = 0;
+static void add_contacts(const engine *e, settle_sums *all) {
   for (size_t k = 0; k < engine_candidates(e); k++) {
-    if (!engine_contact_closed(e, k)) continue;
-    sum += engine_contact_force(e, k);
-    n++;
+    if (!engine_contact_closed(e, k) || !halo_counts(e, k)) continue;
+    exact_sum_add(&all->of[SETTLE_CONTACT], engine_contact_force(e, k));
+    all->contacts++;
   }
-  return n > 0 ? sum / (double)n : 0.0;
+}
+
+/* A clump counts as one body. */
+static void add_clumps(const engine *e, settle_sums *all) {
+  const columns *c = engine_clump_columns(e, 0);
+  for (size_t k = 0; k < engine_clumps(e); k++) {
+    if (!clump_in_play(e, k)) continue;
+    const clump_load load = clump_total(e, k);
+    for (int q = 0; q < SD_COORDINATES; q++)
+      if (c[q].inverse[k] != 0.0)
+        exact_sum_add(&all->of[SETTLE_KINETIC], 0.5 * c[q].v[k] * c[q].v[k] / c[q].inverse[k]);
+    exact_sum_add(&all->of[SETTLE_FORCE], hypot(c[SD_X].inverse[k] != 0.0 ? load.on[SD_X] : 0.0,
+                                                c[SD_Y].inverse[k] != 0.0 ? load.on[SD_Y] : 0.0));
+    all->disks++;
+  }
+}
+
+void settle_add_up(const engine *e, settle_sums *all) {
+  const sd_state *s = e->state;
+  const columns *c = engine_columns(e, 0);
+  *all = (settle_sums){0};
+  for (size_t i = 0; i < s->n_free; i++) {
+    all->outside += s->activity[i] == SD_OUTSIDE;
+    if (s->activity[i] != SD_IN_PLAY || engine_in_clump(e, i)) continue;
+    exact_sum_add(&all->of[SETTLE_KINETIC], moving(&c[SD_X], s->mass, i) + moving(&c[SD_Y], s->mass, i) +
+                                                moving(&c[SD_THETA], s->inertia, i));
+    exact_sum_add(&all->of[SETTLE_FORCE], hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i)));
+    all->disks++;
+  }
+  add_clumps(e, all);
+  add_contacts(e, all);
+}
+
+settle_measure settle_of_sums(const settle_sums *all) {
+  /* what falls beyond the bounds is not at rest */
+  if (all->disks == 0)
+    return all->outside ? (settle_measure){HUGE_VAL, HUGE_VAL} : (settle_measure){0.0, 0.0};
+  const double n = (double)all->disks, kinetic = exact_sum_value(&all->of[SETTLE_KINETIC]) / n,
+               mean = exact_sum_value(&all->of[SETTLE_FORCE]) / n,
+               contact = all->contacts > 0 ? exact_sum_value(&all->of[SETTLE_CONTACT]) / (double)all->contacts
+                                           : 0.0;
+  return (settle_measure){kinetic, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
 }
 
 settle_measure settle_look(const engine *e) {
-  const sd_state *s = e->state;
-  const columns *c = engine_columns(e, 0);
-  double kinetic = 0.0, force = 0.0;
-  size_t n = 0;
-  bool outside = false;
-  for (size_t i = 0; i < s->n_free; i++) {
-    outside |= s->activity[i] == SD_OUTSIDE;
-    if (s->activity[i] != SD_IN_PLAY) continue;
-    kinetic +=
-        moving(&c[SD_X], s->mass, i) + moving(&c[SD_Y], s->mass, i) + moving(&c[SD_THETA], s->inertia, i);
-    force += hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i));
-    n++;
-  }
-  /* what falls beyond the bounds is not at rest */
-  if (n == 0) return outside ? (settle_measure){HUGE_VAL, HUGE_VAL} : (settle_measure){0.0, 0.0};
-  double contact = mean_force(e), mean = force / (double)n;
-  return (settle_measure){kinetic / (double)n, mean == 0.0 ? 0.0 : contact > 0.0 ? mean / contact : HUGE_VAL};
+  settle_sums all;
+  settle_add_up(e, &all);
+  return settle_of_sums(&all);
 }
 
 /* A servo whose disks do not feel its force yet creeps on, however slowly; a lid must not swing. */
@@ -61,10 +88,9 @@ static bool walls_rest(const engine *e, double kinetic) {
   return true;
 }
 
-bool settle_reached(const engine *e) {
+bool settle_reached(const engine *e, const settle_measure *now) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
   if (rain_waits(e) || !walls_rest(e, asked->kinetic)) return false;
-  settle_measure now = settle_look(e);
-  return (asked->kinetic <= 0.0 || now.kinetic <= asked->kinetic) &&
-         (asked->unbalanced <= 0.0 || now.unbalanced <= asked->unbalanced);
+  return (asked->kinetic <= 0.0 || now->kinetic <= asked->kinetic) &&
+         (asked->unbalanced <= 0.0 || now->unbalanced <= asked->unbalanced);
 }

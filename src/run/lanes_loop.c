@@ -19,7 +19,7 @@ static int64_t least_room(const lanes *l) {
 
 /* An angle leaves its range, or a batch of motions cannot tell: one step of each system by itself. */
 static void general_step(lanes *l, bool measure) {
-  const team alone = {0, 1};
+  const team alone = {.size = 1};
   lanes_store(l);
   for (size_t k = 0; k < l->count; k++) {
     engine *e = l->system[k];

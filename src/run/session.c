@@ -13,6 +13,7 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "base/comm.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
 #include "pack/rain.h"
@@ -77,26 +78,53 @@ static int64_t most_steps(const sd_model *model, sd_stage now) {
 
 /* --- writing -------------------------------------------------------------------------------------- */
 
-static const sd_state *present_state(session *s, sd_messages *messages) {
-  const sd_state *state = sd_simulation_state(s->simulation);
+static const sd_state *have_state(const sd_state *state, sd_messages *messages) {
   if (!state) sd_fail(messages, SD_ERROR_IO, "no memory for the contacts of the state");
   return state;
 }
 
+static const sd_state *present_state(session *s, sd_messages *messages) {
+  return have_state(sd_simulation_state(s->simulation), messages);
+}
+
+static void remove_shares(const session *s, const char *path, size_t n) {
+  for (size_t k = 0; k < n; k++) checkpoint_remove_share(s->parts_folder.at, path, k);
+}
+
+/* With the rows of the ranks, when those of this one are shared. */
+static sd_status seal_rows(session *s, record *rows, const char *path, sd_messages *messages) {
+  const record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
+  const size_t n = rows->shared ? (size_t)comm_size() : 0;
+  int64_t *seals = calloc(n + 1, sizeof *seals);
+  sd_status status = seals ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
+  if (n > 0 && status == SD_OK) status = ranks_seal(s->simulation->ranks, path, seals, messages);
+  if (status == SD_OK) {
+    status = record_seal(rows, s->parts_folder.at, path, &link, n, seals, &s->last_part, messages);
+    if (status != SD_OK) remove_shares(s, path, n);
+  }
+  free(seals);
+  return status;
+}
+
 static sd_status seal(session *s, sd_messages *messages) {
-  if (record_empty(&s->rows)) return SD_OK;
+  record *rows = record_empty(&s->shared) ? &s->rows : &s->shared;
+  if (record_empty(rows)) return SD_OK;
   char *path = folder_part(s->parts_folder.path, s->parts + 1);
-  record_link link = {.run_id = s->origin.run_id, .number = s->parts + 1, .after = s->last_part};
   sd_status status = path ? folder_check(&s->parts_folder, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
-  if (status == SD_OK)
-    status = record_seal(&s->rows, s->parts_folder.at, path, &link, &s->last_part, messages);
+  if (status == SD_OK) status = seal_rows(s, rows, path, messages);
   if (status == SD_OK) s->parts++;
+  if (status == SD_OK) s->shared_bytes = 0;
   free(path);
   return status;
 }
 
-/* Summary and provenance as of now. */
+static sd_status collect_disks(session *s, const sd_state *state, sd_messages *messages) {
+  return summary_disks_collect(&s->found.packing, s->model, state, sd_simulation_threads(s->simulation),
+                               messages);
+}
+
+/* Summary and provenance as of now; a result has the means of every disk, however many there are. */
 static sd_status describe(session *s, const sd_state *state, const sd_energy *energy, sd_messages *messages) {
   double now = clock_seconds();
   s->origin.wall_seconds += now - s->wall_mark;
@@ -105,9 +133,11 @@ static sd_status describe(session *s, const sd_state *state, const sd_energy *en
   summary_free(&s->found);
   s->has_found = false;
   sd_status status = summary_collect(&s->found, s->model, state, energy, per_step, messages);
+  if (status == SD_OK && state->n_means < SUMMARY_LATER) status = collect_disks(s, state, messages);
   if (status == SD_OK)
-    status = provenance_refresh(&s->origin, sd_simulation_threads(s->simulation),
-                                sd_simulation_path(s->simulation), messages);
+    status =
+        provenance_refresh(&s->origin, s->options.over_ranks ? comm_size() : 1,
+                           sd_simulation_threads(s->simulation), sd_simulation_path(s->simulation), messages);
   s->has_found = status == SD_OK;
   return status;
 }
@@ -120,19 +150,46 @@ static sd_status write_state(session *s, const sd_state *state, const char *path
                           : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
   if (status == SD_OK) status = folder_check(&s->parts_folder, messages);
   if (status != SD_OK) return status;
-  return checkpoint_write(s->parts_folder.at, path, state, &parts, &s->origin, &s->found, messages);
+  return checkpoint_write(s->parts_folder.at, path, state, &parts, NULL, &s->origin, &s->found, messages);
+}
+
+/* The same by all ranks: the whole state is nowhere. Its summary has sums of the ranks' sums. */
+static sd_status write_shares(session *s, const char *path, sd_messages *messages) {
+  engine *e = simulation_engine(s->simulation);
+  checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
+  checkpoint_shares shares = {.n = (size_t)comm_size()};
+  shares.sums = calloc(shares.n, sizeof *shares.sums);
+  sd_status status = shares.sums ? folder_check(&s->parts_folder, messages)
+                                 : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  if (status == SD_OK)
+    status = ranks_write(s->simulation->ranks, e, path, shares.sums, &shares.n_contacts, messages);
+  if (status == SD_OK) {
+    sd_energy energy = sd_simulation_energy(s->simulation);
+    status = describe(s, e->state, &energy, messages);
+    s->found.contacts = (int64_t)shares.n_contacts;
+  }
+  if (status == SD_OK)
+    status = checkpoint_write(s->parts_folder.at, path, e->state, &parts, &shares, &s->origin, &s->found,
+                              messages);
+  if (status != SD_OK) remove_shares(s, path, shares.n);
+  free(shares.sums);
+  return status;
 }
 
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
- * checkpoint on disk has its parts. */
+ * checkpoint on disk has its parts. Means of every disk are summed up by one rank. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
-  const sd_state *state = present_state(s, messages);
-  if (!state) return SD_ERROR_IO;
-  char *path = folder_checkpoint(s->parts_folder.path, state->step);
-  sd_status status = seal(s, messages);
-  if (status == SD_OK) status = write_state(s, state, path, messages);
+  const bool shared = simulation_is_spread(s->simulation) && !s->model->measure_disks;
+  const sd_state *state = shared ? NULL : present_state(s, messages);
+  const int64_t step = sd_simulation_step(s->simulation);
+  if (!shared && !state) return SD_ERROR_IO;
+  char *path = folder_checkpoint(s->parts_folder.path, step);
+  sd_status status =
+      path ? seal(s, messages) : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
+  if (status == SD_OK)
+    status = shared ? write_shares(s, path, messages) : write_state(s, state, path, messages);
   if (status == SD_OK) {
-    s->saved_step = state->step;
+    s->saved_step = step;
     s->saved_at = clock_seconds();
     status = folder_prune(&s->parts_folder, 2, messages);
   }
@@ -151,12 +208,36 @@ static void keep_emergency(session *s, sd_messages *messages) {
   free(path);
 }
 
+/* Each rank keeps frames and contacts of its own disks, and adds them up for the series. */
+static sd_status sample_shares(session *s, unsigned what, sd_messages *messages) {
+  engine *e = simulation_engine(s->simulation);
+  record *r = &s->shared;
+  const unsigned rows = what & (RECORD_FRAMES | RECORD_CONTACTS);
+  sd_status status = SD_OK;
+  if (rows)
+    status = ranks_sample(s->simulation->ranks, e, rows, (int64_t)r->disks.n_rows,
+                          (int64_t)r->contact_index.n_rows, &r->n_contacts, &s->shared_bytes, messages);
+  if (status != SD_OK) return status;
+  record_sums now = {0};
+  if (what & RECORD_SERIES) {
+    now.energy = sd_simulation_energy(s->simulation);
+    now.others = ranks_resultants(s->simulation->ranks, messages);
+    if (!now.others) return SD_ERROR_IO;
+  }
+  return record_sample(r, what, e->state, &now, messages);
+}
+
 sd_status session_sample(session *s, unsigned what, sd_messages *messages) {
   if (what == 0) return SD_OK;
-  const sd_state *state = present_state(s, messages);
+  const bool spread = simulation_is_spread(s->simulation);
+  sd_status status = record_empty(spread ? &s->rows : &s->shared) ? SD_OK : seal(s, messages);
+  if (status != SD_OK) return status;
+  if (spread) return sample_shares(s, what, messages);
+  const sd_state *state = have_state(simulation_row_state(s->simulation), messages);
   if (!state) return SD_ERROR_IO;
-  sd_energy energy = sd_simulation_energy(s->simulation);
-  return record_sample(&s->rows, what, state, &energy, messages);
+  record_sums now = {0};
+  if (what & RECORD_SERIES) now.energy = sd_simulation_energy(s->simulation);
+  return record_sample(&s->rows, what, state, &now, messages);
 }
 
 /* --- progress ------------------------------------------------------------------------------------- */
@@ -183,7 +264,7 @@ static bool may_settle(const sd_model *m, sd_stage now) {
 }
 
 static session_rest rest_of(const session *s, const sd_settle *asked) {
-  settle_measure now = settle_look(simulation_engine(s->simulation));
+  settle_measure now = simulation_rest(s->simulation);
   return (session_rest){now.kinetic, asked->kinetic, now.unbalanced, asked->unbalanced};
 }
 
@@ -239,7 +320,8 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
   if (status == SD_ERROR_NUMERIC) keep_emergency(s, messages);
   if (status == SD_OK)
     status = session_sample(s, session_due(s->model, sd_simulation_stage(s->simulation)), messages);
-  if (status == SD_OK && record_bytes(&s->rows) > most_bytes) status = seal(s, messages);
+  if (status == SD_OK && record_bytes(&s->rows) + record_bytes(&s->shared) + s->shared_bytes > most_bytes)
+    status = seal(s, messages);
   if (status == SD_OK) session_report(s, false);
   if (status == SD_OK && s->options.look) s->options.look(s->options.user, s->simulation);
   return status;
@@ -264,7 +346,14 @@ static sd_status merge(session *s, sd_messages *messages) {
   if (status != SD_OK) return status;
   const sd_state *state = present_state(s, messages);
   if (!state) return SD_ERROR_IO;
+  if (simulation_is_spread(s->simulation)) {
+    /* the checkpoint was described without the columns of disks */
+    const sd_energy energy = sd_simulation_energy(s->simulation);
+    if (describe(s, state, &energy, messages) != SD_OK) return SD_ERROR_IO;
+  }
   if (session_may_publish(s, SD_ERROR_IO, messages) != SD_OK) return SD_ERROR_IO;
+  if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, state, messages);
+  if (status != SD_OK) return status;
   merge_job job = {.result = s->options.result,
                    .how = *s->replaces ? FILE_REPLACE : FILE_KEEP,
                    .folder = &s->parts_folder,

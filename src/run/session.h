@@ -14,6 +14,7 @@
 #include "slipdisk/simulation.h"
 
 typedef struct session session;
+struct ranks; /* run/ranks.h */
 
 /* How near a phase is to the rest that it asks for; goals are 0 where nothing is asked. */
 typedef struct session_rest {
@@ -40,6 +41,8 @@ typedef struct session_options {
   int threads;        /* 0: chosen from the system's size */
   bool force;         /* start over, whatever is there; an old result stays until the new one replaces it */
   const volatile sig_atomic_t *stop; /* may be NULL; when it becomes true the run stops at a checkpoint */
+  /* not NULL: the ranks of the job share the steps, the others are in ranks_serve; becomes true when any is to stop */
+  volatile sig_atomic_t *over_ranks;
   void (*progress)(void *user, const session_progress *progress); /* may be NULL; about 5 times a second */
   void (*look)(void *user, sd_simulation *simulation); /* may be NULL; between pieces of steps; reads only */
   void *user;
@@ -60,5 +63,7 @@ int64_t session_began(const session *s);     /* step at which this session began
 bool session_was_finished(const session *s); /* only left-overs were there: session_run has nothing to do */
 const summary *session_summary(const session *s); /* as of the last checkpoint; NULL before the first */
 const provenance *session_provenance(const session *s);
+/* How the ranks of the job shared the steps; NULL: one process made them. */
+const struct ranks *session_ranks(const session *s);
 
 #endif

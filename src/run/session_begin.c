@@ -18,6 +18,7 @@
 #include "io/results/merge.h"
 #include "run/deck_diff.h"
 #include "run/session_private.h"
+#include "run/simulation_private.h"
 
 /* run_id of a finished result, to be freed; NULL when there is no readable one. */
 static char *finished_id(const char *result) {
@@ -166,6 +167,11 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
   return status;
 }
 
+static void warn_of_ranks(const session *s, sd_messages *messages) {
+  if (s->options.over_ranks && simulation_is_small(s->simulation))
+    sd_warn(messages, "so few disks run on one rank; the others have nothing to do");
+}
+
 /* there: identity of the file that may be replaced in the end; "": none. */
 static sd_status begin_fresh(session *s, const char *there, sd_messages *messages) {
   s->fresh = true;
@@ -173,7 +179,10 @@ static sd_status begin_fresh(session *s, const char *there, sd_messages *message
   if (!s->replaces) return sd_fail(messages, SD_ERROR_IO, "no memory to start");
   sd_status status = folder_empty(&s->parts_folder, messages);
   if (status == SD_OK) status = provenance_new(&s->origin, s->model, messages);
-  if (status == SD_OK) status = sd_simulation_new(s->model, s->options.threads, &s->simulation, messages);
+  if (status == SD_OK)
+    status = simulation_new(s->model, s->options.threads, SIMULATION_SUITABLE, s->options.over_ranks,
+                            &s->simulation, messages);
+  if (status == SD_OK) warn_of_ranks(s, messages);
   /* of a large system the first checkpoint takes long: there is nothing in it yet that a stop could lose */
   if (status == SD_OK && s->options.stop && *s->options.stop) status = SD_INTERRUPTED;
   if (status == SD_OK)
@@ -194,7 +203,10 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
     sd_state_free(state);
     return status;
   }
-  return sd_simulation_resume(s->model, state, s->options.threads, &s->simulation, messages);
+  status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE, s->options.over_ranks,
+                             &s->simulation, messages);
+  if (status == SD_OK) warn_of_ranks(s, messages);
+  return status;
 }
 
 /* Refuses what can be refused without touching anything, then takes the lock. there: identity of the file at the result's
@@ -215,7 +227,8 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   else if (!s->options.force && **there && !file_exists(parts))
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
-  if (status == SD_OK) status = record_new(&s->rows, s->model, messages);
+  if (status == SD_OK) status = record_new(&s->rows, s->model, false, messages);
+  if (status == SD_OK) status = record_new(&s->shared, s->model, true, messages);
   free(parts);
   return status;
 }
@@ -275,6 +288,7 @@ void session_close(session *s) {
   if (!s) return;
   sd_simulation_free(s->simulation);
   record_free(&s->rows);
+  record_free(&s->shared);
   provenance_free(&s->origin);
   summary_free(&s->found);
   folder_close(&s->parts_folder);
@@ -287,3 +301,4 @@ int64_t session_began(const session *s) { return s->began; }
 bool session_was_finished(const session *s) { return s->was_finished; }
 const summary *session_summary(const session *s) { return s->has_found ? &s->found : NULL; }
 const provenance *session_provenance(const session *s) { return &s->origin; }
+const struct ranks *session_ranks(const session *s) { return s->simulation ? s->simulation->ranks : NULL; }

@@ -126,7 +126,7 @@ static void advance(group *g) {
       continue;
     }
     s->origin.step_seconds += took / (double)going;
-    if (g->status[k] == SD_OK) s->step += n;
+    if (g->status[k] == SD_OK) s->step = sd_simulation_step(s->simulation);
     g->status[k] = session_step(s, g->status[k], g->most_bytes, g->messages[k]);
   }
   if (took > 2 * CHUNK_SECONDS && g->chunk > 1)

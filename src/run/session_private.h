@@ -13,7 +13,8 @@ struct session {
   char *result;
   sd_simulation *simulation;
   folder parts_folder; /* lock < 0: not open */
-  record rows;
+  record rows, shared; /* shared: sampled while the disks are spread over ranks; one of them is empty */
+  size_t shared_bytes; /* of the ranks' rows of shared */
   provenance origin;
   summary found;
   bool has_found;

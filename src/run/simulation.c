@@ -5,9 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 #include "base/subnormal.h"
 #include "measure/disks.h"
@@ -16,6 +13,7 @@
 #include "pack/rain.h"
 #include "pack/relax.h"
 #include "pack/settle.h"
+#include "physics/step/cell.h"
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
@@ -27,6 +25,7 @@
 #include "physics/step/step.h"
 #include "physics/system/fields.h"
 #include "run/lanes_loop.h"
+#include "run/phase.h"
 #include "run/simulation_private.h"
 
 int simulation_threads_for(const sd_model *m, int most) {
@@ -36,33 +35,15 @@ int simulation_threads_for(const sd_model *m, int most) {
 }
 
 static int choose_threads(const sd_model *m, int asked) {
-#ifdef _OPENMP
-  int n = asked > 0 ? asked : simulation_threads_for(m, omp_get_max_threads());
+  int n = asked > 0 ? asked : simulation_threads_for(m, pool_most());
   return n > WORK_MAX_THREADS ? WORK_MAX_THREADS : n;
-#else
-  (void)m, (void)asked;
-  return 1;
-#endif
-}
-
-static bool measures(const engine *e) {
-  return e->state->phase < (int64_t)e->model->n_phases && e->model->phases[e->state->phase].measure;
-}
-
-static void measure_begin(engine *e) {
-  sample_begin(e);
-  disks_begin(e);
-}
-
-static void measure_end(engine *e) {
-  sample_end(e);
-  disks_end(e);
 }
 
 /* state->phase is new: switch motions, start measuring. */
 static sd_status begin_phase(engine *e, sd_messages *messages) {
   if (e->state->phase >= (int64_t)e->model->n_phases) return SD_OK;
   relax_begin(e);
+  cell_begin(e);
   if (motion_begin_phase(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   return SD_OK;
 }
@@ -94,7 +75,7 @@ static void release(engine *e) {
 }
 
 sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out, sd_messages *messages) {
-  return simulation_new(model, threads, SIMULATION_SUITABLE, out, messages);
+  return simulation_new(model, threads, SIMULATION_SUITABLE, NULL, out, messages);
 }
 
 static bool is_finished(const sd_model *model, sd_messages *messages) {
@@ -103,8 +84,57 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
   return model->finished;
 }
 
-sd_status simulation_new(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
-                         sd_messages *messages) {
+/* Lists are made where the steps of the present phase are: on the ranks, or here. */
+static bool begins_on_ranks(const engine *e) {
+  return !ranks_unsuited(e) && !(e->state->step == 0 && rain_next(e, -1) == 0);
+}
+
+static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
+  engine *e = &sim->engine;
+  if (threads > 1 && !(e->pool = pool_new(threads)))
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the threads");
+  state_spread(e->state, e->pool);
+  return sim->ranks && begins_on_ranks(e) ? engine_build_bodies(e, threads, messages)
+                                          : build(e, small, threads, messages);
+}
+
+/* All but what is done once at step 0, and lists that are made on the ranks. */
+static sd_status create(const sd_model *model, sd_state *state, int threads, simulation_step step,
+                        volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages) {
+  *out = NULL;
+  if (!is_finished(model, messages)) {
+    sd_state_free(state);
+    return SD_ERROR_USER;
+  }
+  sd_simulation *sim = aligned_alloc(64, (sizeof *sim + 63) / 64 * 64);
+  if (!sim) {
+    sd_state_free(state);
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
+  }
+  *sim = (sd_simulation){.engine = {.model = model, .state = state}};
+  const bool small = step == SIMULATION_SUITABLE && lanes_suit(model) && all_in_play(state);
+  sd_status status = SD_OK;
+  if (over_ranks && !small && !(sim->ranks = ranks_new(model, over_ranks)))
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the ranks");
+  if (status == SD_OK) status = build_work(sim, small, small ? 1 : choose_threads(model, threads), messages);
+  if (status != SD_OK) return fail_new(sim, out, status);
+  *out = sim;
+  return SD_OK;
+}
+
+/* Of step 0, once the first phase has begun. */
+static sd_status start(sd_simulation *sim, sd_messages *messages) {
+  engine *e = &sim->engine;
+  if (!engine_has_lists(e)) return ranks_start(sim->ranks, e, phase_measures(e), messages);
+  sd_status status = rain_next(e, -1) == 0 ? rain_release(e, messages) : SD_OK;
+  if (status == SD_OK) status = engine_start(e, messages);
+  if (status == SD_OK) motion_begin_run(e);
+  if (status == SD_OK && phase_measures(e)) phase_measure_begin(e);
+  return status;
+}
+
+sd_status simulation_new(const sd_model *model, int threads, simulation_step step,
+                         volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages) {
   *out = NULL;
   if (!is_finished(model, messages)) return SD_ERROR_USER;
   sd_state *state = sd_state_new(model);
@@ -116,111 +146,79 @@ sd_status simulation_new(const sd_model *model, int threads, simulation_step ste
     *out = NULL;
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   }
-  sd_status status = simulation_resume(model, state, threads, step, out, messages);
+  sd_status status = create(model, state, threads, step, over_ranks, out, messages);
   if (status != SD_OK) return status;
   assert(*out);
-  engine *e = &(*out)->engine;
-  status = begin_phase(e, messages);
-  if (status == SD_OK && rain_next(e, -1) == 0) status = rain_release(e, messages);
-  if (status == SD_OK) status = engine_start(e, messages);
-  if (status == SD_OK) motion_begin_run(e);
-  if (status == SD_OK && measures(e)) measure_begin(e);
+  status = begin_phase(&(*out)->engine, messages);
+  if (status == SD_OK) status = start(*out, messages);
   return status == SD_OK ? SD_OK : fail_new(*out, out, status);
+}
+
+sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
+                            volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages) {
+  sd_status status = create(model, state, threads, step, over_ranks, out, messages);
+  if (status != SD_OK) return status;
+  assert(*out);
+  sd_simulation *sim = *out;
+  if (!engine_has_lists(&sim->engine)) status = ranks_spread(sim->ranks, &sim->engine, messages);
+  return status == SD_OK ? SD_OK : fail_new(sim, out, status);
 }
 
 sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threads, sd_simulation **out,
                                sd_messages *messages) {
-  return simulation_resume(model, state, threads, SIMULATION_SUITABLE, out, messages);
-}
-
-sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
-                            sd_simulation **out, sd_messages *messages) {
-  *out = NULL;
-  if (!is_finished(model, messages)) {
-    sd_state_free(state);
-    return SD_ERROR_USER;
-  }
-  sd_simulation *sim = aligned_alloc(64, (sizeof *sim + 63) / 64 * 64);
-  if (!sim) {
-    sd_state_free(state);
-    *out = NULL;
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the simulation");
-  }
-  *sim = (sd_simulation){.engine = {.model = model, .state = state}};
-  sd_status status =
-      build(&sim->engine, step == SIMULATION_SUITABLE && lanes_suit(model) && all_in_play(state),
-            choose_threads(model, threads), messages);
-  if (status != SD_OK) return fail_new(sim, out, status);
-  *out = sim;
-  return SD_OK;
+  return simulation_resume(model, state, threads, SIMULATION_SUITABLE, NULL, out, messages);
 }
 
 void sd_simulation_free(sd_simulation *sim) {
   if (!sim) return;
+  ranks_free(sim->ranks);
   release(&sim->engine);
   fields_free(&sim->engine);
+  pool_free(sim->engine.pool);
   sd_state_free(sim->engine.state);
   sd_model_free(sim->owned);
   free(sim->observers);
   free(sim);
 }
 
+typedef struct advance_task {
+  engine *e;
+  int64_t n;
+  bool measure;
+  relax_sums sums;
+} advance_task;
+
 /* One member's share of n steps within a phase. */
-static void advance_member(engine *e, const team *t, int64_t n, bool measure, relax_sums *team_sums) {
+static void advance_steps(const advance_task *a, const team *t, relax_sums *team_sums) {
+  engine *e = a->e;
   const bool relax = e->model->phases[e->state->phase].relax;
   const int64_t measured = e->state->measured;
-  for (int64_t k = 1; k <= n; k++) {
+  for (int64_t k = 1; k <= a->n; k++) {
     step_once(e, t);
     team_wait(t);
     if (engine_status(e) != SD_OK) return;
     if (relax) relax_step(e, t, team_sums);
-    if (!measure) continue;
+    if (!a->measure) continue;
     disks_step(e, t, measured + k);
     if (t->rank == 0) sample_step(e);
     team_wait(t);
   }
 }
 
-static void advance_team(engine *e, int64_t n, bool measure) {
-  int threads = engine_threads(e);
-  relax_sums team_sums;
-  assert(n > 0);
-  step_begin(e, n);
-  if (threads == 1) {
-    unsigned mode = subnormal_off();
-    if (engine_lanes(e))
-      lanes_loop(engine_lanes(e), n, measure);
-    else
-      advance_member(e, &(team){0, 1}, n, measure, &team_sums);
-    subnormal_restore(mode);
-    return;
-  }
-#ifdef _OPENMP
-#pragma omp parallel num_threads(threads)
-  {
-    team t = {omp_get_thread_num(), omp_get_num_threads()}; /* may be fewer than asked for */
-    unsigned mode = subnormal_off();
-    advance_member(e, &t, n, measure, &team_sums);
-    subnormal_restore(mode);
-  }
-#endif
+static void advance_member(const team *t, void *with) {
+  advance_task *a = with;
+  unsigned mode = subnormal_off();
+  if (engine_lanes(a->e))
+    lanes_loop(engine_lanes(a->e), a->n, a->measure);
+  else
+    advance_steps(a, t, &a->sums);
+  subnormal_restore(mode);
 }
 
-/* Notes the goals of the phase and its values at the end. */
-static void note_end(const engine *e) {
-  sd_state *s = e->state;
-  const sd_phase *p = &e->model->phases[s->phase];
-  s->phase_steps[s->phase] = s->phase_step;
-  if (p->settle.asked) {
-    settle_measure now = settle_look(e);
-    s->phase_kinetic[s->phase] = now.kinetic;
-    s->phase_unbalanced[s->phase] = now.unbalanced;
-  }
-  if (p->compress.asked)
-    s->phase_target[s->phase] =
-        p->compress.pressure > 0.0 ? compress_pressure(e) : compress_fraction(e->model, s);
-  s->phase_reached[s->phase] =
-      (!p->settle.asked || settle_reached(e)) && (!p->compress.asked || compress_done(e));
+static void advance_team(engine *e, int64_t n, bool measure) {
+  assert(n > 0);
+  step_begin(e, n);
+  pool_run(e->pool, advance_member, &(advance_task){.e = e, .n = n, .measure = measure});
 }
 
 sd_status simulation_rebuild(engine *e, bool small, sd_messages *messages) {
@@ -241,16 +239,12 @@ static sd_status order_again(engine *e, sd_messages *messages) {
 
 static sd_status end_phase(engine *e, sd_messages *messages) {
   sd_state *s = e->state;
-  bool measured = measures(e);
-  assert(s->phase_step > 0 && s->phase_steps[s->phase] == 0);
-  if (measured) measure_end(e);
-  motion_store(e);
-  note_end(e);
-  s->phase++;
-  s->phase_step = 0;
+  const bool settles = e->model->phases[s->phase].settle.asked;
+  const settle_measure rest = settles ? settle_look(e) : (settle_measure){0};
+  phase_end(e, settles ? &rest : NULL);
   sd_status status = s->phase < (int64_t)e->model->n_phases ? order_again(e, messages) : SD_OK;
   if (status == SD_OK) status = begin_phase(e, messages);
-  if (status == SD_OK && measures(e)) measure_begin(e);
+  if (status == SD_OK && phase_measures(e)) phase_measure_begin(e);
   return status;
 }
 
@@ -273,6 +267,7 @@ static int64_t next_stop(const engine *e) {
   int64_t now = e->state->phase_step, stop = has_goal(e) ? sd_goal_look(e->model, now) : p->steps;
   if (p->settle.asked) stop = nearer(stop, now, p->settle.every);
   if (p->compress.asked) stop = nearer(stop, now, COMPRESS_EVERY);
+  if (p->cell.asked) stop = nearer(stop, now, CELL_EVERY);
   /* rain and looks at the bounds count steps since the start */
   int64_t step = e->state->step, next = rain_next(e, step);
   if (e->model->bounds.given) next = nearer(next, step, OUTSIDE_EVERY);
@@ -287,20 +282,40 @@ static sd_status between_steps(engine *e, sd_messages *messages) {
   if (status == SD_OK && rain_next(e, e->state->step - 1) == e->state->step)
     status = rain_release(e, messages);
   if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0) status = compress_step(e, messages);
+  if (status == SD_OK && p->cell.asked && now % CELL_EVERY == 0) status = cell_change(e, messages);
   return status;
+}
+
+static bool settled(const engine *e) {
+  if (!phase_settles(e)) return false;
+  const settle_measure now = settle_look(e);
+  return settle_reached(e, &now);
+}
+
+static bool goal_is_due(const engine *e) {
+  const int64_t now = e->state->phase_step;
+  return has_goal(e) && now == sd_goal_look(e->model, now - 1);
 }
 
 static bool phase_is_over(const engine *e) {
   const sd_phase *p = phase_of(e);
-  int64_t now = e->state->phase_step;
-  if (now == p->steps) return true;
-  if (p->settle.asked && now % p->settle.every == 0 && settle_reached(e) &&
-      (!p->compress.asked || compress_done(e)))
-    return true;
-  return has_goal(e) && now == sd_goal_look(e->model, now - 1) && sd_goal_of(e->model, e->state).reached;
+  if (e->state->phase_step == p->steps) return true;
+  if (settled(e) && (!p->compress.asked || compress_done(e))) return true;
+  return goal_is_due(e) && sd_goal_of(e->model, e->state).reached;
+}
+
+/* Is anything done after this step that needs the whole system? */
+static bool whole_is_due(const engine *e) {
+  const sd_phase *p = phase_of(e);
+  const int64_t now = e->state->phase_step;
+  return (p->compress.asked && now % COMPRESS_EVERY == 0) || (p->cell.asked && now % CELL_EVERY == 0) ||
+         (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0) ||
+         rain_next(e, e->state->step - 1) == e->state->step || goal_is_due(e);
 }
 
 engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
+
+bool simulation_is_spread(const sd_simulation *sim) { return sim->ranks && ranks_are_spread(sim->ranks); }
 
 bool simulation_is_small(const sd_simulation *sim) { return engine_lanes(&sim->engine); }
 
@@ -321,30 +336,83 @@ sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
   return status == SD_OK ? end_phase(e, messages) : status;
 }
 
+/* Steps by all ranks where they can share them, else by this process. */
+static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
+  engine *e = &sim->engine;
+  const char *alone = sim->ranks ? ranks_unsuited(e) : "";
+  if (!alone) return ranks_advance(sim->ranks, e, n, phase_measures(e), messages);
+  if (sim->ranks && alone != sim->told) {
+    const char *name = phase_of(e)->name;
+    sd_warn(messages, "phase \"%s\" runs on one rank, since %s", name ? name : "", alone);
+    sim->told = alone;
+  }
+  const sd_status status = sim->ranks ? ranks_center(sim->ranks, e, messages) : SD_OK;
+  if (status == SD_OK) advance_team(e, n, phase_measures(e));
+  return status;
+}
+
+/* simulation_pause while the disks are spread. False: they are together now, for what needs the whole system. */
+static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, sd_messages *messages) {
+  engine *e = &sim->engine;
+  sd_state *s = e->state;
+  const bool last = s->phase + 1 == (int64_t)e->model->n_phases && !e->model->bounds.given;
+  s->phase_step += s->step - from;
+  if (*status != SD_OK) return true;
+  bool whole = sim->n_observers > 0 || whole_is_due(e);
+  if (!whole) {
+    bool over = s->phase_step == phase_of(e)->steps;
+    if (!over && phase_settles(e)) {
+      const settle_measure now = ranks_rest(sim->ranks);
+      over = settle_reached(e, &now);
+    }
+    if (over && last) *status = ranks_end_phase(sim->ranks, e, messages);
+    whole = over && !last;
+  }
+  if (!whole) return true;
+  s->phase_step -= s->step - from;
+  *status = ranks_center(sim->ranks, e, messages);
+  return *status != SD_OK;
+}
+
+settle_measure simulation_rest(sd_simulation *sim) {
+  return simulation_is_spread(sim) ? ranks_rest(sim->ranks) : settle_look(&sim->engine);
+}
+
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
   while (n > 0 && !sd_simulation_finished(sim)) {
     int64_t left = observers_room(sim, simulation_room(e)), from = e->state->step;
-    advance_team(e, n < left ? n : left, measures(e));
+    sd_status status = advance(sim, n < left ? n : left, messages);
     const int64_t done = e->state->step - from;
     assert(done >= 0 && done <= left && done <= n);
+    if (done == 0 && status == SD_OK) break; /* a rank was told to stop */
     n -= done;
-    sd_status status = simulation_pause(e, from, messages);
+    const bool paused = simulation_is_spread(sim) && pause_on_ranks(sim, from, &status, messages);
+    const sd_status after = paused ? SD_OK : simulation_pause(e, from, messages);
+    if (status == SD_OK) status = after;
     if (status == SD_OK) status = observers_call(sim, messages);
     engine_tell(e, messages); /* an observer may have called functions with a list of its own */
     if (status != SD_OK) return status;
   }
   /* the lists look at every pose before they are rebuilt; what came after is looked at here */
-  return neighbours_check_finite(e, e->state->step, messages);
+  return simulation_is_spread(sim) ? SD_OK : neighbours_check_finite(e, e->state->step, messages);
 }
 
 const sd_model *sd_simulation_model(const sd_simulation *sim) { return sim->engine.model; }
 
 const sd_state *sd_simulation_state(sd_simulation *sim) {
+  if (simulation_is_spread(sim))
+    return ranks_collect(sim->ranks, &sim->engine) == SD_OK ? sim->engine.state : NULL;
   motion_store(&sim->engine);
   return contacts_store(&sim->engine) == SD_OK ? sim->engine.state : NULL;
+}
+
+const sd_state *simulation_row_state(sd_simulation *sim) {
+  assert(!simulation_is_spread(sim));
+  motion_store(&sim->engine);
+  return contacts_store_rows(&sim->engine) == SD_OK ? sim->engine.state : NULL;
 }
 
 int64_t sd_simulation_step(const sd_simulation *sim) { return sim->engine.state->step; }
@@ -388,7 +456,9 @@ sd_goal sd_simulation_goal(const sd_simulation *sim) {
   return sd_goal_of(sim->engine.model, sim->engine.state);
 }
 
-sd_energy sd_simulation_energy(const sd_simulation *sim) { return energy_of(&sim->engine); }
+sd_energy sd_simulation_energy(sd_simulation *sim) {
+  return simulation_is_spread(sim) ? ranks_energy(sim->ranks) : energy_of(&sim->engine);
+}
 
 uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) {
   const sd_model *m = sim->engine.model;

@@ -8,9 +8,11 @@
 #include "physics/contact/evaluate.h"
 #include "physics/neighbours/order.h"
 #include "physics/small/lanes.h"
+#include "physics/step/cell.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
 #include "physics/system/bodies.h"
+#include "physics/system/body_forces.h"
 #include "physics/system/fields.h"
 #include "run/simulation_private.h"
 
@@ -102,7 +104,7 @@ static void drop_contacts_of_removed(sd_state *s, const engine *e) {
     if (!in_play) continue;
     for (size_t k = 0; k < sd_field_count; k++) {
       const sd_field *f = &sd_fields[k];
-      if (f->extent != SD_PER_CONTACT) continue;
+      if (!state_of_contacts(f->extent) || sd_extent_size(s, f->extent) == 0) continue;
       char *column = sd_field_data(s, f);
       const size_t size = sd_type_size(f->type);
       memmove(column + kept * size, column + c * size, size);
@@ -123,6 +125,9 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
       return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: expected a free disk",
                      exists ? sd_model_body_name(e->model, disks[k], name, sizeof name)
                             : "a disk that is none");
+    if (e->model->disks[disks[k]].clump > 0)
+      return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: it belongs to a clump",
+                     sd_model_body_name(e->model, disks[k], name, sizeof name));
     if (!body_in_play(s, engine_slot(e, disks[k])))
       return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: it is not in play",
                      sd_model_body_name(e->model, disks[k], name, sizeof name));
@@ -141,6 +146,7 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   }
   drop_contacts_of_removed(s, e);
   status = simulation_rebuild(e, false, messages);
+  if (status == SD_OK) cell_renew(e);
   if (status == SD_OK) keep_residual(e, residual);
   return status;
 }
@@ -253,6 +259,9 @@ sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *d
   sd_model_free(sim->owned);
   sim->owned = model;
   if (status != SD_OK) return status;
+  for (uint32_t k = 0; k < n; k++) cell_enter(e, engine_slot(e, number + k));
+  for (uint32_t k = 0; k < n; k++)
+    body_forces_renew(e, engine_slot(e, number + k), engine_slot(e, number + k) + 1);
   for (uint32_t k = 0; k < n; k++) /* they begin to fall freely */
     for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
   keep_residual(e, residual);

@@ -5,6 +5,8 @@
 #include "io/results/provenance.h"
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"
+#include "pack/settle.h"
+#include "run/ranks.h"
 
 /* Which step a simulation takes; both give the same bits. */
 typedef enum simulation_step {
@@ -20,16 +22,25 @@ typedef struct simulation_observer {
 
 struct sd_simulation {
   engine engine;
-  sd_model *owned; /* model of its own; NULL: the caller's */
+  sd_model *owned;  /* model of its own; NULL: the caller's */
+  ranks *ranks;     /* that share its steps; NULL: this process alone */
+  const char *told; /* why they do not, as the user was told */
   size_t n_observers;
   simulation_observer *observers;
 };
 
-/* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of small systems has one. */
-sd_status simulation_new(const sd_model *model, int threads, simulation_step step, sd_simulation **out,
-                         sd_messages *messages);
+/* sd_simulation_new and sd_simulation_resume with a choice. threads: of the general step; that of small systems has one.
+ * over_ranks: the ranks of the job share the steps of the general step, and this is rank 0; see ranks_new. NULL: they do not. */
+sd_status simulation_new(const sd_model *model, int threads, simulation_step step,
+                         volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages);
 sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
-                            sd_simulation **out, sd_messages *messages);
+                            volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages);
+/* True: its disks are on other ranks, too, and its engine knows only their state, as it was. */
+bool simulation_is_spread(const sd_simulation *simulation);
+/* How near its disks are to rest, also of a spread one. */
+settle_measure simulation_rest(sd_simulation *simulation);
+/* The state of one that is not, for rows of results: its sums of losses of bodies are older. NULL: no memory. */
+const sd_state *simulation_row_state(sd_simulation *simulation);
 engine *simulation_engine(sd_simulation *simulation);
 bool simulation_is_small(const sd_simulation *simulation); /* takes the step of small systems */
 /* Steps until something is looked at or done between steps. Not for a finished simulation. */

@@ -2,6 +2,7 @@
  *
  *   bench_steps [--quick] [--only NAME,...] [--repeats N] [--csv FILE] [--compare OTHER]
  *   bench_steps --scaling [--sizes N,...] [--threads N,...] [--packings NAME,...] [--shuffle] [...]
+ *   bench_steps --ratios [--sizes N] [--only NAME,...] [--repeats N] [--csv FILE]
  *   bench_steps --markdown FILE.csv
  *
  * One repeat of every case, then the next of every case, and so on, so that a slow spell of the machine falls
@@ -9,21 +10,22 @@
  * --compare runs this program and OTHER, the same program of another build, case by case in turn (each as a
  * server that answers the name of a case with the ns per step of one repeat), and prints the ratio of medians.
  * Cases that OTHER, an older build, does not have are left out.
- * --scaling: packings of many sizes instead, ns per disk-step; scaling.h.
+ * --scaling: packings of many sizes instead, ns per disk-step; scaling.h. --ratios: disks of different sizes and walls of
+ * many segments, ns per contact; ratios.h.
  */
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bench/scaling.h"
+#include "bench/ratios.h"
 
 typedef struct options {
   const char *only, *csv, *compare, *markdown;
   const char *sizes, *threads, *packings; /* --scaling */
   int repeats;
   double seconds; /* of a repeat */
-  bool quick, serve, list, scaling, shuffle;
+  bool quick, serve, list, scaling, shuffle, ratios;
 } options;
 
 /* --- this build alone -------------------------------------------------------------------------------- */
@@ -187,7 +189,10 @@ static _Noreturn void usage(int status) {
           "    --sizes N,...      disks (1e2,1e3,1e4,1e5,1e6)\n"
           "    --threads N,...    (1); more than one: the time that passes\n"
           "    --packings NAME,...  (floor): gas, fluid, thrown, shaken, floor, smooth, pressed, or all\n"
-          "    --shuffle          also with disks whose numbers know nothing of their places\n");
+          "    --shuffle          also with disks whose numbers know nothing of their places\n"
+          "  --ratios         disks of different sizes, walls of many segments, ns per contact; with --only, "
+          "--repeats, --csv,\n"
+          "                   --quick, and --sizes N, disks (1e4)\n");
   exit(status);
 }
 
@@ -205,6 +210,8 @@ static options read_options(int argc, char **argv) {
       o.scaling = true;
     else if (strcmp(a, "--shuffle") == 0)
       o.shuffle = true;
+    else if (strcmp(a, "--ratios") == 0)
+      o.ratios = true;
     else if (strcmp(a, "--help") == 0)
       usage(EXIT_SUCCESS);
     else if (!value)
@@ -226,7 +233,9 @@ static options read_options(int argc, char **argv) {
     else if (strcmp(a, "--repeats") != 0 || (o.repeats = atoi(value)) < 1 || o.repeats > MAX_REPEATS)
       usage(EXIT_FAILURE);
   }
-  if (!o.scaling && (o.sizes || o.threads || o.packings || o.shuffle)) usage(EXIT_FAILURE);
+  if (o.ratios && (o.scaling || o.threads || o.packings || o.shuffle || o.serve || o.list || o.compare))
+    usage(EXIT_FAILURE);
+  if (!o.scaling && ((o.sizes && !o.ratios) || o.threads || o.packings || o.shuffle)) usage(EXIT_FAILURE);
   if (o.scaling && (o.serve || o.list || o.compare)) usage(EXIT_FAILURE);
   if (o.repeats == 0) o.repeats = o.quick ? 5 : 15;
   o.seconds = o.quick ? 0.02 : 0.04;
@@ -245,6 +254,14 @@ static void scale(const options *o) {
                                      .seconds = o->seconds});
 }
 
+static void compare_sizes(const options *o) {
+  measure_ratios(&(scaling_options){.sizes = o->sizes ? o->sizes : "1e4",
+                                    .only = o->only,
+                                    .csv = o->csv,
+                                    .repeats = o->repeats,
+                                    .seconds = o->quick ? 0.1 : 0.4});
+}
+
 int main(int argc, char **argv) {
   options o = read_options(argc, argv);
   if (o.markdown && is_scaling_csv(o.markdown))
@@ -253,7 +270,9 @@ int main(int argc, char **argv) {
     print_markdown(o.markdown);
   else if (o.scaling)
     scale(&o);
-  if (o.markdown || o.scaling) return EXIT_SUCCESS;
+  else if (o.ratios)
+    compare_sizes(&o);
+  if (o.markdown || o.scaling || o.ratios) return EXIT_SUCCESS;
   static bench_case cases[MAX_CASES];
   size_t n = list_cases(cases, o.only);
   if (n == 0) give_up("no such case (--list names them)", NULL);

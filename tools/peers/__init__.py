@@ -8,5 +8,8 @@
     bench.py      packings: agreement and time
     three.py      one disk on two supports: agreement and time
     accuracy.py   loops and restarts
+    laws.py       each contact law of LAMMPS in keys of slipdisk
+    law_runs.py   collisions, rolling and a packing with each law
+    law_page.py   their tables
     page.py       Markdown
 """

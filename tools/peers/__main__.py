@@ -4,7 +4,7 @@ import json
 import os
 import sys
 
-from . import accuracy, bench, page, programs, three, timing
+from . import accuracy, bench, law_runs, laws, page, programs, three, timing
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 
@@ -25,10 +25,14 @@ def options(words=None):
                       help="one disk on two supports instead")
     what.add_argument("--accuracy", dest="what", action="store_const", const="accuracy",
                       help="loops and restarts instead: what the tangential memory keeps")
+    what.add_argument("--laws", dest="what", action="store_const", const="laws",
+                      help="each contact law instead: collisions, rolling, a packing that falls (LAMMPS only)")
     what.add_argument("--draw", dest="what", action="store_const", const="draw",
                       help="run nothing, print what is there")
     parser.add_argument("--sizes", type=sizes, default=[1000, 10000], metavar="N,N",
                         help="disks of the packings, multiples of 1000 above that (1e3,1e4)")
+    parser.add_argument("--law", action="append", choices=sorted(laws.LAWS), metavar="NAME",
+                        help="with --laws: only this one: " + "; ".join(laws.LAWS))
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="of everybody, in turn (5)")
     parser.add_argument("--work", type=float, default=1e7, metavar="X",
                         help="disk-steps in a repeat (1e7; at least 100 steps)")
@@ -62,6 +66,8 @@ def run(setup, args):
         for count in args.sizes:
             found[str(count)] = bench.compare(setup, count, args.cores)
             yield found
+    elif args.what == "laws":
+        yield from law_runs.compare(setup, args.law)
     else:
         yield three.compare(setup) if args.what == "three" else accuracy.compare(setup)
 
@@ -85,6 +91,8 @@ def main():
             setup.say(f"the machine is not quiet (load {busy:.1f}): times will not be worth much")
         try:
             for data in run(setup, args):
+                if args.what == "laws" and "laws" in results:       # those of --law join the others
+                    data["laws"] = {**results["laws"]["data"]["laws"], **data["laws"]}
                 made = {"machine": timing.machine(), "load": busy, "versions": setup.versions}
                 results[args.what] = {"made": made, "data": json.loads(json.dumps(data))}
                 with open(store + ".new", "w") as file:

@@ -2,7 +2,7 @@
 import os
 import re
 
-from . import bench, inputs, timing
+from . import bench, law_page, timing
 
 ORDER = ("slipdisk", "slipdisk, baseline", "LAMMPS granular", "LAMMPS hooke", "LAMMPS hooke, native", "LIGGGHTS")
 BUSY = 0.3  # load before the start above which a machine was not quiet
@@ -104,7 +104,7 @@ def accuracy(found):
                           "angular velocity"], rows), ""]
 
 
-PARTS = {"packings": packings, "three": three, "accuracy": accuracy}
+PARTS = {"packings": packings, "three": three, "accuracy": accuracy, "laws": law_page.render}
 
 
 def part(name, results):
@@ -112,7 +112,7 @@ def part(name, results):
     found = results[name]
     made = found["made"]
     lines = [f"{made['machine']}. " + ", ".join(f"{key} {value}" for key, value in made["versions"].items()) + "."]
-    if made["load"] > BUSY and name != "accuracy":
+    if made["load"] > BUSY and name in ("packings", "three"):
         lines += [f"**The machine was not quiet** (load {made['load']:.1f} before the start): times are not worth "
                   "much."]
     return [*lines, "", *PARTS[name](found["data"])]

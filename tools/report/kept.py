@@ -134,6 +134,8 @@ clone, without results and without the program. `--keep docs` writes them anew f
 
 `sweep-`: all points of a sweep; `theory-`: curves of theory; `info-`: what `slipdisk info` says of a run; `table-`:
 tables as the page shows them; `runs-`, `disks-`, `contacts-`, `walls-`: runs of packings.
+
+`shear`: mu(I) of [rheology.md](../rheology.md), by `tools/rheology.py`.
 """
 
 

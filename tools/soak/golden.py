@@ -87,8 +87,6 @@ def command(program, deck, result, threads=1, skin=None, lanes=True, more=()):
 
 def environment(path=None):
     found = {key: value for key, value in os.environ.items() if key != "SLIPDISK_PATH"}
-    # threads that wait would take the processor from those that work
-    found["OMP_WAIT_POLICY"] = "passive"
     return {**found, "SLIPDISK_PATH": path} if path else found
 
 

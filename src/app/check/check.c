@@ -15,6 +15,7 @@
 #include "base/shortage.h"
 #include "app/sweep/sweep.h"
 #include "io/deck/deck.h"
+#include "model/normal_laws.h"
 #include "run/ensemble.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
@@ -93,7 +94,10 @@ static size_t count_free(const sd_model *m, int material) {
 }
 
 static double restitution_at(const sd_contact_law *law, double mass) {
-  return sd_restitution(law->k_n, law->gamma_n, mass).restitution;
+  const double gamma = law->gamma_n + law_tsuji(law) * sqrt(law->k_n * mass);
+  const double b = 0.5 * gamma / sqrt(law->k_n * mass); /* of the critical damping */
+  if (law->damping_pulls) return b < 1.0 ? exp(-M_PI * b / sqrt((1.0 - b) * (1.0 + b))) : 0.0;
+  return sd_restitution(law->k_n, gamma, mass).restitution;
 }
 
 /* Of Hertz' law it is that of the deck, whatever the masses. */

@@ -24,6 +24,18 @@ static json_t *groups_json(const sd_model *m) {
 
 static json_t *positive(double x) { return x > 0 ? json_number(x) : json_null(); }
 
+static json_t *cell_json(const sd_cell *c) {
+  static const char *const component[] = {"xx", "yy", "xy"};
+  if (!c->asked) return json_null();
+  json_t *object = json_object(), *rate = json_object(), *stress = json_object();
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
+    json_object_set_new(c->controlled[k] ? stress : rate, component[k],
+                        json_number(c->controlled[k] ? c->stress[k] : c->rate[k]));
+  json_object_set_new(object, "rate", rate);
+  json_object_set_new(object, "stress", stress);
+  return object;
+}
+
 static json_t *phases_json(const sd_model *m) {
   json_t *list = json_array();
   for (size_t k = 0; k < m->n_phases; k++) {
@@ -40,6 +52,7 @@ static json_t *phases_json(const sd_model *m) {
                   : json_pack("{s:o, s:o, s:o}", "pressure", positive(c->pressure), "fraction",
                               positive(c->fraction), "time", json_number(sd_model_compress_time(m, k)));
     json_object_set_new(phase, "compress", compress);
+    json_object_set_new(phase, "cell", cell_json(&p->cell));
     json_array_append_new(list, phase);
   }
   return list;
@@ -62,7 +75,7 @@ static json_t *limits_json(const sd_limits *l) {
 }
 
 static json_t *time_step_json(const sd_model *m) {
-  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity"};
+  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity", "fields"};
   uint32_t disk = 0;
   double period = sd_model_shortest_period(m, &disk);
   const sd_step_limit limit = sd_model_step_limit(m);

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "app/check/check.h"
+#include "model/field_kinds.h"
 #include "model/overlaps.h"
 
 static void print_duration(double s) {
@@ -26,6 +27,18 @@ static void print_counts(const sd_model *m) {
   }
 }
 
+/* Deformation of the periodic box: "xx" at a rate, or to a stress. */
+static void print_cell(const sd_cell *c) {
+  static const char *const component[] = {"xx", "yy", "xy"};
+  const char *comma = ", cell";
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
+    if (!c->asked || (!c->controlled[k] && c->rate[k] == 0.0)) continue;
+    printf("%s %s %s %g", comma, component[k], c->controlled[k] ? "to stress" : "at rate",
+           c->controlled[k] ? c->stress[k] : c->rate[k]);
+    comma = ",";
+  }
+}
+
 /* Goals that may end the phase before its length, and its relaxation or compression. */
 static void print_phase_aims(const sd_model *m, size_t k) {
   const sd_phase *p = &m->phases[k];
@@ -34,6 +47,7 @@ static void print_phase_aims(const sd_model *m, size_t k) {
   if (p->relax) printf(", relaxed");
   if (c->asked && c->pressure > 0) printf(", compressed to pressure %g", c->pressure);
   if (c->asked && c->fraction > 0) printf(", compressed to packing fraction %g", c->fraction);
+  print_cell(&p->cell);
   if (time > 0) printf(" (after about time %.3g)", time);
   if (c->asked && !p->settle.asked) printf(" and held there");
   if (p->settle.asked) printf(", until at rest");
@@ -65,14 +79,27 @@ static void print_limits(const sd_model *m) {
   printf("%s\n", l->residual > 0 || l->open > 0 || l->displacement > 0 ? "" : " nothing");
 }
 
+static void print_fields(const sd_model *m) {
+  for (size_t k = 0; k < m->n_fields; k++) {
+    const sd_body_force *f = &m->fields[k];
+    printf("# field       %s%s%s on ", f->name ? f->name : "", f->name ? ": " : "", field_kind_name(f->kind));
+    if (f->n_disks)
+      printf("%zu disks\n", f->n_disks);
+    else
+      printf("all free disks\n");
+  }
+}
+
 static void print_phases(const sd_model *m) {
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
-    size_t on = 0;
+    size_t on = 0, acting = 0;
     for (size_t j = 0; j < m->n_motions; j++) on += p->active[j];
+    for (size_t j = 0; j < m->n_fields; j++) acting += body_force_is_on(m, j, (int64_t)k);
     printf("# phase       %s%s%s%lld steps, time %g", p->name ? p->name : "", p->name ? ": " : "",
            p->settle.asked ? "at most " : "", (long long)p->steps, (double)p->steps * m->dt);
     if (m->n_motions) printf(", %zu of %zu prescribed signals on", on, m->n_motions);
+    if (m->n_fields) printf(", %zu of %zu fields on", acting, m->n_fields);
     print_phase_aims(m, k);
     printf("%s\n", p->measure ? ", measured" : "");
   }
@@ -93,7 +120,7 @@ static void print_time_step(const sd_model *m) {
   }
   printf("# time step   %g; shortest contact period %.4g (%s): %.4g steps\n", m->dt, period,
          sd_model_body_name(m, disk, name, sizeof name), period / m->dt);
-  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity"};
+  static const char *const bounds[] = {"normal spring", "tangential spring", "viscosity", "fields"};
   const sd_step_limit limit = sd_model_step_limit(m);
   printf("#             stable up to %.3g (%s of %s, %s): %.3g of it\n", limit.dt, bounds[limit.bound],
          sd_model_body_name(m, limit.disk, name, sizeof name), m->integrator == SD_GEAR5 ? "gear5" : "verlet",
@@ -175,6 +202,7 @@ static void print_sweep(const check_found *f) {
 void check_print(const check_found *f) {
   print_counts(f->model);
   print_bounds(f->model);
+  print_fields(f->model);
   print_phases(f->model);
   print_limits(f->model);
   print_time_step(f->model);

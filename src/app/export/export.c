@@ -79,7 +79,8 @@ static void include(export_space *s, const double at[2], double radius) {
 
 export_space export_space_of(const export_job *job, const frame_data *f) {
   const sd_model *m = job->m;
-  export_space s = {{HUGE_VAL, HUGE_VAL, -0.5 * job->depth}, {-HUGE_VAL, -HUGE_VAL, 0.5 * job->depth}};
+  export_space s = {
+      {HUGE_VAL, HUGE_VAL, -0.5 * job->depth}, {-HUGE_VAL, -HUGE_VAL, 0.5 * job->depth}, f->offset};
   for (size_t i = 0; i < m->n_disks; i++)
     if (export_has(job, f, i)) include(&s, f->position[i], m->disks[i].radius);
   for (size_t w = 0; w < m->n_walls; w++) {
@@ -94,7 +95,7 @@ export_space export_space_of(const export_job *job, const frame_data *f) {
   for (int c = 0; c < 2; c++) {
     if (m->periodic[c]) {
       s.lower[c] = m->lower[c];
-      s.upper[c] = m->lower[c] + f->scale * (m->upper[c] - m->lower[c]);
+      s.upper[c] = m->lower[c] + f->scale * f->stretch[c] * (m->upper[c] - m->lower[c]);
     }
     if (!(s.lower[c] < s.upper[c])) s.lower[c] = 0.0, s.upper[c] = 1.0; /* nothing is there */
   }

@@ -41,6 +41,7 @@ size_t export_count(const export_job *job, const frame_data *frame);
 /* The periodic box of a frame; along open directions what holds region, disks and walls with ends. */
 typedef struct export_space {
   double lower[3], upper[3];
+  double offset; /* of the upper edge along x, where the box deforms */
 } export_space;
 export_space export_space_of(const export_job *job, const frame_data *frame);
 

@@ -33,7 +33,8 @@ static const struct column {
         {"fixed", "1", "1: fixed or driven"},
         {"material", "-", "name of the material"},
         {"group", "-", "name of the group"},
-        {"image_x", "1", "periodic images crossed: absolute = x + image_x * width of the box"},
+        {"image_x", "1",
+         "periodic images crossed: absolute = x + image_x * width of the box + image_y * its offset"},
         {"image_y", "1", "periodic images crossed"},
 },
   contact_columns[] = {

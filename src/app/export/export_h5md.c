@@ -164,6 +164,7 @@ static void put_frame(const export_job *job, h5_file *file, size_t row, const fr
   export_space s = export_space_of(job, f);
   double edges[3][3] = {{0}};
   for (int c = 0; c < 3; c++) edges[c][c] = s.upper[c] - s.lower[c];
+  edges[1][0] = s.offset;
   h5_put_rows(file, GROUP "/box/edges/value", SD_F64, row, 1, edges);
 }
 

@@ -12,20 +12,35 @@ static const double SPHERE = 4.0 / 3.0 * 3.14159265358979323846;
 
 /* --- dump ------------------------------------------------------------------------------------------------ */
 
+/* Columns "mol" and "molecule": clumps, in a model without any groups. */
+static bool has_clumps(const sd_model *m) {
+  for (size_t i = 0; i < m->n_disks; i++)
+    if (m->disks[i].clump > 0) return true;
+  return false;
+}
+
 static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
   const sd_model *m = job->m;
+  const bool clumps = has_clumps(m);
   export_space s = export_space_of(job, f);
-  fprintf(out, "ITEM: TIMESTEP\n%" PRId64 "\nITEM: NUMBER OF ATOMS\n%zu\nITEM: BOX BOUNDS %s %s pp\n",
-          f->step, export_count(job, f), m->periodic[0] ? "pp" : "ff", m->periodic[1] ? "pp" : "ff");
-  for (int c = 0; c < 3; c++) fprintf(out, "%.17g %.17g\n", s.lower[c], s.upper[c]);
+  const bool tilted = s.offset != 0.0;
+  fprintf(out, "ITEM: TIMESTEP\n%" PRId64 "\nITEM: NUMBER OF ATOMS\n%zu\nITEM: BOX BOUNDS %s%s %s pp\n",
+          f->step, export_count(job, f), tilted ? "xy xz yz " : "", m->periodic[0] ? "pp" : "ff",
+          m->periodic[1] ? "pp" : "ff");
+  for (int c = 0; c < 3; c++) { /* of a tilted box the rectangle around it */
+    const double low = c == 0 ? fmin(s.offset, 0.0) : 0.0, high = c == 0 ? fmax(s.offset, 0.0) : 0.0;
+    fprintf(out, "%.17g %.17g", s.lower[c] + low, s.upper[c] + high);
+    if (tilted) fprintf(out, " %.17g", c == 0 ? s.offset : 0.0);
+    fputc('\n', out);
+  }
   fprintf(out, "ITEM: ATOMS id type mol x y z ix iy iz vx vy vz omegaz angle radius mass\n");
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
     fprintf(out, "%zu %u %d %.15g %.15g 0 %d %d 0 %.15g %.15g 0 %.15g %.15g %.15g %.15g\n", i + 1,
-            job->type_of[i] + 1, d->group + 1, f->position[i][0], f->position[i][1], f->image[i][0],
-            f->image[i][1], f->velocity[i][0], f->velocity[i][1], f->spin[i], f->angle[i], d->radius,
-            d->mass);
+            job->type_of[i] + 1, clumps ? d->clump : d->group + 1, f->position[i][0], f->position[i][1],
+            f->image[i][0], f->image[i][1], f->velocity[i][0], f->velocity[i][1], f->spin[i], f->angle[i],
+            d->radius, d->mass);
   }
 }
 
@@ -34,10 +49,13 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
 /* Names are those of OVITO. "X" is an element to ASE; OVITO would take "type" for the species. */
 static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
   const sd_model *m = job->m;
+  const bool clumps = has_clumps(m);
   export_space s = export_space_of(job, f);
-  fprintf(out, "%zu\nLattice=\"%.17g 0 0 0 %.17g 0 0 0 %.17g\" Origin=\"%.17g %.17g %.17g\" pbc=\"%c %c F\" ",
-          export_count(job, f), s.upper[0] - s.lower[0], s.upper[1] - s.lower[1], s.upper[2] - s.lower[2],
-          s.lower[0], s.lower[1], s.lower[2], m->periodic[0] ? 'T' : 'F', m->periodic[1] ? 'T' : 'F');
+  fprintf(out,
+          "%zu\nLattice=\"%.17g 0 0 %.17g %.17g 0 0 0 %.17g\" Origin=\"%.17g %.17g %.17g\" pbc=\"%c %c F\" ",
+          export_count(job, f), s.upper[0] - s.lower[0], s.offset, s.upper[1] - s.lower[1],
+          s.upper[2] - s.lower[2], s.lower[0], s.lower[1], s.lower[2], m->periodic[0] ? 'T' : 'F',
+          m->periodic[1] ? 'T' : 'F');
   fprintf(out,
           "Time=%.17g Step=%" PRId64
           " Properties=species:S:1:pos:R:3:id:I:1:kind:I:1:molecule:I:1:radius:R:1:"
@@ -47,9 +65,9 @@ static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
     fprintf(out, "X %.15g %.15g 0 %zu %u %d %.15g %.15g %.15g %.15g 0 %.15g 0 0 %.15g %d %d 0\n",
-            f->position[i][0], f->position[i][1], i + 1, job->type_of[i] + 1, d->group + 1, d->radius,
-            d->mass, f->velocity[i][0], f->velocity[i][1], f->angle[i], f->spin[i], f->image[i][0],
-            f->image[i][1]);
+            f->position[i][0], f->position[i][1], i + 1, job->type_of[i] + 1,
+            clumps ? d->clump : d->group + 1, d->radius, d->mass, f->velocity[i][0], f->velocity[i][1],
+            f->angle[i], f->spin[i], f->image[i][0], f->image[i][1]);
   }
 }
 
@@ -74,7 +92,7 @@ sd_status export_xyz(const export_job *job) { return write_text(job, xyz_frame);
 
 /* Comments, which LAMMPS skips: walls have no place in a data file, and groups belong to the input. */
 static void data_walls(const export_job *job, const frame_data *f, FILE *out) {
-  static const char *const kinds[] = {"line", "segment", "polyline", "circle"};
+  static const char *const kinds[] = {"line", "segment", "polyline", "circle", "arc"};
   const sd_model *m = job->m;
   enum { MOST_POINTS = 1000 };
   for (size_t w = 0; w < m->n_walls; w++) {
@@ -104,6 +122,7 @@ static void data_head(const export_job *job, const frame_data *f, FILE *out) {
           SD_VERSION, f->step, f->time, export_count(job, f), job->n_types ? job->n_types : 1);
   for (int c = 0; c < 3; c++)
     fprintf(out, "%.17g %.17g %slo %shi\n", s.lower[c], s.upper[c], names[c], names[c]);
+  if (s.offset != 0.0) fprintf(out, "%.17g 0 0 xy xz yz\n", s.offset);
   fprintf(
       out,
       "\n# dimension 2; boundary %c %c p; atom_style sphere; the density below gives the mass of a disk\n",

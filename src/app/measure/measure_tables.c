@@ -101,7 +101,7 @@ void measure_contacts(FILE *out, const configuration *c, const bool *wanted) {
             q->y, q->nx, q->ny, q->overlap, q->force);
     bool known = isfinite(q->tau);
     number(out, q->tau);
-    number(out, known && q->mu > 0.0 && q->force > 0.0 ? fabs(q->tau) / (q->mu * q->force) : NAN);
+    number(out, known && q->mu > 0.0 && q->push > 0.0 ? fabs(q->tau) / (q->mu * q->push) : NAN);
     if (c->recomputed)
       fputc(',', out);
     else

@@ -9,7 +9,7 @@
 #include "app/theory/theory.h"
 #include "model/motion_kinds.h"
 
-static const char *const coordinate_names[SD_COORDINATES] = {"x", "y", "theta"};
+static const char *const coordinate_names[SD_MOVED] = {"x", "y", "theta", "surface"};
 
 /* Active drive: the motion of each support's angle, if any, and whether others shake it at random. */
 typedef struct drivers {

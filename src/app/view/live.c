@@ -55,8 +55,8 @@ static void put_row(live *l, sd_simulation *s, const sd_state *state) {
   int64_t last = -1;
   if (t->n_rows > 0) memcpy(&last, t->columns[0].data + (t->n_rows - 1) * sizeof last, sizeof last);
   if (last == state->step) return;
-  sd_energy energy = sd_simulation_energy(s);
-  record_sample(&l->rows, RECORD_SERIES, state, &energy, NULL);
+  const record_sums sums = {.energy = sd_simulation_energy(s)};
+  record_sample(&l->rows, RECORD_SERIES, state, &sums, NULL);
   if (t->n_rows >= 2 * VIEW_MOST_ROWS) thin(t);
 }
 
@@ -162,7 +162,7 @@ static sd_status prepare(live *l, const char *source, sd_messages *messages) {
   }
   json_object_set_new(l->meta, "frames", json_integer(0));
   l->status.steps = sd_model_steps(m);
-  return record_new(&l->rows, m, messages);
+  return record_new(&l->rows, m, false, messages);
 }
 
 sd_status live_open(const sd_model *model, const char *source, live **out, sd_messages *messages) {

@@ -39,7 +39,8 @@ static json_t *wall_json(const sd_wall *w) {
   static const char *const kinds[] = {[SD_WALL_LINE] = "line",
                                       [SD_WALL_SEGMENT] = "segment",
                                       [SD_WALL_POLYLINE] = "polyline",
-                                      [SD_WALL_CIRCLE] = "circle"};
+                                      [SD_WALL_CIRCLE] = "circle",
+                                      [SD_WALL_ARC] = "arc"};
   json_t *points = json_array();
   for (size_t k = 0; k < w->n_points; k++)
     json_array_append_new(points, pair(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
@@ -68,23 +69,24 @@ static json_t *lower_json(const sd_model *m) {
   return pair(m->periodic[0] ? m->lower[0] : 0, m->periodic[1] ? m->lower[1] : 0);
 }
 
-static json_t *edges_json(const sd_model *m, double scale) {
+static json_t *edges_json(const sd_model *m, double scale, const double *stretch) {
   double edges[2] = {0};
   for (int c = 0; c < 2; c++)
-    if (m->periodic[c]) edges[c] = scale * (m->upper[c] - m->lower[c]);
+    if (m->periodic[c]) edges[c] = scale * (stretch ? stretch[c] : 1.0) * (m->upper[c] - m->lower[c]);
   return json_numbers(2, edges);
 }
 
 json_t *view_meta(const sd_model *m, const char *kind, const char *title, const char *source) {
   json_t *walls = json_array();
   for (size_t k = 0; k < m->n_walls; k++) json_array_append_new(walls, wall_json(&m->walls[k]));
-  json_t *box = json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0),
+  json_t *box = json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0, NULL),
                           "periodic", (int)m->periodic[0], (int)m->periodic[1]);
   json_t *budget =
-      json_pack("{s:[s, s, s, s, s], s:[s, s, s], s:[s, s, s, s], s:s, s:s}", "stored", "kinetic_translation",
-                "kinetic_rotation", "elastic_normal", "elastic_tangential", "external", "supplied", "start",
-                "work", "nonconservative_work", "lost", "viscous", "friction", "opening", "relaxed",
-                "residual", "residual", "scale", "scale");
+      json_pack("{s:[s, s, s, s, s, s, s], s:[s, s, s], s:[s, s, s, s, s, s, s, s], s:s, s:s}", "stored",
+                "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential",
+                "elastic_rolling", "cohesion", "external", "supplied", "start", "work",
+                "nonconservative_work", "lost", "viscous", "friction", "rolling", "bridge", "opening", "drag",
+                "damping", "relaxed", "residual", "residual", "scale", "scale");
   return json_pack(
       "{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:[], s:o, s:[], s:[], s:{}}",
       "format", 1, "title", json_text(title ? title : ""), "source", json_text(source), "kind", kind,
@@ -204,8 +206,9 @@ static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
 void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const double *first, bool shuffle) {
   view_chunk_begin(c, shuffle);
   json_t *head =
-      json_pack("{s:o, s:I, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
-                "lower", lower_json(m), "edges", edges_json(m, f->scale), "scale", json_number(f->scale));
+      json_pack("{s:o, s:I, s:o, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
+                "lower", lower_json(m), "edges", edges_json(m, f->scale, f->stretch), "offset",
+                json_number(f->offset), "scale", json_number(f->scale));
   if (!head || c->failed || json_object_update_new(c->head, head) != 0) c->failed = true;
   size_t n = m->n_disks, walls = m->n_walls;
   view_form form = n > VIEW_FEW ? VIEW_SHORT : VIEW_REAL;

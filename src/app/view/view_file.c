@@ -8,6 +8,7 @@
 #include "app/view/view_page.h"
 #include "app/view/view_series.h"
 #include "base/text.h"
+#include "io/results/checkpoint.h"
 #include "io/store/folder.h"
 
 enum { MOST_FRAMES = 501 }; /* when none are asked for: 500 and the end */
@@ -63,6 +64,8 @@ static sd_status describe(job *j, sd_messages *messages) {
   sd_status status = provenance_read(&origin, j->f.base, messages);
   if (status == SD_OK) status = summary_read(&j->found, j->f.base, messages);
   if (status == SD_OK) status = summary_disks_read_all(&j->found.packing, j->f.base, messages);
+  if (status == SD_OK)
+    status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, &j->found.packing, messages);
   if (status == SD_OK) j->meta = view_meta(j->f.constants, "result", origin.title, j->options->name);
   if (j->meta) {
     view_meta_summary(j->meta, &j->found);

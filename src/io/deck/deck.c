@@ -116,7 +116,9 @@ static void read_all(deck *d, bool point) {
   deck_read_memories(d);
   deck_read_forces(d);
   deck_read_locks(d);
+  deck_read_clumps(d);
   deck_read_motions(d);
+  deck_read_fields(d);
   if (model_find_driven(d->model) != SD_OK) longjmp(d->out_of_memory, 1);
   deck_read_bounds(d);
   deck_read_phases(d);

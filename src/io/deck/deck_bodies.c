@@ -47,6 +47,20 @@ bool deck_find_body(deck *d, const deck_node *node, bool walls, uint32_t *body) 
   return find_body(d, node, true, walls, body);
 }
 
+static bool find_clump(deck *d, const deck_node *node, uint32_t *body) {
+  const sd_model *m = d->model;
+  uint32_t k = 0;
+  if (node->type == DECK_INT && node->value.integer >= 0 && (uint64_t)node->value.integer < m->n_clumps)
+    k = (uint32_t)node->value.integer;
+  else if (node->type == DECK_INT)
+    deck_fail(d, node, "no clump has this number; expected %s",
+              m->n_clumps ? deck_format(d, "0 to %zu", m->n_clumps - 1) : "none");
+  else if (!deck_index_look_up(d, &d->clumps, "clump", node, "", &k))
+    return false;
+  *body = (uint32_t)(m->n_disks + m->n_walls + k);
+  return k < m->n_clumps;
+}
+
 /* --- many bodies ------------------------------------------------------------------------------------------ */
 
 static void add(deck *d, deck_bodies *list, uint32_t body) {
@@ -85,20 +99,23 @@ static int by_number(const void *a, const void *b) {
 deck_bodies deck_select(deck *d, deck_group *g, bool walls) {
   deck_bodies list = {.group = -1};
   deck_node *disk = deck_get(g, "disk"), *group = deck_get(g, "group"),
-            *wall = walls ? deck_get(g, "wall") : NULL;
+            *wall = walls ? deck_get(g, "wall") : NULL, *clump = walls ? deck_get(g, "clump") : NULL;
   uint32_t body;
   for (size_t k = 0; k < deck_each_count(disk); k++)
     if (find_body(d, deck_each(disk, k), true, false, &body)) add(d, &list, body);
   for (size_t k = 0; k < deck_each_count(group); k++) add_group(d, deck_each(group, k), &list);
   for (size_t k = 0; k < deck_each_count(wall); k++)
     if (find_body(d, deck_each(wall, k), false, true, &body)) add(d, &list, body);
-  list.given = disk || group || wall;
+  for (size_t k = 0; k < deck_each_count(clump); k++)
+    if (find_clump(d, deck_each(clump, k), &body)) add(d, &list, body);
+  list.given = disk || group || wall || clump;
   list.shared = group != NULL;
-  if (disk || wall || deck_each_count(group) != 1) list.group = -1;
-  size_t named = deck_each_count(disk) + deck_each_count(group) + deck_each_count(wall);
+  if (disk || wall || clump || deck_each_count(group) != 1) list.group = -1;
+  size_t named =
+      deck_each_count(disk) + deck_each_count(group) + deck_each_count(wall) + deck_each_count(clump);
   if (named == 0)
     deck_fail_key(d, g->node, "disk", "missing: it names no disk; expected disk, group%s",
-                  walls ? " or wall" : " or both");
+                  walls ? ", wall or clump" : " or both");
   /* a body that is named twice would feel a force, or move, twice */
   if (list.n) qsort(list.body, list.n, sizeof *list.body, by_number);
   size_t kept = 0;

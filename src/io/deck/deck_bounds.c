@@ -120,15 +120,15 @@ static bool starts_inside(const deck *d, size_t i) {
 }
 
 /* Limits that are not written in the deck are no reason to refuse the deck. */
-static void warn_start(const deck *d) {
+static void warn_start(deck *d) {
   const sd_model *m = d->model;
   size_t found = 0, first = 0;
   for (size_t i = 0; i < m->n_disks; i++)
     if (!starts_inside(d, i) && found++ == 0) first = i;
   if (found == 0) return;
   char name[96];
-  sd_warn(d->messages, "%s:%d: %s at (%g, %g) starts outside the container%s", d->disk_place[first].file,
-          d->disk_place[first].line, sd_model_body_name(m, (uint32_t)first, name, sizeof name),
+  sd_warn(d->messages, "%s: %s at (%g, %g) starts outside the container%s",
+          deck_place_text(d, d->disk_place[first]), sd_model_body_name(m, (uint32_t)first, name, sizeof name),
           m->disks[first].position[SD_X], m->disks[first].position[SD_Y],
           found > 1 ? ", and so do others" : "");
 }

@@ -5,6 +5,7 @@
 #include "io/deck/deck_keys.h"
 #include "io/deck/deck_rows.h"
 #include "io/deck/deck_values.h"
+#include "model/field_kinds.h"
 #include "model/laws.h"
 #include "model/motion_kinds.h"
 
@@ -87,6 +88,24 @@ static const deck_key lock_keys[] = {
 };
 TABLE(deck_locks, "locks", false, "Coordinates of disks that never change, whatever pushes.", lock_keys);
 
+static const deck_key clump_keys[] = {
+    {"name", TEXT, "-", NULL, "name by which motions refer to it"},
+    {"disk", BODIES, "-", NULL, "its disks, by name or number"},
+    {"group", NAMES, "-", NULL, "groups of disks that belong to it"},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "(of its disks)", NULL, "mass of the whole"},
+    {"inertia", NUMBER(DECK_POSITIVE, "mass length^2"), "(of its disks)", NULL,
+     "moment of inertia about the centre of mass; of its disks: sum of I + m d^2, times mass over the sum of "
+     "m"},
+    {"velocity", NUMBERS(DECK_ANY, "length/time"), "(0.0, 0.0)", NULL, "of the centre at the start"},
+    {"omega", ANGLE("rad/time"), "0.0", NULL, "angular velocity at the start"},
+    {"force", NUMBERS(DECK_ANY, "force"), "(0.0, 0.0)", NULL, "constant force (f_x, f_y) on the centre"},
+    {"torque", NUMBER(DECK_ANY, "force length"), "0.0", NULL, "constant torque"},
+    {"locked", COORDINATES, "()", NULL, "coordinates of the clump that never change"},
+};
+TABLE(deck_clumps, "clumps", false,
+      "Disks that move as one rigid body about their centre of mass. They may overlap one another.",
+      clump_keys);
+
 static const deck_shape sides[] = {WORD("inside", true), WORD("outside", false), LAST_WORD};
 
 static const deck_shape wall_kinds[] = {
@@ -94,6 +113,7 @@ static const deck_shape wall_kinds[] = {
     {"segment", SD_WALL_SEGMENT, "points* pivot", "straight piece between two points; its ends push too"},
     {"polyline", SD_WALL_POLYLINE, "points* pivot closed", "straight pieces through two or more points"},
     {"circle", SD_WALL_CIRCLE, "center* radius* side*", "round container, or round obstacle"},
+    {"arc", SD_WALL_ARC, "center* radius* from* to* pivot", "part of a circle; both sides and its ends push"},
     LAST_WORD,
 };
 
@@ -102,11 +122,15 @@ static const deck_key wall_keys[] = {
     {"type", CHOICE, "required", wall_kinds, "shape, see below", SETS(sd_wall, kind)},
     {"material", TEXT, "(the only one)", NULL, "name of the material"},
     {"points", POINTS, "-", NULL, "list of (x, y)"},
-    {"pivot", NUMBERS(DECK_ANY, "length"), "(mean of the points)", NULL, "(x, y) about which it turns",
-     SETS(sd_wall, pivot)},
+    {"pivot", NUMBERS(DECK_ANY, "length"), "(mean of the points; arc: its centre)", NULL,
+     "(x, y) about which it turns", SETS(sd_wall, pivot)},
     {"closed", BOOL, "false", NULL, "polyline: join the last point to the first", SETS(sd_wall, closed)},
-    {"center", NUMBERS(DECK_ANY, "length"), "-", NULL, "circle: (x, y)", SETS(sd_wall, pivot)},
-    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "circle: radius", SETS(sd_wall, radius)},
+    {"center", NUMBERS(DECK_ANY, "length"), "-", NULL, "circle, arc: (x, y)", SETS(sd_wall, center)},
+    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "circle, arc: radius", SETS(sd_wall, radius)},
+    {"from", ANGLE("rad"), "-", NULL, "arc: angle at which it begins, counter-clockwise from x",
+     SETS(sd_wall, from)},
+    {"to", ANGLE("rad"), "-", NULL, "arc: angle at which it ends, > from; at most a whole turn",
+     SETS(sd_wall, to)},
     {"side", CHOICE, "-", sides, "circle: where the disks are", SETS(sd_wall, inside)},
 };
 TABLE(deck_walls, "walls", false, "A wall. It stands still unless motions move it.", wall_keys);
@@ -214,10 +238,24 @@ static const deck_key packing_keys[] = {
      SETS(deck_packing_values, sizes.exponent)},
     {"density", NUMBER(DECK_POSITIVE, "mass/length^2"), "-", NULL, "mass per area; either this or mass",
      SETS(deck_packing_values, density)},
-    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass of every disk", SETS(deck_packing_values, mass)},
+    {"mass", NUMBER(DECK_POSITIVE, "mass"), "-", NULL, "mass of every disk or clump",
+     SETS(deck_packing_values, mass)},
+    {"clump", GROUP, "-", NULL,
+     "clumps in place of disks; then radius is that of the template, count and fraction are of clumps and of "
+     "the "
+     "circles around them"},
     {"material", TEXT, "(the only one)", NULL, "name of the material"},
     {"group", TEXT, "-", NULL, "name of a group of disks, made by being used"},
 };
+static const deck_key packing_clump_keys[] = {
+    {"at", POINTS, "required", NULL, "centres of its disks, in units of the radius that is drawn"},
+    {"radii", NUMBERS(DECK_POSITIVE, "radius"), "1.0", NULL, "their radii in these units, or one for all"},
+};
+TABLE(deck_packing_clump, "packings.clump", true,
+      "What each grain of a packing is, in place of a disk: disks that move as one body, turned by a random "
+      "angle.",
+      packing_clump_keys);
+
 TABLE_EITHER(deck_packings, "packings", false,
              "Disks that a generator places; random numbers follow from the deck's seed and the packing's "
              "place in the deck.",
@@ -234,8 +272,11 @@ static const deck_key motion_keys[] = {
     {"disk", BODIES, "-", NULL, "disks, by name or number"},
     {"group", NAMES, "-", NULL, "groups of disks"},
     {"wall", BODIES, "-", NULL, "walls, by name or number"},
+    {"clump", BODIES, "-", NULL, "clumps, by name or number"},
     {"coordinate", COORDINATES, "required", NULL,
-     "what moves; theta of a group turns each disk about its own centre"},
+     "what moves; theta of a group turns each disk about its own centre; surface of a wall: it runs along "
+     "the wall, "
+     "which stays"},
     {"type", CHOICE, "required", deck_motion_kinds, "kind of motion, see below"},
     {"amplitude", ANGLE("length or rad"), "-", NULL, "amplitude; random: rms displacement"},
     {"acceleration", NUMBER(DECK_POSITIVE, "g"), "-", NULL,
@@ -291,11 +332,12 @@ TABLE_EITHER(deck_sweep_parameters, "sweep.parameters", false, "A parameter and 
              sweep_parameter_keys, "values/linspace/logspace");
 
 const deck_table *const deck_tables[] = {
-    &deck_top,       &deck_gravity, &deck_box,       &deck_materials,  &deck_pairs,
-    &deck_container, &deck_disks,   &deck_disk_rows, &deck_disk_files, &deck_packings,
-    &deck_bounds,    &deck_forces,  &deck_locks,     &deck_walls,      &deck_motions,
-    &deck_phases,    &deck_settle,  &deck_compress,  &deck_output,     &deck_measure,
-    &deck_sliding,   &deck_until,   &deck_limits,    &deck_sweeps,     &deck_sweep_parameters,
+    &deck_top,           &deck_gravity, &deck_box,       &deck_materials,        &deck_pairs,
+    &deck_container,     &deck_disks,   &deck_disk_rows, &deck_disk_files,       &deck_packings,
+    &deck_packing_clump, &deck_clumps,  &deck_bounds,    &deck_forces,           &deck_locks,
+    &deck_walls,         &deck_motions, &deck_fields,    &deck_phases,           &deck_settle,
+    &deck_compress,      &deck_cell,    &deck_output,    &deck_measure,          &deck_sliding,
+    &deck_until,         &deck_limits,  &deck_sweeps,    &deck_sweep_parameters,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 

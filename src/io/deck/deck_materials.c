@@ -1,8 +1,11 @@
 /* deck_materials.c: materials, the laws between them, and walls. See deck_tree.h. */
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/limits.h"
 #include "io/deck/deck_read.h"
+#include "model/arc.h"
 #include "model/bodies.h"
 #include "model/laws.h"
 
@@ -19,12 +22,20 @@ int deck_material(deck_group *g) {
   return deck_index_look_up(d, &d->materials, "material", node, "", &number) ? (int)number : -1;
 }
 
+static void check_law(deck *d, const deck_node *node, const sd_contact_law *law) {
+  const char *key = NULL;
+  char *text = law_mistake(law, &key);
+  if (text) deck_fail_key(d, node, key, "%s", text);
+  free(text);
+}
+
 static void read_pair(deck *d, deck_node *node) {
   sd_model *m = d->model;
   deck_group g;
   if (!deck_enter(d, node, &deck_pairs, &g)) return;
   sd_contact_law law = {0};
   deck_fill(&g, &law);
+  check_law(d, node, &law);
   deck_node *names = deck_get(&g, "materials");
   if (!names || names->type != DECK_LIST || names->n != 2) {
     deck_fail_key(d, node, "materials", "expected the names of two materials (\"a\", \"b\")");
@@ -57,6 +68,7 @@ static void read_material(deck *d, deck_node *node, size_t k) {
     deck_fail_key(d, node, "name", "two materials have this name");
   if (name && !*name) deck_fail_key(d, node, "name", "expected a name that is not empty");
   deck_fill(&g, &m->laws[k * m->n_materials + k]);
+  check_law(d, node, &m->laws[k * m->n_materials + k]);
   if (name) deck_set_text(d, &m->materials[k].name, name);
 }
 
@@ -125,11 +137,30 @@ static void read_points(deck_group *g, sd_wall *wall) {
     deck_fail(d, list->child[list->n - 1], "the same as the first point, to which `closed` joins it already");
 }
 
+static void read_arc(deck_group *g, sd_wall *wall) {
+  deck *d = g->d;
+  const double opening = wall->to - wall->from;
+  if (deck_given(g, "from") && deck_given(g, "to") && !(opening > 0.0 && opening <= ARC_RING))
+    deck_fail_key(d, g->node, "to", "an arc of %.4g degrees: expected to > from, by 360 degrees at most",
+                  opening * 180.0 / M_PI);
+  wall->points = deck_keep(d, ARC_POINTS, sizeof *wall->points);
+  arc_trace(wall);
+  if (deck_given(g, "pivot")) return;
+  memcpy(wall->pivot, wall->center, sizeof wall->pivot);
+  deck_default_pair(g, "pivot", wall->pivot);
+}
+
 static void read_wall(deck *d, deck_node *node, sd_wall *wall) {
   deck_group g;
   if (!deck_enter(d, node, &deck_walls, &g)) return;
   wall->material = deck_material(&g);
-  if (!deck_fill(&g, wall) || wall->kind == SD_WALL_CIRCLE) return;
+  if (!deck_fill(&g, wall)) return;
+  if (wall->kind == SD_WALL_CIRCLE) memcpy(wall->pivot, wall->center, sizeof wall->pivot);
+  if (wall->kind == SD_WALL_CIRCLE) return;
+  if (wall->kind == SD_WALL_ARC) {
+    read_arc(&g, wall);
+    return;
+  }
   read_points(&g, wall);
   if (wall->n_points && !deck_given(&g, "pivot")) {
     wall_set_pivot(wall);

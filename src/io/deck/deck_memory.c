@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "io/deck/deck_result.h"
+#include "model/law_features.h"
 #include "slipdisk/deck.h"
 
 #define NOWHERE UINT32_MAX /* of a body number */
@@ -42,6 +43,11 @@ static void move_wall(sd_wall *w, double x, double y, double angle, double scale
     w->points[k][0] = x + (c * px - s * py);
     w->points[k][1] = y + (s * px + c * py);
   }
+  double cx = w->center[0] - w->pivot[0], cy = w->center[1] - w->pivot[1];
+  w->center[0] = x + (c * cx - s * cy);
+  w->center[1] = y + (s * cx + c * cy);
+  w->from += angle;
+  w->to += angle;
   w->pivot[0] = x;
   w->pivot[1] = y;
 }
@@ -133,7 +139,8 @@ static bool take_contact(const mapping *map, size_t k, sd_contact_memory *c) {
   const deck_result *r = map->t->result;
   uint32_t a = r->a[k], b = r->b[k], part = r->part[k];
   if (map->body[a] == NOWHERE || map->body[b] == NOWHERE) return false;
-  double record[SD_CONTACT_COLUMNS], shift = r->radius[a] * angle_shift(r, a); /* of lambda* */
+  double record[SD_CONTACT_ALL], shift = r->radius[a] * angle_shift(r, a); /* of lambda* */
+  double rolled = angle_shift(r, a) - (b < r->n_disks ? angle_shift(r, b) : -r->theta[b]);
   if (b < r->n_disks) {
     shift += r->radius[b] * angle_shift(r, b);
   } else {
@@ -144,13 +151,16 @@ static bool take_contact(const mapping *map, size_t k, sd_contact_memory *c) {
       part = (uint32_t)(part - map->first_segment[theirs] + map->ours->first_segment[own]);
     /* a round wall begins at angle 0 */
     if (!r->walls[theirs].segments) shift -= r->radius[b] * r->theta[b];
+    /* and a surface at 0 */
+    if (theirs < r->n_surfaces) shift += r->radius[b] > 0 ? -r->surface[theirs] : r->surface[theirs];
   }
   *c = (sd_contact_memory){
       .a = map->body[a], .b = map->body[b], .part = part, .slide = r->slide[k], .side = r->side[k]};
-  for (size_t n = 0; n < SD_CONTACT_COLUMNS; n++) record[n] = r->record[n][k];
+  for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
   memcpy(&c->record, record, sizeof record);
   c->record.lambda_ref += shift;
-  c->record.viscous = c->record.friction = c->record.nonconservative_work =
+  if (c->record.rho_ref != 0.0) c->record.rho_ref += law_arm(r->radius[a], r->radius[b]) * rolled;
+  c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling =
       0.0; /* these are of the other run */
   return true;
 }

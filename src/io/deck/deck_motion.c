@@ -19,7 +19,7 @@ enum { MOST_ECHOED = 1000 };
 
 /* How many random motions drive each coordinate of each thing so far. */
 typedef struct streams {
-  unsigned char *used[STREAM_THINGS]; /* [3 * things] */
+  unsigned char *used[STREAM_THINGS]; /* [SD_MOVED * things] */
 } streams;
 
 static const double pi = 3.14159265358979323846;
@@ -166,7 +166,7 @@ static uint32_t stream_of(deck *d, const deck_node *node, streams *s, int thing,
     deck_fail(d, node, "random motions reach disks and walls up to number %d only", STREAM_INDICES - 1);
     return 0;
   }
-  unsigned char *used = &s->used[thing][3 * index + (size_t)coordinate];
+  unsigned char *used = &s->used[thing][SD_MOVED * index + (size_t)coordinate];
   if (*used == STREAM_ORDINALS) {
     deck_fail(d, node, "more than %d random motions on one coordinate of one body", STREAM_ORDINALS);
     return 0;
@@ -180,7 +180,7 @@ static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
   size_t n_disks = d->model->n_disks;
   deck_default_bool(g, "independent", !bodies->shared);
   bool independent = deck_bool(g, "independent");
-  for (int c = 0; c < 3; c++) {
+  for (int c = 0; c < SD_MOVED; c++) {
     if (!(mask >> c & 1)) continue;
     if (!independent) {
       int thing = bodies->group >= 0 ? STREAM_GROUP : STREAM_LIST;
@@ -200,19 +200,34 @@ static void push_random(deck *d, deck_group *g, sd_motion *motion, size_t entry,
 }
 
 static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsigned mask) {
+  const sd_model *m = d->model;
+  const size_t walls = m->n_disks + m->n_walls;
   for (size_t b = 0; b < bodies->n; b++) {
-    if (bodies->body[b] >= d->model->n_disks) continue;
-    const sd_disk *disk = &d->model->disks[bodies->body[b]];
+    const uint32_t body = bodies->body[b];
+    if (body >= m->n_disks && body < walls) continue;
+    const bool *locked = body < walls ? m->disks[body].locked : m->clumps[body - walls].locked;
+    const double *velocity = body < walls ? m->disks[body].velocity : m->clumps[body - walls].velocity;
     for (int c = 0; c < 3; c++) {
-      if (!(mask >> c & 1) || !(disk->locked[c] || fabs(disk->velocity[c]) > 0)) continue;
+      if (!(mask >> c & 1) || !(locked[c] || fabs(velocity[c]) > 0)) continue;
       char name[80];
       deck_fail_key(d, g->node, "coordinate", "%s of %s is %s, and cannot be moved too",
                     c == 0   ? "x"
                     : c == 1 ? "y"
                              : "theta",
                     sd_model_body_name(d->model, bodies->body[b], name, sizeof name),
-                    disk->locked[c] ? "locked" : "given a velocity of its own");
+                    locked[c] ? "locked" : "given a velocity of its own");
     }
+  }
+}
+
+static void check_surface(deck *d, deck_group *g, const deck_bodies *bodies, unsigned mask) {
+  char name[96];
+  for (size_t b = 0; mask >> SD_SURFACE & 1 && b < bodies->n; b++) {
+    const uint32_t body = bodies->body[b];
+    if (body >= d->model->n_disks && body < d->model->n_disks + d->model->n_walls) continue;
+    deck_fail_key(d, g->node, "coordinate", "\"surface\" of %s: only walls have one; others turn, \"theta\"",
+                  sd_model_body_name(d->model, bodies->body[b], name, sizeof name));
+    return;
   }
 }
 
@@ -279,8 +294,9 @@ static void read_feedback(deck_group *g, sd_motion *motion, size_t entry, const 
   deck *d = g->d;
   size_t before = d->reported;
   const char *what = motion_kinds[motion->kind].name;
-  for (int k = 0; k < 2; k++) {
-    const char *key = k ? "group" : "disk";
+  static const char *const keys[] = {"disk", "group", "clump"};
+  for (size_t k = 0; k < COUNT(keys); k++) {
+    const char *const key = keys[k];
     if (deck_given(g, key)) deck_fail_key(d, g->node, key, "a %s moves walls only; expected wall", what);
   }
   int coordinate = mask == 1u << SD_X ? SD_X : SD_Y;
@@ -346,13 +362,14 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   }
   if (!fixed) read_signal(&g, shape, mask, &motion);
   check_held(d, &g, &bodies, mask);
+  check_surface(d, &g, &bodies, mask);
   if (bodies.n == 0) return;
   if (motion.kind == SD_MOTION_RANDOM) {
     push_random(d, &g, &motion, entry, &bodies, mask, s);
     return;
   }
   if (d->reported > before) motion.n_table = 0;
-  for (int c = 0; c < 3; c++)
+  for (int c = 0; c < SD_MOVED; c++)
     if (mask >> c & 1) push(d, &motion, entry, c, bodies.n, bodies.body);
 }
 
@@ -374,9 +391,10 @@ void deck_check_motions(deck *d) {
 void deck_read_motions(deck *d) {
   sd_model *m = d->model;
   deck_node *list = deck_groups(d, d->root, "motions");
-  size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls, m->n_groups, m->n_disks + m->n_walls};
+  /* clumps follow the walls */
+  size_t things[STREAM_THINGS] = {m->n_disks, m->n_walls + m->n_clumps, m->n_groups, model_movables(m)};
   streams s;
-  for (int k = 0; k < STREAM_THINGS; k++) s.used[k] = deck_alloc(d, 3 * things[k] + 1, 1);
+  for (int k = 0; k < STREAM_THINGS; k++) s.used[k] = deck_alloc(d, SD_MOVED * things[k] + 1, 1);
   for (size_t k = 0; list && k < list->n; k++) {
     read_motion(d, list->child[k], k, &s);
     const deck_node *name = deck_child(list->child[k], "name");

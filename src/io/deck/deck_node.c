@@ -212,16 +212,18 @@ static bool counted(deck *d) {
   return true;
 }
 
+const char *deck_place_text(deck *d, deck_place place) {
+  if (place.line > 0) return deck_format(d, "%s:%d", place.file, place.line);
+  if (place.line == 0) return place.file ? place.file : d->path;
+  const bool disk = place.line <= PLACE_DISK;
+  return deck_format(d, "%s: %s %d", place.file, disk ? "disk" : "row",
+                     disk ? PLACE_DISK - place.line : -(place.line + 1));
+}
+
 static void report(deck *d, deck_place place, const char *head, const char *format, va_list args) {
   d->reported++;
   const char *text = words(d, format, args), *colon = *head ? ": " : "";
-  if (place.line > 0)
-    sd_fail(d->messages, SD_ERROR_USER, "%s:%d: %s%s%s", place.file, place.line, head, colon, text);
-  else if (place.line < 0)
-    sd_fail(d->messages, SD_ERROR_USER, "%s: row %d: %s%s%s", place.file, -(place.line + 1), head, colon,
-            text);
-  else
-    sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", place.file ? place.file : d->path, head, colon, text);
+  sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", deck_place_text(d, place), head, colon, text);
 }
 
 void deck_fail(deck *d, const deck_node *node, const char *format, ...) {

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "io/deck/deck_clumps.h"
 #include "io/deck/deck_read.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
@@ -30,6 +31,7 @@ typedef struct packing {
   double area;               /* of its part inside the container; NAN: that has mistakes */
   int material;
   const char *group;
+  deck_grain grain; /* generators see the circles in which the grains lie */
 } packing;
 
 /* --- sizes ---------------------------------------------------------------------------------------------- */
@@ -197,20 +199,38 @@ static void check_area(packing *p, double count, double area) {
 
 /* --- disks -------------------------------------------------------------------------------------------------- */
 
-static void push(packing *p, size_t n, const double *radius, double (*position)[2], bool waiting) {
+/* Angles of clumps, by a generator of their own. */
+static double *draw_angles(packing *p, size_t n) {
+  deck *d = p->g.d;
+  double *angle = deck_alloc(d, n, sizeof *angle);
+  gsl_rng *rng = sizes_random(d->model->seed, p->number + LIMIT_ENTRIES);
+  if (!rng) longjmp(d->out_of_memory, 1);
+  for (size_t k = 0; k < n; k++) angle[k] = 2 * M_PI * gsl_rng_uniform(rng);
+  gsl_rng_free(rng);
+  return angle;
+}
+
+static void push(packing *p, size_t n, const double *circle, double (*position)[2], bool waiting) {
+  const deck_grain *grain = &p->grain;
+  const double *angle = grain->at ? draw_angles(p, n) : NULL;
   for (size_t k = 0; k < n; k++) {
-    double mass = p->v.mass == 0 ? p->v.density * 3.14159265358979323846 * radius[k] * radius[k] : p->v.mass;
+    const double radius = circle[k] / grain->reach;
+    double mass =
+        p->v.mass == 0 ? p->v.density * 3.14159265358979323846 * radius * radius * grain->area : p->v.mass;
     if (mass >= 0 && !deck_in_range(DECK_POSITIVE, mass)) {
       deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
                     deck_expected(DECK_POSITIVE, mass));
       return;
     }
     sd_disk disk = {.position = {position[k][0], position[k][1], 0},
-                    .radius = radius[k],
+                    .radius = radius,
                     .mass = mass,
                     .material = p->material,
                     .waiting = waiting};
-    deck_push_disk(p->g.d, &disk, NULL, p->group, p->g.node->place);
+    if (angle)
+      deck_push_grain(p->g.d, grain, &disk, radius, angle[k], p->group, p->g.node->place);
+    else
+      deck_push_disk(p->g.d, &disk, NULL, p->group, p->g.node->place);
   }
 }
 
@@ -400,7 +420,7 @@ static void make_rain(packing *p) {
   double largest = p->sizes->upper, rows = (double)p->v.rows, height = 2 * largest * rows;
   deck_default_number(g, "gap", largest);
   sd_rain rain = {.first = m->n_disks,
-                  .count = (size_t)p->v.count,
+                  .count = (size_t)p->v.count * p->grain.n,
                   .lower = p->lower[0],
                   .upper = p->upper[0],
                   .gap = deck_number(g, "gap"),
@@ -450,6 +470,17 @@ static void make_packing(packing *p) {
   if (d->reported == before) make[p->v.kind](p);
 }
 
+/* Radii become those of the circles around the grains. */
+static void enlarge(deck *d, sizes *s, double by) {
+  double *radii = deck_alloc(d, s->n, sizeof *radii);
+  for (size_t k = 0; k < s->n; k++) radii[k] = by * s->radii[k];
+  s->radii = radii;
+  s->radius *= by;
+  s->lower *= by;
+  s->upper *= by;
+  if (s->kind != SD_SIZES_LOGNORMAL) s->deviation *= by;
+}
+
 static void read_packing(deck *d, deck_node *node, size_t number) {
   packing p = {.number = number, .sizes = &p.v.sizes};
   if (!deck_enter(d, node, &deck_packings, &p.g)) return;
@@ -459,6 +490,7 @@ static void read_packing(deck *d, deck_node *node, size_t number) {
   p.group = deck_text_of(&p.g, "group");
   deck_one_of(&p.g, "mass or density > 0");
   if (known && d->reported == before) finish_sizes(&p.g, p.sizes);
+  if (deck_read_grain(&p.g, &p.grain)) enlarge(d, p.sizes, p.grain.reach);
   read_region(&p);
   if (d->reported == before && !isnan(p.area)) make_packing(&p);
   d->disks_missing |= d->reported > before || isnan(p.area);

@@ -23,32 +23,38 @@ static int64_t read_steps(deck_group *g) {
   return 1;
 }
 
-/* --- motions that are on ------------------------------------------------------------------------------------ */
+/* --- motions and fields that are on -------------------------------------------------------------------------- */
 
-/* Place of the motion in the deck; false: reported. */
-static bool find_motion(deck *d, const deck_node *node, size_t *entry) {
-  const deck_node *list = deck_child(d->root, "motions");
+/* The list `key` of a phase names entries of the list of the same name in the deck. */
+typedef struct switched {
+  const char *key, *what; /* "motions", "motion" */
+  const deck_index *index;
+} switched;
+
+/* Place of the motion or field in the deck; false: reported. */
+static bool find_entry(deck *d, const switched *of, const deck_node *node, size_t *entry) {
+  const deck_node *list = deck_child(d->root, of->key);
   size_t n = list && list->type == DECK_LIST ? list->n : 0;
   if (node->type == DECK_INT) {
     *entry = (size_t)node->value.integer;
     if (node->value.integer >= 0 && (uint64_t)node->value.integer < n) return true;
-    deck_fail(d, node, "no motion has this number; there are %zu, counted from 0", n);
+    deck_fail(d, node, "no %s has this number; there are %zu, counted from 0", of->what, n);
     return false;
   }
   if (node->type != DECK_STRING) {
-    deck_fail(d, node, "expected the name or the number of a motion");
+    deck_fail(d, node, "expected the name or the number of a %s", of->what);
     return false;
   }
   uint32_t found;
-  if (!deck_index_look_up(d, &d->motions, "motion", node, "", &found)) return false;
+  if (!deck_index_look_up(d, of->index, of->what, node, "", &found)) return false;
   *entry = found;
   return true;
 }
 
-/* Every motion of the deck, by name where it has one. */
-static void default_motions(deck_group *g) {
-  const deck_node *all = deck_child(g->d->root, "motions");
-  deck_node *list = deck_default_list(g, "motions");
+/* Every entry of the deck, by name where it has one. */
+static void default_entries(deck_group *g, const char *key) {
+  const deck_node *all = deck_child(g->d->root, key);
+  deck_node *list = deck_default_list(g, key);
   for (size_t k = 0; all && all->type == DECK_LIST && k < all->n; k++) {
     const deck_node *name = deck_child(all->child[k], "name");
     bool text = name && name->type == DECK_STRING;
@@ -60,23 +66,35 @@ static void default_motions(deck_group *g) {
   }
 }
 
+/* Of each entry of the deck: is it on? */
+static bool *read_switches(deck_group *g, const switched *of) {
+  deck *d = g->d;
+  const deck_node *all = deck_child(d->root, of->key);
+  const size_t n = all && all->type == DECK_LIST ? all->n : 0;
+  bool *on = deck_alloc(d, n + 1, sizeof *on);
+  deck_node *list = deck_get(g, of->key);
+  if (!list) {
+    default_entries(g, of->key);
+    memset(on, true, n + 1);
+    return on;
+  }
+  for (size_t j = 0; j < deck_each_count(list); j++) {
+    size_t entry;
+    if (find_entry(d, of, deck_each(list, j), &entry)) on[entry] = true;
+  }
+  return on;
+}
+
 static void read_active(deck_group *g, sd_phase *phase) {
   deck *d = g->d;
   const sd_model *m = d->model;
+  const bool *on = read_switches(g, &(switched){"motions", "motion", &d->motions});
   phase->active = deck_keep(d, m->n_motions, sizeof *phase->active);
-  deck_node *list = deck_get(g, "motions");
-  if (!list) {
-    default_motions(g);
-    for (size_t k = 0; k < m->n_motions; k++) phase->active[k] = true;
-    return;
-  }
-  const deck_node *all = deck_child(d->root, "motions");
-  bool *on = deck_alloc(d, all ? all->n + 1 : 1, sizeof *on);
-  for (size_t j = 0; j < deck_each_count(list); j++) {
-    size_t entry;
-    if (find_motion(d, deck_each(list, j), &entry)) on[entry] = true;
-  }
   for (size_t k = 0; k < m->n_motions; k++) phase->active[k] = on[d->motion_entry[k]];
+  if (m->n_fields == 0 && !deck_get(g, "fields")) return;
+  on = read_switches(g, &(switched){"fields", "field", &d->fields});
+  phase->fields = deck_keep(d, m->n_fields, sizeof *phase->fields);
+  memcpy(phase->fields, on, m->n_fields * sizeof *phase->fields);
 }
 
 /* --- phases ---------------------------------------------------------------------------------------------------- */
@@ -105,6 +123,23 @@ static void read_compress(deck_group *g, sd_compress *compress) {
     deck_fail(d, node, "there is nothing to compress; expected a container, or a box with edges x and y");
 }
 
+/* Each component has a rate or a stress. */
+static void read_cell(deck_group *g, sd_cell *cell) {
+  static const char *const rates[] = {"rate_xx", "rate_yy", "rate_xy"};
+  static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_xy"};
+  deck *d = g->d;
+  deck_node *node = deck_get(g, "cell");
+  deck_group c;
+  if (!node || !deck_enter(d, node, &deck_cell, &c)) return;
+  cell->asked = true;
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
+    cell->controlled[k] = deck_given(&c, stresses[k]);
+    if (cell->controlled[k] && deck_given(&c, rates[k]))
+      deck_fail_key(d, node, stresses[k], "given together with %s; expected one of them", rates[k]);
+  }
+  deck_fill(&c, cell);
+}
+
 static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool last) {
   static const char *const cadences[] = {"series", "frames", "contacts"};
   phase->steps = read_steps(g);
@@ -118,6 +153,7 @@ static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool 
   deck_fill(g, phase);
   read_settle(g, &phase->settle);
   read_compress(g, &phase->compress);
+  read_cell(g, &phase->cell);
 }
 
 void deck_read_phases(deck *d) {

@@ -305,16 +305,20 @@ size_t deck_each_count(const deck_node *node) { return !node ? 0 : node->type ==
 deck_node *deck_each(deck_node *node, size_t k) { return node->type == DECK_LIST ? node->child[k] : node; }
 
 unsigned deck_coordinates(deck *d, deck_group *g, const char *name) {
-  static const char *const words[] = {"x", "y", "theta"};
+  static const char *const words[SD_MOVED] = {"x", "y", "theta", "surface"};
   const deck_key *key;
   deck_node *list = find(g, name, &key);
+  /* what is held are coordinates of disks */
+  const int most = strcmp(name, "coordinate") == 0 ? SD_MOVED : SD_COORDINATES;
   unsigned mask = 0;
   for (size_t k = 0; k < deck_each_count(list); k++) {
     const deck_node *node = deck_each(list, k);
     unsigned bit = 0;
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < most; c++)
       if (node->type == DECK_STRING && strcmp(node->value.text, words[c]) == 0) bit = 1u << c;
-    if (!bit) deck_fail(d, node, "expected \"x\", \"y\" or \"theta\"");
+    if (!bit)
+      deck_fail(d, node, "expected \"x\", \"y\"%s",
+                most == SD_MOVED ? ", \"theta\" or, of walls, \"surface\"" : " or \"theta\"");
     if (mask & bit) deck_fail(d, node, "named twice");
     mask |= bit;
   }
@@ -394,6 +398,7 @@ static void read_member(deck_group *g, const deck_key *key, void *member) {
       else
         *(bool *)member = deck_bool(g, name);
       break;
+    case DECK_SETS_OFF: *(bool *)member = !deck_bool(g, name); break;
     case DECK_SETS_ENUM:
       word = choose(g, name);
       if (word) *(int *)member = word->kind;

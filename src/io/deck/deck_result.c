@@ -16,6 +16,7 @@
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "model/bodies.h"
+#include "model/cell.h"
 
 /* Those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
@@ -168,9 +169,15 @@ static void read_contacts(reader *in, deck_result *r) {
   r->side = column(in, "contact_side", SD_F64, n);
   r->slide = column(in, "contact_slide", SD_I32, n);
 #define NAME(name, unit, meaning) "contact_" #name,
-  static const char *const names[] = {SD_CONTACT_RECORD(NAME)};
+  static const char *const names[] = {SD_CONTACT_RECORD(NAME) SD_CONTACT_MORE(NAME)};
 #undef NAME
-  for (size_t k = 0; k < SD_CONTACT_COLUMNS; k++) r->record[k] = column(in, names[k], SD_F64, n);
+  for (size_t k = 0; k < SD_CONTACT_ALL && !in->failed; k++) {
+    const char *path = deck_format(in->d, "/state/%s", names[k]);
+    /* columns of laws that the other run did not have */
+    const bool absent =
+        k >= SD_CONTACT_COLUMNS && (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
+    r->record[k] = absent ? deck_alloc(in->d, n, sizeof(double)) : column(in, names[k], SD_F64, n);
+  }
   for (size_t k = 0; k < n && !in->failed; k++)
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
 }
@@ -194,6 +201,9 @@ static void read_bodies(reader *in, deck_result *r) {
                {&r->mass, "mass"},   {&r->inertia, "inertia"}};
   for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
     *reals[k].to = by_body(in, reals[k].name, SD_F64, r, id, r->n_bodies);
+  r->n_surfaces = (size_t)h5_get_attr_i64(in->file, "/state", "n_surfaces", 0);
+  in->failed |= r->n_surfaces > r->n_bodies - r->n_disks;
+  if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
   r->material = by_body(in, "material", SD_I32, r, id, r->n_bodies);
   r->group = by_body(in, "group", SD_I32, r, id, r->n_bodies);
   const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
@@ -207,7 +217,7 @@ static void read_bodies(reader *in, deck_result *r) {
 }
 
 /* NULL: reported. */
-static deck_result *read_state(deck *d, const deck_node *node, const char *path) {
+static deck_result *read_state(deck *d, const deck_node *node, const char *path, bool contacts) {
   size_t before = sd_messages_errors(d->messages);
   deck_result *r = deck_alloc(d, 1, sizeof *r);
   reader in = {.d = d};
@@ -236,9 +246,10 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path)
     *extents[k].n = in.failed ? 0 : (size_t)n;
   }
   in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
+  if (!contacts) r->n_contacts = 0;
   const double *scale = column(&in, "box_scale", SD_F64, 1);
   if (!in.failed) read_bodies(&in, r);
-  if (!in.failed) read_contacts(&in, r);
+  if (!in.failed && contacts) read_contacts(&in, r);
   r->box_scale = in.failed ? 1.0 : *scale;
   char *text = h5_get_text(in.file, "/parameters/deck_bodies");
   if (text) parse_text(d, r, deck_copy(d, text, strlen(text)));
@@ -304,7 +315,7 @@ static bool takes(const deck_group *g, const deck_result *r, const deck_columns 
 
 void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *t) {
   deck *d = g->d;
-  deck_result *r = read_state(d, file, path);
+  deck_result *r = read_state(d, file, path, t->contacts);
   if (!r) { /* the materials that it would have named are not missing */
     if (!deck_given(g, "material")) deck_columns_add(d, t, "material", file, file->place);
     return;
@@ -314,11 +325,11 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
   t->result = r;
   t->file = file;
   t->body = deck_alloc(d, r->n_disks, sizeof *t->body);
+  deck_columns_reserve(d, t, r->n_disks);
   for (uint32_t k = 0; k < r->n_disks; k++) {
     if (r->gone[k]) continue;
     t->body[t->n_rows] = k;
-    if (!deck_columns_add_row(d, t, (deck_place){deck_format(d, "%s: disk %u", path, (unsigned)k), 0}))
-      return;
+    if (!deck_columns_add_row(d, t, (deck_place){path, PLACE_DISK - (int)k})) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = number_of(r, t->column[c], k);
@@ -348,16 +359,29 @@ static bool box_of_particles(const h5_file *file, double lower[2], double upper[
   return status == SD_OK;
 }
 
+/* Of a box that has deformed: its lengths over those before, and the shift of a row of cells. Others have no numbers there. */
+static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
+  size_t dims[H5_MAX_RANK] = {0};
+  int rank = 0;
+  cell[CELL_X] = cell[CELL_Y] = 1.0;
+  cell[CELL_OFFSET] = 0.0;
+  if (h5_exists(file, "/state/cell") && h5_shape(file, "/state/cell", &rank, dims, NULL) == SD_OK &&
+      dims[0] == CELL_COLUMNS)
+    h5_get(file, "/state/cell", SD_F64, CELL_COLUMNS, cell, NULL);
+}
+
 /* As the engine places them. */
 static bool box_of_text(deck *d, const h5_file *file, double lower[2], double upper[2]) {
   deck_result r = {0};
-  double scale = 1.0;
+  double scale = 1.0, cell[CELL_COLUMNS];
   char *text = h5_get_text(file, "/parameters/deck_bodies");
+  cell_of(file, cell);
   if (text) parse_text(d, &r, text);
   if (r.boxed && h5_get(file, "/state/box_scale", SD_F64, 1, &scale, NULL) != SD_OK) r.boxed = false;
   for (int c = 0; c < 2; c++) {
     lower[c] = r.lower[c];
-    upper[c] = scale != 1.0 ? r.lower[c] + scale * (r.upper[c] - r.lower[c]) : r.upper[c];
+    const double f = scale * cell[c];
+    upper[c] = f != 1.0 ? r.lower[c] + f * (r.upper[c] - r.lower[c]) : r.upper[c];
     if (!r.periodic[c]) upper[c] = lower[c];
   }
   free(text);
@@ -374,6 +398,14 @@ bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upp
     return false;
   }
   bool found = box_of_text(d, file, lower, upper) || box_of_particles(file, lower, upper);
+  double cell[CELL_COLUMNS];
+  cell_of(file, cell);
+  if (fabs(cell[CELL_OFFSET]) > 1e-9 * cell[CELL_X])
+    deck_fail(
+        d, node,
+        "the box of this file is sheared, its rows of images are shifted by %g of its width; expected one "
+        "that is not, or was sheared by a whole width",
+        cell[CELL_OFFSET] / cell[CELL_X]);
   h5_close(file, NULL);
   if (!found) deck_fail(d, node, "this file has no edges in " RESULT_DISKS "/box");
   return found;

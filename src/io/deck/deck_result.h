@@ -31,8 +31,10 @@ typedef struct deck_result {
   bool *driven, *gone; /* disks; gone: removed, or waiting for rain */
   uint32_t *a, *b, *part;
   double *side;
+  double *surface; /* way of each wall's surface */
+  size_t n_surfaces;
   int32_t *slide;
-  double *record[SD_CONTACT_COLUMNS]; /* columns of slipdisk/contact.h */
+  double *record[SD_CONTACT_ALL]; /* columns of slipdisk/contact.h */
 
   /* what the text of deck_bodies says; nothing in files without it */
   result_names materials, groups, disk_names;

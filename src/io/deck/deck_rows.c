@@ -71,7 +71,7 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
 
 /* --- cells ---------------------------------------------------------------------------------------------- */
 
-static void grow(deck *d, deck_columns *t, size_t capacity) {
+void deck_columns_reserve(deck *d, deck_columns *t, size_t capacity) {
   size_t cells = capacity * t->n_columns, before = t->n_rows * t->n_columns;
   bool texts = false;
   for (size_t c = 0; c < t->n_columns; c++) texts |= t->column[c] >= COLUMN_NUMBERS;
@@ -86,7 +86,7 @@ bool deck_columns_add_row(deck *d, deck_columns *t, deck_place place) {
     deck_fail_place(d, place, "more than %d disks", LIMIT_DISKS);
     return false;
   }
-  if (t->n_rows == t->capacity) grow(d, t, 2 * t->capacity + 64);
+  if (t->n_rows == t->capacity) deck_columns_reserve(d, t, 2 * t->capacity + 64);
   t->place[t->n_rows++] = place;
   return true;
 }
@@ -394,7 +394,7 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     free(values);
     return;
   }
-  if (n) grow(d, t, n);
+  if (n) deck_columns_reserve(d, t, n);
   for (size_t r = 0; r < n && deck_columns_add_row(d, t, (deck_place){path, -1 - (int)r}); r++)
     for (size_t c = 0; c < t->n_columns; c++) t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
   free(values);

@@ -54,6 +54,8 @@ void deck_columns_from_file(deck_group *g, deck_columns *table);
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place);
 bool deck_columns_add_row(deck *d, deck_columns *table, deck_place place);
+/* Room for so many rows, more than there are. */
+void deck_columns_reserve(deck *d, deck_columns *table, size_t capacity);
 
 /* deck_lammps.c */
 void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *table);

@@ -22,8 +22,9 @@
 
 #include "model/model.h"
 
-/* Where something stands. What -D has set has the file "-D path=value" and line 0; line -1 - k is row k of a file that
- * has no lines. */
+/* Where something stands. What -D has set has the file "-D path=value" and line 0. In a file that has no lines -1 - k is its row k,
+ * PLACE_DISK - k the disk k of a result. */
+#define PLACE_DISK (-0x40000000)
 typedef struct deck_place {
   const char *file;
   int line;
@@ -101,7 +102,7 @@ typedef struct deck {
   /* one entry per disk of the model */
   deck_place *disk_place;
   size_t disk_capacity;
-  deck_index disks, materials, groups, walls, motions;
+  deck_index disks, materials, groups, walls, clumps, motions, fields;
   uint32_t *grouped; /* disks by group; those of group k are [group_start[k], group_start[k + 1]) */
   size_t *group_start, n_grouped;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
@@ -165,6 +166,8 @@ void deck_fail(deck *d, const deck_node *node, const char *format, ...) SD_PRINT
 /* One error about a key of a group, there or missing: "file:line: path: ...". */
 void deck_fail_key(deck *d, const deck_node *group, const char *key, const char *format, ...) SD_PRINTF(4, 5);
 void deck_fail_place(deck *d, deck_place place, const char *format, ...) SD_PRINTF(3, 4);
+/* "file:line", "file: row 3", "file: disk 3", as messages begin. */
+const char *deck_place_text(deck *d, deck_place place);
 /* Reports a text that is no printable UTF-8. */
 void deck_check_text(deck *d, const deck_node *node);
 /* So many errors were told that the next ones are only counted: no need to look for words. */
@@ -245,9 +248,11 @@ void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *
 void deck_read_bounds(deck *d); /* call when motions are read */
 void deck_echo_files(deck *d);  /* short disk files turn into rows of the echoed deck */
 void deck_read_walls(deck *d);
+void deck_read_clumps(deck *d); /* call when all disks are there */
 void deck_read_forces(deck *d);
 void deck_read_locks(deck *d);
 void deck_read_motions(deck *d);
+void deck_read_fields(deck *d); /* deck_fields.c; call before phases are read */
 void deck_read_phases(deck *d);
 void deck_check_motions(deck *d); /* call when phases are read */
 void deck_read_measure(deck *d);

@@ -9,6 +9,8 @@
 
 #include "base/text.h"
 #include "base/shortage.h"
+#include "base/team.h"
+#include "io/results/constants.h"
 
 static const struct extent {
   const char *name;
@@ -18,7 +20,8 @@ static const struct extent {
     {"n_free", offsetof(sd_state, n_free)},           {"n_motions", offsetof(sd_state, n_motions)},
     {"n_rotations", offsetof(sd_state, n_rotations)}, {"n_slides", offsetof(sd_state, n_slides)},
     {"n_means", offsetof(sd_state, n_means)},         {"n_phases", offsetof(sd_state, n_phases)},
-    {"n_visits", offsetof(sd_state, n_visits)},
+    {"n_visits", offsetof(sd_state, n_visits)},       {"n_clumps", offsetof(sd_state, n_clumps)},
+    {"n_surfaces", offsetof(sd_state, n_surfaces)},
 };
 enum { EXTENTS = sizeof extents / sizeof *extents };
 
@@ -41,32 +44,76 @@ static size_t extent_of(const sd_state *state, size_t k) {
   return n;
 }
 
-void checkpoint_put_state(h5_file *file, const sd_state *state) {
+static void put_column(h5_file *file, const sd_field *f, size_t n, const void *data) {
+  char *path = format_text("/state/%s", f->name);
+  if (!h5_have(file, path, "/state")) return;
+  /* no filter: a checkpoint is written often and read once */
+  if (f->extent == SD_PER_RUN)
+    h5_put(file, path, f->type, 0, &n, data, false);
+  else
+    h5_lend(file, path, f->type, n, data);
+  h5_attr_text(file, path, "unit", f->unit);
+  h5_attr_text(file, path, "description", f->meaning);
+  free(path);
+}
+
+/* shared: without rows of free disks and of contacts, which stand in shares. */
+static void put_columns(h5_file *file, const sd_state *state, bool shared) {
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    const char *data = sd_field_data(state, f);
+    size_t n = sd_extent_size(state, f->extent), first = 0;
+    if (shared && f->extent == SD_PER_BODY) first = state->n_free;
+    if (shared && (state_of_free(f->extent) || state_of_contacts(f->extent))) first = n;
+    put_column(file, f, n - first, data ? data + first * sd_type_size(f->type) : NULL);
+  }
+}
+
+static void put_extents(h5_file *file, const sd_state *state, size_t n_contacts) {
   h5_group(file, "/state");
   h5_attr_i64(file, "/state", "format", CHECKPOINT_FORMAT);
   for (size_t k = 0; k < EXTENTS; k++)
     h5_attr_i64(file, "/state", extents[k].name, (int64_t)extent_of(state, k));
-  h5_attr_i64(file, "/state", "n_contacts", (int64_t)state->n_contacts);
+  h5_attr_i64(file, "/state", "n_contacts", (int64_t)n_contacts);
+}
+
+/* As `hash`, by words: a tenth of the time. */
+static uint64_t sum_of(const sd_state *state) {
+  uint64_t sum = FILE_SUM;
+  for (size_t k = 0; k < sd_field_count; k++)
+    sum = file_sum(sum, sd_field_data(state, &sd_fields[k]),
+                   sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+  return sum;
+}
+
+static const char *hash_of(const sd_state *state, char text[20]) {
+  snprintf(text, 20, "%016" PRIx64, sd_state_hash(state));
+  return text;
+}
+
+void checkpoint_put_state(h5_file *file, const sd_state *state) {
   char hash[20];
-  snprintf(hash, sizeof hash, "%016" PRIx64, sd_state_hash(state));
-  h5_attr_text(file, "/state", "hash", hash);
-  for (size_t k = 0; k < sd_field_count; k++) {
-    const sd_field *f = &sd_fields[k];
-    size_t n = sd_extent_size(state, f->extent);
-    char *path = format_text("/state/%s", f->name);
-    if (!h5_have(file, path, "/state")) return;
-    /* no filter: a checkpoint is written often and read once */
-    h5_put(file, path, f->type, f->extent == SD_PER_RUN ? 0 : 1, &n, sd_field_data(state, f), false);
-    h5_attr_text(file, path, "unit", f->unit);
-    h5_attr_text(file, path, "description", f->meaning);
-    free(path);
-  }
+  put_extents(file, state, state->n_contacts);
+  put_columns(file, state, false);
+  h5_attr_text(file, "/state", "hash", hash_of(state, hash));
+}
+
+/* Below so many bytes of the state a copy costs less than pages. */
+static const uint64_t BORROWED = 16 << 20;
+
+uint64_t checkpoint_bytes(const sd_state *state) {
+  uint64_t bytes = 0;
+  for (size_t k = 0; k < sd_field_count; k++)
+    bytes += sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type);
+  return bytes;
 }
 
 sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
-                           const provenance *origin, const summary *found, sd_messages *messages) {
+                           const checkpoint_shares *shares, const provenance *origin, const summary *found,
+                           sd_messages *messages) {
   h5_file *file;
-  sd_status status = h5_new(&file, messages);
+  const uint64_t bytes = checkpoint_bytes(state);
+  sd_status status = bytes < BORROWED ? h5_new(&file, messages) : h5_new_borrowing(bytes, &file, messages);
   if (status != SD_OK) return status;
   assert(parts->n >= 0 && state->n_contacts <= state->contact_capacity);
   h5_group(file, "/checkpoint");
@@ -75,10 +122,62 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state, 
   h5_attr_text(file, "/checkpoint", "replaces", parts->replaces);
   provenance_write(origin, file);
   summary_write(found, file);
-  checkpoint_put_state(file, state);
+  if (shares) {
+    put_extents(file, state, shares->n_contacts);
+    put_columns(file, state, true);
+    h5_put_shares(file, shares->n, shares->sums);
+  } else {
+    put_extents(file, state, state->n_contacts);
+    put_columns(file, state, false);
+    h5_attr_i64(file, "/state", "sum", (int64_t)sum_of(state));
+  }
   return h5_save(file, folder, path, NULL, messages);
 }
 
+/* GCOVR_EXCL_START: over ranks only, the counted build has one */
+void checkpoint_remove_share(int folder, const char *path, size_t k) {
+  char *name = h5_share_path(path, k);
+  if (name) file_remove(folder, name, NULL);
+  free(name);
+}
+
+/* Rows of a column in a group of a share; from[k] (NULL: k) is which of the state is row k. */
+static void put_rows(h5_file *file, const char *group, const sd_field *f, const void *data, size_t n,
+                     const uint32_t *from, char *scratch) {
+  const size_t size = sd_type_size(f->type);
+  char *path = format_text("%s/state/%s", group, f->name);
+  if (!h5_have(file, path, group)) return;
+  for (size_t k = 0; from && k < n; k++)
+    memcpy(scratch + k * size, (const char *)data + from[k] * size, size);
+  h5_put(file, path, f->type, 1, &n, from ? scratch : data, false);
+  free(path);
+}
+
+sd_status checkpoint_write_share(const char *path, const sd_state *state, const checkpoint_order *order,
+                                 int64_t *sum, sd_messages *messages) {
+  h5_file *file;
+  uint64_t seal = 0;
+  sd_status status = h5_new(&file, messages);
+  if (status != SD_OK) return status;
+  char *scratch = malloc(sizeof(double) * state->n_contacts + 1);
+  h5_put(file, "/disks/key", SD_I64, 1, &state->n_free, order->disk_key, false);
+  h5_put(file, "/contacts/key", SD_I64, 1, &state->n_contacts, order->contact_key, false);
+  for (size_t k = 0; h5_have(file, scratch, "/contacts") && k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    const void *data = sd_field_data(state, f);
+    const bool of_body = f->extent == SD_PER_BODY;
+    const size_t n = of_body ? state->n_free : sd_extent_size(state, f->extent);
+    if (n == 0) continue;
+    if (of_body || state_of_free(f->extent)) put_rows(file, "/disks", f, data, n, NULL, NULL);
+    if (state_of_contacts(f->extent)) put_rows(file, "/contacts", f, data, n, order->contact, scratch);
+  }
+  free(scratch);
+  status = h5_save(file, -1, path, &seal, messages);
+  *sum = (int64_t)seal;
+  return status;
+}
+
+/* GCOVR_EXCL_STOP */
 /* Sizes that must be those of the model. */
 static sd_status check_extents(const h5_file *file, const sd_state *state, sd_messages *messages) {
   int64_t format = h5_get_attr_i64(file, "/state", "format", -1);
@@ -109,10 +208,13 @@ static sd_status read_columns(const h5_file *file, sd_state *state, sd_messages 
   return status;
 }
 
+/* Checkpoints have a sum, results and checkpoints of older versions a hash; those of shares have a sum for each instead. */
 static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messages *messages) {
+  if (h5_has_shares(file)) return SD_OK;
   char found[20], *stored = h5_get_attr_text(file, "/state", "hash");
-  snprintf(found, sizeof found, "%016" PRIx64, sd_state_hash(state));
-  bool same = stored && strcmp(stored, found) == 0;
+  bool same = stored ? strcmp(stored, hash_of(state, found)) == 0
+                     : h5_has_attr(file, "/state", "sum") &&
+                           (uint64_t)h5_get_attr_i64(file, "/state", "sum", 0) == sum_of(state);
   free(stored);
   return same ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
 }
@@ -143,6 +245,22 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
     *out = state;
   else
     sd_state_free(state);
+  return status;
+}
+
+sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
+                              sd_messages *messages) {
+  sd_model *own = NULL;
+  sd_state *state = NULL;
+  if (!s->later) return SD_OK;
+  if (checkpoint_get_parts(file) < 0) return sd_fail(messages, SD_ERROR_IO, "the summary is damaged");
+  sd_status status = checkpoint_check_format(file, path, messages);
+  if (status == SD_OK && !model) status = constants_read(file, path, &own, messages);
+  if (!model) model = own;
+  if (status == SD_OK) status = checkpoint_get_state(file, model, &state, messages);
+  if (status == SD_OK) status = summary_disks_collect(s, model, state, pool_most(), messages);
+  sd_state_free(state);
+  sd_model_free(own);
   return status;
 }
 

@@ -14,7 +14,7 @@
  * not by the number of the partner; 4: columns fast_*; 5: columns of contacts named as in slipdisk/contact.h, history of the
  * evaluation whose forces act, names of results as in io/store/members.c; 6: field_power; 7: visit_*. A packing takes bodies and contacts in any order, and
  * no fast_*, so that it reads 2 and 3 as well. */
-enum { CHECKPOINT_FORMAT = 7, CHECKPOINT_OF_PACKING = 2 };
+enum { CHECKPOINT_FORMAT = 8, CHECKPOINT_OF_PACKING = 2 };
 /* Name below /state of a column of sd_fields in the file's format. */
 const char *checkpoint_column(const h5_file *file, const char *name);
 
@@ -25,16 +25,43 @@ typedef struct checkpoint_parts {
   const char *replaces; /* which result may be replaced in the end, see session_begin.c; "": none */
 } checkpoint_parts;
 
-/* folder: see file.h. */
-sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
-                           const provenance *origin, const summary *found, sd_messages *messages);
+/* Free disks and contacts stand in files of the ranks (shares, see h5.h), which are there already. */
+typedef struct checkpoint_shares {
+  size_t n;
+  int64_t *sums;     /* [n] of their seals */
+  size_t n_contacts; /* of all */
+} checkpoint_shares;
 
-/* The group /state of a file that is being written. */
+/* folder: see file.h. shares: NULL: the state has all. */
+sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
+                           const checkpoint_shares *shares, const provenance *origin, const summary *found,
+                           sd_messages *messages);
+
+/* Where the rows of a part of the state stand in the whole: by ascending keys. */
+typedef struct checkpoint_order {
+  int64_t *disk_key;    /* [n_free] */
+  int64_t *contact_key; /* [n_contacts] */
+  uint32_t
+      *contact; /* [n_contacts] which contact of the part has this key; those of one key in their order */
+} checkpoint_order;
+
+/* Share k of a checkpoint that is not written after all; folder: see file.h. */
+void checkpoint_remove_share(int folder, const char *path, size_t k);
+/* A share: the free disks and contacts of a part of the state. sum: of its seal. */
+sd_status checkpoint_write_share(const char *path, const sd_state *state, const checkpoint_order *order,
+                                 int64_t *sum, sd_messages *messages);
+
+/* The group /state of a file that is being written; of one that borrows the state must stay as it is until it is saved. */
 void checkpoint_put_state(h5_file *file, const sd_state *state);
 /* The state in an open file, sized for the model; verified against its hash. SD_ERROR_USER: it belongs to
  * another model. */
 sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
                                sd_messages *messages);
+/* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
+ * run, NULL: from its deck. */
+sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,
+                              sd_messages *messages);
+uint64_t checkpoint_bytes(const sd_state *state);  /* of all its columns */
 int64_t checkpoint_get_parts(const h5_file *file); /* -1: this is no checkpoint */
 uint64_t checkpoint_get_last_part(const h5_file *file);
 char *checkpoint_get_replaces(const h5_file *file); /* to be freed; NULL: none */

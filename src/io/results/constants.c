@@ -10,11 +10,13 @@
 #include "io/results/provenance.h"
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
+#include "model/law_features.h"
 #include "slipdisk/deck.h"
 
 #define MODEL "/parameters/model"
 #define DISKS "/particles/disks"
 #define WALLS "/particles/walls"
+#define CLUMPS "/particles/clumps"
 
 enum { LAW = 4 }; /* numbers in one */
 
@@ -40,16 +42,37 @@ static const observable force_rows[] = {
     CONSTANT("constant_force", sd_disk, force, OBSERVABLE_F64, 2, "force", "constant force on the centre")};
 static const observable_list disk_forces = OBSERVABLES("disks", "of disks, where there are any", force_rows);
 
+static const observable in_clump_rows[] = {
+    DISK("clump", clump, OBSERVABLE_I32, "1", "1 + number of its clump, 0: none")};
+static const observable_list in_clump_constants =
+    OBSERVABLES("disks", "of disks, where there are clumps", in_clump_rows);
+
+static const observable clump_rows[] = {
+    CONSTANT("mass", sd_clump, mass, OBSERVABLE_F64, 1, "mass", "mass"),
+    CONSTANT("inertia", sd_clump, inertia, OBSERVABLE_F64, 1, "mass length^2",
+             "moment of inertia about its centre"),
+    CONSTANT("disks", sd_clump, n_disks, OBSERVABLE_SIZE, 1, "1", "how many disks it has"),
+};
+static const observable_list clump_constants = OBSERVABLES("clumps", "of clumps", clump_rows);
+
 static const observable wall_rows[] = {
     WALL("species", material, OBSERVABLE_I32, 1, "1", "index of the material"),
-    WALL("shape/kind", kind, OBSERVABLE_I32, 1, "1", "0 line, 1 segment, 2 polyline, 3 circle"),
-    WALL("shape/radius", radius, OBSERVABLE_F64, 1, "length", "radius of a circle, else 0"),
+    WALL("shape/kind", kind, OBSERVABLE_I32, 1, "1",
+         "0 line, 1 segment, 2 polyline, 3 circle, 4 arc: many points along it"),
+    WALL("shape/radius", radius, OBSERVABLE_F64, 1, "length", "radius of a circle or arc, else 0"),
     WALL("shape/count", n_points, OBSERVABLE_SIZE, 1, "1", "points of each wall, one wall after the other"),
     WALL("shape/pivot", pivot, OBSERVABLE_F64, 2, "length", "where the pivot stood in the deck"),
     WALL("shape/closed", closed, OBSERVABLE_FLAG, 1, "1", "1: a polyline whose ends are joined"),
     WALL("shape/inside", inside, OBSERVABLE_FLAG, 1, "1", "1: a circle with the disks inside"),
 };
 static const observable_list wall_constants = OBSERVABLES("walls", "of walls", wall_rows);
+
+static const observable arc_rows[] = {
+    WALL("shape/center", center, OBSERVABLE_F64, 2, "length", "centre of an arc"),
+    WALL("shape/from", from, OBSERVABLE_F64, 1, "rad", "angle at which an arc begins"),
+    WALL("shape/to", to, OBSERVABLE_F64, 1, "rad", "angle at which it ends"),
+};
+static const observable_list arc_constants = OBSERVABLES("walls", "of walls, where there are arcs", arc_rows);
 _Static_assert(sizeof(sd_wall_kind) == sizeof(int32_t) && sizeof(int) == sizeof(int32_t),
                "stored as 32 bits");
 
@@ -71,11 +94,12 @@ static void put_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
-/* Where not all laws are linear. */
+/* Where not all laws are linear with gamma_n. */
 static void put_normal_laws(h5_file *file, const sd_model *m) {
   size_t n = m->n_materials, dims[3] = {n, n, 2};
   bool linear = true;
-  for (size_t k = 0; k < n * n; k++) linear = linear && m->laws[k].normal == SD_NORMAL_LINEAR;
+  for (size_t k = 0; k < n * n; k++)
+    linear = linear && m->laws[k].normal == SD_NORMAL_LINEAR && m->laws[k].restitution == 0.0;
   if (linear) return;
   double(*laws)[2] = calloc(n * n + 1, sizeof *laws);
   for (size_t k = 0; laws && k < n * n; k++) {
@@ -87,6 +111,53 @@ static void put_normal_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
+/* Members of laws beyond normal_laws, where any has: a row each. */
+static const struct law_member {
+  const char *name;
+  size_t offset;
+} law_members[] = {{"damping_pulls", offsetof(sd_contact_law, damping_pulls)},
+                   {"tangential", offsetof(sd_contact_law, tangential)},
+                   {"cohesion", offsetof(sd_contact_law, cohesion)},
+                   {"mu_kinetic", offsetof(sd_contact_law, mu_kinetic)},
+                   {"gamma_t", offsetof(sd_contact_law, gamma_t)},
+                   {"k_r", offsetof(sd_contact_law, k_r)},
+                   {"gamma_r", offsetof(sd_contact_law, gamma_r)},
+                   {"mu_r", offsetof(sd_contact_law, mu_r)},
+                   {"pull_off", offsetof(sd_contact_law, pull_off)},
+                   {"range", offsetof(sd_contact_law, range)},
+                   {"rupture", offsetof(sd_contact_law, rupture)}};
+enum { LAW_MEMBERS = sizeof law_members / sizeof *law_members, LAW_WORDS = 3 };
+
+/* The first members are words: to numbers and back. */
+static double get_law_member(const sd_contact_law *law, size_t c) {
+  const double words[LAW_WORDS] = {law->damping_pulls, law->tangential, law->cohesion};
+  double x;
+  if (c < LAW_WORDS) return words[c];
+  memcpy(&x, (const char *)law + law_members[c].offset, sizeof x);
+  return x;
+}
+
+static void put_general_laws(h5_file *file, const sd_model *m) {
+  size_t n = m->n_materials, dims[3] = {n, n, LAW_MEMBERS};
+  if (!(laws_features(m) & LAW_GENERAL)) return;
+  double(*laws)[LAW_MEMBERS] = calloc(n * n + 1, sizeof *laws);
+  for (size_t k = 0; laws && k < n * n; k++)
+    for (size_t c = 0; c < LAW_MEMBERS; c++) laws[k][c] = get_law_member(&m->laws[k], c);
+  char *text = format_text("%s", "");
+  for (size_t c = 0; text && c < LAW_MEMBERS; c++)
+    text = append_text(text, "%s%s", c ? ", " : "", law_members[c].name);
+  put(file, "general_laws", SD_F64, 3, dims, laws, "mixed", text ? text : "");
+  free(text);
+  free(laws);
+}
+
+static const char *name_of(const sd_model *m, size_t body) {
+  const size_t bodies = m->n_disks + m->n_walls;
+  return body < m->n_disks ? m->disks[body].name
+         : body < bodies   ? m->walls[body - m->n_disks].name
+                           : m->clumps[body - bodies].name;
+}
+
 /* Body numbers, and names where the deck gives any. */
 static void put_bodies(h5_file *file, const char *group, const sd_model *m, size_t first, size_t n,
                        const char *meaning) {
@@ -96,7 +167,7 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
   for (size_t k = 0; names && id && k < n; k++) {
     size_t body = first + k;
     id[k] = (uint32_t)body;
-    names[k] = (char *)(body < m->n_disks ? m->disks[body].name : m->walls[body - m->n_disks].name);
+    names[k] = (char *)name_of(m, body);
     named = named || names[k];
   }
   members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);
@@ -138,6 +209,14 @@ static void put_disks(h5_file *file, const sd_model *m) {
   for (size_t k = 0; k < m->n_disks; k++)
     pushed = pushed || m->disks[k].force[0] != 0.0 || m->disks[k].force[1] != 0.0;
   if (pushed) members_write(file, DISKS, &disk_forces, m->disks, sizeof *m->disks, m->n_disks);
+  if (m->n_clumps > 0)
+    members_write(file, DISKS, &in_clump_constants, m->disks, sizeof *m->disks, m->n_disks);
+}
+
+static void put_clumps(h5_file *file, const sd_model *m) {
+  put_box(file, CLUMPS, m);
+  put_bodies(file, CLUMPS, m, m->n_disks + m->n_walls, m->n_clumps, "body number");
+  members_write(file, CLUMPS, &clump_constants, m->clumps, sizeof *m->clumps, m->n_clumps);
 }
 
 static void put_walls(h5_file *file, const sd_model *m) {
@@ -145,6 +224,9 @@ static void put_walls(h5_file *file, const sd_model *m) {
   put_box(file, WALLS, m);
   put_bodies(file, WALLS, m, m->n_disks, m->n_walls, "body number");
   members_write(file, WALLS, &wall_constants, m->walls, sizeof *m->walls, m->n_walls);
+  bool arcs = false;
+  for (size_t k = 0; k < m->n_walls; k++) arcs = arcs || m->walls[k].kind == SD_WALL_ARC;
+  if (arcs) members_write(file, WALLS, &arc_constants, m->walls, sizeof *m->walls, m->n_walls);
   for (size_t k = 0; k < m->n_walls; k++) dims[0] += m->walls[k].n_points;
   double(*points)[2] = calloc(dims[0] + 1, sizeof *points), (*at)[2] = points;
   for (size_t k = 0; points && k < m->n_walls; k++) {
@@ -175,8 +257,10 @@ void constants_write(h5_file *file, const sd_model *m) {
       "lower, upper corner at the start of what is called full; equal: there is none");
   put_laws(file, m);
   put_normal_laws(file, m);
+  put_general_laws(file, m);
   if (m->n_disks > 0) put_disks(file, m);
   if (m->n_walls > 0) put_walls(file, m);
+  if (m->n_clumps > 0) put_clumps(file, m);
 }
 
 /* --- read --------------------------------------------------------------------------------------------- */
@@ -233,6 +317,27 @@ static void read_normal_laws(reader *r, sd_model *m) {
   free(laws);
 }
 
+static void read_general_laws(reader *r, sd_model *m) {
+  if (r->status != SD_OK || !h5_exists(r->file, MODEL "/general_laws")) return;
+  size_t n = m->n_materials;
+  double *laws =
+      h5_column(r->file, MODEL "/general_laws", SD_F64, n * n * LAW_MEMBERS, &r->status, r->messages);
+  for (size_t k = 0; laws && r->status == SD_OK && k < n * n; k++) {
+    const double *x = laws + LAW_MEMBERS * k;
+    sd_contact_law *law = &m->laws[k];
+    if (!(x[1] >= 0.0 && x[1] <= SD_TANGENTIAL_MINDLIN && x[2] >= 0.0 && x[2] <= SD_COHESION_BRIDGE)) {
+      r->status = sd_fail(r->messages, SD_ERROR_IO, "the laws of the contacts are damaged");
+      break;
+    }
+    law->damping_pulls = x[0] != 0.0;
+    law->tangential = (sd_tangential_law)x[1];
+    law->cohesion = (sd_cohesion_law)x[2];
+    for (size_t c = LAW_WORDS; c < LAW_MEMBERS; c++)
+      memcpy((char *)law + law_members[c].offset, &x[c], sizeof *x);
+  }
+  free(laws);
+}
+
 static void read_laws(reader *r, sd_model *m) {
   size_t n = count(r, MODEL "/laws");
   if (n > LIMIT_MATERIALS)
@@ -249,6 +354,7 @@ static void read_laws(reader *r, sd_model *m) {
                                     .gamma_n = laws[LAW * k + 2],
                                     .mu = laws[LAW * k + 3]};
     read_normal_laws(r, m);
+    read_general_laws(r, m);
   } else if (r->status == SD_OK) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the laws");
   }
@@ -285,6 +391,8 @@ static void read_disks(reader *r, sd_model *m) {
     r->status = members_read(r->file, DISKS, &disk_constants, m->disks, sizeof *m->disks, n, r->messages);
   if (r->status == SD_OK && h5_exists(r->file, DISKS "/constant_force"))
     r->status = members_read(r->file, DISKS, &disk_forces, m->disks, sizeof *m->disks, n, r->messages);
+  if (r->status == SD_OK && h5_exists(r->file, DISKS "/clump"))
+    r->status = members_read(r->file, DISKS, &in_clump_constants, m->disks, sizeof *m->disks, n, r->messages);
   for (size_t k = 0; m->disks && r->status == SD_OK && k < n; k++) check_species(r, m, m->disks[k].material);
   if (r->status == SD_OK) m->n_disks = n;
   char **names = read_names(r, DISKS "/name", n);
@@ -318,6 +426,8 @@ static void read_walls(reader *r, sd_model *m) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu walls", n);
   if (r->status == SD_OK)
     r->status = members_read(r->file, WALLS, &wall_constants, m->walls, sizeof *m->walls, n, r->messages);
+  if (r->status == SD_OK && h5_exists(r->file, WALLS "/shape/center"))
+    r->status = members_read(r->file, WALLS, &arc_constants, m->walls, sizeof *m->walls, n, r->messages);
   for (size_t k = 0; m->walls && r->status == SD_OK && k < n; k++) check_species(r, m, m->walls[k].material);
   if (r->status == SD_OK) m->n_walls = n;
   if (m->walls && r->status == SD_OK && share_points(m, total, points) != SD_OK)

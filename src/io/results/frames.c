@@ -8,6 +8,7 @@
 #include "base/limits.h"
 #include "io/results/checkpoint.h"
 #include "io/results/constants.h"
+#include "model/cell.h"
 
 #define DISKS "/particles/disks"
 #define WALLS "/particles/walls"
@@ -179,6 +180,20 @@ static void state_bodies(reader *r, frame_data *f) {
   free(id);
 }
 
+/* The shape of a box that deforms; other states have an empty column, or none. */
+static void state_cell(reader *r, const sd_model *m, frame_data *f) {
+  double cell[CELL_COLUMNS], speed[CELL_COLUMNS];
+  if (!h5_exists(r->file, "/state/cell") || rows_of(r->file, "/state/cell") != CELL_COLUMNS) return;
+  r->status = h5_get(r->file, "/state/cell", SD_F64, CELL_COLUMNS, cell, r->messages);
+  if (r->status == SD_OK)
+    r->status = h5_get(r->file, "/state/cell_speed", SD_F64, CELL_COLUMNS, speed, r->messages);
+  if (r->status != SD_OK) return;
+  const sd_state s = {.box_scale = f->scale, .n_cell = CELL_COLUMNS, .cell = cell, .cell_speed = speed};
+  for (int c = 0; c < 2; c++) f->stretch[c] = cell[c];
+  f->offset = cell_offset(m, &s);
+  cell_gradient_of(m, &s, f->gradient);
+}
+
 /* Of the state, without its contacts, when a frame does not say it itself. */
 static void state_activity(reader *r, frame_data *f) {
   size_t n_free = rows_of(r->file, "/state/activity");
@@ -190,14 +205,17 @@ static void state_activity(reader *r, frame_data *f) {
   free(activity);
 }
 
-/* tau = - k_t zeta. */
+/* tau = - k_t zeta where laws need no more. */
 static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   size_t n = rows_of(r->file, "/state/contact_a");
   if (r->status == SD_OK) r->status = h5_check(r->file, "/state/contact_a", n, r->messages);
   if (r->status == SD_OK) r->status = frame_data_contacts(f, n, r->messages);
   if (r->status != SD_OK) return;
-  const char *zeta =
-      h5_exists(r->file, "/state/contact_zeta") ? "/state/contact_zeta" : "/state/contact_stretch";
+  const bool has_tau =
+      n > 0 && h5_exists(r->file, "/state/contact_tau") && rows_of(r->file, "/state/contact_tau") == n;
+  const char *zeta = has_tau                                     ? "/state/contact_tau"
+                     : h5_exists(r->file, "/state/contact_zeta") ? "/state/contact_zeta"
+                                                                 : "/state/contact_stretch";
   const struct {
     const char *path;
     sd_type type;
@@ -213,7 +231,7 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   for (size_t k = 0; r->status == SD_OK && k < n; k++) {
     if (f->a[k] >= m->n_disks || f->b[k] >= sd_model_bodies(m))
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the contacts of the state are damaged");
-    else
+    else if (!has_tau)
       f->tau[k] *=
           -sd_model_law(m, configuration_material(m, f->a[k]), configuration_material(m, f->b[k]))->k_t;
   }
@@ -231,6 +249,7 @@ static sd_status read_state(const frames *f, frame_data *out, sd_messages *messa
   out->time = f->state_time;
   if (r.status == SD_OK && h5_exists(f->base, "/state/box_scale"))
     r.status = h5_get(f->base, "/state/box_scale", SD_F64, 1, &out->scale, messages);
+  if (r.status == SD_OK) state_cell(&r, m, out);
   if (r.status == SD_OK) state_bodies(&r, out);
   if (r.status == SD_OK) state_contacts(&r, m, out);
   return r.status;
@@ -335,6 +354,16 @@ static sd_status read_frame(const frames *f, const h5_file *file, const frame_en
         h5_get_values(file, DISKS "/image/value", SD_I32, e->row, 1, 2 * out->n_disks, out->image, messages);
   if (status == SD_OK && h5_exists(file, DISKS "/box/scale/value"))
     status = h5_get_values(file, DISKS "/box/scale/value", SD_F64, e->row, 1, 1, &out->scale, messages);
+  if (status == SD_OK && h5_exists(file, DISKS "/box/rate/value")) {
+    double edges[4];
+    status = h5_get_values(file, DISKS "/box/rate/value", SD_F64, e->row, 1, SD_CELL_COMPONENTS,
+                           out->gradient, messages);
+    if (status == SD_OK)
+      status = h5_get_values(file, DISKS "/box/edges/value", SD_F64, e->row, 1, 4, edges, messages);
+    for (int c = 0; status == SD_OK && c < 2; c++)
+      out->stretch[c] = edges[3 * c] / (out->scale * (m->upper[c] - m->lower[c]));
+    if (status == SD_OK) out->offset = edges[2];
+  }
   if (status == SD_OK && h5_exists(file, DISKS "/activity/value")) {
     status = h5_get_values(file, DISKS "/activity/value", SD_I32, e->row, 1, out->n_disks, out->activity,
                            messages);

@@ -127,13 +127,6 @@ static void write_rest(const merge_job *job, h5_file *out) {
   series_write_columns(out, job->model);
 }
 
-static uint64_t state_bytes(const sd_state *state) {
-  uint64_t bytes = 0;
-  for (size_t k = 0; k < sd_field_count; k++)
-    bytes += sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type);
-  return bytes;
-}
-
 static bool stopped(const merge_job *job) { return job->stop && *job->stop; }
 
 static sd_status fill(const merge_job *job, h5_file *out, const size_t total[RECORD_TABLES],
@@ -174,7 +167,7 @@ static sd_status write_result(const merge_job *job, const size_t total[RECORD_TA
 
 sd_status merge_parts(const merge_job *job, sd_messages *messages) {
   size_t total[RECORD_TABLES] = {0};
-  uint64_t bytes = (4u << 20) + 2 * state_bytes(job->state), sum = 0;
+  uint64_t bytes = (4u << 20) + 2 * checkpoint_bytes(job->state), sum = 0;
   sd_status status = SD_OK;
   for (int64_t p = 1; status == SD_OK && p <= job->parts; p++) {
     size_t rows[RECORD_TABLES] = {0};

@@ -31,7 +31,9 @@ const provenance_text provenance_texts[] = {
 const size_t provenance_text_count = sizeof provenance_texts / sizeof *provenance_texts;
 
 static const observable numbers[] = {
-    OBSERVABLE_FIELD("threads", "1", "threads", I64, provenance, threads, NULL, NULL),
+    OBSERVABLE_FIELD("threads", "1", "threads (of each MPI rank)", I64, provenance, threads, NULL, NULL),
+    OBSERVABLE_FIELD("ranks", "1", "MPI ranks; 0: by a program older than 0.5", I64, provenance, ranks, NULL,
+                     NULL),
     OBSERVABLE_FIELD("sessions", "1", "times the run was started or continued", I64, provenance, sessions,
                      NULL, NULL),
     OBSERVABLE_FIELD("wall_seconds", "s", "wall time of all sessions", F64, provenance, wall_seconds, NULL,
@@ -163,11 +165,13 @@ sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *mess
   return status;
 }
 
-sd_status provenance_refresh(provenance *p, int threads, const char *cpu_path, sd_messages *messages) {
+sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path,
+                             sd_messages *messages) {
   char host[256] = "unknown", time[32], hdf5[32];
   gethostname(host, sizeof host - 1);
   now(time, sizeof time);
   p->threads = threads;
+  p->ranks = ranks;
   const struct {
     char **at;
     const char *text;

@@ -15,7 +15,7 @@ typedef struct provenance {
   char *version, *revision, *compiler, *hdf5, *gsl, *libconfig, *cpu_path;
   int64_t seed;
   int64_t inputs; /* provenance_inputs of the model; 0: not known */
-  int64_t threads;
+  int64_t threads, ranks;
   int64_t sessions;    /* times the run was started or continued */
   double wall_seconds; /* of all sessions, as far as they reached a checkpoint */
   double step_seconds; /* of these, spent advancing */
@@ -26,8 +26,9 @@ typedef struct provenance {
 int64_t provenance_inputs(const sd_model *model);
 /* Of a run that starts now. provenance_free also when it fails. */
 sd_status provenance_new(provenance *p, const sd_model *model, sd_messages *messages);
-/* Brings machine, versions and threads up to this process; cpu_path as sd_simulation_path says. */
-sd_status provenance_refresh(provenance *p, int threads, const char *cpu_path, sd_messages *messages);
+/* Brings machine, versions, ranks and threads up to this process; cpu_path as sd_simulation_path says. */
+sd_status provenance_refresh(provenance *p, int ranks, int threads, const char *cpu_path,
+                             sd_messages *messages);
 void provenance_free(provenance *p);
 void provenance_write(const provenance *p, h5_file *file);
 /* Absent texts are "". */

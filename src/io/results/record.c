@@ -8,17 +8,20 @@
 #include "io/results/series.h"
 #include "io/results/trajectory.h"
 
-sd_status record_new(record *r, const sd_model *model, sd_messages *messages) {
-  *r = (record){.model = model};
-  table *tables[RECORD_TABLES] = {&r->series, &r->disks, &r->walls, &r->contact_index, &r->contact_rows};
+sd_status record_new(record *r, const sd_model *model, bool shared, sd_messages *messages) {
+  *r = (record){.model = model, .shared = shared};
+  table *tables[RECORD_TABLES] = {&r->series,        &r->disks,        &r->walls,
+                                  &r->contact_index, &r->contact_rows, &r->clumps};
   for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
   r->slots = calloc(sd_model_bodies(model) + 1, sizeof *r->slots);
   if (!r->slots) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   sd_status status = resultants_new(&r->sums, model, messages);
   if (status == SD_OK) status = series_new(&r->series, model, messages);
-  if (status == SD_OK) status = trajectory_new_bodies(&r->disks, model, false, messages);
-  if (status == SD_OK) status = trajectory_new_bodies(&r->walls, model, true, messages);
-  if (status == SD_OK) status = trajectory_new_contacts(&r->contact_index, &r->contact_rows, messages);
+  if (status == SD_OK) status = trajectory_new_bodies(&r->disks, model, false, shared, messages);
+  if (status == SD_OK) status = trajectory_new_bodies(&r->walls, model, true, false, messages);
+  if (status == SD_OK)
+    status = trajectory_new_contacts(&r->contact_index, &r->contact_rows, shared, messages);
+  if (status == SD_OK) status = trajectory_new_clumps(&r->clumps, model, messages);
   return status;
 }
 
@@ -30,20 +33,24 @@ void record_free(record *r) {
   *r = (record){0};
 }
 
-sd_status record_sample(record *r, unsigned what, const sd_state *state, const sd_energy *energy,
+sd_status record_sample(record *r, unsigned what, const sd_state *state, const record_sums *sums,
                         sd_messages *messages) {
   sd_status status = SD_OK;
+  const bool take = what & RECORD_SERIES && !sums->others;
   assert(state->n_bodies == sd_model_bodies(r->model));
-  for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
-  const moment now = {r->model, state, energy, r->slots, &r->sums};
-  if (what & RECORD_SERIES) status = resultants_take(&r->sums, r->model, state, r->slots, messages);
+  if (take || what & (RECORD_FRAMES | RECORD_CONTACTS))
+    for (size_t slot = 0; slot < state->n_bodies; slot++) r->slots[state->id[slot]] = (uint32_t)slot;
+  const moment now = {r->model, state, &sums->energy, r->slots, take ? &r->sums : sums->others};
+  if (take) status = resultants_take(&r->sums, r->model, state, r->slots, false, messages);
   if (what & RECORD_SERIES && status == SD_OK) status = series_sample(&r->series, &now, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
-    status = trajectory_sample_bodies(&r->disks, &now, false, messages);
+    status = trajectory_sample_bodies(&r->disks, &now, false, r->shared, messages);
   if (what & RECORD_FRAMES && status == SD_OK)
-    status = trajectory_sample_bodies(&r->walls, &now, true, messages);
+    status = trajectory_sample_bodies(&r->walls, &now, true, false, messages);
+  if (what & RECORD_FRAMES && status == SD_OK) status = trajectory_sample_clumps(&r->clumps, &now, messages);
   if (what & RECORD_CONTACTS && status == SD_OK)
-    status = trajectory_sample_contacts(&r->contact_index, &r->contact_rows, &now, messages);
+    status = trajectory_sample_contacts(&r->contact_index, &r->contact_rows, &now,
+                                        r->shared ? r->n_contacts : state->n_contacts, messages);
   return status;
 }
 
@@ -63,8 +70,8 @@ void record_clear(record *r) {
   for (int k = 0; k < RECORD_TABLES; k++) table_clear(r->tables[k]);
 }
 
-sd_status record_seal(record *r, int folder, const char *path, const record_link *link, uint64_t *sum,
-                      sd_messages *messages) {
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link, size_t n_shares,
+                      const int64_t *shares, uint64_t *sum, sd_messages *messages) {
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
@@ -72,6 +79,7 @@ sd_status record_seal(record *r, int folder, const char *path, const record_link
   h5_attr_i64(file, "/", "part", link->number);
   h5_attr_i64(file, "/", "after", (int64_t)link->after);
   for (int k = 0; k < RECORD_TABLES; k++) table_write(r->tables[k], file);
+  if (n_shares > 0) h5_put_shares(file, n_shares, shares);
   status = h5_save(file, folder, path, sum, messages);
   if (status == SD_OK) record_clear(r);
   return status;

@@ -6,21 +6,28 @@
 #include "slipdisk/simulation.h"
 
 enum { RECORD_SERIES = 1, RECORD_FRAMES = 2, RECORD_CONTACTS = 4, RECORD_ALL = 7 };
-enum { RECORD_CONTACT_INDEX = 3, RECORD_TABLES = 5 }; /* places in record.tables */
+enum { RECORD_CONTACT_INDEX = 3, RECORD_TABLES = 6 }; /* places in record.tables */
 
 typedef struct record {
   const sd_model *model;
-  table series, disks, walls, contact_index, contact_rows;
+  table series, disks, walls, contact_index, contact_rows, clumps;
   table *tables[RECORD_TABLES]; /* the above */
   uint32_t *slots;              /* scratch: slot of each body */
   resultants sums;              /* scratch */
+  bool shared;                  /* frames and contacts stand in shares (record_share.h) ... */
+  size_t n_contacts;            /* ... and so many contacts in the last of these */
 } record;
 
-sd_status record_new(record *r, const sd_model *model,
-                     sd_messages *messages); /* record_free also when it fails */
+/* record_free also when it fails. */
+sd_status record_new(record *r, const sd_model *model, bool shared, sd_messages *messages);
 void record_free(record *r);
-/* Adds what the bits ask for, of this moment. */
-sd_status record_sample(record *r, unsigned what, const sd_state *state, const sd_energy *energy,
+/* Sums of a row of the series. */
+typedef struct record_sums {
+  sd_energy energy;
+  const resultants *others; /* NULL: they are taken from the state */
+} record_sums;
+/* Adds what the bits ask for, of this moment; sums: for a row of the series. */
+sd_status record_sample(record *r, unsigned what, const sd_state *state, const record_sums *sums,
                         sd_messages *messages);
 size_t record_bytes(const record *r);
 bool record_empty(const record *r);
@@ -32,9 +39,10 @@ typedef struct record_link {
   uint64_t after; /* sum of the part before; 0: it is the first */
 } record_link;
 
-/* Writes all rows to a part, and clears them when that has succeeded; sum: that of its seal. folder: see file.h. */
-sd_status record_seal(record *r, int folder, const char *path, const record_link *link, uint64_t *sum,
-                      sd_messages *messages);
+/* Writes all rows to a part, and clears them when that has succeeded; sum: that of its seal. folder: see file.h. The n_shares of
+ * a shared one are there already; their sums, see h5.h. */
+sd_status record_seal(record *r, int folder, const char *path, const record_link *link, size_t n_shares,
+                      const int64_t *shares, uint64_t *sum, sd_messages *messages);
 /* Opens a part and makes sure that it is this link of the chain; sum as above. SD_ERROR_IO: it is missing, damaged, or
  * of another run. */
 sd_status record_open(int folder, const char *path, const record_link *link, h5_file **out, uint64_t *sum,

@@ -253,7 +253,7 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   collect_stages(s, model, state);
   status = collect_until(s, model, state, messages);
   if (status == SD_OK) status = collect_lost(s, model, state, messages);
-  if (status == SD_OK) status = summary_disks_collect(&s->packing, model, state, messages);
+  summary_disks_announce(&s->packing, model, state);
   return status == SD_OK ? summary_judge(s, &model->limits, model, state, messages) : status;
 }
 

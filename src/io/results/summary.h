@@ -61,6 +61,7 @@ extern const observable_list phase_observables;   /* of summary_phase */
 
 /* Sizes and names, from the model alone; no values. summary_free also when it fails, likewise below. */
 sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages);
+/* All but the means of every disk: summary_disks_collect. */
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
                           double step_nanoseconds, sd_messages *messages);
 void summary_free(summary *s);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/shortage.h"
+#include "base/team.h"
 #include "io/store/members.h"
 
 static const char group[] = "/summary/disks", fastest_group[] = "/summary/fastest";
@@ -31,25 +32,67 @@ static void find_fastest(summary_disks *s) {
   s->n_fastest = n;
 }
 
-/* Of the deck, not of the slots. */
-static int by_number(const void *one, const void *two) {
-  const sd_disk_mean *a = one, *b = two;
-  return a->disk < b->disk ? -1 : a->disk > b->disk;
+/* From the order of slots to that of the deck. */
+static sd_status sort_by_number(summary_disks *s, size_t n_disks, sd_messages *messages) {
+  sd_disk_mean *sorted = calloc(s->n + 1, sizeof *sorted);
+  uint32_t *place = calloc(n_disks + 1, sizeof *place); /* of a disk, 1 for those that are there at first */
+  if (!sorted || !place) {
+    free(sorted);
+    free(place);
+    return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
+  }
+  for (size_t k = 0; k < s->n; k++) place[s->disks[k].disk] = 1;
+  uint32_t before = 0;
+  for (size_t i = 0; i < n_disks; i++) {
+    const uint32_t there = place[i];
+    place[i] = before;
+    before += there;
+  }
+  for (size_t k = 0; k < s->n; k++) sorted[place[s->disks[k].disk]] = s->disks[k];
+  free(place);
+  free(s->disks);
+  s->disks = sorted;
+  return SD_OK;
 }
 
-sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
+typedef struct means_task {
+  summary_disks *s;
+  const sd_model *model;
+  const sd_state *state;
+} means_task;
+
+/* Each disk by itself: threads change nothing. */
+static void means_together(const team *t, void *with) {
+  const means_task *f = with;
+  size_t begin, end;
+  team_share(t, f->s->n, &begin, &end);
+  for (size_t k = begin; k < end; k++) f->s->disks[k] = sd_disk_mean_of(f->model, f->state, k);
+}
+
+static void collect_means(summary_disks *s, const sd_model *model, const sd_state *state, int threads) {
+  enum { FEW = 1024 }; /* disks, not worth a thread */
+  pool *c = threads > 1 && s->n > FEW ? pool_new(threads) : NULL;
+  pool_run(c, means_together, &(means_task){s, model, state});
+  pool_free(c);
+}
+
+void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_state *state) {
+  *s = (summary_disks){.n = state->n_means,
+                       .looks = state->mean_samples,
+                       .bins = state->mean_bins,
+                       .measured = (double)state->measured * model->dt};
+}
+
+sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
                                 sd_messages *messages) {
-  *s = (summary_disks){.n = state->n_means};
+  summary_disks_announce(s, model, state);
   if (s->n == 0) return SD_OK;
   if (allocate(s, messages) != SD_OK) return SD_ERROR_IO;
-  for (size_t k = 0; k < s->n; k++) s->disks[k] = sd_disk_mean_of(model, state, k);
+  collect_means(s, model, state, threads);
   s->totals = sd_disk_totals_of(model, state, s->disks);
   if (shortage_seen()) return sd_fail(messages, SD_ERROR_IO, "no memory for the means of disks");
-  qsort(s->disks, s->n, sizeof *s->disks, by_number);
+  if (sort_by_number(s, model->n_disks, messages) != SD_OK) return SD_ERROR_IO;
   find_fastest(s);
-  s->looks = state->mean_samples;
-  s->bins = state->mean_bins;
-  s->measured = (double)state->measured * model->dt;
   return SD_OK;
 }
 
@@ -60,12 +103,14 @@ void summary_disks_free(summary_disks *s) {
 
 void summary_disks_write(const summary_disks *s, h5_file *file) {
   if (s->n == 0) return;
-  members_write(file, group, &disk_observables, s->disks, sizeof *s->disks, s->n);
-  members_write(file, fastest_group, &disk_observables, s->fastest, sizeof *s->fastest, s->n_fastest);
+  h5_group(file, group);
   h5_attr_i64(file, group, "count", (int64_t)s->n);
   h5_attr_i64(file, group, "looks", s->looks);
   h5_attr_i64(file, group, "bins", s->bins);
   h5_attr_f64(file, group, "measured", s->measured);
+  if (!s->disks) return;
+  members_write(file, group, &disk_observables, s->disks, sizeof *s->disks, s->n);
+  members_write(file, fastest_group, &disk_observables, s->fastest, sizeof *s->fastest, s->n_fastest);
   members_write_attrs(file, group, &total_observables, &s->totals);
 }
 
@@ -78,6 +123,8 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
   s->looks = h5_get_attr_i64(file, group, "looks", 0);
   s->bins = h5_get_attr_i64(file, group, "bins", 0);
   s->measured = h5_get_attr_f64(file, group, "measured", NAN);
+  s->later = !h5_exists(file, "/summary/disks/id");
+  if (s->later) return SD_OK;
   members_read_attrs(file, group, &total_observables, &s->totals);
   /* older files have no such list */
   if (!h5_exists(file, fastest_group)) {
@@ -97,7 +144,7 @@ sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages 
 }
 
 sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages) {
-  if (s->n == 0 || s->disks) return SD_OK;
+  if (s->n == 0 || s->disks || s->later) return SD_OK;
   sd_status status = h5_check(file, "/summary/disks/id", s->n, messages);
   if (status == SD_OK) status = allocate(s, messages);
   if (status != SD_OK) return status;

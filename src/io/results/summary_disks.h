@@ -11,6 +11,7 @@ enum { SUMMARY_FASTEST = 10 };
 typedef struct summary_disks {
   size_t n;            /* disks; 0: the deck does not ask for their means */
   sd_disk_mean *disks; /* NULL: they have not been read, see summary_disks_read_all */
+  bool later;          /* the file has only the state from which they follow, see checkpoint_complete */
   size_t n_fastest;
   sd_disk_mean fastest[SUMMARY_FASTEST]; /* those with the largest |Omega|, which is not 0 */
   sd_disk_totals totals;
@@ -21,15 +22,21 @@ typedef struct summary_disks {
 /* A record of fewer bins has no error bars. */
 enum { SUMMARY_FEWEST_BINS = 16 };
 
+/* From so many disks on checkpoints leave the means to those that read them: they follow from the state, and take longer than
+ * writing it. */
+enum { SUMMARY_LATER = 16384 };
+
+/* Of how many disks and what length the means will be. */
+void summary_disks_announce(summary_disks *s, const sd_model *model, const sd_state *state);
 /* summary_disks_free also when it fails. */
-sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state,
+sd_status summary_disks_collect(summary_disks *s, const sd_model *model, const sd_state *state, int threads,
                                 sd_messages *messages);
 void summary_disks_free(summary_disks *s);
-/* Writes nothing when there are no disks. */
+/* Writes nothing when there are no disks, and how many when no more is known. */
 void summary_disks_write(const summary_disks *s, h5_file *file);
 /* All but the means of each disk. */
 sd_status summary_disks_read(summary_disks *s, const h5_file *file, sd_messages *messages);
-/* These as well. */
+/* These as well, unless they come later. */
 sd_status summary_disks_read_all(summary_disks *s, const h5_file *file, sd_messages *messages);
 
 #endif

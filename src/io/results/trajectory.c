@@ -5,10 +5,33 @@
 #include <assert.h>
 #include <string.h>
 
+#include "model/cell.h"
+
 /* --- bodies --------------------------------------------------------------------------------------- */
 
 void trajectory_edges(const sd_model *model, double scale, double edges[2]) {
   for (int c = 0; c < 2; c++) edges[c] = model->periodic[c] ? scale * (model->upper[c] - model->lower[c]) : 0;
+}
+
+/* Rows are the edges of a box that deforms. */
+static void put_cell(const moment *now, double edges[2][2], double gradient[SD_CELL_COMPONENTS]) {
+  const sd_model *m = now->model;
+  for (int c = 0; c < 2; c++) edges[c][c] = cell_scale(now->state, c) * (m->upper[c] - m->lower[c]);
+  edges[0][1] = 0.0;
+  edges[1][0] = cell_offset(m, now->state);
+  cell_gradient_of(m, now->state, gradient);
+}
+
+static sd_status add_cell(table *t, bool walls, sd_messages *messages) {
+  const size_t square[2] = {2, 2}, three = SD_CELL_COMPONENTS;
+  const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
+  const char *rate = walls ? "/particles/walls/box/rate/value" : "/particles/disks/box/rate/value";
+  sd_status status =
+      table_add(t, edges, SD_F64, 2, square, "length", "edges of the periodic box, one a row", messages);
+  if (status == SD_OK)
+    status =
+        table_add(t, rate, SD_F64, 1, &three, "1/time", "velocity gradient of the box: xx, yy, xy", messages);
+  return status;
 }
 
 /* Walls neither wait nor leave. */
@@ -16,21 +39,24 @@ static bool has_row(const observable *o, const sd_model *model, bool walls) {
   return !o->when || (!walls && o->when(model));
 }
 
-sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_messages *messages) {
+sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared,
+                                sd_messages *messages) {
   const char *group = walls ? "/particles/walls" : "/particles/disks";
   const size_t n = walls ? model->n_walls : model->n_disks, two = 2;
   t->compress = true;
   if (n == 0) return SD_OK;
   sd_status status =
       table_add_clock(t, walls ? "/particles/walls/position" : "/particles/disks/position", messages);
-  for (size_t k = 0; status == SD_OK && k < frame_observables.n; k++) {
+  for (size_t k = 0; status == SD_OK && k < frame_observables.n && !shared; k++) {
     const observable *o = &frame_observables.rows[k];
     if (has_row(o, model, walls)) status = table_add_observable(t, group, o, "/value", n, messages);
   }
   if (!series_compresses(model)) return status;
   const char *edges = walls ? "/particles/walls/box/edges/value" : "/particles/disks/box/edges/value";
   const char *scale = walls ? "/particles/walls/box/scale/value" : "/particles/disks/box/scale/value";
-  if (status == SD_OK)
+  if (status == SD_OK && cell_deforms(model))
+    status = add_cell(t, walls, messages);
+  else if (status == SD_OK)
     status = table_add(t, edges, SD_F64, 1, &two, "length", "lengths of the periodic box, 0 where it is open",
                        messages);
   if (status == SD_OK)
@@ -39,14 +65,15 @@ sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_
   return status;
 }
 
-sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, sd_messages *messages) {
+sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool shared,
+                                   sd_messages *messages) {
   if (t->n_columns == 0) return SD_OK;
   sd_status status = table_reserve(t, 1, messages);
   if (status != SD_OK) return status;
   const sd_model *model = now->model;
   size_t column = table_put_clock(t, now->state->step, model->dt);
   size_t first = walls ? model->n_disks : 0, n = walls ? model->n_walls : model->n_disks;
-  for (size_t k = 0; k < frame_observables.n; k++) {
+  for (size_t k = 0; k < frame_observables.n && !shared; k++) {
     const observable *o = &frame_observables.rows[k];
     if (!has_row(o, model, walls)) continue;
     for (size_t i = 0; i < n; i++)
@@ -54,38 +81,74 @@ sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, sd_m
     column++;
   }
   if (series_compresses(model)) {
-    trajectory_edges(model, now->state->box_scale, table_cell(t, column));
-    memcpy(table_cell(t, column + 1), &now->state->box_scale, sizeof now->state->box_scale);
+    double edges[2][2], gradient[SD_CELL_COMPONENTS];
+    const bool deforms = cell_deforms(model);
+    if (deforms) {
+      put_cell(now, edges, gradient);
+      memcpy(table_cell(t, column++), edges, sizeof edges);
+      memcpy(table_cell(t, column++), gradient, sizeof gradient);
+    } else {
+      trajectory_edges(model, now->state->box_scale, table_cell(t, column++));
+    }
+    memcpy(table_cell(t, column++), &now->state->box_scale, sizeof now->state->box_scale);
   }
-  assert(column + (series_compresses(model) ? 2 : 0) == t->n_columns);
+  assert(column == t->n_columns);
+  table_commit(t, 1);
+  return SD_OK;
+}
+
+/* --- clumps --------------------------------------------------------------------------------------- */
+
+sd_status trajectory_new_clumps(table *t, const sd_model *model, sd_messages *messages) {
+  t->compress = true;
+  if (model->n_clumps == 0) return SD_OK;
+  sd_status status = table_add_clock(t, "/particles/clumps/position", messages);
+  for (size_t k = 0; status == SD_OK && k < clump_observables.n; k++)
+    status = table_add_observable(t, "/particles/clumps", &clump_observables.rows[k], "/value",
+                                  model->n_clumps, messages);
+  return status;
+}
+
+sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *messages) {
+  if (t->n_columns == 0) return SD_OK;
+  sd_status status = table_reserve(t, 1, messages);
+  if (status != SD_OK) return status;
+  size_t column = table_put_clock(t, now->state->step, now->model->dt);
+  for (size_t k = 0; k < clump_observables.n; k++) {
+    const observable *o = &clump_observables.rows[k];
+    for (size_t i = 0; i < now->model->n_clumps; i++)
+      table_put(t, column + k, i, o, &(moment_clump){now->state, i}, o->width);
+  }
   table_commit(t, 1);
   return SD_OK;
 }
 
 /* --- contacts ------------------------------------------------------------------------------------- */
 
-sd_status trajectory_new_contacts(table *index, table *rows, sd_messages *messages) {
+sd_status trajectory_new_contacts(table *index, table *rows, bool shared, sd_messages *messages) {
   rows->compress = true;
   sd_status status = table_add_clock(index, "/contacts", messages);
   if (status == SD_OK)
     status =
         table_add(index, "/contacts/count", SD_I64, 0, NULL, "1", "closed contacts at this step", messages);
-  for (size_t k = 0; status == SD_OK && k < contact_observables.n; k++)
+  for (size_t k = 0; status == SD_OK && k < contact_observables.n && !shared; k++)
     status = table_add_observable(rows, "/contacts", &contact_observables.rows[k], "", 0, messages);
   return status;
 }
 
-sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, sd_messages *messages) {
-  size_t n = now->state->n_contacts;
+sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,
+                                     sd_messages *messages) {
+  const size_t n = rows->n_columns > 0 ? count : 0;
   sd_status status = table_reserve(index, 1, messages);
   if (status == SD_OK) status = table_reserve(rows, n, messages);
   if (status != SD_OK) return status;
-  int64_t count = (int64_t)n;
-  memcpy(table_cell(index, table_put_clock(index, now->state->step, now->model->dt)), &count, sizeof count);
+  const int64_t all = (int64_t)count;
+  memcpy(table_cell(index, table_put_clock(index, now->state->step, now->model->dt)), &all, sizeof all);
   table_commit(index, 1);
   for (size_t k = 0; n > 0 && k < contact_observables.n; k++)
     for (size_t c = 0; c < n; c++)
-      table_put(rows, k, c, &contact_observables.rows[k], &(moment_contact){now->model, now->state, c}, 1);
+      table_put(rows, k, c, &contact_observables.rows[k],
+                &(moment_contact){now->model, now->state, now->slots, c}, 1);
   table_commit(rows, n);
   return SD_OK;
 }

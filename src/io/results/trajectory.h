@@ -4,6 +4,8 @@
  * Disks and walls stand in the order of the deck (body number), whatever their slots in the state.
  * Contacts of one moment are rows of one long table; the index says which: rows first ... first + count - 1.
  * `first` is known only when the parts are put together (merge.c).
+ *
+ * shared: what is of disks and of contacts stands in shares of the ranks (record_share.h), and is left out.
  */
 #ifndef SLIPDISK_IO_TRAJECTORY_H
 #define SLIPDISK_IO_TRAJECTORY_H
@@ -12,11 +14,19 @@
 
 /* With no disks (no walls) the table has no columns and no rows. The edges of the box, and the scale of the region, are
  * columns when some phase compresses, else constants (constants.h). */
-sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, sd_messages *messages);
-sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, sd_messages *messages);
+sd_status trajectory_new_bodies(table *t, const sd_model *model, bool walls, bool shared,
+                                sd_messages *messages);
+sd_status trajectory_sample_bodies(table *t, const moment *now, bool walls, bool shared,
+                                   sd_messages *messages);
 
-sd_status trajectory_new_contacts(table *index, table *rows, sd_messages *messages);
-sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, sd_messages *messages);
+/* The same of clumps: the rows of clump_observables. */
+sd_status trajectory_new_clumps(table *t, const sd_model *model, sd_messages *messages);
+sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *messages);
+
+sd_status trajectory_new_contacts(table *index, table *rows, bool shared, sd_messages *messages);
+/* count: of the moment's contacts. */
+sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,
+                                     sd_messages *messages);
 
 /* Lengths of the periodic box, 0 where it is open. */
 void trajectory_edges(const sd_model *model, double scale, double edges[2]);

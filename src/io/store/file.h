@@ -71,6 +71,8 @@ sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messa
 int file_open_at(int folder, const char *name, int flags);
 /* All of it, through short writes and signals; false with errno set when it cannot be. */
 bool file_write_all(int fd, const void *bytes, size_t size);
+/* All pieces, of which all but the last are whole words; sum: file_sum of them all. False with errno set. */
+bool file_write_pieces(int fd, size_t n, const file_piece *pieces, uint64_t *sum);
 /* Removes drafts of the file `base` that a kill has left in the folder; for the holder of its lock. */
 sd_status file_remove_drafts(const char *folder, const char *base, sd_messages *messages);
 bool file_is_draft(const char *name);

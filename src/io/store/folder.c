@@ -130,15 +130,19 @@ void folder_close(folder *f) {
 /* --- contents ------------------------------------------------------------------------------------- */
 
 /* Does the name belong to slipdisk? The number in it, or -1, goes to *number. */
-typedef enum kind { FOREIGN, PART, CHECKPOINT, TEMPORARY, OTHER } kind;
+typedef enum kind { FOREIGN, PART, PART_SHARE, CHECKPOINT, SHARE, TEMPORARY, OTHER } kind;
 
 static kind kind_of(const char *name, int64_t *number) {
   int end = 0;
   *number = -1;
   if (file_is_draft(name)) return TEMPORARY;
   if (sscanf(name, "part-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end]) return PART;
+  if (sscanf(name, "part-%" SCNd64 "-%*u.h5%n", number, &end) == 1 && end > 0 && !name[end])
+    return PART_SHARE;
   if (sscanf(name, "checkpoint-%" SCNd64 ".h5%n", number, &end) == 1 && end > 0 && !name[end])
     return CHECKPOINT;
+  if (sscanf(name, "checkpoint-%" SCNd64 "-%*u.h5%n", number, &end) == 1 && end > 0 && !name[end])
+    return SHARE;
   if (strncmp(name, "emergency-", 10) == 0 || strncmp(name, "damaged-", 8) == 0) return OTHER;
   return FOREIGN;
 }
@@ -219,11 +223,16 @@ static sd_status remove_some(const folder *f, chooser *doomed, int64_t limit, sd
 }
 
 static bool is_stale(kind what, int64_t number, int64_t parts) {
-  return what == TEMPORARY || (what == PART && number > parts);
+  return what == TEMPORARY || ((what == PART || what == PART_SHARE) && number > parts);
 }
 
 static bool is_older(kind what, int64_t number, int64_t oldest) {
-  return what == CHECKPOINT && number < oldest;
+  return (what == CHECKPOINT || what == SHARE) && number < oldest;
+}
+
+/* Of a checkpoint that was never finished, or was put aside. */
+static bool is_newer_share(kind what, int64_t number, int64_t newest) {
+  return what == SHARE && number > newest;
 }
 
 static bool is_ours(kind what, int64_t number, int64_t limit) {
@@ -232,7 +241,14 @@ static bool is_ours(kind what, int64_t number, int64_t limit) {
 }
 
 sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages) {
-  return remove_some(f, is_stale, parts, messages);
+  int64_t *steps;
+  size_t n;
+  sd_status status = remove_some(f, is_stale, parts, messages);
+  if (status != SD_OK) return status;
+  status = folder_checkpoints(f->path, &steps, &n, messages);
+  if (status == SD_OK) status = remove_some(f, is_newer_share, n > 0 ? steps[0] : -1, messages);
+  free(steps);
+  return status;
 }
 
 sd_status folder_prune(const folder *f, size_t keep, sd_messages *messages) {

@@ -2,7 +2,9 @@
  *
  *   lock                 held with flock by the process that writes here
  *   part-000001.h5 ...   sealed parts: rows of the series, frames, contact tables
+ *   part-000001-<rank>.h5 ...    their shares (h5.h), where several ranks have written them
  *   checkpoint-<step>.h5 the last two; each says how many parts belong to it
+ *   checkpoint-<step>-<rank>.h5  likewise
  *   emergency-<step>.h5  state at which a numerical error was found
  *   damaged-...          a checkpoint whose checksum did not fit, kept for inspection
  *   *.tmp                a draft: a file whose writing was interrupted, or the result while parts are merged
@@ -41,9 +43,9 @@ char *folder_emergency(const char *path, int64_t step);
 
 /* Steps of the checkpoints, newest first, to be freed. Also without the lock. */
 sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_messages *messages);
-/* Removes drafts, and parts with numbers beyond `parts`. */
+/* Removes drafts, parts and their shares with numbers beyond `parts`, and shares of checkpoints newer than all checkpoints. */
 sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages);
-/* Removes all checkpoints but the `keep` newest. */
+/* Removes all checkpoints but the `keep` newest, with their shares. */
 sd_status folder_prune(const folder *f, size_t keep, sd_messages *messages);
 /* Removes everything but the lock. */
 sd_status folder_empty(const folder *f, sd_messages *messages);

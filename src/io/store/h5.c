@@ -92,6 +92,7 @@ void h5_release(h5_file *file) {
     free(file->sets[k].path);
   }
   free(file->sets);
+  free(file->loans);
   h5_journal_free(file);
   free(file);
 }
@@ -176,6 +177,7 @@ static sd_status open_checked(int folder, const char *path, trust how, h5_file *
   if (status == SD_OK && whole && how != AGAIN) status = h5_check_whole(fd, path, &mark, messages);
   if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
   if (status == SD_OK && how != AGAIN) status = check_small(*out, &mark, messages);
+  if (status == SD_OK && h5_has_shares(*out)) status = h5_join(*out, folder, messages);
   if (status != SD_OK && *out) {
     h5_close(*out, NULL);
     *out = NULL;
@@ -329,18 +331,23 @@ static void choose_chunk(int rank, const size_t *dims, size_t element, hsize_t *
   }
 }
 
-/* Creates a dataset; chunked and compressed only where there is something to gain. */
-static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims, bool chunked,
-                  bool compress) {
+/* Compressed only where there is something to gain; lent: room that the library does not fill. */
+typedef enum layout { PLAIN, COMPRESSED, LENT } layout;
+
+static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const size_t *dims, layout how) {
   hsize_t extent[H5_MAX_RANK] = {0}, chunk[H5_MAX_RANK] = {0};
   for (int k = 0; k < rank; k++) extent[k] = dims[k];
   hid_t link = with_parents();
   hid_t create = H5Pcreate(H5P_DATASET_CREATE);
   H5Pset_obj_track_times(create, false);
-  if (chunked && rank > 0) {
+  if (how == LENT) {
+    H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY);
+    H5Pset_fill_time(create, H5D_FILL_TIME_NEVER);
+  }
+  if (how == COMPRESSED && rank > 0) {
     choose_chunk(rank, dims, H5Tget_size(type), chunk);
     H5Pset_chunk(create, rank, chunk);
-    if (compress && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
+    if (H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
       H5Pset_shuffle(create);
       H5Pset_deflate(create, 1);
     }
@@ -370,7 +377,7 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   for (int k = 0; k < rank; k++) n *= dims[k];
   /* small datasets: a filter costs more than it saves */
   bool large = compress && n * sd_type_size(type) > 4096;
-  hid_t set = make(file, path, h5_native(type), rank, dims, large, large);
+  hid_t set = make(file, path, h5_native(type), rank, dims, large ? COMPRESSED : PLAIN);
   if (set < 0) return;
   if (n > 0 && large) {
     h5_rows rows;
@@ -385,11 +392,31 @@ void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_
   close_set(file, set, path);
 }
 
+void h5_lend(h5_file *file, const char *path, sd_type type, size_t n, const void *data) {
+  const size_t bytes = n * sd_type_size(type);
+  if (!file->borrows || bytes < H5_LOAN_LEAST || bytes % H5_LOAN_WORD != 0) {
+    h5_put(file, path, type, 1, &n, data, false);
+    return;
+  }
+  if (file->failed) return;
+  h5_loan *loans = realloc(file->loans, (file->n_loans + 1) * sizeof *loans);
+  if (loans) file->loans = loans;
+  if (!h5_have(file, loans, path)) return;
+  hid_t set = make(file, path, h5_native(type), 1, &n, LENT);
+  if (set < 0) return;
+  const haddr_t at = H5Dget_offset(set);
+  check(file, at != HADDR_UNDEF && at % H5_LOAN_WORD == 0, path);
+  size_t k = file->n_loans++;
+  for (; k > 0 && loans[k - 1].at > at; k--) loans[k] = loans[k - 1];
+  loans[k] = (h5_loan){at, data, bytes};
+  close_set(file, set, path);
+}
+
 void h5_put_text(h5_file *file, const char *path, const char *text) {
   if (file->failed) return;
   if (!text) text = "";
   hid_t type = text_type(strlen(text));
-  hid_t set = make(file, path, type, 0, NULL, false, false);
+  hid_t set = make(file, path, type, 0, NULL, PLAIN);
   if (set >= 0) {
     check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) >= 0, path);
     h5_note(file, path, NULL, text, H5Tget_size(type), 1, 0);
@@ -416,7 +443,7 @@ void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *
   size_t longest;
   char *all = dense_texts(file, path, n, texts, &longest);
   if (!all) return;
-  hid_t type = text_type(longest), set = make(file, path, type, 1, &n, false, false);
+  hid_t type = text_type(longest), set = make(file, path, type, 1, &n, PLAIN);
   if (set >= 0) {
     if (n > 0) check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
     h5_note(file, path, NULL, all, n * longest, 1, 0);
@@ -486,7 +513,7 @@ void h5_link(h5_file *file, const char *target, const char *path) {
 
 void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, bool compress) {
   if (file->failed) return;
-  hid_t set = make(file, path, h5_native(type), rank, dims, compress, compress);
+  hid_t set = make(file, path, h5_native(type), rank, dims, compress ? COMPRESSED : PLAIN);
   if (set >= 0) close_set(file, set, path);
 }
 

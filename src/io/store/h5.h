@@ -32,6 +32,8 @@ const char *h5_version(char *text, size_t size);
 
 /* --- open and close ------------------------------------------------------------------------------- */
 sd_status h5_new(h5_file **out, sd_messages *messages); /* empty, in memory */
+/* The same, for h5_lend of about so many bytes in all. */
+sd_status h5_new_borrowing(uint64_t bytes, h5_file **out, sd_messages *messages);
 /* Empty, in a draft; room for about `bytes` is reserved first, so that a full disk shows before the library
  * writes (it may crash when a write fails). */
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages);
@@ -65,6 +67,8 @@ void h5_group(h5_file *file, const char *path);
 /* A whole dataset; rank 0 is a scalar. */
 void h5_put(h5_file *file, const char *path, sd_type type, int rank, const size_t *dims, const void *data,
             bool compress);
+/* A column, uncompressed. Of a file of h5_new_borrowing a long one is not copied: it must stay as it is until h5_save. */
+void h5_lend(h5_file *file, const char *path, sd_type type, size_t n, const void *data);
 void h5_put_text(h5_file *file, const char *path, const char *text); /* NULL counts as "" */
 /* n strings of equal storage length; NULL counts as "". */
 void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *texts);
@@ -118,6 +122,19 @@ char *h5_get_attr_text(const h5_file *file, const char *path, const char *name);
 /* Calls visit for every dataset below the root, in alphabetical order. */
 typedef void h5_visitor(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims);
 sd_status h5_visit(const h5_file *file, h5_visitor *visit, void *user, sd_messages *messages);
+
+/* --- shares --------------------------------------------------------------------------------------- */
+/* A file may have shares: sealed files beside it, each with rows of some datasets, which are put together when it is opened. So
+ * it reads as one file, whoever has written how much of it. In a share the rows of /path stand in /disks/path or in
+ * /contacts/path, and /disks/key or /contacts/key [row] orders them: those of lower keys, in any share, come first; rows
+ * of equal keys stand in one share. Rows that the file itself has at /path come last. Attribute `each` of the key: so many of
+ * them are one row of /path, as the disks of a frame are. */
+
+/* Name of share k of a file: NAME-k.h5 of NAME.h5; to be freed. */
+char *h5_share_path(const char *path, size_t k);
+/* There are n shares, whose seals have these sums. */
+void h5_put_shares(h5_file *file, size_t n, const int64_t *sums);
+bool h5_has_shares(const h5_file *file);
 
 /* --- tables of particles, for the deck ------------------------------------------------------------ */
 /* Reads the named columns as (*values)[row * n_columns + column], to be freed. `dataset` is one of

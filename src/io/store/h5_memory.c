@@ -1,5 +1,8 @@
-/* h5_memory.c: files that are built, or read, in memory; see h5.h. */
+/* h5_memory.c: files that are built, or read, in memory; see h5.h. One that borrows has holes where the loans go (h5_pages.c),
+ * and is saved piece by piece: pages, loan, pages, ...
+ */
 #include <assert.h>
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,16 +12,18 @@
 
 /* Bytes by which a file in memory grows. */
 static const size_t GROWTH = (size_t)1 << 20;
+/* Room in a file beside all that may be lent, of which pages are taken when they are written. */
+static const size_t BESIDES = (size_t)256 << 20;
 
 /* The library takes two memory files of one name for the same file. */
-static void memory_name(char *name, size_t size) {
+void h5_memory_name(char *name, size_t size) {
   static unsigned count;
   snprintf(name, size, "memory-%u", __atomic_add_fetch(&count, 1u, __ATOMIC_RELAXED));
 }
 
 sd_status h5_new(h5_file **out, sd_messages *messages) {
   char name[40];
-  memory_name(name, sizeof name);
+  h5_memory_name(name, sizeof name);
   sd_status status = h5_allocate(name, out, messages);
   if (status != SD_OK) return status;
   (*out)->memory = (*out)->writing = true;
@@ -34,6 +39,24 @@ sd_status h5_new(h5_file **out, sd_messages *messages) {
   return sd_fail(messages, SD_ERROR_IO, "no memory for an HDF5 file");
 }
 
+sd_status h5_new_borrowing(uint64_t bytes, h5_file **out, sd_messages *messages) {
+  char name[40];
+  h5_memory_name(name, sizeof name);
+  sd_status status = h5_allocate(name, out, messages);
+  if (status != SD_OK) return status;
+  h5_file *file = *out;
+  hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_alignment(access, H5_LOAN_LEAST, H5_LOAN_ALIGNED);
+  file->id = h5_set_pages(access, (size_t)(2 * bytes) + BESIDES)
+                 ? H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access)
+                 : H5I_INVALID_HID;
+  H5Pclose(access);
+  file->memory = file->writing = file->borrows = true;
+  if (file->id >= 0) return SD_OK;
+  h5_release(file);
+  return h5_new(out, messages);
+}
+
 /* The file's bytes: those that the library holds, no copy. They are there while the file is open. */
 static const void *image_of(hid_t id, size_t *size) {
   void *handle = NULL;
@@ -44,50 +67,74 @@ static const void *image_of(hid_t id, size_t *size) {
   return *(void **)handle; /* of a file in memory: where the bytes are */
 }
 
-/* All of a file of h5_new and its seal, whose sum is returned. They are there while the file is open. */
-static sd_status whole_image(h5_file *file, const char *path, file_piece pieces[2],
-                             unsigned char seal[H5_SEAL_BYTES], uint64_t *sum, sd_messages *messages) {
-  size_t size = 0;
+/* The finished file in pieces, which are there while it is open. */
+typedef struct image {
+  size_t size; /* of all */
+  size_t n;
+  file_piece *pieces; /* to be freed */
+} image;
+
+static sd_status whole_image(h5_file *file, const char *path, image *m, sd_messages *messages) {
   int64_t one = 1;
+  *m = (image){0};
   h5_attr(file, "/", "sealed", SD_I64, 0, &one);
   h5_flush_sets(file);
-  const void *image = file->failed ? NULL : image_of(file->id, &size);
-  if (!image)
+  const unsigned char *bytes = file->failed ? NULL : image_of(file->id, &m->size);
+  if (bytes) m->pieces = calloc(2 * file->n_loans + 1, sizeof *m->pieces);
+  if (!m->pieces)
     return sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path,
                    file->trouble ? file->trouble : "no memory");
-  uint64_t found = h5_image_seal(image, size, seal);
-  if (sum) *sum = found;
-  pieces[0] = (file_piece){image, size};
-  pieces[1] = (file_piece){seal, H5_SEAL_BYTES};
+  size_t at = 0;
+  for (size_t k = 0; k < file->n_loans; k++) {
+    const h5_loan *loan = &file->loans[k];
+    assert(loan->at >= at && loan->at + loan->bytes <= m->size);
+    m->pieces[m->n++] = (file_piece){bytes + at, (size_t)loan->at - at};
+    m->pieces[m->n++] = (file_piece){loan->data, loan->bytes};
+    at = (size_t)loan->at + loan->bytes;
+  }
+  m->pieces[m->n++] = (file_piece){bytes + at, m->size - at};
   return SD_OK;
 }
 
 sd_status h5_save(h5_file *file, int folder, const char *path, uint64_t *sum, sd_messages *messages) {
-  file_piece pieces[2] = {{0}};
+  image m;
+  file_draft draft = {.folder = -1, .fd = -1};
   unsigned char seal[H5_SEAL_BYTES];
-  sd_status status = whole_image(file, path, pieces, seal, sum, messages);
-  if (status == SD_OK) status = file_write_atomic(folder, path, 2, pieces, messages);
+  sd_status status = whole_image(file, path, &m, messages);
+  if (status == SD_OK) status = file_draft_new(folder, path, &draft, messages);
+  uint64_t found = 0;
+  bool good = status == SD_OK && file_write_pieces(draft.fd, m.n, m.pieces, &found);
+  if (sum) *sum = found;
+  h5_make_seal(m.size, found, seal);
+  good = good && file_write_all(draft.fd, seal, sizeof seal);
+  if (status == SD_OK && !good)
+    status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
+  if (status == SD_OK)
+    status = file_draft_publish(&draft, folder, path, FILE_REPLACE, messages);
+  else
+    file_draft_drop(&draft);
+  free(m.pieces);
   H5Fclose(file->id);
   h5_release(file);
   return status;
 }
 
 sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *messages) {
-  file_piece pieces[2] = {{0}};
-  unsigned char seal[H5_SEAL_BYTES];
+  image m;
   *data = NULL;
-  sd_status status = whole_image(file, "the file in memory", pieces, seal, NULL, messages);
+  sd_status status = whole_image(file, "the file in memory", &m, messages);
   if (status == SD_OK) {
-    *size = pieces[0].size + H5_SEAL_BYTES;
+    *size = m.size + H5_SEAL_BYTES;
     unsigned char *copy = *data = malloc(*size);
     if (copy) {
-      assert(pieces[0].bytes);
-      memcpy(copy, pieces[0].bytes, pieces[0].size);
-      memcpy(copy + pieces[0].size, seal, H5_SEAL_BYTES);
+      for (size_t k = 0, at = 0; k < m.n; at += m.pieces[k++].size)
+        memcpy(copy + at, m.pieces[k].bytes, m.pieces[k].size);
+      h5_make_seal(m.size, file_sum(FILE_SUM, copy, m.size), copy + m.size);
     } else {
       status = sd_fail(messages, SD_ERROR_IO, "no memory for a copy of %zu bytes", *size);
     }
   }
+  free(m.pieces);
   H5Fclose(file->id);
   h5_release(file);
   return status;
@@ -95,18 +142,18 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
 
 sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messages *messages) {
   unsigned char seal[H5_SEAL_BYTES];
-  const size_t image = size < H5_SEAL_BYTES ? 0 : size - H5_SEAL_BYTES;
+  const size_t body = size < H5_SEAL_BYTES ? 0 : size - H5_SEAL_BYTES;
   *out = NULL;
-  if (image) h5_image_seal(data, image, seal);
-  if (!image || memcmp(seal, (const unsigned char *)data + image, H5_SEAL_BYTES) != 0)
+  if (body) h5_make_seal(body, file_sum(FILE_SUM, data, body), seal);
+  if (!body || memcmp(seal, (const unsigned char *)data + body, H5_SEAL_BYTES) != 0)
     return sd_fail(messages, SD_ERROR_IO, "the saved bytes are damaged: their checksum does not fit");
   char name[40];
-  memory_name(name, sizeof name);
+  h5_memory_name(name, sizeof name);
   sd_status status = h5_allocate(name, out, messages);
   if (status != SD_OK) return status;
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_core(access, GROWTH, false);
-  H5Pset_file_image(access, (void *)(uintptr_t)data, image);
+  H5Pset_file_image(access, (void *)(uintptr_t)data, body);
   (*out)->id = H5Fopen(name, H5F_ACC_RDONLY, access);
   H5Pclose(access);
   if ((*out)->id >= 0) return SD_OK;

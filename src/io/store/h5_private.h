@@ -37,10 +37,23 @@ typedef struct h5_entry {
   uint64_t sum;           /* h5_sum of all */
 } h5_entry;
 
+/* A dataset whose values stay where they are until the file is saved. */
+typedef struct h5_loan {
+  uint64_t at; /* in the file */
+  const void *data;
+  size_t bytes;
+} h5_loan;
+
+/* Loans stand at multiples of this, so that the seal's words do not straddle their borders. */
+enum { H5_LOAN_LEAST = 64 << 10, H5_LOAN_ALIGNED = 4096, H5_LOAN_WORD = 8 };
+
 struct h5_file {
   hid_t id;
-  char *path;  /* for messages */
-  bool memory; /* made by h5_new */
+  char *path;     /* for messages */
+  bool memory;    /* made by h5_new */
+  bool borrows;   /* made by h5_new_borrowing */
+  h5_loan *loans; /* in the order of the file */
+  size_t n_loans;
   bool writing;
   bool failed;   /* a write went wrong ... */
   char *trouble; /* ... and this was the first */
@@ -84,11 +97,19 @@ sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *mes
 sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages);
 /* Sum of all attributes and of the datasets of up to 64 KiB, in the order of their names. */
 sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages);
-/* The seal of an image in memory, to stand behind it; returns its sum. */
+/* The seal of bytes in memory with this sum, to stand behind them. */
 enum { H5_SEAL_BYTES = 24 };
-uint64_t h5_image_seal(const void *image, size_t size, unsigned char seal[H5_SEAL_BYTES]);
+void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]);
 /* Puts seal and sum of the small data behind the HDF5 data of an open file. */
 sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages);
+
+/* A name that no other file in memory has. */
+void h5_memory_name(char *name, size_t size);
+/* Puts a file that was opened together with its shares: from now on it is one in memory. */
+sd_status h5_join(h5_file *file, int folder, sd_messages *messages);
+/* --- h5_pages.c ------------------------------------------------------------------------------------- */
+/* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
+bool h5_set_pages(hid_t access, size_t room);
 
 /* Opens the file behind a descriptor, which stays the caller's. Nothing is checked. */
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages);

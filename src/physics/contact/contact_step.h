@@ -7,6 +7,9 @@
  *   zeta = lambda - lambda*, |zeta| <= mu F_n / k_t by shifting lambda*
  *   tau  = -k_t zeta
  *
+ * The rest of other laws is written where `features` (model/laws.h) ask for it: law_tangential.h, law_rolling.h,
+ * model/law_cohesion.h. In plain passes they are a constant 0, in general ones the same number for all pairs.
+ *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, arc = R_a th_a +
  * R_b th_b, turned = angle from e to n. The contact is re-based after a step in which |sin(turned)| exceeds
  * CONTACT_REBASE, so that three terms of the series of asin(e x n) are exact to rounding.
@@ -14,9 +17,11 @@
  * History is committed in the one evaluation whose forces act: with velocity Verlet at the new positions, with Gear at the
  * predicted ones (PEC). The losses of a step are the trapezoid between the evaluation before and this one (physics.md 8).
  */
+#include "model/law_cohesion.h"
 #include "model/normal_laws.h"
 
 #ifndef CONTACT_STEP_COMMON
+#include "model/law_features.h"
 #define CONTACT_STEP_COMMON
 #define CONTACT_REBASE 0.015625
 #define CONTACT_SIGN 0x8000000000000000u
@@ -40,6 +45,8 @@ typedef struct LANE(pair_distance) {
   LANE(real) cross; /* of reference direction and distance */
   LANE(real) r;     /* distance, with the sign of sum */
   LANE(real) inverse_r;
+  LANE(real) away;  /* cells between, squared; of a box that deforms */
+  LANE(real) swing; /* distance x relative velocity; of general passes */
 } LANE(pair_distance);
 
 typedef struct LANE(pair_geometry) {
@@ -50,6 +57,9 @@ typedef struct LANE(pair_geometry) {
   LANE(real) lambda;        /* from the reference direction */
   LANE(real) turned, sine2; /* angle from e to n, its squared sine */
   LANE(real) lever;         /* (R_a + R_b)/r */
+  LANE(real) slide;         /* dlambda/dt; where dashpots want it */
+  LANE(real) rho, rolls;    /* R_eff (theta_a - theta_b), its derivative, R_eff: where rolling wants it */
+  LANE(real) arm;
 } LANE(pair_geometry);
 
 /* Field by field: compilers take copies of the whole apart. */
@@ -95,12 +105,18 @@ LANE_INLINE LANE(pair_geometry) LANE(pair_geometry_of)(const LANE(pair_input) * 
 
 typedef struct LANE(contact_constants) {
   LANE(real) k_n, k_t, half_k_t, gamma_n, cap; /* cap: mu/k_t, 0 where k_t is: frictionless */
-  LANE(real) normal, tsuji;                    /* law's number, alpha sqrt(m_eff k_n); where laws are mixed */
+  LANE(real) normal, tsuji;                    /* law's number, law_tsuji sqrt(m_eff k_n): LAW_NORMAL */
+  LANE(mask) pulls;                            /* LAW_PULLS */
+  LANE(real) cap_kinetic, mindlin, lag;        /* LAW_TANGENTIAL; as in law_row */
+  LANE(real) k_r, cap_r, lag_r;                /* LAW_ROLLING */
+  LANE(cohesion) cohesion;                     /* LAW_COHESION */
 } LANE(contact_constants);
 
-/* Elastic force, and the coefficient of damping, at overlap delta. Unless mixed, all contacts have the linear law. */
+/* Elastic force, the coefficient of damping, and stored energy, at overlap delta. Without LAW_NORMAL all contacts have the
+ * linear law. */
 LANE_INLINE LANE(real)
-    LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta, const int mixed) {
+    LANE(law_elastic)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
+  const int mixed = (features & LAW_NORMAL) != 0;
   LANE(real) force = LANE(linear_elastic)(k->k_n, delta);
 #define LAW_CASE(number, word, keys, meaning)                                                                \
   if (mixed && number != SD_NORMAL_LINEAR)                                                                   \
@@ -112,8 +128,9 @@ LANE_INLINE LANE(real)
 }
 
 LANE_INLINE LANE(real)
-    LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta, const int mixed) {
-  LANE(real) gamma = k->gamma_n;
+    LANE(law_damping)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
+  const int mixed = (features & LAW_NORMAL) != 0;
+  LANE(real) gamma = mixed ? LANE(linear_damping)(k->gamma_n, k->tsuji, delta) : k->gamma_n;
 #define LAW_CASE(number, word, keys, meaning)                                                                \
   if (mixed && number != SD_NORMAL_LINEAR)                                                                   \
     gamma = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                                \
@@ -123,9 +140,23 @@ LANE_INLINE LANE(real)
   return gamma;
 }
 
-/* Record of a contact (sd_contact_record) without its sums. */
+LANE_INLINE LANE(real)
+    LANE(law_stored)(const LANE(contact_constants) * k, LANE(real) delta, const unsigned features) {
+  LANE(real) energy = LANE(linear_stored)(k->k_n, delta);
+#define LAW_CASE(number, word, keys, meaning)                                                                \
+  if (features & LAW_NORMAL && number != SD_NORMAL_LINEAR)                                                   \
+    energy = LANE(select)(LANE(equal)(k->normal, LANE(splat)((double)number)),                               \
+                          LANE(word##_stored)(k->k_n, delta), energy);
+  NORMAL_LAWS(LAW_CASE)
+#undef LAW_CASE
+  return energy;
+}
+
+/* Record of a contact (sd_contact_record) without its sums; general: slid, in the step before. */
 typedef struct LANE(contact_memory) {
   LANE(real) lambda_ref, ex, ey, force, overlap, zeta, turned;
+  LANE(real) tau, pull, rho_ref, rho, roll;
+  LANE(mask) slid;
 } LANE(contact_memory);
 
 /* Masks before the step, and after it. */
@@ -137,10 +168,15 @@ typedef struct LANE(contact_closed) {
 typedef struct LANE(contact_output) {
   LANE(real) fx, fy, tau;
   LANE(real)
-  viscous, friction, work; /* losses of the step; work of the paper's force beyond that of a potential */
-  LANE(real) dropped;      /* energy left in contacts that opened */
-  LANE(real) slip;         /* length by which lambda* was shifted; its sign is opposite to tau's */
+  viscous, friction, work;    /* losses of the step; work of the paper's force beyond that of a potential */
+  LANE(real) dropped;         /* energy left in contacts that opened */
+  LANE(real) slip;            /* length by which lambda* was shifted; its sign is opposite to tau's */
+  LANE(real) couple;          /* on a, the opposite on b */
+  LANE(real) rolling, bridge; /* losses of the step */
 } LANE(contact_output);
+
+#include "physics/contact/law_rolling.h"
+#include "physics/contact/law_tangential.h"
 
 /* Contacts in which more happens than sliding: they begin or end, have turned far, or overlap beyond limit. A limit of the
  * smallest body flags more of them than there are. */
@@ -149,26 +185,107 @@ LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE
          LANE(greater)(g->reach, limit);
 }
 
+/* Contacts that are closed after the step: attraction begins and ends them beyond touch. */
+LANE_INLINE LANE(mask) LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                             LANE(mask) was_closed, const unsigned features) {
+  LANE(real) gap = LANE(splat)(0.0);
+  if (features & LAW_COHESION) gap = LANE(select)(was_closed, k->cohesion.ends, k->cohesion.begins);
+  return LANE(greater)(g->reach, -gap);
+}
+
 /* Coincident centres have no direction, and do not touch. */
 LANE_INLINE LANE(mask) LANE(has_direction)(const LANE(pair_geometry) * g) {
   const LANE(real) zero = LANE(splat)(0.0);
   return LANE(not )(LANE(equal)(g->nx, zero) & LANE(equal)(g->ny, zero));
 }
 
-/* History of a step. closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the
- * paper's tangential force, tau instead of tau (R_a + R_b)/r. mixed: not all contacts have the linear normal law. */
-LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+/* Energy of what acts along the normal. */
+LANE_INLINE LANE(real)
+    LANE(normal_energy)(const LANE(contact_constants) * k, LANE(real) reach, const unsigned features) {
+  return LANE(law_stored)(k, LANE(max)(reach, LANE(splat)(0.0)), features) +
+         LANE(cohesion_energy)(&k->cohesion, reach);
+}
+
+/* Normal force of contacts of which some may be apart; limit: without attraction, if it pushes. Where a step takes surfaces
+ * together or apart the trapezoid is no work of a smooth force: what it gives beyond the stored energy is booked as lost. */
+LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                      LANE(mask) touching, LANE(mask) closed, const unsigned features,
+                                      LANE(contact_memory) * m, LANE(contact_output) * out,
+                                      LANE(real) * limit) {
+  const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
+  const LANE(real) was = m->overlap, now = LANE(mask_zero)(touching, g->reach), way = now - was;
+  const LANE(real) was_deep = LANE(max)(was, zero), delta = LANE(max)(now, zero);
+  const LANE(mask) deep = LANE(greater)(delta, zero);
+  LANE(real) elastic = LANE(law_elastic)(k, delta, features);
+  LANE(real) push = elastic - LANE(law_damping)(k, delta, features) * g->approach;
+  LANE(real) pushes = LANE(max)(push, zero);
+  if (features & LAW_PULLS)
+    push = LANE(select)(k->pulls, push, pushes);
+  else
+    push = pushes;
+  push = LANE(mask_zero)(deep, push);
+  *limit = LANE(mask_zero)(deep, pushes);
+  LANE(real) pull = zero;
+  if (features & LAW_COHESION)
+    pull =
+        LANE(mask_zero)(touching, k->cohesion.pull_off * LANE(cohesion_part)(&k->cohesion, g->reach,
+                                                                             (features & LAW_BRIDGE) != 0));
+  LANE(real) before_damping = m->force - LANE(law_elastic)(k, was_deep, features);
+  if (features & LAW_COHESION) before_damping = before_damping + m->pull;
+  out->viscous = half * (before_damping + (push - elastic)) * way;
+  if (features & LAW_COHESION) {
+    const LANE(mask) crossed = closed & (LANE(greater)(was, zero) ^ deep);
+    if (__builtin_expect(LANE(any)(crossed), 0))
+      out->viscous =
+          LANE(select)(crossed,
+                       half * (m->force + (push - pull)) * way -
+                           (LANE(normal_energy)(k, now, features) - LANE(normal_energy)(k, was, features)),
+                       out->viscous);
+  }
+  m->force = push - pull;
+  m->pull = pull;
+  m->overlap = now;
+}
+
+/* History of a step with any features. */
+LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                        LANE(mask) touching, LANE(mask) closed, const int paper,
-                                       const int mixed, LANE(contact_memory) * m,
+                                       const unsigned features, LANE(contact_memory) * m,
                                        LANE(contact_output) * out) {
   const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
-  const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, mixed);
+  const LANE(real) torn = paper ? m->tau * m->overlap : zero;
+  LANE(real) limit, was = m->overlap, now;
+  LANE(normal_history)(g, k, touching, closed, features, m, out, &limit);
+  now = m->overlap;
+  m->overlap = was;
+  LANE(tangential_history)(g, k, closed, LANE(max)(now, zero), limit, features, m, out);
+  m->overlap = now;
+  out->work = paper ? half * (torn + m->tau * m->overlap) * (g->turned - m->turned) : zero;
+  m->turned = paper ? g->turned : zero;
+  if (!(features & LAW_ROLLING)) return;
+  LANE(rolling_history)(g, k, closed, limit, m, out);
+  out->couple = m->roll * g->arm;
+}
+
+/* History of a step. closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the
+ * paper's tangential force, tau instead of tau (R_a + R_b)/r. */
+LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                       LANE(mask) touching, LANE(mask) closed, const int paper,
+                                       const unsigned features, LANE(contact_memory) * m,
+                                       LANE(contact_output) * out) {
+  const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
+  out->couple = out->rolling = out->bridge = zero;
+  if (features & LAW_GENERAL) {
+    LANE(general_history)(g, k, touching, closed, paper, features, m, out);
+    return;
+  }
+  const LANE(real) before_damping = m->force - LANE(law_elastic)(k, m->overlap, features);
 
   /* normal force: never pulls */
-  LANE(real) delta = LANE(mask_zero)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, mixed);
+  LANE(real) delta = LANE(mask_zero)(touching, g->reach), elastic = LANE(law_elastic)(k, delta, features);
   LANE(real)
-  force =
-      LANE(mask_zero)(touching, LANE(max)(elastic - LANE(law_damping)(k, delta, mixed) * g->approach, zero));
+  force = LANE(mask_zero)(touching,
+                          LANE(max)(elastic - LANE(law_damping)(k, delta, features) * g->approach, zero));
 
   /* tangential displacement, and Amonton's cap */
   LANE(real) zeta = LANE(mask_zero)(closed, g->lambda - m->lambda_ref), cap = k->cap * force;
@@ -190,9 +307,9 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE
 
 /* F_n n - lever tau t with t = (-n_y, n_x); lever: (R_a + R_b)/r, or 1 with the paper's force. */
 LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                     LANE(real) lever, const LANE(contact_memory) * m,
-                                     LANE(contact_output) * out) {
-  LANE(real) tau = -(k->k_t * m->zeta), push = tau * lever;
+                                     LANE(real) lever, const unsigned features,
+                                     const LANE(contact_memory) * m, LANE(contact_output) * out) {
+  LANE(real) tau = features & LAW_GENERAL ? m->tau : -(k->k_t * m->zeta), push = tau * lever;
   out->fx = m->force * g->nx + push * g->ny;
   out->fy = m->force * g->ny - push * g->nx;
   out->tau = tau;
@@ -201,9 +318,53 @@ LANE_INLINE void LANE(contact_force)(const LANE(pair_geometry) * g, const LANE(c
 /* The whole step of a contact; the pass over round pairs puts other work between the two. */
 LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                     LANE(mask) touching, LANE(mask) closed, LANE(real) lever, const int paper,
-                                    const int mixed, LANE(contact_memory) * m, LANE(contact_output) * out) {
-  LANE(contact_history)(g, k, touching, closed, paper, mixed, m, out);
-  LANE(contact_force)(g, k, lever, m, out);
+                                    const unsigned features, LANE(contact_memory) * m,
+                                    LANE(contact_output) * out) {
+  LANE(contact_history)(g, k, touching, closed, paper, features, m, out);
+  LANE(contact_force)(g, k, lever, features, m, out);
+}
+
+/* As contact_begin_end, of what only general laws have. */
+LANE_INLINE void LANE(general_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                         LANE(mask) touching, LANE(mask) closed, LANE(mask) was_closed,
+                                         LANE(real) dt, const unsigned features,
+                                         const LANE(contact_memory) * before, LANE(contact_memory) * m,
+                                         LANE(contact_output) * out) {
+  const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
+  const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
+  LANE(real)
+  firm = LANE(select)(LANE(greater)(k->mindlin, zero), LANE(sqrt)(LANE(max)(before->overlap, zero)),
+                      LANE(splat)(1.0));
+  LANE(real) left = k->half_k_t * firm * before->zeta * before->zeta; /* in the tangential spring */
+  if (features & LAW_ROLLING) left = left + half * k->k_r * before->rho * before->rho;
+  out->dropped = out->viscous + left;
+  if (features & (LAW_COHESION | LAW_PULLS)) { /* a force that pulls works over the whole way of the step */
+    const LANE(mask) pulls = LANE(greater)(k->cohesion.pull_off, zero) | k->pulls;
+    LANE(real) apart = half * before->force * (g->reach - before->overlap);
+    out->dropped =
+        LANE(select)(pulls, LANE(normal_energy)(k, before->overlap, features) + apart + left, out->dropped);
+  }
+  if (features & LAW_COHESION) {
+    const LANE(mask) pulls = LANE(greater)(k->cohesion.pull_off, zero);
+    const LANE(real) formed = LANE(mask_zero)(begun, LANE(bridge_energy)(&k->cohesion));
+    /* attraction was there from the beginning: the trapezoid has half of it */
+    out->viscous =
+        out->viscous - LANE(mask_zero)(begun & pulls, LANE(cohesion_energy)(&k->cohesion, m->overlap) +
+                                                          formed + half * m->pull * m->overlap);
+    out->bridge = formed;
+  }
+  /* dashpots, likewise, from the beginning */
+  if (features & LAW_DASHPOT)
+    out->viscous = out->viscous - LANE(mask_zero)(begun, half * m->tau * (g->slide * dt));
+  if (features & LAW_ROLLING)
+    out->viscous = out->viscous - LANE(mask_zero)(begun, half * m->roll * (g->rolls * dt));
+  out->rolling = LANE(mask_zero)(closed, out->rolling);
+  m->rho_ref = LANE(mask_zero)(touching, LANE(select)(closed, m->rho_ref, g->rho));
+  m->tau = LANE(mask_zero)(touching, m->tau);
+  m->pull = LANE(mask_zero)(touching, m->pull);
+  m->rho = LANE(mask_zero)(touching, m->rho);
+  m->roll = LANE(mask_zero)(touching, m->roll);
+  out->dropped = LANE(mask_zero)(opened, out->dropped);
 }
 
 /* The rest of a step in which contacts begin or end; before: what they remembered; bent: dt^2/2 times the relative
@@ -213,11 +374,14 @@ LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(co
  * the disks overlap. The energy left in a contact that opens is booked as such. */
 LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                          LANE(mask) touching, LANE(mask) closed, LANE(mask) was_closed,
-                                         LANE(real) dt, LANE(real) bent, const LANE(contact_memory) * before,
-                                         LANE(contact_memory) * m, LANE(contact_output) * out) {
+                                         LANE(real) dt, LANE(real) bent, const unsigned features,
+                                         const LANE(contact_memory) * before, LANE(contact_memory) * m,
+                                         LANE(contact_output) * out) {
   const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
   LANE(real) rise = m->overlap - before->overlap, half = LANE(splat)(0.5);
   out->dropped = LANE(mask_zero)(opened, out->viscous + k->half_k_t * before->zeta * before->zeta);
+  if (features & LAW_GENERAL)
+    LANE(general_begin_end)(g, k, touching, closed, was_closed, dt, features, before, m, out);
   LANE(real) way = LANE(mask_zero)(begun, -(g->approach * dt - bent) - rise);
   out->viscous = LANE(mask_zero)(touching, out->viscous + half * m->force * way);
   out->friction = LANE(mask_zero)(closed, out->friction);

@@ -2,65 +2,94 @@
 #include "physics/contact/energy.h"
 
 #include <math.h>
+#include <stddef.h>
+#include <string.h>
 
-#include "model/normal_laws.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
+#include "physics/system/box.h"
+#include "physics/system/clumps.h"
+#include "physics/system/halo.h"
+
+/* The sum that a member of sd_energy has. */
+#define ADD(sum, member, x) exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
 
 /* Coordinates that are held or prescribed carry no energy of the system: their work is counted instead. */
-static void add_disks(const engine *e, sd_energy *sum) {
+static void add_disks(const engine *e, energy_sums *sum) {
   const sd_state *s = e->state;
   const work *w = &e->work;
   for (size_t i = 0; i < s->n_free; i++) {
-    double x = s->x[i] + s->image_x[i] * w->length[0], y = s->y[i] + s->image_y[i] * w->length[1];
+    double kinetic = 0.0, external = 0.0;
     if (w->inverse_mass_x[i] != 0.0) {
-      sum->kinetic_translation += 0.5 * s->mass[i] * s->vx[i] * s->vx[i];
-      sum->external -= w->constant_x[i] * x;
+      kinetic += 0.5 * s->mass[i] * s->vx[i] * s->vx[i];
+      external -= w->constant_x[i] * box_absolute_x(e, i);
     }
     if (w->inverse_mass_y[i] != 0.0) {
-      sum->kinetic_translation += 0.5 * s->mass[i] * s->vy[i] * s->vy[i];
-      sum->external -= w->constant_y[i] * y;
+      kinetic += 0.5 * s->mass[i] * s->vy[i] * s->vy[i];
+      external -= w->constant_y[i] * box_absolute_y(e, i);
     }
     if (w->inverse_inertia[i] != 0.0) {
-      sum->kinetic_rotation += 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
-      sum->external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
+      ADD(sum, kinetic_rotation, 0.5 * s->inertia[i] * s->omega[i] * s->omega[i]);
+      external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
     }
-    sum->viscous += s->past_viscous[i];
-    sum->friction += s->past_friction[i];
-    sum->opening += s->loss_opening[i];
-    sum->nonconservative_work += s->past_nonconservative_work[i];
+    ADD(sum, kinetic_translation, kinetic);
+    ADD(sum, external, external);
+    if (s->n_fielded) {
+      ADD(sum, work, s->field_work[i]);
+      ADD(sum, drag, s->loss_drag[i]);
+      ADD(sum, damping, s->loss_damping[i]);
+    }
+    ADD(sum, viscous, s->past_viscous[i]);
+    ADD(sum, friction, s->past_friction[i]);
+    ADD(sum, opening, s->loss_opening[i]);
+    ADD(sum, nonconservative_work, s->past_nonconservative_work[i]);
+    if (s->law_columns) ADD(sum, rolling, s->past_rolling[i]);
+    if (s->law_columns) ADD(sum, bridge, s->loss_bridge[i]);
   }
 }
 
-sd_energy energy_of(const engine *e) {
-  sd_energy sum = {0};
+static void add_contacts(const engine *e, energy_sums *sum) {
   const pairs *p = &e->work.pairs;
-  add_disks(e, &sum);
   for (size_t k = 0; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
-    double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta);
-    if (e->model->integrator ==
-        SD_GEAR5) { /* forces acted at the predicted coordinates, energy is stored at the corrected ones */
-      const contact_geometry g = contact_geometry_of(e, k);
-      delta = fmax(g.overlap, 0.0);
-      zeta = g.lambda - PAIR(p, k, lambda_ref);
-    }
-    const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
-    sum.elastic_normal += law_energy(law, delta);
-    sum.elastic_tangential += 0.5 * law->k_t * zeta * zeta;
-    sum.viscous += PAIR(p, k, viscous);
-    sum.friction += PAIR(p, k, friction);
-    sum.nonconservative_work += PAIR(p, k, nonconservative_work);
+    if (!pairs_closed(p, k) || !halo_counts(e, k)) continue;
+    const contact_energies u = contact_energies_of(e, k);
+    ADD(sum, elastic_normal, u.normal);
+    ADD(sum, elastic_tangential, u.tangential);
+    ADD(sum, elastic_rolling, u.rolling);
+    ADD(sum, cohesion, u.cohesion);
+    if (p->more) ADD(sum, rolling, MORE(p, k, rolling));
+    ADD(sum, viscous, PAIR(p, k, viscous));
+    ADD(sum, friction, PAIR(p, k, friction));
+    ADD(sum, nonconservative_work, PAIR(p, k, nonconservative_work));
   }
-  sum.start = e->state->energy_start;
-  sum.work = e->state->work_driven;
-  sum.relaxed = e->state->relaxed;
-  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) +
-                 (sum.viscous + sum.friction + sum.opening + sum.relaxed);
+}
+
+void energy_add_up(const engine *e, energy_sums *sum) {
+  sd_energy rigid = {0};
+  memset(sum, 0, sizeof *sum);
+  add_disks(e, sum);
+  add_contacts(e, sum);
+  clumps_add_energy(e, &rigid);
+  for (size_t k = 0; k < ENERGY_SUMS; k++) exact_sum_add(&sum->of[k], ((const double *)&rigid)[k]);
+}
+
+sd_energy energy_of(const engine *e) {
+  energy_sums sum;
+  energy_add_up(e, &sum);
+  return energy_of_sums(e->state, &sum);
+}
+
+sd_energy energy_of_sums(const sd_state *s, const energy_sums *exact) {
+  sd_energy sum = {0};
+  for (size_t k = 0; k < ENERGY_SUMS; k++) ((double *)&sum)[k] = exact_sum_value(&exact->of[k]);
+  sum.start = s->energy_start;
+  sum.work += s->work_driven;
+  sum.relaxed = s->relaxed;
+  sum.residual = (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) + energy_lost(&sum);
   /* where nothing is done and nothing lost, as in a conservative collision, the motion itself is the scale; at
    * rest it is what rounding can do to the energies that are there */
-  double done =
-      fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.opening) + fabs(sum.relaxed);
+  double done = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.rolling) +
+                fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) + fabs(sum.relaxed);
   double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_tangential + fabs(sum.external));
   sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;

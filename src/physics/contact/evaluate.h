@@ -17,6 +17,11 @@ typedef struct contact_reaction {
   double fx, fy, torque_a, torque_b;
 } contact_reaction;
 contact_reaction contact_reaction_of(const engine *e, size_t pair);
+/* Energies stored in closed contact k at the present coordinates. */
+typedef struct contact_energies {
+  double normal, tangential, rolling, cohesion;
+} contact_energies;
+contact_energies contact_energies_of(const engine *e, size_t pair);
 /* The contact with a wall segment once more, after its record has changed: history only, no forces on the bodies. */
 void contact_evaluate_again(engine *e, size_t pair);
 

@@ -4,8 +4,11 @@
  */
 #include <stddef.h>
 
+#include "physics/system/halo.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
+#include "physics/system/box.h"
+#include "physics/system/bodies.h"
 #include "physics/system/kernel_path.h"
 #include "physics/system/kernels.h"
 
@@ -42,7 +45,7 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
   LANE(pair_distance) d[BLOCK_VECTORS];
   double *sum = e->work.sums.row;
   pair_flags *flags = e->work.pairs.flags + (b - e->work.pairs.block);
-  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(distance)(&e->work, AT(b, v), &d[v]);
+  for (size_t v = 0; v < BLOCK_VECTORS; v++) LANE(distance)(&e->work, AT(b, v), kind, &d[v]);
   for (size_t k = 0; k < blocks; k++, b++, flags++) {
     pair_block *next = k + 1 < blocks ? b + 1 : b;
 #pragma GCC unroll 4
@@ -75,12 +78,26 @@ void KERNEL(kernel_pairs)(engine *e, thread_work *mine, size_t begin, size_t end
     return;
   }
   assert(begin % PAIR_BLOCK == 0 && end % PAIR_BLOCK == 0 && end <= w->pairs.first_segment);
-  switch ((w->conservative ? 0 : PASS_PAPER) | (w->mixed_laws ? PASS_MIXED : w->one_law ? 0 : PASS_LAWS)) {
+  const int laws = w->features & LAW_GENERAL ? PASS_GENERAL
+                   : w->features             ? PASS_MIXED
+                   : w->one_law              ? 0
+                                             : PASS_LAWS;
+  switch ((w->conservative ? 0 : PASS_PAPER) | laws | (w->cell.on ? PASS_CELL : 0)) {
     COPY(0);
     COPY(PASS_PAPER);
     COPY(PASS_LAWS);
     COPY(PASS_PAPER | PASS_LAWS);
     COPY(PASS_MIXED);
     COPY(PASS_PAPER | PASS_MIXED);
+    COPY(PASS_CELL);
+    COPY(PASS_CELL | PASS_PAPER);
+    COPY(PASS_CELL | PASS_LAWS);
+    COPY(PASS_CELL | PASS_PAPER | PASS_LAWS);
+    COPY(PASS_CELL | PASS_MIXED);
+    COPY(PASS_CELL | PASS_PAPER | PASS_MIXED);
+    COPY(PASS_GENERAL);
+    COPY(PASS_PAPER | PASS_GENERAL);
+    COPY(PASS_CELL | PASS_GENERAL);
+    COPY(PASS_CELL | PASS_PAPER | PASS_GENERAL);
   }
 }

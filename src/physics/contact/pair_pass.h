@@ -7,10 +7,18 @@
 /* Copies of the pass: */
 #ifndef PAIR_PASS_COMMON
 #define PAIR_PASS_COMMON
+#include <stddef.h>
+
+/* Bit k: the contact of lane l + k slid in the step before. */
+static inline unsigned slides_at(const pair_flags *flags, size_t l) {
+  return (unsigned)(flags->slides_positive | flags->slides_negative) >> l;
+}
 enum {
   PASS_PAPER = 1 /* the paper's tangential force */,
   PASS_LAWS = 2 /* laws differ from pair to pair */,
-  PASS_MIXED = 4 /* likewise, and not all are linear */
+  PASS_MIXED = 4 /* likewise, and not all are linear with gamma_n */,
+  PASS_CELL = 8 /* the periodic box deforms */,
+  PASS_GENERAL = 16 /* any features */
 };
 #endif
 
@@ -53,6 +61,41 @@ LANE_INLINE LANE(contact_constants) LANE(constants_of)(const work *w, const int3
   return k;
 }
 
+/* A member of the laws of LANE_WIDTH pairs. */
+LANE_INLINE LANE(real) LANE(law_number)(const work *w, const int32_t *law, size_t member) {
+  double row[LANE_WIDTH];
+  for (int l = 0; l < LANE_WIDTH; l++) memcpy(&row[l], (const char *)&w->laws[law[l]] + member, sizeof *row);
+  return LANE(load)(row);
+}
+#define LAW_NUMBER(member) LANE(law_number)(w, law, offsetof(law_row, member))
+
+/* Constants of general laws, beyond constants_of. */
+LANE_INLINE void LANE(constants_general)(const work *w, const int32_t *law, const unsigned features,
+                                         LANE(contact_constants) * k) {
+  const LANE(real) zero = LANE(splat)(0.0);
+  k->pulls = LANE(all_lanes)(0);
+  k->cap_kinetic = k->lag = k->k_r = k->cap_r = k->lag_r = zero;
+  k->cohesion = (LANE(cohesion)){LANE(all_lanes)(0), zero, zero, zero, zero, zero, zero};
+  if (features & LAW_PULLS) k->pulls = LANE(greater)(LAW_NUMBER(pulls), zero);
+  if (features & LAW_KINETIC) k->cap_kinetic = LAW_NUMBER(cap_kinetic);
+  k->mindlin = features & LAW_MINDLIN ? LAW_NUMBER(mindlin) : zero;
+  if (features & LAW_DASHPOT) k->lag = LAW_NUMBER(lag);
+  if (features & LAW_ROLLING) {
+    k->k_r = LAW_NUMBER(k_r);
+    k->cap_r = LAW_NUMBER(cap_r);
+    k->lag_r = LAW_NUMBER(lag_r);
+  }
+  if (!(features & LAW_COHESION)) return;
+  k->cohesion = (LANE(cohesion)){.bridge = LANE(greater)(LAW_NUMBER(bridge), zero),
+                                 .pull_off = LAW_NUMBER(pull_off),
+                                 .range = LAW_NUMBER(range),
+                                 .per_range = LAW_NUMBER(per_range),
+                                 .broken = LAW_NUMBER(broken),
+                                 .begins = LAW_NUMBER(begins),
+                                 .ends = LAW_NUMBER(ends)};
+}
+#undef LAW_NUMBER
+
 /* The masses of a vector of round pairs enter by sqrt(m_eff k_n); that of prescribed bodies is infinite. */
 LANE_INLINE LANE(contact_constants) LANE(constants_mixed)(const work *w, LANE(location) at) {
   LANE(contact_constants) k = LANE(constants_of)(w, at.b->law + at.l, 1);
@@ -71,6 +114,49 @@ LANE_INLINE void LANE(load_memory)(LANE(location) at, const int paper, LANE(cont
   m->overlap = LANE(load)(b->overlap + at.l);
   m->zeta = LANE(load)(b->zeta + at.l);
   m->turned = paper ? LANE(load)(b->turned + at.l) : LANE(splat)(0.0);
+}
+
+/* For one kind of pass. */
+LANE_INLINE LANE(contact_constants)
+    LANE(constants_for)(const work *w, LANE(location) at, const int kind, const unsigned features) {
+  if (!(kind & (PASS_MIXED | PASS_GENERAL))) return LANE(constants_of)(w, at.b->law + at.l, 0);
+  LANE(contact_constants)
+  k = features & LAW_NORMAL ? LANE(constants_mixed)(w, at) : LANE(constants_of)(w, at.b->law + at.l, 0);
+  if (kind & PASS_GENERAL) LANE(constants_general)(w, at.b->law + at.l, features, &k);
+  return k;
+}
+
+/* Features of a pass: known beforehand but where it is general. */
+LANE_INLINE unsigned LANE(features_of)(const work *w, const int kind) {
+  return kind & PASS_GENERAL ? w->features : kind & PASS_MIXED ? LAW_NORMAL : 0;
+}
+
+LANE_INLINE pair_more *LANE(more_of)(const work *w, LANE(location) at) {
+  return &w->pairs.more[at.b - w->pairs.block];
+}
+
+/* Memory of general laws, beyond load_memory; slides: of these lanes before the step. */
+LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned features, unsigned slides,
+                                 LANE(contact_memory) * m) {
+  m->slid = LANE(mask_of)(slides);
+  m->tau = LANE(load)(more->tau + l);
+  m->pull = m->rho_ref = m->rho = m->roll = LANE(splat)(0.0);
+  if (features & LAW_COHESION) m->pull = LANE(load)(more->pull + l);
+  if (!(features & LAW_ROLLING)) return;
+  m->rho_ref = LANE(load)(more->rho_ref + l);
+  m->rho = LANE(load)(more->rho + l);
+  m->roll = LANE(load)(more->roll + l);
+}
+
+LANE_INLINE void LANE(store_more)(pair_more *more, size_t l, const unsigned features,
+                                  const LANE(contact_memory) * m, const LANE(contact_output) * out) {
+  LANE(store)(more->tau + l, m->tau);
+  if (features & LAW_COHESION) LANE(store)(more->pull + l, m->pull);
+  if (!(features & LAW_ROLLING)) return;
+  LANE(store)(more->rho_ref + l, m->rho_ref);
+  LANE(store)(more->rho + l, m->rho);
+  LANE(store)(more->roll + l, m->roll);
+  LANE(store)(more->rolling + l, LANE(load)(more->rolling + l) + out->rolling);
 }
 
 LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) { LANE(store)(sum, LANE(load)(sum) + loss); }
@@ -102,9 +188,41 @@ LANE_INLINE void LANE(set_slides)(pair_flags *flags, size_t l, LANE(real) slip) 
 
 /* Adds the force to b's row, and its opposite to a's. */
 LANE_INLINE void LANE(scatter)(double *sum, LANE(location) at, const LANE(contact_output) * out) {
-  const LANE(real)
-      row[SUM_ROW] = {[SUM_X] = out->fx, [SUM_Y] = out->fy, [SUM_TURN] = out->tau, [3] = LANE(splat)(0.0)};
+  const LANE(real) row[SUM_ROW] = {
+      [SUM_X] = out->fx, [SUM_Y] = out->fy, [SUM_TURN] = out->tau, [SUM_COUPLE] = LANE(splat)(0.0)};
   LANE(add4)(sum, at.b->sum_b + at.l, at.b->sum_a + at.l, row);
+}
+
+/* Its couple, of opposite sign; on a round wall it is part of what turns. */
+LANE_INLINE void LANE(scatter_couple)(const engine *e, LANE(location) at, const LANE(contact_output) * out) {
+  const pairs *p = &e->work.pairs;
+  const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l;
+  double couple[LANE_WIDTH], *sum = e->work.sums.row;
+  LANE(store)(couple, out->couple);
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    double *on_a = sum + at.b->sum_a[at.l + l], *on_b = sum + at.b->sum_b[at.l + l];
+    on_a[SUM_COUPLE] += couple[l];
+    if (p->b[k + l] < (int32_t)e->state->n_disks)
+      on_b[SUM_COUPLE] -= couple[l];
+    else
+      on_b[SUM_TURN] -= couple[l] / e->state->radius[p->b[k + l]];
+  }
+}
+
+/* How the surfaces turn against each other: dlambda/dt, and the rolling displacement. */
+LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned features,
+                               const LANE(pair_distance) * d, LANE(pair_geometry) * g) {
+  LANE(real) spin_a, spin_b;
+  if (!(features & (LAW_DASHPOT | LAW_ROLLING))) return;
+  spin_a = LANE(gather)(w->packed + PACKED_SPIN, at.b->packed_a + at.l);
+  spin_b = LANE(gather)(w->packed + PACKED_SPIN, at.b->packed_b + at.l);
+  g->slide = (spin_b + spin_a) - g->lever * (d->swing * d->inverse_r);
+  if (!(features & LAW_ROLLING)) return;
+  LANE(real) of_a[4], of_b[4];
+  LANE(gather4)(w->packed, at.b->packed_a + at.l, of_a);
+  LANE(gather4)(w->packed, at.b->packed_b + at.l, of_b);
+  LANE(rolled)
+  (of_a[PACKED_RADIUS], of_b[PACKED_RADIUS], of_a[PACKED_ARC], of_b[PACKED_ARC], spin_a, spin_b, g);
 }
 
 /* Notes pairs whose rare event is treated after the pass. */
@@ -119,7 +237,7 @@ LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at
 }
 
 /* Geometry of a vector of pairs, as far as the root and the division. */
-LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, LANE(pair_distance) * d) {
+LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind, LANE(pair_distance) * d) {
   LANE(real) pose[4], speed[2];
   LANE(across4)(w->packed, at.b->packed_a + at.l, at.b->packed_b + at.l, pose);
   LANE(across2)(w->packed + PACKED_VX, at.b->packed_a + at.l, at.b->packed_b + at.l, speed);
@@ -132,24 +250,50 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, LANE(pair_dist
         .arc = pose[PACKED_ARC],
         .ex = LANE(load)(at.b->ex + at.l),
         .ey = LANE(load)(at.b->ey + at.l)};
-  if (w->periodic[0]) in.dx = in.dx - w->length[0] * LANE(nearest)(in.dx * w->inverse_length[0]);
-  if (w->periodic[1]) in.dy = in.dy - w->length[1] * LANE(nearest)(in.dy * w->inverse_length[1]);
+  if (kind & PASS_CELL) {
+    const LANE(real) ny = LANE(nearest)(in.dy * w->inverse_length[1]);
+    in.dx = in.dx - w->offset * ny;
+    const LANE(real) nx = LANE(nearest)(in.dx * w->inverse_length[0]);
+    in.dx = in.dx - w->length[0] * nx;
+    in.dy = in.dy - w->length[1] * ny;
+    in.dvx = in.dvx - (w->cell.speed[0] * nx + w->cell.speed[2] * ny);
+    in.dvy = in.dvy - w->cell.speed[1] * ny;
+    d->away = nx * nx + ny * ny;
+  } else {
+    if (w->periodic[0]) in.dx = in.dx - w->length[0] * LANE(nearest)(in.dx * w->inverse_length[0]);
+    if (w->periodic[1]) in.dy = in.dy - w->length[1] * LANE(nearest)(in.dy * w->inverse_length[1]);
+  }
   LANE(pair_distance_of)(&in, d);
+  if (kind & PASS_GENERAL) d->swing = in.dx * in.dvy - in.dy * in.dvx;
 }
 
 /* dt^2/2 times the relative acceleration along n, of free disks. */
 LANE_INLINE LANE(real) LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
-  const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   double x[LANE_WIDTH], y[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l + l;
     const int32_t a = p->a[k], b = p->b[k];
-    const bool free_a = a >= 0 && (size_t)a < s->n_free, free_b = b >= 0 && (size_t)b < s->n_free;
-    x[l] = (free_b ? s->x2[b] : 0.0) - (free_a ? s->x2[a] : 0.0);
-    y[l] = (free_b ? s->y2[b] : 0.0) - (free_a ? s->y2[a] : 0.0);
+    x[l] = halo_second(e, b, SD_X) - halo_second(e, a, SD_X);
+    y[l] = halo_second(e, b, SD_Y) - halo_second(e, a, SD_Y);
   }
   return nx * LANE(load)(x) + ny * LANE(load)(y);
+}
+
+/* Contacts with images of a box that deforms: their forces do work on it. */
+static __attribute__((noinline)) void
+LANE(note_crossings)(const work *w, thread_work *mine, LANE(location) at, const LANE(contact_output) * out) {
+  const unsigned closed = w->pairs.flags[at.b - w->pairs.block].closed;
+  double fx[LANE_WIDTH], fy[LANE_WIDTH];
+  LANE(store)(fx, out->fx);
+  LANE(store)(fy, out->fy);
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    const double *a = w->packed + at.b->packed_a[at.l + l], *b = w->packed + at.b->packed_b[at.l + l];
+    double dx = b[PACKED_X] - a[PACKED_X], dy = b[PACKED_Y] - a[PACKED_Y];
+    const box_image n = box_nearest(w, &dx, &dy);
+    if (closed >> (at.l + l) & 1u && (n.x != 0.0 || n.y != 0.0))
+      crossing_add(&mine->crossings, &(crossing){fx[l], fy[l], n.x, n.y});
+  }
 }
 
 /* A vector of contacts of which some begin, end, turn far or overlap deeply. */
@@ -161,22 +305,22 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   pair_block *b = at.b;
   pair_flags *flags = &w->pairs.flags[b - w->pairs.block];
   const int paper = kind & PASS_PAPER;
-  const int mixed = kind & PASS_MIXED;
-  const LANE(contact_constants) k =
-      mixed ? LANE(constants_mixed)(w, at) : LANE(constants_of)(w, b->law + at.l, 0);
-  const LANE(mask) touching = LANE(greater)(g->reach, LANE(splat)(0.0)) & LANE(has_direction)(g);
+  const unsigned features = LANE(features_of)(w, kind);
+  const LANE(contact_constants) k = LANE(constants_for)(w, at, kind, features);
   const LANE(mask) was_closed = LANE(mask_of)((unsigned)flags->closed >> at.l);
+  const LANE(mask) touching = LANE(contact_touches)(g, &k, was_closed, features) & LANE(has_direction)(g);
   const LANE(mask) closed = touching & was_closed;
   LANE(contact_memory) m, before;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
+  if (kind & PASS_GENERAL) LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
   m.ex = LANE(load)(b->ex + at.l);
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
-  LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, mixed, &m, &out);
+  LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
   LANE(contact_begin_end)
-  (g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), &before, &m,
-   &out);
+  (g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features,
+   &before, &m, &out);
 
   LANE(real) of_a[4], of_b[4];
   LANE(gather4)(w->packed, b->packed_a + at.l, of_a);
@@ -184,13 +328,17 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   LANE(real) rb = of_b[PACKED_RADIUS], smaller = LANE(min)(of_a[PACKED_RADIUS], LANE(max)(rb, -rb));
   const LANE(mask) which =
       (touching ^ was_closed) | (LANE(contact_is_deep)(g, e->model->max_overlap * smaller) & touching);
+  if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
   if (LANE(any)(which)) LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped);
   LANE(scatter)(w->sums.row, at, &out);
   LANE(store_memory)(at, paper, &m, &out);
+  if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
+  if (features & LAW_ROLLING) LANE(scatter_couple)(e, at, &out);
   LANE(store)(b->ex + at.l, m.ex);
   LANE(store)(b->ey + at.l, m.ey);
   LANE(set_flags)(&flags->closed, at.l, LANE(bits_of)(touching));
   LANE(set_slides)(flags, at.l, out.slip);
+  if (kind & PASS_CELL) LANE(note_crossings)(w, mine, at, &out);
 }
 
 /* The same for all pairs of a pass. */
@@ -210,27 +358,38 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
                                         const LANE(pass_constants) * constants, double *sum, const int kind) {
   const work *w = &e->work;
   const int paper = kind & PASS_PAPER;
+  const unsigned features = LANE(features_of)(w, kind);
   LANE(pair_geometry) g;
   LANE(pair_geometry_at)(d, &g);
-  const LANE(mask) touching = LANE(greater)(g.reach, LANE(splat)(0.0));
   const unsigned all = (1u << LANE_WIDTH) - 1u, closed = (unsigned)flags->closed >> at.l & all;
+  LANE(contact_constants) k;
+  if (kind & PASS_GENERAL) {
+    k = LANE(constants_for)(w, at, kind, features);
+    LANE(turning)(w, at, features, d, &g);
+  }
+  const LANE(mask) touching = kind & PASS_GENERAL
+                                  ? LANE(contact_touches)(&g, &k, LANE(mask_of)(closed), features)
+                                  : LANE(greater)(g.reach, LANE(splat)(0.0));
   if (__builtin_expect(
           LANE(bits_of)(touching) != closed || LANE(any)(LANE(contact_is_deep)(&g, constants->limit)), 0)) {
     LANE(contact_evaluate_slow)(e, mine, at, &g, kind);
-    LANE(distance)(w, next, d);
+    LANE(distance)(w, next, kind, d);
     return;
   }
-  const int mixed = kind & PASS_MIXED;
-  const LANE(contact_constants) k = mixed              ? LANE(constants_mixed)(w, at)
-                                    : kind & PASS_LAWS ? LANE(constants_of)(w, at.b->law + at.l, 0)
-                                                       : constants->law;
+  if (!(kind & PASS_GENERAL))
+    k = kind & (PASS_MIXED | PASS_LAWS) ? LANE(constants_for)(w, at, kind, features) : constants->law;
   LANE(contact_memory) m;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
-  LANE(contact_history)(&g, &k, touching, touching, paper, mixed, &m, &out);
+  if (kind & PASS_GENERAL) LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
+  LANE(contact_history)(&g, &k, touching, touching, paper, features, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
+  if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
   LANE(set_slides)(flags, at.l, out.slip);
-  LANE(distance)(w, next, d);
-  LANE(contact_force)(&g, &k, paper ? LANE(splat)(1.0) : g.lever, &m, &out);
+  const LANE(mask) across = kind & PASS_CELL ? touching & LANE(greater)(d->away, LANE(splat)(0.0)) : touching;
+  LANE(distance)(w, next, kind, d);
+  LANE(contact_force)(&g, &k, paper ? LANE(splat)(1.0) : g.lever, features, &m, &out);
   LANE(scatter)(sum, at, &out);
+  if (features & LAW_ROLLING) LANE(scatter_couple)(e, at, &out);
+  if (kind & PASS_CELL && LANE(any)(across)) LANE(note_crossings)(w, mine, at, &out);
 }

@@ -14,6 +14,7 @@ void pairs_free(pairs *p) {
   arena_free(p->part);
   arena_free(p->side);
   arena_free(p->block);
+  arena_free(p->more);
   arena_free(p->flags);
   *p = (pairs){0};
 }
@@ -36,32 +37,25 @@ sd_status pairs_reserve(pairs *p, size_t count) {
     if (grow((void **)whole[k], p->count, capacity, sizeof(int32_t)) != SD_OK) return SD_ERROR_IO;
   arena_free(p->side);
   arena_free(p->block);
+  arena_free(p->more);
   arena_free(p->flags);
+  p->more = p->wants_more ? arena_for(capacity / PAIR_BLOCK, sizeof *p->more) : NULL;
   p->flags = arena_for(capacity, sizeof *p->flags);
   p->side = arena_for(capacity, sizeof *p->side);
   p->block = arena_for(capacity / PAIR_BLOCK, sizeof *p->block);
-  p->capacity = p->side && p->block && p->flags ? capacity : 0;
+  const bool whole_too = p->side && p->block && p->flags && (p->more || !p->wants_more);
+  p->capacity = whole_too ? capacity : 0;
   assert(p->capacity == 0 || (p->capacity >= count && p->capacity % PAIR_BLOCK == 0));
   return p->capacity ? SD_OK : SD_ERROR_IO;
 }
 
-sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part) {
-  if (p->count == p->capacity && pairs_reserve(p, p->count + p->count / 2 + 1) != SD_OK) return SD_ERROR_IO;
-  p->a[p->count] = a;
-  p->b[p->count] = b;
-  p->part[p->count++] = part;
+sd_status pairs_fill_block(pairs *p) {
+  if (pairs_reserve(p, p->count + PAIR_BLOCK) != SD_OK) return SD_ERROR_IO;
+  for (; p->count % PAIR_BLOCK; p->count++) {
+    p->a[p->count] = p->b[p->count] = PAIR_PADDING;
+    p->part[p->count] = 0;
+  }
   return SD_OK;
-}
-
-sd_status pairs_end_round(pairs *p) {
-  assert(p->count == 0 || p->a[p->count - 1] >= 0);
-  p->n_round = p->count;
-  sd_status status = SD_OK;
-  while (p->count % PAIR_BLOCK && status == SD_OK) status = pairs_push(p, PAIR_PADDING, PAIR_PADDING, 0);
-  p->first_segment = p->count;
-  assert(status != SD_OK ||
-         (p->first_segment % PAIR_BLOCK == 0 && p->first_segment - p->n_round < PAIR_BLOCK));
-  return status;
 }
 
 /* --- record of one pair ---------------------------------------------------------------------------------- */
@@ -78,17 +72,21 @@ void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign) {
 
 sd_contact_record pairs_record(const pairs *p, size_t k) {
   sd_contact_record found;
-  double row[SD_CONTACT_COLUMNS];
+  double row[SD_CONTACT_ALL] = {0};
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) row[c] = PAIR(p, k, record[c]);
+  for (size_t c = 0; p->more && c < SD_CONTACT_EXTRA; c++)
+    row[SD_CONTACT_COLUMNS + c] = MORE(p, k, record[c]);
   memcpy(&found, row, sizeof found);
   return found;
 }
 
 void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record) {
-  double row[SD_CONTACT_COLUMNS];
+  double row[SD_CONTACT_ALL];
   assert(k < p->count && p->a[k] != PAIR_PADDING);
   memcpy(row, record, sizeof row);
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(p, k, record[c]) = row[c];
+  for (size_t c = 0; p->more && c < SD_CONTACT_EXTRA; c++)
+    MORE(p, k, record[c]) = row[SD_CONTACT_COLUMNS + c];
 }
 
 /* --- rare events ----------------------------------------------------------------------------------------- */
@@ -109,6 +107,18 @@ event *event_add(event_list *list, uint32_t index) {
   return &list->item[list->count++];
 }
 
+void crossing_add(crossing_list *list, const crossing *c) {
+  if (list->count == list->capacity) {
+    size_t capacity = 2 * list->capacity + 64;
+    crossing *more = realloc(list->item, capacity * sizeof *more);
+    list->failed |= !more;
+    if (!more) return;
+    list->item = more;
+    list->capacity = capacity;
+  }
+  list->item[list->count++] = *c;
+}
+
 void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped) {
   assert(k < p->count && p->a[k] != PAIR_PADDING);
   event *v = event_add(list, (uint32_t)k);
@@ -116,6 +126,7 @@ void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed,
   v->dropped = dropped;
   v->was_closed = was_closed;
   v->before = pairs_record(p, k);
+  v->slide_before = pairs_slide_sign(p, k);
   v->side_before = p->side[k];
 }
 
@@ -134,14 +145,30 @@ static bool stands_before(const pairs *p, size_t k, const pairs *q, size_t n) {
 /* Losses left in the old list are those of contacts that end. */
 static void carry_pair(pairs *from, size_t k, pairs *to, size_t n) {
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) PAIR(to, n, record[c]) = PAIR(from, k, record[c]);
+  for (size_t c = 0; from->more && c < SD_CONTACT_EXTRA; c++)
+    MORE(to, n, record[c]) = MORE(from, k, record[c]);
   to->side[n] = from->side[k];
   pairs_set_flags(to, n, true, pairs_slide_sign(from, k));
   PAIR(from, k, viscous) = PAIR(from, k, friction) = PAIR(from, k, nonconservative_work) = 0.0;
+  if (from->more) MORE(from, k, rolling) = 0.0;
+}
+
+/* The first of [k, end) that does not stand before n. */
+static size_t first_from(const pairs *p, size_t k, size_t end, const pairs *q, size_t n) {
+  while (k < end) {
+    const size_t middle = k + (end - k) / 2;
+    if (stands_before(p, middle, q, n))
+      k = middle + 1;
+    else
+      end = middle;
+  }
+  return k;
 }
 
 /* Both lists have the same order, so one sweep finds what the old one remembers. */
 static void carry(pairs *from, pairs *to, size_t from_begin, size_t from_end, size_t begin, size_t end) {
-  size_t k = from_begin;
+  if (begin >= end) return;
+  size_t k = first_from(from, from_begin, from_end, to, begin);
   for (size_t n = begin; n < end; n++) {
     while (k < from_end && stands_before(from, k, to, n)) k++;
     if (k == from_end) return;
@@ -155,16 +182,38 @@ static int32_t law_of(const engine *e, const pairs *p, size_t k) {
   return material[p->a[k]] * (int32_t)e->model->n_materials + material[p->b[k]];
 }
 
+typedef struct finish_task {
+  const engine *e;
+  pairs *from, *to;
+} finish_task;
+
+static size_t least(size_t a, size_t b) { return a < b ? a : b; }
+static size_t most(size_t a, size_t b) { return a > b ? a : b; }
+
+/* Shares are whole blocks, so that no two threads write into one. */
+static void finish_together(const team *t, void *with) {
+  const finish_task *f = with;
+  pairs *from = f->from, *to = f->to;
+  size_t begin, end;
+  team_share(t, to->first_segment / PAIR_BLOCK + (to->count - to->first_segment), &begin, &end);
+  memset(to->flags + begin, 0, (end - begin) * sizeof *to->flags);
+  team_share(t, to->count, &begin, &end);
+  const size_t block = begin / PAIR_BLOCK, blocks = (end + PAIR_BLOCK - 1) / PAIR_BLOCK - block;
+  if (begin < end) memset(to->block + block, 0, blocks * sizeof *to->block);
+  if (begin < end && to->more) memset(to->more + block, 0, blocks * sizeof *to->more);
+  memset(to->side + begin, 0, (end - begin) * sizeof *to->side);
+  for (size_t k = begin; k < end; k++) PAIR(to, k, law) = law_of(f->e, to, k);
+  team_wait(t); /* for the flags */
+  carry(from, to, 0, from->n_round, begin, least(end, to->n_round));
+  carry(from, to, from->first_segment, from->count, most(begin, to->first_segment), end);
+}
+
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to) {
   assert(from != to && to->first_segment % PAIR_BLOCK == 0);
-  assert(to->n_round <= to->first_segment && to->first_segment <= to->count);
+  assert(to->n_round <= to->first_ghost && to->end_ghost <= to->first_segment);
+  assert(!e->halo || from->count == 0); /* of a rank the lists are never renewed, but made anew */
   if (pairs_reserve(to, to->count + 1) != SD_OK) return SD_ERROR_IO;
-  memset(to->block, 0, (to->count + PAIR_BLOCK - 1) / PAIR_BLOCK * sizeof *to->block);
-  memset(to->side, 0, to->count * sizeof *to->side);
-  memset(to->flags, 0, to->count * sizeof *to->flags);
-  for (size_t k = 0; k < to->count; k++) PAIR(to, k, law) = law_of(e, to, k);
-  carry(from, to, 0, from->n_round, 0, to->n_round);
-  carry(from, to, from->first_segment, from->count, to->first_segment, to->count);
+  pool_run(work_pool(e), finish_together, &(finish_task){e, from, to});
   assert(to->count <= to->capacity);
   return SD_OK;
 }

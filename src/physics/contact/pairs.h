@@ -10,15 +10,25 @@
 void pairs_free(pairs *p);
 /* Capacity for so many; records are lost where it has to grow. */
 sd_status pairs_reserve(pairs *p, size_t count);
-/* Adds a pair; a = b = PAIR_PADDING fills up. */
-enum { PAIR_PADDING = -1 };
-sd_status pairs_push(pairs *p, int32_t a, int32_t b, int32_t part);
-/* The round ones are complete: what follows begins with a whole block. */
-sd_status pairs_end_round(pairs *p);
+enum { PAIR_PADDING = -1 }; /* a and b of what fills up a block */
+/* A list is complete: what follows begins with a whole block. */
+sd_status pairs_fill_block(pairs *p);
 /* All are pushed: fills laws, and records with those of the same pairs in `from`, whose losses go along. */
 sd_status pairs_finish(const engine *e, pairs *from, pairs *to);
 
 /* --- closed or open ---------------------------------------------------------------------------------------- */
+
+/* The first pair in [from, to), all of one list, whose disk a stands in this slot or a later one. */
+static inline size_t pairs_from(const pairs *p, size_t from, size_t to, size_t slot) {
+  while (from < to) {
+    const size_t middle = from + (to - from) / 2;
+    if (p->a[middle] < (int32_t)slot)
+      from = middle + 1;
+    else
+      to = middle;
+  }
+  return from;
+}
 
 static inline bool pairs_is_segment(const pairs *p, size_t k) { return k >= p->first_segment; }
 
@@ -51,6 +61,8 @@ void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record);
 
 /* Disk or pair `index`; returns the new item to fill, NULL without memory, which the list remembers. */
 event *event_add(event_list *list, uint32_t index);
+/* A contact across the edge of a box that deforms. */
+void crossing_add(crossing_list *list, const crossing *c);
 /* Pair k, with the record of before the pass. */
 void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped);
 

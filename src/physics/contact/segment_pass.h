@@ -5,13 +5,35 @@
 /* Of each lane, what only segments have. */
 typedef struct LANE(nearest_points) {
   nearest_point q[LANE_WIDTH];
-  double flat[LANE_WIDTH]; /* 1.0: the point lies between the ends */
+  double flat
+      [LANE_WIDTH]; /* lever of the tangential force where the point lies between the ends: 1 of straight pieces; else 0 */
   double side[LANE_WIDTH];
-  bool crossed; /* any */
+  double slide[LANE_WIDTH]; /* dlambda/dt; 0 without tangential dashpots */
+  bool crossed;             /* any */
 } LANE(nearest_points);
 
+/* dlambda/dt of pair k at the lever of its piece, 0 at an end. dvx, dvy: of the wall's material at the nearest point, against
+ * the disk. At an end n turns by the velocity across it; else the nearest point runs along the piece, and n turns with it
+ * on an arc, with the wall on a straight piece. */
+LANE_INLINE double LANE(slide_on)(const engine *e, size_t k, const nearest_point *q, double lever, double dvx,
+                                  double dvy) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const int32_t a = p->a[k], b = p->b[k];
+  const placed_segment *g = &e->work.segments[p->part[k]];
+  const double radius = s->radius[a], r = sqrt(q->dx * q->dx + q->dy * q->dy);
+  double spin = radius * s->omega[a];
+  if (s->n_surfaces > 0) spin -= s->surface_speed[(size_t)b - s->n_disks];
+  if (!(r > 0.0)) return spin;
+  const double across = (q->dx * dvy - q->dy * dvx) / r;
+  if (lever == 0.0) return spin - radius / r * across;
+  if (g->piece == SD_PIECE_STRAIGHT) return spin - across - (radius - r) * s->omega[b];
+  const double carried = q->side * g->radius * s->omega[b];
+  return spin - lever * (across - carried) - carried;
+}
+
 /* The nearest point of a segment is a surface of radius 0, and
- * lambda = R_a (th_a - turned) + side * (arc length of that point). physics.md 4. active: a neighbouring segment owns no
+ * lambda = R_a (th_a - turned) + side * (arc length of that point) - (way of a moving surface). physics.md 4. active: a neighbouring segment owns no
  * part of this region. */
 LANE_INLINE LANE(mask)
     LANE(nearest_of)(const engine *e, size_t at, LANE(pair_input) * in, LANE(nearest_points) * found) {
@@ -35,8 +57,12 @@ LANE_INLINE LANE(mask)
     q.crossed = p->side[at + l] != 0.0 && p->side[at + l] != q.side;
     if (q.crossed) q.side = p->side[at + l];
     row[ARC][l] = s->radius[a] * s->theta[a] + q.side * q.arc;
+    if (s->n_surfaces > 0) row[ARC][l] -= body_surface(s, (size_t)b);
     found->side[l] = q.side;
-    found->flat[l] = q.flat ? 1.0 : 0.0;
+    found->flat[l] = q.flat ? walls_lever(&e->work.segments[p->part[at + l]], &q, s->radius[a]) : 0.0;
+    found->slide[l] = 0.0;
+    if (e->work.features & LAW_DASHPOT)
+      found->slide[l] = LANE(slide_on)(e, at + l, &q, found->flat[l], row[DVX][l], row[DVY][l]);
     found->crossed |= q.crossed;
     found->q[l] = q;
   }
@@ -56,7 +82,9 @@ LANE_INLINE LANE(mask)
 LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(contact_output) * out) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
-  double fx[LANE_WIDTH], fy[LANE_WIDTH], tau[LANE_WIDTH], *row = e->work.sums.row;
+  const unsigned features = e->work.features;
+  double fx[LANE_WIDTH], fy[LANE_WIDTH], tau[LANE_WIDTH], couple[LANE_WIDTH], *row = e->work.sums.row;
+  if (features & LAW_ROLLING) LANE(store)(couple, out->couple);
   LANE(store)(fx, out->fx);
   LANE(store)(fy, out->fy);
   LANE(store)(tau, out->tau);
@@ -64,13 +92,16 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(contact
     const int32_t a = p->a[at + l], b = p->b[at + l];
     double rx = s->x[a] - s->x[b], ry = s->y[a] - s->y[b];
     double turn = rx * fy[l] - ry * fx[l] - tau[l] * s->radius[a];
+    if (features & LAW_ROLLING) turn -= couple[l];
     double *on_a = row + PAIR(p, at + l, sum_a), *on_b = row + PAIR(p, at + l, sum_b);
     on_b[SUM_X] += fx[l];
     on_b[SUM_Y] += fy[l];
     on_b[SUM_TURN] += turn;
+    on_b[SUM_SURFACE] -= tau[l];
     on_a[SUM_X] -= fx[l];
     on_a[SUM_Y] -= fy[l];
     on_a[SUM_TURN] += tau[l];
+    if (features & LAW_ROLLING) on_a[SUM_COUPLE] += couple[l];
   }
 }
 
@@ -83,6 +114,33 @@ LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(
       event_add_pair(&mine->events, p, at + l, true, 0.0);
 }
 
+/* Displacements of rolling on a wall, from the disk's angle and the wall's. */
+LANE_INLINE void LANE(rolled_on)(const sd_state *s, const pairs *p, size_t at, LANE(pair_geometry) * g) {
+  double rho[LANE_WIDTH], rolls[LANE_WIDTH], arm[LANE_WIDTH];
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    const int32_t a = p->a[at + l], b = p->b[at + l];
+    arm[l] = s->radius[a];
+    rho[l] = arm[l] * (s->theta[a] - s->theta[b]);
+    rolls[l] = arm[l] * (s->omega[a] - s->omega[b]);
+  }
+  g->rho = LANE(load)(rho);
+  g->rolls = LANE(load)(rolls);
+  g->arm = LANE(load)(arm);
+}
+
+LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(location) here,
+                                         const unsigned features, LANE(contact_constants) * k) {
+  const work *w = &e->work;
+  *k = LANE(constants_of)(w, here.b->law + here.l, 1);
+  if (features & LAW_NORMAL) { /* the wall's mass is infinite */
+    const double *masses = w->clumps.count ? w->clumps.contact_mass : e->state->mass;
+    double mass[LANE_WIDTH];
+    for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = masses[w->pairs.a[at + l]];
+    k->tsuji = k->tsuji * LANE(sqrt)(LANE(load)(mass) * k->k_n);
+  }
+  LANE(constants_general)(w, here.b->law + here.l, features, k);
+}
+
 /* Without forces on the bodies: scatter is 0 where a step is evaluated again, with the memory of another segment. */
 LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at, const int scatter) {
   work *w = &e->work;
@@ -90,41 +148,48 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(pair_input) in;
   LANE(nearest_points) found;
   const LANE(mask) active = LANE(nearest_of)(e, at, &in, &found);
-  const int mixed = w->mixed_laws;
-  LANE(contact_constants) k = LANE(constants_of)(w, here.b->law + here.l, 1);
-  if (mixed) { /* the wall's mass is infinite */
-    double mass[LANE_WIDTH];
-    for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = e->state->mass[w->pairs.a[at + l]];
-    k.tsuji = k.tsuji * LANE(sqrt)(LANE(load)(mass) * k.k_n);
-  }
-  const LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
+  const unsigned features = w->features;
+  LANE(contact_constants) k;
+  LANE(constants_on_wall)(e, at, here, features, &k);
+  LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
+  if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);
+  if (features & LAW_ROLLING) LANE(rolled_on)(e->state, &w->pairs, at, &g);
   double closed_row[LANE_WIDTH];
-  for (size_t l = 0; l < LANE_WIDTH; l++) closed_row[l] = pairs_closed(&w->pairs, at + l) ? 1.0 : 0.0;
+  unsigned slides = 0;
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    closed_row[l] = pairs_closed(&w->pairs, at + l) ? 1.0 : 0.0;
+    slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
+  }
   const LANE(mask) was_closed = LANE(greater)(LANE(load)(closed_row), LANE(splat)(0.0));
-  const LANE(mask) touching = LANE(greater)(g.reach, LANE(splat)(0.0)) & active & LANE(has_direction)(&g);
+  const LANE(mask) touching =
+      LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
   const LANE(mask) closed = touching & was_closed;
   /* the force that derives from the tangential energy, in both variants: the paper has no walls */
-  const LANE(mask) flat = LANE(greater)(LANE(load)(found.flat), LANE(splat)(0.0));
+  const LANE(real) lever = LANE(load)(found.flat);
+  const LANE(mask) flat = LANE(greater)(lever, LANE(splat)(0.0));
   LANE(contact_memory) m, before;
   LANE(contact_output) out;
   LANE(load_memory)(here, 0, &m);
+  if (features & LAW_GENERAL) LANE(load_more)(LANE(more_of)(w, here), here.l, features, slides, &m);
   m.ex = in.ex;
   m.ey = in.ey;
   before = m;
   LANE(contact_step)
-  (&g, &k, touching, closed, LANE(select)(flat, LANE(splat)(1.0), g.lever), 0, mixed, &m, &out);
+  (&g, &k, touching, closed, LANE(select)(flat, lever, g.lever), 0, features, &m, &out);
   const LANE(mask) deep = LANE(contact_is_deep)(&g, e->model->max_overlap * in.sum) & touching;
   const LANE(mask) rare = (touching ^ was_closed) | deep;
   if (LANE(any)(rare)) {
     LANE(contact_begin_end)
-    (&g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), &before,
-     &m, &out);
+    (&g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features,
+     &before, &m, &out);
+    if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
     LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped);
     LANE(store)(here.b->ex + here.l, m.ex);
     LANE(store)(here.b->ey + here.l, m.ey);
   }
   if (scatter) LANE(scatter_segments)(e, at, &out);
   LANE(store_memory)(here, 0, &m, &out);
+  if (features & LAW_GENERAL) LANE(store_more)(LANE(more_of)(w, here), here.l, features, &m, &out);
   LANE(store_sides)(&w->pairs, mine, at, touching, closed, &found);
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     pair_flags *flags = &w->pairs.flags[pairs_flags_at(&w->pairs, at + l)];

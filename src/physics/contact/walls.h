@@ -1,6 +1,8 @@
-/* walls.h: straight walls in space, and the point of a piece that is nearest to a disk. */
+/* walls.h: pieces of walls in space, and the point of a piece that is nearest to a disk. */
 #ifndef PHYSICS_WALLS_H
 #define PHYSICS_WALLS_H
+
+#include <math.h>
 
 #include "physics/system/work.h"
 
@@ -16,7 +18,7 @@ typedef struct nearest_point {
 /* The regions of the pieces of a polyline do not overlap but where it bends inwards: a vertex belongs to the
  * piece that starts there, and only where the disk is beyond the end of the piece before. Both pieces measure
  * from the vertex itself, so that no rounding comes between them. */
-static inline nearest_point walls_nearest(const placed_segment *g, double x, double y) {
+static inline nearest_point walls_nearest_straight(const placed_segment *g, double x, double y) {
   double rx = x - g->x, ry = y - g->y, u = rx * g->tx + ry * g->ty;
   double bend = g->px * g->ty - g->py * g->tx;
   /* where two pieces are one straight line, the point between them is the first one's */
@@ -37,7 +39,50 @@ static inline nearest_point walls_nearest(const placed_segment *g, double x, dou
   return q;
 }
 
+/* An arc owns the wedge between the directions of its ends; its ends push where a point is beyond them and not in the wedge.
+ * Both may push: a large disk lies on the rims of a bowl. `left` of the way is the inner side. */
+static inline nearest_point walls_nearest_arc(const placed_segment *g, double x, double y) {
+  const double rx = x - g->x, ry = y - g->y, r = sqrt(rx * rx + ry * ry);
+  const double after = g->fx * ry - g->fy * rx,
+               before = g->lx * ry - g->ly * rx; /* the wedge: after >= 0 > before */
+  const bool within = g->wide ? after >= 0.0 || before < 0.0 : after >= 0.0 && before < 0.0;
+  nearest_point q = {.side = r < g->radius ? 1.0 : -1.0, .arc = g->arc};
+  if (g->piece == SD_PIECE_CURVE) {
+    const double scale = r > 0.0 ? (g->radius - r) / r : 0.0; /* the centre is nowhere near */
+    q.dx = rx * scale;
+    q.dy = ry * scale;
+    q.arc += g->radius * atan2(g->mx * ry - g->my * rx, g->mx * rx + g->my * ry);
+    q.active = q.flat = within;
+    return q;
+  }
+  const bool first = g->piece == SD_PIECE_FIRST_END;
+  q.dx = g->radius * (first ? g->fx : g->lx) - rx;
+  q.dy = g->radius * (first ? g->fy : g->ly) - ry;
+  q.active = !within && (first ? after <= 0.0 : before >= 0.0);
+  return q;
+}
+
+/* Lever of the tangential force between the ends of a piece: 1, on an arc (R_a + R_b)/r as for round bodies. */
+static inline double walls_lever(const placed_segment *g, const nearest_point *q, double radius) {
+  if (g->piece == SD_PIECE_STRAIGHT) return 1.0;
+  /* radius of the disk, then of the circle; the way from the one's centre to the other's */
+  const double sum = radius - q->side * g->radius, way = hypot(q->dx, q->dy) - q->side * g->radius;
+  return sum / way;
+}
+
+static inline nearest_point walls_nearest(const placed_segment *g, double x, double y) {
+  return g->piece == SD_PIECE_STRAIGHT ? walls_nearest_straight(g, x, y) : walls_nearest_arc(g, x, y);
+}
+
+/* The box around a piece; infinite for a line. */
+void walls_bounds(const placed_segment *g, double lower[2], double upper[2]);
+
+/* A piece of a wall whose pivot, and cosine and sine of whose angle these are; without the start of the next piece. */
+placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i, double scale);
+
 /* Brings every piece to its wall's present pose. */
 void walls_pose(engine *e);
+/* The same for those in the list of pairs: the others may be left where they were, until walls_pose. */
+void walls_pose_listed(engine *e);
 
 #endif

@@ -26,7 +26,7 @@ sd_status feedback_new(const engine *e, feedbacks *all) {
   }
   all->item = calloc(n + 1, sizeof *all->item);
   assert(!servo || n > 0);
-  if (servo) all->smoothing = -expm1(-e->model->dt / sd_model_shortest_period(e->model, NULL));
+  if (servo) all->smoothing = -expm1(-e->model->dt / e->model->shortest_period);
   return all->item ? SD_OK : SD_ERROR_IO;
 }
 

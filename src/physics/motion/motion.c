@@ -27,20 +27,59 @@ struct motions {
 
 bool motion_in_range(const engine *e, int coordinate, double at) {
   if (coordinate == SD_THETA) return at >= -4.0 && at <= 4.0;
+  if (coordinate == SD_SURFACE) return fabs(at) <= 0.5 * body_surface_turn(e);
   return at >= e->work.lower[coordinate] && at < e->work.upper[coordinate];
 }
 
+/* A mover: a body, or a clump, whose slots follow those of the bodies. */
+typedef struct mover {
+  double *at[SD_MOVED], *speed[SD_MOVED], *force[SD_MOVED], *base[SD_MOVED], *turn, *surface_turn;
+  int32_t *image[2];
+} mover;
+
+static mover mover_of(const sd_state *s, size_t slot) {
+  if (slot < s->n_bodies) {
+    mover b = (mover){{s->x + slot, s->y + slot, s->theta + slot},
+                      {s->vx + slot, s->vy + slot, s->omega + slot},
+                      {s->force_x + slot, s->force_y + slot, s->torque + slot},
+                      {s->base_x + slot, s->base_y + slot, s->base_theta + slot},
+                      s->turn + slot,
+                      NULL,
+                      {s->image_x + slot, s->image_y + slot}};
+    if (slot < s->n_disks || s->n_surfaces == 0) return b;
+    const size_t wall = slot - s->n_disks;
+    b.at[SD_SURFACE] = s->surface + wall;
+    b.speed[SD_SURFACE] = s->surface_speed + wall;
+    b.force[SD_SURFACE] = s->surface_force + wall;
+    b.base[SD_SURFACE] = s->base_surface + wall;
+    b.surface_turn = s->surface_turn + wall;
+    return b;
+  }
+  const size_t k = slot - s->n_bodies;
+  assert(k < s->n_clumps);
+  return (mover){{s->clump_x + k, s->clump_y + k, s->clump_theta + k},
+                 {s->clump_vx + k, s->clump_vy + k, s->clump_omega + k},
+                 {s->clump_force_x + k, s->clump_force_y + k, s->clump_torque + k},
+                 {s->clump_base_x + k, s->clump_base_y + k, s->clump_base_theta + k},
+                 s->clump_turn + k,
+                 NULL,
+                 {s->clump_image_x + k, s->clump_image_y + k}};
+}
+
+static size_t movers_of(const sd_state *s) { return s->n_bodies + s->n_clumps; }
+
 void motion_offset(const engine *e, uint32_t slot, int coordinate, double *off, double *base) {
-  const sd_state *s = e->state;
-  *off = coordinate == SD_X   ? s->image_x[slot] * e->work.length[0]
-         : coordinate == SD_Y ? s->image_y[slot] * e->work.length[1]
-                              : s->turn[slot];
-  *base = (coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta)[slot];
+  const mover b = mover_of(e->state, slot);
+  assert(coordinate != SD_SURFACE || b.surface_turn);
+  *off = coordinate == SD_SURFACE ? *b.surface_turn
+         : coordinate == SD_THETA ? *b.turn
+                                  : *b.image[coordinate] * e->work.length[coordinate];
+  *base = *b.base[coordinate];
 }
 
 /* Sums a coordinate's signals. */
 static void fill_one(engine *e, prescribed *p) {
-  assert(p->count > 0 && p->slot < e->state->n_bodies);
+  assert(p->count > 0 && p->slot < movers_of(e->state));
   pose_sum b = {e->work.motions->terms + p->first, p->count, .value = p->value, .velocity = p->velocity};
   motion_offset(e, p->slot, p->coordinate, &b.off, &b.base);
   e->work.kernels->motion->sum(&b, MOTION_BATCH);
@@ -54,11 +93,17 @@ static void fill_one(engine *e, prescribed *p) {
 static bool is_quiet(const engine *e, const prescribed *p) {
   const work *w = &e->work;
   const sd_state *s = e->state;
+  if (p->slot >= s->n_bodies) /* where the disks of a clump are is looked at in every step */
+    return motion_in_range(e, p->coordinate, p->low) && motion_in_range(e, p->coordinate, p->high);
   bool wall = p->slot >= s->n_disks;
-  double from = p->coordinate == SD_X   ? w->x0[p->slot]
-                : p->coordinate == SD_Y ? w->y0[p->slot]
-                                        : w->theta0[p->slot] - s->turn[p->slot];
-  double arm = p->coordinate != SD_THETA ? 1.0 : wall ? w->reach[p->slot - s->n_disks] : 0.0;
+  double from = p->coordinate == SD_X       ? w->x0[p->slot]
+                : p->coordinate == SD_Y     ? w->y0[p->slot]
+                : p->coordinate == SD_THETA ? w->theta0[p->slot] - s->turn[p->slot]
+                                            : 0.0;
+  double arm = p->coordinate == SD_SURFACE ? 0.0
+               : p->coordinate != SD_THETA ? 1.0
+               : wall                      ? w->reach[p->slot - s->n_disks]
+                                           : 0.0;
   double most = (wall ? 0.02 : 0.06) * w->moved_limit2; /* less than that: the skin may shrink on the way */
   double down = (p->low - from) * arm, up = (p->high - from) * arm;
   return down * down <= most && up * up <= most && motion_in_range(e, p->coordinate, p->low) &&
@@ -86,8 +131,8 @@ sd_status motion_new(engine *e, sd_messages *messages) {
   size_t terms = 0;
   for (size_t k = 0; k < m->n_motions; k++) terms += m->motions[k].n_bodies;
   if (q) {
-    q->prescribed = calloc(3 * sd_model_bodies(m) < terms ? 3 * sd_model_bodies(m) + 1 : terms + 1,
-                           sizeof *q->prescribed);
+    const size_t most = SD_MOVED * model_movables(m);
+    q->prescribed = calloc(most < terms ? most + 1 : terms + 1, sizeof *q->prescribed);
     q->terms = calloc(terms + 1, sizeof *q->terms);
     q->term_motions = calloc(terms + 1, sizeof *q->term_motions);
   }
@@ -109,26 +154,24 @@ void motion_free(engine *e) {
 }
 
 static void prescribe(engine *e, prescribed *p, size_t c, size_t first, size_t count) {
-  sd_state *s = e->state;
-  double *at[] = {s->x, s->y, s->theta}, *speed[] = {s->vx, s->vy, s->omega};
-  double *force[] = {s->force_x, s->force_y, s->torque};
-  size_t slot = c / 3, k = c % 3;
-  assert(slot < s->n_bodies && count > 0);
+  size_t slot = c / SD_MOVED, k = c % SD_MOVED;
+  const mover b = mover_of(e->state, slot);
+  assert(count > 0 && b.at[k]);
   p->slot = (uint32_t)slot;
   p->coordinate = (int)k;
   p->first = first;
   p->count = count;
-  p->at = at[k] + slot;
+  p->at = b.at[k];
   p->last = *p->at;
-  p->speed = speed[k] + slot;
-  p->force = force[k] + slot;
+  p->speed = b.speed[k];
+  p->force = b.force[k];
 }
 
 /* Coordinates with a running motion, by slot and coordinate; terms in the deck's order. */
 static sd_status list_prescribed(engine *e) {
   const sd_model *m = e->model;
   motions *q = e->work.motions;
-  size_t n = 3 * e->state->n_bodies, terms = 0;
+  size_t n = SD_MOVED * movers_of(e->state), terms = 0;
   size_t *count = calloc(n + 1, sizeof *count), *at = calloc(n + 1, sizeof *at);
   q->n_prescribed = 0;
   q->moves_walls = q->drives_free = false;
@@ -137,9 +180,10 @@ static sd_status list_prescribed(engine *e) {
       if (e->state->motion_start[k] < 0) continue;
       for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
         uint32_t slot = e->work.slot[m->motions[k].bodies[b]];
-        assert(slot < e->state->n_bodies);
-        size_t c = 3 * (size_t)slot + (size_t)m->motions[k].coordinate;
-        if (slot >= e->state->n_disks) q->moves_walls = true;
+        assert(slot < movers_of(e->state));
+        size_t c = SD_MOVED * (size_t)slot + (size_t)m->motions[k].coordinate;
+        if (slot >= e->state->n_disks && slot < e->state->n_bodies && m->motions[k].coordinate != SD_SURFACE)
+          q->moves_walls = true;
         if (slot < e->state->n_free) q->drives_free = true;
         if (motion_is_feedback(&m->motions[k])) continue;
         if (pass == 0) {
@@ -159,7 +203,7 @@ static sd_status list_prescribed(engine *e) {
   }
   for (size_t k = 0, first = 0; count && at && k < q->n_prescribed; first += q->prescribed[k++].count)
     assert(q->prescribed[k].first == first &&
-           at[3 * q->prescribed[k].slot + (size_t)q->prescribed[k].coordinate] ==
+           at[SD_MOVED * q->prescribed[k].slot + (size_t)q->prescribed[k].coordinate] ==
                first + q->prescribed[k].count);
   feedback_list(e, &q->feedbacks);
   bool failed = !count || !at;
@@ -168,31 +212,21 @@ static sd_status list_prescribed(engine *e) {
   return failed ? SD_ERROR_IO : SD_OK;
 }
 
-static double *base_of(sd_state *s, int coordinate) {
-  return coordinate == SD_X ? s->base_x : coordinate == SD_Y ? s->base_y : s->base_theta;
-}
-
-/* How many running motions add to each coordinate of each body (by 3 slot + coordinate): counts motion k in
+/* How many running motions add to each coordinate of each body (by SD_MOVED slot + coordinate): counts motion k in
  * (by = 1) or out (by = -1). */
 static void count_mover(const engine *e, int32_t *movers, size_t k, int by) {
   const sd_motion *m = &e->model->motions[k];
   for (size_t b = 0; b < m->n_bodies; b++)
-    movers[3 * (size_t)e->work.slot[m->bodies[b]] + (size_t)m->coordinate] += by;
+    movers[SD_MOVED * (size_t)e->work.slot[m->bodies[b]] + (size_t)m->coordinate] += by;
 }
 
 /* Stands still where the base and the images say. */
 static void rest(engine *e, uint32_t slot, int coordinate) {
-  sd_state *s = e->state;
-  if (coordinate == SD_THETA) {
-    s->theta[slot] = s->base_theta[slot] - s->turn[slot];
-    s->omega[slot] = 0.0;
-  } else if (coordinate == SD_X) {
-    s->x[slot] = s->base_x[slot] - s->image_x[slot] * e->work.length[0];
-    s->vx[slot] = 0.0;
-  } else {
-    s->y[slot] = s->base_y[slot] - s->image_y[slot] * e->work.length[1];
-    s->vy[slot] = 0.0;
-  }
+  const mover b = mover_of(e->state, slot);
+  double off, base;
+  motion_offset(e, slot, coordinate, &off, &base);
+  *b.at[coordinate] = base - off;
+  *b.speed[coordinate] = 0.0;
 }
 
 /* The last value stays in the base; a motion that never took a step displaced nothing. What no other motion
@@ -201,21 +235,22 @@ static void switch_off(engine *e, int32_t *movers, size_t k) {
   const sd_motion *m = &e->model->motions[k];
   const motions *q = e->work.motions;
   sd_state *s = e->state;
-  double *base = base_of(s, m->coordinate);
   assert(s->motion_start[k] >= 0 && s->motion_start[k] <= s->step);
   if (motion_is_feedback(m))
     feedback_end(e, k);
   else if (s->step > s->motion_start[k]) {
     assert(s->step >= q->first && s->step - q->first < MOTION_BATCH);
     for (size_t b = 0; b < m->n_bodies; b++)
-      base[e->work.slot[m->bodies[b]]] += q->signals.item[k].now.u[s->step - q->first];
+      *mover_of(s, e->work.slot[m->bodies[b]]).base[m->coordinate] +=
+          q->signals.item[k].now.u[s->step - q->first];
   }
   s->motion_start[k] = -1;
   count_mover(e, movers, k, -1);
   for (size_t b = 0; b < m->n_bodies; b++) {
     uint32_t slot = e->work.slot[m->bodies[b]];
-    assert(movers[3 * (size_t)slot + (size_t)m->coordinate] >= 0);
-    if (movers[3 * (size_t)slot + (size_t)m->coordinate] == 0) rest(e, slot, m->coordinate);
+    const int32_t left = movers[SD_MOVED * (size_t)slot + (size_t)m->coordinate];
+    assert(left >= 0);
+    if (left == 0) rest(e, slot, m->coordinate);
   }
 }
 
@@ -234,7 +269,7 @@ sd_status motion_begin_phase(engine *e) {
   assert(s->phase >= 0 && (size_t)s->phase < m->n_phases);
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
-  int32_t *movers = calloc(3 * s->n_bodies, sizeof *movers);
+  int32_t *movers = calloc(SD_MOVED * movers_of(s), sizeof *movers);
   if (!movers) return SD_ERROR_IO;
   for (size_t k = 0; k < m->n_motions; k++)
     if (s->motion_start[k] >= 0) count_mover(e, movers, k, 1);
@@ -297,29 +332,60 @@ bool motion_ahead(engine *e) {
   return e->work.motions->quiet;
 }
 
+static void pose(prescribed *p, int64_t k) {
+  const double after = p->value[k];
+  p->moved = after - p->last;
+  p->force_before = *p->force;
+  *p->at = p->last = after;
+  *p->speed = p->velocity[k];
+}
+
+void motion_pose_clumps(engine *e) {
+  motions *q = e->work.motions;
+  motion_ahead(e);
+  for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++)
+    if (p->slot >= e->state->n_bodies) pose(p, motion_index(e));
+}
+
 void motion_pose(engine *e, thread_work *mine) {
   motions *q = e->work.motions;
   const sd_state *s = e->state;
   motion_ahead(e);
   int64_t k = motion_index(e);
   for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
-    double after = p->value[k];
+    if (p->slot >= s->n_bodies) continue; /* motion_pose_clumps */
     p->moved = 0.0;
     if (p->slot < s->n_free && !body_in_play(s, p->slot)) continue; /* it waits, or was taken out */
-    p->moved = after - p->last;
-    p->force_before = *p->force;
-    *p->at = p->last = after;
-    *p->speed = p->velocity[k];
+    pose(p, k);
     body_pack(e, p->slot);
   }
   if (q->quiet) return;
   feedback_pose(e, &q->feedbacks, mine);
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
-    if (neighbours_moved(e, p->slot)) mine->stale = true;
+    if (p->slot < s->n_bodies && neighbours_moved(e, p->slot)) mine->stale = true;
     /* free disks with a prescribed coordinate are looked at by the corrector */
     if (p->slot >= s->n_free && !motion_in_range(e, p->coordinate, *p->at))
       event_add(&mine->returns, p->slot);
   }
+}
+
+bool motion_outruns(engine *e) {
+  const motions *q = e->work.motions;
+  if (motion_ahead(e)) return false;
+  const int64_t k = motion_index(e);
+  bool outruns = false;
+  for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
+    if (p->slot >= e->state->n_bodies) continue;
+    const double at = *p->at;
+    *p->at = p->value[k];
+    outruns |= neighbours_moved(e, p->slot);
+    *p->at = at;
+  }
+  return outruns;
+}
+
+bool motion_runs(const engine *e) {
+  return e->work.motions->n_prescribed > 0 || e->work.motions->feedbacks.count > 0;
 }
 
 void motion_wrapped(engine *e, uint32_t slot) {

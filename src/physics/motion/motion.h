@@ -41,8 +41,10 @@ void motion_reload(engine *e);
 /* Brings the oscillators in the state to the step that is completed. */
 void motion_store(engine *e);
 
-/* Sets every prescribed coordinate and its velocity to their values at step state->step + 1. */
+/* Sets every prescribed coordinate and its velocity to their values at step state->step + 1; of clumps before that, so that
+ * their disks can be placed. */
 void motion_pose(engine *e, thread_work *mine);
+void motion_pose_clumps(engine *e);
 /* Books the work that the prescribed bodies did in this step: trapezoid of the contact forces, which must be new.
  * Loads get their velocities. */
 void motion_work(engine *e);
@@ -56,6 +58,10 @@ bool motion_ahead(engine *e);
 int64_t motion_index(const engine *e);
 prescribed *motion_prescribed(engine *e, size_t *n);
 
+/* Would the next step's poses make the lists stale? Loads and servos are not looked at. Changes nothing. */
+bool motion_outruns(engine *e);
+/* Does any motion run? */
+bool motion_runs(const engine *e);
 /* True when some wall has a running motion. */
 bool motion_moves_walls(const engine *e);
 /* Does a motion that runs prescribe a coordinate of a free disk? */

@@ -1,5 +1,7 @@
 /* chunks.c: see chunks.h. */
+#include "physics/system/halo.h"
 #include "physics/neighbours/chunks.h"
+#include "physics/contact/pairs.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -58,57 +60,112 @@ static sd_status reserve(chunks *c, size_t count, size_t n_free) {
   return all ? SD_OK : SD_ERROR_IO;
 }
 
-/* Where the pairs of each chunk begin; round ones to whole blocks. */
+/* Where the pairs of each chunk begin; round ones to whole blocks, those with ghosts belong to none. */
 static void find_pairs(chunks *c, const pairs *p) {
-  size_t k = 0, piece = p->first_segment;
   for (size_t n = 0; n <= c->count; n++) {
-    const int32_t first = (int32_t)c->begin[n];
-    while (k < p->n_round && (n == c->count || p->a[k] < first)) k++;
-    while (piece < p->count && (n == c->count || p->a[piece] < first)) piece++;
-    size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
-    c->pair[n] = whole < p->first_segment ? whole : p->first_segment;
-    c->segment[n] = piece;
+    const size_t k = n < c->count ? pairs_from(p, 0, p->n_round, c->begin[n]) : p->n_round;
+    const size_t whole = (k + PAIR_BLOCK - 1) / PAIR_BLOCK * PAIR_BLOCK;
+    c->pair[n] = whole < p->first_ghost ? whole : p->first_ghost;
+    c->segment[n] = n < c->count ? pairs_from(p, p->first_segment, p->count, c->begin[n]) : p->count;
     assert(c->pair[n] % PAIR_BLOCK == 0 && (n == 0 || c->pair[n - 1] <= c->pair[n]));
-    assert(n == 0 || c->segment[n - 1] <= piece);
+    assert(n == 0 || c->segment[n - 1] <= c->segment[n]);
   }
-}
-
-static sd_status add_need(chunks *c, size_t *n, uint32_t chunk) {
-  assert(chunk < c->count);
-  if (*n == c->need_capacity) {
-    size_t capacity = 2 * *n + 4 * c->count + 16;
-    uint32_t *more = realloc(c->need, capacity * sizeof *more);
-    if (!more) return SD_ERROR_IO;
-    c->need = more;
-    c->need_capacity = capacity;
-  }
-  c->need[(*n)++] = chunk;
-  return SD_OK;
 }
 
 /* Chunks that the pairs of each one read; itself always. */
-static sd_status find_needs(chunks *c, const pairs *p, size_t n_free) {
-  size_t n = 0;
-  int64_t *found_for = c->packed;
-  for (size_t k = 0; k < c->count; k++) found_for[k] = -1;
-  for (size_t k = 0; k < c->count; k++) {
-    c->need_start[k] = n;
-    found_for[k] = (int64_t)k;
-    if (add_need(c, &n, (uint32_t)k) != SD_OK) return SD_ERROR_IO;
-    for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
-      for (int side = 0; side < 2; side++) {
-        int32_t slot = side ? p->b[at] : p->a[at];
-        if (slot < 0 || (size_t)slot >= n_free || found_for[chunks_of_disk(c, (size_t)slot)] == (int64_t)k)
-          continue;
-        size_t seen = chunks_of_disk(c, (size_t)slot);
-        found_for[seen] = (int64_t)k;
-        if (add_need(c, &n, (uint32_t)seen) != SD_OK) return SD_ERROR_IO;
-      }
-    assert(n > c->need_start[k] && c->need[c->need_start[k]] == k);
+typedef struct needs_share {
+  uint32_t *need;
+  size_t n, capacity;
+  sd_status status;
+} needs_share;
+
+typedef struct needs_task {
+  chunks *c;
+  const pairs *p;
+  size_t n_free;
+  needs_share share[WORK_MAX_THREADS];
+} needs_task;
+
+static void add_need(needs_share *l, size_t chunk) {
+  if (l->n == l->capacity) {
+    size_t capacity = 2 * l->capacity + 64;
+    uint32_t *more = realloc(l->need, capacity * sizeof *more);
+    if (!more) l->status = SD_ERROR_IO;
+    if (!more) return;
+    l->need = more;
+    l->capacity = capacity;
   }
+  l->need[l->n++] = (uint32_t)chunk;
+}
+
+/* found_for: the last chunk that was found to read each. */
+static void find_needs_of(const needs_task *f, size_t k, size_t *found_for, needs_share *mine) {
+  const chunks *c = f->c;
+  const pairs *p = f->p;
+  found_for[k] = k;
+  add_need(mine, k);
+  for (size_t at = c->pair[k]; at < c->pair[k + 1]; at++)
+    for (int side = 0; side < 2; side++) {
+      const int32_t slot = side ? p->b[at] : p->a[at];
+      if (slot < 0 || (size_t)slot >= f->n_free) continue;
+      const size_t seen = chunks_of_disk(c, (size_t)slot);
+      if (found_for[seen] == k) continue;
+      found_for[seen] = k;
+      add_need(mine, seen);
+    }
+}
+
+/* need_start is counted from the beginning of the share here. */
+static void needs_together(const team *t, void *with) {
+  needs_task *f = with;
+  const chunks *c = f->c;
+  needs_share *mine = &f->share[t->rank];
+  const size_t size = (size_t)t->size, rank = (size_t)t->rank;
+  size_t *found_for = malloc((c->count + 1) * sizeof *found_for);
+  if (!found_for) mine->status = SD_ERROR_IO;
+  for (size_t k = 0; found_for && k < c->count; k++) found_for[k] = SIZE_MAX;
+  for (size_t k = c->count * rank / size; k < c->count * (rank + 1) / size && mine->status == SD_OK; k++) {
+    c->need_start[k] = mine->n;
+    find_needs_of(f, k, found_for, mine);
+    assert(mine->status != SD_OK || mine->need[c->need_start[k]] == k);
+  }
+  free(found_for);
+}
+
+/* The shares one after the other; the chunks of each begin with themselves. */
+static sd_status join_needs(needs_task *f) {
+  chunks *c = f->c;
+  size_t n = 0, k = 0;
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
+    if (f->share[t].status != SD_OK) return SD_ERROR_IO;
+    n += f->share[t].n;
+  }
+  if (n > c->need_capacity) {
+    free(c->need);
+    c->need_capacity = n + n / 2;
+    c->need = malloc(c->need_capacity * sizeof *c->need);
+    if (!c->need) c->need_capacity = 0;
+    if (!c->need) return SD_ERROR_IO;
+  }
+  n = 0;
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
+    const needs_share *l = &f->share[t];
+    if (l->n) memcpy(c->need + n, l->need, l->n * sizeof *l->need);
+    for (; k < c->count && c->need_start[k] < l->n && l->need[c->need_start[k]] == k; k++)
+      c->need_start[k] += n;
+    n += l->n;
+  }
+  assert(k == c->count);
   c->need_start[c->count] = n;
-  assert(n <= c->need_capacity);
   return SD_OK;
+}
+
+static sd_status find_needs(const engine *e, chunks *c) {
+  needs_task f = {.c = c, .p = &e->work.pairs, .n_free = e->state->n_free};
+  pool_run(work_pool(e), needs_together, &f);
+  const sd_status status = join_needs(&f);
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) free(f.share[t].need);
+  return status;
 }
 
 static int thread_of_chunk(const chunks *c, size_t k) {
@@ -129,19 +186,30 @@ static void find_boundary_first(chunks *c, int threads) {
           c->any_boundary_first = c->boundary_first[c->need[n]] = true;
 }
 
+/* Cost of the disks before this one. */
+static size_t cost_before(const pairs *p, size_t disk) {
+  const size_t k = pairs_from(p, 0, p->n_round, disk),
+               piece = pairs_from(p, p->first_segment, p->count, disk);
+  return k + SEGMENT_COST * (piece - p->first_segment) + DISK_COST * disk;
+}
+
 /* Where the share of each thread begins, so that all cost the same. */
 static void share_disks(const pairs *p, size_t n_free, size_t threads, size_t *disk) {
   const size_t all = p->n_round + SEGMENT_COST * (p->count - p->first_segment) + DISK_COST * n_free;
-  size_t k = 0, piece = p->first_segment, t = 1;
   disk[0] = 0;
-  for (size_t d = 0; d < n_free; d += CHUNK_STEP) {
-    while (k < p->n_round && p->a[k] < (int32_t)d) k++;
-    while (piece < p->count && p->a[piece] < (int32_t)d) piece++;
-    const size_t cost = k + SEGMENT_COST * (piece - p->first_segment) + DISK_COST * d;
-    while (t < threads && cost >= all * t / threads) disk[t++] = d;
+  for (size_t t = 1; t < threads; t++) {
+    size_t low = disk[t - 1] / CHUNK_STEP, high = (n_free + CHUNK_STEP - 1) / CHUNK_STEP;
+    while (low < high) {
+      const size_t middle = low + (high - low) / 2;
+      if (cost_before(p, CHUNK_STEP * middle) < all * t / threads)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    disk[t] = CHUNK_STEP * low < n_free ? CHUNK_STEP * low : n_free;
   }
-  while (t <= threads) disk[t++] = n_free;
-  for (t = 0; t < threads; t++)
+  disk[threads] = n_free;
+  for (size_t t = 0; t < threads; t++)
     assert(disk[t] <= disk[t + 1] && (disk[t] % CHUNK_STEP == 0 || disk[t] == n_free));
 }
 
@@ -159,6 +227,12 @@ static void cut_shares(chunks *c, const size_t *disk) {
   c->share[c->n_threads] = k;
   c->begin[k] = disk[c->n_threads];
   assert(k == c->count && c->begin[0] == 0);
+}
+
+/* Ranks for which these disks are ghosts wait for them. */
+static void find_sent(const halo *h, chunks *c) {
+  for (size_t k = 0; k < h->n_send; k++) c->boundary_first[chunks_of_disk(c, h->send_slot[k])] = true;
+  c->any_boundary_first = true;
 }
 
 sd_status chunks_plan(engine *e) {
@@ -179,10 +253,11 @@ sd_status chunks_plan(engine *e) {
   cut_shares(c, disk);
   assert(c->begin[count] == n_free && c->share[0] == 0 && c->share[threads] == count);
   find_pairs(c, &w->pairs);
-  assert(c->pair[count] == w->pairs.first_segment && c->segment[count] == w->pairs.count);
-  if (find_needs(c, &w->pairs, n_free) != SD_OK) return SD_ERROR_IO;
+  assert(c->pair[count] == w->pairs.first_ghost && c->segment[count] == w->pairs.count);
+  if (find_needs(e, c) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < count; k++) c->predicted[k] = c->packed[k] = INT64_MIN;
   find_boundary_first(c, w->n_threads);
+  if (e->halo) find_sent(e->halo, c);
   return SD_OK;
 }
 
@@ -194,7 +269,7 @@ int chunks_thread_of_disk(const engine *e, size_t slot) {
 int chunks_thread_of_pair(const engine *e, size_t pair) {
   const chunks *c = &e->work.chunks;
   assert(pair < e->work.pairs.count);
-  if (pair >= e->work.pairs.first_segment) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
+  if (pair >= e->work.pairs.first_ghost) return chunks_thread_of_disk(e, (size_t)e->work.pairs.a[pair]);
   int t = 0;
   while (pair >= c->pair[c->share[t + 1]]) t++;
   return t;

@@ -20,6 +20,10 @@ void neighbours_free(engine *e);
 /* All lengths have just changed by the factor f, and the box with them. The lists stand as long as what
  * was too far to be a candidate is. Errors as neighbours_build. */
 sd_status neighbours_rescale(engine *e, double f, sd_messages *messages);
+/* Lists that were built for a box at rest, which has not changed since, go on in one that deforms. */
+void neighbours_follow(engine *e);
+/* The periodic box has the shape of this step: how far it takes positions along until the step that follows. */
+void neighbours_deform(engine *e, int64_t step);
 /* SD_ERROR_NUMERIC when a pose is not finite; step is the one that the message names. */
 sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages);
 

@@ -6,16 +6,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "physics/neighbours/grid.h"
+
 /* --- order of the disks ------------------------------------------------------------------------------ */
 
 typedef struct place {
   uint64_t strip; /* UINT64_MAX: not in play */
   double along;
   uint32_t id, slot;
+  uint32_t level; /* of size, the smallest first */
 } place;
 
 static int by_place(const void *one, const void *two) {
   const place *p = one, *q = two;
+  if ((p->strip == UINT64_MAX) != (q->strip == UINT64_MAX)) return p->strip < q->strip ? -1 : 1;
+  if (p->level != q->level) return p->level < q->level ? -1 : 1;
   if (p->strip != q->strip) return p->strip < q->strip ? -1 : 1;
   if (p->strip != UINT64_MAX && p->along != q->along) return p->along < q->along ? -1 : 1;
   return p->id < q->id ? -1 : p->id > q->id;
@@ -39,7 +44,7 @@ static range range_of(const sd_state *s, const double *at) {
   return x;
 }
 
-/* Strips as wide as the largest disk; of a periodic side the first, the last, the second, the last but one ... */
+/* Strips of `width`; of a periodic side the first, the last, the second, the last but one ... */
 static uint64_t strip_of(double at, range x, double width, bool folded) {
   width = fmax(width, (x.high - x.low) * 1e-9); /* a disk may be lost far away */
   double count = floor((x.high - x.low) / width) + 1.0, k = floor((at - x.low) / width);
@@ -49,16 +54,23 @@ static uint64_t strip_of(double at, range x, double width, bool folded) {
   return (uint64_t)(k < 0.5 * count ? 2.0 * k : 2.0 * (count - 1.0 - k) + 1.0);
 }
 
+/* Disks within a factor LEVEL_FACTOR in size are ordered together, in strips as wide as the largest of them; smaller ones
+ * first. So the partners of a disk stand near it, but for larger ones, which are few and last. */
+static const double LEVEL_FACTOR = 4.0;
+
 static void fill_places(const sd_model *m, const sd_state *s, place *list) {
   range x = range_of(s, s->x), y = range_of(s, s->y);
   const bool along_x = x.high - x.low >= y.high - y.low;
-  double width = 0.0;
-  for (size_t i = 0; i < s->n_free; i++) width = fmax(width, 2.0 * s->radius[i]);
+  double top[GRID_LEVELS];
+  const size_t levels = grid_levels_of(s->radius, s->n_free, LEVEL_FACTOR, top);
   for (uint32_t i = 0; i < s->n_free; i++) {
     list[i] = (place){.strip = UINT64_MAX, .id = s->id[i], .slot = i};
     if (!in_play(s, i)) continue;
-    list[i].strip = along_x ? strip_of(s->x[i], x, width, m->periodic[SD_X])
-                            : strip_of(s->y[i], y, width, m->periodic[SD_Y]);
+    uint32_t level = 0;
+    while (level + 1 < levels && s->radius[i] <= top[level + 1]) level++;
+    list[i].level = (uint32_t)levels - level;
+    list[i].strip = along_x ? strip_of(s->x[i], x, 2.0 * top[level], m->periodic[SD_X])
+                            : strip_of(s->y[i], y, 2.0 * top[level], m->periodic[SD_Y]);
     list[i].along = along_x ? s->y[i] : s->x[i];
   }
 }
@@ -67,13 +79,17 @@ static void fill_places(const sd_model *m, const sd_state *s, place *list) {
 
 /* Rows of a column in a new order: row k becomes that which was from[k]. */
 static void permute(char *column, size_t row, size_t n, const uint32_t *from, char *scratch) {
+  if (n == 0) return;
   for (size_t k = 0; k < n; k++) memcpy(scratch + k * row, column + from[k] * row, row);
   memcpy(column, scratch, n * row);
 }
 
 static size_t rows_of(const sd_state *s, sd_extent extent, bool contacts) {
-  if (contacts) return extent == SD_PER_CONTACT ? s->n_contacts : 0;
+  if (contacts) return state_of_contacts(extent) ? sd_extent_size(s, extent) : 0;
+  if (extent == SD_PER_LAW_FREE) return sd_extent_size(s, extent);
   if (extent == SD_PER_MEAN || extent == SD_PER_MEAN_BIN) return s->n_means;
+  if (extent == SD_PER_FIELDED) return s->n_fielded;
+  if (extent == SD_PER_CELL_DISK) return s->n_cell_disks;
   return extent == SD_PER_BODY || extent == SD_PER_FREE ? s->n_free : 0;
 }
 
@@ -88,48 +104,53 @@ static void permute_all(sd_state *s, bool contacts, const uint32_t *from, void *
 /* --- contacts ---------------------------------------------------------------------------------------- */
 
 typedef struct contact_place {
-  bool piece; /* of a straight wall: these follow the round pairs */
+  int list; /* as the pairs: round ones, those with ghosts, pieces of straight walls */
   uint32_t a, b, part, from;
 } contact_place;
 
 static int by_slots(const void *one, const void *two) {
   const contact_place *p = one, *q = two;
-  if (p->piece != q->piece) return p->piece ? 1 : -1;
+  if (p->list != q->list) return p->list - q->list;
   if (p->a != q->a) return p->a < q->a ? -1 : 1;
   if (p->b != q->b) return p->b < q->b ? -1 : 1;
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
 /* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
-static void turn_contact(sd_state *s, size_t k, const uint32_t *slot) {
+static void turn_contact(const sd_model *m, sd_state *s, size_t k, const uint32_t *slot) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
-  assert(a < s->n_disks && b < s->n_bodies && a != b);
-  if (b >= s->n_disks || slot[a] < slot[b]) return;
+  assert(a < m->n_disks && b < sd_model_bodies(m) && a != b);
+  if (b >= m->n_disks || slot[a] < slot[b]) return;
   s->contact_a[k] = b;
   s->contact_b[k] = a;
   s->contact_ex[k] = -s->contact_ex[k];
   s->contact_ey[k] = -s->contact_ey[k];
+  if (!s->law_columns) return;
+  s->contact_rho_ref[k] = -s->contact_rho_ref[k];
+  s->contact_rho[k] = -s->contact_rho[k];
+  s->contact_roll[k] = -s->contact_roll[k];
 }
 
 static void list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list) {
   for (uint32_t k = 0; k < s->n_contacts; k++) {
-    turn_contact(s, k, slot);
+    turn_contact(m, s, k, slot);
     uint32_t b = s->contact_b[k];
-    bool piece = b >= s->n_disks && m->walls[b - s->n_disks].kind != SD_WALL_CIRCLE;
+    bool piece = b >= m->n_disks && m->walls[b - m->n_disks].kind != SD_WALL_CIRCLE;
+    bool ghost = slot[b] >= s->n_free && slot[b] < s->n_free + s->n_ghosts;
     assert(slot[s->contact_a[k]] < slot[b]);
-    list[k] = (contact_place){piece, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
+    list[k] = (contact_place){piece ? 2 : ghost, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
   }
 }
 
 sd_status order_contacts(const sd_model *m, sd_state *s) {
   const size_t n = s->n_contacts;
   contact_place *list = malloc((n + 1) * sizeof *list);
-  uint32_t *from = calloc(n + 1, sizeof *from), *slot = calloc(s->n_bodies + 1, sizeof *slot);
+  uint32_t *from = calloc(n + 1, sizeof *from), *slot = calloc(sd_model_bodies(m) + 1, sizeof *slot);
   void *scratch = malloc((n + 1) * sizeof(double));
   sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
     for (uint32_t k = 0; k < s->n_bodies; k++) {
-      assert(s->id[k] < s->n_bodies && slot[s->id[k]] == 0); /* the first stands in slot 0 */
+      assert(s->id[k] < sd_model_bodies(m) && slot[s->id[k]] == 0); /* the first stands in slot 0 */
       slot[s->id[k]] = k;
     }
     list_contacts(m, s, slot, list);

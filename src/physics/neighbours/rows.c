@@ -6,9 +6,171 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
+#include "physics/system/halo.h"
 
 /* --- contacts of each body --------------------------------------------------------------------------- */
+
+static size_t partner_of(const pairs *p, uint32_t entry) {
+  return (size_t)(entry & 1 ? p->a[entry / 2] : p->b[entry / 2]);
+}
+
+/* Those of an own disk with round bodies: by the partners' slots in the whole, as in a run on one rank. */
+static void order_partners(const engine *e, size_t slot) {
+  const incidence *n = &e->work.incidence;
+  const pairs *p = &e->work.pairs;
+  uint32_t *entry = n->entry;
+  for (size_t k = n->start[slot]; k < n->start[slot + 1] && !pairs_is_segment(p, entry[k] / 2); k++) {
+    const uint32_t moved = entry[k];
+    const uint64_t here = halo_order(e, partner_of(p, moved));
+    size_t at = k;
+    for (; at > n->start[slot] && halo_order(e, partner_of(p, entry[at - 1])) > here; at--)
+      entry[at] = entry[at - 1];
+    entry[at] = moved;
+  }
+}
+
+typedef struct numbers {
+  uint32_t *at;
+  size_t n, capacity;
+  bool failed; /* no memory */
+} numbers;
+
+static void add(numbers *l, size_t k) {
+  if (l->n == l->capacity) {
+    const size_t capacity = 2 * l->capacity + 64;
+    uint32_t *more = realloc(l->at, capacity * sizeof *more);
+    l->failed |= !more;
+    if (!more) return;
+    l->at = more;
+    l->capacity = capacity;
+  }
+  l->at[l->n++] = (uint32_t)k;
+}
+
+/* Each thread lists the bodies of its share of free disks, rank 0 all others as well. The first disks of its own pairs
+ * stand there; the second may belong to a later thread, which finds them in `away`. */
+typedef struct incidence_share {
+  size_t begin, end;       /* disks */
+  size_t pair, pair_end;   /* round */
+  size_t ghost, ghost_end; /* with ghosts */
+  size_t piece, piece_end; /* of straight walls */
+  numbers away;            /* pairs whose second body is not here, ascending */
+  size_t entries;
+} incidence_share;
+
+typedef struct incidence_task {
+  engine *e;
+  incidence_share share[WORK_MAX_THREADS];
+} incidence_task;
+
+static bool stands_here(const incidence_task *f, const incidence_share *mine, int32_t slot) {
+  const size_t b = (size_t)slot;
+  return (b >= mine->begin && b < mine->end) || (mine == &f->share[0] && b >= f->e->state->n_free);
+}
+
+/* Counts or fills in those that other threads have found: of the round pairs or of the pieces. */
+static void take_away(const incidence_task *f, const team *t, bool pieces, bool fill) {
+  incidence *n = &f->e->work.incidence;
+  const pairs *p = &f->e->work.pairs;
+  const incidence_share *mine = &f->share[t->rank];
+  for (int other = 0; other < t->size; other++) {
+    const numbers *l = &f->share[other].away;
+    for (size_t at = 0; at < l->n; at++) {
+      const size_t k = l->at[at];
+      if (pairs_is_segment(p, k) != pieces || !stands_here(f, mine, p->b[k])) continue;
+      if (fill)
+        n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
+      else
+        n->start[p->b[k] + 2]++;
+    }
+  }
+}
+
+static void count_own(const incidence_task *f, incidence_share *mine) {
+  size_t *start = f->e->work.incidence.start;
+  const pairs *p = &f->e->work.pairs;
+  for (size_t k = mine->pair; k < mine->pair_end; k++) {
+    start[p->a[k] + 2]++;
+    if ((size_t)p->b[k] < mine->end)
+      start[p->b[k] + 2]++;
+    else
+      add(&mine->away, k);
+  }
+  for (size_t k = mine->ghost; k < mine->ghost_end; k++) {
+    start[p->a[k] + 2]++;
+    add(&mine->away, k);
+  }
+  for (size_t k = mine->piece; k < mine->piece_end; k++) {
+    start[p->a[k] + 2]++;
+    add(&mine->away, k);
+  }
+}
+
+static void fill_own(const incidence_task *f, const incidence_share *mine) {
+  incidence *n = &f->e->work.incidence;
+  const pairs *p = &f->e->work.pairs;
+  for (size_t k = mine->pair; k < mine->pair_end; k++) {
+    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
+    if ((size_t)p->b[k] < mine->end) n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
+  }
+  for (size_t k = mine->ghost; k < mine->ghost_end; k++)
+    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
+  for (size_t k = mine->piece; k < mine->piece_end; k++)
+    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
+}
+
+static void clear_counts(const incidence_task *f, const incidence_share *mine) {
+  size_t *start = f->e->work.incidence.start;
+  const size_t n_free = f->e->state->n_free, others = f->e->state->n_bodies - n_free;
+  memset(start + mine->begin + 2, 0, (mine->end - mine->begin) * sizeof *start);
+  if (mine != &f->share[0]) return;
+  start[0] = start[1] = 0;
+  memset(start + n_free + 2, 0, others * sizeof *start);
+}
+
+/* Counts to sums. */
+static void add_up(const incidence_task *f, const team *t) {
+  size_t *start = f->e->work.incidence.start, before = 0;
+  const size_t n_free = f->e->state->n_free;
+  const incidence_share *mine = &f->share[t->rank];
+  for (int other = 0; other < t->rank; other++) before += f->share[other].entries;
+  for (size_t b = mine->begin; b < mine->end; b++) start[b + 2] = before += start[b + 2];
+  team_wait(t);
+  if (t->rank > 0) return;
+  for (size_t b = n_free; b < f->e->state->n_bodies; b++) start[b + 2] += start[b + 1];
+}
+
+static void incidence_together(const team *t, void *with) {
+  incidence_task *f = with;
+  const engine *e = f->e;
+  const pairs *p = &e->work.pairs;
+  const size_t *start = e->work.incidence.start;
+  incidence_share *mine = &f->share[t->rank];
+  team_share(t, e->state->n_free, &mine->begin, &mine->end);
+  mine->pair = pairs_from(p, 0, p->n_round, mine->begin);
+  mine->pair_end = pairs_from(p, 0, p->n_round, mine->end);
+  mine->ghost = pairs_from(p, p->first_ghost, p->end_ghost, mine->begin);
+  mine->ghost_end = pairs_from(p, p->first_ghost, p->end_ghost, mine->end);
+  mine->piece = pairs_from(p, p->first_segment, p->count, mine->begin);
+  mine->piece_end = pairs_from(p, p->first_segment, p->count, mine->end);
+  clear_counts(f, mine);
+  team_wait(t);
+  count_own(f, mine);
+  team_wait(t);
+  take_away(f, t, false, false);
+  take_away(f, t, true, false);
+  for (size_t b = mine->begin; b < mine->end; b++) mine->entries += start[b + 2];
+  team_wait(t);
+  add_up(f, t);
+  team_wait(t);
+  take_away(f, t, false, true);
+  fill_own(f, mine);
+  take_away(f, t, true, true);
+  team_wait(t);
+  for (size_t i = mine->begin; e->halo && i < mine->end; i++) order_partners(e, i);
+}
 
 static sd_status list_incidence(engine *e) {
   const sd_state *s = e->state;
@@ -21,20 +183,16 @@ static sd_status list_incidence(engine *e) {
     n->entry = malloc(n->capacity * sizeof *n->entry);
   }
   if (!n->start || (n->capacity && !n->entry)) return SD_ERROR_IO;
-  memset(n->start, 0, (s->n_bodies + 2) * sizeof *n->start);
-  for (size_t k = 0; k < p->count; k++) {
-    if (p->a[k] < 0) continue;
-    n->start[p->a[k] + 2]++;
-    n->start[p->b[k] + 2]++;
+  assert(p->count <= UINT32_MAX / 2);
+  incidence_task f = {.e = e};
+  pool_run(work_pool(e), incidence_together, &f);
+  bool failed = false;
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
+    failed |= f.share[t].away.failed;
+    free(f.share[t].away.at);
   }
-  for (size_t b = 2; b < s->n_bodies + 2; b++) n->start[b] += n->start[b - 1];
-  assert(n->start[s->n_bodies + 1] == 2 * (p->count - (p->first_segment - p->n_round)));
-  assert(n->start[s->n_bodies + 1] <= n->capacity && p->count <= UINT32_MAX / 2);
-  for (size_t k = 0; k < p->count; k++) {
-    if (p->a[k] < 0) continue;
-    n->entry[n->start[p->a[k] + 1]++] = (uint32_t)(2 * k);
-    n->entry[n->start[p->b[k] + 1]++] = (uint32_t)(2 * k + 1);
-  }
+  if (failed) return SD_ERROR_IO;
+  assert(n->start[s->n_bodies] <= 2 * p->count);
   assert(n->start[0] == 0 && n->start[s->n_bodies] == n->start[s->n_bodies + 1]);
   return SD_OK;
 }
@@ -57,21 +215,20 @@ static sd_status reserve_rows(engine *e) {
   return w->row && w->packed ? SD_OK : SD_ERROR_IO;
 }
 
-/* Rows of free disks, of the other bodies, and of nobody: at (0, 0) without a radius, where it touches nothing. */
-static sd_status list_rows(engine *e) {
-  const size_t n_bodies = e->state->n_bodies, n_free = e->state->n_free;
+/* Rows of free disks, and where pairs find those of their bodies. */
+static void rows_together(const team *t, void *with) {
+  engine *e = with;
+  const size_t n_bodies = e->state->n_bodies, size = (size_t)t->size, rank = (size_t)t->rank;
   work *w = &e->work;
   const chunks *c = &w->chunks;
   pairs *p = &w->pairs;
-  if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
-  assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
-  for (size_t k = 0; k < c->count; k++)
+  for (size_t k = c->count * rank / size; k < c->count * (rank + 1) / size; k++)
     for (size_t slot = c->begin[k]; slot < c->begin[k + 1]; slot++)
       w->row[slot] = (int32_t)(c->row[k] + slot - c->begin[k]);
-  for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
-  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
-  memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
-  for (size_t k = 0; k < p->count; k++) {
+  team_wait(t);
+  size_t begin, end;
+  team_share(t, p->count, &begin, &end);
+  for (size_t k = begin; k < end; k++) {
     const bool nobody = p->a[k] < 0;
     const int32_t a = w->row[nobody ? n_bodies : (size_t)p->a[k]];
     const int32_t b = w->row[nobody ? n_bodies : (size_t)p->b[k]];
@@ -80,10 +237,23 @@ static sd_status list_rows(engine *e) {
     PAIR(p, k, sum_a) = SUM_ROW * a;
     PAIR(p, k, sum_b) = SUM_ROW * b;
   }
+}
+
+/* Rows of free disks, of the other bodies, and of padding: at (0, 0) without a radius, where it touches nothing. */
+static sd_status list_rows(engine *e) {
+  const size_t n_bodies = e->state->n_bodies, n_free = e->state->n_free;
+  work *w = &e->work;
+  const chunks *c = &w->chunks;
+  if (reserve_rows(e) != SD_OK) return SD_ERROR_IO;
+  assert(count_rows(e) <= INT32_MAX / PACKED_ROW && count_rows(e) <= w->packed_capacity);
+  for (size_t slot = n_free; slot <= n_bodies; slot++) w->row[slot] = (int32_t)(c->rows + slot - n_free);
+  assert((size_t)w->row[n_bodies] + 1 == count_rows(e)); /* that of padding is the last */
+  memset(w->packed + PACKED_ROW * (size_t)w->row[n_bodies], 0, PACKED_ROW * sizeof *w->packed);
+  pool_run(work_pool(e), rows_together, e);
   return SD_OK;
 }
 
-/* Are the contacts of this body wanted one by one, or in the share of another thread? */
+/* Are the contacts of this body wanted one by one, or in the share of another thread, or is one with a ghost? */
 static bool is_listed(const engine *e, size_t slot) {
   const work *w = &e->work;
   const incidence *n = &w->incidence;
@@ -91,31 +261,59 @@ static bool is_listed(const engine *e, size_t slot) {
   if (w->columns[SD_X].inverse[slot] == 0.0 || w->columns[SD_Y].inverse[slot] == 0.0 ||
       w->columns[SD_THETA].inverse[slot] == 0.0)
     return true;
+  for (size_t at = n->start[slot]; e->halo && at < n->start[slot + 1]; at++)
+    if (halo_is_ghost(e, partner_of(&w->pairs, n->entry[at]))) return true;
   const int mine = w->n_threads > 1 ? chunks_thread_of_disk(e, slot) : 0;
   for (size_t at = n->start[slot]; w->n_threads > 1 && at < n->start[slot + 1]; at++)
     if (chunks_thread_of_pair(e, n->entry[at] / 2) != mine) return true;
   return false;
 }
 
+typedef struct listed_task {
+  const engine *e;
+  numbers found[WORK_MAX_THREADS];
+} listed_task;
+
+static void listed_together(const team *t, void *with) {
+  listed_task *f = with;
+  size_t begin, end;
+  team_share(t, f->e->state->n_bodies, &begin, &end);
+  for (size_t slot = begin; slot < end; slot++)
+    if (is_listed(f->e, slot)) add(&f->found[t->rank], slot);
+}
+
+static sd_status join_listed(const listed_task *f, sums *m) {
+  size_t n = 0;
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) {
+    if (f->found[t].failed) return SD_ERROR_IO;
+    n += f->found[t].n;
+  }
+  if (n + 1 > m->listed_capacity) {
+    free(m->listed);
+    m->listed_capacity = 2 * n + 16;
+    m->listed = malloc(m->listed_capacity * sizeof *m->listed);
+    if (!m->listed) m->listed_capacity = 0;
+    if (!m->listed) return SD_ERROR_IO;
+  }
+  m->n_listed = 0;
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++)
+    for (size_t k = 0; k < f->found[t].n; k++) m->listed[m->n_listed++] = f->found[t].at[k];
+  return SD_OK;
+}
+
 /* Bodies whose contacts stand one by one. */
 static sd_status list_listed(engine *e) {
   work *w = &e->work;
   sums *m = &w->sums;
-  m->n_listed = 0;
-  for (size_t slot = 0; slot < e->state->n_bodies; slot++) {
-    if (!is_listed(e, slot)) continue;
-    if (m->n_listed + 1 >= m->listed_capacity) {
-      size_t capacity = 2 * m->listed_capacity + 16;
-      uint32_t *more = realloc(m->listed, capacity * sizeof *more);
-      if (!more) return SD_ERROR_IO;
-      m->listed = more;
-      m->listed_capacity = capacity;
-    }
-    assert(m->n_listed == 0 || m->listed[m->n_listed - 1] < slot);
-    m->listed[m->n_listed++] = (uint32_t)slot;
-    if (slot < e->state->n_free) chunks_put_off(&w->chunks, slot);
+  listed_task f = {.e = e};
+  pool_run(work_pool(e), listed_together, &f);
+  const sd_status status = join_listed(&f, m);
+  for (size_t t = 0; t < WORK_MAX_THREADS; t++) free(f.found[t].at);
+  for (size_t k = 0; status == SD_OK && k < m->n_listed && m->listed[k] < e->state->n_free; k++) {
+    assert(k == 0 || m->listed[k - 1] < m->listed[k]);
+    chunks_put_off(&w->chunks, m->listed[k]);
   }
-  return SD_OK;
+  return status;
 }
 
 static sd_status reserve_sums(engine *e) {
@@ -165,8 +363,10 @@ void pairs_clear_sums(engine *e) {
   memset(m->row, 0, m->end * SUM_ROW * sizeof *m->row);
 }
 
-void sums_add_listed(const work *w, size_t begin, size_t end) {
+void sums_add_listed(const engine *e, size_t begin, size_t end) {
+  const work *w = &e->work;
   const sums *m = &w->sums;
+  const size_t prescribed = e->halo ? e->state->n_free + e->state->n_ghosts : SIZE_MAX;
   size_t low = 0, high = m->n_listed;
   while (low < high) {
     size_t middle = (low + high) / 2;
@@ -178,6 +378,10 @@ void sums_add_listed(const work *w, size_t begin, size_t end) {
   assert(low == m->n_listed || m->listed[low] >= begin);
   for (size_t n = low; n < m->n_listed && m->listed[n] < end; n++) {
     double *sum = m->row + SUM_ROW * (size_t)w->row[m->listed[n]];
+    if (m->listed[n] >= prescribed) {
+      halo_sum_prescribed(e->halo, m->listed[n] - prescribed, sum);
+      continue;
+    }
     for (size_t c = 0; c < SUM_ROW; c++) sum[c] = 0.0;
     for (size_t at = m->single[n]; at < m->single[n + 1]; at++)
       for (size_t c = 0; c < SUM_ROW; c++) sum[c] += m->row[SUM_ROW * at + c];

@@ -13,7 +13,8 @@ void pairs_list_free(engine *e);
 void pairs_clear_sums(engine *e);
 /* The same but for the rows of free disks, which are cleared when they are seated. */
 void pairs_clear_single(engine *e);
-/* Of the listed bodies in slots [begin, end): adds up what stands one by one, in the order of the pairs. */
-void sums_add_listed(const work *w, size_t begin, size_t end);
+/* Of the listed bodies in slots [begin, end): adds up what stands one by one, in the order of the pairs; of prescribed ones of
+ * all ranks. */
+void sums_add_listed(const engine *e, size_t begin, size_t end);
 
 #endif

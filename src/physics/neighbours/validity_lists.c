@@ -7,7 +7,10 @@
 
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
+#include "physics/system/clumps.h"
 #include "physics/system/bodies.h"
+#include "physics/system/box.h"
+#include "physics/system/halo.h"
 
 static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
 
@@ -18,18 +21,20 @@ static size_t count_rows(const engine *e) {
 
 /* --- slots ----------------------------------------------------------------------------------------------- */
 
-/* Slots are a permutation of body numbers: free disks, driven disks, walls. */
+/* Slots are a permutation of body numbers: free disks (of a rank: its own and ghosts), driven disks, walls. */
 static void check_slots(const engine *e) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
-  assert(s->n_free == m->n_free && s->n_disks == m->n_disks && s->n_bodies == sd_model_bodies(m));
-  assert(s->n_free <= s->n_disks && s->n_disks <= s->n_bodies);
+  const size_t free_disks = s->n_free + s->n_ghosts;
+  assert(e->halo ? free_disks <= m->n_free : free_disks == m->n_free);
+  assert(s->n_disks - free_disks == m->n_disks - m->n_free);
+  assert(s->n_bodies - s->n_disks == sd_model_bodies(m) - m->n_disks);
   for (size_t slot = 0; slot < s->n_bodies; slot++) {
     const uint32_t id = s->id[slot];
-    assert(id < s->n_bodies && e->work.slot[id] == slot);
-    assert((id < s->n_disks) == (slot < s->n_disks));
+    assert(id < sd_model_bodies(m) && e->work.slot[id] == slot);
+    assert((id < m->n_disks) == (slot < s->n_disks));
     if (slot >= s->n_disks) continue;
-    assert(m->disks[id].driven == (slot >= s->n_free));
+    assert(m->disks[id].driven == (slot >= free_disks));
     assert(s->radius[slot] > 0.0 && s->mass[slot] > 0.0 && s->inertia[slot] > 0.0);
     assert(s->material[slot] >= 0 && (size_t)s->material[slot] < m->n_materials);
   }
@@ -58,17 +63,24 @@ static void check_bodies(const engine *e, size_t k) {
   }
 }
 
+static bool is_padding(const pairs *p, size_t k) {
+  return (k >= p->n_round && k < p->first_ghost) || (k >= p->end_ghost && k < p->first_segment);
+}
+
 static void check_pairs(const engine *e) {
   const pairs *p = &e->work.pairs;
-  assert(p->n_round <= p->first_segment && p->first_segment <= p->count && p->count <= p->capacity);
-  assert(p->first_segment % PAIR_BLOCK == 0 && p->first_segment - p->n_round < PAIR_BLOCK);
+  assert(p->n_round <= p->first_ghost && p->first_ghost <= p->end_ghost && p->end_ghost <= p->first_segment &&
+         p->first_segment <= p->count && p->count <= p->capacity);
+  assert(p->first_ghost % PAIR_BLOCK == 0 && p->first_ghost - p->n_round < PAIR_BLOCK);
+  assert(p->first_segment % PAIR_BLOCK == 0 && p->first_segment - p->end_ghost < PAIR_BLOCK);
   for (size_t k = 0; k < p->count; k++) {
-    if (k >= p->n_round && k < p->first_segment) {
+    if (is_padding(p, k)) {
       assert(p->a[k] == PAIR_PADDING && p->b[k] == PAIR_PADDING && p->part[k] == 0);
       continue;
     }
     check_bodies(e, k);
-    assert(k == 0 || k == p->first_segment || ascends(p, k));
+    assert(halo_is_ghost(e, (size_t)p->b[k]) == (k >= p->first_ghost && k < p->end_ghost));
+    assert(k == 0 || k == p->first_ghost || k == p->first_segment || ascends(p, k));
   }
 }
 
@@ -107,11 +119,10 @@ static void check_near(const engine *e, size_t i) {
   const work *w = &e->work;
   if (!in_play(s, i)) return;
   for (size_t j = 0; j < s->n_disks; j++) {
-    if (j == i || !in_play(s, j)) continue;
+    if (j == i || !in_play(s, j) || clumps_same(e, i, j)) continue;
     double dx = s->x[j] - s->x[i], dy = s->y[j] - s->y[i];
-    if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
-    if (w->periodic[1]) dy -= w->length[1] * nearbyint(dy * w->inverse_length[1]);
-    const double reach = (s->radius[i] + s->radius[j] + w->skin) * (1.0 - 1e-12);
+    box_nearest(w, &dx, &dy);
+    const double reach = (s->radius[i] + s->radius[j] + w->skin + w->margin) * (1.0 - 1e-12);
     assert(dx * dx + dy * dy >= reach * reach || is_listed_pair(e, i, j));
   }
 }
@@ -126,18 +137,27 @@ static void check_candidates(const engine *e) {
 
 /* --- incidence ------------------------------------------------------------------------------------------- */
 
+/* Do the pairs of a body stand in the order of the whole: those with round bodies by the partners, others by themselves? */
+static bool follows(const engine *e, size_t slot, uint32_t first, uint32_t second) {
+  const pairs *p = &e->work.pairs;
+  const size_t one = (size_t)(first & 1 ? p->a[first / 2] : p->b[first / 2]);
+  const size_t two = (size_t)(second & 1 ? p->a[second / 2] : p->b[second / 2]);
+  if (!e->halo || slot >= e->state->n_free || pairs_is_segment(p, second / 2)) return first / 2 < second / 2;
+  return halo_order(e, one) < halo_order(e, two);
+}
+
 /* Each body's pairs in their order, each pair once at both of its bodies. */
 static void check_incidence(const engine *e) {
   const incidence *n = &e->work.incidence;
   const pairs *p = &e->work.pairs;
-  const size_t padding = p->first_segment - p->n_round;
+  const size_t padding = p->first_ghost - p->n_round + p->first_segment - p->end_ghost;
   assert(n->start[0] == 0 && n->start[e->state->n_bodies] == 2 * (p->count - padding));
   assert(n->start[e->state->n_bodies] <= n->capacity);
   for (size_t slot = 0; slot < e->state->n_bodies; slot++)
     for (size_t at = n->start[slot]; at < n->start[slot + 1]; at++) {
       const size_t k = n->entry[at] / 2;
       assert(k < p->count && (size_t)(n->entry[at] & 1 ? p->b[k] : p->a[k]) == slot);
-      assert(at == n->start[slot] || n->entry[at - 1] / 2 < k);
+      assert(at == n->start[slot] || follows(e, slot, n->entry[at - 1], n->entry[at]));
     }
 }
 
@@ -164,7 +184,7 @@ static void check_cover(const engine *e) {
   assert(c->begin[0] == 0 && c->begin[c->count] == e->state->n_free);
   assert(c->share[0] == 0 && c->share[c->n_threads] == c->count);
   for (int t = 0; t < c->n_threads; t++) assert(c->share[t] <= c->share[t + 1]);
-  assert(c->segment[c->count] == p->count && c->pair[c->count] == p->first_segment);
+  assert(c->segment[c->count] == p->count && c->pair[c->count] == p->first_ghost);
   if (c->count > 0) assert(c->pair[0] == 0 && c->segment[0] == p->first_segment);
   for (size_t k = 0; k < c->count; k++) {
     assert(c->begin[k] % CHUNK_STEP == 0 && c->begin[k] < c->begin[k + 1]);

@@ -4,9 +4,13 @@
 #include <assert.h>
 #include <math.h>
 
+#include "model/law_features.h"
 #include "physics/contact/energy.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/bodies.h"
+#include "physics/system/box.h"
+#include "physics/system/clumps.h"
+#include "physics/system/halo.h"
 
 static const double ROUNDING = 1e-9;
 
@@ -30,7 +34,9 @@ static void check_numbers(const sd_state *s) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     const double *column = sd_field_data(s, f);
-    if (f->type != SD_F64 || f->extent == SD_PER_CONTACT || f->extent > SD_PER_MOTION) continue;
+    if (f->type != SD_F64 || f->extent == SD_PER_CONTACT ||
+        (f->extent > SD_PER_MOTION && f->extent != SD_PER_LAW_FREE))
+      continue;
     for (size_t i = 0; i < sd_extent_size(s, f->extent); i++) assert(isfinite(column[i]));
   }
 }
@@ -43,7 +49,7 @@ static void check_run(const engine *e) {
   assert(s->bins >= 0 && s->bins < SD_BINS && s->bin_steps > 0 && (s->bin_steps & (s->bin_steps - 1)) == 0);
   assert(s->mean_bins >= 0 && s->mean_bins < SD_MEAN_BINS && s->mean_bin_steps > 0);
   assert(s->box_scale > 0.0 && s->n_contacts <= s->contact_capacity && s->outside >= 0);
-  assert(s->fast_step >= -1 && s->fast_step <= s->step && s->fast_disk < (int64_t)s->n_disks);
+  assert(s->fast_step >= -1 && s->fast_step <= s->step && s->fast_disk < (int64_t)m->n_disks);
   for (size_t k = 0; k < s->n_motions; k++) assert(s->motion_start[k] >= -1 && s->motion_start[k] <= s->step);
 }
 
@@ -85,12 +91,23 @@ static void check_closed(const engine *e, size_t k) {
   const int32_t a = p->a[k], b = p->b[k];
   const sd_contact_record r = pairs_record(p, k);
   const double ra = s->radius[a], rb = fabs(s->radius[b]), least = rb > 0.0 && rb < ra ? rb : ra;
-  const double cap = w->laws[PAIR(p, k, law)].cap * r.force;
+  const law_row *law = &w->laws[PAIR(p, k, law)];
+  const bool general = (w->features & LAW_GENERAL) != 0;
+  const double cap = law->cap * r.force;
   const int sign = pairs_slide_sign(p, k);
   assert(fabs(r.ex * r.ex + r.ey * r.ey - 1.0) < ROUNDING);
-  assert(r.force >= 0.0 && r.overlap > 0.0 && r.overlap <= e->model->max_overlap * least);
-  assert(fabs(r.zeta) <= cap * (1.0 + ROUNDING));
-  assert(sign == 0 || fabs(r.zeta + sign * cap) <= cap * ROUNDING); /* torque is -k_t zeta */
+  assert(r.overlap <= e->model->max_overlap * least && r.overlap > -law->ends * (1.0 + ROUNDING));
+  if (general) {
+    const double limit = fmax(r.force + r.pull, 0.0);
+    assert(law->pulls > 0.0 || r.force + r.pull >= -ROUNDING * r.pull);
+    assert(r.pull >= 0.0 && r.pull <= law->pull_off && (r.overlap > 0.0 || limit <= ROUNDING * r.pull));
+    assert(fabs(r.tau) <= law->cap * law->k_t * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
+    assert(fabs(r.roll) <= law->cap_r * law->k_r * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
+  } else {
+    assert(r.force >= 0.0 && r.overlap > 0.0 && r.pull == 0.0 && r.roll == 0.0);
+    assert(fabs(r.zeta) <= cap * (1.0 + ROUNDING));
+    assert(sign == 0 || fabs(r.zeta + sign * cap) <= cap * ROUNDING); /* torque is -k_t zeta */
+  }
   assert(fabs(r.turned) < 0.1 && (!w->conservative || r.turned == 0.0));
   assert(!w->conservative || r.nonconservative_work == 0.0);
   assert(isfinite(r.lambda_ref) && isfinite(r.viscous) && isfinite(r.friction) &&
@@ -101,6 +118,7 @@ static void check_closed(const engine *e, size_t k) {
 /* An open contact remembers nothing, and the padding never touches. */
 static void check_open(const pairs *p, size_t k) {
   for (size_t c = 0; c < SD_CONTACT_COLUMNS; c++) assert(PAIR(p, k, record[c]) == 0.0);
+  for (size_t c = 0; p->more && c < SD_CONTACT_EXTRA; c++) assert(MORE(p, k, record[c]) == 0.0);
   assert(pairs_slide_sign(p, k) == 0 && p->side[k] == 0.0);
 }
 
@@ -124,8 +142,7 @@ static double gap_of(const engine *e, size_t i, size_t j) {
   const sd_state *s = e->state;
   const work *w = &e->work;
   double dx = s->x[j] - s->x[i], dy = s->y[j] - s->y[i];
-  if (w->periodic[0]) dx -= w->length[0] * nearbyint(dx * w->inverse_length[0]);
-  if (w->periodic[1]) dy -= w->length[1] * nearbyint(dy * w->inverse_length[1]);
+  box_nearest(w, &dx, &dy);
   return hypot(dx, dy) - s->radius[i] - s->radius[j];
 }
 
@@ -138,27 +155,29 @@ static bool is_candidate(const engine *e, size_t i, size_t j) {
 }
 
 /* Pairs that are no candidates do not touch: the lists are renewed in time. With Gear only forces see the predicted
- * positions, about which the lists promise something. */
+ * positions, about which the lists promise something. Ghosts' positions in the state are older. */
 static void check_gaps(const engine *e) {
   const sd_state *s = e->state;
   if (e->model->integrator != SD_VERLET || s->n_free == 0) return;
   for (size_t k = 0; k < 4; k++) {
     const size_t i = ((size_t)s->step * 4 + k) * 7919 % s->n_free;
     for (size_t j = 0; body_in_play(s, i) && j < s->n_disks; j++)
-      if (j != i && (j >= s->n_free || body_in_play(s, j)))
-        assert(gap_of(e, i, j) > 0.0 || is_candidate(e, i, j));
+      if (j != i && !halo_is_ghost(e, j) && (j >= s->n_free || body_in_play(s, j)))
+        assert(gap_of(e, i, j) > 0.0 || is_candidate(e, i, j) || clumps_same(e, i, j));
   }
 }
 
 /* --- sums ------------------------------------------------------------------------------------------------ */
 
-/* The row of a listed body is the sum of its contacts' rows, in their order; that of a prescribed body is in the state. */
+/* The row of a listed body is the sum of its contacts' rows, in their order; that of a prescribed body is in the state (or has
+ * contacts on other ranks). */
 static void check_sums(const engine *e) {
   const sd_state *s = e->state;
   const work *w = &e->work;
   const sums *m = &w->sums;
   for (size_t n = 0; n < m->n_listed; n++) {
     const size_t slot = m->listed[n];
+    if (e->halo && slot >= s->n_free) break;
     const double *row = m->row + SUM_ROW * (size_t)w->row[slot];
     double sum[SUM_ROW] = {0.0};
     for (size_t at = m->single[n]; at < m->single[n + 1]; at++)
@@ -166,7 +185,8 @@ static void check_sums(const engine *e) {
     for (size_t c = 0; c < SUM_ROW; c++) assert(row[c] == sum[c]);
     if (slot < s->n_free) continue;
     assert(s->force_x[slot] == sum[SUM_X] && s->force_y[slot] == sum[SUM_Y]);
-    assert(s->torque[slot] == (s->radius[slot] != 0.0 ? sum[SUM_TURN] * s->radius[slot] : sum[SUM_TURN]));
+    const double turn = s->radius[slot] != 0.0 ? sum[SUM_TURN] * s->radius[slot] : sum[SUM_TURN];
+    assert(s->torque[slot] == turn || s->torque[slot] == turn + sum[SUM_COUPLE]);
   }
 }
 

@@ -6,87 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/bodies.h"
+#include "model/law_features.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
 #include "physics/system/kernels.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/pairs.h"
+#include "physics/contact/walls.h"
 #include "physics/neighbours/rows.h"
 #include "physics/neighbours/validity.h"
-
-/* --- which systems ------------------------------------------------------------------------------------ */
-
-static size_t count_pairs(const sd_model *m) {
-  size_t bodies = m->n_disks + m->n_walls;
-  return m->n_free * (bodies - m->n_free) + m->n_free * (m->n_free - 1) / 2;
-}
-
-static bool suits_motion(const sd_model *m, const sd_motion *motion) {
-  if (motion_is_feedback(motion)) return false;
-  for (size_t b = 0; b < motion->n_bodies; b++)
-    if (motion->bodies[b] < m->n_disks && !m->disks[motion->bodies[b]].driven) return false;
-  return true;
-}
-
-/* Both contacts are pairs of the free disk. */
-static bool suits_watch(const sd_model *m, const sd_slide_watch *w) {
-  return !m->disks[w->disk].driven && w->partner[0] != w->disk && w->partner[1] != w->disk;
-}
-
-bool lanes_suit(const sd_model *m) {
-  if (m->n_free < 1 || m->n_free > LANES_FREE || m->n_disks + m->n_walls > LANES_BODIES ||
-      count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES || m->n_segments > 0 ||
-      m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 ||
-      (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
-    return false;
-  bool suits = true;
-  for (size_t k = 0; k < m->n_phases; k++)
-    suits = suits && !m->phases[k].relax && !m->phases[k].compress.asked;
-  for (size_t k = 0; k < m->n_motions; k++) suits = suits && suits_motion(m, &m->motions[k]);
-  for (size_t k = 0; k < m->n_slides; k++) suits = suits && suits_watch(m, &m->slides[k]);
-  return suits;
-}
-
-/* Nothing is the same as nothing, wherever it stands. */
-static bool same_bytes(const void *a, const void *b, size_t n) { return n == 0 || memcmp(a, b, n) == 0; }
-
-static bool same_motion(const sd_motion *a, const sd_motion *b) {
-  return a->kind == b->kind && a->coordinate == b->coordinate && a->n_bodies == b->n_bodies &&
-         a->interval == b->interval && same_bytes(a->bodies, b->bodies, a->n_bodies * sizeof *a->bodies);
-}
-
-static bool same_phase(const sd_phase *a, const sd_phase *b, size_t n_motions) {
-  return a->steps == b->steps && a->measure == b->measure && a->series_every == b->series_every &&
-         a->frames_every == b->frames_every && a->contacts_every == b->contacts_every &&
-         a->settle.asked == b->settle.asked && a->settle.every == b->settle.every &&
-         same_bytes(a->active, b->active, n_motions * sizeof *a->active);
-}
-
-bool lanes_alike(const sd_model *a, const sd_model *b) {
-  if (a->n_disks != b->n_disks || a->n_walls != b->n_walls || a->n_motions != b->n_motions ||
-      a->n_phases != b->n_phases || a->n_rotations != b->n_rotations || a->n_slides != b->n_slides ||
-      a->measure_configurations != b->measure_configurations || a->integrator != b->integrator ||
-      a->variant != b->variant || !lanes_suit(a) || !lanes_suit(b))
-    return false;
-  bool same = same_bytes(a->rotations, b->rotations, a->n_rotations * sizeof *a->rotations) &&
-              same_bytes(a->slides, b->slides, a->n_slides * sizeof *a->slides);
-  for (size_t k = 0; k < a->n_disks; k++) same = same && a->disks[k].driven == b->disks[k].driven;
-  for (size_t k = 0; k < a->n_motions; k++) same = same && same_motion(&a->motions[k], &b->motions[k]);
-  for (size_t k = 0; k < a->n_phases; k++)
-    same = same && same_phase(&a->phases[k], &b->phases[k], a->n_motions);
-  return same;
-}
-
-bool lanes_in_step(const engine *a, const engine *b) {
-  const sd_state *s = a->state, *t = b->state;
-  bool same = s->phase == t->phase;
-  for (size_t k = 0; k < s->n_motions; k++)
-    same = same && (s->motion_start[k] < 0 ? t->motion_start[k] < 0
-                                           : t->motion_start[k] >= 0 && s->step - s->motion_start[k] ==
-                                                                            t->step - t->motion_start[k]);
-  return same;
-}
 
 /* --- tables ------------------------------------------------------------------------------------------- */
 
@@ -119,7 +49,8 @@ static double *rows_at(const lanes *l, size_t row) { return l->memory + row * l-
 static void lay_rows(lanes *l) {
   for (size_t i = 0; i < LANES_FREE; i++) l->disk[i] = rows_at(l, ROWS_DISK + i * DISK_ROWS);
   for (size_t k = 0; k < LANES_PAIRS; k++) l->pair[k] = rows_at(l, ROWS_PAIR + k * PAIR_ROWS);
-  _Static_assert((int)PAIR_CLOSED == (int)SD_CONTACT_COLUMNS, "the record comes first");
+  for (size_t k = 0; k < LANES_PAIRS; k++) l->of_straight[k] = rows_at(l, ROWS_STRAIGHT + k * STRAIGHT_ROWS);
+  _Static_assert((int)PAIR_CLOSED == (int)SD_CONTACT_ALL, "the record comes first");
   l->place = rows_at(l, ROWS_PLACE);
   l->radius = rows_at(l, ROWS_RADIUS);
   l->dt = rows_at(l, ROWS_DT);
@@ -151,13 +82,18 @@ sd_status lanes_new(bool alone, size_t count, engine *const *system, lanes **out
   const sd_state *s = system[0]->state;
   l->gear = m->integrator == SD_GEAR5;
   l->conservative = m->variant == SD_CONSERVATIVE;
-  for (size_t k = 0; k < count; k++) l->mixed |= system[k]->work.mixed_laws;
+  for (size_t k = 0; k < count; k++) l->features |= system[k]->work.features;
   l->n_free = s->n_free;
+  l->n_disks = s->n_disks;
   l->n_bodies = s->n_bodies;
   l->n_slides = s->n_slides;
   assert(l->n_free >= 1 && l->n_free <= LANES_FREE && l->n_bodies <= LANES_BODIES &&
          l->n_slides <= LANES_SLIDES);
   list_pairs(l);
+  for (size_t k = 0; k < l->n_pairs; k++) {
+    l->straight[k] = l->b[k] >= s->n_disks && wall_is_straight(&m->walls[l->b[k] - s->n_disks]);
+    l->any_straight |= l->straight[k];
+  }
   const uint32_t *slot = system[0]->work.slot;
   l->visits = m->measure_configurations;
   for (size_t k = 0; k < l->n_slides; k++) l->watching[k] = (uint8_t)slot[m->slides[k].disk];
@@ -270,13 +206,37 @@ static void load_memory(lanes *l, size_t lane) {
     const bool listed = n != SIZE_MAX;
     for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++)
       *cell(l, l->pair[k], r, lane) = listed ? PAIR(p, n, record[r]) : 0.0;
+    for (size_t r = 0; p->more && r < SD_CONTACT_EXTRA; r++)
+      *cell(l, l->pair[k], SD_CONTACT_COLUMNS + r, lane) = listed ? MORE(p, n, record[r]) : 0.0;
     *cell(l, l->pair[k], PAIR_CLOSED, lane) = listed && pairs_closed(p, n) ? 1.0 : 0.0;
     *cell(l, l->pair[k], PAIR_SLIP, lane) = listed ? -pairs_slide_sign(p, n) : 0.0;
+    *cell(l, l->of_straight[k], STRAIGHT_SIDE, lane) = listed && l->straight[k] ? p->side[n] : 0.0;
   }
   for (size_t i = 0; i < l->n_free; i++) {
     *cell(l, l->disk[i], SD_THETA * DISK_COLUMNS, lane) = s->theta[i];
     *cell(l, rows_at(l, ROWS_FAST), i, lane) = s->radius[i] * s->radius[i] * e->work.speed_limit2;
   }
+}
+
+/* The line or segment of pair k, which does not turn; constants rounded as in the pass over segments. */
+static void load_straight(lanes *l, size_t k, size_t lane) {
+  const engine *e = l->system[lane];
+  const sd_state *s = e->state;
+  const uint32_t a = l->a[k], b = l->b[k];
+  const double angle = s->theta[b] + s->turn[b], radius = s->radius[a];
+  const law_row *law = &e->work.laws[(size_t)s->material[a] * e->model->n_materials + (size_t)s->material[b]];
+  const sd_segment *piece = e->model->segments;
+  while (piece->body != s->id[b]) piece++;
+  const placed_segment g = walls_place(piece, 0.0, 0.0, cos(angle), sin(angle), s->box_scale);
+  double *p = l->pair[k];
+  *cell(l, l->of_straight[k], STRAIGHT_START_X, lane) = g.x;
+  *cell(l, l->of_straight[k], STRAIGHT_START_Y, lane) = g.y;
+  *cell(l, l->of_straight[k], STRAIGHT_TX, lane) = g.tx;
+  *cell(l, l->of_straight[k], STRAIGHT_TY, lane) = g.ty;
+  *cell(l, l->of_straight[k], STRAIGHT_LENGTH, lane) = g.length;
+  *cell(l, l->of_straight[k], STRAIGHT_BACK, lane) = g.backwards;
+  *cell(l, p, PAIR_LIMIT, lane) = e->model->max_overlap * radius;
+  *cell(l, p, PAIR_TSUJI, lane) = law->tsuji * sqrt(s->mass[a] * law->k_n);
 }
 
 static void load_constants(lanes *l, size_t lane) {
@@ -305,10 +265,12 @@ static void load_constants(lanes *l, size_t lane) {
     /* rounded as in the pass over pairs */
     double inverse = 1.0 / s->mass[l->a[k]] + (l->b[k] < l->n_free ? 1.0 / s->mass[l->b[k]] : 0.0);
     *cell(l, p, PAIR_TSUJI, lane) = law->tsuji * sqrt(law->k_n / inverse);
+    for (size_t r = 0; r < LAW_MORE; r++) *cell(l, p, PAIR_LAW + r, lane) = (&law->pulls)[r];
     *cell(l, p, PAIR_LIMIT, lane) = e->model->max_overlap * least;
     *cell(l, p, PAIR_RA, lane) = ra;
     *cell(l, p, PAIR_RB, lane) = rb;
     *cell(l, p, PAIR_SUM, lane) = ra + rb;
+    if (l->straight[k]) load_straight(l, k, lane);
   }
 }
 
@@ -388,6 +350,7 @@ static sd_status store_poses(const lanes *l, size_t lane) {
       at[POSE_VX + c][i] = *cell(l, p, PLACE_SPEED, lane);
       p += PLACE_ROWS * l->width;
     }
+  if (l->any_straight && motion_moves_walls(e)) walls_pose(e);
   for (uint32_t i = 0; i < l->n_bodies; i++)
     if (neighbours_moved(e, i)) {
       sd_status status = neighbours_check_finite(e, s->step, e->work.messages);
@@ -407,6 +370,8 @@ static void store_memory(const lanes *l, size_t lane) {
     assert(n != SIZE_MAX || !closed);
     if (n == SIZE_MAX) continue; /* farther apart than any contact */
     for (size_t r = 0; r < SD_CONTACT_COLUMNS; r++) PAIR(p, n, record[r]) = *cell(l, l->pair[k], r, lane);
+    for (size_t r = 0; p->more && r < SD_CONTACT_EXTRA; r++)
+      MORE(p, n, record[r]) = *cell(l, l->pair[k], SD_CONTACT_COLUMNS + r, lane);
     pairs_set_flags(p, n, closed, (slip < 0.0) - (slip > 0.0));
     const double push[] = {*cell(l, l->pair[k], PAIR_FX, lane), *cell(l, l->pair[k], PAIR_FY, lane)};
     double tau = *cell(l, l->pair[k], PAIR_TAU, lane);
@@ -414,7 +379,15 @@ static void store_memory(const lanes *l, size_t lane) {
     on_a[SUM_X] -= push[0], on_b[SUM_X] += push[0];
     on_a[SUM_Y] -= push[1], on_b[SUM_Y] += push[1];
     on_a[SUM_TURN] += tau;
-    on_b[SUM_TURN] += tau;
+    on_b[SUM_TURN] += l->straight[k] ? *cell(l, l->of_straight[k], STRAIGHT_TURN, lane) : tau;
+    if (l->straight[k]) p->side[n] = *cell(l, l->of_straight[k], STRAIGHT_SIDE, lane);
+    if (!(l->features & LAW_ROLLING)) continue;
+    const double couple = *cell(l, l->pair[k], PAIR_COUPLE, lane);
+    on_a[SUM_COUPLE] += couple;
+    if (l->b[k] < l->n_disks)
+      on_b[SUM_COUPLE] -= couple;
+    else
+      on_b[SUM_TURN] -= couple / e->state->radius[l->b[k]];
   }
 }
 

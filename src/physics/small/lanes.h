@@ -30,27 +30,43 @@ enum {
 /* Rows of a pair. */
 #define PAIR_ROW(name, unit, meaning) PAIR_##name,
 enum {
-  SD_CONTACT_RECORD(PAIR_ROW) /* slipdisk/contact.h */
-  PAIR_CLOSED,                /* 1 or 0 */
-  PAIR_SLIP,                  /* of the last step; its sign is opposite to tau's */
+  SD_CONTACT_RECORD(PAIR_ROW)            /* slipdisk/contact.h */
+  SD_CONTACT_MORE(PAIR_ROW) PAIR_CLOSED, /* 1 or 0 */
+  PAIR_SLIP,                             /* of the last step; its sign is opposite to tau's */
   PAIR_KN,
   PAIR_KT,
   PAIR_GAMMA,
   PAIR_CAP,
   PAIR_NORMAL, /* number of the law */
-  PAIR_TSUJI,  /* alpha sqrt(m_eff k_n) of model/law_hertz.h */
-  PAIR_LIMIT,  /* largest overlap */
-  PAIR_SUM,    /* R_a + R_b */
+  PAIR_TSUJI,  /* alpha sqrt(m_eff k_n), law_tsuji */
+  PAIR_LAW,    /* the numbers of law_row from `pulls` on */
+  PAIR_LAW_LAST = PAIR_LAW + LAW_MORE - 1,
+  PAIR_LIMIT, /* largest overlap */
+  PAIR_SUM,   /* R_a + R_b */
   PAIR_RA,
   PAIR_RB,
   PAIR_FX, /* force of the last step */
   PAIR_FY,
   PAIR_TAU,
+  PAIR_COUPLE,
   PAIR_WAS_CLOSED, /* rare events: before the step, */
   PAIR_DROPPED,    /* energy left in a contact that opened */
   PAIR_ROWS
 };
 #undef PAIR_ROW
+
+/* Rows of a pair with a straight wall, besides. */
+enum {
+  STRAIGHT_SIDE, /* where the disk is, 0: open */
+  STRAIGHT_START_X, /* its start from its pivot, tangent, length; how far it extends before the start, negative */
+  STRAIGHT_START_Y,
+  STRAIGHT_TX,
+  STRAIGHT_TY,
+  STRAIGHT_LENGTH,
+  STRAIGHT_BACK,
+  STRAIGHT_TURN, /* torque of the last step about the wall's pivot */
+  STRAIGHT_ROWS
+};
 
 /* Rows of a prescribed coordinate. */
 enum { PLACE_LAST, PLACE_SPEED, PLACE_FORCE, PLACE_ROWS };
@@ -75,7 +91,8 @@ enum {
   ROWS_LEAST,                                /* force of each watched contact */
   ROWS_FAST = ROWS_LEAST + 2 * LANES_SLIDES, /* squared speed beyond which a free disk is too fast */
   ROWS_VISIT = ROWS_FAST + LANES_FREE,
-  ROWS_ALL = ROWS_VISIT + VISIT_ROWS * LANES_SLIDES
+  ROWS_STRAIGHT = ROWS_VISIT + VISIT_ROWS * LANES_SLIDES,
+  ROWS_ALL = ROWS_STRAIGHT + STRAIGHT_ROWS * LANES_PAIRS
 };
 
 typedef struct lanes {
@@ -85,11 +102,13 @@ typedef struct lanes {
   pose_batch *motion; /* NULL: those of the one system, poses standing one by one */
 
   /* what the systems share */
-  bool gear, conservative, mixed; /* mixed: not all normal laws are linear */
-  size_t n_free, n_bodies, n_pairs, n_slides;
+  bool gear, conservative;
+  unsigned features; /* of all laws (model/laws.h) */
+  size_t n_free, n_disks, n_bodies, n_pairs, n_slides;
   uint32_t a[LANES_PAIRS], b[LANES_PAIRS];  /* slots */
   size_t touching[LANES_BODIES];            /* pairs of each body, in order of the partners' keys: ... */
   uint8_t entry[LANES_BODIES][LANES_PAIRS]; /* ... 2 * pair + (1 if the body is b) */
+  bool straight[LANES_PAIRS], any_straight; /* pairs with a line or segment */
   bool placed[LANES_BODIES][SD_COORDINATES];
   uint8_t watched[2 * LANES_SLIDES]; /* pairs */
   uint8_t watching[LANES_SLIDES];    /* slots of the watched disks */
@@ -97,10 +116,11 @@ typedef struct lanes {
 
   /* rows */
   double *memory;
-  double *disk[LANES_FREE], *pair[LANES_PAIRS], *place; /* place: of each that is placed, in order */
-  double *radius;                                       /* of each slot */
-  double *dt, *per_dt, *work, *least;                   /* least: force of each watched contact */
-  const double *poses;                                  /* pose_batch_poses */
+  double *disk[LANES_FREE], *pair[LANES_PAIRS], *of_straight[LANES_PAIRS],
+      *place;                         /* place: of each that is placed, in order */
+  double *radius;                     /* of each slot */
+  double *dt, *per_dt, *work, *least; /* least: force of each watched contact */
+  const double *poses;                /* pose_batch_poses */
   /* alone: values of the batch, or of a coordinate that does not move as often */
   const double *pose[LANES_BODIES][POSES];
   double still[LANES_BODIES][POSES][MOTION_BATCH];
@@ -115,7 +135,7 @@ typedef struct lanes {
   unsigned rare[LANES_PAIRS], returns[LANES_FREE], fast; /* bits: lanes in which something rare happened */
 } lanes;
 
-/* Can systems of this model go in lanes: few bodies, no straight walls, open box, neither rain nor relaxer,
+/* Can systems of this model go in lanes: few bodies, of straight walls lines and segments that do not turn, open box, neither rain nor relaxer,
  * compression, loads, servos, disks that are taken out or whose means are asked for? */
 bool lanes_suit(const sd_model *m);
 /* Do two such models differ in numbers only? */

@@ -1,5 +1,6 @@
 /* lanes_pass.h: the step of small systems in lanes (lanes.h); included after contact_step.h and integrate_pass.h, once per width
- * and LANES_TEXT: `three` with LANES_KNOWN for a disk on two supports, `any` for whatever goes in lanes.
+ * and LANES_TEXT: `three` with LANES_KNOWN = 2 pairs for a disk on two supports, `wall` with 1 for a disk on a straight wall, `any` for
+ * whatever goes in lanes. LANES_STRAIGHT: pairs with straight walls, none, some, or all.
  *
  * Numbers that go from step to step stand in struct step_registers. For a disk on two supports the macros EACH_... write the turns out,
  * so that it is held in registers; the other text has loops.
@@ -9,6 +10,7 @@
 #define LANES_PASTE2(name, text) name##_##text
 #define LANES_PASTE(name, text) LANES_PASTE2(name, text)
 #define PASS(name) LANE(LANES_PASTE(name, LANES_TEXT))
+enum { WALLS_NONE, WALLS_SOME, WALLS_ALL };
 #define EACH_COORDINATE(c, statement)                                                                        \
   do {                                                                                                       \
     {                                                                                                        \
@@ -29,7 +31,7 @@
 #undef EACH_PAIR
 #undef EACH_DISK
 #if LANES_KNOWN
-/* one disk, two pairs */
+/* one disk, one or two pairs */
 #define EACH_DISK(i, n, statement)                                                                           \
   do {                                                                                                       \
     (void)(n);                                                                                               \
@@ -43,7 +45,7 @@
       const size_t k = 0;                                                                                    \
       statement;                                                                                             \
     }                                                                                                        \
-    {                                                                                                        \
+    if (LANES_KNOWN > 1) {                                                                                   \
       const size_t k = 1;                                                                                    \
       statement;                                                                                             \
     }                                                                                                        \
@@ -57,7 +59,8 @@
 
 typedef struct PASS(shape) {
   size_t n_free, n_pairs;
-  bool gear, conservative, mixed;
+  bool gear, conservative;
+  unsigned features;
   bool single; /* one system in all lanes: poses stand one by one */
 } PASS(shape);
 
@@ -68,13 +71,25 @@ typedef struct PASS(step_registers) {
   LANE(pair_geometry) geometry[LANES_PAIRS];
   LANE(contact_output) out[LANES_PAIRS];
   LANE(mask) rare[LANES_PAIRS]; /* contacts in which a rare event happened */
-  LANE(mask) returns;           /* an angle must return into its range, or a disk is too fast */
+  /* of pairs with straight walls: side (remembered, 0 when open), lever of the tangential force; from the wall's pivot to the disk;
+   * contacts that were left on the other side */
+  LANE(real) side[LANES_PAIRS], lever[LANES_PAIRS], arm_x[LANES_PAIRS], arm_y[LANES_PAIRS];
+  LANE(mask) crossed[LANES_PAIRS];
+  LANE(mask) returns; /* an angle must return into its range, or a disk is too fast */
 } PASS(step_registers);
 
 LANE_INLINE double *PASS(rows_at)(const lanes *l, size_t row) { return l->memory + row * LANE_WIDTH; }
+LANE_INLINE double *PASS(straight_rows)(const lanes *l, size_t k) {
+  return PASS(rows_at)(l, ROWS_STRAIGHT + k * STRAIGHT_ROWS);
+}
 LANE_INLINE LANE(real) PASS(row)(const double *rows, size_t k) { return LANE(load)(rows + k * LANE_WIDTH); }
 LANE_INLINE void PASS(set_row)(double *rows, size_t k, LANE(real) a) {
   LANE(store)(rows + k * LANE_WIDTH, a);
+}
+
+/* Is the partner of pair k a straight wall? */
+LANE_INLINE bool PASS(is_straight)(const lanes *l, size_t k) {
+  return LANES_STRAIGHT == WALLS_ALL || (LANES_STRAIGHT == WALLS_SOME && l->straight[k]);
 }
 
 /* --- rows -------------------------------------------------------------------------------------------- */
@@ -96,7 +111,8 @@ LANE_INLINE void PASS(store_disk)(const lanes *l, const PASS(step_registers) * f
   PASS(set_row)(rows, 5, q->q5);
 }
 
-LANE_INLINE void PASS(load_pair)(const lanes *l, PASS(step_registers) * f, size_t k) {
+LANE_INLINE void PASS(load_pair)(const lanes *l, PASS(step_registers) * f, size_t k,
+                                 const unsigned features) {
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(contact_memory) *m = &f->m[k];
   m->lambda_ref = PASS(row)(p, PAIR_lambda_ref);
@@ -106,10 +122,20 @@ LANE_INLINE void PASS(load_pair)(const lanes *l, PASS(step_registers) * f, size_
   m->overlap = PASS(row)(p, PAIR_overlap);
   m->zeta = PASS(row)(p, PAIR_zeta);
   m->turned = PASS(row)(p, PAIR_turned);
+  if (features & LAW_GENERAL) {
+    m->tau = PASS(row)(p, PAIR_tau);
+    m->pull = PASS(row)(p, PAIR_pull);
+    m->rho_ref = PASS(row)(p, PAIR_rho_ref);
+    m->rho = PASS(row)(p, PAIR_rho);
+    m->roll = PASS(row)(p, PAIR_roll);
+    f->out[k].slip = PASS(row)(p, PAIR_SLIP);
+  }
   f->closed[k] = LANE(greater)(PASS(row)(p, PAIR_CLOSED), LANE(splat)(0.0));
+  if (PASS(is_straight)(l, k)) f->side[k] = PASS(row)(PASS(straight_rows)(l, k), STRAIGHT_SIDE);
 }
 
-LANE_INLINE void PASS(store_pair)(const lanes *l, const PASS(step_registers) * f, size_t k) {
+LANE_INLINE void PASS(store_pair)(const lanes *l, const PASS(step_registers) * f, size_t k,
+                                  const unsigned features) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(contact_memory) *m = &f->m[k];
   PASS(set_row)(p, PAIR_lambda_ref, m->lambda_ref);
@@ -124,6 +150,20 @@ LANE_INLINE void PASS(store_pair)(const lanes *l, const PASS(step_registers) * f
   PASS(set_row)(p, PAIR_FX, f->out[k].fx);
   PASS(set_row)(p, PAIR_FY, f->out[k].fy);
   PASS(set_row)(p, PAIR_TAU, f->out[k].tau);
+  if (features & LAW_GENERAL) {
+    PASS(set_row)(p, PAIR_COUPLE, f->out[k].couple);
+    PASS(set_row)(p, PAIR_tau, m->tau);
+    PASS(set_row)(p, PAIR_pull, m->pull);
+    PASS(set_row)(p, PAIR_rho_ref, m->rho_ref);
+    PASS(set_row)(p, PAIR_rho, m->rho);
+    PASS(set_row)(p, PAIR_roll, m->roll);
+  }
+  if (!PASS(is_straight)(l, k)) return;
+  double *w = PASS(straight_rows)(l, k);
+  PASS(set_row)(w, STRAIGHT_SIDE, f->side[k]);
+  const LANE(contact_output) *out = &f->out[k];
+  PASS(set_row)
+  (w, STRAIGHT_TURN, f->arm_x[k] * out->fy - f->arm_y[k] * out->fx - out->tau * PASS(row)(p, PAIR_RA));
 }
 
 LANE_INLINE LANE(contact_constants) PASS(constants)(const double *p) {
@@ -134,6 +174,30 @@ LANE_INLINE LANE(contact_constants) PASS(constants)(const double *p) {
                                    .cap = PASS(row)(p, PAIR_CAP),
                                    .normal = PASS(row)(p, PAIR_NORMAL),
                                    .tsuji = PASS(row)(p, PAIR_TSUJI)};
+}
+
+/* Rows of law_row from `pulls` on. */
+LANE_INLINE LANE(contact_constants) PASS(constants_for)(const double *p, const unsigned features) {
+  LANE(contact_constants) k = PASS(constants)(p);
+  const LANE(real) zero = LANE(splat)(0.0);
+#define LAW_NUMBER(member) PASS(row)(p, PAIR_LAW + LAW_PLACE(member))
+  if (!(features & LAW_GENERAL)) return k;
+  k.pulls = LANE(greater)(LAW_NUMBER(pulls), zero);
+  k.cap_kinetic = LAW_NUMBER(cap_kinetic);
+  k.mindlin = LAW_NUMBER(mindlin);
+  k.lag = LAW_NUMBER(lag);
+  k.k_r = LAW_NUMBER(k_r);
+  k.cap_r = LAW_NUMBER(cap_r);
+  k.lag_r = LAW_NUMBER(lag_r);
+  k.cohesion = (LANE(cohesion)){.bridge = LANE(greater)(LAW_NUMBER(bridge), zero),
+                                .pull_off = LAW_NUMBER(pull_off),
+                                .range = LAW_NUMBER(range),
+                                .per_range = LAW_NUMBER(per_range),
+                                .broken = LAW_NUMBER(broken),
+                                .begins = LAW_NUMBER(begins),
+                                .ends = LAW_NUMBER(ends)};
+#undef LAW_NUMBER
+  return k;
 }
 
 /* --- geometry ---------------------------------------------------------------------------------------- */
@@ -153,10 +217,65 @@ LANE_INLINE LANE(real) PASS(pose)(const lanes *l, const PASS(shape) * s, const P
   return which < SD_COORDINATES ? c->q : c->v;
 }
 
+/* Of general laws: as in pair_pass.h. */
+LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
+                               size_t k, const LANE(pair_input) * in) {
+  size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
+  const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
+  LANE(pair_geometry) *g = &f->geometry[k];
+  LANE(pair_distance) d;
+  if (!(s->features & (LAW_DASHPOT | LAW_ROLLING))) return;
+  LANE(pair_distance_of)(in, &d);
+  LANE(real) ra = PASS(row)(p, PAIR_RA), rb = PASS(row)(p, PAIR_RB);
+  LANE(real) spin_a = ra * f->c[a][SD_THETA].v, spin_b = rb * PASS(pose)(l, s, f, b, POSE_VX + SD_THETA, at);
+  d.swing = in->dx * in->dvy - in->dy * in->dvx;
+  g->slide = (spin_b + spin_a) - g->lever * (d.swing * d.inverse_r);
+  LANE(rolled)
+  (ra, rb, ra * f->c[a][SD_THETA].q, rb * PASS(pose)(l, s, f, b, POSE_THETA, at), spin_a, spin_b, g);
+}
+
+/* The nearest point of a line or a segment that does not turn: walls_nearest, bit by bit. */
+LANE_INLINE void PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
+                                size_t k, size_t a, size_t b) {
+  const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
+  const double *w = PASS(straight_rows)(l, k);
+  const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
+  const LANE(real) tx = PASS(row)(w, STRAIGHT_TX), ty = PASS(row)(w, STRAIGHT_TY), x = f->c[a][SD_X].q,
+                   y = f->c[a][SD_Y].q;
+  const LANE(real) wall_x = PASS(pose)(l, s, f, b, POSE_X, at), wall_y = PASS(pose)(l, s, f, b, POSE_Y, at);
+  const LANE(real) rx = x - (wall_x + PASS(row)(w, STRAIGHT_START_X)),
+                   ry = y - (wall_y + PASS(row)(w, STRAIGHT_START_Y));
+  const LANE(real) u = rx * tx + ry * ty, back = PASS(row)(w, STRAIGHT_BACK),
+                   length = PASS(row)(w, STRAIGHT_LENGTH);
+  const LANE(mask) before = LANE(greater)(back, u), beyond = LANE(greater)(u, length);
+  const LANE(real) on = LANE(select)(before, back, LANE(select)(beyond, length, u));
+  const LANE(real) here = LANE(select)(LANE(greater)(zero, tx * ry - ty * rx), -one, one), kept = f->side[k];
+  const LANE(mask) crossed = LANE(not )(LANE(equal)(kept, zero)) & LANE(not )(LANE(equal)(kept, here));
+  const LANE(real) side = LANE(select)(crossed, kept, here);
+  const LANE(pair_input) in = {.dx = on * tx - rx,
+                               .dy = on * ty - ry,
+                               .dvx = PASS(pose)(l, s, f, b, POSE_VX, at) - f->c[a][SD_X].v,
+                               .dvy = PASS(pose)(l, s, f, b, POSE_VY, at) - f->c[a][SD_Y].v,
+                               .sum = PASS(row)(p, PAIR_RA),
+                               .arc = PASS(row)(p, PAIR_RA) * f->c[a][SD_THETA].q + side * on,
+                               .ex = f->m[k].ex,
+                               .ey = f->m[k].ey};
+  f->geometry[k] = LANE(pair_geometry_of)(&in);
+  f->lever[k] = LANE(select)(before | beyond, f->geometry[k].lever, one);
+  f->side[k] = side;
+  f->crossed[k] = crossed;
+  f->arm_x[k] = x - wall_x;
+  f->arm_y[k] = y - wall_y;
+}
+
 /* With one free disk pair k is that of slots 0 and k + 1. */
 LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
                                 size_t k) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
+  if (PASS(is_straight)(l, k)) {
+    PASS(straight)(l, s, f, at, k, a, b);
+    return;
+  }
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(pair_input) in;
   in.dx = PASS(pose)(l, s, f, b, POSE_X, at) - f->c[a][SD_X].q;
@@ -169,6 +288,7 @@ LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step
   in.ex = f->m[k].ex;
   in.ey = f->m[k].ey;
   f->geometry[k] = LANE(pair_geometry_of)(&in);
+  PASS(turning)(l, s, f, at, k, &in);
 }
 
 /* --- contacts ---------------------------------------------------------------------------------------- */
@@ -177,47 +297,68 @@ LANE_INLINE void PASS(add_loss)(double *p, size_t row, LANE(real) loss) {
   PASS(set_row)(p, row, PASS(row)(p, row) + loss);
 }
 
+LANE_INLINE LANE(mask)
+    PASS(rare)(const lanes *l, const PASS(step_registers) * f, size_t k, LANE(mask) was_closed) {
+  const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
+  const LANE(mask) touching = f->closed[k];
+  LANE(mask) deep = LANE(contact_is_deep)(&f->geometry[k], PASS(row)(p, PAIR_LIMIT)) & touching;
+  if (PASS(is_straight)(l, k)) deep = deep | (f->crossed[k] & touching & was_closed);
+  return (touching ^ was_closed) | deep;
+}
+
+/* Straight walls have the force that derives from the tangential energy in both variants. */
+LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t k,
+                               const LANE(contact_constants) * c, LANE(mask) touching, LANE(mask) closed) {
+  const LANE(pair_geometry) *g = &f->geometry[k];
+  if (PASS(is_straight)(l, k))
+    LANE(contact_step)(g, c, touching, closed, f->lever[k], 0, s->features, &f->m[k], &f->out[k]);
+  else
+    LANE(contact_step)
+  (g, c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative, s->features,
+   &f->m[k], &f->out[k]);
+}
+
 /* The step of pair k once more, where contacts begin, end, turn far or overlap deeply. */
 LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
                                      size_t k, LANE(mask) was_closed, const LANE(contact_memory) * before) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
-  const LANE(contact_constants) c = PASS(constants)(p);
+  const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
   const LANE(real) dt = PASS(row)(PASS(rows_at)(l, ROWS_DT), 0);
   const LANE(mask) touching = f->closed[k] & LANE(has_direction)(g), closed = touching & was_closed;
   LANE(contact_memory) *m = &f->m[k];
   LANE(contact_output) *out = &f->out[k];
   *m = *before;
-  LANE(contact_step)
-  (g, &c, touching, closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative, s->mixed, m,
-   out);
+  PASS(contact)(l, s, f, k, &c, touching, closed);
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const LANE(real) zero = LANE(splat)(0.0);
   LANE(real) x2 = (s->n_free > 1 && b < s->n_free ? f->c[b][SD_X].q2 : zero) - f->c[a][SD_X].q2;
   LANE(real) y2 = (s->n_free > 1 && b < s->n_free ? f->c[b][SD_Y].q2 : zero) - f->c[a][SD_Y].q2;
   LANE(contact_begin_end)
-  (g, &c, touching, closed, was_closed, dt, g->nx * x2 + g->ny * y2, before, m, out);
+  (g, &c, touching, closed, was_closed, dt, g->nx * x2 + g->ny * y2, s->features, before, m, out);
   f->closed[k] = touching;
-  f->rare[k] = (touching ^ was_closed) | (LANE(contact_is_deep)(g, PASS(row)(p, PAIR_LIMIT)) & touching);
+  f->rare[k] = PASS(rare)(l, f, k, was_closed);
   PASS(set_row)(p, PAIR_WAS_CLOSED, LANE(mask_zero)(was_closed, LANE(splat)(1.0)));
-  PASS(set_row)(p, PAIR_DROPPED, out->dropped);
+  PASS(set_row)(p, PAIR_DROPPED, s->features & LAW_BRIDGE ? out->dropped + out->bridge : out->dropped);
 }
 
 LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t k) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
-  const LANE(contact_constants) c = PASS(constants)(p);
+  const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
-  const LANE(mask) was_closed = f->closed[k], touching = LANE(greater)(g->reach, LANE(splat)(0.0));
-  const LANE(contact_memory) before = f->m[k];
+  const LANE(mask) was_closed = f->closed[k],
+                   touching = LANE(contact_touches)(g, &c, was_closed, s->features);
   LANE(contact_output) *out = &f->out[k];
-  LANE(contact_step)
-  (g, &c, touching, touching & was_closed, s->conservative ? g->lever : LANE(splat)(1.0), !s->conservative,
-   s->mixed, &f->m[k], out);
+  if (s->features & LAW_GENERAL) f->m[k].slid = LANE(not )(LANE(equal)(out->slip, LANE(splat)(0.0)));
+  const LANE(contact_memory) before = f->m[k];
+  PASS(contact)(l, s, f, k, &c, touching, touching & was_closed);
   f->closed[k] = touching;
-  f->rare[k] = (touching ^ was_closed) | (LANE(contact_is_deep)(g, PASS(row)(p, PAIR_LIMIT)) & touching);
+  f->rare[k] = PASS(rare)(l, f, k, was_closed);
   if (__builtin_expect(LANE(any)(f->rare[k]), 0)) PASS(evaluate_slow)(l, s, f, k, was_closed, &before);
+  if (PASS(is_straight)(l, k)) f->side[k] = LANE(mask_zero)(f->closed[k], f->side[k]);
   PASS(add_loss)(p, PAIR_viscous, out->viscous);
   PASS(add_loss)(p, PAIR_friction, out->friction);
+  if (s->features & LAW_ROLLING) PASS(add_loss)(p, PAIR_rolling, out->rolling);
   if (!s->conservative) PASS(add_loss)(p, PAIR_nonconservative_work, out->work);
 }
 
@@ -232,6 +373,27 @@ LANE_INLINE LANE(real) PASS(add)(LANE(real) sum, const LANE(contact_output) * ou
   return c == SD_THETA || on_b ? sum + part : sum - part;
 }
 
+/* The couple of rolling on a disk; on a round wall it is part of what turns (pair_pass.h). */
+LANE_INLINE LANE(real) PASS(add_couple)(const lanes *l, LANE(real) sum, const LANE(contact_output) * out,
+                                        size_t slot, bool on_b) {
+  if (slot < l->n_disks) return on_b ? sum - out->couple : sum + out->couple;
+  const LANE(real) radius = PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), slot);
+  return sum + (out->tau - out->couple / radius);
+}
+
+/* Torque by couples: added to that of a disk, or the whole that turns a wall. */
+LANE_INLINE LANE(real)
+    PASS(couples_on)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, size_t slot) {
+  LANE(real) sum = LANE(splat)(0.0);
+  if (s->n_free == 1 && slot > 0) return PASS(add_couple)(l, sum, &f->out[slot - 1], slot, true);
+  if (s->n_free == 1)
+    EACH_PAIR(k, s->n_pairs, sum = PASS(add_couple)(l, sum, &f->out[k], slot, false));
+  else
+    for (size_t n = 0; n < l->touching[slot]; n++)
+      sum = PASS(add_couple)(l, sum, &f->out[l->entry[slot][n] / 2], slot, l->entry[slot][n] & 1);
+  return sum;
+}
+
 /* Of the contacts of a body along a coordinate. */
 LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f,
                                       size_t slot, int c) {
@@ -243,7 +405,11 @@ LANE_INLINE LANE(real) PASS(force_on)(const lanes *l, const PASS(shape) * s, con
   else
     for (size_t n = 0; n < l->touching[slot]; n++)
       sum = PASS(add)(sum, &f->out[l->entry[slot][n] / 2], c, l->entry[slot][n] & 1);
-  return c == SD_THETA ? sum * PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), slot) : sum;
+  if (c != SD_THETA) return sum;
+  const LANE(real) radius = PASS(row)(PASS(rows_at)(l, ROWS_RADIUS), slot);
+  if (!(s->features & LAW_ROLLING)) return sum * radius;
+  const LANE(real) couples = PASS(couples_on)(l, s, f, slot);
+  return slot < l->n_disks ? sum * radius + couples : couples * radius;
 }
 
 LANE_INLINE void PASS(predict)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t i,
@@ -371,7 +537,7 @@ LANE_INLINE void PASS(sample)(lanes *l, const PASS(shape) * s, const PASS(step_r
 
 LANE_INLINE void PASS(store)(lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, int64_t at) {
   EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(store_disk)(l, f, i, c)));
-  EACH_PAIR(k, s->n_pairs, PASS(store_pair)(l, f, k));
+  EACH_PAIR(k, s->n_pairs, PASS(store_pair)(l, f, k, s->features));
   l->at = at;
 }
 
@@ -382,7 +548,7 @@ LANE_INLINE void PASS(events)(lanes *l, const PASS(shape) * s, PASS(step_registe
   EACH_DISK(i, s->n_free, l->fast |= LANE(bits_of)(PASS(too_fast)(l, f, i)));
   PASS(store)(l, s, f, at);
   lanes_events(l);
-  EACH_PAIR(k, s->n_pairs, PASS(load_pair)(l, f, k));
+  EACH_PAIR(k, s->n_pairs, PASS(load_pair)(l, f, k, s->features));
   EACH_DISK(i, s->n_free, PASS(load_disk)(l, f, i, SD_THETA));
 }
 
@@ -407,7 +573,7 @@ LANE_INLINE void PASS(steps)(lanes *l, int64_t n, const PASS(shape) s) {
   int64_t at = l->at;
   l->done = 0;
   EACH_DISK(i, s.n_free, EACH_COORDINATE(c, PASS(load_disk)(l, &f, i, c)));
-  EACH_PAIR(k, s.n_pairs, PASS(load_pair)(l, &f, k));
+  EACH_PAIR(k, s.n_pairs, PASS(load_pair)(l, &f, k, s.features));
   while (l->done < n && !l->dead_now) PASS(step)(l, &s, &f, ++at);
   PASS(store)(l, &s, &f, at);
 }

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "model/law_features.h"
 #include "model/normal_laws.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/kernels.h"
@@ -16,6 +17,7 @@
 /* --- bodies and box ------------------------------------------------------------------------------------ */
 
 static inline uint32_t engine_slot(const engine *e, uint32_t body) { return e->work.slot[body]; }
+static inline const uint32_t *engine_slots(const engine *e) { return e->work.slot; } /* of all bodies */
 /* Of the periodic box as it is now; 0 where it is open. */
 static inline double engine_length(const engine *e, int c) { return e->work.length[c]; }
 static inline bool engine_beyond(const engine *e, int c, double x) {
@@ -27,12 +29,22 @@ static inline double engine_nearest(const engine *e, int c, double d) {
 }
 /* Coordinate c of the free disks, and what pushes it. */
 static inline const columns *engine_columns(const engine *e, int c) { return &e->work.columns[c]; }
+/* The same of the clumps. Disks of a clump are free disks that nothing pushes: no inverse masses. */
+static inline size_t engine_clumps(const engine *e) { return e->work.clumps.count; }
+static inline const columns *engine_clump_columns(const engine *e, int c) {
+  return &e->work.clumps.columns[c];
+}
+static inline bool engine_in_clump(const engine *e, size_t slot) {
+  return e->work.clumps.count && e->work.clumps.of[slot] >= 0;
+}
 /* q2 of a free disk from the forces on it. */
 static inline void engine_accelerate(const engine *e, int c, size_t slot, double force) {
   const columns *q = &e->work.columns[c];
   q->q2[slot] = e->work.half_dt2 * ((force + q->constant[slot]) * q->inverse[slot]);
 }
-/* Straight piece k of the walls, where it is now. */
+/* Brings all pieces of the walls to where they are now; a step does so for those in the list of pairs. */
+void engine_pose_walls(engine *e);
+/* Piece k of the walls, where it is after engine_pose_walls. */
 static inline const placed_segment *engine_segment(const engine *e, size_t k) { return &e->work.segments[k]; }
 
 /* --- contacts ------------------------------------------------------------------------------------------- */
@@ -55,10 +67,12 @@ static inline int engine_contact_sliding(const engine *e, size_t k) {
 }
 /* tau, which turns both disks. */
 static inline double engine_contact_tau(const engine *e, size_t k) {
+  if (e->work.pairs.more) return MORE(&e->work.pairs, k, tau);
   return -(e->model->laws[PAIR(&e->work.pairs, k, law)].k_t * PAIR(&e->work.pairs, k, zeta));
 }
 static inline double engine_contact_stiffness(const engine *e, size_t k) {
-  return law_stiffness(&e->model->laws[PAIR(&e->work.pairs, k, law)], engine_contact_overlap(e, k));
+  return law_stiffness(&e->model->laws[PAIR(&e->work.pairs, k, law)],
+                       fmax(engine_contact_overlap(e, k), 0.0));
 }
 /* The candidates of a body are engine_candidate(e, at) for at in [first, first of the next slot). */
 static inline size_t engine_first(const engine *e, size_t slot) { return e->work.incidence.start[slot]; }
@@ -81,7 +95,9 @@ static inline size_t engine_kept_slot(const engine *e, size_t k) { return e->wor
 static inline contact_push engine_push(const engine *e, size_t k, size_t i) {
   const double *row = e->work.sums.row + SUM_ROW * (e->work.sums.single[k] + i);
   double radius = e->state->radius[engine_kept_slot(e, k)];
-  return (contact_push){row[SUM_X], row[SUM_Y], radius != 0.0 ? row[SUM_TURN] * radius : row[SUM_TURN]};
+  double torque = radius != 0.0 ? row[SUM_TURN] * radius : row[SUM_TURN];
+  if (e->work.features & LAW_ROLLING && engine_kept_slot(e, k) < e->state->n_disks) torque += row[SUM_COUPLE];
+  return (contact_push){row[SUM_X], row[SUM_Y], torque};
 }
 
 /* --- the step ------------------------------------------------------------------------------------------- */
@@ -96,6 +112,12 @@ static inline void engine_tell(engine *e, sd_messages *messages) { e->work.messa
 static inline void engine_fail(engine *e, const char *what) {
   e->work.status = sd_fail(e->work.messages, SD_ERROR_IO, "%s", what);
 }
+static inline void engine_end(engine *e, sd_status status) { e->work.status = status; }
+/* By how much lists reach further than contacts. */
+static inline double engine_skin(const engine *e) { return e->work.skin; }
+static inline void engine_use_skin(engine *e, double skin) { e->work.skin = skin; }
+/* Would a free disk or a wall leave the lists in one step? */
+bool engine_outruns(engine *e);
 static inline int engine_threads(const engine *e) { return e->work.n_threads; }
 static inline const kernels *engine_kernels(const engine *e) { return e->work.kernels; }
 /* Rows of a small system; NULL: it takes the general step. */

@@ -1,5 +1,7 @@
 /* contacts.c: rare events, store and load; see contacts.h. */
 #include "physics/system/bodies.h"
+#include "physics/step/cell.h"
+#include "physics/step/clump_step.h"
 #include "physics/step/contacts.h"
 
 #include <assert.h>
@@ -7,7 +9,10 @@
 #include <stdlib.h>
 
 #include "model/advice.h"
+#include "model/law_features.h"
 #include "physics/step/engine.h"
+#include "physics/system/box.h"
+#include "physics/system/halo.h"
 #include "physics/system/kernels.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/losses.h"
@@ -17,9 +22,6 @@
 #include "physics/step/speed.h"
 #include "physics/contact/walls.h"
 
-#define LANE_WIDTH 1
-#include "base/lane.h"
-
 /* --- rare events ------------------------------------------------------------------------------------- */
 
 /* Unit vector from a to b's surface, as the law has it. */
@@ -28,11 +30,10 @@ static void normal(const engine *e, size_t k, double *nx, double *ny) {
   const work *w = &e->work;
   int32_t a = w->pairs.a[k], b = w->pairs.b[k];
   double dx, dy, sign = 1.0;
-  if (k < w->pairs.n_round) {
+  if (!pairs_is_segment(&w->pairs, k)) {
     dx = s->x[b] - s->x[a];
     dy = s->y[b] - s->y[a];
-    if (w->periodic[0]) dx -= w->length[0] * nearest_w1(dx * w->inverse_length[0]);
-    if (w->periodic[1]) dy -= w->length[1] * nearest_w1(dy * w->inverse_length[1]);
+    box_nearest(w, &dx, &dy);
     if (s->radius[a] + s->radius[b] < 0.0) sign = -1.0;
   } else {
     nearest_point q = walls_nearest(&w->segments[w->pairs.part[k]], s->x[a], s->y[a]);
@@ -94,11 +95,11 @@ static bool transfer_history(engine *e, size_t k) {
   if (here->next == p->part[v->index] && there <= here) jump = -(here->arc + here->length - there->arc);
   sd_contact_record record = v->before;
   record.lambda_ref -= v->side_before * jump;
-  record.viscous = record.friction = record.nonconservative_work =
+  record.viscous = record.friction = record.nonconservative_work = record.rolling =
       0.0; /* these stay with the segment that it left */
   record.turned = 0.0;
   pairs_set_record(p, k, &record);
-  pairs_set_flags(p, k, true, 0);
+  pairs_set_flags(p, k, true, v->slide_before);
   p->side[k] = v->side_before;
   v->transferred = true;
   /* the losses of this step are those of one contact, from the segment it left to this one */
@@ -142,8 +143,33 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
     if (v->was_closed && !v->transferred) book_opening(e, k, v->dropped);
     return SD_OK;
   }
-  if (v->was_closed) rebase(e, k);
+  if (v->was_closed && halo_is_ghost(e, (size_t)p->b[k])) {
+    if (halo_wait_for(&e->halo->rebased, (uint32_t)k, 0.0) != SD_OK)
+      return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+  } else if (v->was_closed)
+    rebase(e, k);
+  else if (v->dropped != 0.0 && !v->transferred)
+    losses_share(e, e->state->loss_bridge, p->a[k], p->b[k], v->dropped);
   return check_overlap(e, k, messages);
+}
+
+/* The way of the wall's surface back into its range; by how much it was shortened. */
+static double wrap_surface(engine *e, uint32_t i) {
+  sd_state *s = e->state;
+  if (i < s->n_disks || s->n_surfaces == 0) return 0.0;
+  double *way = &s->surface[i - s->n_disks], most = body_surface_turn(e);
+  const double back = most * nearbyint(*way / most);
+  *way -= back;
+  s->surface_turn[i - s->n_disks] += back;
+  return back;
+}
+
+/* The reference of rolling follows the angle of body i, and the surface of a round wall. */
+static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double slid) {
+  pairs *p = &e->work.pairs;
+  const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]], arm = law_arm(ra, rb);
+  MORE(p, k, rho_ref) -= (uint32_t)p->a[k] == i ? arm * turn : -(arm * turn);
+  if (slid != 0.0 && rb != 0.0) MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
 
 /* theta back into [-4, 4] and the position into the box; lambda* of the disk's contacts follows. */
@@ -151,28 +177,41 @@ static void wrap(engine *e, uint32_t i) {
   sd_state *s = e->state;
   work *w = &e->work;
   pairs *p = &w->pairs;
-  assert(i < s->n_bodies && remainder(s->turn[i], 8.0) == 0.0);
+  if (i >= s->n_bodies) {
+    clumps_wrap(e, i - s->n_bodies);
+    return;
+  }
+  assert(remainder(s->turn[i], 8.0) == 0.0);
   double turn = s->theta[i] > 4.0 ? 8.0 : s->theta[i] < -4.0 ? -8.0 : 0.0;
-  double shift[2] = {0.0, 0.0};
-  if (s->x[i] < w->lower[0] || s->x[i] >= w->upper[0])
-    shift[0] = s->x[i] < w->lower[0] ? w->length[0] : -w->length[0];
-  if (s->y[i] < w->lower[1] || s->y[i] >= w->upper[1])
-    shift[1] = s->y[i] < w->lower[1] ? w->length[1] : -w->length[1];
+  const double ny = s->y[i] < w->lower[1] ? -1.0 : s->y[i] >= w->upper[1] ? 1.0 : 0.0;
+  const double across = s->x[i] - ny * w->offset; /* cells above are shifted */
+  const double nx = across < w->lower[0] ? -1.0 : across >= w->upper[0] ? 1.0 : 0.0;
+  const double shift[2] = {-nx * w->length[0] - ny * w->offset, -ny * w->length[1]};
   s->theta[i] -= turn;
   s->turn[i] += turn;
   s->x[i] += shift[0];
   s->y[i] += shift[1];
-  w->x0[i] += shift[0];
-  w->y0[i] += shift[1];
-  s->image_x[i] -= shift[0] > 0.0 ? 1 : shift[0] < 0.0 ? -1 : 0;
-  s->image_y[i] -= shift[1] > 0.0 ? 1 : shift[1] < 0.0 ? -1 : 0;
+  s->image_x[i] += (int32_t)nx;
+  s->image_y[i] += (int32_t)ny;
+  if (w->cell.on) {
+    if (nx != 0.0 || ny != 0.0) cell_wrap(e, i, nx, ny);
+  } else {
+    w->x0[i] += shift[0];
+    w->y0[i] += shift[1];
+  }
+  const double slid = wrap_surface(e, i);
   motion_wrapped(e, i);
   body_pack(e, i);
+  if (turn != 0.0 && e->halo && i < s->n_free && e->halo->sent[i] &&
+      halo_wait_for(&e->halo->wrapped, i, turn) != SD_OK)
+    e->halo->lost = true;
   if (i >= s->n_disks) walls_pose(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
-    if (!pairs_closed(p, k)) continue;
+    if (!pairs_closed(p, k) || halo_is_ghost(e, (size_t)p->b[k])) continue;
     PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
+    if (slid != 0.0) PAIR(p, k, lambda_ref) -= (s->radius[i] > 0.0 ? 1.0 : -1.0) * slid;
+    if (p->more) wrap_rolling(e, k, i, turn, slid);
     if (pairs_is_segment(
             p, k)) { /* the arc length of the nearest point changes, with the disk or with the wall */
       const placed_segment *g = &w->segments[p->part[k]];
@@ -182,9 +221,31 @@ static void wrap(engine *e, uint32_t i) {
   }
 }
 
-static int by_index(const void *one, const void *two) {
+static int by_place(const void *one, const void *two) {
   const event *p = one, *q = two;
-  return p->index < q->index ? -1 : p->index > q->index;
+  return p->at < q->at ? -1 : p->at > q->at;
+}
+
+/* In the order of pairs; with ghosts, of pairs in the whole: lower disk, other body, and pieces of walls last. */
+static void place_events(const engine *e, event_list *list) {
+  const pairs *p = &e->work.pairs;
+  for (size_t n = 0; n < list->count; n++) {
+    event *v = &list->item[n];
+    v->at = v->index;
+    if (!e->halo) continue;
+    if (pairs_is_segment(p, v->index)) {
+      v->at |= (uint64_t)1 << 63;
+      continue;
+    }
+    const uint64_t a = e->halo->order[p->a[v->index]], slot = (uint64_t)p->b[v->index];
+    const uint64_t b = halo_is_free(e, slot) ? e->halo->order[slot] : (uint64_t)1 << 31 | slot;
+    assert(a < (uint64_t)1 << 31);
+    v->at = a < b ? a << 32 | b : b << 32 | a;
+  }
+}
+
+static void place_wraps(event_list *list) {
+  for (size_t n = 0; n < list->count; n++) list->item[n].at = list->item[n].index;
 }
 
 /* All into the first list, in the order of pairs or slots, whoever noted them when. */
@@ -197,7 +258,8 @@ static sd_status merge(event_list *first, const event_list *more) {
   return first->failed || more->failed ? SD_ERROR_IO : SD_OK;
 }
 
-static sd_status collect(work *w) {
+static sd_status collect(engine *e) {
+  work *w = &e->work;
   thread_work *first = &w->threads[0];
   sd_status status = first->events.failed || first->returns.failed ? SD_ERROR_IO : SD_OK;
   for (int t = 1; t < w->n_threads && status == SD_OK; t++) {
@@ -205,8 +267,10 @@ static sd_status collect(work *w) {
     if (status == SD_OK) status = merge(&first->returns, &w->threads[t].returns);
     w->threads[t].events.count = w->threads[t].returns.count = 0;
   }
-  if (first->events.count > 1) qsort(first->events.item, first->events.count, sizeof(event), by_index);
-  if (first->returns.count > 1) qsort(first->returns.item, first->returns.count, sizeof(event), by_index);
+  place_events(e, &first->events);
+  place_wraps(&first->returns);
+  if (first->events.count > 1) qsort(first->events.item, first->events.count, sizeof(event), by_place);
+  if (first->returns.count > 1) qsort(first->returns.item, first->returns.count, sizeof(event), by_place);
   return status;
 }
 
@@ -223,13 +287,13 @@ static void check_speed(engine *e) {
 sd_status contacts_events(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   work *w = &e->work;
-  if (collect(w) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+  if (collect(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
-  for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].index <= events->item[n].index);
+  for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].at <= events->item[n].at);
   for (size_t n = 0; n < events->count; n++) {
     const event *v = &events->item[n];
     if (pairs_is_segment(&w->pairs, v->index) && !v->was_closed && pairs_closed(&w->pairs, v->index))
-      transfer_history(e, v->index);
+      events->item[n].transferred = transfer_history(e, v->index);
   }
   for (size_t n = 0; n < events->count; n++) {
     event v = events->item[n];
@@ -239,21 +303,71 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
   for (size_t n = 0; n < returns->count; n++) wrap(e, returns->item[n].index);
   returns->count = events->count = 0;
   check_speed(e);
+  if (status == SD_OK && e->halo && e->halo->lost)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
+  return status;
+}
+
+/* --- contacts with ghosts -------------------------------------------------------------------------------- */
+
+static void follow_wrap(engine *e, size_t i, double turn) {
+  const sd_state *s = e->state;
+  pairs *p = &e->work.pairs;
+  const incidence *n = &e->work.incidence;
+  for (size_t at = n->start[i]; at < n->start[i + 1]; at++) {
+    const size_t k = n->entry[at] / 2;
+    if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k])) continue; /* the others have followed */
+    PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
+    if (p->more) wrap_rolling(e, k, (uint32_t)i, turn, 0.0);
+  }
+}
+
+static int by_order(const void *one, const void *two) {
+  const uint32_t p = ((const halo_wait *)one)->order, q = ((const halo_wait *)two)->order;
+  return p < q ? -1 : p > q;
+}
+
+/* References first, then wraps by their slots in the whole: the order in which one rank alone does it. */
+sd_status contacts_follow(engine *e) {
+  halo *h = e->halo;
+  halo_waits *wrapped = &h->wrapped;
+  const sd_state *s = e->state;
+  double *turn = calloc(s->n_ghosts + 1, sizeof *turn);
+  sd_status status = turn ? SD_OK : SD_ERROR_IO;
+  halo_refresh(e, turn);
+  for (size_t n = 0; n < h->rebased.count; n++) rebase(e, h->rebased.item[n].index);
+  for (size_t g = 0; turn && g < s->n_ghosts && status == SD_OK; g++)
+    if (turn[g] != 0.0) status = halo_wait_for(wrapped, (uint32_t)(s->n_free + g), turn[g]);
+  for (size_t n = 0; n < wrapped->count; n++) wrapped->item[n].order = h->order[wrapped->item[n].index];
+  if (wrapped->count > 1) qsort(wrapped->item, wrapped->count, sizeof *wrapped->item, by_order);
+  for (size_t n = 0; n < wrapped->count; n++) follow_wrap(e, wrapped->item[n].index, wrapped->item[n].turn);
+  h->rebased.count = wrapped->count = 0;
+  free(turn);
   return status;
 }
 
 /* --- store and load ---------------------------------------------------------------------------------- */
 
-sd_status contacts_store(engine *e) {
-  sd_state *s = e->state;
-  losses_show(e);
+size_t contacts_count(const engine *e) {
   const pairs *p = &e->work.pairs;
   size_t n = 0;
-  for (size_t k = 0; k < p->count; k++) n += pairs_closed(p, k);
+  for (size_t k = 0; k < p->count; k++) n += pairs_closed(p, k) && halo_counts(e, k);
+  return n;
+}
+
+sd_status contacts_store(engine *e) {
+  losses_show(e);
+  return contacts_store_rows(e);
+}
+
+sd_status contacts_store_rows(engine *e) {
+  sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const size_t n = contacts_count(e);
   s->n_contacts = 0; /* nothing worth copying */
   if (sd_state_reserve_contacts(s, n) != SD_OK) return SD_ERROR_IO;
   for (size_t k = 0; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
+    if (!pairs_closed(p, k) || !halo_counts(e, k)) continue;
     const sd_contact_record record = pairs_record(p, k);
     size_t c = s->n_contacts++;
     assert(c < s->contact_capacity && p->a[k] != PAIR_PADDING);
@@ -268,15 +382,16 @@ sd_status contacts_store(engine *e) {
   return SD_OK;
 }
 
-/* Does stored contact c stand before pair k in the order of both: round pairs and then pieces of walls? */
+/* Does stored contact c stand before pair k in the order of both: round pairs, those with ghosts, pieces of walls? */
 static bool stands_before(const engine *e, size_t c, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
-  assert(s->contact_a[c] < s->n_disks && s->contact_b[c] < s->n_bodies);
+  assert(s->contact_a[c] < e->model->n_disks && s->contact_b[c] < sd_model_bodies(e->model));
   uint32_t a = e->work.slot[s->contact_a[c]], b = e->work.slot[s->contact_b[c]],
            n_disks = (uint32_t)s->n_disks;
   bool piece = b >= n_disks && e->model->walls[b - n_disks].kind != SD_WALL_CIRCLE;
   if (piece != pairs_is_segment(p, k)) return !piece;
+  if (halo_is_ghost(e, b) != halo_is_ghost(e, (size_t)p->b[k])) return !halo_is_ghost(e, b);
   if (a != (uint32_t)p->a[k]) return a < (uint32_t)p->a[k];
   if (b != (uint32_t)p->b[k]) return b < (uint32_t)p->b[k];
   return s->contact_part[c] < (uint32_t)p->part[k];

@@ -20,9 +20,17 @@ static inline bool contacts_any_event(const work *w) {
   return false;
 }
 
+/* Collective, between steps: poses of ghosts, and the references of contacts with them that wait for these. SD_ERROR_IO: no
+ * memory. */
+sd_status contacts_follow(engine *e);
+
+/* Closed contacts that count here, see halo_counts. */
+size_t contacts_count(const engine *e);
 /* Closed contacts from the live pairs into the state's columns, and back into empty pairs; what is stored and
  * no candidate is left out. */
 sd_status contacts_store(engine *e);
+/* The same for what only reads contacts: sums of losses of bodies (losses.h) stay as they were. */
+sd_status contacts_store_rows(engine *e);
 void contacts_load(engine *e);
 
 #endif

@@ -1,5 +1,6 @@
 /* engine.c: see engine.h. */
 #include "physics/system/bodies.h"
+#include "physics/system/clumps.h"
 #include "physics/step/engine.h"
 
 #include <assert.h>
@@ -8,9 +9,15 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "model/law_features.h"
 #include "model/normal_laws.h"
+#include "physics/step/access.h"
+#include "physics/step/cell.h"
 #include "physics/step/contacts.h"
 #include "physics/contact/energy.h"
+#include "physics/system/body_forces.h"
+#include "physics/system/halo.h"
+#include "physics/contact/losses.h"
 #include "physics/system/kernels.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
@@ -81,6 +88,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
     s->group[slot] = -1;
   }
   assert(slot == s->n_bodies);
+  clumps_fill_state(m, s);
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
   if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
   return fill_contacts(m, s);
@@ -88,22 +96,55 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
 
 /* --- work -------------------------------------------------------------------------------------------- */
 
+static double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
+
+static law_row row_of(const sd_contact_law *l) {
+  const bool constant = l->cohesion == SD_COHESION_CONSTANT, bridge = l->cohesion == SD_COHESION_BRIDGE;
+  law_row row = {.k_n = l->k_n,
+                 .k_t = l->k_t,
+                 .gamma_n = l->gamma_n,
+                 .cap = l->k_t > 0.0 ? l->mu / l->k_t : 0.0,
+                 .normal = l->normal,
+                 .tsuji = law_tsuji(l),
+                 .pulls = l->damping_pulls,
+                 .cap_kinetic = ratio(l->mu_kinetic > 0.0 ? l->mu_kinetic : l->mu, l->k_t),
+                 .mindlin = l->tangential == SD_TANGENTIAL_MINDLIN,
+                 .lag = ratio(l->gamma_t, l->k_t),
+                 .k_r = l->k_r,
+                 .cap_r = ratio(l->mu_r, l->k_r),
+                 .lag_r = ratio(l->gamma_r, l->k_r)};
+  if (!constant && !bridge) return row;
+  row.bridge = bridge;
+  row.pull_off = l->pull_off;
+  row.range = l->range;
+  row.per_range = ratio(1.0, l->range);
+  if (bridge) row.broken = exp(-l->rupture * row.per_range);
+  row.begins = constant ? l->range : 0.0;
+  row.ends = constant ? l->range : l->rupture;
+  return row;
+}
+
+/* All members are numbers. */
+static bool same_row(const law_row *a, const law_row *b) {
+  double p[sizeof *a / sizeof(double)], q[sizeof *b / sizeof(double)];
+  memcpy(p, a, sizeof p);
+  memcpy(q, b, sizeof q);
+  bool same = true;
+  for (size_t k = 0; k < sizeof p / sizeof *p; k++) same = same && p[k] == q[k];
+  return same;
+}
+
 static void fill_laws(const sd_model *m, work *w) {
   w->one_law = true;
+  w->features = laws_features(m);
+  w->margin = 0.0;
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
-    const sd_contact_law *l = &m->laws[k];
-    w->laws[k] = (law_row){.k_n = l->k_n,
-                           .k_t = l->k_t,
-                           .gamma_n = l->gamma_n,
-                           .cap = l->k_t > 0.0 ? l->mu / l->k_t : 0.0,
-                           .normal = l->normal,
-                           .tsuji = law_tsuji(l)};
-    assert(l->normal < SD_NORMAL_LAWS && w->laws[k].cap >= 0.0);
-    if (l->k_n > 0.0 && l->normal != SD_NORMAL_LINEAR) w->mixed_laws = true;
-    if (l->k_n != m->laws->k_n || l->k_t != m->laws->k_t || l->gamma_n != m->laws->gamma_n ||
-        l->mu != m->laws->mu || l->normal != m->laws->normal || l->restitution != m->laws->restitution)
-      w->one_law = false;
+    w->laws[k] = row_of(&m->laws[k]);
+    assert(m->laws[k].normal < SD_NORMAL_LAWS && w->laws[k].cap >= 0.0);
+    w->margin = fmax(w->margin, fmax(w->laws[k].begins, w->laws[k].ends));
+    if (!same_row(&w->laws[k], &w->laws[0])) w->one_law = false;
   }
+  w->pairs.wants_more = w->spare.wants_more = (w->features & LAW_GENERAL) != 0;
 }
 
 static void fill_columns(const sd_state *s, work *w) {
@@ -145,13 +186,13 @@ static void fill_limit(const engine *e, work *w) {
 }
 
 static void fill_skin(const engine *e, work *w) {
-  const sd_state *s = e->state;
-  double mean = 0.0;
-  for (size_t i = 0; i < s->n_disks; i++) mean += s->radius[i];
-  mean /= (double)s->n_disks;
+  const sd_model *m = e->model;
+  const double mean = m->mean_radius;
   assert(mean > 0.0);
   w->mean_radius = mean;
-  w->skin = e->model->skin > 0.0 ? e->model->skin : 0.15 * mean; /* to begin with: neighbours_tune */
+  w->surface_unit = exp2(ceil(log2(mean)));
+  w->skin = m->skin > 0.0 ? m->skin : 0.15 * mean; /* to begin with: neighbours_tune */
+  if (e->halo && e->halo->skin > 0.0) w->skin = e->halo->skin;
 }
 
 static sd_status columns_new(engine *e) {
@@ -181,142 +222,175 @@ static sd_status allocate(engine *e, int threads) {
   const sd_state *s = e->state;
   work *w = &e->work;
   w->laws = calloc(m->n_materials * m->n_materials, sizeof *w->laws);
-  w->slot = calloc(s->n_bodies, sizeof *w->slot);
+  w->slot = malloc((sd_model_bodies(m) + s->n_clumps + 1) * sizeof *w->slot);
+  if (w->slot) memset(w->slot, 0xff, (sd_model_bodies(m) + s->n_clumps) * sizeof *w->slot); /* not here */
   w->segments = calloc(m->n_segments + 1, sizeof *w->segments);
+  w->pieces = calloc(m->n_segments + 1, sizeof *w->pieces);
   w->watched = calloc(2 * m->n_slides + 1, sizeof *w->watched);
   w->threads = aligned_alloc(64, (size_t)threads * sizeof *w->threads);
   w->n_threads = threads;
   if (w->threads) memset(w->threads, 0, (size_t)threads * sizeof *w->threads);
-  bool bad = !w->laws || !w->slot || !w->segments || !w->watched || !w->threads;
+  bool bad = !w->laws || !w->slot || !w->segments || !w->pieces || !w->watched || !w->threads;
   return bad || columns_new(e) != SD_OK ? SD_ERROR_IO : SD_OK;
 }
 
-/* Pages stand near the thread that writes them first: each writes zeros to its part of what has just been mapped. Of the pairs
- * there are as many as disks in a packing have; where more are found, one thread makes room for all. */
-enum { PAIRS_PER_DISK = 3 };
-static sd_status touch_first(engine *e) {
-  work *w = &e->work;
-  const size_t n = e->state->n_free, candidates = PAIRS_PER_DISK * n;
-  if (w->n_threads == 1 || n == 0) return SD_OK;
-  if (pairs_reserve(&w->pairs, candidates) != SD_OK || pairs_reserve(&w->spare, candidates) != SD_OK)
-    return SD_ERROR_IO;
-#ifdef _OPENMP
-  const int threads = w->n_threads;
-#pragma omp parallel for num_threads(threads) schedule(static)
-  for (int t = 0; t < threads; t++) {
-    const size_t from = n * (size_t)t / (size_t)threads, to = n * ((size_t)t + 1) / (size_t)threads;
-    const size_t first = candidates * (size_t)t / (size_t)threads / PAIR_BLOCK;
-    const size_t end = candidates * ((size_t)t + 1) / (size_t)threads / PAIR_BLOCK;
-    memset(w->pairs.block + first, 0, (end - first) * sizeof(pair_block));
-    memset(w->spare.block + first, 0, (end - first) * sizeof(pair_block));
-    double *column[] = {w->inverse_mass_x,
-                        w->inverse_mass_y,
-                        w->inverse_inertia,
-                        w->constant_x,
-                        w->constant_y,
-                        w->constant_torque,
-                        w->x0,
-                        w->y0};
-    for (size_t k = 0; k < sizeof column / sizeof *column; k++)
-      memset(column[k] + from, 0, (to - from) * sizeof(double));
-  }
-#endif
-  return SD_OK;
+/* Pages stand near the thread that writes them first: each writes zeros to its part of what has just been mapped. */
+static void touch_first(const team *t, void *with) {
+  const engine *e = with;
+  const work *w = &e->work;
+  size_t from, to;
+  team_share(t, e->state->n_free, &from, &to);
+  double *column[] = {w->inverse_mass_x,
+                      w->inverse_mass_y,
+                      w->inverse_inertia,
+                      w->constant_x,
+                      w->constant_y,
+                      w->constant_torque,
+                      w->x0,
+                      w->y0};
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    memset(column[k] + from, 0, (to - from) * sizeof(double));
 }
 
 /* Places of rows are numbers of 32 bits; of sums there are a few for every body. */
 enum { MOST_BODIES = 50000000 };
 
-sd_status engine_build(engine *e, int threads, sd_messages *messages) {
+sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slot && e->model->dt > 0.0);
   if (e->state->n_bodies > MOST_BODIES)
     return sd_fail(messages, SD_ERROR_USER, "%zu disks and walls: expected at most %d", e->state->n_bodies,
                    MOST_BODIES);
-  if (allocate(e, threads) != SD_OK || touch_first(e) != SD_OK)
-    return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
+  fill_laws(e->model, w);
+  pool_run(e->pool, touch_first, e);
   w->dt = e->model->dt;
   w->per_dt = 1.0 / w->dt;
   w->half_dt2 = 0.5 * w->dt * w->dt;
   speed_begin(e);
   w->conservative = e->model->variant == SD_CONSERVATIVE;
   w->kernels = kernels_choose();
-  fill_laws(e->model, w);
   fill_columns(e->state, w);
   box_update(e);
+  cell_attach(e);
+  cell_pose(e, e->state->step);
   fill_skin(e, w);
   fill_limit(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) {
-    assert(e->state->id[k] < e->state->n_bodies &&
-           w->slot[e->state->id[k]] == 0); /* the first stands in slot 0 */
-    w->slot[e->state->id[k]] = k;
+    const uint32_t id = e->state->id[k];
+    assert(id < sd_model_bodies(e->model) && w->slot[id] == UINT32_MAX);
+    w->slot[id] = k;
   }
+  for (uint32_t k = 0; k < e->state->n_clumps; k++)
+    w->slot[e->state->n_bodies + k] = (uint32_t)e->state->n_bodies + k;
+  if (clumps_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the clumps");
+  if (body_forces_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the fields");
   bodies_fill_constants(e);
   sd_status status = motion_new(e, messages);
   if (status == SD_OK && motion_resume(e) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
-  walls_pose(e);
-  if (status == SD_OK) status = neighbours_build(e, messages);
-  if (status == SD_OK) contacts_load(e);
   return status;
+}
+
+static sd_status build_lists(engine *e, sd_messages *messages) {
+  walls_pose(e);
+  sd_status status = neighbours_build(e, messages);
+  if (status == SD_OK) contacts_load(e);
+  if (status == SD_OK && e->halo && halo_list_prescribed(e) != SD_OK)
+    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the forces on walls");
+  return status;
+}
+
+sd_status engine_build(engine *e, int threads, sd_messages *messages) {
+  sd_status status = engine_build_bodies(e, threads, messages);
+  return status == SD_OK ? build_lists(e, messages) : status;
+}
+
+void engine_drop_lists(engine *e) {
+  neighbours_free(e);
+  fill_laws(e->model, &e->work);
+}
+
+sd_status engine_make_lists(engine *e, sd_messages *messages) {
+  assert(e->work.pairs.count == 0 && !e->halo);
+  box_update(e);
+  cell_attach(e);
+  cell_pose(e, e->state->step);
+  if (motion_resume(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
+  return build_lists(e, messages);
 }
 
 void engine_free(engine *e) {
   work *w = &e->work;
   motion_free(e);
+  body_forces_free(e);
   neighbours_free(e);
   for (int t = 0; w->threads && t < w->n_threads; t++) {
     free(w->threads[t].events.item);
     free(w->threads[t].returns.item);
+    free(w->threads[t].crossings.item);
   }
   free(w->threads);
   free(w->laws);
   free(w->slot);
   free(w->segments);
+  free(w->pieces);
   free(w->watched);
+  clumps_free(e);
   arena_free(w->arena);
   e->work = (work){0};
 }
 
 /* --- step 0 ------------------------------------------------------------------------------------------ */
 
-/* After the first pass: contacts of the packing that are none here. They did not open, so nothing is booked.
- * loaded: contacts that were closed before the pass. */
-static void drop_apart(engine *e, size_t loaded, sd_messages *messages) {
+/* After the first pass: contacts of the packing that are none here. They did not open, so nothing is booked. Returns how many. */
+static size_t drop_apart(engine *e) {
   work *w = &e->work;
-  size_t kept = loaded, n = e->model->n_memories;
-  for (size_t k = 0; k < w->threads[0].events.count; k++) {
-    event *v = &w->threads[0].events.item[k];
-    if (pairs_closed(&w->pairs, v->index)) continue;
-    v->transferred = true;
-    assert(v->was_closed && kept > 0);
-    kept--;
-  }
+  size_t dropped = 0;
+  for (int t = 0; t < w->n_threads; t++)
+    for (size_t k = 0; k < w->threads[t].events.count; k++) {
+      event *v = &w->threads[t].events.item[k];
+      if (pairs_closed(&w->pairs, v->index)) continue;
+      v->transferred = true;
+      assert(v->was_closed);
+      dropped += halo_counts(e, v->index);
+    }
+  return dropped;
+}
+
+void engine_warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages) {
+  const size_t n = model->n_memories;
   if (kept < n)
     sd_warn(messages, "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
             n - kept, n);
 }
 
-sd_status engine_start(engine *e, sd_messages *messages) {
+sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages) {
   sd_state *s = e->state;
   work *w = &e->work;
-  size_t loaded = 0;
   assert(s->step == 0);
-  for (size_t k = 0; k < w->pairs.count; k++) loaded += pairs_closed(&w->pairs, k);
+  *kept = contacts_count(e);
+  clumps_place_all(e);
   sweep_forces(e);
+  if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
   /* nothing was lost on the way here */
-  for (size_t k = 0; k < w->pairs.count; k++)
-    PAIR(&w->pairs, k, viscous) = PAIR(&w->pairs, k, friction) = PAIR(&w->pairs, k, nonconservative_work) =
-        0.0;
-  drop_apart(e, loaded, messages);
+  for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);
+  *kept -= drop_apart(e);
   sd_status status = contacts_events(e, messages);
-  for (size_t i = 0; i < s->n_free; i++) {
-    s->x2[i] = w->half_dt2 * ((s->force_x[i] + w->constant_x[i]) * w->inverse_mass_x[i]);
-    s->y2[i] = w->half_dt2 * ((s->force_y[i] + w->constant_y[i]) * w->inverse_mass_y[i]);
-    s->theta2[i] = w->half_dt2 * ((s->torque[i] + w->constant_torque[i]) * w->inverse_inertia[i]);
-  }
-  sd_energy now = energy_of(e);
-  s->energy_start = energy_total(&now);
+  for (size_t i = 0; s->law_columns && i < s->n_free; i++) s->loss_bridge[i] = 0.0;
+  body_forces_renew(e, 0, s->n_free);
+  for (int c = 0; c < SD_COORDINATES; c++)
+    for (size_t i = 0; i < s->n_free; i++) engine_accelerate(e, c, i, w->columns[c].force[i]);
+  clumps_accelerate(e);
   speed_check(e, 0);
+  return status;
+}
+
+sd_status engine_start(engine *e, sd_messages *messages) {
+  size_t kept;
+  const sd_status status = engine_start_part(e, &kept, messages);
+  engine_warn_of_dropped(e->model, kept, messages);
+  const sd_energy now = energy_of(e);
+  e->state->energy_start = energy_total(&now);
   return status;
 }

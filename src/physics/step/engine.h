@@ -13,10 +13,19 @@ void engine_fill_disk(const sd_model *model, sd_state *state, uint32_t disk, uin
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
+/* The same without lists and contacts; gives their memory back, once contacts and motions are in the state; and makes them from there.
+ * Without them nothing may be asked for but constants of the bodies. */
+sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
+void engine_drop_lists(engine *e);
+sd_status engine_make_lists(engine *e, sd_messages *messages);
+static inline bool engine_has_lists(const engine *e) { return e->work.pairs.capacity > 0; }
 
 /* At step 0, once the first phase's motions run: contacts that are closed at the start begin (lambda* =
  * lambda) or, where the packing brings them along, go on; accelerations follow from the forces, and the energy
  * is noted. Contacts of the packing that do not touch are dropped, with a warning. */
 sd_status engine_start(engine *e, sd_messages *messages);
+/* The same of one rank of several, all at once, but for energy and warning. kept: contacts of the packing that touch and count here. */
+sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages);
+void engine_warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages);
 
 #endif

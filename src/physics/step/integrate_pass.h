@@ -63,22 +63,30 @@ LANE_INLINE LANE(real)
 
 #ifndef INTEGRATE_VIEW
 #define INTEGRATE_VIEW
+#include "model/law_features.h"
+
 /* What the loops want of an engine, where they do not look for it again after every store. For slots from `begin` on
  * whose rows follow one another. */
 typedef struct view {
   columns k[SD_COORDINATES];
-  const double *radius, *mass, *x0, *y0; /* mass: NULL unless contacts want it */
+  const double *radius, *mass, *omega, *x0, *y0; /* mass, omega: NULL unless contacts want them */
   double *packed, *sums;
   size_t shift; /* from slots to rows of these */
   double dt, per_dt, half_dt2, moved_limit2, speed_limit2, lower[2], upper[2];
   bool periodic[2];
-  bool show; /* forces to the state */
+  const work_cell *cell; /* NULL: the box does not deform */
+  bool show;             /* forces to the state */
+  size_t couples;        /* slots below this feel couples of rolling */
 } view;
 
 static inline view view_of(const engine *e, size_t begin) {
   const work *w = &e->work;
   view v = {.radius = e->state->radius,
-            .mass = w->mixed_laws ? e->state->mass : NULL,
+            .mass = !(w->features & LAW_NORMAL) ? NULL
+                    : w->clumps.count           ? w->clumps.contact_mass
+                                                : e->state->mass,
+            .omega = w->features & (LAW_DASHPOT | LAW_ROLLING) ? e->state->omega : NULL,
+            .couples = w->features & LAW_ROLLING ? e->state->n_disks : 0,
             .x0 = w->x0,
             .y0 = w->y0,
             .packed = w->packed,
@@ -89,6 +97,7 @@ static inline view view_of(const engine *e, size_t begin) {
             .half_dt2 = w->half_dt2,
             .moved_limit2 = w->moved_limit2,
             .speed_limit2 = w->speed_limit2,
+            .cell = w->cell.on ? &w->cell : NULL,
             .show = w->predict_all || e->state->step + 1 >= w->show_from};
   for (int c = 0; c < SD_COORDINATES; c++) {
     v.k[c] = w->columns[c];
@@ -121,7 +130,8 @@ LANE_INLINE void LANE(store_packed)(const view *v, size_t i, LANE(real) x, LANE(
   const LANE(real)
       pose[] = {[PACKED_X] = x, [PACKED_Y] = y, [PACKED_ARC] = radius * theta, [PACKED_RADIUS] = radius};
   const LANE(real) inverse_mass = v->mass ? 1.0 / LANE(load)(v->mass + i) : zero;
-  const LANE(real) speed[] = {vx, vy, inverse_mass, zero};
+  const LANE(real) spin = v->omega ? radius * LANE(load)(v->omega + i) : zero;
+  const LANE(real) speed[] = {vx, vy, inverse_mass, spin};
   double *row = v->packed + PACKED_ROW * (i + v->shift);
   LANE(scatter4)(row, PACKED_ROW, pose);
   LANE(scatter4)(row + PACKED_VX, PACKED_ROW, speed);
@@ -136,7 +146,13 @@ LANE_INLINE void LANE(pack_at)(const view *v, size_t i) {
 
 /* Beyond the limit since the lists were built; a coordinate that is not a number is, too. */
 LANE_INLINE int LANE(is_stale)(const view *v, size_t i, LANE(real) x, LANE(real) y) {
-  LANE(real) dx = x - LANE(load)(v->x0 + i), dy = y - LANE(load)(v->y0 + i);
+  LANE(real) x0 = LANE(load)(v->x0 + i), y0 = LANE(load)(v->y0 + i), dx = x - x0, dy = y - y0;
+  if (v->cell) { /* the box took them along */
+    x0 = x0 - v->lower[0];
+    y0 = y0 - v->lower[1];
+    dx = dx - (v->cell->shift[0] + (v->cell->map[0] * x0 + v->cell->map[2] * y0));
+    dy = dy - (v->cell->shift[1] + v->cell->map[1] * y0);
+  }
   return LANE(any)(LANE(not )(LANE(within)(dx * dx + dy * dy, LANE(splat)(v->moved_limit2))));
 }
 
@@ -194,6 +210,7 @@ LANE_INLINE void LANE(take_sum)(const view *v, size_t i, LANE(real) sum[SD_COORD
   sum[SD_X] = row[SUM_X];
   sum[SD_Y] = row[SUM_Y];
   sum[SD_THETA] = row[SUM_TURN] * LANE(load)(v->radius + i);
+  if (i < v->couples) sum[SD_THETA] = sum[SD_THETA] + row[SUM_COUPLE];
   for (int n = 0; v->show && n < SD_COORDINATES; n++) LANE(store)(v->k[n].force + i, sum[n]);
 }
 
@@ -206,39 +223,4 @@ LANE_INLINE int LANE(stale_at)(const view *v, size_t i, const int ahead) {
     qy = qy + (LANE(load)(y->v + i) * dt + LANE(load)(y->q2 + i));
   }
   return LANE(is_stale)(v, i, qx, qy);
-}
-
-/* Corrected coordinates, from the sums. True: some must return into their range, or are too fast. stale: some will be,
- * after the next step. */
-LANE_INLINE int LANE(correct_at)(const view *v, size_t i, const int gear, int *stale) {
-  LANE(real) sum[SD_COORDINATES], q[SD_COORDINATES], speed[SD_COORDINATES], next[SD_COORDINATES];
-  LANE(real) dt = LANE(splat)(v->dt), per_dt = LANE(splat)(v->per_dt);
-  LANE(take_sum)(v, i, sum);
-  for (int n = 0; n < SD_COORDINATES; n++) {
-    const columns *k = &v->k[n];
-    LANE(real) constant = k->constant ? LANE(load)(k->constant + i) : LANE(splat)(0.0);
-    LANE(real)
-    a = LANE(accelerate)(sum[n], constant, LANE(load)(k->inverse + i), LANE(splat)(v->half_dt2));
-    LANE(nordsieck) c = {.q = LANE(load)(k->q + i), .v = LANE(load)(k->v + i), .q2 = LANE(load)(k->q2 + i)};
-    if (gear) {
-      c.q3 = LANE(load)(k->q3 + i);
-      c.q4 = LANE(load)(k->q4 + i);
-      c.q5 = LANE(load)(k->q5 + i);
-      LANE(gear_correct)(&c, a, per_dt);
-      LANE(store)(k->q + i, c.q);
-      LANE(store)(k->q3 + i, c.q3);
-      LANE(store)(k->q4 + i, c.q4);
-      LANE(store)(k->q5 + i, c.q5);
-    } else {
-      LANE(verlet_correct)(&c, a, per_dt);
-    }
-    LANE(store)(k->v + i, c.v);
-    LANE(store)(k->q2 + i, c.q2);
-    q[n] = c.q;
-    speed[n] = c.v;
-    next[n] = c.q + (c.v * dt + c.q2);
-  }
-  *stale |= LANE(is_stale)(v, i, next[SD_X], next[SD_Y]);
-  return LANE(any)(LANE(out_of_range)(v, q[SD_X], q[SD_Y], q[SD_THETA]) |
-                   LANE(is_fast_at)(v, i, speed[SD_X], speed[SD_Y]));
 }

@@ -1,5 +1,8 @@
 /* kernel_integrate.c: predictor and corrector of both integrators; compiled once per instruction set.
  */
+#include "model/field_kinds.h"
+#include "physics/system/bodies.h"
+#include "physics/system/body_forces.h"
 #include "physics/system/kernel_path.h"
 #include "physics/system/kernels.h"
 #include "physics/contact/pairs.h"
@@ -8,10 +11,12 @@
 #define LANE_WIDTH 1
 #include "base/lane.h"
 #include "physics/step/integrate_pass.h"
+#include "physics/step/field_pass.h"
 #undef LANE_WIDTH
 #define LANE_WIDTH VECTOR_WIDTH
 #include "base/lane.h"
 #include "physics/step/integrate_pass.h"
+#include "physics/step/field_pass.h"
 
 /* The whole vectors of [begin, end), then single lanes. */
 #define FOR_LANES(vector, single)                                                                            \
@@ -21,10 +26,14 @@
     for (; i < end; i++) single;                                                                             \
   } while (0)
 
-/* Poses to the packed bodies. */
+/* Poses to the packed bodies. The mass of prescribed ones is infinite. */
 static void pack(engine *e, size_t begin, size_t end) {
-  const view v = view_of(e, begin);
+  view v = view_of(e, begin);
+  if (begin >= e->state->n_free) v.mass = NULL;
   FOR_LANES((LANE(pack_at)(&v, i), LANE(clear_sum)(&v, i)), (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
+  const sd_state *s = e->state;
+  for (size_t i = s->n_surfaces && begin < s->n_disks ? s->n_disks : begin; s->n_surfaces && i < end; i++)
+    body_pack(e, i);
 }
 
 static bool stale(const engine *e, size_t begin, size_t end, bool ahead) {
@@ -43,11 +52,13 @@ LANE_INLINE void predict(const engine *e, size_t begin, size_t end, const int ge
 }
 
 /* Notes disks whose angle or position must return into its range, and that one is too fast. */
-LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear) {
+LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end, const int gear,
+                         const body_forces *acting) {
   const view v = view_of(e, begin);
-  sums_add_listed(&e->work, begin, end);
+  sums_add_listed(e, begin, end);
   int out = 0, stale = 0;
-  FOR_LANES(out |= LANE(correct_at)(&v, i, gear, &stale), out |= correct_at_w1(&v, i, gear, &stale));
+  FOR_LANES(out |= LANE(correct_at)(&v, i, gear, acting, &stale),
+            out |= correct_at_w1(&v, i, gear, acting, &stale));
   if (stale) mine->stale = true;
   for (size_t i = begin; out && i < end; i++) {
     if (out_of_range_w1(&v, v.k[SD_X].q[i], v.k[SD_Y].q[i], v.k[SD_THETA].q[i]))
@@ -58,22 +69,37 @@ LANE_INLINE void correct(engine *e, thread_work *mine, size_t begin, size_t end,
 
 static void gear_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 1); }
 static void gear_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  correct(e, mine, begin, end, 1);
+  if (e->work.body_forces)
+    correct(e, mine, begin, end, 1, e->work.body_forces);
+  else
+    correct(e, mine, begin, end, 1, NULL);
 }
 static void verlet_predict(engine *e, size_t begin, size_t end) { predict(e, begin, end, 0); }
 static void verlet_correct(engine *e, thread_work *mine, size_t begin, size_t end) {
-  correct(e, mine, begin, end, 0);
+  if (e->work.body_forces)
+    correct(e, mine, begin, end, 0, e->work.body_forces);
+  else
+    correct(e, mine, begin, end, 0, NULL);
+}
+
+/* Fields on free disks whose forces of contacts are in the state. */
+static void renew_fields(engine *e, size_t begin, size_t end) {
+  const view v = view_of(e, begin);
+  FOR_LANES(LANE(field_renew)(e->work.body_forces, &v, i), field_renew_w1(e->work.body_forces, &v, i));
 }
 
 /* Of any bodies; prescribed ones are few. */
 static void gather(engine *e, size_t begin, size_t end) {
   view v = view_of(e, begin);
   v.show = true;
-  sums_add_listed(&e->work, begin, end);
+  sums_add_listed(e, begin, end);
   for (size_t i = begin; i < end; i++) {
-    double sum[SD_COORDINATES], turn = v.sums[SUM_ROW * (i + v.shift) + SUM_TURN];
+    const double *row = v.sums + SUM_ROW * (i + v.shift), radius = v.radius[i], turn = row[SUM_TURN];
+    double sum[SD_COORDINATES], slide = radius > 0.0 ? turn : radius < 0.0 ? -turn : row[SUM_SURFACE];
     take_sum_w1(&v, i, sum);
-    if (v.radius[i] == 0.0) v.k[SD_THETA].force[i] = turn;
+    if (radius == 0.0) v.k[SD_THETA].force[i] = turn;
+    if (i >= e->state->n_disks && e->state->n_surfaces > 0)
+      e->state->surface_force[i - e->state->n_disks] = slide;
   }
 }
 
@@ -90,6 +116,7 @@ const kernels KERNEL(kernels) = {
     .gather = gather,
     .pack = pack,
     .stale = stale,
+    .fields = renew_fields,
     .predict = {[SD_GEAR5] = gear_predict, [SD_VERLET] = verlet_predict},
     .correct = {[SD_GEAR5] = gear_correct, [SD_VERLET] = verlet_correct},
     .motion = &KERNEL(motion_kernels),

@@ -5,13 +5,17 @@
 #include <assert.h>
 
 #include "physics/contact/energy.h"
+#include "physics/step/access.h"
 #include "physics/step/engine.h"
 #include "physics/neighbours/neighbours.h"
 
-/* Infinite limits stay infinite. */
+/* Infinite limits stay infinite. Of a clump its centre counts, for all of its disks. */
 static bool beyond(const engine *e, size_t i) {
   const sd_bounds *b = &e->model->bounds;
-  const double at[2] = {e->state->x[i], e->state->y[i]};
+  const sd_state *s = e->state;
+  const bool member = engine_in_clump(e, i);
+  const int32_t k = member ? e->work.clumps.of[i] : 0;
+  const double at[2] = {member ? s->clump_x[k] : s->x[i], member ? s->clump_y[k] : s->y[i]};
   double scale = e->state->box_scale;
   for (int c = 0; c < 2; c++) {
     double corner = box_corner(e->model, c);
@@ -28,6 +32,11 @@ static void take_out(engine *e, size_t i) {
   for (int c = 0; c < SD_COORDINATES; c++) {
     const columns *q = &e->work.columns[c];
     q->v[i] = q->q2[i] = q->q3[i] = q->q4[i] = q->q5[i] = 0.0;
+  }
+  for (int c = 0; engine_in_clump(e, i) && c < SD_COORDINATES; c++) {
+    const columns *q = engine_clump_columns(e, c);
+    const int32_t k = e->work.clumps.of[i];
+    q->v[k] = q->q2[k] = q->q3[k] = q->q4[k] = q->q5[k] = 0.0;
   }
 }
 

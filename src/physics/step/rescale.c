@@ -17,9 +17,12 @@
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/validity.h"
 #include "physics/step/access.h"
+#include "physics/step/cell.h"
 #include "physics/step/contacts.h"
 #include "physics/step/sweep.h"
 #include "physics/system/bodies.h"
+#include "physics/system/body_forces.h"
+#include "physics/system/clumps.h"
 
 static void scale_column(double *x, size_t n, double corner, double f) {
   for (size_t i = 0; i < n; i++) x[i] = corner + f * (x[i] - corner);
@@ -42,8 +45,9 @@ static void renew_overlaps(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k)) continue;
-    PAIR(p, k, overlap) =
-        fmax(contact_geometry_of(e, k).overlap, 0.0); /* it is closed until the next evaluation */
+    /* it is closed until the next evaluation */
+    const double overlap = contact_geometry_of(e, k).overlap;
+    PAIR(p, k, overlap) = PAIR(p, k, overlap) > 0.0 ? fmax(overlap, 0.0) : overlap;
   }
 }
 
@@ -60,14 +64,20 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
   }
   renew_overlaps(e);
   sweep_forces(e);
+  if (cell_work(e, true) != SD_OK) {
+    free(before);
+    return SD_ERROR_IO;
+  }
   for (size_t k = 0; k < p->count; k++) {
     PAIR(p, k, viscous) = before[k];
     PAIR(p, k, nonconservative_work) = before[p->count + k];
   }
   free(before);
   sd_status status = contacts_events(e, messages);
+  body_forces_renew(e, 0, s->n_free);
   for (int k = 0; k < SD_COORDINATES; k++)
     for (size_t i = 0; i < s->n_free; i++) engine_accelerate(e, k, i, w->columns[k].force[i]);
+  clumps_accelerate(e);
   return status;
 }
 
@@ -80,8 +90,13 @@ sd_status rescale(engine *e, double f, sd_messages *messages) {
   scale_column(s->y, s->n_bodies, corner[SD_Y], f);
   scale_column(s->base_x, s->n_bodies, corner[SD_X], f);
   scale_column(s->base_y, s->n_bodies, corner[SD_Y], f);
+  scale_column(s->clump_x, s->n_clumps, corner[SD_X], f);
+  scale_column(s->clump_y, s->n_clumps, corner[SD_Y], f);
+  scale_column(s->clump_base_x, s->n_clumps, corner[SD_X], f);
+  scale_column(s->clump_base_y, s->n_clumps, corner[SD_Y], f);
   s->box_scale *= f;
   box_update(e);
+  clumps_place_all(e); /* they keep their size */
   walls_pose(e);
   sd_status status = neighbours_rescale(e, f, messages);
   if (status == SD_OK) status = renew_contacts(e, messages);

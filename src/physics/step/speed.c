@@ -26,7 +26,7 @@ void speed_check(engine *e, int64_t step) {
     disk = i;
   }
   if (!any) return;
-  assert(s->fast_step < 0 && step >= 0 && s->id[disk] < s->n_disks);
+  assert(s->fast_step < 0 && step >= 0 && s->id[disk] < e->model->n_disks);
   s->fast_step = step;
   s->fast_disk = s->id[disk];
   s->fast_displacement = sqrt(fastest) * w->dt;

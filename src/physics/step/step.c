@@ -1,7 +1,8 @@
 /* step.c: the step, one page.
  *
- * place prescribed bodies at t + dt -> force fields of the program -> (stale? rebuild neighbours, carrying contacts) -> chunk by chunk: predict the free
- * disks of its pairs, evaluate each contact once (force, lambda*, losses), correct -> chunks that wait for other threads
+ * place prescribed bodies and the box at t + dt -> force fields of the program -> (stale? rebuild neighbours, carrying contacts) -> chunk by chunk: predict the free
+ * disks of its pairs, evaluate each contact once (force, lambda*, losses), correct -> contacts with ghosts, while messages had time
+ * -> chunks that wait for these or for other threads
  * -> rare events.
  *
  * Every loop writes only its own indices; each wait makes what was written visible to the whole team.
@@ -10,8 +11,12 @@
 
 #include <assert.h>
 
+#include "physics/step/cell.h"
+#include "physics/system/halo.h"
+#include "physics/step/clump_step.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
+#include "physics/system/body_forces.h"
 #include "physics/system/fields.h"
 #include "physics/system/kernels.h"
 #include "physics/motion/motion.h"
@@ -48,27 +53,43 @@ static void note_predicted(engine *e, bool all) {
   }
 }
 
-/* Lists for the coming step, on one thread. If a disk outruns the list within one step, rebuild at the predicted positions. */
+/* Lists for the coming step. If a disk outruns the list within one step, rebuild at the predicted positions. */
 static sd_status renew_lists(engine *e) {
   work *w = &e->work;
-  const team alone = {0, 1};
+  const team alone = {.size = 1};
   neighbours_tune(e);
   sd_status status = neighbours_build(e, w->messages);
   note_predicted(e, w->predict_all);
-  if (status != SD_OK || w->predict_all || !w->kernels->stale(e, 0, e->state->n_free, true)) return status;
-  predict_all(e, &alone);
+  if (status != SD_OK || w->predict_all) return status;
+  const bool outruns = w->kernels->stale(e, 0, e->state->n_free, true);
+  if (outruns) predict_all(e, &alone);
+  cell_pose(e, e->state->step + 1);
+  if (!outruns) return status;
   status = neighbours_build(e, w->messages);
   note_predicted(e, true);
   return status;
+}
+
+/* One thread leads, the others help where lists are long. */
+static void renew_together(engine *e, const team *t) {
+  if (t->rank > 0) {
+    team_help(t);
+    return;
+  }
+  team_lead(t);
+  e->work.status = renew_lists(e);
+  team_release(t);
 }
 
 void step_begin(engine *e, int64_t n) {
   const sd_state *s = e->state;
   work *w = &e->work;
   assert(n > 0 && s->phase >= 0 && (size_t)s->phase < e->model->n_phases);
+  if (w->body_forces && w->body_forces->phase != s->phase) body_forces_fill(e);
   w->kernels->pack(e, s->n_free, s->n_bodies);
   w->show_from = s->step + n;
-  w->predict_all = e->model->phases[s->phase].relax || motion_drives_free(e) || e->fields;
+  w->predict_all =
+      e->model->phases[s->phase].relax || motion_drives_free(e) || e->fields || w->clumps.count > 0;
   for (int t = 0; t < w->n_threads; t++) w->threads[t].stale = false;
   w->threads[0].stale = w->kernels->stale(e, 0, s->n_free, true);
   note_predicted(e, false);
@@ -79,11 +100,38 @@ void step_begin(engine *e, int64_t n) {
 static void predict_and_check(engine *e, const team *t) {
   work *w = &e->work;
   predict_all(e, t);
+  if (w->clumps.count) {
+    clumps_predict(e, t);
+    team_wait(t);
+    clumps_place(e, t);
+    team_wait(t);
+  }
   FOR_SHARES(t, share, w) {
     const chunks *c = &w->chunks;
     const size_t begin = c->begin[c->share[share]], end = c->begin[c->share[share + 1]];
     w->threads[share].stale = begin < end && w->kernels->stale(e, begin, end, false);
   }
+}
+
+unsigned step_agree(engine *e, bool stop) {
+  work *w = &e->work;
+  halo *h = e->halo;
+  if (w->status == SD_OK && (any_stale(w) || motion_outruns(e))) h->bits |= HALO_STALE;
+  if (w->status != SD_OK) h->bits |= HALO_FAILED;
+  if (stop) h->bits |= HALO_STOP;
+  const unsigned all = halo_agree(h);
+  if (all & HALO_WAITS && contacts_follow(e) != SD_OK)
+    w->status = sd_fail(w->messages, SD_ERROR_IO, "out of memory for contact events");
+  return all;
+}
+
+/* Forces on prescribed bodies; of all ranks where something follows from them. */
+static void gather_prescribed(engine *e) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  if (e->halo && !motion_runs(e) && s->step + 1 < w->show_from) return;
+  if (e->halo) halo_gather_prescribed(e);
+  w->kernels->gather(e, s->n_free + s->n_ghosts, s->n_bodies);
 }
 
 void step_once(engine *e, const team *t) {
@@ -97,14 +145,14 @@ void step_once(engine *e, const team *t) {
   if (first) {
     motion_pose(e, &w->threads[0]);
     fields_apply(e);
-    if (motion_moves_walls(e)) walls_pose(e);
-    w->stale = any_stale(w);
+    if (motion_moves_walls(e)) walls_pose_listed(e);
+    w->stale = !e->halo && any_stale(w); /* else step_agree has asked all ranks */
+    if (w->predict_all || !w->stale) cell_pose(e, e->state->step + 1); /* else when lists are built */
     pairs_clear_single(e);
   }
   team_wait(t);
   if (w->stale) {
-    if (first) w->status = renew_lists(e);
-    team_wait(t);
+    renew_together(e, t);
     if (w->status != SD_OK) return;
   }
 
@@ -112,20 +160,31 @@ void step_once(engine *e, const team *t) {
     FOR_SHARES(t, share, w) FOR_CHUNKS(k, w, share) if (w->chunks.boundary_first[k]) sweep_pack(e, k);
     team_wait(t);
   }
+  if (e->halo && first) halo_start(e);
   FOR_SHARES(t, share, w) sweep_share(e, share);
+  if (e->halo) {
+    if (first) halo_finish(e);
+    team_wait(t);
+    FOR_SHARES(t, share, w) sweep_ghosts(e, share);
+  }
   team_wait(t);
 
   FOR_SHARES(t, share, w)
   FOR_CHUNKS(k, w, share) if (w->chunks.boundary_last[k]) sweep_correct(e, &w->threads[share], k);
   if (first) {
     assert(!w->chunks.count || w->chunks.predicted[0] == e->state->step + 1);
-    w->kernels->gather(e, e->state->n_free, e->state->n_bodies);
+    gather_prescribed(e);
   }
   team_wait(t);
+  if (w->clumps.count) {
+    clumps_correct(e, t);
+    team_wait(t);
+  }
   if (first) {
     motion_work(e);
     fields_work(e);
-    if (contacts_any_event(w)) w->status = contacts_events(e, w->messages);
+    w->status = cell_work(e, false);
+    if (w->status == SD_OK && contacts_any_event(w)) w->status = contacts_events(e, w->messages);
     /* no other step will show the forces; where chunks share rows they are gone */
     if (w->status != SD_OK && !w->chunks.shares) w->kernels->gather(e, 0, e->state->n_free);
     e->state->step++;

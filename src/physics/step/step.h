@@ -11,4 +11,8 @@ void step_once(engine *e, const team *t);
  * after the last of them, and where velocities are steered after each; not after a step that failed in a large system. */
 void step_begin(engine *e, int64_t n);
 
+/* Collective, of an engine with a halo, by one thread before each step and after the last: bits HALO_STALE ... of all ranks. With
+ * HALO_STALE no step may follow before new lists. stop: this rank wants all to stop. */
+unsigned step_agree(engine *e, bool stop);
+
 #endif

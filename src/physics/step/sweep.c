@@ -6,6 +6,7 @@
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/neighbours/rows.h"
+#include "physics/system/halo.h"
 #include "physics/system/kernels.h"
 
 void sweep_predict(engine *e, size_t k) {
@@ -63,7 +64,16 @@ void sweep_share(engine *e, int t) {
     }
     evaluate(e, mine, k);
     if (!c->boundary_last[k]) sweep_correct(e, mine, k);
+    if (e->halo && t == 0) halo_progress(e->halo);
   }
+}
+
+void sweep_ghosts(engine *e, int t) {
+  const work *w = &e->work;
+  const pairs *p = &w->pairs;
+  const size_t blocks = (p->first_segment - p->first_ghost) / PAIR_BLOCK, n = (size_t)w->n_threads;
+  const size_t from = blocks * (size_t)t / n, to = blocks * ((size_t)t + 1) / n;
+  w->kernels->pairs(e, &w->threads[t], p->first_ghost + PAIR_BLOCK * from, p->first_ghost + PAIR_BLOCK * to);
 }
 
 void sweep_forces(engine *e) {
@@ -79,7 +89,9 @@ void sweep_forces(engine *e) {
       evaluate(e, &w->threads[0], k);
       if (!c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
     }
+  for (int t = 0; e->halo && t < w->n_threads; t++) sweep_ghosts(e, t);
   for (size_t k = 0; k < c->count; k++)
     if (c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
-  w->kernels->gather(e, n_free, n_bodies);
+  if (e->halo) halo_gather_prescribed(e);
+  w->kernels->gather(e, n_free + e->state->n_ghosts, n_bodies);
 }

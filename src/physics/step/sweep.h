@@ -13,6 +13,8 @@ void sweep_pack(engine *e, size_t k);
 void sweep_correct(engine *e, thread_work *mine, size_t k);
 /* The chunks of share t, but for corrections that wait for other threads. */
 void sweep_share(engine *e, int t);
+/* After halo_finish: share t of the contacts with ghosts, whose disks wait for their corrections. */
+void sweep_ghosts(engine *e, int t);
 /* Forces at the present coordinates, to the state, and the history of contacts there. On one thread, between steps. */
 void sweep_forces(engine *e);
 

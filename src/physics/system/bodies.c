@@ -1,6 +1,9 @@
 /* bodies.c: see bodies.h. */
 #include "physics/system/bodies.h"
 
+#include "physics/system/body_forces.h"
+#include "model/cell.h"
+#include "physics/system/clumps.h"
 #include "physics/system/fields.h"
 
 #include <assert.h>
@@ -27,29 +30,39 @@ void bodies_fill_constants(engine *e) {
   for (size_t i = 0; i < s->n_free; i++) {
     assert(s->id[i] < m->n_disks);
     const sd_disk *d = &m->disks[s->id[i]];
-    assert(!d->driven && d->mass > 0.0 && d->inertia > 0.0);
+    const double mass = s->mass[i], inertia = s->inertia[i];
+    assert(!d->driven && mass > 0.0 && inertia > 0.0);
+    if (d->clump > 0 && body_in_play(s, i)) { /* it moves with its clump, on which its weight acts */
+      w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
+      w->constant_x[i] = d->force[SD_X];
+      w->constant_y[i] = d->force[SD_Y];
+      w->constant_torque[i] = d->force[SD_THETA];
+      continue;
+    }
     if (!body_in_play(s, i)) {
       w->inverse_mass_x[i] = w->inverse_mass_y[i] = w->inverse_inertia[i] = 0.0;
       w->constant_x[i] = w->constant_y[i] = w->constant_torque[i] = 0.0;
       continue;
     }
-    w->inverse_mass_x[i] = d->locked[SD_X] ? 0.0 : 1.0 / d->mass;
-    w->inverse_mass_y[i] = d->locked[SD_Y] ? 0.0 : 1.0 / d->mass;
-    w->inverse_inertia[i] = d->locked[SD_THETA] ? 0.0 : 1.0 / d->inertia;
-    w->constant_x[i] = d->mass * m->gravity[0] + d->force[SD_X];
-    w->constant_y[i] = d->mass * m->gravity[1] + d->force[SD_Y];
+    w->inverse_mass_x[i] = d->locked[SD_X] ? 0.0 : 1.0 / mass;
+    w->inverse_mass_y[i] = d->locked[SD_Y] ? 0.0 : 1.0 / mass;
+    w->inverse_inertia[i] = d->locked[SD_THETA] ? 0.0 : 1.0 / inertia;
+    w->constant_x[i] = mass * m->gravity[0] + d->force[SD_X];
+    w->constant_y[i] = mass * m->gravity[1] + d->force[SD_Y];
     w->constant_torque[i] = d->force[SD_THETA];
   }
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t slot = w->slot[m->motions[k].bodies[b]];
-      assert(slot < s->n_bodies && m->motions[k].coordinate >= 0 &&
-             m->motions[k].coordinate < SD_COORDINATES);
-      if (slot >= s->n_free) continue;
+      assert(slot < s->n_bodies + s->n_clumps && m->motions[k].coordinate >= 0 &&
+             m->motions[k].coordinate < SD_MOVED);
+      if (slot >= s->n_free) continue; /* also clumps: clumps_fill_constants */
       int c = m->motions[k].coordinate;
       (c == SD_X ? w->inverse_mass_x : c == SD_Y ? w->inverse_mass_y : w->inverse_inertia)[slot] = 0.0;
     }
+  clumps_fill_constants(e);
   note_sameness(e);
+  body_forces_fill(e);
   fields_attach(e);
 }
 
@@ -60,7 +73,7 @@ void box_update(engine *e) {
   work *w = &e->work;
   assert(e->state->box_scale > 0.0);
   for (int c = 0; c < 2; c++) {
-    double upper = m->upper[c], scale = e->state->box_scale;
+    double upper = m->upper[c], scale = cell_scale(e->state, c);
     if (scale != 1.0) upper = m->lower[c] + scale * (m->upper[c] - m->lower[c]);
     w->periodic[c] = m->periodic[c];
     w->lower[c] = m->periodic[c] ? m->lower[c] : -HUGE_VAL;
@@ -69,4 +82,5 @@ void box_update(engine *e) {
     w->inverse_length[c] = m->periodic[c] ? 1.0 / w->length[c] : 0.0;
     assert(w->lower[c] < w->upper[c] && w->length[c] >= 0.0 && isfinite(w->inverse_length[c]));
   }
+  w->offset = cell_offset(m, e->state);
 }

@@ -13,6 +13,30 @@ static inline bool body_in_play(const sd_state *s, size_t slot) {
   return s->activity[slot] == SD_IN_PLAY || s->activity[slot] == SD_OUTSIDE;
 }
 
+/* How far the wall's surface is along it, counter-clockwise about a round wall. The pairs see it through lambda. */
+static inline double body_surface(const sd_state *s, size_t slot) {
+  return slot >= s->n_disks && s->n_surfaces > 0 ? s->surface[slot - s->n_disks] : 0.0;
+}
+
+/* Part of it stands in surface_turn, in multiples of this length, so that lambda stays small. */
+static inline double body_surface_turn(const engine *e) { return 8.0 * e->work.surface_unit; }
+
+/* R theta, and what the surface adds to it. */
+static inline double body_arc(const sd_state *s, size_t slot) {
+  const double arc = s->radius[slot] * s->theta[slot];
+  return slot >= s->n_disks && s->n_surfaces > 0
+             ? arc + (s->radius[slot] < 0.0 ? -1.0 : 1.0) * s->surface[slot - s->n_disks]
+             : arc;
+}
+
+/* Its derivative. */
+static inline double body_spin(const sd_state *s, size_t slot) {
+  const double spin = s->radius[slot] * s->omega[slot];
+  return slot >= s->n_disks && s->n_surfaces > 0
+             ? spin + (s->radius[slot] < 0.0 ? -1.0 : 1.0) * s->surface_speed[slot - s->n_disks]
+             : spin;
+}
+
 /* Where the pairs see the body in this slot, from its pose, should it be a prescribed one: free disks are seated in every
  * step. */
 static inline void body_pack(const engine *e, size_t slot) {
@@ -21,11 +45,12 @@ static inline void body_pack(const engine *e, size_t slot) {
   double *row = e->work.packed + PACKED_ROW * (size_t)e->work.row[slot];
   row[PACKED_X] = s->x[slot];
   row[PACKED_Y] = s->y[slot];
-  row[PACKED_ARC] = s->radius[slot] * s->theta[slot];
+  row[PACKED_ARC] = body_arc(s, slot);
   row[PACKED_RADIUS] = s->radius[slot];
   row[PACKED_VX] = s->vx[slot];
   row[PACKED_VY] = s->vy[slot];
   row[PACKED_INVERSE_MASS] = 0.0;
+  row[PACKED_SPIN] = body_spin(s, slot);
 }
 
 /* About which the lengths of the region change: its lower corner. */

@@ -1,9 +1,13 @@
 /* fields.c: see fields.h. */
 #include "physics/system/fields.h"
 
+#include "physics/system/clumps.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "physics/system/body_forces.h"
 
 static void sum_up(engine *e) {
   for (int c = 0; c < SD_COORDINATES; c++) {
@@ -15,12 +19,12 @@ static void sum_up(engine *e) {
 }
 
 void fields_attach(engine *e) {
-  if (!e->fields) return;
-  for (int c = 0; c < SD_COORDINATES; c++) {
+  for (int c = 0; e->fields && c < SD_COORDINATES; c++) {
     e->work.columns[c].constant = e->fields->total[c];
     e->work.nothing_constant[c] = false;
   }
-  sum_up(e);
+  if (e->fields) sum_up(e);
+  body_forces_attach(e);
 }
 
 static void evaluate(engine *e, int64_t step) {
@@ -63,6 +67,12 @@ static double power(const engine *e) {
     const columns *q = &e->work.columns[c];
     for (size_t i = 0; i < e->state->n_free; i++)
       if (q->inverse[i] != 0.0) sum += e->fields->force[c][i] * q->v[i];
+  }
+  for (size_t k = 0; k < e->work.clumps.count; k++) {
+    const clump_load load =
+        clumps_load_of(e, k, e->fields->force[SD_X], e->fields->force[SD_Y], e->fields->force[SD_THETA]);
+    for (int c = 0; c < SD_COORDINATES; c++)
+      if (e->work.clumps.columns[c].inverse[k] != 0.0) sum += load.on[c] * e->work.clumps.columns[c].v[k];
   }
   return sum;
 }
@@ -108,11 +118,13 @@ sd_status fields_add(engine *e, sd_force_field *call, void *user) {
   if (e->state->step > 0) return SD_OK;
   evaluate(e, 0);
   e->state->field_power = power(e);
+  body_forces_renew(e, 0, e->state->n_free);
   for (int c = 0; c < SD_COORDINATES; c++) {
     const columns *q = &e->work.columns[c];
     for (size_t i = 0; i < e->state->n_free; i++)
       q->q2[i] = e->work.half_dt2 * ((q->force[i] + q->constant[i]) * q->inverse[i]);
   }
+  clumps_accelerate(e);
   return SD_OK;
 }
 

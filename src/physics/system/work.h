@@ -8,6 +8,7 @@
 #define PHYSICS_WORK_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "base/team.h"
@@ -18,8 +19,18 @@
 /* Contact constants of one pair of materials, ready for the law. */
 typedef struct law_row {
   double k_n, k_t, gamma_n, cap; /* cap: mu/k_t, 0 where frictionless */
-  double normal, tsuji;          /* number of the normal law; alpha of model/law_hertz.h */
+  double normal, tsuji;          /* number of the normal law; law_tsuji */
+  /* where laws are general (model/laws.h) */
+  double pulls;                              /* 1: damping may pull */
+  double cap_kinetic, mindlin, lag;          /* mu_kinetic/k_t; 1: Mindlin's stiffness; gamma_t/k_t */
+  double k_r, cap_r, lag_r;                  /* mu_r/k_r, gamma_r/k_r; 0 without k_r */
+  double bridge, pull_off, range, per_range; /* 1: a bridge; 1/range */
+  double broken, begins, ends; /* exp(-rupture/range); gaps at which a contact begins and ends */
 } law_row;
+enum {
+  LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double)
+}; /* numbers from `pulls` on */
+#define LAW_PLACE(member) ((offsetof(law_row, member) - offsetof(law_row, pulls)) / sizeof(double))
 
 /* Eight pairs, each column one cache line, so that a pass reads one stream. The record (slipdisk/contact.h) goes through
  * the state at checkpoints and is carried over rebuilds; other columns are written by the function named. */
@@ -37,10 +48,21 @@ typedef struct pair_block {
   };
   int32_t law[PAIR_BLOCK]; /* row of the law table; neighbours_build */
 } pair_block;
+
+/* The columns of laws that need more, of the same pairs. */
+typedef struct pair_more {
+  union {
+    struct {
+      _Alignas(64) SD_CONTACT_MORE(PAIR_COLUMN)
+    };
+    double record[SD_CONTACT_EXTRA][PAIR_BLOCK];
+  };
+} pair_more;
 #undef PAIR_COLUMN
 
 /* Column of pair k. */
 #define PAIR(pairs, k, column) ((pairs)->block[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
+#define MORE(pairs, k, column) ((pairs)->more[(size_t)(k) / PAIR_BLOCK].column[(size_t)(k) % PAIR_BLOCK])
 
 /* Bits of the contacts of a block, or bit 0 for one wall segment: it touched in the last evaluation; it slid there with
  * positive or negative torque. They go with the record. */
@@ -48,14 +70,17 @@ typedef struct pair_flags {
   uint8_t closed, slides_positive, slides_negative;
 } pair_flags;
 
-/* Candidate pairs, ordered by (slot of a, slot of b, segment): round ones first, then wall segments, each from a whole
- * block on. Padding between them and beyond the last has a = b = -1 and touches nothing. */
+/* Candidate pairs: round ones at [0, n_round), those with ghosts (halo.h) at [first_ghost, end_ghost), wall segments at
+ * [first_segment, count); each list is ordered by (slot of a, slot of b, segment), and begins with a whole block.
+ * Padding between them and beyond the last has a = b = -1 and touches nothing. */
 typedef struct pairs {
-  size_t count, n_round, first_segment, capacity;
+  size_t count, n_round, first_ghost, end_ghost, first_segment, capacity;
   int32_t *a, *b; /* slots; neighbours_build */
   int32_t *part;  /* segment; neighbours_build */
   double *side;   /* of segments, goes with the record */
   pair_block *block;
+  pair_more *more; /* NULL: no law needs it */
+  bool wants_more;
   pair_flags *flags; /* of blocks of round pairs, then of single segments */
 } pairs;
 
@@ -67,10 +92,11 @@ typedef struct incidence {
 } incidence;
 
 /* What contacts do to bodies: force (x, y), and torque over the radius, about a straight wall's pivot the torque
- * itself. Pairs add to the row of a body, one after the other. Where the pairs of a body are not all in the same share
- * of a thread, or somebody wants to know each (prescribed bodies), each has a row of its own, and gather adds them
- * up: the order is the same, that of the pairs. */
-enum { SUM_X, SUM_TURN, SUM_Y, SUM_ROW = 4 };
+ * itself. The fourth number is, on disks, the couple of rolling, a torque of opposite sign on the two (on walls it is part of what
+ * turns); on straight walls the force along the surface. Pairs add to the row of a body, one after the other. Where the pairs of
+ * a body are not all in the same share of a thread, or each force is wanted (prescribed bodies), each has a row of its
+ * own, and gather adds them up: the order is the same, that of the pairs. */
+enum { SUM_X, SUM_TURN, SUM_Y, SUM_COUPLE, SUM_ROW, SUM_SURFACE = SUM_COUPLE };
 /* what has the same sign on both bodies is odd: add4 in base/lane.h */
 _Static_assert(SUM_X % 2 == 0 && SUM_Y % 2 == 0 && SUM_TURN % 2 == 1, "add4");
 typedef struct sums {
@@ -112,7 +138,8 @@ enum {
   PACKED_RADIUS,
   PACKED_VX,
   PACKED_VY,
-  PACKED_INVERSE_MASS, /* 0 of prescribed bodies; where laws are mixed */
+  PACKED_INVERSE_MASS, /* 0 of prescribed bodies; where laws are not all plain */
+  PACKED_SPIN,         /* R omega, likewise */
   PACKED_ROW = 8
 };
 /* of two bodies the differences of even numbers are wanted, and the sums of odd ones: across4 in base/lane.h */
@@ -120,21 +147,25 @@ _Static_assert(PACKED_X % 2 == 0 && PACKED_Y % 2 == 0 && PACKED_ARC % 2 == 1 && 
                "across4");
 _Static_assert(PACKED_VY == PACKED_VX + 1, "across2");
 
-/* A straight piece of a wall in space; walls_pose. */
+/* A piece of a wall in space; walls_pose. Of an arc: x, y are the centre, fx ... my its directions. */
 typedef struct placed_segment {
   double x, y, tx, ty, length, px, py; /* start, tangent, length, tangent of the piece before */
   double end_x, end_y;                 /* start of the piece that follows; joined */
   double backwards; /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
   double arc;
-  bool end_cap, joined;
+  bool end_cap, joined, wide;
+  sd_piece piece;
+  double radius, fx, fy, lx, ly, mx, my; /* arc: of its first and last end, and of the middle between */
 } placed_segment;
 
 /* Pairs that need rare, serial treatment after the pass: contacts that ended (with the energy they dropped), began,
  * turned far from their reference direction, or overlap beyond the limit. Or a disk that must return into its range. */
 typedef struct event {
-  uint32_t index; /* of the pair, or the disk's slot */
-  double dropped;
+  uint32_t index;  /* of the pair, or the disk's slot */
+  uint64_t at;     /* place in the order of events; contacts_events */
+  double dropped;  /* energy left in a contact that opened, or lost in a bridge that formed */
   bool was_closed; /* before the pass */
+  int slide_before;
   sd_contact_record before;
   double side_before;
   bool transferred; /* ended: the history went to the next segment of the wall */
@@ -153,19 +184,59 @@ typedef struct columns {
   const double *constant, *inverse;
 } columns;
 
+/* Rigid bodies of several free disks; system/clumps.c. */
+typedef struct clumps {
+  size_t count;     /* 0: there are none, and nothing below */
+  bool pushed;      /* constant forces or fields act on single disks */
+  size_t *start;    /* [count + 1] the disks of each, by their numbers, in what follows */
+  uint32_t *member; /* slots */
+  double *offset_x, *offset_y, *offset_theta; /* from the centre, in the frame of the clump; of the angle */
+  double *arm_x, *arm_y;                      /* the same in space, when the disks were last placed */
+  int32_t *of;                                /* [n_free] clump of the disk in each slot, -1: none */
+  double *clumped;                            /* [n_free] 1 of their disks, 0 of others */
+  double *contact_mass;                       /* [n_free] of a disk, or of its clump */
+  columns columns[SD_COORDINATES];            /* as those of the free disks */
+} clumps;
+
+/* A contact with an image, and its force on the body b. */
+typedef struct crossing {
+  double fx, fy, nx, ny; /* cells that b is away */
+} crossing;
+
+typedef struct crossing_list {
+  crossing *item;
+  size_t count, capacity;
+  bool failed; /* no memory */
+} crossing_list;
+
+/* A box that deforms: cell.h. */
+typedef struct work_cell {
+  bool on;           /* images are shifted or move, in this phase */
+  double speed[3];   /* of the lengths and the offset, length/time */
+  double list[3];    /* lengths and offset when the lists were built */
+  int64_t step;      /* of which work has the box, ... */
+  int64_t list_step; /* and of that of the lists */
+  double drift[2];   /* mean velocity beside that of the box when the lists were built */
+  double map[3];     /* of positions since then, less 1, xx, yy, xy; after the coming step */
+  double shift[2];   /* and what the drift adds */
+} work_cell;
+
 /* Per thread, cache lines of its own. */
 typedef struct thread_work {
   _Alignas(
       64) bool stale; /* a body will have moved too far since the lists were built, or nowhere; correct kernels */
   bool fast;          /* a disk is beyond the displacement limit; correct kernels */
-  event_list events;  /* pairs kernels, commit pass */
-  event_list returns; /* disks whose theta or position must return into range; correct kernels */
+  event_list events;       /* pairs kernels, commit pass */
+  crossing_list crossings; /* pairs kernels, of a box that deforms */
+  event_list returns;      /* disks whose theta or position must return into range; correct kernels */
 } thread_work;
 
-typedef struct fields fields;   /* fields.h */
-typedef struct motions motions; /* motion.h */
-typedef struct lanes lanes;     /* lanes.h */
+typedef struct body_forces body_forces; /* body_forces.h */
+typedef struct fields fields;           /* fields.h */
+typedef struct motions motions;         /* motion.h */
+typedef struct lanes lanes;             /* lanes.h */
 typedef struct engine engine;
+typedef struct halo halo;       /* halo.h */
 typedef struct kernels kernels; /* kernels.h */
 
 typedef struct work {
@@ -174,17 +245,21 @@ typedef struct work {
   double speed_limit2; /* squared speed over squared radius beyond which a disk is noted; speed_begin */
   bool conservative, periodic[2];
   double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
+  double offset;                                           /* of a row of cells against the one below */
+  work_cell cell;
   law_row *laws;
-  bool one_law, mixed_laws; /* mixed: not all are linear */
-  bool stale;               /* the lists, for the coming step; step_once */
+  bool one_law;
+  unsigned features; /* of all laws (model/laws.h), 0: plain */
+  bool stale;        /* the lists, for the coming step; step_once */
   int64_t show_from; /* from this step on the forces on free disks are wanted in the state; step_begin */
   bool predict_all;  /* all disks are predicted before anything else is done; step_begin */
   double *inverse_mass_x, *inverse_mass_y, *inverse_inertia; /* [n_free], 0 where held or prescribed */
   double *constant_x, *constant_y, *constant_torque;         /* [n_free] gravity and body force */
   bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
   columns columns[SD_COORDINATES];
+  clumps clumps;
   void *arena;    /* columns of these, and poses when the lists were built */
-  uint32_t *slot; /* [n_bodies] slot of a body number */
+  uint32_t *slot; /* [n_bodies + clumps] slot of a body number; of clump k: n_bodies + k */
   const kernels *kernels;
   int n_threads;
 
@@ -197,19 +272,24 @@ typedef struct work {
   double *packed;            /* [rows of bodies][PACKED_ROW] */
   size_t packed_capacity;    /* rows */
   double least_limit;        /* of the overlap, of the smallest body */
+  double margin;             /* largest gap at which a contact begins or ends */
   double skin, moved_limit2; /* squared displacement that makes the lists stale */
   double list_scale;         /* state->box_scale when the lists were built */
   double *x0, *y0, *theta0;  /* [n_bodies] poses when the lists were built, in today's lengths */
   double *reach;             /* [n_walls] largest distance from the pivot that matters when the wall turns */
   int64_t builds, built_at;  /* how often; step of the last */
-  double mean_radius;        /* of the disks; engine_build */
+  double mean_radius;        /* harmonic mean of the disks: most pairs are of small ones; engine_build */
+  double surface_unit;       /* a power of two no less; engine_build */
   placed_segment *segments;  /* walls_pose */
-  int64_t *watched;          /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
+  uint32_t *pieces;          /* of walls that are in the list of pairs, ascending; neighbours_build */
+  size_t n_pieces;
+  int64_t *watched; /* [2 n_slides] pair of each watched contact, -1: not even a candidate */
 
   motions *motions;
-  lanes *lanes;         /* of this system alone; NULL: the general step only */
-  thread_work *threads; /* [n_threads] */
-  sd_status status;     /* of the step that is being done; set by one thread, read by all after a wait */
+  body_forces *body_forces; /* NULL: the model has no fields */
+  lanes *lanes;             /* of this system alone; NULL: the general step only */
+  thread_work *threads;     /* [n_threads] */
+  sd_status status;         /* of the step that is being done; set by one thread, read by all after a wait */
   sd_messages *messages;
 } work;
 
@@ -218,7 +298,13 @@ struct engine {
   const sd_model *model;
   sd_state *state;
   fields *fields; /* NULL: none */
+  halo *halo;     /* NULL: this process has all disks */
+  pool *pool;     /* of work.n_threads or fewer, of the owner; NULL: one thread does it all */
   work work;
 };
+
+/* The threads that make lists; NULL with few disks, where one is as fast. */
+enum { WORK_TOGETHER = 1000 };
+static inline pool *work_pool(const engine *e) { return e->state->n_free < WORK_TOGETHER ? NULL : e->pool; }
 
 #endif

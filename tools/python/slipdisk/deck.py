@@ -10,7 +10,7 @@ from .library import UserError, unknown
 COLUMNS = ("x", "y", "theta", "vx", "vy", "omega", "radius", "mass", "density", "inertia", "fixed", "name", "material", "group")
 COMMON = ("locked", "force", "torque")
 # Keys of the deck whose value is a list of groups, and may be a dict of named groups here.
-NAMED = ("materials", "disks", "walls", "motions", "phases")
+NAMED = ("materials", "disks", "walls", "motions", "fields", "phases")
 
 
 def quoted(text):
@@ -112,5 +112,5 @@ class DiskArrays:
 
 def deck_text(deck):
     """The text of a deck from a dict with its structure: dicts are groups, lists and tuples lists, texts texts (also
-    angles: "0.04 pi"). `materials`, `disks`, `walls`, `motions` and `phases` may be dicts of groups by name."""
+    angles: "0.04 pi"). `materials`, `disks`, `walls`, `motions`, `fields` and `phases` may be dicts of groups by name."""
     return members(deck)

@@ -107,14 +107,15 @@ def program():
 
 # --- structs ------------------------------------------------------------------------------------------------------
 TYPES = [np.dtype("f8"), np.dtype("i8"), np.dtype("i4"), np.dtype("u4")]  # sd_type
-(PER_RUN, PER_BODY, PER_FREE, PER_CONTACT, PER_MOTION, PER_PHASE, PER_ROTATION, PER_ROTATION_BIN, PER_SLIDE,
- PER_SLIDE_COUNT, PER_SLIDE_CONTACT, PER_MEAN, PER_MEAN_BIN, PER_VISIT, PER_VISIT_CONTACT, PER_VISIT_PART,
- PER_VISIT_CLASS, PER_VISIT_SUM, PER_VISIT_AGE) = range(19)  # sd_extent
+(PER_RUN, PER_BODY, PER_FREE, PER_SURFACE, PER_CONTACT, PER_MOTION, PER_CELL, PER_CELL_DISK, PER_PHASE, PER_ROTATION,
+ PER_ROTATION_BIN, PER_SLIDE, PER_SLIDE_COUNT, PER_SLIDE_CONTACT, PER_MEAN, PER_MEAN_BIN, PER_VISIT, PER_VISIT_CONTACT,
+ PER_VISIT_PART, PER_VISIT_CLASS, PER_VISIT_SUM, PER_VISIT_AGE, PER_FIELDED, PER_CLUMP, PER_LAW_CONTACT,
+ PER_LAW_FREE) = range(26)  # sd_extent
 
 # sd_disk: a test sends one through the library and back.
 DISK = np.dtype([("name", "u8"), ("position", "f8", 3), ("velocity", "f8", 3), ("radius", "f8"), ("mass", "f8"),
                  ("inertia", "f8"), ("force", "f8", 3), ("material", "i4"), ("group", "i4"), ("locked", "?", 3),
-                 ("driven", "?"), ("waiting", "?")], align=True)
+                 ("driven", "?"), ("waiting", "?"), ("clump", "i4")], align=True)
 
 
 class Field(Structure):
@@ -129,8 +130,9 @@ class Deck(Structure):
 
 class Energy(Structure):
     _fields_ = [(name, c_double) for name in (
-        "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "external", "start", "work",
-        "nonconservative_work", "viscous", "friction", "opening", "relaxed", "residual", "scale")]
+        "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "elastic_rolling",
+        "cohesion", "external", "start", "work", "nonconservative_work", "viscous", "friction", "rolling", "bridge", "opening",
+        "drag", "damping", "relaxed", "residual", "scale")]
 
 
 class Stage(Structure):

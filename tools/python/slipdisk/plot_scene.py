@@ -142,13 +142,17 @@ class Scene:
         place, radius, angle = source.place(k)[which], source.radius[which], source.frame("angle", k)[which]
         images, own = [place], [np.arange(len(which))]
         lower, edges, periodic = source.box_at(k)
-        for axis in np.flatnonzero(periodic):  # disks that stick out on one side are seen on the other
+        offset = source.offset_at(k)
+        for axis in np.flatnonzero(periodic)[::-1]:  # disks that stick out on one side are seen on the other
             for i in range(len(images)):
                 for side, near in ((1, images[i][:, axis] - radius[own[i]] < lower[axis]),
                                    (-1, images[i][:, axis] + radius[own[i]] > lower[axis] + edges[axis])):
                     shift = np.zeros(2)
                     shift[axis] = side * edges[axis]
-                    images.append(images[i][near] + shift)
+                    copy = images[i][near] + shift
+                    if axis == 1 and offset:  # back into the box along x
+                        copy[:, 0] = lower[0] + np.mod(copy[:, 0] + side * offset - lower[0], edges[0])
+                    images.append(copy)
                     own.append(own[i][near])
         place, own = np.concatenate(images), np.concatenate(own)
         radius, angle = radius[own], angle[own]
@@ -209,8 +213,11 @@ class Scene:
             body = table[column].astype(int)
             own = bearing & (body < n)
             centre, end = place[body[own]], point[own]
-            for axis in np.flatnonzero(periodic):
-                end[:, axis] = centre[:, axis] + (end - centre)[:, axis] - edges[axis] * np.round((end - centre)[:, axis] / edges[axis])
+            for axis in np.flatnonzero(periodic)[::-1]:
+                rows = np.round((end - centre)[:, axis] / edges[axis])
+                end[:, axis] -= edges[axis] * rows
+                if axis == 1:
+                    end[:, 0] -= source.offset_at(k) * rows
             lines.append(np.stack([centre, end], axis=1))
             widths.append(width[own])
             slides.append((np.nan_to_num(table["sliding"]) * np.nan_to_num(table["tau"]))[own] != 0)

@@ -146,8 +146,9 @@ def energy_budget(result, ax=None, *, time=None):
     t = s["time"]
     keep = within(t, time)
     lines = [("work of drives", s["work"] + s["nonconservative_work"]), ("released by gravity", s["external"][0] - s["external"])]
-    lost = [("lost to friction", s["friction"]), ("lost to viscosity", s["viscous"]), ("lost in opening contacts", s["opening"]),
-            ("taken out by the relaxer", s["relaxed"])]
+    lost = [("lost to friction", s["friction"]), ("lost to viscosity", s["viscous"]), ("lost in opening contacts", s["opening"])]
+    lost += [(name, s[key]) for key, name in (("rolling", "lost to rolling"), ("bridge", "lost in forming bridges"), ("drag", "lost to drag"),
+                                              ("damping", "lost to damping"), ("relaxed", "taken out by the relaxer")) if key in s]
     largest = max(float(np.abs(values[keep]).max(initial=0)) for _, values in lines + lost)
     for k, (name, values) in enumerate(lines + lost):
         if np.abs(values[keep]).max(initial=0) > 1e-2 * largest:

@@ -12,7 +12,7 @@ from . import library as lib
 from .program import call
 from .result import Result
 
-LINE, SEGMENT, POLYLINE, CIRCLE = range(4)
+LINE, SEGMENT, POLYLINE, CIRCLE, ARC = range(5)  # the points of an arc lie close together
 
 
 def read_csv(path):
@@ -171,14 +171,24 @@ class Source:
         return lower, np.asarray(edges, float), periodic > 0
 
     def box_at(self, k):
-        """(lower corner, edges, periodic) at frame k: compression changes the edges."""
+        """(lower corner, edges, periodic) at frame k: compression and deformation change the edges."""
         lower, edges, periodic = self.box
-        return lower, edges[k] if edges.ndim == 2 else edges, periodic
+        edges = edges[k] if edges.ndim > 1 else edges
+        return lower, edges.diagonal() if edges.ndim == 2 else edges, periodic
+
+    def offset_at(self, k):
+        """By how much a row of periodic images is shifted against the one below, in a box that deforms."""
+        edges = self.box[1]
+        return edges[k][1, 0] if edges.ndim == 3 else 0.0
 
     def place(self, k, whole=False):
         """[disk][2] of frame k; whole: with the periodic images that were crossed."""
         place = self.frame("position", k)
-        return place + self.frame("image", k) * np.nan_to_num(self.box_at(k)[1]) if whole else place
+        if not whole:
+            return place
+        image = self.frame("image", k)
+        shift = np.column_stack([image[:, 1] * self.offset_at(k), np.zeros(len(image))])
+        return place + image * np.nan_to_num(self.box_at(k)[1]) + shift
 
     @functools.cached_property
     def shapes(self):

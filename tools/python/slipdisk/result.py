@@ -359,14 +359,16 @@ class Result:
 
     @property
     def means(self):
-        """Means of every free disk: with measure = { disks = true; }, else None."""
-        return self.table("summary/disks")
+        """Means of every free disk: with measure = { disks = true; }, else None; None also while a run of very many goes on."""
+        with self._file(self._head) as file:
+            known = "summary/disks/id" in file
+        return self.table("summary/disks") if known else None
 
     @property
     def totals(self):
-        """Means over all disks: omega_rms, significant, coordination, ...; None without measure = { disks = true; }."""
+        """Means over all disks: omega_rms, significant, coordination, ...; None where `means` is."""
         with self._file(self._head) as file:
-            return attributes(file["summary/disks"]) if "summary/disks" in file else None
+            return attributes(file["summary/disks"]) if "summary/disks/id" in file else None
 
     @property
     def series(self):
@@ -399,7 +401,8 @@ class Result:
     def last_contacts(self):
         """Closed contacts of the last state, a structured array: a, b, part, force, overlap, ..."""
         state = self.state
-        return structured({name[len("contact_"):]: state[name] for name in state if name.startswith("contact_")})
+        columns = {name[len("contact_"):]: state[name] for name in state if name.startswith("contact_")}
+        return structured({name: column for name, column in columns.items() if len(column) == len(columns["a"])})
 
     @property
     def box(self):

@@ -17,7 +17,8 @@ from .library import Messages, UserError, library, record
 from .result import structured
 
 NO_BODY = 0xFFFFFFFF
-BODIES = lib.PER_BODY, lib.PER_FREE  # their columns stay where they are
+BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER_LAW_FREE
+LASTING = *BODIES, lib.PER_CLUMP  # their columns stay where they are
 PIECE_SECONDS = 0.05  # at most twice this long Ctrl-C waits
 OFTEN_SECONDS = 0.001  # shorter calls are made the shortest way
 
@@ -65,7 +66,7 @@ class Columns(collections.abc.Mapping):
         handle = self._simulation._handle
         n = handle.library.sd_extent_size(state, field.extent)
         array = view(handle, handle.library.sd_field_data(state, byref(field)), n, lib.TYPES[field.type])
-        if field.extent not in BODIES:
+        if field.extent not in LASTING:
             return array.copy()  # does not stay where it is
         if array.base is not None:
             handle.views.add(array.base)
@@ -496,8 +497,8 @@ class Simulation:
         """Closed contacts now, a structured array (a copy): a, b (body numbers), part, force, overlap, zeta, ..."""
         state, columns = self._state(), self.columns
         found = {name[len("contact_"):]: columns._array(state, field) for name, field in library().fields.items()
-                 if field.extent == lib.PER_CONTACT}
-        return structured(found)
+                 if field.extent in (lib.PER_CONTACT, lib.PER_LAW_CONTACT)}
+        return structured({name: column for name, column in found.items() if len(column) == len(found["a"])})
 
     @property
     def energy(self):

@@ -27,6 +27,13 @@ function wallContact(wall, pose, part, x, y) {
     return [pose.x + (dx / away) * wall.radius, pose.y + (dy / away) * wall.radius];
   }
   const n = pose.points.length, k = Math.min(part, n - 1);
+  if (wall.kind === "arc") { /* its points lie close together; parts: first end, curve, last end, or thirds of a ring */
+    const first = pose.points[0], last = pose.points[n - 1], away = ([px, py]) => Math.hypot(px - x, py - y);
+    const ring = Math.hypot(last[0] - first[0], last[1] - first[1]) < 1e-6 * wall.radius;
+    if (part !== 1 && !ring) return part ? last : first;
+    const feet = pose.points.slice(1).map((b, i) => nearestOnLine(pose.points[i], b, x, y, false));
+    return feet.reduce((a, b) => (away(b) < away(a) ? b : a));
+  }
   return nearestOnLine(pose.points[k], pose.points[(k + 1) % n], x, y, wall.kind === "line");
 }
 
@@ -36,17 +43,20 @@ class Scene {
     this.renderer = renderer;
   }
 
-  /* Lower corner and edges of the periodic box in a frame. */
+  /* Lower corner and edges of the periodic box in a frame; offset: how far images above are shifted. */
   box(frame) {
     const box = this.model.meta.box || { lower: [0, 0], edges: [0, 0], periodic: [false, false] };
-    return { lower: frame?.head.lower ?? box.lower, edges: frame?.head.edges ?? box.edges, periodic: box.periodic };
+    const { lower = box.lower, edges = box.edges, offset = 0 } = frame?.head ?? {};
+    return { lower, edges, offset, periodic: box.periodic };
   }
 
   /* Difference b - a, through periodic edges where that is nearer. */
   between(box, ax, ay, bx, by) {
     let dx = bx - ax, dy = by - ay;
+    const rows = box.periodic[1] ? Math.round(dy / box.edges[1]) : 0;
+    dx -= box.offset * rows;
+    dy -= box.edges[1] * rows;
     if (box.periodic[0]) dx -= box.edges[0] * Math.round(dx / box.edges[0]);
-    if (box.periodic[1]) dy -= box.edges[1] * Math.round(dy / box.edges[1]);
     return [dx, dy];
   }
 
@@ -241,9 +251,11 @@ class Scene {
     if (!copies || !(box.periodic[0] || box.periodic[1])) return;
     for (let k = 0; k < x.length; k++) {
       if (hidden(k)) continue;
-      for (const i of shifts(box, 0, x[k], radius[k] + margin))
-        for (const j of shifts(box, 1, y[k], radius[k] + margin))
-          if (i !== 0 || j !== 0) put(k, x[k] + i * box.edges[0], y[k] + j * box.edges[1], 1);
+      for (const j of shifts(box, 1, y[k], radius[k] + margin)) {
+        const across = x[k] + j * box.offset;
+        for (const i of shifts(box, 0, across, radius[k] + margin))
+          if (i !== 0 || j !== 0) put(k, across + i * box.edges[0], y[k] + j * box.edges[1], 1);
+      }
     }
   }
 
@@ -263,9 +275,9 @@ class Scene {
 /* Multiples of an edge by which a copy of something at `at` comes near the box. */
 function shifts(box, axis, at, reach) {
   if (!box.periodic[axis]) return [0];
-  const low = box.lower[axis], high = low + box.edges[axis], list = [0];
-  if (at + reach > high) list.push(-1);
-  if (at - reach < low) list.push(1);
+  const low = box.lower[axis], edge = box.edges[axis], high = low + edge, home = Math.floor((at - low) / edge), list = [-home];
+  if (at - home * edge + reach > high) list.push(-home - 1);
+  if (at - home * edge - reach < low) list.push(-home + 1);
   return list;
 }
 

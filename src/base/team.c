@@ -1,0 +1,199 @@
+/* team.c: see team.h. */
+#include "base/team.h"
+
+#include <assert.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdalign.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+
+/* A thread that waits looks for some microseconds whether all are there, then it sleeps. On free cores the threads of a
+ * step are nearer to each other than LONG_SPIN. Where waits last longer, the one that is late has no core, and who spins may
+ * be in its place: until CALM waits in a row were short again, threads hardly spin. They do not yield: that would give others
+ * who have work of their own a whole slice of time. */
+static const double LONG_SPIN = 200e-6, SHORT_SPIN = 2e-6, SHORT_WAIT = 300e-6;
+enum { SPINS_PER_LOOK = 16, CALM = 2, LINE = 64 };
+
+typedef struct member {
+  alignas(LINE) team team;
+  int calm; /* short waits, one after the other */
+} member;
+
+struct pool {
+  int size, started;
+  bool helping; /* the others wait for tasks; of the leader */
+  team_task *task;
+  void *with;
+  pthread_t *thread; /* [started] ranks 1, 2, ... */
+  member *member;    /* [size] */
+  pthread_mutex_t lock;
+  pthread_cond_t woken;
+  /* of the barrier */
+  alignas(LINE) atomic_int arrived;
+  alignas(LINE) atomic_uint round;
+  atomic_int sleepers;
+};
+
+/* --- waiting -------------------------------------------------------------------------------------------- */
+
+static inline void pause_core(void) {
+#if defined __x86_64__ || defined __i386__
+  __builtin_ia32_pause();
+#endif
+}
+
+static bool spin(const pool *c, unsigned round, double began, double most) {
+  do {
+    for (int k = 0; k < SPINS_PER_LOOK; k++) {
+      if (atomic_load_explicit(&c->round, memory_order_acquire) != round) return true;
+      pause_core();
+    }
+  } while (clock_seconds() - began < most);
+  return false;
+}
+
+/* Either this thread sees the next round, or the last one of this round sees the sleeper. */
+static void sleep_until(pool *c, unsigned round) {
+  pthread_mutex_lock(&c->lock);
+  atomic_fetch_add(&c->sleepers, 1);
+  while (atomic_load(&c->round) == round) pthread_cond_wait(&c->woken, &c->lock);
+  atomic_fetch_sub(&c->sleepers, 1);
+  pthread_mutex_unlock(&c->lock);
+}
+
+static void wake(pool *c) {
+  pthread_mutex_lock(&c->lock);
+  pthread_cond_broadcast(&c->woken);
+  pthread_mutex_unlock(&c->lock);
+}
+
+void team_wait_all(const team *t) {
+  pool *c = t->pool;
+  const unsigned round = atomic_load_explicit(&c->round, memory_order_relaxed);
+  assert(t->size == c->size);
+  if (atomic_fetch_add_explicit(&c->arrived, 1, memory_order_acq_rel) + 1 == c->size) {
+    atomic_store_explicit(&c->arrived, 0, memory_order_relaxed);
+    atomic_store(&c->round, round + 1);
+    if (atomic_load(&c->sleepers) > 0) wake(c);
+    return;
+  }
+  int *calm = &c->member[t->rank].calm;
+  const double began = clock_seconds();
+  if (!spin(c, round, began, *calm < CALM ? SHORT_SPIN : LONG_SPIN)) {
+    sleep_until(c, round);
+    if (clock_seconds() - began > SHORT_WAIT) *calm = 0;
+  }
+  if (*calm < CALM) ++*calm;
+}
+
+/* --- tasks ---------------------------------------------------------------------------------------------- */
+
+void team_help(const team *t) {
+  const pool *c = t->pool;
+  assert(t->rank > 0);
+  for (;;) {
+    team_wait(t);
+    if (!c->task) return;
+    c->task(t, c->with);
+    team_wait(t);
+  }
+}
+
+void team_lead(const team *t) {
+  assert(t->rank == 0);
+  if (t->size > 1) t->pool->helping = true;
+}
+
+void team_release(const team *t) {
+  if (t->size == 1) return;
+  t->pool->helping = false;
+  t->pool->task = NULL;
+  team_wait(t);
+}
+
+void pool_run(pool *c, team_task *task, void *with) {
+  if (!c || !c->helping || c->size == 1) {
+    task(&(team){.size = 1}, with);
+    return;
+  }
+  c->helping = false;
+  c->task = task;
+  c->with = with;
+  team_wait(&c->member[0].team);
+  task(&c->member[0].team, with);
+  team_wait(&c->member[0].team);
+  c->helping = true;
+}
+
+/* --- threads -------------------------------------------------------------------------------------------- */
+
+static void *help(void *with) {
+  const team *t = with;
+  pool *c = t->pool;
+  pthread_mutex_lock(&c->lock); /* until all have been started */
+  pthread_mutex_unlock(&c->lock);
+  team_help(t);
+  return NULL;
+}
+
+static member *new_members(int n) {
+  member *m = aligned_alloc(LINE, (size_t)n * sizeof *m);
+  for (int k = 0; m && k < n; k++) m[k] = (member){0};
+  return m;
+}
+
+pool *pool_new(int threads) {
+  assert(threads > 0);
+  pool *c = aligned_alloc(LINE, (sizeof *c + LINE - 1) / LINE * LINE);
+  if (!c) return NULL;
+  *c = (pool){
+      .thread = calloc((size_t)threads, sizeof *c->thread), .member = new_members(threads), .helping = true};
+  if (!c->thread || !c->member) {
+    free(c->thread);
+    free(c->member);
+    free(c);
+    return NULL;
+  }
+  pthread_mutex_init(&c->lock, NULL);
+  pthread_cond_init(&c->woken, NULL);
+  pthread_mutex_lock(&c->lock);
+  while (c->started + 1 < threads) {
+    team *t = &c->member[c->started + 1].team;
+    *t = (team){.rank = c->started + 1, .pool = c};
+    if (pthread_create(&c->thread[c->started], NULL, help, t) != 0) break;
+    c->started++;
+  }
+  c->size = c->started + 1;
+  c->member[0].team.pool = c;
+  for (int k = 0; k < c->size; k++) c->member[k].team.size = c->size;
+  pthread_mutex_unlock(&c->lock);
+  return c;
+}
+
+void pool_free(pool *c) {
+  if (!c) return;
+  assert(c->helping && c->thread && c->member);
+  if (c->size > 1) team_release(&c->member[0].team);
+  for (int k = 0; k < c->started; k++) pthread_join(c->thread[k], NULL);
+  pthread_mutex_destroy(&c->lock);
+  pthread_cond_destroy(&c->woken);
+  free(c->thread);
+  free(c->member);
+  free(c);
+}
+
+int pool_most(void) {
+  const char *asked = getenv("OMP_NUM_THREADS");
+  const int n = asked ? atoi(asked) : 0;
+  if (n > 0) return n;
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0) return CPU_COUNT(&cores);
+  const long all = sysconf(_SC_NPROCESSORS_ONLN);
+  return all > 0 ? (int)all : 1;
+}

@@ -1,0 +1,105 @@
+/* record_share.c: see record_share.h. The first column of a table is its key. */
+#include "io/results/record_share.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+
+/* Keys of one moment are less than this, see checkpoint_order. */
+static const int64_t MOMENT = INT64_C(1) << 33;
+
+static sd_status add_columns(table *t, const sd_model *model, const observable_list *list, const char *group,
+                             const char *ending, sd_messages *messages) {
+  t->compress = true;
+  sd_status status = table_add(t, "key", SD_I64, 0, NULL, "1", "order", messages);
+  for (size_t k = 0; status == SD_OK && k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    if (o->when && !o->when(model)) continue;
+    const size_t width = o->width;
+    char *path = format_text("%s/%s%s", group, o->name, ending);
+    status = path ? table_add(t, path, observable_stored(o), width > 1, &width, o->unit, o->meaning, messages)
+                  : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+    free(path);
+  }
+  return status;
+}
+
+sd_status record_share_new(record_share *r, const sd_model *model, sd_messages *messages) {
+  *r = (record_share){.model = model};
+  sd_status status =
+      add_columns(&r->disks, model, &frame_observables, "/disks/particles/disks", "/value", messages);
+  if (status == SD_OK)
+    status = add_columns(&r->contacts, model, &contact_observables, "/contacts/contacts", "", messages);
+  return status;
+}
+
+void record_share_free(record_share *r) {
+  table_free(&r->disks);
+  table_free(&r->contacts);
+}
+
+size_t record_share_bytes(const record_share *r) {
+  return table_bytes(&r->disks) + table_bytes(&r->contacts);
+}
+
+static void put_row(table *t, const sd_model *model, const observable_list *list, int64_t key,
+                    const void *row) {
+  size_t column = 0;
+  memcpy(table_cell(t, column++), &key, sizeof key);
+  for (size_t k = 0; k < list->n; k++) {
+    const observable *o = &list->rows[k];
+    if (!o->when || o->when(model)) table_put(t, column++, 0, o, row, o->width > 1 ? o->width : 1);
+  }
+  assert(column == t->n_columns);
+  table_commit(t, 1);
+}
+
+sd_status record_share_sample(record_share *r, unsigned what, const sd_state *s, size_t driven,
+                              const uint32_t *slots, const checkpoint_order *order, int64_t frame,
+                              int64_t moment_number, sd_messages *messages) {
+  const int64_t n_disks = (int64_t)r->model->n_disks;
+  sd_status status = SD_OK;
+  if (what & RECORD_FRAMES) status = table_reserve(&r->disks, s->n_disks, messages);
+  if (what & RECORD_CONTACTS && status == SD_OK)
+    status = table_reserve(&r->contacts, s->n_contacts, messages);
+  if (status != SD_OK) return status;
+  for (size_t slot = 0; what & RECORD_FRAMES && slot < s->n_disks; slot++)
+    if (slot < s->n_free || slot >= driven)
+      put_row(&r->disks, r->model, &frame_observables, frame * n_disks + s->id[slot],
+              &(moment_body){s, slot});
+  for (size_t c = 0; what & RECORD_CONTACTS && c < s->n_contacts; c++)
+    put_row(&r->contacts, r->model, &contact_observables, moment_number * MOMENT + order->contact_key[c],
+            &(moment_contact){r->model, s, slots, order->contact[c]});
+  return SD_OK;
+}
+
+static void put_table(h5_file *file, const table *t, const char *group, int64_t each) {
+  for (size_t k = 0; k < t->n_columns; k++) {
+    const table_column *c = &t->columns[k];
+    char *key = k == 0 ? format_text("%s/key", group) : NULL;
+    const char *path = key ? key : c->path;
+    size_t dims[H5_MAX_RANK];
+    const int rank = table_shape(c, t->n_rows, dims);
+    h5_put(file, path, c->type, rank, dims, c->data, t->compress);
+    h5_attr_text(file, path, "unit", c->unit);
+    h5_attr_text(file, path, "description", c->meaning);
+    if (key && each > 0) h5_attr_i64(file, key, "each", each);
+    free(key);
+  }
+}
+
+sd_status record_share_seal(record_share *r, const char *path, int64_t *sum, sd_messages *messages) {
+  h5_file *file;
+  uint64_t seal = 0;
+  sd_status status = h5_new(&file, messages);
+  if (status != SD_OK) return status;
+  put_table(file, &r->disks, "/disks", (int64_t)r->model->n_disks);
+  put_table(file, &r->contacts, "/contacts", 0);
+  status = h5_save(file, -1, path, &seal, messages);
+  table_clear(&r->disks);
+  table_clear(&r->contacts);
+  *sum = (int64_t)seal;
+  return status;
+}

@@ -1,0 +1,92 @@
+/* advice_fields.c: set-ups with fields that are seldom meant. See advice.h. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/text.h"
+#include "model/advice.h"
+#include "model/field_kinds.h"
+
+/* Beyond these a step is coarse: f dt/m of drag, and the angle by which a frame turns in it. */
+static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
+
+static double warn_of_field(const sd_model *m, size_t k, sd_messages *messages, double how, char *text) {
+  const char *name = m->fields[k].name;
+  if (name && *name)
+    sd_warn(messages, "fields.%s: %s", name, text ? text : "");
+  else
+    sd_warn(messages, "fields[%zu]: %s", k, text ? text : "");
+  free(text);
+  return how;
+}
+
+static double check_drag(const sd_model *m, sd_messages *messages) {
+  char name[96];
+  uint32_t disk = 0;
+  const double rate = body_forces_drag_rate(m, &disk), coarse = rate * m->dt / COARSE_DRAG;
+  if (!(coarse > 1)) return 0;
+  sd_warn(messages,
+          "fields: drag stops %s within %.2g time steps (f dt/m or f_r dt/I = %.3g): how it stops is not "
+          "resolved; take dt = %.2g "
+          "or less",
+          sd_model_body_name(m, disk, name, sizeof name), 1 / (rate * m->dt), rate * m->dt,
+          COARSE_DRAG / rate / 2);
+  return coarse;
+}
+
+/* A cell that is sheared along: images move with the fluid. */
+static bool shears(const sd_model *m) {
+  bool any = false;
+  for (size_t k = 0; k < m->n_phases; k++)
+    any |= m->phases[k].cell.asked &&
+           (m->phases[k].cell.rate[SD_CELL_XY] != 0 || m->phases[k].cell.controlled[SD_CELL_XY]);
+  return any;
+}
+
+/* Positions jump where the box repeats, and such a force with them. */
+static double check_periodic(const sd_model *m, size_t k, sd_messages *messages) {
+  const sd_body_force *f = &m->fields[k];
+  const bool x = m->periodic[SD_X], y = m->periodic[SD_Y];
+  const bool by_place = f->kind == SD_FIELD_CENTRAL || f->kind == SD_FIELD_ROTATION ||
+                        (f->kind == SD_FIELD_DRAG && f->swirl != 0);
+  const bool sheared = f->kind == SD_FIELD_DRAG && f->shear_rate != 0 && y && !shears(m);
+  if (!(by_place && (x || y)) && !sheared) return 0;
+  return warn_of_field(
+      m, k, messages, 1,
+      format_text(
+          "the force depends on place along %s, where the box repeats: it jumps when a disk passes the edge",
+          x && y && by_place ? "x and y"
+          : x && by_place    ? "x"
+                             : "y"));
+}
+
+static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
+  const sd_body_force *f = &m->fields[k];
+  if (f->kind != SD_FIELD_ROTATION || f->omega == 0) return 0;
+  const double turn = fabs(f->omega) * m->dt;
+  double worst = 0;
+  if (turn > COARSE_TURN)
+    worst = warn_of_field(m, k, messages, turn / COARSE_TURN,
+                          format_text("the frame turns by %.3g rad in a time step; take dt = %.2g or less",
+                                      turn, COARSE_TURN / fabs(f->omega) / 2));
+  if (m->gravity[SD_X] == 0 && m->gravity[SD_Y] == 0) return worst;
+  warn_of_field(m, k, messages, 1,
+                format_text("gravity turns with the frame: it has a fixed direction in it"));
+  return fmax(worst, 1);
+}
+
+static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
+  for (int64_t p = 0; p < (int64_t)m->n_phases; p++)
+    if (body_force_is_on(m, k, p)) return 0;
+  return warn_of_field(m, k, messages, 1,
+                       format_text("it is on in no phase: no list `fields` of a phase names it"));
+}
+
+double advice_fields(const sd_model *m, sd_messages *messages) {
+  double worst = m->n_fields ? check_drag(m, messages) : 0;
+  for (size_t k = 0; k < m->n_fields; k++) {
+    worst = fmax(worst, check_periodic(m, k, messages));
+    worst = fmax(worst, check_frame(m, k, messages));
+    worst = fmax(worst, check_off(m, k, messages));
+  }
+  return worst;
+}

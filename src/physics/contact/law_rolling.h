@@ -1,0 +1,34 @@
+/* law_rolling.h: rolling resistance; included by contact_step.h once per LANE_WIDTH.
+ *
+ *   rho = R_eff (theta_a - theta_b) - rho*, R_eff = R_a R_b/(R_a + R_b); |rho| <= mu_r F/k_r by shifting rho*
+ *   f   = -(k_r rho + gamma_r drho/dt), |f| <= mu_r F; couple R_eff f on a, the opposite on b
+ *
+ * (Luding, Granular Matter 10, 235; Ai, Chen, Rotter, Ooi, Powder Technology 206, 269, model C). rho is a function of
+ * two angles, as lambda is, so that nothing drifts. F and the dashpot as in law_tangential.h. */
+
+/* Rolling of two round bodies: radii, R theta and R omega of each. */
+LANE_INLINE void LANE(rolled)(LANE(real) ra, LANE(real) rb, LANE(real) arc_a, LANE(real) arc_b,
+                              LANE(real) spin_a, LANE(real) spin_b, LANE(pair_geometry) * g) {
+  const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0), sum = ra + rb;
+  const LANE(real) per_sum = 1.0 / LANE(select)(LANE(equal)(sum, zero), one, sum); /* 0: padding */
+  g->rho = (rb * arc_a - ra * arc_b) * per_sum;
+  g->rolls = (rb * spin_a - ra * spin_b) * per_sum;
+  g->arm = ra * rb * per_sum;
+}
+
+LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                       LANE(mask) closed, LANE(real) limit, LANE(contact_memory) * m,
+                                       LANE(contact_output) * out) {
+  const LANE(real) half = LANE(splat)(0.5);
+  LANE(real)
+  rho = LANE(mask_zero)(closed, g->rho - m->rho_ref), moved = LANE(mask_zero)(closed, rho - m->rho);
+  LANE(real) cap = k->cap_r * limit;
+  LANE(real) capped = LANE(max)(LANE(min)(rho, cap), -cap), slip = rho - capped;
+  LANE(real) both = LANE(max)(LANE(min)(capped + k->lag_r * g->rolls, cap), -cap);
+  LANE(real) drag = k->k_r * (both - capped), drag_before = -m->roll - k->k_r * m->rho;
+  out->rolling = half * k->k_r * (m->rho + capped) * slip;
+  out->viscous = out->viscous + half * (drag_before + drag) * moved;
+  m->rho_ref = m->rho_ref + slip;
+  m->rho = capped;
+  m->roll = -(k->k_r * both);
+}

@@ -1,0 +1,365 @@
+/* candidates.c: see candidates.h. */
+#include "physics/neighbours/candidates.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/contact/pairs.h"
+#include "physics/contact/walls.h"
+#include "physics/system/bodies.h"
+#include "physics/system/box.h"
+#include "physics/system/clumps.h"
+#include "physics/system/halo.h"
+
+/* --- near enough ------------------------------------------------------------------------------------- */
+
+/* Does the body in this slot touch anything? */
+static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+
+/* By how much any pair may be apart and is a candidate. */
+static double largest_margin(const engine *e) { return e->work.skin + e->work.margin; }
+
+static inline bool near(const engine *e, uint32_t i, uint32_t j, double skin) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  double dx = s->x[j] - s->x[i], dy = s->y[j] - s->y[i];
+  box_nearest(w, &dx, &dy);
+  double reach = s->radius[i] + s->radius[j] + skin;
+  return dx * dx + dy * dy < reach * reach;
+}
+
+/* Round walls: a disk is near when its overlap is above -skin; inside a drum the signed distance counts. */
+static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  double dx = s->x[b] - s->x[i], dy = s->y[b] - s->y[i], sum = s->radius[i] + s->radius[b];
+  box_nearest(w, &dx, &dy);
+  double r = hypot(dx, dy);
+  if (s->radius[b] < 0.0) r = -r;
+  return sum - r > -largest_margin(e);
+}
+
+static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
+  nearest_point q = walls_nearest(g, e->state->x[i], e->state->y[i]);
+  return hypot(q.dx, q.dy) < e->state->radius[i] + largest_margin(e);
+}
+
+/* --- numbers of bodies ------------------------------------------------------------------------------- */
+
+typedef struct numbers {
+  uint32_t *at;
+  size_t n, capacity;
+} numbers;
+
+static sd_status add(numbers *p, uint32_t j) {
+  if (p->n == p->capacity) {
+    size_t capacity = 2 * (p->capacity + 8);
+    uint32_t *more = realloc(p->at, capacity * sizeof *more);
+    if (!more) return SD_ERROR_IO;
+    p->at = more;
+    p->capacity = capacity;
+  }
+  p->at[p->n++] = j;
+  return SD_OK;
+}
+
+static int ascending(const void *one, const void *two) {
+  const uint32_t *p = one, *q = two;
+  return *p < *q ? -1 : *p > *q;
+}
+
+/* Most are few and nearly in order; a large disk has thousands. */
+enum { FEW = 48 };
+static void sort(numbers *list) {
+  if (list->n > FEW) {
+    qsort(list->at, list->n, sizeof *list->at, ascending);
+    return;
+  }
+  for (size_t k = 1; k < list->n; k++) {
+    uint32_t j = list->at[k];
+    size_t at = k;
+    for (; at > 0 && list->at[at - 1] > j; at--) list->at[at] = list->at[at - 1];
+    list->at[at] = j;
+  }
+}
+
+/* --- walls ------------------------------------------------------------------------------------------- */
+
+/* Each wall, or segment of one, searches the cells for its disks. `of` lists those of disk i at [start[i], start[i + 1]),
+ * ascending; NULL where there are none at all. */
+typedef struct wall_lists {
+  numbers disk, wall; /* found: in the order of walls */
+  uint32_t *start, *of;
+} wall_lists;
+
+static void wall_lists_free(wall_lists *l) {
+  free(l->disk.at);
+  free(l->wall.at);
+  free(l->start);
+  free(l->of);
+}
+
+static sd_status add_wall(wall_lists *l, uint32_t disk, uint32_t wall) {
+  return add(&l->disk, disk) == SD_OK ? add(&l->wall, wall) : SD_ERROR_IO;
+}
+
+/* Sorts by disks, and keeps the order of walls. */
+static sd_status by_disks(wall_lists *l, size_t n_free) {
+  if (l->disk.n == 0) return SD_OK;
+  l->start = calloc(n_free + 2, sizeof *l->start);
+  l->of = malloc((l->disk.n + 1) * sizeof *l->of);
+  if (!l->start || !l->of) return SD_ERROR_IO;
+  for (size_t k = 0; k < l->disk.n; k++) l->start[l->disk.at[k] + 2]++;
+  for (size_t i = 2; i < n_free + 2; i++) l->start[i] += l->start[i - 1];
+  for (size_t k = 0; k < l->disk.n; k++) l->of[l->start[l->disk.at[k] + 1]++] = l->wall.at[k];
+  return SD_OK;
+}
+
+static sd_status find_round_wall(const engine *e, const grid *g, uint32_t b, grid_runs *runs, wall_lists *l) {
+  const sd_state *s = e->state;
+  const double at[2] = {s->x[b], s->y[b]};
+  sd_status status = SD_OK;
+  for (uint32_t i = 0; i < s->n_free && s->radius[b] < 0.0 && status == SD_OK; i++)
+    if (in_play(s, i) && near_round_wall(e, i, b)) status = add_wall(l, i, b);
+  for (size_t k = 0; k < g->count && s->radius[b] > 0.0 && status == SD_OK; k++) {
+    const grid_level *level = &g->level[k];
+    status = grid_around(g, level, at, s->radius[b] + level->largest + largest_margin(e), runs);
+    for (size_t r = 0; r < runs->count && status == SD_OK; r++)
+      for (uint32_t n = runs->run[r].from; n < runs->run[r].to && status == SD_OK; n++) {
+        const uint32_t i = level->disks[n];
+        if (i < s->n_free && near_round_wall(e, i, b)) status = add_wall(l, i, b);
+      }
+  }
+  return status;
+}
+
+static sd_status find_round_walls(const engine *e, const grid *g, wall_lists *l) {
+  const sd_state *s = e->state;
+  grid_runs runs = {0};
+  sd_status status = SD_OK;
+  for (uint32_t b = (uint32_t)s->n_disks; b < s->n_bodies && status == SD_OK; b++)
+    if (s->radius[b] != 0.0) status = find_round_wall(e, g, b, &runs, l);
+  free(runs.run);
+  return status == SD_OK ? by_disks(l, s->n_free) : status;
+}
+
+/* A line along which, and as far beside it, the piece lies: of an arc along the box around it. */
+static grid_line line_along(const placed_segment *p, double *beside) {
+  double lower[2], upper[2];
+  *beside = 0.0;
+  if (p->piece == SD_PIECE_STRAIGHT) return (grid_line){p->x, p->y, p->tx, p->ty, -p->backwards, p->length};
+  walls_bounds(p, lower, upper);
+  *beside = 0.5 * (upper[1] - lower[1]);
+  return (grid_line){lower[0], 0.5 * (lower[1] + upper[1]), 1.0, 0.0, 0.0, upper[0] - lower[0]};
+}
+
+static sd_status find_segments(const engine *e, const grid *g, wall_lists *l) {
+  const sd_state *s = e->state;
+  grid_runs runs = {0};
+  sd_status status = SD_OK;
+  for (uint32_t m = 0; m < e->model->n_segments && status == SD_OK; m++) {
+    const placed_segment *p = &e->work.segments[m];
+    double beside;
+    const grid_line line = line_along(p, &beside);
+    for (size_t k = 0; k < g->count && status == SD_OK; k++) {
+      const grid_level *level = &g->level[k];
+      status = grid_along(level, &line, level->largest + largest_margin(e) + beside, &runs);
+      for (size_t r = 0; r < runs.count && status == SD_OK; r++)
+        for (uint32_t n = runs.run[r].from; n < runs.run[r].to && status == SD_OK; n++) {
+          const uint32_t i = level->disks[n];
+          if (i < s->n_free && near_piece(e, i, p)) status = add_wall(l, i, m);
+        }
+    }
+  }
+  free(runs.run);
+  return status == SD_OK ? by_disks(l, s->n_free) : status;
+}
+
+/* --- candidates -------------------------------------------------------------------------------------- */
+
+/* Adds the partners of free disk i among the disks in higher slots, unordered. */
+static sd_status find_partners(const engine *e, const grid *g, uint32_t i, grid_runs *runs, numbers *found) {
+  const sd_state *s = e->state;
+  const double at[2] = {s->x[i], s->y[i]}, margin = largest_margin(e);
+  for (size_t k = 0; k < g->count; k++) {
+    const grid_level *l = &g->level[k];
+    if (l->last <= i) continue;
+    if (grid_around(g, l, at, s->radius[i] + l->largest + margin, runs) != SD_OK) return SD_ERROR_IO;
+    for (size_t r = 0; r < runs->count; r++)
+      for (uint32_t n = runs->run[r].from; n < runs->run[r].to; n++) {
+        const uint32_t j = l->disks[n];
+        if (j > i && near(e, i, j, largest_margin(e)) && !clumps_same(e, i, j) && add(found, j) != SD_OK)
+          return SD_ERROR_IO;
+      }
+  }
+  return SD_OK;
+}
+
+/* Closed contacts stay candidates until a commit opens them, however far one step took their bodies: what
+ * they drop is booked there, whatever the skin. The old list is ordered by the first disk, so that its pairs
+ * of disk i follow those of i - 1. */
+typedef struct closed_before {
+  size_t from, to; /* pairs of the present disk */
+} closed_before;
+
+static void next_disk(const pairs *old, size_t end, uint32_t i, closed_before *c) {
+  assert(c->to <= end && (c->to == end || old->a[c->to] >= (int32_t)i));
+  c->from = c->to;
+  while (c->to < end && old->a[c->to] == (int32_t)i) c->to++;
+}
+
+static bool is_near(const engine *e, uint32_t i, uint32_t j) {
+  return j < e->state->n_disks ? near(e, i, j, largest_margin(e)) : near_round_wall(e, i, j);
+}
+
+static sd_status add_closed(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
+  const pairs *old = &e->work.pairs;
+  sd_status status = SD_OK;
+  for (size_t k = c->from; k < c->to && status == SD_OK; k++) {
+    const uint32_t j = (uint32_t)old->b[k];
+    if (pairs_closed(old, k) && in_play(e->state, j) && !is_near(e, i, j)) status = add(found, j);
+  }
+  return status;
+}
+
+static sd_status add_closed_segments(const engine *e, const closed_before *c, uint32_t i, numbers *found) {
+  const pairs *old = &e->work.pairs;
+  sd_status status = SD_OK;
+  for (size_t k = c->from; k < c->to && status == SD_OK; k++)
+    if (pairs_closed(old, k) && !near_piece(e, i, &e->work.segments[old->part[k]]))
+      status = add(found, (uint32_t)old->part[k]);
+  return status;
+}
+
+static sd_status add_walls(const wall_lists *l, uint32_t i, numbers *found) {
+  sd_status status = SD_OK;
+  for (uint32_t k = l->start ? l->start[i] : 0; l->start && k < l->start[i + 1] && status == SD_OK; k++)
+    status = add(found, l->of[k]);
+  return status;
+}
+
+/* --- search by all threads ------------------------------------------------------------------------------ */
+
+/* Disks of one thread: pairs (a, b), or with pieces (a, piece); those with ghosts apart. */
+typedef struct share {
+  _Alignas(64) struct {
+    numbers a, b;
+    size_t at; /* where they stand in the list */
+  } pairs[2];
+  sd_status status;
+} share;
+
+typedef struct search {
+  const engine *e;
+  const grid *g;
+  bool pieces; /* of straight walls; else round bodies */
+  wall_lists walls;
+  pairs *to;
+  sd_status status;
+  share share[WORK_MAX_THREADS];
+} search;
+
+static sd_status find_round(const search *q, uint32_t i, const closed_before *before, grid_runs *runs,
+                            numbers *found) {
+  sd_status status = find_partners(q->e, q->g, i, runs, found);
+  if (status == SD_OK) status = add_walls(&q->walls, i, found);
+  return status == SD_OK ? add_closed(q->e, before, i, found) : status;
+}
+
+static sd_status find_pieces(const search *q, uint32_t i, const closed_before *before, numbers *found) {
+  const sd_status status = add_walls(&q->walls, i, found);
+  return status == SD_OK ? add_closed_segments(q->e, before, i, found) : status;
+}
+
+static void find_share(const search *q, size_t begin, size_t end, share *mine) {
+  const engine *e = q->e;
+  const pairs *old = &e->work.pairs;
+  const size_t old_end = q->pieces ? old->count : old->n_round;
+  closed_before before = {.to = pairs_from(old, q->pieces ? old->first_segment : 0, old_end, begin)};
+  numbers found = {0};
+  grid_runs runs = {0};
+  for (size_t k = begin; k < end && mine->status == SD_OK; k++) {
+    const uint32_t i = (uint32_t)k;
+    found.n = 0;
+    next_disk(old, old_end, i, &before);
+    if (!in_play(e->state, i)) continue;
+    mine->status = q->pieces ? find_pieces(q, i, &before, &found) : find_round(q, i, &before, &runs, &found);
+    sort(&found);
+    for (size_t n = 0; n < found.n && mine->status == SD_OK; n++) {
+      const bool ghost = !q->pieces && halo_is_ghost(e, found.at[n]);
+      mine->status = add(&mine->pairs[ghost].a, i);
+      if (mine->status == SD_OK) mine->status = add(&mine->pairs[ghost].b, found.at[n]);
+    }
+  }
+  free(found.at);
+  free(runs.run);
+}
+
+/* Where each share's pairs come to stand, in the order of disks. */
+static void place_list(search *q, int n, int ghosts) {
+  size_t count = q->to->count;
+  for (int k = 0; k < n; k++) {
+    q->share[k].pairs[ghosts].at = count;
+    count += q->share[k].pairs[ghosts].b.n;
+    if (q->share[k].status != SD_OK) q->status = q->share[k].status;
+  }
+  if (q->status == SD_OK && count > q->to->capacity) q->status = pairs_reserve(q->to, count + count / 4);
+  if (q->status == SD_OK) q->to->count = count;
+}
+
+static void place_shares(search *q, int n) {
+  pairs *p = q->to;
+  place_list(q, n, false);
+  if (q->pieces || q->status != SD_OK) return;
+  p->n_round = p->count;
+  q->status = pairs_fill_block(p);
+  p->first_ghost = p->count;
+  if (q->status == SD_OK) place_list(q, n, true);
+  p->end_ghost = p->count;
+  if (q->status == SD_OK) q->status = pairs_fill_block(p);
+  p->first_segment = p->count;
+}
+
+static void copy_share(const search *q, const share *mine) {
+  pairs *p = q->to;
+  for (int list = 0; list < 2; list++)
+    for (size_t n = 0; n < mine->pairs[list].b.n; n++) {
+      const size_t k = mine->pairs[list].at + n;
+      const uint32_t found = mine->pairs[list].b.at[n];
+      p->a[k] = (int32_t)mine->pairs[list].a.at[n];
+      p->b[k] = (int32_t)(q->pieces ? q->e->work.slot[q->e->model->segments[found].body] : found);
+      p->part[k] = q->pieces ? (int32_t)found : 0;
+    }
+}
+
+static void search_together(const team *t, void *with) {
+  search *q = with;
+  size_t begin, end;
+  team_share(t, q->e->state->n_free, &begin, &end);
+  find_share(q, begin, end, &q->share[t->rank]);
+  team_wait(t);
+  if (t->rank == 0) place_shares(q, t->size);
+  team_wait(t);
+  if (q->status == SD_OK) copy_share(q, &q->share[t->rank]);
+}
+
+static sd_status push(search *q) {
+  q->status = q->pieces ? find_segments(q->e, q->g, &q->walls) : find_round_walls(q->e, q->g, &q->walls);
+  if (q->status == SD_OK) pool_run(work_pool(q->e), search_together, q);
+  for (size_t k = 0; k < WORK_MAX_THREADS; k++)
+    for (int list = 0; list < 2; list++) {
+      free(q->share[k].pairs[list].a.at);
+      free(q->share[k].pairs[list].b.at);
+    }
+  wall_lists_free(&q->walls);
+  return q->status;
+}
+
+sd_status candidates_find(const engine *e, const grid *g, pairs *to) {
+  to->count = 0;
+  sd_status status = push(&(search){.e = e, .g = g, .to = to});
+  if (status == SD_OK && e->model->n_segments > 0)
+    status = push(&(search){.e = e, .g = g, .to = to, .pieces = true});
+  return status;
+}

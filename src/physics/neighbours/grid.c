@@ -1,0 +1,406 @@
+/* grid.c: see grid.h. */
+#include "physics/neighbours/grid.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "physics/system/bodies.h"
+
+/* Chosen by measurement (docs/performance.md): a larger factor tests more disks of the same level, a smaller one
+ * searches more levels. Cells have CELL_SIZE times the reach of a pair of largest disks; where disks are sparse, larger
+ * ones: at most CELLS_PER_DISK of them. */
+static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
+
+/* --- levels ---------------------------------------------------------------------------------------------- */
+
+size_t grid_levels_of(const double *radius, size_t n, double factor, double top[GRID_LEVELS]) {
+  double least = HUGE_VAL, below = HUGE_VAL;
+  size_t count = 0;
+  assert(factor > 1.0);
+  for (size_t i = 0; i < n; i++) least = radius[i] < least ? radius[i] : least;
+  while (count < GRID_LEVELS) {
+    double largest = 0.0;
+    for (size_t i = 0; i < n; i++)
+      if (radius[i] < below && radius[i] > largest) largest = radius[i];
+    if (largest == 0.0) break;
+    top[count++] = largest;
+    below = largest / factor;
+    if (least >= below) break;
+  }
+  return count;
+}
+
+static size_t level_of(const grid *g, double radius) {
+  size_t k = 0;
+  while (k + 1 < g->count && radius <= g->level[k + 1].largest) k++;
+  return k;
+}
+
+/* --- cells ----------------------------------------------------------------------------------------------- */
+
+/* Of an open direction the first and the last cell have no end, in a periodic one the disks stand in the box but for
+ * the overhang. */
+static int64_t cell_of(const grid_level *l, int c, double at) {
+  double k = fmin((at - l->lower[c]) * l->per_cell[c], (double)(l->cells[c] - 1));
+  return k > 0.0 ? (int64_t)k : 0;
+}
+
+static size_t cell_index(const grid_level *l, double x, double y) {
+  return (size_t)(cell_of(l, 1, y) * l->cells[0] + cell_of(l, 0, x));
+}
+
+/* Does the disk in this slot touch anything? */
+static bool in_play(const sd_state *s, size_t slot) { return slot >= s->n_free || body_in_play(s, slot); }
+
+static void choose_cells(grid_level *l, const double low[2], const double high[2], double reach) {
+  const double most = CELLS_PER_DISK * (double)l->count + 1.0;
+  const double area = (high[0] - low[0]) * (high[1] - low[1]),
+               size = fmax(CELL_SIZE * reach, sqrt(area / most));
+  for (int c = 0; c < 2; c++) {
+    const double span = high[c] - low[c], cells = fmax(fmin(floor(span / size), most), 1.0);
+    l->lower[c] = low[c];
+    l->cells[c] = (int64_t)cells;
+    l->per_cell[c] = span > 0.0 ? cells / span : 0.0;
+    assert(l->cells[c] >= 1 && isfinite(l->per_cell[c]));
+  }
+}
+
+/* Results of each thread, for its disks. */
+typedef struct grid_share {
+  _Alignas(64) double low[2], high[2]; /* where disks are; infinite where there are none */
+  double overhang;
+  size_t count[GRID_LEVELS];
+  uint32_t last[GRID_LEVELS];
+} grid_share;
+
+typedef struct grid_task {
+  const engine *e;
+  grid *g;
+  double margin;
+  uint32_t *cell; /* [n_disks] */
+  sd_status status;
+  grid_share share[WORK_MAX_THREADS];
+} grid_task;
+
+/* Disks that got lost far away, and are not in play, would make the cells of all others large. Beyond the grid the nearest
+ * cell counts. */
+static void find_extent(grid_share *mine, const double at[2]) {
+  for (int c = 0; c < 2; c++) {
+    if (at[c] < mine->low[c]) mine->low[c] = at[c];
+    if (at[c] > mine->high[c]) mine->high[c] = at[c];
+  }
+}
+
+/* Counts the disks of each level, and finds how far they stand beyond the box. */
+static void count_disks(const grid_task *f, size_t begin, size_t end, grid_share *mine) {
+  const sd_state *s = f->e->state;
+  const work *w = &f->e->work;
+  for (int c = 0; c < 2; c++) mine->low[c] = HUGE_VAL, mine->high[c] = -HUGE_VAL;
+  for (size_t i = begin; i < end; i++) {
+    const double at[2] = {s->x[i], s->y[i]};
+    if (i >= s->n_free || s->activity[i] == SD_IN_PLAY) find_extent(mine, at);
+    if (!in_play(s, i)) continue;
+    const size_t k = level_of(f->g, s->radius[i]);
+    mine->count[k]++;
+    mine->last[k] = (uint32_t)i;
+    for (int c = 0; c < 2; c++)
+      if (w->periodic[c])
+        mine->overhang = fmax(mine->overhang, fmax(w->lower[c] - at[c], at[c] - w->upper[c]));
+  }
+}
+
+static void join_counts(const grid_task *f, int threads, grid_share *all) {
+  *all = f->share[0];
+  for (int t = 1; t < threads; t++) {
+    const grid_share *more = &f->share[t];
+    for (int c = 0; c < 2; c++) {
+      all->low[c] = fmin(all->low[c], more->low[c]);
+      all->high[c] = fmax(all->high[c], more->high[c]);
+    }
+    all->overhang = fmax(all->overhang, more->overhang);
+    for (size_t k = 0; k < f->g->count; k++) {
+      all->count[k] += more->count[k];
+      if (more->count[k]) all->last[k] = more->last[k];
+    }
+  }
+  for (int c = 0; c < 2; c++)
+    if (!(all->low[c] <= all->high[c])) all->low[c] = all->high[c] = 0.0;
+}
+
+static sd_status make_cells(grid_task *f, int threads) {
+  const work *w = &f->e->work;
+  const size_t n_disks = f->e->state->n_disks;
+  grid *g = f->g;
+  grid_share all;
+  join_counts(f, threads, &all);
+  double low[2], high[2];
+  size_t cells = 0;
+  g->overhang = all.overhang;
+  for (int c = 0; c < 2; c++) {
+    low[c] = w->periodic[c] ? w->lower[c] : all.low[c];
+    high[c] = w->periodic[c] ? w->upper[c] : all.high[c];
+  }
+  for (size_t k = 0; k < g->count; k++) {
+    grid_level *l = &g->level[k];
+    l->count = all.count[k];
+    l->last = all.last[k];
+    for (int c = 0; c < 2; c++) l->periodic[c] = w->periodic[c];
+    l->offset = w->offset;
+    choose_cells(l, low, high, 2.0 * l->largest + f->margin);
+    cells += (size_t)(l->cells[0] * l->cells[1]);
+  }
+  if (cells >= UINT32_MAX) return SD_ERROR_IO;
+  f->cell = malloc((n_disks + 1) * sizeof *f->cell);
+  g->start = calloc(cells + 2 * g->count + 1, sizeof *g->start);
+  g->disks = malloc((n_disks + 1) * sizeof *g->disks);
+  if (!f->cell || !g->start || !g->disks) return SD_ERROR_IO;
+  uint32_t *start = g->start, *disks = g->disks;
+  for (size_t k = 0; k < g->count; k++) {
+    grid_level *l = &g->level[k];
+    l->start = start;
+    l->disks = disks;
+    start += l->cells[0] * l->cells[1] + 2;
+    disks += l->count;
+  }
+  return SD_OK;
+}
+
+/* Cells may have disks of several threads. */
+static uint32_t next_of(uint32_t *count, bool alone) {
+  return alone ? (*count)++ : __atomic_fetch_add(count, 1, __ATOMIC_RELAXED);
+}
+
+static void count_cells(const grid_task *f, size_t begin, size_t end, bool alone) {
+  const sd_state *s = f->e->state;
+  for (size_t i = begin; i < end; i++) {
+    if (!in_play(s, i)) continue;
+    const grid_level *l = &f->g->level[level_of(f->g, s->radius[i])];
+    f->cell[i] = (uint32_t)cell_index(l, s->x[i], s->y[i]);
+    next_of(&l->start[f->cell[i] + 2], alone);
+  }
+}
+
+static void add_up_cells(const grid *g) {
+  for (size_t k = 0; k < g->count; k++) {
+    const grid_level *l = &g->level[k];
+    const size_t n = (size_t)(l->cells[0] * l->cells[1]);
+    for (size_t c = 2; c < n + 2; c++) l->start[c] += l->start[c - 1];
+    assert(l->start[0] == 0 && l->start[n + 1] == l->count);
+  }
+}
+
+static void fill_cells(const grid_task *f, size_t begin, size_t end, bool alone) {
+  const sd_state *s = f->e->state;
+  for (size_t i = begin; i < end; i++) {
+    if (!in_play(s, i)) continue;
+    const grid_level *l = &f->g->level[level_of(f->g, s->radius[i])];
+    l->disks[next_of(&l->start[f->cell[i] + 1], alone)] = (uint32_t)i;
+  }
+}
+
+static int ascending(const void *one, const void *two) {
+  const uint32_t *p = one, *q = two;
+  return *p < *q ? -1 : *p > *q;
+}
+
+/* In the order of slots; threads have filled cells as they came. */
+static void sort_cells(const grid *g, const team *t) {
+  for (size_t k = 0; k < g->count; k++) {
+    const grid_level *l = &g->level[k];
+    size_t begin, end;
+    team_share(t, (size_t)(l->cells[0] * l->cells[1]), &begin, &end);
+    for (size_t c = begin; c < end; c++) {
+      const uint32_t from = l->start[c], to = l->start[c + 1];
+      bool sorted = true;
+      for (uint32_t n = from + 1; n < to; n++) sorted &= l->disks[n - 1] < l->disks[n];
+      if (!sorted) qsort(l->disks + from, to - from, sizeof *l->disks, ascending);
+    }
+  }
+}
+
+/* Sorts the disks by level and cell, in the order of slots. */
+static void grid_together(const team *t, void *with) {
+  grid_task *f = with;
+  const bool alone = t->size == 1;
+  size_t begin, end;
+  team_share(t, f->e->state->n_disks, &begin, &end);
+  count_disks(f, begin, end, &f->share[t->rank]);
+  team_wait(t);
+  if (t->rank == 0) f->status = make_cells(f, t->size);
+  team_wait(t);
+  if (f->status != SD_OK) return;
+  count_cells(f, begin, end, alone);
+  team_wait(t);
+  if (t->rank == 0) add_up_cells(f->g);
+  team_wait(t);
+  fill_cells(f, begin, end, alone);
+  team_wait(t);
+  if (!alone) sort_cells(f->g, t);
+}
+
+sd_status grid_build(const engine *e, double margin, grid *g) {
+  const sd_state *s = e->state;
+  double top[GRID_LEVELS] = {0};
+  *g = (grid){.count = grid_levels_of(s->radius, s->n_disks, LEVEL_FACTOR, top)};
+  for (size_t k = 0; k < g->count; k++) g->level[k].largest = top[k];
+  grid_task f = {.e = e, .g = g, .margin = margin};
+  pool_run(work_pool(e), grid_together, &f);
+  free(f.cell);
+  return f.status;
+}
+
+void grid_free(grid *g) {
+  free(g->start);
+  free(g->disks);
+  *g = (grid){0};
+}
+
+/* --- search ---------------------------------------------------------------------------------------------- */
+
+/* Cells first to last along one direction; of a periodic one they may lie beyond the box, each once. */
+typedef struct range {
+  int64_t first, last;
+} range;
+
+static int64_t round_down(double v) {
+  const int64_t k = (int64_t)v;
+  return k - (v < (double)k);
+}
+
+static range range_of(const grid_level *l, int c, double low, double high) {
+  const double from = (low - l->lower[c]) * l->per_cell[c], to = (high - l->lower[c]) * l->per_cell[c];
+  const int64_t n = l->cells[c];
+  if (!l->periodic[c])
+    return (range){from >= (double)n ? n - 1
+                   : from > 0.0      ? (int64_t)from
+                                     : 0,
+                   to >= (double)n ? n - 1
+                   : to > 0.0      ? (int64_t)to
+                                   : 0};
+  if (!(to - from < (double)(n - 1) && fabs(from) < 1e15)) return (range){0, n - 1};
+  return (range){round_down(from), round_down(to)};
+}
+
+static sd_status add_run(const grid_level *l, int64_t row, int64_t first, int64_t last, grid_runs *found) {
+  const uint32_t *start = l->start + row * l->cells[0];
+  const uint32_t from = start[first], to = start[last + 1];
+  if (from == to) return SD_OK;
+  if (found->count == found->capacity) {
+    size_t capacity = 2 * found->capacity + 16;
+    struct grid_run *more = realloc(found->run, capacity * sizeof *more);
+    if (!more) return SD_ERROR_IO;
+    found->run = more;
+    found->capacity = capacity;
+  }
+  found->run[found->count++] = (struct grid_run){from, to};
+  return SD_OK;
+}
+
+static int64_t wrapped(int64_t k, int64_t n) {
+  while (k < 0) k += n;
+  return k < n ? k : k % n;
+}
+
+/* Cells of a row in the grid; across a periodic edge up to two runs. */
+static sd_status add_columns(const grid_level *l, int64_t row, range u, grid_runs *found) {
+  const int64_t n = l->cells[0];
+  assert(row >= 0 && row < l->cells[1] && u.first <= u.last);
+  if (u.first >= 0 && u.last < n) return add_run(l, row, u.first, u.last, found);
+  assert(l->periodic[0] && u.last - u.first < n);
+  const int64_t first = wrapped(u.first, n), last = wrapped(u.last, n);
+  if (first <= last) return add_run(l, row, first, last, found);
+  const sd_status status = add_run(l, row, first, n - 1, found);
+  return status == SD_OK ? add_run(l, row, 0, last, found) : status;
+}
+
+/* The cells of row v from x = low to high. Rows beyond a periodic box are images of those in it, shifted along x: the one
+ * place that knows by how much. */
+static sd_status add_row(const grid_level *l, int64_t v, double low, double high, grid_runs *found) {
+  assert(l->cells[1] > 0);
+  const int64_t row = l->periodic[1] ? wrapped(v, l->cells[1]) : v, image = (v - row) / l->cells[1];
+  const double shift = (double)image * l->offset;
+  return add_columns(l, row, range_of(l, 0, low - shift, high - shift), found);
+}
+
+/* y of a row's edges; outer rows of an open grid have no end. */
+static void row_edges(const grid_level *l, int64_t v, double *low, double *high) {
+  const double height = l->per_cell[1] > 0.0 ? 1.0 / l->per_cell[1] : 0.0;
+  const bool open = !l->periodic[1];
+  *low = open && v <= 0 ? -HUGE_VAL : l->lower[1] + height * (double)v;
+  *high = open && v >= l->cells[1] - 1 ? HUGE_VAL : l->lower[1] + height * (double)(v + 1);
+}
+
+/* Rounding may move an edge by some digits of the coordinates. */
+static double slack(double reach, double at) { return reach * (1.0 + 1e-9) + 1e-14 * at; }
+
+/* The cells of rows v that a circle of radius r reaches. */
+static sd_status add_circle(const grid_level *l, range v, const double at[2], double r, grid_runs *found) {
+  sd_status status = SD_OK;
+  for (int64_t k = v.first; k <= v.last && status == SD_OK; k++) {
+    double low, high;
+    row_edges(l, k, &low, &high);
+    const double dy = fmax(fmax(low - at[1], at[1] - high), 0.0);
+    const double half = slack(sqrt(fmax(r * r - dy * dy, 0.0)), r);
+    status = add_row(l, k, at[0] - half, at[0] + half, found);
+  }
+  return status;
+}
+
+/* Few rows are taken as wide as the circle. All rows of a periodic box stand for several images each. */
+enum { FEW_ROWS = 4 };
+sd_status grid_around(const grid *g, const grid_level *l, const double at[2], double reach,
+                      grid_runs *found) {
+  const double r = slack(reach + 2.0 * g->overhang, fabs(at[0]) + fabs(at[1]));
+  const range v = range_of(l, 1, at[1] - r, at[1] + r);
+  const bool all = l->periodic[1] && v.last - v.first + 1 == l->cells[1];
+  sd_status status = SD_OK;
+  found->count = 0;
+  if (v.last - v.first >= FEW_ROWS && !all) return add_circle(l, v, at, r, found);
+  if (v.first < 0 || v.last >= l->cells[1]) { /* rows beyond the box */
+    for (int64_t k = v.first; k <= v.last && status == SD_OK; k++)
+      status = add_row(l, k, at[0] - r, at[0] + r, found);
+    return status;
+  }
+  const bool shifted = all && l->offset != 0.0;
+  const range u = shifted ? (range){0, l->cells[0] - 1} : range_of(l, 0, at[0] - r, at[0] + r);
+  for (int64_t k = v.first; k <= v.last && status == SD_OK; k++) status = add_columns(l, k, u, found);
+  return status;
+}
+
+/* The line's piece between two heights, with `reach` around it. False: none. */
+static bool chord(const grid_line *line, double reach, double low, double high, double *left, double *right) {
+  double from = -line->back, to = line->length;
+  if (line->ty != 0.0) {
+    const double one = (low - reach - line->y) / line->ty, two = (high + reach - line->y) / line->ty;
+    from = fmax(from, fmin(one, two));
+    to = fmin(to, fmax(one, two));
+  } else if (line->y < low - reach || line->y > high + reach) {
+    return false;
+  }
+  if (!(from <= to)) return false;
+  const double one = line->x + (line->tx != 0.0 ? from * line->tx : 0.0);
+  const double two = line->x + (line->tx != 0.0 ? to * line->tx : 0.0);
+  *left = fmin(one, two) - reach;
+  *right = fmax(one, two) + reach;
+  return true;
+}
+
+sd_status grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found) {
+  const double r = slack(reach, fabs(line->x) + fabs(line->y));
+  const double back = line->ty != 0.0 ? -line->back * line->ty : 0.0;
+  const double end = line->ty != 0.0 ? line->length * line->ty : 0.0;
+  const double low = line->y + fmin(back, end) - r, high = line->y + fmax(back, end) + r;
+  sd_status status = SD_OK;
+  found->count = 0;
+  /* cells without images: positions beyond the box stand in the outer cells */
+  grid_level open = *l;
+  open.periodic[0] = open.periodic[1] = false;
+  const range v = range_of(&open, 1, low, high);
+  for (int64_t k = v.first; k <= v.last && status == SD_OK; k++) {
+    double bottom, top, left, right;
+    row_edges(&open, k, &bottom, &top);
+    if (chord(line, r, bottom, top, &left, &right)) status = add_row(&open, k, left, right, found);
+  }
+  return status;
+}

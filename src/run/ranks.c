@@ -1,0 +1,588 @@
+/* ranks.c: see ranks.h. How disks move is in ranks_move.c. */
+#include "run/ranks.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/comm.h"
+#include "base/comm_cuts.h"
+#include "base/comm_data.h"
+#include "base/subnormal.h"
+#include "io/results/checkpoint.h"
+#include "measure/disks.h"
+#include "measure/sample.h"
+#include "model/cell.h"
+#include "physics/contact/energy.h"
+#include "physics/motion/motion.h"
+#include "physics/neighbours/neighbours.h"
+#include "physics/step/access.h"
+#include "physics/step/contacts.h"
+#include "physics/step/engine.h"
+#include "physics/step/step.h"
+#include "physics/system/halo.h"
+#include "run/phase.h"
+#include "run/ranks_failure.h"
+#include "run/ranks_move.h"
+#include "run/ranks_share.h"
+
+/* Cut anew when the busiest rank works by so much more than the mean, but not more often. */
+static const double IMBALANCE = 0.1;
+enum { CUT_LEAST = 200 }; /* steps */
+
+struct ranks {
+  const sd_model *model;
+  int threads;
+  pool *pool;
+  volatile sig_atomic_t *stop;
+  comm_cuts *cuts;
+  engine part; /* of this rank; state NULL: not spread */
+  double skin;
+  unsigned bits;         /* of all ranks, after the last step */
+  sd_messages *messages; /* of this rank */
+  record_share rows;     /* of this rank, since the last part */
+  resultants sums;       /* of all ranks, for a row of the series */
+  int64_t collected;     /* step of the whole state */
+  double busy;           /* seconds of work since the last cut */
+  int64_t cut_step;
+  ranks_balance balance;
+};
+
+/* The word of rank 0. */
+typedef enum word {
+  SPREAD,
+  START,
+  SETTLE,
+  END,
+  ADVANCE,
+  COLLECT,
+  ENERGY,
+  SERIES,
+  WRITE,
+  SAMPLE,
+  SEAL,
+  DROP,
+  DISMISS
+} word;
+typedef struct order {
+  int64_t word, n, measure;
+} order;
+
+static void say(word w, int64_t n, bool measure) {
+  order o = {w, n, measure};
+  assert(comm_rank() == 0);
+  comm_share(&o, sizeof o);
+}
+
+ranks *ranks_new(const sd_model *model, volatile sig_atomic_t *stop) {
+  ranks *r = calloc(1, sizeof *r);
+  if (!r) return NULL;
+  *r = (ranks){
+      .model = model, .stop = stop, .messages = sd_messages_new(), .collected = -1, .balance.excess = NAN};
+  if (r->messages && record_share_new(&r->rows, model, r->messages) == SD_OK &&
+      resultants_new(&r->sums, model, r->messages) == SD_OK)
+    return r;
+  ranks_free(r);
+  return NULL;
+}
+
+static void drop_part(ranks *r) {
+  if (!r->part.state) return;
+  halo *h = r->part.halo;
+  engine_free(&r->part);
+  halo_free(h);
+  sd_state_free(r->part.state);
+  r->part = (engine){0};
+}
+
+void ranks_free(ranks *r) {
+  if (!r) return;
+  drop_part(r);
+  pool_free(r->pool);
+  record_share_free(&r->rows);
+  resultants_free(&r->sums);
+  comm_cuts_free(r->cuts);
+  sd_messages_free(r->messages);
+  free(r);
+}
+
+ranks_balance ranks_balance_of(const ranks *r) { return r->balance; }
+
+bool ranks_are_spread(const ranks *r) { return r->part.state != NULL; }
+
+/* --- parts --------------------------------------------------------------------------------------------------- */
+
+/* Collective. False: some rank could not. */
+static bool all_well(sd_status status) { return comm_or(status != SD_OK) == 0; }
+
+/* This rank's part of what `from` has (NULL: nothing). */
+static sd_status take_part(ranks *r, const engine *from) {
+  engine next = {.model = r->model, .pool = r->pool};
+  sd_status status = move_parts(r->model, r->cuts, from, r->skin, &next.state, &next.halo);
+  drop_part(r);
+  r->part = next;
+  if (status == SD_OK) status = engine_build(&r->part, r->threads, r->messages);
+  engine_ready(&r->part, r->messages);
+  engine_end(&r->part, status);
+  return status;
+}
+
+static sd_status tell_stored(ranks *r, sd_status status) {
+  return status == SD_OK ? SD_OK : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
+}
+
+/* The part as a state that can be sent. */
+static sd_status store_part(ranks *r) {
+  halo_refresh(&r->part, NULL);
+  motion_store(&r->part);
+  return tell_stored(r, contacts_store(&r->part));
+}
+
+/* The same, for rows of results. */
+static sd_status store_rows(ranks *r) {
+  halo_refresh(&r->part, NULL);
+  motion_store(&r->part);
+  return tell_stored(r, contacts_store_rows(&r->part));
+}
+
+/* Collective. */
+static void note_balance(ranks *r) {
+  const double mean = comm_total(r->busy) / comm_size(), disks = (double)r->part.state->n_free;
+  r->balance.excess = mean > 0.0 ? comm_largest(r->busy) / mean - 1.0 : 0.0;
+  r->balance.most = (int64_t)comm_largest(disks);
+  r->balance.least = (int64_t)-comm_largest(-disks);
+}
+
+/* Work per disk: contacts and the rest, in proportion to what this rank was busy with. */
+static sd_status cut_again(ranks *r) {
+  const engine *e = &r->part;
+  const sd_state *s = e->state;
+  enum { REST = 6 }; /* of a disk's step, in halves of candidate pairs */
+  float *weight = malloc((s->n_free + 1) * sizeof *weight);
+  const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
+               rate = all > 0.0 ? r->busy / all : 0.0;
+  sd_status status = weight ? SD_OK : SD_ERROR_IO;
+  for (size_t i = 0; weight && i < s->n_free; i++)
+    weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST));
+  if (all_well(status)) status = comm_cuts_make(r->cuts, s->n_free, s->x, s->y, weight);
+  free(weight);
+  r->balance.cuts++;
+  return status;
+}
+
+/* New lists, disks that have left the rectangle to their new ranks, new ghosts. */
+static sd_status renew(ranks *r) {
+  engine *e = &r->part;
+  const int64_t step = e->state->step;
+  sd_status status = neighbours_check_finite(e, step, r->messages);
+  if (!all_well(status)) return status;
+  neighbours_tune(e);
+  r->skin = engine_skin(e);
+  if (step - r->cut_step >= CUT_LEAST) {
+    note_balance(r);
+    if (r->balance.excess > IMBALANCE) status = cut_again(r);
+    r->cut_step = step;
+    r->busy = 0.0;
+    if (!all_well(status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
+  }
+  /* wider, until no disk or wall outruns the lists in one step */
+  for (bool again = true; again; r->skin *= 1.5) {
+    status = store_part(r);
+    if (all_well(status)) status = take_part(r, &r->part);
+    if (!all_well(status)) return status;
+    again = comm_or(engine_outruns(&r->part)) != 0;
+  }
+  return SD_OK;
+}
+
+/* --- steps ----------------------------------------------------------------------------------------------------- */
+
+typedef struct advance_task {
+  ranks *r;
+  int64_t until;
+  bool measure;
+} advance_task;
+
+static void advance_steps(const advance_task *a, const team *t) {
+  ranks *r = a->r;
+  engine *e = &r->part;
+  const int64_t measured = e->state->measured, from = e->state->step;
+  for (;;) {
+    if (t->rank == 0) r->bits = step_agree(e, r->stop && *r->stop);
+    team_wait(t);
+    const int64_t step = e->state->step;
+    if (r->bits & (HALO_STALE | HALO_FAILED | HALO_STOP) || step == a->until) return;
+    step_once(e, t);
+    team_wait(t);
+    if (!a->measure || engine_status(e) != SD_OK) continue;
+    disks_step(e, t, measured + (step - from) + 1);
+    if (t->rank == 0) sample_step(e);
+    team_wait(t);
+  }
+}
+
+static void advance_member(const team *t, void *with) {
+  unsigned mode = subnormal_off();
+  advance_steps(with, t);
+  subnormal_restore(mode);
+}
+
+/* On every rank, n steps unless one fails or is to stop. */
+static void advance(ranks *r, int64_t n, bool measure) {
+  assert(ranks_are_spread(r));
+  const int64_t until = r->part.state->step + n;
+  do {
+    engine *e = &r->part;
+    const double began = clock_seconds();
+    e->halo->waited = 0.0;
+    if (until > e->state->step) step_begin(e, until - e->state->step);
+    pool_run(r->pool, advance_member, &(advance_task){r, until, measure});
+    r->busy += clock_seconds() - began - e->halo->waited;
+    if (r->bits & HALO_STALE && !(r->bits & HALO_FAILED)) {
+      const sd_status status = renew(r);
+      engine_end(&r->part, status);
+      if (!all_well(status)) r->bits |= HALO_FAILED;
+    }
+  } while (!(r->bits & (HALO_FAILED | HALO_STOP)) && r->part.state->step < until);
+}
+
+static sd_status tell_failure(const ranks *r, sd_messages *messages) {
+  return ranks_tell_failure(engine_status(&r->part), r->messages, messages);
+}
+
+/* --- rank 0 ------------------------------------------------------------------------------------------------------ */
+
+const char *ranks_unsuited(const engine *whole) {
+  const sd_model *m = whole->model;
+  const sd_phase *p = &m->phases[whole->state->phase];
+  if (whole->fields) return "the program has force fields of its own";
+  if (m->n_clumps > 0) return "there are clumps";
+  if (cell_deforms(m)) return "the box deforms";
+  if (m->n_rotations > 0 || m->n_slides > 0) return "single disks are watched";
+  if (p->relax) return "it relaxes";
+  if (p->compress.asked) return "it compresses";
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++)
+      if (m->motions[k].bodies[b] < m->n_disks && !m->disks[m->motions[k].bodies[b]].driven)
+        return "a motion moves a free disk";
+  return NULL;
+}
+
+/* Points of equal weight, but for disks that are not in play. */
+static sd_status first_cut(ranks *r, const engine *whole) {
+  const sd_state *s = whole ? whole->state : NULL;
+  const size_t n = s ? s->n_free : 0;
+  float *weight = malloc((n + 1) * sizeof *weight);
+  for (size_t i = 0; weight && i < n; i++) weight[i] = s->activity[i] == SD_IN_PLAY ? 1.0f : 0.01f;
+  sd_status status = weight ? SD_OK : SD_ERROR_IO;
+  if (all_well(status)) status = comm_cuts_make(r->cuts, n, s ? s->x : NULL, s ? s->y : NULL, weight);
+  free(weight);
+  return status;
+}
+
+static sd_status spread(ranks *r, const engine *whole) {
+  double skin[1] = {whole ? engine_skin(whole) : 0.0};
+  int64_t step[1] = {whole ? whole->state->step : 0};
+  comm_share(skin, sizeof skin);
+  comm_share(step, sizeof step);
+  r->skin = skin[0];
+  r->cut_step = step[0];
+  r->busy = 0.0;
+  if (!r->cuts) r->cuts = comm_cuts_new(); /* all ranks at once: rank 0 may have finished without */
+  sd_status status = r->cuts ? SD_OK : SD_ERROR_IO;
+  if (all_well(status)) status = first_cut(r, whole);
+  r->balance.cuts++;
+  if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
+  if (r->threads > 1 && !r->pool) status = SD_ERROR_IO;
+  if (!all_well(status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot spread the disks over the ranks");
+  status = take_part(r, whole);
+  if (!all_well(status)) r->bits = HALO_FAILED;
+  return status;
+}
+
+sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
+  motion_store(whole);
+  if (engine_has_lists(whole) && contacts_store(whole) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  r->threads = engine_threads(whole);
+  say(SPREAD, r->threads, false);
+  engine_drop_lists(whole);
+  const sd_status status = spread(r, whole);
+  return comm_or(status != SD_OK) ? tell_failure(r, messages) : SD_OK;
+}
+
+/* On every rank. */
+static sd_energy add_energies(ranks *r) {
+  energy_sums sum;
+  halo_refresh(&r->part, NULL);
+  energy_add_up(&r->part, &sum);
+  comm_total_exact(sum.of, ENERGY_SUMS);
+  return energy_of_sums(r->part.state, &sum);
+}
+
+/* On every rank; SD_OK on those that have not failed themselves. kept: of all ranks. */
+static sd_status start(ranks *r, bool measure, double *kept) {
+  engine *e = &r->part;
+  size_t mine = 0;
+  sd_status status = engine_start_part(e, &mine, r->messages);
+  if (!all_well(status)) return status;
+  step_agree(e, false);
+  *kept = comm_total((double)mine);
+  const sd_energy now = add_energies(r);
+  e->state->energy_start = energy_total(&now);
+  motion_begin_run(e);
+  if (measure) phase_measure_begin(e);
+  return engine_status(e);
+}
+
+static sd_status take_common_of(ranks *r, engine *whole, sd_messages *messages) {
+  return move_common(&r->part, whole->state) == SD_OK
+             ? SD_OK
+             : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
+}
+
+/* On every rank. */
+static settle_measure rest(ranks *r) {
+  settle_sums all;
+  settle_add_up(&r->part, &all);
+  comm_total_exact(all.of, SETTLE_SUMS);
+  all.disks = (size_t)comm_total((double)all.disks);
+  all.contacts = (size_t)comm_total((double)all.contacts);
+  all.outside = comm_or(all.outside > 0);
+  return settle_of_sums(&all);
+}
+
+settle_measure ranks_rest(ranks *r) {
+  say(SETTLE, 0, false);
+  return rest(r);
+}
+
+/* On every rank, after so many steps of the phase. */
+static void end_phase(ranks *r, int64_t phase_step) {
+  engine *e = &r->part;
+  assert(ranks_are_spread(r));
+  const bool settles = r->model->phases[e->state->phase].settle.asked;
+  const settle_measure now = settles ? rest(r) : (settle_measure){0};
+  e->state->phase_step = phase_step;
+  phase_end(e, settles ? &now : NULL);
+}
+
+sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages) {
+  say(END, whole->state->phase_step, false);
+  end_phase(r, whole->state->phase_step);
+  whole->state->phase = r->part.state->phase;
+  whole->state->phase_step = 0;
+  r->collected = -1;
+  return take_common_of(r, whole, messages);
+}
+
+sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messages) {
+  sd_status status = ranks_spread(r, whole, messages);
+  if (status != SD_OK) return status;
+  double kept = 0.0;
+  say(START, 0, measure);
+  status = start(r, measure, &kept);
+  engine_end(&r->part, status);
+  if (!all_well(status)) return tell_failure(r, messages);
+  engine_warn_of_dropped(r->model, (size_t)kept, messages);
+  return take_common_of(r, whole, messages);
+}
+
+sd_status ranks_advance(ranks *r, engine *whole, int64_t n, bool measure, sd_messages *messages) {
+  if (!ranks_are_spread(r)) {
+    const sd_status status = ranks_spread(r, whole, messages);
+    if (status != SD_OK) return status;
+  }
+  say(ADVANCE, n, measure);
+  advance(r, n, measure);
+  whole->state->step = r->part.state->step;
+  if (r->bits & HALO_STOP && r->stop) *r->stop = 1;
+  if (!(r->bits & HALO_FAILED)) return SD_OK;
+  engine_end(whole, tell_failure(r, messages));
+  return engine_status(whole);
+}
+
+sd_status ranks_collect(ranks *r, engine *whole) {
+  if (!ranks_are_spread(r) || r->collected == whole->state->step) return SD_OK;
+  say(COLLECT, 0, false);
+  sd_status status = store_part(r);
+  if (!all_well(status)) return SD_ERROR_IO;
+  status = move_together(&r->part, whole->state);
+  if (status == SD_OK) r->collected = whole->state->step;
+  return status;
+}
+
+sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages) {
+  if (!ranks_are_spread(r)) return SD_OK;
+  if (ranks_collect(r, whole) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the whole state");
+  engine_use_skin(whole, engine_skin(&r->part));
+  engine_tell(whole, messages);
+  say(DROP, 0, false);
+  drop_part(r);
+  r->collected = -1;
+  return engine_make_lists(whole, messages);
+}
+
+sd_energy ranks_energy(ranks *r) {
+  say(ENERGY, 0, false);
+  return add_energies(r);
+}
+
+/* On every rank. */
+static sd_status add_resultants(ranks *r, sd_messages *messages) {
+  sd_status status = store_rows(r);
+  if (all_well(status)) {
+    resultants_take(&r->sums, r->model, r->part.state, engine_slots(&r->part), true, r->messages);
+    return SD_OK;
+  }
+  engine_end(&r->part, status);
+  return tell_failure(r, messages);
+}
+
+const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
+  say(SERIES, 0, false);
+  return add_resultants(r, messages) == SD_OK ? &r->sums : NULL;
+}
+
+/* On every rank: writes its share of a checkpoint, or (rows) of a part. */
+static sd_status write_share(ranks *r, bool rows, const char *whole, int64_t *seals, sd_messages *messages) {
+  int64_t sum = 0;
+  char *path = h5_share_path(whole, (size_t)comm_rank());
+  if (!path) comm_abort(SD_ERROR_IO);
+  sd_status status = rows ? SD_OK : store_part(r);
+  if (all_well(status))
+    status = rows ? record_share_seal(&r->rows, path, &sum, r->messages)
+                  : ranks_write_share(&r->part, path, &sum, r->messages);
+  free(path);
+  if (all_well(status)) {
+    ranks_gather_sums(sum, seals);
+    return SD_OK;
+  }
+  checkpoint_remove_share(-1, whole, (size_t)comm_rank());
+  engine_end(&r->part, status);
+  return tell_failure(r, messages);
+}
+
+static void say_path(word w, const char *path) {
+  const size_t length = strlen(path) + 1;
+  say(w, (int64_t)length, false);
+  comm_share((char *)(uintptr_t)path, length);
+}
+
+/* Collective. */
+static size_t count_contacts(const ranks *r) { return (size_t)comm_total((double)r->part.state->n_contacts); }
+
+sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, size_t *n_contacts,
+                      sd_messages *messages) {
+  say_path(WRITE, path);
+  const sd_status status = write_share(r, false, path, seals, messages);
+  *n_contacts = status == SD_OK ? count_contacts(r) : 0;
+  return status == SD_OK ? take_common_of(r, whole, messages) : status;
+}
+
+sd_status ranks_seal(ranks *r, const char *path, int64_t *seals, sd_messages *messages) {
+  say_path(SEAL, path);
+  return write_share(r, true, path, seals, messages);
+}
+
+/* Of the order SAMPLE: frame and columns, and the size of the rows that it made. */
+typedef struct sampling {
+  int64_t what, frame, moment_number;
+  size_t contacts, bytes;
+} sampling;
+
+/* On every rank. */
+static sd_status sample(ranks *r, sampling *s, sd_messages *messages) {
+  sd_status status = store_rows(r);
+  if (all_well(status))
+    status =
+        ranks_sample_share(&r->part, (unsigned)s->what, s->frame, s->moment_number, &r->rows, r->messages);
+  if (!all_well(status)) {
+    engine_end(&r->part, status);
+    return tell_failure(r, messages);
+  }
+  s->contacts = count_contacts(r);
+  s->bytes = (size_t)comm_total((double)record_share_bytes(&r->rows));
+  return SD_OK;
+}
+
+sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, int64_t moment_number,
+                       size_t *n_contacts, size_t *bytes, sd_messages *messages) {
+  sampling s = {.what = what, .frame = frame, .moment_number = moment_number};
+  say(SAMPLE, 0, false);
+  comm_share(&s, sizeof s);
+  const sd_status status = sample(r, &s, messages);
+  *n_contacts = s.contacts;
+  *bytes = s.bytes;
+  return status == SD_OK ? take_common_of(r, whole, messages) : status;
+}
+
+void ranks_dismiss(int status) {
+  if (comm_size() > 1) say(DISMISS, status, false);
+}
+
+/* --- the others -------------------------------------------------------------------------------------------------- */
+
+static void serve_write(ranks *r, bool rows, size_t length) {
+  char *path = malloc(length);
+  if (!path) comm_abort(SD_ERROR_IO);
+  comm_share(path, length);
+  if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
+    count_contacts(r);
+    move_common(&r->part, NULL);
+  }
+  free(path);
+}
+
+static void serve_sample(ranks *r) {
+  sampling s = {0};
+  comm_share(&s, sizeof s);
+  if (sample(r, &s, NULL) == SD_OK) move_common(&r->part, NULL);
+}
+
+int ranks_serve(ranks *r) {
+  for (;;) {
+    order o = {0};
+    comm_share(&o, sizeof o);
+    switch ((word)o.word) {
+      case SPREAD: {
+        r->threads = (int)o.n;
+        const sd_status status = spread(r, NULL);
+        if (comm_or(status != SD_OK)) tell_failure(r, NULL);
+        break;
+      }
+      case START: {
+        double kept;
+        const sd_status status = start(r, o.measure != 0, &kept);
+        engine_end(&r->part, status);
+        if (all_well(status))
+          move_common(&r->part, NULL);
+        else
+          tell_failure(r, NULL);
+        break;
+      }
+      case SETTLE: rest(r); break;
+      case END:
+        end_phase(r, o.n);
+        move_common(&r->part, NULL);
+        break;
+      case ADVANCE:
+        advance(r, o.n, o.measure != 0);
+        if (r->bits & HALO_FAILED) tell_failure(r, NULL);
+        break;
+      case COLLECT:
+        if (all_well(store_part(r))) move_together(&r->part, NULL);
+        break;
+      case ENERGY: add_energies(r); break;
+      case SERIES: add_resultants(r, NULL); break;
+      case WRITE:
+      case SEAL: serve_write(r, o.word == SEAL, (size_t)o.n); break;
+      case SAMPLE: serve_sample(r); break;
+      case DROP: drop_part(r); break;
+      case DISMISS: return (int)o.n;
+    }
+  }
+}

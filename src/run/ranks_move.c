@@ -1,0 +1,487 @@
+/* ranks_move.c: see ranks_move.h. */
+#include "run/ranks_move.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/comm.h"
+#include "base/comm_data.h"
+#include "physics/neighbours/order.h"
+#include "physics/step/access.h"
+#include "run/route.h"
+
+enum { MOST_COLUMNS = 256 };
+
+/* --- columns ----------------------------------------------------------------------------------------------- */
+
+/* Bytes of a free disk's row in this column; 0: it has none. */
+static size_t disk_row(const sd_state *s, const sd_field *f) {
+  const size_t size = sd_type_size(f->type);
+  switch (f->extent) {
+    case SD_PER_BODY:
+    case SD_PER_FREE: return size;
+    case SD_PER_MEAN: return s->n_means ? size : 0;
+    case SD_PER_MEAN_BIN: return s->n_means ? size * SD_MEAN_BINS : 0;
+    case SD_PER_FIELDED: return s->n_fielded ? size : 0;
+    case SD_PER_LAW_FREE: return s->law_columns ? size : 0;
+    case SD_PER_CELL_DISK: return s->n_cell_disks ? size : 0;
+    default: return 0;
+  }
+}
+
+static size_t contact_row(const sd_state *s, const sd_field *f) {
+  const bool there = f->extent == SD_PER_CONTACT || (f->extent == SD_PER_LAW_CONTACT && s->law_columns);
+  return there ? sd_type_size(f->type) : 0;
+}
+
+/* The part of a column that every rank has: of prescribed bodies, motions, the run. */
+static size_t common_part(const sd_state *s, const sd_field *f, char **at) {
+  const size_t size = sd_type_size(f->type);
+  *at = sd_field_data(s, f);
+  if (state_of_free(f->extent) || state_of_contacts(f->extent)) return 0;
+  if (f->extent != SD_PER_BODY) return size * sd_extent_size(s, f->extent);
+  const size_t first = s->n_free + s->n_ghosts;
+  *at += size * first;
+  return size * (s->n_bodies - first);
+}
+
+static size_t common_bytes(const sd_state *s) {
+  size_t bytes = 0;
+  char *at;
+  for (size_t k = 0; k < sd_field_count; k++) bytes += common_part(s, &sd_fields[k], &at);
+  return bytes;
+}
+
+/* to: into the state; else out of it. */
+static void common_copy(const sd_state *s, char *buffer, bool to) {
+  for (size_t k = 0; k < sd_field_count; k++) {
+    char *at;
+    const size_t bytes = common_part(s, &sd_fields[k], &at);
+    if (bytes == 0) continue;
+    memcpy(to ? at : buffer, to ? buffer : at, bytes);
+    buffer += bytes;
+  }
+}
+
+/* --- parts -------------------------------------------------------------------------------------------------- */
+
+/* Disks of the part that is made, in their order, and where they come from. */
+typedef struct shares {
+  const sd_model *model;
+  const comm_cuts *cuts;
+  const engine *from;
+  size_t n_from, n_known; /* own disks, and with ghosts */
+  const int *owner;       /* [n_known] */
+  route disks, ghosts, contacts;
+  uint32_t *place;       /* of disks that come */
+  uint32_t *order;       /* [own + ghosts] */
+  uint32_t *ghost_place; /* slots */
+  double *x, *y, *radius;
+  int32_t *activity;
+} shares;
+
+static void part_free(shares *p) {
+  route_free(&p->disks);
+  route_free(&p->ghosts);
+  route_free(&p->contacts);
+  free(p->place);
+  free(p->order);
+  free(p->ghost_place);
+  free(p->x);
+  free(p->y);
+  free(p->radius);
+  free(p->activity);
+}
+
+static int *find_owners(shares *p) {
+  double low[2], high[2];
+  const sd_state *s = p->from ? p->from->state : NULL;
+  p->n_from = s ? s->n_free : 0;
+  p->n_known = s ? s->n_free + s->n_ghosts : 0;
+  int *owner = malloc((p->n_known + 1) * sizeof *owner);
+  if (!owner) return NULL;
+  comm_cuts_mine(p->cuts, low, high);
+  for (size_t i = 0; i < p->n_known; i++) {
+    const bool inside = s->x[i] > low[0] && s->x[i] < high[0] && s->y[i] > low[1] && s->y[i] < high[1];
+    owner[i] = inside ? comm_rank() : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
+  }
+  p->owner = owner;
+  return owner;
+}
+
+/* What the whole has in slot i, it has as order i. */
+static uint32_t *source_order(const shares *p) {
+  uint32_t *order = malloc((p->n_from + 1) * sizeof *order);
+  for (uint32_t i = 0; order && i < p->n_from; i++) order[i] = p->from->halo ? p->from->halo->order[i] : i;
+  return order;
+}
+
+/* Where rows that come stand, if all ascend by this column. */
+static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *place) {
+  uint32_t *found = malloc((r->n_receive + 1) * sizeof *found);
+  if (!found) {
+    comm_abort(SD_ERROR_IO);
+    return SD_ERROR_IO;
+  }
+  sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
+  if (status == SD_OK) status = route_merge(r, found, place);
+  free(found);
+  return status;
+}
+
+/* Who comes here, and what ghosts are chosen by. */
+static sd_status call_disks(shares *p) {
+  const sd_state *s = p->from ? p->from->state : NULL;
+  route *r = &p->disks;
+  uint32_t *order = source_order(p);
+  if (!order || route_new(r, p->n_from, NULL, p->owner) != SD_OK) {
+    free(order);
+    return SD_ERROR_IO;
+  }
+  route_count(r);
+  const size_t n = r->n_receive + 1;
+  p->place = malloc(n * sizeof *p->place);
+  p->order = malloc(n * sizeof *p->order);
+  p->x = malloc(n * sizeof *p->x);
+  p->y = malloc(n * sizeof *p->y);
+  p->radius = malloc(n * sizeof *p->radius);
+  p->activity = malloc(n * sizeof *p->activity);
+  sd_status status = p->place && p->order && p->x && p->y && p->radius && p->activity ? SD_OK : SD_ERROR_IO;
+  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  const route_column known[] = {{order, p->order, sizeof *order},
+                                {s ? s->x : NULL, p->x, sizeof *p->x},
+                                {s ? s->y : NULL, p->y, sizeof *p->y},
+                                {s ? s->radius : NULL, p->radius, sizeof *p->radius},
+                                {s ? s->activity : NULL, p->activity, sizeof *p->activity}};
+  if (status == SD_OK) status = come_in_order(r, order, p->place);
+  if (status == SD_OK) status = route_columns(r, known, sizeof known / sizeof *known, p->place);
+  free(order);
+  return status;
+}
+
+/* --- ghosts -------------------------------------------------------------------------------------------------- */
+
+/* A list of (row, rank). */
+typedef struct sends {
+  uint32_t *row;
+  int *rank;
+  size_t n, capacity;
+} sends;
+
+static sd_status add_send(sends *l, uint32_t row, int rank) {
+  if (l->n == l->capacity) {
+    const size_t capacity = 2 * l->capacity + 64;
+    uint32_t *rows = realloc(l->row, capacity * sizeof *rows);
+    if (rows) l->row = rows;
+    int *ranks = realloc(l->rank, capacity * sizeof *ranks);
+    if (ranks) l->rank = ranks;
+    if (!rows || !ranks) return SD_ERROR_IO;
+    l->capacity = capacity;
+  }
+  l->row[l->n] = row;
+  l->rank[l->n++] = rank;
+  return SD_OK;
+}
+
+/* Largest distance beyond the radii at which bodies act on each other. */
+static double law_reach(const sd_model *m) {
+  double reach = 0.0;
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
+    const sd_contact_law *l = &m->laws[k];
+    if (l->cohesion == SD_COHESION_CONSTANT) reach = fmax(reach, l->range);
+    if (l->cohesion == SD_COHESION_BRIDGE) reach = fmax(reach, l->rupture);
+  }
+  return reach;
+}
+
+/* The disk and its periodic images, `beside` wide: is it inside this rank's rectangle with all of them? */
+typedef struct box {
+  double low[2], high[2], length[2]; /* 0: open */
+} box;
+
+static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, double beside, int *ranks,
+                           uint8_t *seen) {
+  const double at[2] = {p->x[i], p->y[i]};
+  if (at[0] - beside > b->low[0] && at[0] + beside < b->high[0] && at[1] - beside > b->low[1] &&
+      at[1] + beside < b->high[1])
+    return SD_OK;
+  const int nx = b->length[0] > 0.0 ? 1 : 0, ny = b->length[1] > 0.0 ? 1 : 0;
+  const size_t first = l->n;
+  for (int ix = -nx; ix <= nx; ix++)
+    for (int iy = -ny; iy <= ny; iy++) {
+      const double x = at[0] + ix * b->length[0], y = at[1] + iy * b->length[1];
+      const double low[2] = {x - beside, y - beside}, high[2] = {x + beside, y + beside};
+      const int n = comm_cuts_near(p->cuts, low, high, ranks);
+      for (int k = 0; k < n; k++) {
+        if (ranks[k] == comm_rank() || seen[ranks[k]]) continue;
+        seen[ranks[k]] = 1;
+        if (add_send(l, i, ranks[k]) != SD_OK) return SD_ERROR_IO;
+      }
+    }
+  for (size_t k = first; k < l->n; k++) seen[l->rank[k]] = 0;
+  return SD_OK;
+}
+
+/* Of a periodic box a rectangle at an edge has neighbours beyond it. */
+static box box_of(const shares *p, const sd_state *s) {
+  box b = {0};
+  comm_cuts_mine(p->cuts, b.low, b.high);
+  for (int c = 0; c < 2; c++) {
+    if (!p->model->periodic[c]) continue;
+    const double upper =
+        p->model->lower[c] + (s ? s->box_scale : 1.0) * (p->model->upper[c] - p->model->lower[c]);
+    b.length[c] = upper - p->model->lower[c];
+    b.low[c] = fmax(b.low[c], p->model->lower[c]);
+    b.high[c] = fmin(b.high[c], upper);
+  }
+  return b;
+}
+
+static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
+  sends list = {0};
+  const box b = box_of(p, common);
+  const double reach = p->model->largest_radius + (skin + law_reach(p->model)) * (1.0 + 1e-9);
+  int *ranks = malloc((size_t)comm_size() * sizeof *ranks);
+  uint8_t *seen = calloc((size_t)comm_size(), 1);
+  sd_status status = ranks && seen ? SD_OK : SD_ERROR_IO;
+  for (uint32_t i = 0; i < p->disks.n_receive && status == SD_OK; i++)
+    if (p->activity[i] == SD_IN_PLAY || p->activity[i] == SD_OUTSIDE)
+      status = add_ghost(p, &list, &b, i, p->radius[i] + reach, ranks, seen);
+  if (status == SD_OK) status = route_new(&p->ghosts, list.n, list.row, list.rank);
+  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status == SD_OK) route_count(&p->ghosts);
+  free(list.row);
+  free(list.rank);
+  free(ranks);
+  free(seen);
+  return status;
+}
+
+/* Ghosts stand by order, too. */
+static sd_status place_ghosts(shares *p) {
+  route *r = &p->ghosts;
+  const size_t n_own = p->disks.n_receive;
+  uint32_t *all = realloc(p->order, (n_own + r->n_receive + 1) * sizeof *all);
+  if (all) p->order = all;
+  p->ghost_place = malloc((r->n_receive + 1) * sizeof *p->ghost_place);
+  if (!all || !p->ghost_place) {
+    comm_abort(SD_ERROR_IO);
+    return SD_ERROR_IO;
+  }
+  sd_status status = come_in_order(r, p->order, p->ghost_place);
+  for (size_t k = 0; k < r->n_receive && status == SD_OK; k++) p->ghost_place[k] += (uint32_t)n_own;
+  if (status == SD_OK)
+    status = route_columns(r, &(route_column){p->order, p->order, sizeof *p->order}, 1, p->ghost_place);
+  return status;
+}
+
+/* --- contacts ------------------------------------------------------------------------------------------------- */
+
+/* To the ranks of both disks. */
+static sd_status call_contacts(shares *p) {
+  sends list = {0};
+  sd_status status = SD_OK;
+  const sd_state *s = p->from ? p->from->state : NULL;
+  for (uint32_t k = 0; s && k < s->n_contacts && status == SD_OK; k++) {
+    const uint32_t a = engine_slot(p->from, s->contact_a[k]), b = engine_slot(p->from, s->contact_b[k]);
+    assert(a < p->n_known);
+    const int first = p->owner[a], second = b < p->n_known ? p->owner[b] : first;
+    status = add_send(&list, k, first);
+    if (second != first && status == SD_OK) status = add_send(&list, k, second);
+  }
+  if (status == SD_OK) status = route_new(&p->contacts, list.n, list.row, list.rank);
+  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status == SD_OK) route_count(&p->contacts);
+  free(list.row);
+  free(list.rank);
+  return status;
+}
+
+static sd_status take_contacts(route *r, const sd_state *from, sd_state *to) {
+  to->n_contacts = 0;
+  sd_status status = sd_state_reserve_contacts(to, r->n_receive);
+  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  to->n_contacts = r->n_receive;
+  route_column list[MOST_COLUMNS];
+  size_t n = 0;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    const size_t size = contact_row(to, f);
+    assert(n < MOST_COLUMNS);
+    if (size) list[n++] = (route_column){from ? sd_field_data(from, f) : NULL, sd_field_data(to, f), size};
+  }
+  return status == SD_OK ? route_columns(r, list, n, NULL) : status;
+}
+
+/* --- to parts ------------------------------------------------------------------------------------------------- */
+
+/* Columns of disks that have a row for each free disk, or for each body; from, to NULL: none there. */
+static size_t columns_of(const sd_state *from, const sd_state *to, bool bodies, route_column *list) {
+  size_t n = 0;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    const size_t size = disk_row(to ? to : from, f);
+    if (size == 0 || (bodies && f->extent != SD_PER_BODY)) continue;
+    assert(n < MOST_COLUMNS);
+    list[n++] = (route_column){from ? sd_field_data(from, f) : NULL, to ? sd_field_data(to, f) : NULL, size};
+  }
+  return n;
+}
+
+static sd_status take_disks(shares *p, sd_state *to) {
+  route_column list[MOST_COLUMNS];
+  size_t n = columns_of(p->from ? p->from->state : NULL, to, false, list);
+  const sd_status status = route_columns(&p->disks, list, n, p->place);
+  n = columns_of(to, to, true, list);
+  return status == SD_OK ? route_columns(&p->ghosts, list, n, p->ghost_place) : status;
+}
+
+/* Prescribed bodies, motions, and what is of the run. */
+static sd_status take_common(const engine *from, bool whole, sd_state *to) {
+  const size_t bytes = common_bytes(to);
+  char *buffer = malloc(bytes + 1);
+  if (!buffer) {
+    comm_abort(SD_ERROR_IO);
+    return SD_ERROR_IO;
+  }
+  if (from) {
+    assert(common_bytes(from->state) == bytes);
+    common_copy(from->state, buffer, false);
+  }
+  if (whole) comm_share(buffer, bytes);
+  common_copy(to, buffer, true);
+  free(buffer);
+  return SD_OK;
+}
+
+static sd_status make_halo(shares *p, double skin, halo **out) {
+  halo *h = *out = calloc(1, sizeof *h);
+  if (!h) return SD_ERROR_IO;
+  h->skin = skin;
+  h->n_own = p->disks.n_receive;
+  h->n_ghosts = p->ghosts.n_receive;
+  h->n_send = p->ghosts.n_send;
+  h->order = p->order;
+  h->send_slot = p->ghosts.row;
+  h->ghost_slot = p->ghost_place;
+  p->order = p->ghosts.row = p->ghost_place = NULL;
+  return halo_connect(h, p->ghosts.to, p->ghosts.from);
+}
+
+sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine *from, double skin,
+                     sd_state **state, halo **h) {
+  const bool whole = comm_or(from && from->halo) == 0;
+  shares p = {.model = model, .cuts = cuts, .from = from};
+  *state = NULL;
+  *h = NULL;
+  double scale[1] = {from ? from->state->box_scale : 1.0};
+  if (whole) comm_share(scale, sizeof scale);
+  const sd_state common = {.box_scale = scale[0]};
+  int *owner = find_owners(&p);
+  sd_status status = owner ? SD_OK : SD_ERROR_IO;
+  if (!owner) comm_abort(SD_ERROR_IO);
+  if (status == SD_OK) status = call_disks(&p);
+  if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
+  if (status == SD_OK) status = place_ghosts(&p);
+  if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
+  if (status == SD_OK && !*state) {
+    comm_abort(SD_ERROR_IO);
+    status = SD_ERROR_IO;
+  }
+  if (status == SD_OK) status = take_disks(&p, *state);
+  if (status == SD_OK) status = call_contacts(&p);
+  if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, *state);
+  if (status == SD_OK) status = take_common(from, whole, *state);
+  if (status == SD_OK) status = make_halo(&p, skin, h);
+  part_free(&p);
+  free(owner);
+  if (status == SD_OK) status = order_contacts(model, *state);
+  return status;
+}
+
+/* --- together -------------------------------------------------------------------------------------------------- */
+
+/* The first disk that was too fast, the fastest of that step. */
+static void merge_fast(const sd_state *part, sd_state *whole) {
+  typedef struct fast {
+    int64_t step, disk;
+    double displacement;
+  } fast;
+  const fast mine = {part->fast_step, part->fast_disk, part->fast_displacement};
+  const size_t ranks = (size_t)comm_size();
+  int *counts = malloc(ranks * sizeof *counts);
+  fast *all = malloc(ranks * sizeof *all);
+  if (!counts || !all) comm_abort(SD_ERROR_IO);
+  if (counts && all) {
+    for (size_t q = 0; q < ranks; q++) counts[q] = 1;
+    comm_gather(&mine, all, counts, sizeof mine);
+    fast first = all[0];
+    for (size_t q = 1; q < ranks; q++) {
+      const bool earlier = all[q].step >= 0 && (first.step < 0 || all[q].step < first.step);
+      if (earlier || (all[q].step == first.step && all[q].displacement > first.displacement)) first = all[q];
+    }
+    if (whole) {
+      whole->fast_step = first.step;
+      whole->fast_disk = first.disk;
+      whole->fast_displacement = first.displacement;
+    }
+  }
+  free(counts);
+  free(all);
+}
+
+/* Of the phase the whole knows more: its steps are counted where phases end. */
+static void put_common(const sd_state *part, sd_state *whole, char *buffer) {
+  const int64_t phase = whole->phase, phase_step = whole->phase_step;
+  common_copy(part, buffer, false);
+  common_copy(whole, buffer, true);
+  whole->phase = phase;
+  whole->phase_step = phase_step;
+}
+
+static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
+  uint32_t *place = calloc(r->n_receive + 1, sizeof *place);
+  if (!place) {
+    comm_abort(SD_ERROR_IO);
+    return SD_ERROR_IO;
+  }
+  sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
+  route_column list[MOST_COLUMNS];
+  const size_t n = columns_of(part->state, whole, false, list);
+  if (status == SD_OK) status = route_columns(r, list, n, place);
+  free(place);
+  return status;
+}
+
+sd_status move_common(const engine *part, sd_state *whole) {
+  char *buffer = whole ? malloc(common_bytes(part->state) + 1) : NULL;
+  if (buffer) put_common(part->state, whole, buffer);
+  free(buffer);
+  merge_fast(part->state, whole);
+  return buffer || !whole ? SD_OK : SD_ERROR_IO;
+}
+
+sd_status move_together(const engine *part, sd_state *whole) {
+  const sd_state *s = part->state;
+  sd_state nothing = {.law_columns = s->law_columns}; /* the others send only */
+  int *first = calloc((s->n_free > s->n_contacts ? s->n_free : s->n_contacts) + 1, sizeof *first);
+  route disks = {0}, contacts = {0};
+  sd_status status = first ? SD_OK : SD_ERROR_IO;
+  if (status == SD_OK) status = route_new(&disks, s->n_free, NULL, first);
+  if (status == SD_OK) status = route_new(&contacts, s->n_contacts, NULL, first);
+  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status == SD_OK) {
+    route_count(&disks);
+    route_count(&contacts);
+    status = put_disks(&disks, part, whole);
+  }
+  if (status == SD_OK) status = take_contacts(&contacts, s, whole ? whole : &nothing);
+  if (status == SD_OK) status = move_common(part, whole);
+  route_free(&disks);
+  route_free(&contacts);
+  free(first);
+  if (whole && status == SD_OK) status = order_contacts(part->model, whole);
+  return status;
+}

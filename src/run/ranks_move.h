@@ -1,0 +1,21 @@
+/* ranks_move.h: disks and contacts on their way between the ranks of one run; see ranks.h. All functions are collective. */
+#ifndef SLIPDISK_RUN_RANKS_MOVE_H
+#define SLIPDISK_RUN_RANKS_MOVE_H
+
+#include "base/comm_cuts.h"
+#include "physics/system/halo.h"
+#include "physics/system/work.h"
+
+/* Makes state and halo of this rank's part of the disks, by the rectangles of `cuts`: from the part that it has (from: an engine with a
+ * halo, contacts and motions stored, poses of ghosts refreshed), or from all disks, which rank 0 has (from: an engine without
+ * one; NULL on the other ranks). skin: of the lists to come. SD_ERROR_IO: no memory, on any rank. */
+sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine *from, double skin,
+                     sd_state **state, halo **h);
+
+/* Brings the parts of all ranks into the whole state of rank 0 (NULL on the others), contacts in their order. SD_ERROR_IO: no
+ * memory. */
+sd_status move_together(const engine *part, sd_state *whole);
+/* Brings what is no disk's and no contact's into the whole state. */
+sd_status move_common(const engine *part, sd_state *whole);
+
+#endif

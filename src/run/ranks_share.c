@@ -1,0 +1,94 @@
+/* ranks_share.c: see ranks_share.h. */
+#include "run/ranks_share.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/comm.h"
+#include "base/comm_data.h"
+#include "io/results/checkpoint.h"
+#include "physics/step/access.h"
+#include "physics/system/halo.h"
+
+/* The order of contacts in a state: round pairs and then pieces of walls, by disk, partner and piece. */
+typedef struct place {
+  int64_t key; /* of all contacts of one disk, which are all in one share */
+  uint64_t partner;
+  uint32_t part, from;
+} place;
+
+static int by_place(const void *one, const void *two) {
+  const place *p = one, *q = two;
+  if (p->key != q->key) return p->key < q->key ? -1 : 1;
+  if (p->partner != q->partner) return p->partner < q->partner ? -1 : 1;
+  return p->part < q->part ? -1 : p->part > q->part;
+}
+
+static place place_of(const engine *e, uint32_t c) {
+  const sd_state *s = e->state;
+  const uint32_t a = engine_slot(e, s->contact_a[c]), b = engine_slot(e, s->contact_b[c]);
+  const bool piece = s->contact_b[c] >= e->model->n_disks &&
+                     e->model->walls[s->contact_b[c] - e->model->n_disks].kind != SD_WALL_CIRCLE;
+  return (place){.key = (int64_t)piece << 32 | (int64_t)e->halo->order[a],
+                 .partner = halo_order(e, b),
+                 .part = s->contact_part[c],
+                 .from = c};
+}
+
+static void order_free(checkpoint_order *order) {
+  free(order->disk_key);
+  free(order->contact_key);
+  free(order->contact);
+}
+
+static sd_status order_new(const engine *e, checkpoint_order *order, sd_messages *messages) {
+  const sd_state *s = e->state;
+  place *list = malloc((s->n_contacts + 1) * sizeof *list);
+  *order = (checkpoint_order){.disk_key = malloc((s->n_free + 1) * sizeof *order->disk_key),
+                              .contact_key = malloc((s->n_contacts + 1) * sizeof *order->contact_key),
+                              .contact = malloc((s->n_contacts + 1) * sizeof *order->contact)};
+  const bool there = list && order->disk_key && order->contact_key && order->contact;
+  for (size_t i = 0; there && i < s->n_free; i++) order->disk_key[i] = (int64_t)e->halo->order[i];
+  for (uint32_t c = 0; there && c < s->n_contacts; c++) list[c] = place_of(e, c);
+  if (there && s->n_contacts > 1) qsort(list, s->n_contacts, sizeof *list, by_place);
+  for (size_t c = 0; there && c < s->n_contacts; c++) {
+    order->contact_key[c] = list[c].key;
+    order->contact[c] = list[c].from;
+  }
+  free(list);
+  return there ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the results of rank %d", comm_rank());
+}
+
+sd_status ranks_write_share(const engine *part, const char *path, int64_t *sum, sd_messages *messages) {
+  checkpoint_order order;
+  sd_status status = order_new(part, &order, messages);
+  if (status == SD_OK) status = checkpoint_write_share(path, part->state, &order, sum, messages);
+  order_free(&order);
+  return status;
+}
+
+/* Disks that are driven are on all ranks, and written by the first. */
+sd_status ranks_sample_share(const engine *part, unsigned what, int64_t frame, int64_t moment_number,
+                             record_share *rows, sd_messages *messages) {
+  const sd_state *s = part->state;
+  const size_t driven = comm_rank() == 0 ? s->n_free + s->n_ghosts : s->n_disks;
+  checkpoint_order order;
+  sd_status status = order_new(part, &order, messages);
+  if (status == SD_OK)
+    status = record_share_sample(rows, what, s, driven, engine_slots(part), &order, frame, moment_number,
+                                 messages);
+  order_free(&order);
+  return status;
+}
+
+void ranks_gather_sums(int64_t sum, int64_t *all) {
+  const size_t n = (size_t)comm_size();
+  int *counts = malloc(n * sizeof *counts);
+  int64_t *every = malloc(n * sizeof *every);
+  if (!counts || !every) comm_abort(SD_ERROR_IO);
+  for (size_t q = 0; counts && q < n; q++) counts[q] = 1;
+  if (counts && every) comm_gather(&sum, every, counts, sizeof sum);
+  if (all && every) memcpy(all, every, n * sizeof *all);
+  free(counts);
+  free(every);
+}

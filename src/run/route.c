@@ -1,0 +1,148 @@
+/* route.c: see route.h. */
+#include "run/route.h"
+
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/comm.h"
+#include "base/comm_data.h"
+
+void route_free(route *r) {
+  free(r->to);
+  free(r->from);
+  free(r->row);
+  free(r->out);
+  free(r->in);
+  *r = (route){0};
+}
+
+sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank) {
+  const size_t ranks = (size_t)comm_size();
+  size_t *at = calloc(ranks + 1, sizeof *at);
+  *r = (route){.n_send = n,
+               .to = calloc(ranks, sizeof *r->to),
+               .from = calloc(ranks, sizeof *r->from),
+               .row = malloc((n + 1) * sizeof *r->row)};
+  if (!at || !r->to || !r->from || !r->row) {
+    free(at);
+    return SD_ERROR_IO;
+  }
+  for (size_t k = 0; k < n; k++) r->to[rank[k]]++;
+  for (size_t q = 0; q < ranks; q++) at[q + 1] = at[q] + (size_t)r->to[q];
+  for (size_t k = 0; k < n; k++) r->row[at[rank[k]]++] = row ? row[k] : (uint32_t)k;
+  free(at);
+  return SD_OK;
+}
+
+void route_count(route *r) {
+  comm_counts(r->to, r->from);
+  for (int q = 0; q < comm_size(); q++) r->n_receive += (size_t)r->from[q];
+}
+
+/* Row to_row[k] of `to` becomes row from_row[k] of `from`, n of them; NULL: row k. Rows are `stride` bytes apart. */
+typedef struct rows {
+  char *to;
+  size_t to_stride;
+  const uint32_t *to_row;
+  const char *from;
+  size_t from_stride;
+  const uint32_t *from_row;
+} rows;
+
+static void copy_rows(const rows *r, size_t n, size_t size) {
+  for (size_t k = 0; k < n; k++) {
+    char *to = r->to + r->to_stride * (r->to_row ? r->to_row[k] : k);
+    const char *from = r->from + r->from_stride * (r->from_row ? r->from_row[k] : k);
+    if (size == sizeof(double))
+      memcpy(to, from, sizeof(double));
+    else if (size == sizeof(int32_t))
+      memcpy(to, from, sizeof(int32_t));
+    else
+      memcpy(to, from, size);
+  }
+}
+
+/* Rows of this rank: first of them, and how many, among those that are sent or come. */
+static size_t before_own(const int *counts) {
+  size_t n = 0;
+  for (int q = 0; q < comm_rank(); q++) n += (size_t)counts[q];
+  return n;
+}
+
+static sd_status reserve(route *r, size_t bytes) {
+  if (bytes <= r->capacity) return SD_OK;
+  free(r->out);
+  free(r->in);
+  r->out = malloc(bytes);
+  r->in = malloc(bytes);
+  r->capacity = bytes;
+  if (r->out && r->in) return SD_OK;
+  comm_abort(SD_ERROR_IO); /* the others wait */
+  return SD_ERROR_IO;
+}
+
+/* One column of what goes to others, into rows of all columns. */
+static void pack(const route *r, const route_column *c, size_t offset, size_t all) {
+  const size_t before = before_own(r->to), own = (size_t)r->to[comm_rank()], after = before + own;
+  char *to = r->out + offset;
+  copy_rows(&(rows){to, all, NULL, c->from, c->size, r->row}, before, c->size);
+  copy_rows(&(rows){to + all * before, all, NULL, c->from, c->size, r->row + after}, r->n_send - after,
+            c->size);
+}
+
+static void unpack(const route *r, const route_column *c, size_t offset, size_t all, const uint32_t *place) {
+  const size_t before = before_own(r->from), own = (size_t)r->from[comm_rank()], after = before + own;
+  const size_t sent = before_own(r->to);
+  const char *in = r->in + offset;
+  char *to = c->to;
+  if (place) {
+    copy_rows(&(rows){to, c->size, place, in, all, NULL}, before, c->size);
+    copy_rows(&(rows){to, c->size, place + before, c->from, c->size, r->row + sent}, own, c->size);
+    copy_rows(&(rows){to, c->size, place + after, in + all * before, all, NULL}, r->n_receive - after,
+              c->size);
+  } else {
+    copy_rows(&(rows){to, c->size, NULL, in, all, NULL}, before, c->size);
+    copy_rows(&(rows){to + c->size * before, c->size, NULL, c->from, c->size, r->row + sent}, own, c->size);
+    copy_rows(&(rows){to + c->size * after, c->size, NULL, in + all * before, all, NULL},
+              r->n_receive - after, c->size);
+  }
+}
+
+sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
+  const int here = comm_rank();
+  const int own = r->to[here];
+  const size_t others = (r->n_send > r->n_receive ? r->n_send : r->n_receive) - (size_t)own;
+  size_t all = 0, offset = 0;
+  assert(own == r->from[here]);
+  for (size_t k = 0; k < n; k++) all += column[k].size;
+  if (reserve(r, all * (others + 1)) != SD_OK) return SD_ERROR_IO;
+  for (size_t k = 0; k < n; offset += column[k++].size) pack(r, &column[k], offset, all);
+  r->to[here] = r->from[here] = 0;
+  comm_exchange(r->out, r->to, r->in, r->from, all);
+  r->to[here] = r->from[here] = own;
+  offset = 0;
+  for (size_t k = 0; k < n; offset += column[k++].size) unpack(r, &column[k], offset, all, place);
+  return SD_OK;
+}
+
+sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
+  const size_t ranks = (size_t)comm_size();
+  size_t *at = malloc((2 * ranks + 1) * sizeof *at), *end = at + ranks, n_runs = 0, begin = 0;
+  if (!at) return SD_ERROR_IO;
+  for (size_t q = 0; q < ranks; q++) {
+    if (r->from[q] == 0) continue;
+    at[n_runs] = begin;
+    begin += (size_t)r->from[q];
+    end[n_runs++] = begin;
+  }
+  for (uint32_t n = 0; n < r->n_receive; n++) {
+    size_t least = SIZE_MAX;
+    for (size_t q = 0; q < n_runs; q++)
+      if (at[q] < end[q] && (least == SIZE_MAX || order[at[q]] < order[at[least]])) least = q;
+    assert(least != SIZE_MAX);
+    place[at[least]++] = n;
+  }
+  free(at);
+  return SD_OK;
+}

@@ -1,0 +1,39 @@
+/* route.h: rows of a state that go to other ranks, and rows that come.
+ *
+ * Rows that stay here are copied once, from column to column; all columns of the others go in one message to each rank.
+ */
+#ifndef SLIPDISK_RUN_ROUTE_H
+#define SLIPDISK_RUN_ROUTE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "slipdisk/status.h"
+
+typedef struct route {
+  int *to, *from;           /* rows to and from each rank */
+  size_t n_send, n_receive; /* of all ranks, with this one */
+  uint32_t *row;            /* [n_send] of a column, those to rank 0 first */
+  size_t capacity;          /* bytes of each buffer */
+  char *out, *in;
+} route;
+
+/* A column here, and where its rows go to; NULL: no rows. */
+typedef struct route_column {
+  const void *from;
+  void *to;
+  size_t size; /* bytes of a row */
+} route_column;
+
+/* Row row[k] goes to rank[k]; row NULL: row k. SD_ERROR_IO: no memory. Then, on every rank, route_count. */
+sd_status route_new(route *r, size_t n, const uint32_t *row, const int *rank);
+void route_count(route *r);
+void route_free(route *r);
+
+/* Collective. Rows that come, numbered rank by rank, go to rows place[k] of the columns; place NULL: rows k. Without memory the job ends
+ * (comm_abort). */
+sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place);
+/* The rows of each rank come in ascending order: place[k] is where row k stands among all. */
+sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place);
+
+#endif

@@ -1,0 +1,123 @@
+"""What the tests of runs over several MPI ranks share: decks, and running them on so many ranks and threads."""
+import os
+import subprocess
+
+from results_common import LONG, PROGRAM, assert_same, results  # noqa: F401
+
+MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
+
+GRAIN = """materials = ( { name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );"""
+LATTICE = """packings = ( { type = "square"; jitter = 0.5; count = %d; x = [ %s ]; y = [ %s ]; group = "grains"; density = 1.27;
+                sizes = "uniform"; lower = 0.4; upper = 0.5; } );"""
+
+# A column falls apart on a shaken floor: contacts slide while their disks change ranks, and shares of work change.
+COLLAPSE = f"""
+title = "collapse"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
+{GRAIN}
+container = {{ type = "box"; width = 40; height = 30; }};
+{LATTICE % (240, "-20, -10", "0.5, 30")}
+motions = ( {{ name = "shake"; wall = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 1; frequency = 2; ramp = 1; }} );
+phases = ( {{ name = "fall"; steps = 2000; series = 200; frames = 500; }},
+           {{ name = "spread"; steps = 2000; series = 200; frames = 1000; contacts = 500; measure = true; }} );
+measure = {{ disks = true; walls = true; }};
+"""
+
+# Gear, a periodic channel with a rough floor that moves at random: all disks wrap, also across ranks.
+CHANNEL = f"""
+title = "channel"; integrator = "gear5"; dt = 5e-4; gravity = {{ g = 1; tilt = "0.15 pi"; }}; seed = 5;
+{GRAIN}
+box = {{ x = [ 0, 20 ]; periodic = "x"; }};
+disk_rows = ( {{ columns = ("x", "y", "radius"); density = 1.27; fixed = true; group = "floor"; rows = (
+    (1, 0, 1), (3, 0, 1), (5, 0, 1), (7, 0, 1), (9, 0, 1), (11, 0, 1), (13, 0, 1), (15, 0, 1), (17, 0, 1), (19, 0, 1)); }} );
+{LATTICE % (180, "0, 20", "1.2, 40")}
+motions = ( {{ name = "noise"; group = "floor"; coordinate = ("x", "theta"); type = "random"; amplitude = 0.02; frequency = 3; }} );
+phases = ( {{ steps = 3000; series = 300; frames = 1000; contacts = 1000; measure = true; }} );
+measure = {{ disks = true; }};
+"""
+
+# Every law that contacts have, in a turning drum.
+LAWS = f"""
+title = "laws"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 1; }};
+materials = ( {{ name = "grain"; law = "hertz"; k_n = 2e4; restitution = 0.5; limit_damping = false; tangential = "mindlin";
+                k_t = 2e4; gamma_t = 1; mu = 0.5; mu_kinetic = 0.4; k_r = 1e3; mu_r = 0.1; gamma_r = 0.5;
+                cohesion = "bridge"; pull_off = 1; range = 0.02; rupture = 0.1; }} );
+walls = ( {{ name = "drum"; type = "circle"; center = (0, 0); radius = 9; side = "inside"; material = "grain"; }} );
+{LATTICE % (120, "-5, 5", "-6, 6")}
+motions = ( {{ name = "turn"; wall = "drum"; coordinate = "theta"; type = "velocity"; velocity = 0.5; ramp = 0.5; }} );
+phases = ( {{ steps = 3000; series = 300; frames = 1000; contacts = 1000; }} );
+"""
+
+# A lid that a load presses on, sides that servos move, until the packing has settled.
+PRESSED = f"""
+title = "pressed"; integrator = "verlet"; dt = 1e-3;
+{GRAIN}
+container = {{ type = "box"; width = 16; height = 16; open = false; }};
+{LATTICE % (150, "-7.4, 7.4", "0.6, 15.4")}
+motions = ( {{ name = "press"; wall = "lid"; coordinate = "y"; type = "load"; mass = 5; force = -40; }},
+            {{ name = "sides"; wall = ("left", "right"); coordinate = "x"; type = "servo"; pressure = 3; speed = 0.5; }} );
+phases = ( {{ name = "press"; steps = 12000; motions = ("press", "sides"); series = 500;
+              settle = {{ kinetic = 1e-2; unbalanced = 5e-2; }}; }},
+           {{ name = "hold"; steps = 2000; motions = ("press", "sides"); frames = 1000; }} );
+"""
+
+# Rain on fixed disks; what rolls off is taken away.
+RAIN = f"""
+title = "rain"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
+{GRAIN}
+disk_rows = ( {{ columns = ("x", "y", "radius"); density = 1.27; fixed = true; group = "floor"; rows = (
+    (-5, 0, 0.5), (-4, 0, 0.5), (-3, 0, 0.5), (-2, 0, 0.5), (-1, 0, 0.5), (0, 0, 0.5), (1, 0, 0.5), (2, 0, 0.5), (3, 0, 0.5)); }} );
+packings = ( {{ type = "rain"; count = 80; rows = 1; interval = 1; x = (-4, 4); y = (0.5, 10); gap = 1; group = "grains";
+                density = 1.27; sizes = "uniform"; lower = 0.4; upper = 0.6; }} );
+bounds = {{ y = (-3, 1000); outside = "remove"; }};
+phases = ( {{ steps = 8000; frames = 2000; series = 500; }} );
+"""
+
+# All that a series can sum up, in many rows: two materials, groups that are mixed, a lid within the region.
+MIXTURE = """
+materials = ( { name = "hard"; k_n = 1e4; k_t = 5e3; gamma_n = 0.5; mu = 0.4; }, { name = "soft"; k_n = 6e3; k_t = 2e3; gamma_n = 0.5; mu = 0.2; } );
+material_pairs = ( { materials = ("hard", "soft"); k_n = 8e3; k_t = 3e3; gamma_n = 0.5; mu = 0.3; } );
+packings = ( { type = "square"; jitter = 0.5; count = 90; x = [ %s ]; y = [ %s ]; group = "red"; density = 1.27; material = "hard";
+                sizes = "uniform"; lower = 0.4; upper = 0.5; },
+             { type = "square"; jitter = 0.5; count = 70; x = [ %s ]; y = [ %s ]; group = "blue"; density = 2; material = "soft";
+                sizes = "uniform"; lower = 0.3; upper = 0.5; } );
+"""
+SUMS = f"""
+title = "sums"; integrator = "gear5"; dt = 1e-3; gravity = {{ g = 1; }};
+{MIXTURE % ("-7.4, 7.4", "0.6, 8", "-7.4, 7.4", "8.5, 14")}
+container = {{ type = "box"; width = 16; height = 16; open = false; material = "hard"; }};
+motions = ( {{ name = "press"; wall = "lid"; coordinate = "y"; type = "load"; mass = 5; force = -40; }},
+            {{ name = "shake"; wall = "floor"; coordinate = "x"; type = "harmonic"; amplitude = 0.3; frequency = 1; ramp = 1; }} );
+bounds = {{ y = (-5, 100); outside = "remove"; }};
+phases = ( {{ steps = 3000; motions = ("press", "shake"); series = 7; frames = 1000; contacts = 500; }} );
+measure = {{ walls = true; groups = true; box = true; stress = true; contacts = (3, 50, 120, 159); }};
+"""
+
+# The same in a periodic box that was compressed before: disks of groups go round, also as ghosts; all ranks have one disk.
+PERIODIC = f"""
+title = "periodic"; integrator = "verlet"; dt = 1e-3;
+{MIXTURE % ("0, 20", "0, 6", "0, 20", "7, 13")}
+box = {{ x = (0, 20); y = (0, 14); periodic = "xy"; }};
+disks = ( {{ x = 10; y = 13.3; radius = 0.5; fixed = true; density = 1; group = "red"; material = "soft"; }} );
+motions = ( {{ name = "turn"; disk = 0; coordinate = "theta"; type = "velocity"; velocity = 20; }} );
+phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fraction = 0.82; rate = 0.3; }}; }},
+           {{ name = "flow"; steps = 3000; series = 1; frames = 1000; contacts = 500; }} );
+measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
+"""
+
+DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "laws": LAWS, "pressed": PRESSED, "rain": RAIN, "sums": SUMS,
+         "periodic": PERIODIC}
+
+
+def start(ranks, *words, threads=1, **more):
+    """`slipdisk WORDS` over so many ranks; ranks 0: without mpirun."""
+    launch = [*MPIEXEC, "-n", str(ranks)] if ranks else []
+    environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
+    return subprocess.Popen([*launch, PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            text=True, env=environment, **more)
+
+
+def run(ranks, *words, threads=1, **more):
+    """(exit status, standard output, standard error)"""
+    process = start(ranks, *words, threads=threads, **more)
+    out, err = process.communicate(timeout=LONG)
+    return process.returncode, out, err

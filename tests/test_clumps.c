@@ -1,0 +1,433 @@
+/* Clumps: free motion, closed forms of collision and rocking, one disk as a clump, prescribed coordinates, fields, edges of a
+ * periodic box, energy budgets, threads. Restarts: test_restart.c. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "brief.h"
+#include "deck_runs.h"
+#include "system.h"
+
+static const sd_clump *clump_of(sd_simulation *s, size_t k) {
+  return sd_model_clump(sd_simulation_model(s), k);
+}
+
+static uint32_t add_clump(sd_model *m, size_t n, const uint32_t *disks, double vx, double vy, double omega) {
+  const sd_clump c = {.n_disks = n, .disks = disks, .velocity = {vx, vy, omega}};
+  return sd_model_add_clump(m, &c);
+}
+
+/* Two disks at a distance of 2 d, with their centre at (x, y) and an angle to the x axis. */
+static void add_dimer(sd_model *m, double x, double y, double angle, double d, double radius, double mass) {
+  const double dx = d * cos(angle), dy = d * sin(angle);
+  const uint32_t disks[] = {system_disk(m, x - dx, y - dy, radius, mass),
+                            system_disk(m, x + dx, y + dy, radius, mass)};
+  add_clump(m, 2, disks, 0, 0, 0);
+}
+
+/* Of disks that are what they seem: neither scaled nor held. */
+typedef struct momenta {
+  double x, y, angular;
+} momenta;
+static momenta momenta_of(sd_simulation *s) {
+  momenta p = {0};
+  const sd_model *m = sd_simulation_model(s);
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    const system_body b = system_at(s, i);
+    const sd_disk *d = &m->disks[i];
+    p.x += d->mass * b.vx;
+    p.y += d->mass * b.vy;
+    p.angular += d->inertia * b.omega + d->mass * (b.x * b.vy - b.y * b.vx);
+  }
+  return p;
+}
+
+/* --- free motion --------------------------------------------------------------------------------------- */
+
+static void a_free_clump_keeps_its_momenta(void **unused) {
+  (void)unused;
+  for (int integrator = 0; integrator < 2; integrator++) {
+    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
+    const uint32_t disks[] = {system_disk(m, 0.2, 0, 1, 1), system_disk(m, 1.7, 0.2, 0.7, 0.5),
+                              system_disk(m, 1, 1, 0.3, 2)};
+    add_clump(m, 3, disks, 0.3, 0.1, 2.0);
+    sd_simulation *s = system_start(m);
+    const sd_clump *c = clump_of(s, 0);
+    double inertia = 0;
+    for (int k = 0; k < 3; k++) {
+      const sd_disk *d = &m->disks[disks[k]];
+      inertia += d->mass * (d->radius * d->radius / 2 + pow(d->position[0] - c->position[0], 2) +
+                            pow(d->position[1] - c->position[1], 2));
+    }
+    SYSTEM_NEAR(c->mass, 3.5, 1e-14, "mass");
+    SYSTEM_NEAR(c->inertia, inertia, 1e-14 * inertia, "moment of inertia");
+    const momenta before = momenta_of(s);
+    const sd_energy e = sd_simulation_energy(s);
+    SYSTEM_NEAR(e.kinetic_translation + e.kinetic_rotation, 3.5 * 0.05 + inertia * 2, 1e-13, "energy");
+    system_advance(s, 100000);
+    const momenta after = momenta_of(s);
+    SYSTEM_NEAR(after.x, before.x, 1e-12, "momentum along x");
+    SYSTEM_NEAR(after.y, before.y, 1e-12, "momentum along y");
+    SYSTEM_NEAR(after.angular, before.angular, 1e-11, "angular momentum"); /* 30 lengths from the origin */
+    SYSTEM_NEAR(sd_simulation_energy(s).residual, 0, 1e-12, "energy");
+    const system_body a = system_at(s, 0), b = system_at(s, 1);
+    SYSTEM_NEAR(hypot(b.x - a.x, b.y - a.y), hypot(1.5, 0.2), 1e-13, "distance");
+    SYSTEM_NEAR((double)a.theta, 200, 1e-9, "angle");
+    /* 200 rad about the centre, which has gone its way */
+    const double x = 0.2 - c->position[0], y = -c->position[1], cosine = cos(200), sine = sin(200);
+    SYSTEM_NEAR(a.x, c->position[0] + 30 + cosine * x - sine * y, 1e-9, "place of a disk, x");
+    SYSTEM_NEAR(a.y, c->position[1] + 10 + sine * x + cosine * y, 1e-9, "place of a disk, y");
+    system_end(s);
+  }
+}
+
+/* Two clumps collide with friction: the conservative variant keeps all momenta. */
+static void a_collision_keeps_the_momenta(void **unused) {
+  (void)unused;
+  const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 2, .mu = 0.3};
+  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, 1e-5, law);
+  add_dimer(m, 0, 0, 0.3, 0.8, 1, 1);
+  add_dimer(m, 4.2, 0.9, 2.0, 0.5, 0.8, 0.7);
+  m->clumps[0].velocity[SD_X] = 2;
+  m->clumps[0].velocity[SD_THETA] = 3;
+  sd_simulation *s = system_start(m);
+  const momenta before = momenta_of(s);
+  system_advance(s, 200000);
+  const momenta after = momenta_of(s);
+  const sd_energy e = sd_simulation_energy(s);
+  assert_true(e.friction > 1e-3 && e.viscous > 1e-3);
+  SYSTEM_NEAR(after.x, before.x, 1e-11, "momentum along x");
+  SYSTEM_NEAR(after.y, before.y, 1e-11, "momentum along y");
+  SYSTEM_NEAR(after.angular, before.angular, 1e-9, "angular momentum");
+  SYSTEM_NEAR(e.residual, 0, 1e-7 * e.scale, "energy");
+  system_end(s);
+}
+
+/* --- closed forms -------------------------------------------------------------------------------------- */
+
+static size_t floor_at(sd_model *m, double y) {
+  return system_straight(m, SD_WALL_LINE, 2, (const double[][2]){{-1, y}, {1, y}});
+}
+
+/* One end of a dimer falls on a smooth wall: the impulse J = 2 v/(1/M + l^2/I), l its arm, leaves v - J/M and J l/I. */
+static void one_end_falls_on_a_wall(void **unused) {
+  (void)unused;
+  const double d = 0.8, radius = 1, mass = 0.5, v = 1, angle = 0.6, k = 1e9;
+  const double M = 2 * mass, I = 2 * mass * (radius * radius / 2 + d * d), arm = -d * cos(angle);
+  const double J = 2 * v / (1 / M + arm * arm / I), duration = M_PI * sqrt(1 / (1 / M + arm * arm / I) / k);
+  for (int integrator = 0; integrator < 2; integrator++) {
+    sd_model *m =
+        system_new((sd_integrator)integrator, SD_CONSERVATIVE, duration / 400, (sd_contact_law){.k_n = k});
+    add_dimer(m, 0, d * sin(angle) + radius + 1e-9, angle, d, radius, mass);
+    m->clumps[0].velocity[SD_Y] = -v;
+    floor_at(m, 0);
+    sd_simulation *s = system_start(m);
+    system_advance(s, 450);
+    const sd_state *q = sd_simulation_state(s);
+    assert_int_equal(q->n_contacts, 0);
+    SYSTEM_NEAR(q->clump_vx[0], 0, 1e-12, "velocity along the wall");
+    SYSTEM_NEAR(q->clump_vy[0], -v + J / M, 1e-4, "velocity");
+    SYSTEM_NEAR(q->clump_omega[0], J * arm / I, 1e-4, "angular velocity");
+    const sd_energy e = sd_simulation_energy(s);
+    SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
+    system_end(s);
+  }
+}
+
+/* A round body rolls to and fro about its heavy side: w^2 = M g h/(I + M (R - h)^2), h from the middle to the centre of mass. */
+static void a_tumbler_rocks(void **unused) {
+  (void)unused;
+  const double R = 1, mass = 0.3, heavy = 0.7, below = 0.6, g = 10, k = 1e8, turned = 0.01;
+  const sd_contact_law law = {.k_n = k, .k_t = k, .mu = 100};
+  const double M = mass + heavy, h = heavy * below / M, r = 0.2;
+  const double I = mass * (R * R / 2 + h * h) + heavy * (r * r / 2 + (below - h) * (below - h));
+  const double period = 2 * M_PI * sqrt((I + M * (R - h) * (R - h)) / (M * g * h));
+  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, 1e-5, law);
+  m->gravity[SD_Y] = -g;
+  const uint32_t disks[] = {
+      system_disk(m, 0, R - M * g / k, R, mass),
+      system_disk(m, below * sin(turned), R - M * g / k - below * cos(turned), r, heavy)};
+  add_clump(m, 2, disks, 0, 0, 0);
+  floor_at(m, 0);
+  sd_simulation *s = system_start(m);
+  double last = 0, crossed[4] = {0};
+  int n = 0;
+  for (int64_t step = 1; n < 4 && step < 2000000; step++) {
+    system_advance(s, 1);
+    const double now = (double)system_at(s, 0).theta + turned;
+    if (last < 0 && now >= 0) crossed[n++] = ((double)step - now / (now - last)) * 1e-5;
+    last = now;
+  }
+  assert_int_equal(n, 4);
+  SYSTEM_NEAR((crossed[3] - crossed[0]) / 3, period, 1e-4 * period, "period");
+  const sd_energy e = sd_simulation_energy(s);
+  assert_true(e.friction == 0);
+  SYSTEM_NEAR(e.residual, 0, 1e-7 * e.scale, "energy");
+  system_end(s);
+}
+
+/* --- one disk as a clump -------------------------------------------------------------------------------- */
+
+static sd_simulation *bouncing(int integrator, bool clump) {
+  const sd_contact_law law = {.k_n = 1e5, .k_t = 7e4, .gamma_n = 3, .mu = 0.4};
+  sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, 1e-5, law);
+  m->gravity[SD_Y] = -9.81;
+  for (uint32_t k = 0; k < 6; k++) {
+    const uint32_t i = system_disk(m, 0.9 * (k % 3), 0.6 + 1.1 * (k / 3) + 0.01 * k, 0.5, 1 + 0.1 * k);
+    if (clump)
+      add_clump(m, 1, &i, 0.2, 0, 60.0 - 7 * k);
+    else
+      system_velocity(m, i, 0.2, 0, 60.0 - 7 * k);
+  }
+  system_circle(m, 0.9, 1, 2, true);
+  m->periodic[SD_Y] = true; /* not a small system */
+  m->lower[SD_Y] = -50;
+  m->upper[SD_Y] = 50;
+  return system_start(m);
+}
+
+/* To the bit: the same numbers are added and multiplied in the same order. */
+static void one_disk_as_a_clump_moves_as_the_disk(void **unused) {
+  (void)unused;
+  static const char *const names[] = {"x",  "y",     "theta",   "turn",   "vx",
+                                      "vy", "omega", "force_x", "torque", "contact_zeta"};
+  for (int integrator = 0; integrator < 2; integrator++) {
+    sd_simulation *a = bouncing(integrator, false), *b = bouncing(integrator, true);
+    for (int k = 0; k < 100; k++) {
+      system_advance(a, 1000);
+      system_advance(b, 1000);
+      for (size_t c = 0; c < sizeof names / sizeof *names; c++) {
+        sd_column p, q;
+        assert_true(sd_simulation_column(a, names[c], &p) && sd_simulation_column(b, names[c], &q));
+        assert_int_equal(p.n, q.n);
+        if (memcmp(p.data, q.data, p.n * sizeof(double)) != 0)
+          fail_msg("%s, integrator %d, step %d", names[c], integrator, k);
+      }
+    }
+    const sd_energy e = sd_simulation_energy(a), f = sd_simulation_energy(b);
+    assert_true(e.friction > 0.1);
+    double turned = 0;
+    for (uint32_t i = 0; i < 6; i++) turned = fmax(turned, fabs(sd_simulation_angle(a, i)));
+    assert_true(turned > 4); /* angles have returned into their range */
+    SYSTEM_NEAR(f.kinetic_translation, e.kinetic_translation, 1e-13, "kinetic energy");
+    SYSTEM_NEAR(f.external, e.external, 1e-12, "potential");
+    system_end(a);
+    system_end(b);
+  }
+}
+
+/* --- periodic boxes -------------------------------------------------------------------------------------- */
+
+static sd_simulation *two_dimers(double shift) {
+  const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 2, .mu = 0.3};
+  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, 1e-5, law);
+  for (int c = 0; c < 2; c++) {
+    m->periodic[c] = true;
+    m->upper[c] = 10;
+  }
+  add_dimer(m, 3, 3, 0.3, 0.8, 1, 1);
+  add_dimer(m, 7.2, 3.9, 2.0, 0.5, 0.8, 0.7);
+  for (size_t i = 0; i < m->n_disks; i++)
+    for (int c = 0; c < 2; c++) m->disks[i].position[c] = fmod(m->disks[i].position[c] + shift, 10);
+  m->clumps[0].velocity[SD_X] = 2;
+  m->clumps[0].velocity[SD_Y] = 0.1;
+  m->clumps[0].velocity[SD_THETA] = 3;
+  return system_start(m);
+}
+
+/* Where the edges are is no matter: the disks of one clump may stand on both sides. */
+static void edges_of_a_periodic_box_are_not_felt(void **unused) {
+  (void)unused;
+  sd_simulation *a = two_dimers(0);
+  int images = 0;
+  system_advance(a, 400000);
+  for (double shift = 1.7; shift < 10; shift += 2.9) {
+    sd_simulation *b = two_dimers(shift);
+    system_advance(b, 400000);
+    const sd_state *p = sd_simulation_state(a), *q = sd_simulation_state(b);
+    assert_true(sd_simulation_energy(b).friction > 1e-3);
+    for (int k = 0; k < 2; k++) images += abs(q->clump_image_x[k]) + abs(q->clump_image_y[k]);
+    for (int k = 0; k < 2; k++) {
+      SYSTEM_NEAR(q->clump_vx[k], p->clump_vx[k], 1e-8, "velocity of clump %d, shifted by %g", k, shift);
+      SYSTEM_NEAR(q->clump_omega[k], p->clump_omega[k], 1e-8, "angular velocity of clump %d, shifted by %g",
+                  k, shift);
+    }
+    for (size_t k = 0; k < 4; k++) { /* each disk is beside the others of its clump, images counted */
+      const size_t c = k / 2;
+      const double dx = q->x[k] + 10 * q->image_x[k] - q->clump_x[c] - 10 * q->clump_image_x[c];
+      const double dy = q->y[k] + 10 * q->image_y[k] - q->clump_y[c] - 10 * q->clump_image_y[c];
+      SYSTEM_NEAR(hypot(dx, dy), c ? 0.5 : 0.8, 1e-12, "distance from the centre");
+    }
+    const sd_energy e = sd_simulation_energy(b);
+    SYSTEM_NEAR(e.residual, 0, 1e-7 * e.scale, "energy");
+    system_end(b);
+  }
+  assert_true(images > 0);
+  system_end(a);
+}
+
+/* --- prescribed coordinates ------------------------------------------------------------------------------ */
+
+/* A rough plate with mass lies on three disks that stick to the floor, and is pulled along x at a given speed. */
+static void a_plate_is_dragged(void **unused) {
+  (void)unused;
+  const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 20, .mu = 0.3};
+  const double mass = 5, g = 10;
+  sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, 1e-5, law);
+  uint32_t plate[9];
+  m->gravity[SD_Y] = -g;
+  for (int k = 0; k < 4; k++) system_disk(m, -3 + 2 * k, 0.999, 1, 1);
+  for (int k = 0; k < 9; k++) plate[k] = system_disk(m, -3.9 + k, 2.5 - 1e-4, 0.5, 0.1);
+  const sd_clump c = {.n_disks = 9, .disks = plate, .mass = mass, .locked = {false, false, true}};
+  system_move(m, sd_model_add_clump(m, &c), SD_X, 0.5);
+  floor_at(m, 0);
+  sd_simulation *s = system_start(m);
+  const double x = system_at(s, plate[0]).x;
+  double pull = 0;
+  for (int64_t k = 0; k < 100000; k++) {
+    system_advance(s, 1);
+    pull += sd_simulation_state(s)->clump_force_x[0] * 0.5 * 1e-5;
+  }
+  const sd_state *q = sd_simulation_state(s);
+  SYSTEM_NEAR(system_at(s, plate[0]).x, x + 0.5, 1e-12, "way of the plate");
+  SYSTEM_NEAR(q->clump_theta[0], 0, 0, "its angle");
+  const sd_energy e = sd_simulation_energy(s);
+  assert_true(e.friction > 1e-3);
+  SYSTEM_NEAR(e.work, -pull, 2e-3 * fabs(pull), "work of the plate"); /* against the rectangle rule */
+  SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
+  system_end(s);
+}
+
+/* --- fields ------------------------------------------------------------------------------------------------ */
+
+/* Drag f v on each of two disks, f_r omega about each: the clump slows down with 2 f/M and turns slower with (2 f d^2 + 2 f_r)/I. */
+static void drag_acts_on_each_disk(void **unused) {
+  (void)unused;
+  const double f = 0.3, f_r = 0.05, d = 0.8, M = 1.4, I = 2 * 0.7 * (0.5 + d * d), t = 2;
+  for (int integrator = 0; integrator < 2; integrator++) {
+    text deck = {0};
+    text_add(&deck,
+             "integrator = \"%s\"; dt = 1e-3; time = 2; materials = ( { name = \"m\"; k_n = 1; k_t = 1; "
+             "gamma_n = 0; mu = 0; } "
+             ");\ndisk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, "
+             "0)); } );\n"
+             "clumps = ( { disk = (0, 1); velocity = (3, -1); omega = 2; } );\n"
+             "fields = ( { type = \"drag\"; gamma = %g; gamma_rotation = %g; } );\n",
+             integrator ? "verlet" : "gear5", f, f_r);
+    sd_model *m = model_of(deck.s);
+    free(deck.s);
+    sd_simulation *s = begin_run(m, 1);
+    advance(s, 2000);
+    const sd_state *q = sd_simulation_state(s);
+    const double slowed = exp(-2 * f * t / M), turned = exp(-(2 * f * d * d + 2 * f_r) * t / I);
+    SYSTEM_NEAR(q->clump_vx[0], 3 * slowed, 1e-6, "velocity along x");
+    SYSTEM_NEAR(q->clump_vy[0], -slowed, 1e-6, "velocity along y");
+    SYSTEM_NEAR(q->clump_omega[0], 2 * turned, 1e-6, "angular velocity");
+    const sd_energy e = sd_simulation_energy(s);
+    SYSTEM_NEAR(e.drag, 5 * M * (1 - slowed * slowed) + 2 * I * (1 - turned * turned), 1e-5, "lost to drag");
+    SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
+    sd_simulation_free(s);
+    sd_model_free(m);
+  }
+}
+
+/* A field of the program pushes each disk: a couple of forces turns the clump. */
+static void push_apart(const sd_force_columns *c, void *user) {
+  for (size_t i = 0; i < c->n_free; i++) c->force_y[i] += (c->id[i] ? 1 : -1) * *(const double *)user;
+}
+
+static void fields_of_programs_have_levers(void **unused) {
+  (void)unused;
+  double force = 0.1;
+  sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
+  add_dimer(m, 0, 0, 0, 0.8, 1, 0.7);
+  sd_simulation *s = system_start(m);
+  assert_int_equal(sd_simulation_add_force_field(s, push_apart, &force, NULL), SD_OK);
+  system_advance(s, 3000);
+  const sd_state *q = sd_simulation_state(s);
+  const double I = clump_of(s, 0)->inertia, angle = (double)system_at(s, 0).theta;
+  /* 1/2 I w^2 = 2 f d sin(angle) */
+  SYSTEM_NEAR(0.5 * I * q->clump_omega[0] * q->clump_omega[0], 2 * force * 0.8 * sin(angle), 1e-8,
+              "energy of rotation");
+  const sd_energy e = sd_simulation_energy(s);
+  assert_true(angle > 0.3);
+  SYSTEM_NEAR(q->clump_vy[0], 0, 1e-14, "velocity");
+  SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
+  system_end(s);
+}
+
+/* --- packings ------------------------------------------------------------------------------------------------ */
+
+static const char *const heap =
+    "gravity = { g = 9.81; }; contact_variant = \"conservative\"; materials = ( { name = \"m\"; k_n = 2e4; "
+    "k_t = 1e4; "
+    "gamma_n = 0.5; mu = 0.5; } ); container = { type = \"box\"; width = 1.5; height = 1.2; open = true; };\n"
+    "packings = ( { type = \"square\"; count = 1000; spacing = 0.04; sizes = \"uniform\"; lower = 0.008; "
+    "upper = 0.011; density "
+    "= 40.0; clump = { at = ([-0.8, 0.0], [0.8, 0.0]); }; } );\n";
+
+static sd_model *heap_of(double dt, const char *more) {
+  text t = {0};
+  text_add(&t, "dt = %g; %s %s", dt, heap, more);
+  sd_model *m = model_of(t.s);
+  free(t.s);
+  return m;
+}
+
+static void a_packing_closes_its_budget(void **unused) {
+  (void)unused;
+  double residual[2];
+  const int64_t steps = BRIEF(20000, 500);
+  for (int k = 0; k < 2; k++) {
+    sd_model *m = heap_of(k ? 1e-5 : 2e-5, "time = 0.4;");
+    sd_simulation *s = begin_run(m, 1);
+    advance(s, k ? 2 * steps : steps);
+    const sd_energy e = sd_simulation_energy(s);
+    assert_int_equal(sd_model_clumps(m), 1000);
+    residual[k] = fabs(e.residual) / e.scale;
+    print_message("  dt %g: residual/scale %.2g, friction/scale %.2g, %zu contacts\n", m->dt, residual[k],
+                  e.friction / e.scale, sd_simulation_state(s)->n_contacts);
+    assert_true(steps < 20000 || (e.friction > 0.01 * e.scale && sd_simulation_state(s)->n_contacts > 500));
+    sd_simulation_free(s);
+    sd_model_free(m);
+  }
+  assert_true(steps < 20000 || (residual[1] < 1e-6 && residual[1] < 0.5 * residual[0]));
+}
+
+static void packings_do_not_depend_on_the_threads(void **unused) {
+  (void)unused;
+  sd_model *m = heap_of(2e-5, "phases = ( { steps = 3000; }, { steps = 500; relax = true; } );");
+  sd_state *end = NULL;
+  for (int threads = 1; threads <= 3; threads++) {
+    sd_simulation *s = begin_run(m, threads);
+    advance(s, 3500);
+    if (!end)
+      end = copy_of(m, sd_simulation_state(s));
+    else
+      same_states(end, sd_simulation_state(s), "threads");
+    sd_simulation_free(s);
+  }
+  sd_state_free(end);
+  sd_model_free(m);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_free_clump_keeps_its_momenta),
+      cmocka_unit_test(a_collision_keeps_the_momenta),
+      cmocka_unit_test(one_end_falls_on_a_wall),
+      cmocka_unit_test(a_tumbler_rocks),
+      cmocka_unit_test(one_disk_as_a_clump_moves_as_the_disk),
+      cmocka_unit_test(edges_of_a_periodic_box_are_not_felt),
+      cmocka_unit_test(a_plate_is_dragged),
+      cmocka_unit_test(drag_acts_on_each_disk),
+      cmocka_unit_test(fields_of_programs_have_levers),
+      cmocka_unit_test(a_packing_closes_its_budget),
+      cmocka_unit_test(packings_do_not_depend_on_the_threads),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

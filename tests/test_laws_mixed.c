@@ -1,0 +1,259 @@
+/* test_laws_mixed.c: three materials whose six pairs have laws drawn at random: the same bits by every way of running, and an
+ * energy budget that closes with the square of the time step.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "brief.h"
+#include "laws.h"
+
+/* --- laws and decks by seed ------------------------------------------------------------------------------ */
+
+static const double mass = 4.5e-3, mean_radius = 0.02;
+
+static bool heads(uint64_t *seed) { return next_bits(seed) >> 63; }
+/* Between two values, evenly in the logarithm. */
+static double drawn(uint64_t *seed, double low, double high) {
+  return low * pow(high / low, next_uniform(seed));
+}
+
+static law drawn_law(uint64_t *seed) {
+  law l = {.hertz = heads(seed), .mindlin = heads(seed), .pulls = heads(seed)};
+  l.k_n = drawn(seed, 5e3, 2e4) * (l.hertz ? 300 : 1);
+  if (heads(seed)) l.gamma_n = drawn(seed, 0.2, 3);
+  if (heads(seed)) l.restitution = 0.3 + 0.7 * next_uniform(seed);
+  if (next_uniform(seed) < 0.8) {
+    l.mu = drawn(seed, 0.1, 1);
+    if (heads(seed)) l.mu_kinetic = l.mu * (0.4 + 0.6 * next_uniform(seed));
+    l.k_t = drawn(seed, 2e3, 1e4) * (l.mindlin ? 100 : 1);
+    if (heads(seed)) l.gamma_t = drawn(seed, 0.1, 2);
+  }
+  if (heads(seed)) {
+    l.mu_r = drawn(seed, 0.01, 0.5);
+    l.k_r = drawn(seed, 5e2, 5e3);
+    if (heads(seed)) l.gamma_r = drawn(seed, 0.1, 1);
+  }
+  const double what = next_uniform(seed);
+  if (what < 0.67) {
+    l.cohesion = what < 0.33 ? "constant" : "bridge";
+    l.pull_off = mass * 9.81 * drawn(seed, 0.3, 10);
+    l.range = drawn(seed, 1e-4, 1e-3);
+    if (what >= 0.33) l.rupture = l.range * drawn(seed, 1, 4);
+  }
+  return l;
+}
+
+static void add_laws(text *t, uint64_t *seed) {
+  static const char *const names[] = {"a", "b", "c"}, *const between_two[] = {"(\"a\", \"b\")",
+                                                                              "(\"a\", \"c\")",
+                                                                              "(\"b\", \"c\")"};
+  char name[64];
+  text_add(t, "materials = (");
+  for (int k = 0; k < 6; k++) {
+    if (k == 3) text_add(t, " );\nmaterial_pairs = (");
+    snprintf(name, sizeof name, k < 3 ? "name = \"%s\"" : "materials = %s",
+             k < 3 ? names[k] : between_two[k - 3]);
+    law l = drawn_law(seed);
+    text_add(t, "%s", k % 3 ? ", " : "");
+    law_add(t, name, &l);
+  }
+  text_add(t, " );\n");
+}
+
+static void add_head(text *t, double dt, uint64_t seed) {
+  text_add(
+      t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"%s\"; steps = 1e15; gravity = { g = 60; };\n",
+      dt, system_integrators[seed % 2], system_variants[seed / 2 % 2]);
+}
+
+/* A packing that falls on a shaken floor with segments and a round wall. */
+static sd_model *packing(uint64_t seed, double dt, const char *integrator) {
+  enum { WIDE = 9, HIGH = 7 };
+  text t = {0};
+  add_head(&t, dt, integrator ? strcmp(integrator, "verlet") == 0 : seed);
+  add_laws(&t, &seed);
+  text_add(&t, "box = { x = (0, %.17g); periodic = \"x\"; };\n", WIDE * 2.01 * mean_radius);
+  text_add(&t,
+           "walls = ( { name = \"f\"; type = \"line\"; points = ( (0, 0), (1, 0) ); material = \"a\"; },\n"
+           "{ type = \"segment\"; points = ( (0.03, 0.09), (0.1, 0.12) ); material = \"b\"; },\n"
+           "{ type = \"circle\"; center = (0.25, 0.1); radius = 0.04; side = \"outside\"; material = \"c\"; "
+           "} );\n");
+  text_add(&t, "motions = ( { wall = \"f\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
+               "frequency = 40; } );\n");
+  text_add(&t, "disk_rows = ( ");
+  for (int k = 0; k < 3; k++) {
+    text_add(&t,
+             "%s{ columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); density = 3.57; material "
+             "= \"%c\"; rows = (",
+             k ? ", " : "", 'a' + k);
+    bool first = true;
+    for (int n = 0; n < WIDE * HIGH; n++) {
+      double x = 2.01 * mean_radius * (n % WIDE + 0.5), y = mean_radius * (1.02 + 2.01 * (n / WIDE));
+      double r = mean_radius * (0.9 + 0.1 * next_uniform(&seed)), v[3];
+      for (int c = 0; c < 3; c++) v[c] = 0.4 * (next_uniform(&seed) - 0.5);
+      bool clear =
+          (hypot(x - 0.25, y - 0.1) > 0.062) && (x > 0.13 || fabs(y - 0.09 - (x - 0.03) * 3 / 7) > 0.024);
+      if (n % 3 != k || !clear) continue;
+      text_add(&t, "%s(%.6f, %.6f, %.6f, %.3f, %.3f, %.2f)", first ? "" : ", ", x, y, r, v[0], v[1],
+               10 * v[2]);
+      first = false;
+    }
+    text_add(&t, ") }");
+  }
+  text_add(&t, " );\n");
+  sd_model *m = model_of(t.s);
+  free(t.s);
+  return m;
+}
+
+/* --- bits ------------------------------------------------------------------------------------------------ */
+
+enum { SEEDS = BRIEF(12, 3), STEPS = 2500 };
+
+static sd_state *run(const sd_model *m, int threads, const char *path, int disturbed) {
+  if (path)
+    setenv("SLIPDISK_PATH", path, 1);
+  else
+    unsetenv("SLIPDISK_PATH");
+  sd_simulation *s = begin_run(m, threads);
+  for (int k = 0; k < STEPS / 250; k++) {
+    advance(s, 250);
+    if (disturbed == 1) assert_int_equal(sd_simulation_rebuild(s, NULL), SD_OK);
+    if (disturbed == 2) s = go_on_from_copy(s, threads);
+    if (disturbed == 3) {
+      void *data = NULL;
+      size_t size = 0;
+      assert_int_equal(sd_simulation_save_memory(s, &data, &size, NULL), SD_OK);
+      sd_simulation_free(s);
+      assert_int_equal(sd_simulation_load_memory(data, size, threads, &s, NULL), SD_OK);
+      sd_free(data);
+    }
+  }
+  sd_state *state = copy_of(m, sd_simulation_state(s));
+  assert_int_equal(state->step, STEPS);
+  sd_simulation_free(s);
+  unsetenv("SLIPDISK_PATH");
+  return state;
+}
+
+static void same_bits_by_all_ways(void **unused) {
+  (void)unused;
+  static const struct {
+    int threads;
+    const char *path;
+    int disturbed;
+    const char *what;
+  } ways[] = {{2, NULL, 0, "two threads"},    {3, NULL, 0, "three threads"},
+              {1, "baseline", 0, "baseline"}, {1, "avx2", 0, "avx2"},
+              {1, "avx512", 0, "avx512"},     {1, NULL, 1, "rebuilt"},
+              {1, NULL, 2, "resumed"},        {2, "baseline", 3, "saved and loaded"}};
+  size_t contacts = 0;
+  for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+    sd_model *m = packing(seed, 1e-5, NULL);
+    sd_state *one = run(m, 1, NULL, 0);
+    contacts += one->n_contacts;
+    /* threads that wait for each other cost most: every way for three of the seeds */
+    for (size_t k = seed % 4 == 1 ? 0 : 2; k < sizeof ways / sizeof *ways - (seed % 4 != 1); k++) {
+      sd_state *two = run(m, ways[k].threads, ways[k].path, ways[k].disturbed);
+      char what[64];
+      snprintf(what, sizeof what, "seed %d, %s", (int)seed, ways[k].what);
+      same_states(one, two, what);
+      sd_state_free(two);
+    }
+    sd_state_free(one);
+    sd_model_free(m);
+  }
+  print_message("%zu contacts at the end of %d runs\n", contacts, SEEDS);
+  assert_true(contacts > 12 * SEEDS);
+}
+
+/* Two disks on supports of other materials: the step of small systems and the general one. */
+static void small_systems(void **unused) {
+  (void)unused;
+  int small = 0;
+  for (uint64_t seed = 101; seed < 101 + BRIEF(60, 12); seed++) {
+    text t = {0};
+    uint64_t draws = seed;
+    add_head(&t, 1e-5, seed);
+    add_laws(&t, &draws);
+    text_add(&t, "disks = ( { x = 0.001; y = 0.0355; radius = 0.02; density = 3.57; material = \"a\"; vy = "
+                 "-0.3; omega = 9; },\n"
+                 "{ x = 0.003; y = 0.0761; radius = 0.018; density = 3.57; material = \"b\"; vx = 0.1; omega "
+                 "= -5; },\n"
+                 "{ x = -0.021; y = 0; radius = 0.02; density = 3.57; material = \"b\"; fixed = true; },\n"
+                 "{ name = \"r\"; x = 0.021; y = 0; radius = 0.02; density = 3.57; material = \"c\"; fixed = "
+                 "true; } );\n"
+                 "motions = ( { disk = \"r\"; coordinate = (\"y\", \"theta\"); type = \"harmonic\"; "
+                 "amplitude = 2e-3; frequency = 60; } );\n");
+    if (seed % 3 == 0)
+      text_add(&t, "walls = ( { type = \"circle\"; center = (0, 0.05); radius = 0.07; side = \"inside\"; "
+                   "material = \"c\"; } );\n");
+    sd_model *m = model_of(t.s);
+    free(t.s);
+    sd_state *state[2];
+    for (int way = 0; way < 2; way++) {
+      sd_simulation *s = NULL;
+      assert_int_equal(simulation_new(m, 1, way ? SIMULATION_GENERAL : SIMULATION_SUITABLE, NULL, &s, NULL),
+                       SD_OK);
+      if (!way) small += simulation_is_small(s);
+      advance(s, 4000);
+      if (way && seed % 4 == 0) s = go_on_from_copy(s, 1);
+      advance(s, 4000);
+      state[way] = copy_of(m, sd_simulation_state(s));
+      sd_simulation_free(s);
+    }
+    char what[64];
+    snprintf(what, sizeof what, "seed %d, small and general", (int)seed);
+    same_states(state[0], state[1], what);
+    for (int way = 0; way < 2; way++) sd_state_free(state[way]);
+    sd_model_free(m);
+  }
+  print_message("%d of %d took the step of small systems\n", small, BRIEF(60, 12));
+  assert_true(small > 0);
+}
+
+/* --- energy ---------------------------------------------------------------------------------------------- */
+
+static void budget_closes(void **unused) {
+  (void)unused;
+  enum { LEVELS = 3 };
+  double logs[LEVELS] = {0}, worst[LEVELS] = {0};
+  sd_energy total = {0};
+  for (uint64_t seed = 1; seed <= SEEDS; seed++)
+    for (int k = 0; k < LEVELS; k++) {
+      sd_model *m = packing(seed, 5e-6 / (1 << k), "verlet");
+      m->variant = SD_CONSERVATIVE;
+      sd_simulation *s = begin_run(m, 1);
+      advance(s, 5000 << k);
+      double residual = laws_residual(s);
+      logs[k] += log(residual) / SEEDS;
+      worst[k] = fmax(worst[k], residual);
+      sd_energy e = sd_simulation_energy(s);
+      total.rolling += e.rolling, total.bridge += e.bridge, total.viscous += e.viscous,
+          total.friction += e.friction;
+      total.elastic_rolling += e.elastic_rolling, total.cohesion += e.cohesion;
+      sd_simulation_free(s);
+      sd_model_free(m);
+    }
+  for (int k = 0; k < LEVELS; k++)
+    print_message("dt %.2e: residual/scale typically %.1e, at most %.1e\n", 5e-6 / (1 << k), exp(logs[k]),
+                  worst[k]);
+  /* every term took part */
+  assert_true(total.rolling > 0 && total.bridge > 0 && total.viscous > 0 && total.friction > 0);
+  assert_true(total.elastic_rolling > 0 && total.cohesion < 0);
+  assert_true(exp(logs[LEVELS - 1]) < 2e-6 && worst[LEVELS - 1] < 1e-5);
+  assert_true(exp(logs[0] - logs[LEVELS - 1]) > 8); /* 16 when it falls with dt^2 */
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(same_bits_by_all_ways),
+      cmocka_unit_test(small_systems),
+      cmocka_unit_test(budget_closes),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

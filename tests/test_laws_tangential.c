@@ -1,0 +1,318 @@
+/* test_laws_tangential.c: dashpots, springs that stiffen with the overlap, static and kinetic friction; oblique impacts.
+ *
+ * A disk of inertia m R^2/2 that cannot leave a floor has 1/m* = 1/m + R^2/I = 3/m in its tangential motion.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "brief.h"
+#include "laws.h"
+
+static const double m = 0.7, R = 0.4, g = 9.81;
+
+static void head(text *t, double dt, int integrator) {
+  text_add(t, "dt = %.17g; integrator = \"%s\"; contact_variant = \"conservative\"; steps = 1e15;\n", dt,
+           system_integrators[integrator]);
+}
+
+/* --- dashpot --------------------------------------------------------------------------------------------- */
+
+/* Tangential oscillation of a disk on a floor and of a pair whose centres are held: exp(-b t) cos(w t) and so on. */
+static void dashpot(void **unused) {
+  (void)unused;
+  for (int pair = 0; pair < 2; pair++)
+    for (int mindlin = 0; mindlin < 2; mindlin++)
+      for (int i = 0; i < 2; i++) {
+        law l = {.k_n = 1e6, .mu = 1e6, .k_t = 1e4, .gamma_t = 8, .mindlin = mindlin};
+        const double dt = 2e-6, rb = 0.3, mb = 0.2, overlap = pair ? 1e-3 : m * g / l.k_n, speed = 0.1;
+        if (mindlin) l.k_t = 1e4 / sqrt(overlap);
+        text t = {0};
+        head(&t, dt, i);
+        text_add(&t, "gravity = { g = %.17g; }; materials = ( ", pair ? 0 : g);
+        law_add(&t, "name = \"m\"", &l);
+        text_add(&t, " );\ndisks = ( { x = 0; y = 0; radius = %g; mass = %g; ", R, m);
+        if (pair)
+          text_add(&t,
+                   "omega = %.17g; locked = (\"x\", \"y\"); },\n{ x = %.17g; y = 0; radius = %g; mass = %g; "
+                   "locked = (\"x\", \"y\"); } );\n",
+                   speed / R, R + rb - overlap, rb, mb);
+        else
+          text_add(&t,
+                   "vx = %.17g; } );\nwalls = ( { type = \"line\"; points = ( (-1, %.17g), (1, %.17g) ); } "
+                   ");\n",
+                   speed, overlap - R, overlap - R);
+        sd_simulation *s = laws_begin(&t, false);
+        double inverse = pair ? 2 / m + 2 / mb : 3 / m, b = 0.5 * l.gamma_t * inverse;
+        double w = sqrt(1e4 * inverse - b * b), worst = 0;
+        for (int k = 1; k <= 400; k++) {
+          system_advance(s, 20);
+          double now = 20 * k * dt, e = speed * exp(-b * now) * (cos(w * now) - b / w * sin(w * now));
+          system_body one = system_at(s, 0), two = {0};
+          if (pair) two = system_at(s, 1);
+          double surface = pair ? R * one.omega + rb * two.omega : one.vx + R * one.omega;
+          worst = fmax(worst, fabs(surface - e) / speed);
+          /* force and couples of one and the same tau */
+          double kept = pair ? m * R * one.omega - mb * rb * two.omega : one.vx - 0.5 * R * one.omega;
+          SYSTEM_NEAR(kept, pair ? m * speed : speed, 1e-9, "one force on both");
+        }
+        print_message("dashpot, %s, %s, %s: error %.1e, residual %.1e\n", pair ? "pair" : "floor",
+                      mindlin ? "mindlin" : "spring", system_integrators[i], worst, laws_residual(s));
+        SYSTEM_NEAR(worst, 0, 1e-4, "tangential oscillation");
+        assert_true(laws_residual(s) < 1e-6);
+        system_end(s);
+      }
+}
+
+/* --- oblique impacts ------------------------------------------------------------------------------------- */
+
+static const struct {
+  const char *name;
+  law law;
+} laws[] = {
+    {"spring", {.k_n = 1e4, .gamma_n = 3, .mu = 0.4, .k_t = 7e3}},
+    {"spring and dashpot", {.k_n = 1e4, .gamma_n = 3, .mu = 0.4, .k_t = 7e3, .gamma_t = 2}},
+    {"mindlin", {.hertz = true, .k_n = 1e5, .restitution = 0.8, .mu = 0.4, .k_t = 1.2e5, .mindlin = true}},
+    {"mindlin and dashpot",
+     {.hertz = true, .k_n = 1e5, .restitution = 0.8, .mu = 0.4, .k_t = 1.2e5, .mindlin = true, .gamma_t = 1}},
+    {"kinetic friction", {.k_n = 1e4, .restitution = 0.9, .mu = 0.5, .mu_kinetic = 0.2, .k_t = 7e3}},
+    {"everything",
+     {.hertz = true,
+      .k_n = 1e5,
+      .restitution = 0.8,
+      .gamma_n = 0.5,
+      .pulls = true,
+      .mu = 0.5,
+      .mu_kinetic = 0.3,
+      .k_t = 1.2e5,
+      .mindlin = true,
+      .gamma_t = 1,
+      .k_r = 3e3,
+      .gamma_r = 0.5,
+      .mu_r = 0.1}},
+};
+
+/* Both end with the velocities of the reference, at every angle of incidence. */
+static void oblique(void **unused) {
+  (void)unused;
+  static const double angles[] = {0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5};
+  for (size_t n = 0; n < sizeof laws / sizeof *laws; n++) {
+    const law *l = &laws[n].law;
+    double worst = 0;
+    for (size_t k = 0; k < sizeof angles / sizeof *angles; k += BRIEF(1, 3))
+      for (int floor = 0; floor < 2; floor++) {
+        hit h = {.floor = floor, .radius = {0.4, 0.3}, .mass = {0.7, 0.2}, .beta = -0.4 + 0.3 * (double)k};
+        h.integrator = floor ? SD_GEAR5 : SD_VERLET;
+        double along = floor ? -0.5 * M_PI : h.beta, speed = 0.5, rate = l->hertz ? 70 : 150;
+        double v = speed * cos(angles[k]), u = speed * sin(angles[k]);
+        h.velocity[0][0] = v * cos(along) - u * sin(along);
+        h.velocity[0][1] = v * sin(along) + u * cos(along);
+        h.velocity[0][2] = floor ? 0 : 0.2;
+        h.dt = 4e-5 / rate;
+        h.gap = 10.3 * v * h.dt;
+        sd_simulation *s = laws_impact(l, &h);
+        reference q = reference_new(l, &h);
+        reference_advance(&q, 4 * h.dt, 25);
+        for (int64_t step = 25; q.reach > 0 || step < 100; step++) {
+          if (step > 1000000) fail_msg("%s: never apart", laws[n].name);
+          reference_advance(&q, 4 * h.dt, 1);
+        }
+        for (int part = 0; part < 400 && (part < 10 || system_touch(s, 0, 1).closed); part++)
+          system_advance(s, 10000);
+        assert_false(system_touch(s, 0, 1).closed);
+        same_velocities(s, &q, speed, 1e-4, laws[n].name);
+        worst = fmax(worst, laws_residual(s));
+        system_end(s);
+      }
+    print_message("oblique, %s: residual %.1e\n", laws[n].name, worst);
+    assert_true(worst < 1e-6);
+  }
+}
+
+/* Rebound of the contact point against its incidence, after Maw, Barber and Fawcett (Wear 38, 101): backwards at small angles,
+ * where the spring gives back, and in gross sliding u' = u - 3 mu (1 + e) v at large ones. */
+static void rebound(void **unused) {
+  (void)unused;
+  for (int kind = 0; kind < 2; kind++) {
+    law l = {
+        .hertz = kind, .mindlin = kind, .k_n = 1e5, .restitution = 0.9, .mu = 0.3, .k_t = kind ? 1e5 : 7e4};
+    for (int k = 0; k < 12; k++) {
+      double ratio = 0.25 * (k + 1), v = 0.2, u = ratio * v;
+      hit h = {.floor = true,
+               .radius = {R},
+               .mass = {m},
+               .velocity = {{u, -v}},
+               .integrator = SD_VERLET,
+               .dt = 1e-7};
+      h.gap = 1e-6 * v;
+      sd_simulation *s = laws_impact(&l, &h);
+      for (int part = 0; part < 100 && (part < 2 || sd_simulation_state(s)->n_contacts); part++)
+        system_advance(s, 20000);
+      system_body b = system_at(s, 0);
+      double after = (b.vx + R * b.omega) / v, gross = ratio - 3 * l.mu * (1 + l.restitution);
+      if (ratio < 0.8) assert_true(after < -0.1 * ratio);
+      if (gross > 0.6) SYSTEM_NEAR(after, gross, 2e-4 * ratio, "gross sliding at %g", ratio);
+      system_end(s);
+    }
+  }
+}
+
+/* --- Mindlin's stiffness --------------------------------------------------------------------------------- */
+
+/* Disk 0, whose centre is held and that does not turn in the end (its inertia is huge), feels disk 1 come and go. Returns the energy
+ * stored tangentially at the end. turns: swings of the angle to one of the overlap. */
+static double driven_cycle(bool mindlin, int turns, double periods, double dt, double *lost) {
+  const law l = {.hertz = true, .mindlin = mindlin, .k_n = 1e4, .k_t = mindlin ? 3e5 : 1e4, .mu = 1e9};
+  text t = {0};
+  head(&t, dt, SD_VERLET);
+  text_add(&t, "materials = ( ");
+  law_add(&t, "name = \"m\"", &l);
+  text_add(
+      &t,
+      " );\ndisks = ( { x = 0; y = 0; radius = 1; mass = 1; inertia = 1e90; locked = (\"x\", \"y\"); },\n"
+      "{ name = \"d\"; x = %.17g; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
+      "motions = ( { disk = \"d\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 2e-3; "
+      "omega = \"2 pi\"; }, "
+      "{ disk = \"d\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.01; omega = \"%d pi\"; } "
+      ");\n",
+      1.995, 2 * turns);
+  sd_simulation *s = laws_begin(&t, false);
+  system_advance(s, (int64_t)nearbyint(periods / dt));
+  sd_energy e = sd_simulation_energy(s);
+  *lost = e.friction + e.viscous + e.opening;
+  SYSTEM_NEAR(e.residual, 0, 1e-7, "residual of a driven cycle, of 0.5 that are stored");
+  double stored = e.elastic_tangential;
+  system_end(s);
+  return stored;
+}
+
+/* Overlap and tangential way in phase: the way back is the way there, and all energy comes back. Out of phase y goes round a loop
+ * and is left with the integral of s dlambda, whose energy the drive has put in. */
+static void closed_cycles(void **unused) {
+  (void)unused;
+  for (int mindlin = 0; mindlin < 2; mindlin++) {
+    double lost;
+    double peak = driven_cycle(mindlin, 1, 0.25, 1e-4, &lost);
+    double rest = driven_cycle(mindlin, 1, 3, 1e-4, &lost);
+    print_message("%s: %.3e stored at the peak, %.1e after three cycles, lost %.1e\n",
+                  mindlin ? "mindlin" : "spring", peak, rest, lost);
+    assert_true(peak > 1e-3);
+    SYSTEM_NEAR(rest, 0, 1e-9 * peak, "given back");
+    SYSTEM_NEAR(lost, 0, 1e-12 * peak, "nothing is lost");
+    double left = driven_cycle(mindlin, 2, 1, 1e-4, &lost), y = 0;
+    /* theta = 0.01 sin 2p, overlap = 0.005 - 0.002 sin p: integral of sqrt(k_t) delta^(1/4) dlambda */
+    for (int k = 0; k < 100000; k++) {
+      double p = 2 * M_PI * (k + 0.5) / 100000;
+      y += sqrt(3e5) * pow(0.005 - 2e-3 * sin(p), 0.25) * 0.02 * cos(2 * p) * 2 * M_PI / 100000;
+    }
+    double expected = mindlin ? 0.5 * y * y : 0;
+    print_message("%s: %.6e left of a loop, expected %.6e\n", mindlin ? "mindlin" : "spring", left, expected);
+    SYSTEM_NEAR(left, expected, 1e-4 * expected + 1e-9 * peak, "left of a loop");
+    SYSTEM_NEAR(lost, 0, 1e-12 * peak, "nothing is lost");
+  }
+}
+
+/* --- static and kinetic friction ------------------------------------------------------------------------- */
+
+static const double stop_k = 1e3;
+
+/* A sledge on a belt, held by a stop on its right. */
+static sd_simulation *sledge(const law *l, double dt, double belt, double speed, bool stop) {
+  text t = {0};
+  head(&t, dt, SD_VERLET);
+  text_add(&t, "gravity = { g = %.17g; }; materials = ( ", g);
+  law_add(&t, "name = \"sledge\"", &(law){.k_n = 1});
+  text_add(&t, ", ");
+  law_add(&t, "name = \"belt\"", &(law){.k_n = 1});
+  text_add(&t, ", ");
+  law_add(&t, "name = \"stop\"", &(law){.k_n = 1});
+  text_add(&t, " ); material_pairs = ( ");
+  law_add(&t, "materials = (\"sledge\", \"belt\")", l);
+  text_add(&t, ", ");
+  law_add(&t, "materials = (\"sledge\", \"stop\")", &(law){.k_n = stop_k});
+  text_add(&t,
+           " );\ndisks = ( { x = 0; y = %.17g; radius = %g; mass = %g; vx = %.17g; locked = (\"theta\"); "
+           "material = \"sledge\"; } );\n"
+           "walls = ( { name = \"b\"; type = \"line\"; points = ( (-1, 0), (1, 0) ); material = \"belt\"; }",
+           R - (m * g + l->pull_off) / l->k_n, R, m, speed);
+  if (stop) text_add(&t, ", { type = \"line\"; points = ( (%g, -1), (%g, 1) ); material = \"stop\"; }", R, R);
+  text_add(
+      &t,
+      " );\nmotions = ( { wall = \"b\"; coordinate = \"x\"; type = \"velocity\"; velocity = %.17g; } );\n",
+      belt);
+  return laws_begin(&t, false);
+}
+
+/* Slides with mu_k and stops after v^2/(2 mu_k g); the first way is that of the spring up to the static limit. */
+static void sledge_stops(void **unused) {
+  (void)unused;
+  const law l = {.k_n = 1e5, .mu = 0.5, .mu_kinetic = 0.3, .k_t = 1e6};
+  const double speed = 0.7, dt = 1e-6, x1 = l.mu * m * g / l.k_t, w2 = l.k_t / m;
+  double v2 = speed * speed - w2 * x1 * x1, way = x1 + 0.5 * v2 / (l.mu_kinetic * g);
+  sd_simulation *s = sledge(&l, dt, 0, speed, false);
+  double most = 0;
+  for (int k = 0; k < 100000; k++) {
+    system_advance(s, 10);
+    system_body b = system_at(s, 0);
+    if (b.x > 0.1 * way && b.vx > 1e-3)
+      SYSTEM_NEAR(b.force_x, -l.mu_kinetic * m * g, 1e-6 * m * g, "friction while it slides");
+    most = fmax(most, b.x);
+    if (b.vx < 0) break;
+  }
+  sd_energy e = sd_simulation_energy(s);
+  print_message("sledge: way %.6f, expected %.6f, residual %.1e\n", most, way, laws_residual(s));
+  SYSTEM_NEAR(most, way, 1e-4 * way, "way of a sledge");
+  SYSTEM_NEAR(e.friction, 0.5 * m * speed * speed, 2e-4 * e.friction, "lost to friction");
+  assert_true(laws_residual(s) < 1e-6);
+  system_end(s);
+}
+
+/* On a slow belt against a stop: it sticks until mu W, slips with mu_k W, sticks again: period of the closed form (Den Hartog,
+ * Mechanical Vibrations, 7.3) for a stiff k_t, whole motion of the reference. */
+static void stick_slip(void **unused) {
+  (void)unused;
+  const law l = {.k_n = 1e5, .mu = 0.5, .mu_kinetic = 0.3, .k_t = 1e6, .gamma_t = 1200};
+  const double belt = 0.02, dt = 2e-6, weight = m * g, w = sqrt(stop_k / m);
+  sd_simulation *s = sledge(&l, dt, belt, 0, true);
+  hit h = {.floor = true, .radius = {R, 0}, .mass = {m, 1}, .gravity = g, .gap = -weight / l.k_n};
+  reference q = reference_new(&l, &h);
+  q.stop = stop_k, q.belt = belt, q.locked = true;
+  double first = 0, least = 1e9, last = 0, period = 0, worst = 0;
+  int slips = 0;
+  bool slipping = false;
+  for (int k = 0; k < 100000 && slips < 4; k++) {
+    system_advance(s, 10);
+    reference_advance(&q, 10 * dt, 1);
+    system_body b = system_at(s, 0);
+    worst = fmax(worst, fabs(b.x - q.s[AT]) * stop_k / weight);
+    double friction = (b.force_x + stop_k * fmax(b.x, 0)) / weight, now = 10 * dt * k;
+    if (slips == 0 && b.x * stop_k > 0.4 * weight) first = fmax(first, friction);
+    if (b.vx < -0.5 * belt && !slipping) slips++, period = now - last, last = now;
+    slipping = b.vx < -0.5 * belt || (slipping && b.vx < 0.5 * belt);
+    if (slips > 0) least = fmin(least, b.x);
+  }
+  double drop = (l.mu - l.mu_kinetic) * weight / stop_k, phi = atan(drop * w / belt);
+  double expected = 2 * drop / belt + (2 * M_PI - 2 * phi) / w;
+  /* sticks over 2 drop at the belt's speed, slips for the rest of a turn of the oscillator */
+  double swing = hypot(drop, belt / w), low = l.mu_kinetic * weight / stop_k - swing;
+  print_message("stick-slip: starts at %.6f, period %.5f, closed form %.5f, lowest %.6f, closed form %.6f; "
+                "reference within %.1e, residual %.1e\n",
+                first, period, expected, least, low, worst, laws_residual(s));
+  SYSTEM_NEAR(first, l.mu, 1e-4 * l.mu, "starts at mu");
+  SYSTEM_NEAR(period, expected, 1e-2 * expected, "period");
+  SYSTEM_NEAR(least, low, 2e-2 * swing, "lowest");
+  SYSTEM_NEAR(worst, 0, 1e-3, "whole motion");
+  assert_true(laws_residual(s) < 1e-6);
+  system_end(s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(dashpot),       cmocka_unit_test(oblique),      cmocka_unit_test(rebound),
+      cmocka_unit_test(closed_cycles), cmocka_unit_test(sledge_stops), cmocka_unit_test(stick_slip),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

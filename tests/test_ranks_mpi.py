@@ -1,0 +1,110 @@
+"""One run over the ranks of an MPI job: the bits of one process, for any ranks and threads, also continued on others."""
+import signal
+import time
+import unittest
+
+from ranks_common import DECKS, run, start
+from results_common import LONG, Folder, assert_same, brief, wait_for
+
+
+class Ranks(Folder):
+    def setUp(self):
+        super().setUp()
+        self.alone = {}
+
+    def deck(self, name):
+        path = self.folder / f"{name}.cfg"
+        if not path.exists():
+            path.write_text(DECKS[name])
+        return path
+
+    def by_one(self, name, *more):
+        """The result of one process."""
+        if name not in self.alone:
+            self.alone[name] = self.folder / f"{name}-alone.h5"
+            self.ok(0, "run", self.deck(name), "--quiet", "--threads", 1, "-o", self.alone[name], *more)
+        return self.alone[name]
+
+    def ok(self, ranks, *words, **more):
+        status, out, err = run(ranks, *words, **more)
+        self.assertEqual(status, 0, err)
+        return out, err
+
+    def same(self, name, ranks, threads=1, alone=None):
+        result = self.folder / f"{name}-{ranks}-{threads}.h5"
+        with self.subTest(deck=name, ranks=ranks, threads=threads):
+            _, err = self.ok(ranks, "run", self.deck(name), "--quiet", "--threads", threads, "-o", result, threads=threads)
+            if alone:
+                self.assertIn(alone, err)
+            else:
+                self.assertNotIn("runs on one rank", err)
+            assert_same(self, self.by_one(name), result)
+
+    def test_collapse(self):
+        for ranks in brief((1, 2, 3, 4, 7), (3,)):
+            self.same("collapse", ranks)
+
+    def test_threads(self):
+        for ranks in brief((1, 2, 3, 4, 7), (2,)):
+            self.same("laws", ranks, threads=2)
+
+    def test_channel(self):
+        for ranks in brief((2, 3, 4), (3,)):
+            self.same("channel", ranks)
+
+    def test_laws(self):
+        for ranks in brief((2, 3), (2,)):
+            self.same("laws", ranks)
+
+    def test_pressed(self):
+        for ranks in brief((2, 4), (2,)):
+            self.same("pressed", ranks)
+
+    def test_rain(self):
+        for ranks in brief((2, 3), (2,)):
+            self.same("rain", ranks)
+
+    def test_sums(self):
+        """Series of all that is summed up over disks and contacts."""
+        for ranks in brief((2, 3, 5), (3,)):
+            self.same("sums", ranks)
+        for ranks in brief((2, 4), (3,)):
+            self.same("periodic", ranks, alone='"compress" runs on one rank')
+
+    def test_restart(self):
+        """Stopped by a signal, continued on other numbers of ranks again and again."""
+        name, long = "collapse", ("-D", "phases[1].steps=40000", "-D", "checkpoint=0.1")
+        by_one = self.by_one(name, *long)
+        words = "run", self.deck(name), "--quiet", "--threads", 1, *long, "-o", self.result
+        stopped = 0
+        for ranks in (3, 1, 2, 0):
+            if self.result.exists():
+                break
+            before = set(self.parts.glob("checkpoint*"))
+            process = start(ranks, *words)
+            # all ranks listen to signals when they have made steps
+            wait_for(lambda: process.poll() is not None or set(self.parts.glob("checkpoint*")) - before)
+            time.sleep(0.2)
+            process.send_signal(signal.SIGUSR1)
+            out, err = process.communicate(timeout=LONG)
+            self.assertIn(process.returncode, (0, 75), out + err)
+            stopped += process.returncode == 75
+        self.assertGreater(stopped, 0)
+        if not self.result.exists():
+            self.ok(4, *words)
+        assert_same(self, by_one, self.result)
+
+    def test_alone(self):
+        """Phases that one rank makes say why, and give the same."""
+        deck = self.folder / "clump.cfg"
+        deck.write_text(DECKS["pressed"].replace('name = "hold";', 'name = "hold"; relax = true;'))
+        self.ok(0, "run", deck, "--quiet", "-o", self.result)
+        out, err = self.ok(2, "run", deck, "-v", "-o", self.folder / "two.h5")
+        self.assertRegex(out + err, "the ranks shared out the disks [1-9][0-9]* times?; in the end each had [0-9]+ to [0-9]+, "
+                         "and the busiest worked [0-9]+ % longer than the mean")
+        self.assertIn('phase "hold" runs on one rank, since it relaxes', err)
+        assert_same(self, self.result, self.folder / "two.h5")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,80 @@
+"""Conveyors and arcs in whole runs: the same bits with any threads and instruction set, a packing that goes on with its contacts, what
+files and pictures know of arcs."""
+import os
+import shutil
+import unittest
+
+import h5py
+import numpy
+
+from results_common import ROOT, brief, run
+from sweep_common import temporary_folder
+
+MATERIAL = """dt = 2e-5; gravity = { g = 9.81; };
+materials = ( { name = "a"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );
+walls = ( { name = "belt"; type = "segment"; points = ((-0.3, 0), (0.03, 0)); },
+  { name = "bowl"; type = "arc"; center = (0.15, 0.19); radius = 0.2; from = -2.5; to = -0.9; },
+  { name = "roller"; type = "circle"; center = (-0.4, -0.05); radius = 0.05; side = "outside"; } );
+"""
+FIRST = MATERIAL + """disk_rows = ( { columns = ("x", "y", "radius"); density = 3.57; rows = ((-0.15, 0.02, 0.02),
+  (-0.1, 0.021, 0.02), (-0.05, 0.02, 0.02), (0.1, 0.04, 0.02), (0.15, 0.02, 0.02), (0.2, 0.02, 0.02), (-0.4, 0.0199, 0.02)); } );
+locks = ( { disk = 6; coordinates = ("x", "theta"); } );
+motions = ( { wall = ("belt", "bowl", "roller"); coordinate = "surface"; type = "velocity"; velocity = 3e-3; },
+  { wall = "bowl"; coordinate = "theta"; type = "harmonic"; amplitude = 0.05; frequency = 1; } );
+steps = 12345; output = { frames = 5000; series = 1000; contacts = 5000; };
+"""
+SECOND = MATERIAL + """disk_files = ( { file = "first.h5"; contacts = true; } );
+steps = 1; output = { frames = 1; contacts = 1; };
+"""
+
+
+class WallRuns(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = temporary_folder()
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+
+    def slipdisk(self, *words, **more):
+        status, out, err = run(*words, **more)
+        self.assertEqual(status, 0, err)
+        return out
+
+    def test_the_decks_have_the_same_bits(self):
+        for deck in "conveyor", "arc":
+            state = []
+            for threads, path in (1, "baseline"), (2, "avx512"), (1, "avx2"):
+                result = self.folder / f"{deck}-{path}.h5"
+                self.slipdisk("run", ROOT / f"inputs/walls/{deck}.cfg", "-q", "-o", result, "--threads", threads, "-D",
+                              f"phases[0].time={brief(0.6, 0.6)}", env=dict(os.environ, SLIPDISK_PATH=path))
+                with h5py.File(result) as file:
+                    state.append({name: column[()].tobytes() for name, column in file["state"].items()})
+                    self.assertGreater(file["state"].attrs["n_contacts"], 0)
+            for other in state[1:]:
+                self.assertEqual([name for name in state[0] if other[name] != state[0][name]], [], deck)
+
+    def test_a_packing_goes_on(self):
+        """Arcs stand as they were turned, and surfaces begin anew: no stretch of a contact changes by more than a step can."""
+        for name, text in ("first", FIRST), ("second", SECOND):
+            (self.folder / f"{name}.cfg").write_text(text)
+            self.slipdisk("run", self.folder / f"{name}.cfg", "-q", "-o", self.folder / f"{name}.h5")
+        with h5py.File(self.folder / "first.h5") as one, h5py.File(self.folder / "second.h5") as two:
+            self.assertGreater(abs(one["state/surface"][()]).min(), 5e-4)
+            self.assertGreater(abs(one["state/theta"][-2]), 0.04)
+            pairs = [list(zip(file["state/contact_a"][()], file["state/contact_b"][()])) for file in (one, two)]
+            self.assertEqual(pairs[0], pairs[1])
+            self.assertLessEqual({7, 8, 9}, {b for _, b in pairs[0]})
+            before, after = (file["state/contact_zeta"][()] for file in (one, two))
+            numpy.testing.assert_allclose(after, before, atol=5e-7)
+            self.assertGreater(abs(before).max(), 2e-6)
+            shape = one["particles/walls/shape"]
+            self.assertEqual(list(shape["kind"][()]), [1, 4, 3])
+            points = shape["points"][()]
+            arc = points[2:2 + shape["count"][1]]
+            numpy.testing.assert_allclose(numpy.hypot(*(arc - [0.15, 0.19]).T), 0.2, atol=1e-15)
+        for form in "csv", "vtk", "lammps-data":
+            self.slipdisk("export", self.folder / "first.h5", "--to", form, "-o", self.folder / f"out-{form}")
+        self.assertIn("wall 1 bowl: arc", (self.folder / "out-lammps-data").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()
