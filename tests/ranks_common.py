@@ -1,10 +1,12 @@
 """What the tests of runs over several MPI ranks share: decks, and running them on so many ranks and threads."""
 import os
+import pathlib
 import subprocess
 
 from results_common import LONG, PROGRAM, assert_same, results  # noqa: F401
 
 MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
+SHIM = pathlib.Path(os.environ["SLIPDISK_BUILD_DIR"]) / "tests/calls.so"
 
 GRAIN = """materials = ( { name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );"""
 LATTICE = """packings = ( { type = "square"; jitter = 0.5; count = %d; x = [ %s ]; y = [ %s ]; group = "grains"; density = 1.27;
@@ -34,6 +36,9 @@ motions = ( {{ name = "noise"; group = "floor"; coordinate = ("x", "theta"); typ
 phases = ( {{ steps = 3000; series = 300; frames = 1000; contacts = 1000; measure = true; }} );
 measure = {{ disks = true; }};
 """
+
+# So few disks in the channel that ranks have none, and get some.
+FEW = CHANNEL.replace("count = 180;", "count = 7;").replace("steps = 3000;", "steps = 8000;").replace("disks = true;", "disks = true; rotation = (); sliding = ();")
 
 # Every law that contacts have, in a turning drum.
 LAWS = f"""
@@ -104,16 +109,15 @@ phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fract
 measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
 """
 
-DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "laws": LAWS, "pressed": PRESSED, "rain": RAIN, "sums": SUMS,
+DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "rain": RAIN, "sums": SUMS,
          "periodic": PERIODIC}
 
 
-def start(ranks, *words, threads=1, **more):
-    """`slipdisk WORDS` over so many ranks; ranks 0: without mpirun."""
+def start(ranks, *words, threads=1, environment=(), **more):
+    """`slipdisk WORDS` over so many ranks, with more variables (NAME=VALUE) in their environment; ranks 0: without mpirun."""
     launch = [*MPIEXEC, "-n", str(ranks)] if ranks else []
-    environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
-    return subprocess.Popen([*launch, PROGRAM, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                            text=True, env=environment, **more)
+    return subprocess.Popen([*launch, "env", f"OMP_NUM_THREADS={threads}", *environment, PROGRAM, *map(str, words)],
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
 
 
 def run(ranks, *words, threads=1, **more):

@@ -3,7 +3,7 @@ import signal
 import time
 import unittest
 
-from ranks_common import DECKS, run, start
+from ranks_common import DECKS, SHIM, run, start
 from results_common import LONG, Folder, assert_same, brief, wait_for
 
 
@@ -30,10 +30,11 @@ class Ranks(Folder):
         self.assertEqual(status, 0, err)
         return out, err
 
-    def same(self, name, ranks, threads=1, alone=None):
+    def same(self, name, ranks, threads=1, alone=None, **more):
         result = self.folder / f"{name}-{ranks}-{threads}.h5"
-        with self.subTest(deck=name, ranks=ranks, threads=threads):
-            _, err = self.ok(ranks, "run", self.deck(name), "--quiet", "--threads", threads, "-o", result, threads=threads)
+        result.unlink(missing_ok=True)
+        with self.subTest(deck=name, ranks=ranks, threads=threads, **more):
+            _, err = self.ok(ranks, "run", self.deck(name), "--quiet", "--threads", threads, "-o", result, threads=threads, **more)
             if alone:
                 self.assertIn(alone, err)
             else:
@@ -70,6 +71,13 @@ class Ranks(Folder):
             self.same("sums", ranks)
         for ranks in brief((2, 4), (3,)):
             self.same("periodic", ranks, alone='"compress" runs on one rank')
+
+    def test_uneven(self):
+        """Few disks, and clocks that leap: ranks without a disk, and cuts anew every 200 steps."""
+        for seed in brief(range(1, 9), (1, 2)):
+            self.same("few", 4, environment=(f"LD_PRELOAD={SHIM}", f"INJECT_CLOCK={seed}"))
+        for seed in brief((1, 2), ()):
+            self.same("channel", 3, environment=(f"LD_PRELOAD={SHIM}", f"INJECT_CLOCK={seed}"))
 
     def test_restart(self):
         """Stopped by a signal, continued on other numbers of ranks again and again."""

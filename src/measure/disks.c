@@ -168,7 +168,7 @@ static void sample_powers(engine *e) {
 
 void disks_step(engine *e, const team *t, int64_t measured) {
   sd_state *s = e->state;
-  if (s->n_means == 0) return;
+  if (!e->model->measure_disks) return; /* a rank without disks counts, too */
   size_t begin, end;
   team_share(t, s->n_means, &begin, &end);
   int64_t length = bin_length(measured - 1);

@@ -155,14 +155,16 @@ static void note_balance(ranks *r) {
   r->balance.least = (int64_t)-comm_largest(-disks);
 }
 
-/* Work per disk: contacts and the rest, in proportion to what this rank was busy with. */
+/* Work per disk: contacts and the rest, in proportion to what this rank was busy with, within a factor of the mean: a rank
+ * that had to wait for its processor is no reason to take all disks from it. */
 static sd_status cut_again(ranks *r) {
   const engine *e = &r->part;
   const sd_state *s = e->state;
-  enum { REST = 6 }; /* of a disk's step, in halves of candidate pairs */
+  enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
   float *weight = malloc((s->n_free + 1) * sizeof *weight);
   const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
-               rate = all > 0.0 ? r->busy / all : 0.0;
+               mean = comm_total(r->busy) / fmax(comm_total(all), 1.0),
+               rate = fmin(fmax(r->busy / fmax(all, 1.0), mean / MOST), mean * MOST);
   sd_status status = weight ? SD_OK : SD_ERROR_IO;
   for (size_t i = 0; weight && i < s->n_free; i++)
     weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST));

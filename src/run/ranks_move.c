@@ -8,6 +8,8 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "model/cell.h"
+#include "model/laws.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
 #include "run/route.h"
@@ -16,17 +18,17 @@ enum { MOST_COLUMNS = 256 };
 
 /* --- columns ----------------------------------------------------------------------------------------------- */
 
-/* Bytes of a free disk's row in this column; 0: it has none. */
-static size_t disk_row(const sd_state *s, const sd_field *f) {
+/* Bytes of a free disk's row in this column; 0: it has none. The same on all ranks, also on those without disks. */
+static size_t disk_row(const sd_model *m, const sd_field *f) {
   const size_t size = sd_type_size(f->type);
   switch (f->extent) {
     case SD_PER_BODY:
     case SD_PER_FREE: return size;
-    case SD_PER_MEAN: return s->n_means ? size : 0;
-    case SD_PER_MEAN_BIN: return s->n_means ? size * SD_MEAN_BINS : 0;
-    case SD_PER_FIELDED: return s->n_fielded ? size : 0;
-    case SD_PER_LAW_FREE: return s->law_columns ? size : 0;
-    case SD_PER_CELL_DISK: return s->n_cell_disks ? size : 0;
+    case SD_PER_MEAN: return m->measure_disks ? size : 0;
+    case SD_PER_MEAN_BIN: return m->measure_disks ? size * SD_MEAN_BINS : 0;
+    case SD_PER_FIELDED: return m->n_fields ? size : 0;
+    case SD_PER_LAW_FREE: return laws_features(m) & LAW_GENERAL ? size : 0;
+    case SD_PER_CELL_DISK: return cell_deforms(m) ? size : 0;
     default: return 0;
   }
 }
@@ -318,11 +320,12 @@ static sd_status take_contacts(route *r, const sd_state *from, sd_state *to) {
 /* --- to parts ------------------------------------------------------------------------------------------------- */
 
 /* Columns of disks that have a row for each free disk, or for each body; from, to NULL: none there. */
-static size_t columns_of(const sd_state *from, const sd_state *to, bool bodies, route_column *list) {
+static size_t columns_of(const sd_model *m, const sd_state *from, const sd_state *to, bool bodies,
+                         route_column *list) {
   size_t n = 0;
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
-    const size_t size = disk_row(to ? to : from, f);
+    const size_t size = disk_row(m, f);
     if (size == 0 || (bodies && f->extent != SD_PER_BODY)) continue;
     assert(n < MOST_COLUMNS);
     list[n++] = (route_column){from ? sd_field_data(from, f) : NULL, to ? sd_field_data(to, f) : NULL, size};
@@ -332,9 +335,9 @@ static size_t columns_of(const sd_state *from, const sd_state *to, bool bodies, 
 
 static sd_status take_disks(shares *p, sd_state *to) {
   route_column list[MOST_COLUMNS];
-  size_t n = columns_of(p->from ? p->from->state : NULL, to, false, list);
+  size_t n = columns_of(p->model, p->from ? p->from->state : NULL, to, false, list);
   const sd_status status = route_columns(&p->disks, list, n, p->place);
-  n = columns_of(to, to, true, list);
+  n = columns_of(p->model, to, to, true, list);
   return status == SD_OK ? route_columns(&p->ghosts, list, n, p->ghost_place) : status;
 }
 
@@ -449,7 +452,7 @@ static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
   }
   sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
   route_column list[MOST_COLUMNS];
-  const size_t n = columns_of(part->state, whole, false, list);
+  const size_t n = columns_of(part->model, part->state, whole, false, list);
   if (status == SD_OK) status = route_columns(r, list, n, place);
   free(place);
   return status;

@@ -11,6 +11,7 @@
  *             kill        the process is killed before it; or
  *             torn        it writes half of what it was asked to, then the process is killed
  *   INJECT_BYTES=N        a full disk: what is written beyond N bytes fails with ENOSPC
+ *   INJECT_CLOCK=SEED     the program's monotonic clock leaps by up to a second, on each rank at other times: a busy machine
  *   INJECT_LOG=FILE       one line per counted call, "KIND PATH"; with "! " before it when it went wrong
  *
  * A call that closes does close before it fails, as Linux does. Allocations: memory.c. */
@@ -38,6 +39,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
+#include <time.h>
 #include <unistd.h>
 
 #define EXPORT __attribute__((visibility("default")))
@@ -58,6 +60,7 @@ static long when, times = 1, calls;
 static int what;
 static long long budget = -1;
 static int log_file = -1;
+static uint64_t chance; /* of a leap of the clock; 0: none */
 static uintptr_t program_begin, program_end;
 static bool not_program, not_library;
 static _Thread_local const void *caller; /* of the function that is at work */
@@ -85,6 +88,8 @@ __attribute__((constructor)) static void begin(void) {
   not_library = from && strcmp(from, "program") == 0;
   below = getenv("INJECT_BELOW");
   pattern = getenv("INJECT_NAME");
+  const long seed = number("INJECT_CLOCK", 0);
+  if (seed > 0) chance = 1000 * (uint64_t)seed + (uint64_t)number("OMPI_COMM_WORLD_RANK", 0) + 1;
   if (kind) counted = strcmp(kind, "writing") == 0 ? writing : strcmp(kind, "any") == 0 ? any : kind;
   when = number("INJECT_WHEN", 0);
   times = number("INJECT_TIMES", 1);
@@ -383,6 +388,25 @@ TO_PATH("link", link, (const char *from, const char *path), (from, path), AT_FDC
         const char *)
 TO_PATH("link", linkat, (int old, const char *from, int at, const char *path, int flags),
         (old, from, at, path, flags), at, int, const char *, int, const char *, int)
+
+/* --- the clock ------------------------------------------------------------------------------------ */
+
+static double uniform(void) {
+  chance = chance * 6364136223846793005u + 1442695040888963407u;
+  return (double)(chance >> 11) * 0x1p-53;
+}
+
+EXPORT int clock_gettime(clockid_t clock, struct timespec *t) {
+  static double late;
+  REAL(int, "clock_gettime", clockid_t, struct timespec *);
+  const int result = real(clock, t);
+  if (chance == 0 || clock != CLOCK_MONOTONIC || !is_program()) return result;
+  if (uniform() < 5e-4) late += uniform();
+  const double nanoseconds = (double)t->tv_nsec + 1e9 * late;
+  t->tv_sec += (time_t)(nanoseconds / 1e9);
+  t->tv_nsec = (long)(nanoseconds - 1e9 * (double)(time_t)(nanoseconds / 1e9));
+  return result;
+}
 
 /* --- folders -------------------------------------------------------------------------------------- */
 
