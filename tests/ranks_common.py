@@ -77,6 +77,11 @@ bounds = {{ y = (-3, 1000); outside = "remove"; }};
 phases = ( {{ steps = 8000; frames = 2000; series = 500; }} );
 """
 
+# The same disks at once, on a floor that throws them up over the bounds.
+BOUNDS = RAIN.replace('type = "rain"; count = 80; rows = 1; interval = 1;', 'type = "square"; jitter = 0.5; count = 40;').replace(
+    " gap = 1;", "").replace("(-3, 1000)", "(-3, 9)").replace("remove", "report").replace(
+    "phases", 'motions = ( { group = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 15; frequency = 0.5; } );\nphases')
+
 # All that a series can sum up, in many rows: two materials, groups that are mixed, a lid within the region.
 MIXTURE = """
 materials = ( { name = "hard"; k_n = 1e4; k_t = 5e3; gamma_n = 0.5; mu = 0.4; }, { name = "soft"; k_n = 6e3; k_t = 2e3; gamma_n = 0.5; mu = 0.2; } );
@@ -109,7 +114,7 @@ phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fract
 measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
 """
 
-DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "rain": RAIN, "sums": SUMS,
+DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC}
 
 

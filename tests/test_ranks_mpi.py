@@ -65,6 +65,11 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("rain", ranks)
 
+    def test_bounds(self):
+        """Disks that cross them and come back, and some that stay outside."""
+        for ranks in brief((2, 3), (2,)):
+            self.same("bounds", ranks)
+
     def test_sums(self):
         """Series of all that is summed up over disks and contacts."""
         for ranks in brief((2, 3, 5), (3,)):

@@ -21,6 +21,7 @@
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
+#include "physics/step/outside.h"
 #include "physics/step/step.h"
 #include "physics/system/halo.h"
 #include "run/phase.h"
@@ -55,6 +56,7 @@ typedef enum word {
   SPREAD,
   START,
   SETTLE,
+  LOOK,
   END,
   ADVANCE,
   COLLECT,
@@ -361,6 +363,11 @@ settle_measure ranks_rest(ranks *r) {
   return rest(r);
 }
 
+bool ranks_outside_is_due(ranks *r) {
+  say(LOOK, 0, false);
+  return comm_or(outside_is_due(&r->part)) != 0;
+}
+
 /* On every rank, after so many steps of the phase. */
 static void end_phase(ranks *r, int64_t phase_step) {
   engine *e = &r->part;
@@ -567,6 +574,7 @@ int ranks_serve(ranks *r) {
         break;
       }
       case SETTLE: rest(r); break;
+      case LOOK: comm_or(outside_is_due(&r->part)); break;
       case END:
         end_phase(r, o.n);
         move_common(&r->part, NULL);

@@ -47,6 +47,8 @@ sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages);
 ranks_balance ranks_balance_of(const ranks *r);
 /* How near all disks are to rest. */
 settle_measure ranks_rest(ranks *r);
+/* Would outside_look of the whole change anything? */
+bool ranks_outside_is_due(ranks *r);
 /* The last phase ends, also for whole->state; the disks stay where they are. */
 sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages);
 /* Energies of the whole, and all else that a row of the series sums up (NULL: no memory): each rank adds up its own disks and

@@ -304,12 +304,11 @@ static bool phase_is_over(const engine *e) {
   return goal_is_due(e) && sd_goal_of(e->model, e->state).reached;
 }
 
-/* Is anything done after this step that needs the whole system? */
+/* Is anything done after this step that needs the whole system, beside looks at the bounds? */
 static bool whole_is_due(const engine *e) {
   const sd_phase *p = phase_of(e);
   const int64_t now = e->state->phase_step;
   return (p->compress.asked && now % COMPRESS_EVERY == 0) || (p->cell.asked && now % CELL_EVERY == 0) ||
-         (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0) ||
          rain_next(e, e->state->step - 1) == e->state->step || goal_is_due(e);
 }
 
@@ -355,18 +354,19 @@ static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
 static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
-  const bool last = s->phase + 1 == (int64_t)e->model->n_phases && !e->model->bounds.given;
+  const bool last = s->phase + 1 == (int64_t)e->model->n_phases, bounds = e->model->bounds.given;
   s->phase_step += s->step - from;
   if (*status != SD_OK) return true;
-  bool whole = sim->n_observers > 0 || whole_is_due(e);
+  bool whole = sim->n_observers > 0 || whole_is_due(e) ||
+               (bounds && s->step % OUTSIDE_EVERY == 0 && ranks_outside_is_due(sim->ranks));
   if (!whole) {
     bool over = s->phase_step == phase_of(e)->steps;
     if (!over && phase_settles(e)) {
       const settle_measure now = ranks_rest(sim->ranks);
       over = settle_reached(e, &now);
     }
-    if (over && last) *status = ranks_end_phase(sim->ranks, e, messages);
-    whole = over && !last;
+    whole = over && (!last || (bounds && ranks_outside_is_due(sim->ranks)));
+    if (over && !whole) *status = ranks_end_phase(sim->ranks, e, messages);
   }
   if (!whole) return true;
   s->phase_step -= s->step - from;

@@ -25,6 +25,13 @@ static bool beyond(const engine *e, size_t i) {
   return false;
 }
 
+bool outside_is_due(const engine *e) {
+  const sd_state *s = e->state;
+  for (size_t i = 0; i < s->n_free; i++)
+    if (body_in_play(s, i) && beyond(e, i) != (s->activity[i] == SD_OUTSIDE)) return true;
+  return false;
+}
+
 static void take_out(engine *e, size_t i) {
   sd_state *s = e->state;
   assert(i < s->n_free && s->activity[i] == SD_OUTSIDE);

@@ -16,6 +16,9 @@ enum { OUTSIDE_TOLD = 8 };
  * SD_ERROR_NUMERIC when the run shall stop. */
 sd_status outside_look(engine *e, sd_messages *messages);
 
+/* Would outside_look change anything? */
+bool outside_is_due(const engine *e);
+
 /* Disks that are beyond the bounds now, or were taken out. */
 int64_t outside_count(const sd_state *state);
 
