@@ -347,20 +347,21 @@ static sd_status take_common_of(ranks *r, engine *whole, sd_messages *messages) 
              : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
 }
 
-/* On every rank. */
-static settle_measure rest(ranks *r) {
+/* On every rank. The whole learns how fast walls move. */
+static settle_measure rest(ranks *r, sd_state *whole) {
   settle_sums all;
   settle_add_up(&r->part, &all);
   comm_total_exact(all.of, SETTLE_SUMS);
   all.disks = (size_t)comm_total((double)all.disks);
   all.contacts = (size_t)comm_total((double)all.contacts);
   all.outside = comm_or(all.outside > 0);
+  if (move_common(&r->part, whole) != SD_OK) comm_abort(SD_ERROR_IO); /* the others wait */
   return settle_of_sums(&all);
 }
 
-settle_measure ranks_rest(ranks *r) {
+settle_measure ranks_rest(ranks *r, engine *whole) {
   say(SETTLE, 0, false);
-  return rest(r);
+  return rest(r, whole->state);
 }
 
 bool ranks_outside_is_due(ranks *r) {
@@ -373,7 +374,7 @@ static void end_phase(ranks *r, int64_t phase_step) {
   engine *e = &r->part;
   assert(ranks_are_spread(r));
   const bool settles = r->model->phases[e->state->phase].settle.asked;
-  const settle_measure now = settles ? rest(r) : (settle_measure){0};
+  const settle_measure now = settles ? rest(r, NULL) : (settle_measure){0};
   e->state->phase_step = phase_step;
   phase_end(e, settles ? &now : NULL);
 }
@@ -573,7 +574,7 @@ int ranks_serve(ranks *r) {
           tell_failure(r, NULL);
         break;
       }
-      case SETTLE: rest(r); break;
+      case SETTLE: rest(r, NULL); break;
       case LOOK: comm_or(outside_is_due(&r->part)); break;
       case END:
         end_phase(r, o.n);

@@ -45,8 +45,8 @@ sd_status ranks_collect(ranks *r, engine *whole);
 /* The same; then rank 0 has everything, and whole->work is complete. */
 sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages);
 ranks_balance ranks_balance_of(const ranks *r);
-/* How near all disks are to rest. */
-settle_measure ranks_rest(ranks *r);
+/* How near all disks are to rest; whole->state then knows how fast walls move. */
+settle_measure ranks_rest(ranks *r, engine *whole);
 /* Would outside_look of the whole change anything? */
 bool ranks_outside_is_due(ranks *r);
 /* The last phase ends, also for whole->state; the disks stay where they are. */

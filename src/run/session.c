@@ -176,10 +176,17 @@ static sd_status write_shares(session *s, const char *path, sd_messages *message
   return status;
 }
 
+/* Means of every disk are summed up by one rank; so it is told where disks are that have left. */
+static bool is_shared(const session *s) {
+  const bool tells =
+      s->model->bounds.outside == SD_OUTSIDE_REPORT && simulation_engine(s->simulation)->state->outside > 0;
+  return simulation_is_spread(s->simulation) && !s->model->measure_disks && !tells;
+}
+
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
- * checkpoint on disk has its parts. Means of every disk are summed up by one rank. */
+ * checkpoint on disk has its parts. */
 sd_status session_checkpoint(session *s, sd_messages *messages) {
-  const bool shared = simulation_is_spread(s->simulation) && !s->model->measure_disks;
+  const bool shared = is_shared(s);
   const sd_state *state = shared ? NULL : present_state(s, messages);
   const int64_t step = sd_simulation_step(s->simulation);
   if (!shared && !state) return SD_ERROR_IO;

@@ -362,7 +362,7 @@ static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, 
   if (!whole) {
     bool over = s->phase_step == phase_of(e)->steps;
     if (!over && phase_settles(e)) {
-      const settle_measure now = ranks_rest(sim->ranks);
+      const settle_measure now = ranks_rest(sim->ranks, e);
       over = settle_reached(e, &now);
     }
     whole = over && (!last || (bounds && ranks_outside_is_due(sim->ranks)));
@@ -375,7 +375,7 @@ static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, 
 }
 
 settle_measure simulation_rest(sd_simulation *sim) {
-  return simulation_is_spread(sim) ? ranks_rest(sim->ranks) : settle_look(&sim->engine);
+  return simulation_is_spread(sim) ? ranks_rest(sim->ranks, &sim->engine) : settle_look(&sim->engine);
 }
 
 sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
