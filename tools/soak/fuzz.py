@@ -2,6 +2,7 @@
 
 The harnesses are tests/fuzz/fuzz_*.c (libFuzzer, clang), their seeds tests/fuzz/corpus and the decks of inputs/.
 """
+import concurrent.futures
 import os
 import pathlib
 import re
@@ -100,4 +101,6 @@ def keep(setup, name, found, output):
 
 def run(setup):
     folder, files = build(), sound_files(setup)
-    return [harness(setup, folder, name, setup.pick(SMALL, FULL), files) for name in HARNESSES]
+    n = setup.pick(SMALL, FULL)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as workers:
+        return list(workers.map(lambda name: harness(setup, folder, name, n, files), HARNESSES))
