@@ -118,6 +118,22 @@ DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pr
          "periodic": PERIODIC}
 
 
+def ranks_of(launcher):
+    """rank -> process id, of those that are there."""
+    found = {}
+    for process in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            words = (process / "stat").read_text().rpartition(")")[2].split()
+            if int(words[1]) != launcher or words[0] == "Z":
+                continue
+            for item in (process / "environ").read_bytes().split(b"\0"):
+                if item.startswith(b"OMPI_COMM_WORLD_RANK="):
+                    found[int(item.partition(b"=")[2])] = int(process.name)
+        except OSError:  # gone meanwhile
+            continue
+    return found
+
+
 def start(ranks, *words, threads=1, environment=(), **more):
     """`slipdisk WORDS` over so many ranks, with more variables (NAME=VALUE) in their environment; ranks 0: without mpirun."""
     launch = [*MPIEXEC, "-n", str(ranks)] if ranks else []

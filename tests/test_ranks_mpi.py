@@ -1,9 +1,10 @@
 """One run over the ranks of an MPI job: the bits of one process, for any ranks and threads, also continued on others."""
+import os
 import signal
 import time
 import unittest
 
-from ranks_common import DECKS, SHIM, run, start
+from ranks_common import DECKS, SHIM, ranks_of, run, start
 from results_common import LONG, Folder, assert_same, brief, wait_for
 
 
@@ -106,6 +107,28 @@ class Ranks(Folder):
         if not self.result.exists():
             self.ok(4, *words)
         assert_same(self, by_one, self.result)
+
+    def test_rows_once(self):
+        """The second rank is told to stop where a row is due at every step: none is lost, none is there twice."""
+        deck = self.folder / "rows.cfg"
+        deck.write_text(DECKS["collapse"].replace("series = 200", "series = 1"))
+        alone = self.folder / "alone.h5"
+        self.ok(0, "run", deck, "--quiet", "--threads", 1, "-o", alone)
+        words = "run", deck, "--quiet", "--threads", 1, "-o", self.result
+        stopped = 0
+        for _ in range(8):
+            before = set(self.parts.glob("checkpoint*"))
+            process = start(2, *words, "-D", "checkpoint=0.1")
+            wait_for(lambda p=process, b=before: p.poll() is not None or set(self.parts.glob("checkpoint*")) - b)
+            if 1 in (there := ranks_of(process.pid)):
+                os.kill(there[1], signal.SIGUSR1)
+            out, err = process.communicate(timeout=LONG)
+            self.assertIn(process.returncode, (0, 75), out + err)
+            stopped += process.returncode == 75
+        self.assertGreater(stopped, 4)
+        if not self.result.exists():
+            self.ok(2, *words)
+        assert_same(self, alone, self.result)
 
     def test_alone(self):
         """Phases that one rank makes say why, and give the same."""

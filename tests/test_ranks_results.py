@@ -9,6 +9,7 @@ import subprocess
 import time
 import unittest
 
+from ranks_common import ranks_of
 from results_common import LONG, PROGRAM, SELDOM, Folder, assert_same, run, wait_for
 
 MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
@@ -45,22 +46,6 @@ measure = {{ rotation = (); sliding = (); }};
 """
 ENDLESS = "-D", "phases.shake.steps=100000000"
 OFTEN = "-D", "checkpoint=0.02"
-
-
-def ranks_of(launcher):
-    """rank -> process id, of those that are there."""
-    found = {}
-    for process in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            words = (process / "stat").read_text().rpartition(")")[2].split()
-            if int(words[1]) != launcher or words[0] == "Z":
-                continue
-            for item in (process / "environ").read_bytes().split(b"\0"):
-                if item.startswith(b"OMPI_COMM_WORLD_RANK="):
-                    found[int(item.partition(b"=")[2])] = int(process.name)
-        except OSError:  # gone meanwhile
-            continue
-    return found
 
 
 class Ranks(Folder):
