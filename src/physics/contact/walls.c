@@ -4,6 +4,13 @@
 #include <assert.h>
 #include <math.h>
 
+/* Of a wall, from which all its pieces are placed, which follow one another. */
+typedef struct wall_pose {
+  uint32_t body;
+  bool known;
+  double x, y, c, i, scale;
+} wall_pose;
+
 static void turn_by(double c, double i, const double from[2], double *x, double *y) {
   *x = c * from[0] - i * from[1];
   *y = i * from[0] + c * from[1];
@@ -52,26 +59,29 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
     }
 }
 
-placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i, double scale) {
-  placed_segment g = {.x = x + scale * (c * from->start[0] - i * from->start[1]),
-                      .y = y + scale * (i * from->start[0] + c * from->start[1]),
+static void point_of(const wall_pose *w, const double from[2], double *x, double *y) {
+  *x = w->x + w->scale * (w->c * from[0] - w->i * from[1]);
+  *y = w->y + w->scale * (w->i * from[0] + w->c * from[1]);
+}
+
+static placed_segment place(const sd_segment *from, const wall_pose *w) {
+  placed_segment g = {.c = w->c,
+                      .i = w->i,
                       .length = from->length,
                       .backwards = from->length < HUGE_VAL ? 0.0 : -HUGE_VAL,
                       .arc = from->arc,
                       .end_cap = from->end_cap,
                       .joined = from->next >= 0};
-  turn_by(c, i, from->tangent, &g.tx, &g.ty);
-  turn_by(c, i, from->previous, &g.px, &g.py);
-  if (from->piece != SD_PIECE_STRAIGHT) place_arc(from, c, i, &g);
+  point_of(w, from->start, &g.x, &g.y);
+  turn_by(w->c, w->i, from->tangent, &g.tx, &g.ty);
+  turn_by(w->c, w->i, from->previous, &g.px, &g.py);
+  if (from->piece != SD_PIECE_STRAIGHT) place_arc(from, w->c, w->i, &g);
   return g;
 }
 
-/* Cosine and sine of a wall's angle serve all its pieces, which follow one another. */
-typedef struct wall_pose {
-  uint32_t body;
-  bool known;
-  double x, y, c, i;
-} wall_pose;
+placed_segment walls_place(const sd_segment *from, double x, double y, double c, double i, double scale) {
+  return place(from, &(wall_pose){.x = x, .y = y, .c = c, .i = i, .scale = scale});
+}
 
 static void pose_piece(engine *e, size_t k, wall_pose *wall) {
   const sd_state *s = e->state;
@@ -81,14 +91,16 @@ static void pose_piece(engine *e, size_t k, wall_pose *wall) {
     const uint32_t b = e->work.slot[from->body];
     assert(b >= s->n_disks && b < s->n_bodies && s->radius[b] == 0.0);
     const double angle = s->theta[b] + s->turn[b];
-    *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cos(angle), sin(angle)};
+    *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cos(angle), sin(angle), s->box_scale};
   }
-  *g = walls_place(from, wall->x, wall->y, wall->c, wall->i, s->box_scale);
+  /* of a wall that has not turned only the points move */
+  if (g->c == wall->c && g->i == wall->i)
+    point_of(wall, from->start, &g->x, &g->y);
+  else
+    *g = place(from, wall);
   if (!g->joined) return;
   assert((size_t)from->next < e->model->n_segments);
-  const double *end = e->model->segments[from->next].start;
-  g->end_x = wall->x + s->box_scale * (wall->c * end[0] - wall->i * end[1]);
-  g->end_y = wall->y + s->box_scale * (wall->i * end[0] + wall->c * end[1]);
+  point_of(wall, e->model->segments[from->next].start, &g->end_x, &g->end_y);
 }
 
 void walls_pose(engine *e) {

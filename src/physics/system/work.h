@@ -155,6 +155,7 @@ typedef struct placed_segment {
   double arc;
   bool end_cap, joined, wide;
   sd_piece piece;
+  double c, i;                           /* cosine and sine of the wall's angle; 0, 0: not placed yet */
   double radius, fx, fy, lx, ly, mx, my; /* arc: of its first and last end, and of the middle between */
 } placed_segment;
 
