@@ -371,6 +371,28 @@ static void test_stress_is_reached(void **unused) {
   sd_model_free(m);
 }
 
+/* A phase that settles waits for the stress, also where all else has long been fulfilled. */
+static void test_settles_at_the_stress(void **unused) {
+  (void)unused;
+  sd_model *m = packing(
+      &usual, "phases = ( { steps = 40000; cell = { stress_xx = 0.01; stress_yy = 0.01; }; settle = { "
+              "kinetic = 1e9; every = 100; }; } );");
+  sd_simulation *sim = begin_run(m, 1);
+  double contact[4], kinetic[4];
+  stress_of(sim, contact, kinetic);
+  assert_true(fabs(contact[0] / 0.01 - 1) > 0.05);
+  advance(sim, 40000);
+  stress_of(sim, contact, kinetic);
+  const sd_state *s = sd_simulation_state(sim);
+  print_message("  %lld steps; xx %.5f yy %.5f\n", (long long)s->step, contact[0] + kinetic[0],
+                contact[3] + kinetic[3]);
+  assert_true(sd_simulation_finished(sim) && s->step < 40000 && s->phase_reached[0]);
+  between((contact[0] + kinetic[0]) / 0.01, 0.9899, 1.0101, "stress_xx");
+  between((contact[3] + kinetic[3]) / 0.01, 0.9899, 1.0101, "stress_yy");
+  sd_simulation_free(sim);
+  sd_model_free(m);
+}
+
 /* --- the same bits -------------------------------------------------------------------------------------------- */
 
 static void test_same_bits(void **unused) {
@@ -470,6 +492,7 @@ int main(void) {
       cmocka_unit_test(test_translation),
       cmocka_unit_test(test_energy),
       cmocka_unit_test(test_stress_is_reached),
+      cmocka_unit_test(test_settles_at_the_stress),
       cmocka_unit_test(test_same_bits),
       cmocka_unit_test(test_skin),
       cmocka_unit_test(test_mistakes),

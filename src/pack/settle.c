@@ -5,6 +5,7 @@
 
 #include "pack/rain.h"
 #include "physics/step/access.h"
+#include "physics/step/cell.h"
 #include "physics/system/clumps.h"
 #include "physics/system/halo.h"
 
@@ -74,7 +75,8 @@ settle_measure settle_look(const engine *e) {
 }
 
 /* A servo whose disks do not feel its force yet creeps on, however slowly; a lid must not swing. */
-static const double SERVO_NEAR = 0.01; /* of the force, as its speed is of the largest */
+static const double SERVO_NEAR =
+    0.01; /* of the force, as its speed is of the largest; of the stress of a box */
 
 static bool walls_rest(const engine *e, double kinetic) {
   const sd_state *s = e->state;
@@ -92,5 +94,5 @@ bool settle_reached(const engine *e, const settle_measure *now) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
   if (rain_waits(e) || !walls_rest(e, asked->kinetic)) return false;
   return (asked->kinetic <= 0.0 || now->kinetic <= asked->kinetic) &&
-         (asked->unbalanced <= 0.0 || now->unbalanced <= asked->unbalanced);
+         (asked->unbalanced <= 0.0 || now->unbalanced <= asked->unbalanced) && cell_near(e, SERVO_NEAR);
 }

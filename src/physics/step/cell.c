@@ -148,6 +148,18 @@ static double response_of(const engine *e, const sd_cell *c, double stress) {
   return RESPONSE * sqrt(mass / (double)e->state->n_free / stress);
 }
 
+bool cell_near(const engine *e, double part) {
+  const sd_cell *c = &e->model->phases[e->state->phase].cell;
+  double stress[SD_CELL_COMPONENTS], scale = 0.0, off = 0.0;
+  if (!c->asked) return true;
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
+    if (c->controlled[k]) scale = fmax(scale, fabs(c->stress[k]));
+  measure_stress(e, stress);
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++)
+    if (c->controlled[k]) off = fmax(off, fabs(stress[k] - c->stress[k]));
+  return off <= part * scale;
+}
+
 /* Rates for the coming steps. */
 static void choose_rates(const engine *e, const sd_cell *c, double over, double rate[SD_CELL_COMPONENTS]) {
   double stress[SD_CELL_COMPONENTS], now[SD_CELL_COMPONENTS], scale = 0.0;

@@ -32,6 +32,9 @@ void cell_wrap(engine *e, uint32_t slot, double nx, double ny);
 void cell_renew(engine *e);
 void cell_enter(engine *e, uint32_t slot);
 
+/* Are the stresses that the phase asks for there, within this part of the largest of them? */
+bool cell_near(const engine *e, double part);
+
 /* Velocity gradient at present: xx, yy, xy. */
 void cell_gradient(const engine *e, double gradient[SD_CELL_COMPONENTS]);
 
