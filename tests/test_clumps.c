@@ -335,6 +335,44 @@ static void drag_acts_on_each_disk(void **unused) {
   }
 }
 
+/* As a disk (test_fields.c): thrown upwards it rises with g (1 + alpha) and falls with g (1 - alpha); a torque turns it with
+ * 1 - alpha_rotation. */
+static void damping_acts_on_the_whole_clump(void **unused) {
+  (void)unused;
+  const double alpha = 0.4, g = 10, v0 = 7, up = v0 / (g * (1 + alpha)), top = 0.5 * v0 * up, M = 1.4,
+               I = 2 * 0.7 * (0.5 + 0.8 * 0.8);
+  const int steps = 10000;
+  for (int integrator = 0; integrator < 2; integrator++) {
+    text deck = {0};
+    text_add(&deck,
+             "integrator = \"%s\"; dt = %.17g; time = 10; gravity = { g = %g; }; materials = ( { name = "
+             "\"m\"; k_n "
+             "= 1; k_t = 1; gamma_n = 0; mu = 0; } );\n"
+             "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, "
+             "0)); } );\n"
+             "clumps = ( { disk = (0, 1); velocity = (0, %g); torque = 3; } );\n"
+             "fields = ( { type = \"damping\"; alpha = %g; alpha_rotation = 0.25; } );\n",
+             integrator ? "verlet" : "gear5", up / steps, g, v0, alpha);
+    sd_model *m = model_of(deck.s);
+    free(deck.s);
+    sd_simulation *s = begin_run(m, 1);
+    advance(s, steps);
+    SYSTEM_NEAR(sd_simulation_state(s)->clump_y[0], top, 1e-4 * top, "top of the flight");
+    advance(s, 3 * steps);
+    const sd_state *q = sd_simulation_state(s);
+    const double fall = 0.5 * g * (1 - alpha) * 9 * up * up;
+    SYSTEM_NEAR(q->clump_y[0], top - fall, 1e-4 * fall, "fall");
+    SYSTEM_NEAR(q->clump_omega[0], 0.75 * 3 / I * 4 * up, 1e-4, "spin");
+    const sd_energy e = sd_simulation_energy(s);
+    const double turned = 0.5 * 0.75 * 3 / I * 16 * up * up,
+                 lost = alpha * M * g * (top + fall) + 0.25 * 3 * turned;
+    SYSTEM_NEAR(e.damping, lost, 1e-4 * lost, "lost to damping");
+    SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
+    sd_simulation_free(s);
+    sd_model_free(m);
+  }
+}
+
 /* A field of the program pushes each disk: a couple of forces turns the clump. */
 static void push_apart(const sd_force_columns *c, void *user) {
   for (size_t i = 0; i < c->n_free; i++) c->force_y[i] += (c->id[i] ? 1 : -1) * *(const double *)user;
@@ -425,6 +463,7 @@ int main(void) {
       cmocka_unit_test(edges_of_a_periodic_box_are_not_felt),
       cmocka_unit_test(a_plate_is_dragged),
       cmocka_unit_test(drag_acts_on_each_disk),
+      cmocka_unit_test(damping_acts_on_the_whole_clump),
       cmocka_unit_test(fields_of_programs_have_levers),
       cmocka_unit_test(a_packing_closes_its_budget),
       cmocka_unit_test(packings_do_not_depend_on_the_threads),

@@ -45,13 +45,17 @@ static bool out_of(const work *w, double x, double y, double theta) {
          y >= w->upper[1];
 }
 
-static void correct(const engine *e, size_t k) {
+/* Returns the damping that acted. */
+static clump_load correct(const engine *e, size_t k) {
   const work *w = &e->work;
-  const clump_load constant = clump_constant(e, k);
+  clump_load constant = clump_constant(e, k), all = constant;
+  for (int q = 0; q < SD_COORDINATES; q++) all.on[q] += w->clumps.columns[q].force[k];
+  const double kappa = e->model->integrator == SD_GEAR5 ? GEAR1 * w->per_dt : w->per_dt;
+  const clump_load damped = clump_damping(e, k, kappa, &all);
   for (int q = 0; q < SD_COORDINATES; q++) {
     const columns *c = &w->clumps.columns[q];
     if (c->inverse[k] == 0.0) continue;
-    const double a = accelerate_w1(c->force[k], constant.on[q], c->inverse[k], w->half_dt2);
+    const double a = accelerate_w1(c->force[k], constant.on[q] + damped.on[q], c->inverse[k], w->half_dt2);
     nordsieck_w1 n = {c->q[k], c->v[k], c->q2[k], c->q3[k], c->q4[k], c->q5[k]};
     if (e->model->integrator == SD_GEAR5)
       gear_correct_w1(&n, a, w->per_dt);
@@ -64,6 +68,7 @@ static void correct(const engine *e, size_t k) {
     c->q4[k] = n.q4;
     c->q5[k] = n.q5;
   }
+  return damped;
 }
 
 void clumps_correct(engine *e, const team *t) {
@@ -75,9 +80,10 @@ void clumps_correct(engine *e, const team *t) {
   for (size_t k = begin; k < end; k++) {
     clump_sum(e, k);
     const double booked = clump_field_booked(e, k);
-    correct(e, k);
+    const clump_load damped = correct(e, k);
     clump_place(e, k);
     clump_book_field(e, k, booked, w->dt);
+    clump_book_damping(e, k, &damped, w->dt);
     if (out_of(w, s->clump_x[k], s->clump_y[k], s->clump_theta[k]))
       event_add(returns, (uint32_t)(s->n_bodies + k));
     for (size_t n = w->clumps.start[k]; n < w->clumps.start[k + 1]; n++) {

@@ -46,6 +46,22 @@ static void weigh(const sd_state *s, body_force_row *r, size_t i) {
   r->turn_weight[i] = acts ? w.torque : 0.0;
 }
 
+/* Damping acts on a clump as a whole, with the mean of its disks' fractions. */
+static void take_damping(engine *e, body_force_row *r) {
+  const clumps *c = &e->work.clumps;
+  for (size_t k = 0; k < c->count; k++) {
+    double mass = 0.0, weighed = 0.0;
+    for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {
+      const uint32_t i = c->member[n];
+      mass += e->state->mass[i];
+      weighed += e->state->mass[i] * r->weight[i];
+      r->weight[i] = 0.0;
+    }
+    c->alpha[k] += r->field->alpha * (weighed / mass);
+    c->alpha_rotation[k] += r->field->alpha_rotation * (weighed / mass);
+  }
+}
+
 void body_forces_fill(engine *e) {
   body_forces *f = e->work.body_forces;
   const sd_state *s = e->state;
@@ -53,6 +69,8 @@ void body_forces_fill(engine *e) {
   f->phase = s->phase;
   for (size_t i = 0; i < s->n_free; i++) /* what is out of play keeps no power for the next step */
     if (!body_in_play(s, i)) s->power_work[i] = s->power_drag[i] = s->power_damping[i] = 0.0;
+  for (size_t k = 0; k < e->work.clumps.count; k++)
+    e->work.clumps.alpha[k] = e->work.clumps.alpha_rotation[k] = 0.0;
   for (size_t k = 0; k < f->n; k++) {
     body_force_row *r = &f->row[k];
     const bool on = body_force_is_on(e->model, k, s->phase), all = r->field->n_disks == 0;
@@ -66,6 +84,7 @@ void body_forces_fill(engine *e) {
       const uint32_t slot = e->work.slot[r->field->disks[n]];
       if (slot < s->n_free) weigh(s, r, slot);
     }
+    if (r->field->kind == SD_FIELD_DAMPING) take_damping(e, r);
   }
 }
 

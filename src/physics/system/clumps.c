@@ -89,7 +89,7 @@ sd_status clumps_new(engine *e) {
   if (c->count == 0) return SD_OK;
   size_t members = 0;
   for (size_t k = 0; k < c->count; k++) members += e->model->clumps[k].n_disks;
-  double *own = calloc(2 * SD_COORDINATES * c->count + 5 * members + 2 * s->n_free, sizeof *own);
+  double *own = calloc((2 * SD_COORDINATES + 2) * c->count + 5 * members + 2 * s->n_free, sizeof *own);
   c->start = calloc(c->count + 1, sizeof *c->start);
   c->member = calloc(members, sizeof *c->member);
   c->of = calloc(s->n_free, sizeof *c->of);
@@ -105,6 +105,8 @@ sd_status clumps_new(engine *e) {
   for (size_t q = 0; q < sizeof column / sizeof *column; q++, next += members) *column[q] = next;
   c->contact_mass = next;
   c->clumped = next + s->n_free;
+  c->alpha = c->clumped + s->n_free;
+  c->alpha_rotation = c->alpha + c->count;
   fill_members(e);
   for (size_t k = 0; k < c->count; k++) turn(e, k);
   return SD_OK;
@@ -273,15 +275,37 @@ void clump_book_field(engine *e, size_t k, double booked, double dt) {
   e->state->field_work[first] += 0.5 * dt * more;
 }
 
+clump_load clump_damping(const engine *e, size_t k, double kappa, const clump_load *all) {
+  const work *w = &e->work;
+  clump_load damped = {{0.0, 0.0, 0.0}};
+  for (int q = 0; w->body_forces && q < SD_COORDINATES; q++) {
+    const columns *c = &w->clumps.columns[q];
+    const double alpha = (q == SD_THETA ? w->clumps.alpha_rotation : w->clumps.alpha)[k];
+    const double v = c->v[k] + kappa * (w->half_dt2 * (all->on[q] * c->inverse[k]) - c->q2[k]);
+    if (c->inverse[k] != 0.0 && v != 0.0) damped.on[q] = -alpha * copysign(fabs(all->on[q]), v);
+  }
+  return damped;
+}
+
+void clump_book_damping(engine *e, size_t k, const clump_load *damped, double dt) {
+  if (!e->work.body_forces) return;
+  const uint32_t first = e->work.clumps.member[e->work.clumps.start[k]];
+  double lost = 0.0;
+  for (int q = 0; q < SD_COORDINATES; q++) lost -= damped->on[q] * e->work.clumps.columns[q].v[k];
+  e->state->power_damping[first] += lost;
+  e->state->loss_damping[first] += 0.5 * dt * lost;
+}
+
 void clump_accelerate(engine *e, size_t k) {
   const work *w = &e->work;
   clump_sum(e, k);
-  const clump_load sum = clump_total(e, k);
+  const clump_load sum = clump_total(e, k), damped = clump_damping(e, k, 0.0, &sum);
   for (int q = 0; q < SD_COORDINATES; q++) {
     const columns *c = &w->clumps.columns[q];
-    c->q2[k] = w->half_dt2 * (sum.on[q] * c->inverse[k]);
+    c->q2[k] = w->half_dt2 * ((sum.on[q] + damped.on[q]) * c->inverse[k]);
   }
   clump_book_field(e, k, clump_field_booked(e, k), 0.0);
+  clump_book_damping(e, k, &damped, 0.0);
 }
 
 void clumps_accelerate(engine *e) {

@@ -38,6 +38,10 @@ clump_load clump_total(const engine *e, size_t k);
  * from there to that of the corrected clump. */
 double clump_field_booked(const engine *e, size_t k);
 void clump_book_field(engine *e, size_t k, double booked, double dt);
+/* Cundall's damping of the whole clump: a fraction of all other forces and torques on it, against the velocity to which they take it;
+ * kappa as in field_pass.h. And its loss, at the velocities of the state. */
+clump_load clump_damping(const engine *e, size_t k, double kappa, const clump_load *all);
+void clump_book_damping(engine *e, size_t k, const clump_load *damped, double dt);
 /* Second derivatives from the forces on the disks. */
 void clump_accelerate(engine *e, size_t k);
 void clumps_accelerate(engine *e);

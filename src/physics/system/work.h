@@ -196,6 +196,7 @@ typedef struct clumps {
   int32_t *of;                                /* [n_free] clump of the disk in each slot, -1: none */
   double *clumped;                            /* [n_free] 1 of their disks, 0 of others */
   double *contact_mass;                       /* [n_free] of a disk, or of its clump */
+  double *alpha, *alpha_rotation;             /* of non-viscous damping, on the clump as a whole */
   columns columns[SD_COORDINATES];            /* as those of the free disks */
 } clumps;
 
