@@ -1,4 +1,4 @@
-/* room.c: see room.h. */
+/* arena.c: see arena.h. */
 #include "base/arena.h"
 
 #include <assert.h>
@@ -52,6 +52,12 @@ void arena_free(void *room) {
     munmap(h.memory, h.bytes);
   else
     free(h.memory);
+}
+
+void arena_release(void *room, void *at, size_t bytes) {
+  const uintptr_t from = ((uintptr_t)at + PAGE - 1) / PAGE * PAGE, to = ((uintptr_t)at + bytes) / PAGE * PAGE;
+  if (((header *)(void *)((char *)room - LINE))->bytes > 0 && from < to)
+    madvise((void *)from, to - from, MADV_DONTNEED);
 }
 
 void *arena_for(size_t n, size_t size) {

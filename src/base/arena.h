@@ -1,4 +1,4 @@
-/* room.h: memory for columns of numbers that loops read side by side.
+/* arena.h: memory for columns of numbers that loops read side by side.
  *
  * Columns of one room stand apart by other than whole pages: else the same row of all of them competes for the same few
  * places of the cache. Large rooms ask for large pages, and are zero without having been written, so that each page comes
@@ -20,6 +20,8 @@ size_t arena_column(arena_plan *plan, size_t bytes);
 /* Zeroed; NULL without memory. */
 void *arena_new(const arena_plan *plan);
 void arena_free(void *room);
+/* Gives whole pages of a large room back to the system, [at, at + bytes): what stood there is lost. */
+void arena_release(void *room, void *at, size_t bytes);
 /* A room for one column, which begins at its start; NULL without memory. */
 void *arena_for(size_t n, size_t size);
 

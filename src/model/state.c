@@ -368,6 +368,32 @@ void sd_state_free(sd_state *s) {
   free(s);
 }
 
+static bool is_kept(size_t offset) {
+  static const size_t kept[] = {offsetof(sd_state, id), offsetof(sd_state, x), offsetof(sd_state, y),
+                                offsetof(sd_state, radius), offsetof(sd_state, activity)};
+  for (size_t k = 0; k < sizeof kept / sizeof *kept; k++)
+    if (kept[k] == offset) return true;
+  return false;
+}
+
+void state_release_rows(sd_state *s) {
+  s->n_contacts = s->contact_capacity = 0;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    const sd_field *f = &sd_fields[k];
+    void **column = field_pointer(s, f);
+    if (state_of_contacts(f->extent)) {
+      free(*column);
+      *column = NULL;
+    } else if ((f->extent == SD_PER_BODY || state_of_free(f->extent)) && !is_kept(f->offset)) {
+      const size_t rows = f->extent == SD_PER_BODY ? s->n_free : sd_extent_size(s, f->extent);
+#ifdef SD_CHECK /* so that tests find who reads them */
+      memset(*column, 0x55, rows * sd_type_size(f->type));
+#endif
+      arena_release(s->columns, *column, rows * sd_type_size(f->type));
+    }
+  }
+}
+
 sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
   if (n <= s->contact_capacity) return SD_OK;
   size_t capacity = n + n / 4;

@@ -166,6 +166,9 @@ static inline bool state_of_contacts(sd_extent extent) {
 /* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
 sd_state *sd_state_new(const sd_model *model);
 /* The same for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
+/* Gives the memory of most rows of free disks, and of the contacts, back until they are written anew: they hold anything. Kept: id, x, y, radius,
+ * activity. */
+void state_release_rows(sd_state *state);
 sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
 /* Columns of bodies move to pages that the threads have touched first, each its share, so that they stand near it. Without
  * memory they stay. */

@@ -123,6 +123,7 @@ static bool all_well(sd_status status) { return comm_or(status != SD_OK) == 0; }
 static sd_status take_part(ranks *r, const engine *from) {
   engine next = {.model = r->model, .pool = r->pool};
   sd_status status = move_parts(r->model, r->cuts, from, r->skin, &next.state, &next.halo);
+  if (status == SD_OK && from && !from->halo) state_release_rows(from->state);
   drop_part(r);
   r->part = next;
   if (status == SD_OK) status = engine_build(&r->part, r->threads, r->messages);
@@ -274,18 +275,6 @@ const char *ranks_unsuited(const engine *whole) {
   return NULL;
 }
 
-/* Points of equal weight, but for disks that are not in play. */
-static sd_status first_cut(ranks *r, const engine *whole) {
-  const sd_state *s = whole ? whole->state : NULL;
-  const size_t n = s ? s->n_free : 0;
-  float *weight = malloc((n + 1) * sizeof *weight);
-  for (size_t i = 0; weight && i < n; i++) weight[i] = s->activity[i] == SD_IN_PLAY ? 1.0f : 0.01f;
-  sd_status status = weight ? SD_OK : SD_ERROR_IO;
-  if (all_well(status)) status = comm_cuts_make(r->cuts, n, s ? s->x : NULL, s ? s->y : NULL, weight);
-  free(weight);
-  return status;
-}
-
 static sd_status spread(ranks *r, const engine *whole) {
   double skin[1] = {whole ? engine_skin(whole) : 0.0};
   int64_t step[1] = {whole ? whole->state->step : 0};
@@ -296,7 +285,7 @@ static sd_status spread(ranks *r, const engine *whole) {
   r->busy = 0.0;
   if (!r->cuts) r->cuts = comm_cuts_new(); /* all ranks at once: rank 0 may have finished without */
   sd_status status = r->cuts ? SD_OK : SD_ERROR_IO;
-  if (all_well(status)) status = first_cut(r, whole);
+  if (all_well(status)) status = move_first_cut(r->model, r->cuts, whole);
   r->balance.cuts++;
   if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
   if (r->threads > 1 && !r->pool) status = SD_ERROR_IO;
@@ -405,6 +394,8 @@ sd_status ranks_advance(ranks *r, engine *whole, int64_t n, bool measure, sd_mes
     const sd_status status = ranks_spread(r, whole, messages);
     if (status != SD_OK) return status;
   }
+  if (r->collected >= 0) state_release_rows(whole->state);
+  r->collected = -1;
   say(ADVANCE, n, measure);
   advance(r, n, measure);
   whole->state->step = r->part.state->step;

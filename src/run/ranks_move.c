@@ -134,7 +134,7 @@ static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *place)
 }
 
 /* Who comes here, and what ghosts are chosen by. */
-static sd_status call_disks(shares *p) {
+static sd_status call_disks(shares *p, bool whole) {
   const sd_state *s = p->from ? p->from->state : NULL;
   route *r = &p->disks;
   uint32_t *order = source_order(p);
@@ -143,6 +143,7 @@ static sd_status call_disks(shares *p) {
     return SD_ERROR_IO;
   }
   route_count(r);
+  r->narrow = whole;
   const size_t n = r->n_receive + 1;
   p->place = malloc(n * sizeof *p->place);
   p->order = malloc(n * sizeof *p->order);
@@ -282,7 +283,7 @@ static sd_status place_ghosts(shares *p) {
 /* --- contacts ------------------------------------------------------------------------------------------------- */
 
 /* To the ranks of both disks. */
-static sd_status call_contacts(shares *p) {
+static sd_status call_contacts(shares *p, bool whole) {
   sends list = {0};
   sd_status status = SD_OK;
   const sd_state *s = p->from ? p->from->state : NULL;
@@ -296,6 +297,7 @@ static sd_status call_contacts(shares *p) {
   if (status == SD_OK) status = route_new(&p->contacts, list.n, list.row, list.rank);
   if (status != SD_OK) comm_abort(SD_ERROR_IO);
   if (status == SD_OK) route_count(&p->contacts);
+  p->contacts.narrow = whole;
   free(list.row);
   free(list.rank);
   return status;
@@ -385,7 +387,7 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
   int *owner = find_owners(&p);
   sd_status status = owner ? SD_OK : SD_ERROR_IO;
   if (!owner) comm_abort(SD_ERROR_IO);
-  if (status == SD_OK) status = call_disks(&p);
+  if (status == SD_OK) status = call_disks(&p, whole);
   if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
   if (status == SD_OK) status = place_ghosts(&p);
   if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
@@ -394,13 +396,43 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
     status = SD_ERROR_IO;
   }
   if (status == SD_OK) status = take_disks(&p, *state);
-  if (status == SD_OK) status = call_contacts(&p);
+  if (status == SD_OK) status = call_contacts(&p, whole);
   if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, *state);
   if (status == SD_OK) status = take_common(from, whole, *state);
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
   free(owner);
   if (status == SD_OK) status = order_contacts(model, *state);
+  return status;
+}
+
+/* --- the first cut ---------------------------------------------------------------------------------------------- */
+
+/* Each rank looks at as many of the disks. */
+sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *whole) {
+  const sd_state *s = whole ? whole->state : NULL;
+  const size_t n_ranks = (size_t)comm_size(), all = model->n_free, here = (size_t)comm_rank(),
+               n = all * (here + 1) / n_ranks - all * here / n_ranks;
+  int *to = calloc(2 * n_ranks, sizeof *to), *from = to + n_ranks;
+  double *x = malloc((n + 1) * sizeof *x), *y = malloc((n + 1) * sizeof *y);
+  int32_t *activity = malloc((n + 1) * sizeof *activity);
+  float *weight = malloc((n + 1) * sizeof *weight);
+  assert(!s || s->n_free == all);
+  sd_status status = to && x && y && activity && weight ? SD_OK : SD_ERROR_IO;
+  if (comm_or(status != SD_OK) == 0) {
+    for (size_t q = 0; s && q < n_ranks; q++) to[q] = (int)(all * (q + 1) / n_ranks - all * q / n_ranks);
+    from[0] = (int)n;
+    comm_exchange(s ? s->x : NULL, to, x, from, sizeof *x);
+    comm_exchange(s ? s->y : NULL, to, y, from, sizeof *y);
+    comm_exchange(s ? s->activity : NULL, to, activity, from, sizeof *activity);
+    for (size_t i = 0; i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : 0.01f;
+    status = comm_cuts_make(cuts, n, x, y, weight);
+  }
+  free(to);
+  free(x);
+  free(y);
+  free(activity);
+  free(weight);
   return status;
 }
 
@@ -478,6 +510,7 @@ sd_status move_together(const engine *part, sd_state *whole) {
   if (status == SD_OK) {
     route_count(&disks);
     route_count(&contacts);
+    disks.narrow = contacts.narrow = true;
     status = put_disks(&disks, part, whole);
   }
   if (status == SD_OK) status = take_contacts(&contacts, s, whole ? whole : &nothing);

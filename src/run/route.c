@@ -109,7 +109,8 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
   }
 }
 
-sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
+/* All of them in one message to each rank. */
+static sd_status send_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
   const int here = comm_rank();
   const int own = r->to[here];
   const size_t others = (r->n_send > r->n_receive ? r->n_send : r->n_receive) - (size_t)own;
@@ -124,6 +125,15 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
   offset = 0;
   for (size_t k = 0; k < n; offset += column[k++].size) unpack(r, &column[k], offset, all, place);
   return SD_OK;
+}
+
+sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
+  enum { NARROW = 4 };
+  const size_t most = r->narrow ? NARROW : n;
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < n && status == SD_OK; k += most)
+    status = send_columns(r, column + k, n - k < most ? n - k : most, place);
+  return status;
 }
 
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {

@@ -5,6 +5,7 @@
 #ifndef SLIPDISK_RUN_ROUTE_H
 #define SLIPDISK_RUN_ROUTE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,6 +17,7 @@ typedef struct route {
   uint32_t *row;            /* [n_send] of a column, those to rank 0 first */
   size_t capacity;          /* bytes of each buffer */
   char *out, *in;
+  bool narrow; /* few columns at a time, for less memory; the same on all ranks */
 } route;
 
 /* A column here, and where its rows go to; NULL: no rows. */

@@ -307,8 +307,22 @@ sd_status engine_build(engine *e, int threads, sd_messages *messages) {
 }
 
 void engine_drop_lists(engine *e) {
+  work *w = &e->work;
+  const sd_state *s = e->state;
   neighbours_free(e);
-  fill_laws(e->model, &e->work);
+  fill_laws(e->model, w);
+  double *column[] = {w->inverse_mass_x,
+                      w->inverse_mass_y,
+                      w->inverse_inertia,
+                      w->constant_x,
+                      w->constant_y,
+                      w->constant_torque,
+                      w->x0,
+                      w->y0,
+                      w->theta0,
+                      w->reach};
+  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
+    arena_release(w->arena, column[k], s->n_free * sizeof(double));
 }
 
 sd_status engine_make_lists(engine *e, sd_messages *messages) {
@@ -316,6 +330,7 @@ sd_status engine_make_lists(engine *e, sd_messages *messages) {
   box_update(e);
   cell_attach(e);
   cell_pose(e, e->state->step);
+  bodies_fill_constants(e);
   if (motion_resume(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   return build_lists(e, messages);
 }
