@@ -136,6 +136,25 @@ void feedback_pose(engine *e, feedbacks *all, thread_work *mine) {
   }
 }
 
+/* Of a servo: as fast as it ever is, to either side. */
+bool feedback_outruns(const engine *e, const feedbacks *all) {
+  const work *w = &e->work;
+  bool outruns = false;
+  for (const feedback *f = all->item; f < all->item + all->count; f++) {
+    const sd_motion *m = &e->model->motions[f->motion];
+    const bool servo = m->kind == SD_MOTION_SERVO;
+    const double at = *f->at, way = servo ? w->dt * m->velocity
+                                          : w->dt * e->state->motion_v0[f->motion] +
+                                                w->half_dt2 * acceleration(e, f, *f->force);
+    *f->at = at + way;
+    outruns |= neighbours_moved(e, f->slot);
+    *f->at = at - way;
+    if (servo) outruns |= neighbours_moved(e, f->slot);
+    *f->at = at;
+  }
+  return outruns;
+}
+
 double feedback_correct(engine *e, feedbacks *all) {
   sd_state *s = e->state;
   double done = 0.0;

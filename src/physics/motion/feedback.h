@@ -39,6 +39,8 @@ void feedback_end(engine *e, size_t k);
 
 /* Moves the walls to step state->step + 1; velocities are predicted. */
 void feedback_pose(engine *e, feedbacks *all, thread_work *mine);
+/* Would the walls leave the lists in the next step? Changes nothing. */
+bool feedback_outruns(const engine *e, const feedbacks *all);
 /* The forces of that step are known: corrects the velocities of loads; returns the sum of (force before + force)
  * times way over all walls. */
 double feedback_correct(engine *e, feedbacks *all);

@@ -373,7 +373,7 @@ bool motion_outruns(engine *e) {
   const motions *q = e->work.motions;
   if (motion_ahead(e)) return false;
   const int64_t k = motion_index(e);
-  bool outruns = false;
+  bool outruns = feedback_outruns(e, &q->feedbacks);
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
     if (p->slot >= e->state->n_bodies) continue;
     const double at = *p->at;

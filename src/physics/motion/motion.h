@@ -58,7 +58,7 @@ bool motion_ahead(engine *e);
 int64_t motion_index(const engine *e);
 prescribed *motion_prescribed(engine *e, size_t *n);
 
-/* Would the next step's poses make the lists stale? Loads and servos are not looked at. Changes nothing. */
+/* Would the next step's poses make the lists stale? Changes nothing. */
 bool motion_outruns(engine *e);
 /* Does any motion run? */
 bool motion_runs(const engine *e);
