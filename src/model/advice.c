@@ -60,7 +60,9 @@ char *advice_unstable(const sd_model *m) {
 static const double NEAR_LIMIT = 0.25;
 
 const char *advice_of_failure(const sd_model *m, const char *otherwise, char *text, size_t size) {
-  const sd_step_limit limit = sd_model_step_limit(m);
+  const sd_step_limit limit = m->limit_told > 0.0
+                                  ? (sd_step_limit){.dt = m->limit_told, .bound = m->bound_told}
+                                  : sd_model_step_limit(m);
   if (m->dt > NEAR_LIMIT * limit.dt)
     snprintf(text, size,
              "dt = %g is too large: %.2g of the limit of stability (%s, %s), which many contacts lower to a "

@@ -12,6 +12,7 @@
 
 #include "model/bodies.h"
 #include "model/motion_kinds.h"
+#include "slipdisk/model.h"
 
 typedef struct image {
   unsigned char *bytes; /* written: grows; read: const */
@@ -225,7 +226,12 @@ static void walk(image *im, sd_model *m) {
 static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {
   image im = {.writes = true, .of_rank = of_rank};
   /* walked, not changed: places are only written when an image is read */
-  sd_model *m = (sd_model *)(uintptr_t)model;
+  sd_model whole = *model, *m = &whole;
+  if (of_rank) {
+    const sd_step_limit limit = sd_model_step_limit(model);
+    whole.limit_told = limit.dt;
+    whole.bound_told = limit.bound;
+  }
   uint32_t head[sizeof layout / sizeof *layout];
   memcpy(head, layout, sizeof layout);
   transfer(&im, head, sizeof head);

@@ -97,6 +97,9 @@ struct sd_model {
   sd_integrator integrator;
   sd_variant variant;
   double dt;
+  double
+      limit_told; /* of the time step, in the part of a model that a rank has, which knows no masses; 0: not told */
+  sd_bound bound_told;
   double skin;        /* Verlet-list skin, length; 0: chosen as the run goes */
   double max_overlap; /* a run stops when an overlap exceeds this fraction of the smaller radius */
   sd_limits limits;

@@ -60,14 +60,36 @@ static void find_watched(engine *e) {
 
 /* --- build ------------------------------------------------------------------------------------------- */
 
+static sd_status tell_not_finite(const engine *e, int64_t step, size_t slot,
+                                 const double pose[SD_COORDINATES], sd_messages *messages) {
+  char name[96], hint[200];
+  return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; %s",
+                 (long long)step, sd_model_body_name(e->model, e->state->id[slot], name, sizeof name),
+                 pose[SD_X], pose[SD_Y], pose[SD_THETA],
+                 advice_of_failure(e->model, "is dt too large?", hint, sizeof hint));
+}
+
+static bool all_finite(const double pose[SD_COORDINATES]) {
+  return isfinite(pose[SD_X]) && isfinite(pose[SD_Y]) && isfinite(pose[SD_THETA]);
+}
+
 sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages) {
   const sd_state *s = e->state;
   for (size_t i = 0; i < s->n_bodies; i++) {
-    if (isfinite(s->x[i]) && isfinite(s->y[i]) && isfinite(s->theta[i])) continue;
-    char name[96], hint[200];
-    return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s is at (%g, %g), angle %g: not finite; %s",
-                   (long long)step, sd_model_body_name(e->model, s->id[i], name, sizeof name), s->x[i],
-                   s->y[i], s->theta[i], advice_of_failure(e->model, "is dt too large?", hint, sizeof hint));
+    const double pose[SD_COORDINATES] = {s->x[i], s->y[i], s->theta[i]};
+    if (!all_finite(pose)) return tell_not_finite(e, step, i, pose, messages);
+  }
+  return SD_OK;
+}
+
+sd_status neighbours_check_next(const engine *e, sd_messages *messages) {
+  const sd_state *s = e->state;
+  const double dt = e->work.dt;
+  for (size_t i = 0; i < s->n_free; i++) {
+    const double pose[SD_COORDINATES] = {s->x[i] + (s->vx[i] * dt + s->x2[i]),
+                                         s->y[i] + (s->vy[i] * dt + s->y2[i]),
+                                         s->theta[i] + (s->omega[i] * dt + s->theta2[i])};
+    if (!all_finite(pose)) return tell_not_finite(e, s->step + 1, i, pose, messages);
   }
   return SD_OK;
 }

@@ -26,6 +26,8 @@ void neighbours_follow(engine *e);
 void neighbours_deform(engine *e, int64_t step);
 /* SD_ERROR_NUMERIC when a pose is not finite; step is the one that the message names. */
 sd_status neighbours_check_finite(const engine *e, int64_t step, sd_messages *messages);
+/* Of where free disks will be after the next step, as far as lists follow it. */
+sd_status neighbours_check_next(const engine *e, sd_messages *messages);
 
 /* Has the prescribed body in this slot moved or turned beyond the limit since the last build? */
 static inline bool neighbours_moved(const engine *e, uint32_t slot) {

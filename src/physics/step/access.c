@@ -22,3 +22,15 @@ void engine_pose_walls(engine *e) { walls_pose(e); }
 bool engine_outruns(engine *e) {
   return e->work.kernels->stale(e, 0, e->state->n_free, true) || motion_outruns(e);
 }
+
+double engine_outrun_skin(const engine *e) {
+  const sd_state *s = e->state;
+  const work *w = &e->work;
+  double most = 0.0;
+  for (size_t i = 0; i < s->n_free; i++) {
+    const double dx = s->x[i] + (s->vx[i] * w->dt + s->x2[i]) - w->x0[i],
+                 dy = s->y[i] + (s->vy[i] * w->dt + s->y2[i]) - w->y0[i];
+    most = fmax(most, hypot(dx, dy));
+  }
+  return most / 0.44; /* limit_of takes 0.45 */
+}

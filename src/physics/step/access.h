@@ -118,6 +118,8 @@ static inline double engine_skin(const engine *e) { return e->work.skin; }
 static inline void engine_use_skin(engine *e, double skin) { e->work.skin = skin; }
 /* Would a free disk or a wall leave the lists in one step? */
 bool engine_outruns(engine *e);
+/* The skin that no free disk outruns in one step. */
+double engine_outrun_skin(const engine *e);
 static inline int engine_threads(const engine *e) { return e->work.n_threads; }
 static inline const kernels *engine_kernels(const engine *e) { return e->work.kernels; }
 /* Rows of a small system; NULL: it takes the general step. */
