@@ -65,6 +65,14 @@ phases = ( {{ name = "press"; steps = 12000; motions = ("press", "sides"); serie
            {{ name = "hold"; steps = 2000; motions = ("press", "sides"); frames = 1000; }} );
 """
 
+# A lid that falls faster than short lists bear.
+SLAM = PRESSED.replace("dt = 1e-3;", "dt = 1e-3; skin = 0.02;").replace("mass = 5; force = -40;", "mass = 1; force = -200;")
+
+# A disk apart from a heap goes beyond all numbers in one step.
+LOST = COLLAPSE.replace("phases = (", """disks = ( { name = "lost"; x = 15; y = 25; radius = 0.5; density = 1.27; } );
+fields = ( { name = "hole"; type = "central"; disk = "lost"; centre = (15, 20); strength = 1e100; power = 8; } );
+phases = ( { name = "calm"; steps = 300; fields = (); },""")
+
 # Rain on fixed disks; what rolls off is taken away.
 RAIN = f"""
 title = "rain"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
@@ -114,7 +122,7 @@ phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fract
 measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
 """
 
-DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC}
 
 

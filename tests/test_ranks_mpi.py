@@ -62,6 +62,22 @@ class Ranks(Folder):
         for ranks in brief((2, 4), (2,)):
             self.same("pressed", ranks)
 
+    def test_slam(self):
+        for ranks in brief((2, 3), (2,)):
+            self.same("slam", ranks)
+
+    def test_not_finite(self):
+        """On one rank only: its message and one emergency file, as of one process."""
+        status, _, alone = run(0, "run", self.deck("lost"), "--quiet", "-o", self.folder / "alone.h5")
+        self.assertEqual(status, 3, alone)
+        errors = [line for line in alone.splitlines() if line.startswith("error: ")]
+        for ranks in brief((2, 4), (2,)):
+            result = self.folder / f"{ranks}.h5"
+            status, _, err = run(ranks, "run", self.deck("lost"), "--quiet", "-o", result)
+            self.assertEqual(status, 3, err)
+            self.assertEqual([line for line in err.splitlines() if line.startswith("error: ")], errors)
+            self.assertEqual(len(list(self.folder.glob(f"{ranks}.h5.parts/emergency-*.h5"))), 1)
+
     def test_rain(self):
         for ranks in brief((2, 3), (2,)):
             self.same("rain", ranks)

@@ -196,6 +196,15 @@ class Ranks(Folder):
         self.finish(2, self.words(*end, *SELDOM))
         assert_same(self, self.result, whole)
 
+    def test_killed_while_merging(self):
+        """All is computed: another number of ranks merges it, and writes no checkpoint."""
+        whole = self.reference()
+        shim = f"LD_PRELOAD={SHIM}", f"INJECT_BELOW={self.folder}"
+        kill = "INJECT_NAME=*result.h5*", "INJECT_CALL=pwrite", "INJECT_WHEN=100", "INJECT_DO=kill"
+        self.finish(3, self.words(), 137, faulty=0, environment=(*shim, *kill))
+        self.finish(2, self.words(), faulty=1, environment=(*shim, "INJECT_NAME=*/checkpoint-*", "INJECT_BYTES=10000"))
+        assert_same(self, self.result, whole)
+
     def test_stopped_by_any_rank(self):
         end = "-D", "phases.shake.steps=20000"
         whole = self.reference(*end)

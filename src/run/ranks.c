@@ -127,6 +127,8 @@ static sd_status take_part(ranks *r, const engine *from) {
   drop_part(r);
   r->part = next;
   if (status == SD_OK) status = engine_build(&r->part, r->threads, r->messages);
+  /* together, or not at all: the others would wait */
+  if (all_well(status) && halo_list_prescribed(&r->part) != SD_OK) status = SD_ERROR_IO;
   engine_ready(&r->part, r->messages);
   engine_end(&r->part, status);
   return status;
@@ -158,25 +160,6 @@ static void note_balance(ranks *r) {
   r->balance.least = (int64_t)-comm_largest(-disks);
 }
 
-/* Work per disk: contacts and the rest, in proportion to what this rank was busy with, within a factor of the mean: a rank
- * that had to wait for its processor is no reason to take all disks from it. */
-static sd_status cut_again(ranks *r) {
-  const engine *e = &r->part;
-  const sd_state *s = e->state;
-  enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
-  float *weight = malloc((s->n_free + 1) * sizeof *weight);
-  const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
-               mean = comm_total(r->busy) / fmax(comm_total(all), 1.0),
-               rate = fmin(fmax(r->busy / fmax(all, 1.0), mean / MOST), mean * MOST);
-  sd_status status = weight ? SD_OK : SD_ERROR_IO;
-  for (size_t i = 0; weight && i < s->n_free; i++)
-    weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST));
-  if (all_well(status)) status = comm_cuts_make(r->cuts, s->n_free, s->x, s->y, weight);
-  free(weight);
-  r->balance.cuts++;
-  return status;
-}
-
 /* New lists, disks that have left the rectangle to their new ranks, new ghosts. */
 static sd_status renew(ranks *r) {
   engine *e = &r->part;
@@ -187,19 +170,26 @@ static sd_status renew(ranks *r) {
   r->skin = engine_skin(e);
   if (step - r->cut_step >= CUT_LEAST) {
     note_balance(r);
-    if (r->balance.excess > IMBALANCE) status = cut_again(r);
+    if (r->balance.excess > IMBALANCE) {
+      status = move_cut_again(r->cuts, &r->part, r->busy);
+      r->balance.cuts++;
+    }
     r->cut_step = step;
     r->busy = 0.0;
     if (!all_well(status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
   }
-  /* wider, until no disk or wall outruns the lists in one step */
-  for (bool again = true; again; r->skin *= 1.5) {
+  /* wider, until no disk or wall outruns the lists in one step; what is not finite outruns any */
+  for (;;) {
     status = store_part(r);
     if (all_well(status)) status = take_part(r, &r->part);
     if (!all_well(status)) return status;
-    again = comm_or(engine_outruns(&r->part)) != 0;
+    if (!comm_or(engine_outruns(&r->part))) return SD_OK;
+    status = neighbours_check_next(&r->part, r->messages);
+    if (!all_well(status)) return status;
+    if (!isfinite(r->skin))
+      return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite", (long long)step + 1);
+    r->skin = fmax(1.5 * r->skin, comm_largest(engine_outrun_skin(&r->part)));
   }
-  return SD_OK;
 }
 
 /* --- steps ----------------------------------------------------------------------------------------------------- */
@@ -210,6 +200,7 @@ typedef struct advance_task {
   bool measure;
 } advance_task;
 
+/* A stop comes after one more step, which shows the forces, and whose rows are not there yet. */
 static void advance_steps(const advance_task *a, const team *t) {
   ranks *r = a->r;
   engine *e = &r->part;
@@ -218,7 +209,8 @@ static void advance_steps(const advance_task *a, const team *t) {
     if (t->rank == 0) r->bits = step_agree(e, r->stop && *r->stop);
     team_wait(t);
     const int64_t step = e->state->step;
-    if (r->bits & (HALO_STALE | HALO_FAILED | HALO_STOP) || step == a->until) return;
+    if (r->bits & (HALO_STALE | HALO_FAILED) || step == a->until) return;
+    if (r->bits & HALO_STOP && step + 1 < a->until) return;
     step_once(e, t);
     team_wait(t);
     if (!a->measure || engine_status(e) != SD_OK) continue;
@@ -237,7 +229,7 @@ static void advance_member(const team *t, void *with) {
 /* On every rank, n steps unless one fails or is to stop. */
 static void advance(ranks *r, int64_t n, bool measure) {
   assert(ranks_are_spread(r));
-  const int64_t until = r->part.state->step + n;
+  int64_t until = r->part.state->step + n;
   do {
     engine *e = &r->part;
     const double began = clock_seconds();
@@ -246,11 +238,15 @@ static void advance(ranks *r, int64_t n, bool measure) {
     pool_run(r->pool, advance_member, &(advance_task){r, until, measure});
     r->busy += clock_seconds() - began - e->halo->waited;
     if (r->bits & HALO_STALE && !(r->bits & HALO_FAILED)) {
-      const sd_status status = renew(r);
+      /* lists are for steps: at the end those of one rank alone are not made anew either */
+      const int64_t step = r->part.state->step;
+      const sd_status status = step < until ? renew(r) : neighbours_check_finite(&r->part, step, r->messages);
       engine_end(&r->part, status);
       if (!all_well(status)) r->bits |= HALO_FAILED;
     }
-  } while (!(r->bits & (HALO_FAILED | HALO_STOP)) && r->part.state->step < until);
+    const int64_t next = r->part.state->step + 1;
+    if (r->bits & HALO_STOP && next < until) until = next;
+  } while (!(r->bits & HALO_FAILED) && r->part.state->step < until);
 }
 
 static sd_status tell_failure(const ranks *r, sd_messages *messages) {
@@ -261,13 +257,14 @@ static sd_status tell_failure(const ranks *r, sd_messages *messages) {
 
 const char *ranks_unsuited(const engine *whole) {
   const sd_model *m = whole->model;
-  const sd_phase *p = &m->phases[whole->state->phase];
+  /* of a run that is over, which only has to be merged: NULL */
+  const sd_phase *p = whole->state->phase < (int64_t)m->n_phases ? &m->phases[whole->state->phase] : NULL;
   if (whole->fields) return "the program has force fields of its own";
   if (m->n_clumps > 0) return "there are clumps";
   if (cell_deforms(m)) return "the box deforms";
   if (m->n_rotations > 0 || m->n_slides > 0) return "single disks are watched";
-  if (p->relax) return "it relaxes";
-  if (p->compress.asked) return "it compresses";
+  if (p && p->relax) return "it relaxes";
+  if (p && p->compress.asked) return "it compresses";
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++)
       if (m->motions[k].bodies[b] < m->n_disks && !m->disks[m->motions[k].bodies[b]].driven)

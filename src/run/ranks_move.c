@@ -406,7 +406,7 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
   return status;
 }
 
-/* --- the first cut ---------------------------------------------------------------------------------------------- */
+/* --- cuts ----------------------------------------------------------------------------------------------------- */
 
 /* Each rank looks at as many of the disks. */
 sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *whole) {
@@ -432,6 +432,22 @@ sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *w
   free(x);
   free(y);
   free(activity);
+  free(weight);
+  return status;
+}
+
+/* A rank that had to wait for its processor is no reason to take all disks from it. */
+sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
+  const sd_state *s = e->state;
+  enum { REST = 6 /* of a disk's step, in halves of candidate pairs */, MOST = 2 };
+  float *weight = malloc((s->n_free + 1) * sizeof *weight);
+  const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
+               mean = comm_total(busy) / fmax(comm_total(all), 1.0),
+               rate = fmin(fmax(busy / fmax(all, 1.0), mean / MOST), mean * MOST);
+  sd_status status = weight ? SD_OK : SD_ERROR_IO;
+  for (size_t i = 0; weight && i < s->n_free; i++)
+    weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST));
+  if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
   return status;
 }

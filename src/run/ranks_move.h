@@ -9,6 +9,9 @@
 /* Cuts the plane for disks that rank 0 has all of (whole: NULL on the others): points of equal weight, but for disks that are not in
  * play. SD_ERROR_IO: no memory, on any rank. */
 sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *whole);
+/* Anew, for parts: work per disk is contacts and the rest, in proportion to the seconds that its rank was busy with them, within a factor
+ * of the mean. */
+sd_status move_cut_again(comm_cuts *cuts, const engine *part, double busy);
 /* Makes state and halo of this rank's part of the disks, by the rectangles of `cuts`: from the part that it has (from: an engine with a
  * halo, contacts and motions stored, poses of ghosts refreshed), or from all disks, which rank 0 has (from: an engine without
  * one; NULL on the other ranks). skin: of the lists to come. SD_ERROR_IO: no memory, on any rank. */

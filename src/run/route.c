@@ -139,7 +139,10 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   const size_t ranks = (size_t)comm_size();
   size_t *at = malloc((2 * ranks + 1) * sizeof *at), *end = at + ranks, n_runs = 0, begin = 0;
-  if (!at) return SD_ERROR_IO;
+  if (!at) {
+    comm_abort(SD_ERROR_IO); /* the others wait */
+    return SD_ERROR_IO;
+  }
   for (size_t q = 0; q < ranks; q++) {
     if (r->from[q] == 0) continue;
     at[n_runs] = begin;

@@ -349,12 +349,13 @@ sd_status session_may_publish(const session *s, sd_status kind, sd_messages *mes
 
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
 static sd_status merge(session *s, sd_messages *messages) {
-  sd_status status = s->saved_step == s->step && s->has_found ? SD_OK : session_checkpoint(s, messages);
+  /* never a second one of the same step: its shares would take the place of those that the first one names */
+  sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
   if (status != SD_OK) return status;
   const sd_state *state = present_state(s, messages);
   if (!state) return SD_ERROR_IO;
-  if (simulation_is_spread(s->simulation)) {
-    /* the checkpoint was described without the columns of disks */
+  if (!s->has_found || simulation_is_spread(s->simulation)) {
+    /* a run that goes on after its end has none; over ranks it was found without the columns of disks */
     const sd_energy energy = sd_simulation_energy(s->simulation);
     if (describe(s, state, &energy, messages) != SD_OK) return SD_ERROR_IO;
   }

@@ -126,10 +126,7 @@ static void advance(group *g) {
       continue;
     }
     s->origin.step_seconds += took / (double)going;
-    const int64_t before = s->step;
     if (g->status[k] == SD_OK) s->step = sd_simulation_step(s->simulation);
-    /* another rank was told to stop before the first step: rows of this one are there already */
-    if (g->status[k] == SD_OK && s->step == before) continue;
     g->status[k] = session_step(s, g->status[k], g->most_bytes, g->messages[k]);
   }
   if (took > 2 * CHUNK_SECONDS && g->chunk > 1)

@@ -386,8 +386,8 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
     int64_t left = observers_room(sim, simulation_room(e)), from = e->state->step;
     sd_status status = advance(sim, n < left ? n : left, messages);
     const int64_t done = e->state->step - from;
-    assert(done >= 0 && done <= left && done <= n);
-    if (done == 0 && status == SD_OK) break; /* a rank was told to stop */
+    assert(done >= 0 && done <= left && done <= n &&
+           (done > 0 || status != SD_OK || engine_status(e) != SD_OK));
     n -= done;
     const bool paused = simulation_is_spread(sim) && pause_on_ranks(sim, from, &status, messages);
     const sd_status after = paused ? SD_OK : simulation_pause(e, from, messages);

@@ -296,8 +296,6 @@ static sd_status build_lists(engine *e, sd_messages *messages) {
   walls_pose(e);
   sd_status status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);
-  if (status == SD_OK && e->halo && halo_list_prescribed(e) != SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the forces on walls");
   return status;
 }
 

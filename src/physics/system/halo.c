@@ -194,7 +194,10 @@ sd_status halo_list_prescribed(engine *e) {
   free_rows(r);
   r->n_mine = mine;
   r->counts = malloc((size_t)comm_size() * sizeof *r->counts);
-  if (!r->counts) return SD_ERROR_IO;
+  if (!r->counts) {
+    comm_abort(SD_ERROR_IO);
+    return SD_ERROR_IO;
+  }
   comm_gather_counts((int)mine, r->counts);
   size_t all = 0;
   for (int k = 0; k < comm_size(); k++) all += (size_t)r->counts[k];
