@@ -259,8 +259,9 @@ static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
   const char *key = NULL;
   if (!law_is_given(law)) return;
   deck_key_check(&law_table, law, material_name(m, a), msg);
-  char *text = law_mistake(law, &key);
-  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %s", material_name(m, a), key, text);
+  double value = 0.0;
+  char *text = law_mistake(law, &key, &value);
+  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %g: %s", material_name(m, a), key, value, text);
   free(text);
 }
 
