@@ -360,7 +360,7 @@ static void test_refused(void **unused) {
           "wall \"shelf\" has a size of its own");
   refused("motions = ( { name = \"pull\"; disk = 3; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } "
           ");\n",
-          phase, "motion \"pull\" prescribes positions");
+          phase, "motions[0]: it prescribes positions that phases[0].compress changes");
   refused("", "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1; }; } );",
           "expected a number > 0 and at most 0.02");
   refused("", "phases = ( { steps = 10; compress = { rate = 1e-3; }; } );", "either pressure or fraction");
