@@ -44,6 +44,8 @@ static void friction_needs_a_spring(void **unused) {
   advised(WITH("k_t = 500.0;"), "materials.m: k_t = 500 without mu has no effect");
   advised(WITH(""), NULL);
   advised(WITH("k_t = 500.0; mu = 0.1;"), NULL);
+  advised(WITH("tangential = \"mindlin\";"), "materials.m: tangential = \"mindlin\" without k_t");
+  advised(WITH("tangential = \"mindlin\"; k_t = 500.0; mu = 0.1;"), NULL);
 #undef WITH
   /* of a pair, and not of materials that do not touch themselves */
 #define MIXED(law)                                                                                           \
@@ -118,6 +120,31 @@ static void compression_ends_with_settle(void **unused) {
   sd_model_free(m);
 }
 
+static void boxes_deform_as_they_are_told(void **unused) {
+  (void)unused;
+#define SHEARED(law, more, cell)                                                                             \
+  VERLET "materials = ( { name = \"m\"; k_n = 1e4; " law " } );\n"                                           \
+         "box = { x = (0.0, 20.0); y = (0.0, 20.0); periodic = \"xy\"; };\n"                                 \
+         "disks = ( { x = 3.0; y = 3.0; radius = 1.0; mass = 1.0; } );\n" more PHASE("cell = { " cell " };")
+  advised(SHEARED("", "", "rate_xy = 0.01;"), NULL);
+  advised(SHEARED("", "", ""), "phases.p: cell has neither a rate nor a stress");
+  advised(SHEARED("", "", "rate_xy = 0.01; max_rate = 1.0;"), "cell.max_rate has no effect");
+  advised(SHEARED("", "", "rate_xy = 0.01; response = 1.0;"), "cell.response has no effect");
+  advised(SHEARED("", "", "stress_yy = 1.0; max_rate = 1.0; response = 1.0;"), NULL);
+  advised(SHEARED("", "", "stress_yy = -1.0;"), "cell.stress_yy = -1: compression is positive here");
+  advised(SHEARED("cohesion = \"constant\"; pull_off = 1.0; range = 0.1;", "", "stress_yy = -1.0;"), NULL);
+  advised(SHEARED("", "", "stress_xy = -1.0;"), NULL);
+#define DRAG(more) "fields = ( { name = \"air\"; type = \"drag\"; gamma = 1.0; " more " } );\n"
+#define DAMPING "fields = ( { name = \"d\"; type = \"damping\"; alpha = 0.1; } );\n"
+  advised(SHEARED("", DRAG(""), "rate_xy = 0.01;"),
+          "fields.air: the fluid does not shear while the box does");
+  advised(SHEARED("", DRAG("shear_rate = 0.01;"), "rate_xy = 0.01;"), NULL);
+  advised(SHEARED("", DRAG(""), "rate_yy = -0.001;"), NULL);
+  advised(SHEARED("", DAMPING, "stress_xy = -1.0;"),
+          "fields.d: damping acts against velocities in the laboratory");
+  advised(SHEARED("", DAMPING, "stress_yy = 1.0;"), NULL);
+}
+
 static void deep_overlaps_throw_disks_apart(void **unused) {
   (void)unused;
 #define TWO(y, more)                                                                                         \
@@ -182,10 +209,11 @@ static void gaps_are_those_between_surfaces(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(friction_needs_a_spring),      cmocka_unit_test(viscosity_bounds_the_step),
-      cmocka_unit_test(the_relaxer_wants_verlet),     cmocka_unit_test(goals_can_be_out_of_reach),
-      cmocka_unit_test(compression_ends_with_settle), cmocka_unit_test(deep_overlaps_throw_disks_apart),
-      cmocka_unit_test(watched_contacts_touch),       cmocka_unit_test(gaps_are_those_between_surfaces),
+      cmocka_unit_test(friction_needs_a_spring),         cmocka_unit_test(viscosity_bounds_the_step),
+      cmocka_unit_test(the_relaxer_wants_verlet),        cmocka_unit_test(goals_can_be_out_of_reach),
+      cmocka_unit_test(compression_ends_with_settle),    cmocka_unit_test(boxes_deform_as_they_are_told),
+      cmocka_unit_test(deep_overlaps_throw_disks_apart), cmocka_unit_test(watched_contacts_touch),
+      cmocka_unit_test(gaps_are_those_between_surfaces),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -480,6 +480,15 @@ static void test_mistakes(void **unused) {
                "\"outside\"; } );",
                "rate_xy = 1;"),
           "expected no walls");
+  /* 9 exp(-2.5) is 0.74, below 2.4 */
+  refused("dt = 1e-3; materials = ( { name = \"m\"; k_n = 1; } );\n"
+          "disks = ( { x = 1; y = 1; radius = 0.5; mass = 1; } );\n"
+          "box = { x = (0, 9); y = (0, 9); periodic = \"xy\"; };\n"
+          "phases = ( { time = 1; cell = { rate_xx = -0.1; }; },\n"
+          "  { time = 5; cell = { rate_yy = -0.5; }; } );",
+          "test.cfg:5: phases[1].cell.rate_yy = -0.5: the box is 0.7388 long in y at the end of this phase; "
+          "expected "
+          "more than 2.4");
   refused(DECK("xy", "measure = { disks = true; };", "rate_xy = 1;"), "measure.disks");
 }
 

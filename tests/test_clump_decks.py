@@ -1,4 +1,5 @@
 """The decks of inputs/clumps, shortened: their budgets close, and results tell of clumps what their disks tell."""
+import json
 import os
 import pathlib
 import tempfile
@@ -59,6 +60,28 @@ class Clumps(unittest.TestCase):
                               "output.frames=10000")
         self.check_poses(file)
         self.assertGreater(self.check_budget(file)["friction"], 0)
+
+    def test_a_result_with_clumps_begins_no_other_deck(self):
+        path, _ = self.result("dimers", "packings[0].count=20", "container.width=0.2", "phases[0].time=1e-4")
+        start = self.folder / "start.cfg"
+        deck = """integrator = "verlet"; dt = 2e-5; time = 1e-3;
+materials = ( { name = "grain"; k_n = 1e4; } );
+disk_files = (
+  { file = "dimers.h5"; MORE } );
+"""
+        refused = f'{start}:4: disk_files[0].file = "dimers.h5": it has 20 clumps, which are not read'
+        for more, expected in (("", refused), ("contacts = true;", refused),
+                               ('columns = ("x", "y", "radius", "mass"); dataset = "/particles/disks";', None)):
+            start.write_text(deck.replace("MORE", more))
+            status, _, err = run("check", start, "--brief", "--no-probe")
+            self.assertEqual(status, 2 if expected else 0, err)
+            self.assertIn(expected or "", err)
+        status, out, _ = run("info", path)
+        self.assertIn("40 disks, 20 clumps, ", out)
+        status, out, _ = run("info", path, "--json")
+        self.assertEqual(json.loads(out)["clumps"], 20)
+        status, out, _ = run("check", ROOT / "inputs/clumps/plate.cfg", "--no-probe")
+        self.assertRegex(out, r"# clumps      1, of 15 disks")
 
     @unittest.skipIf(BRIEF, "steps are slow")
     def test_a_plate_is_drawn_and_bears_its_load(self):

@@ -360,7 +360,7 @@ static void test_refused(void **unused) {
           "wall \"shelf\" has a size of its own");
   refused("motions = ( { name = \"pull\"; disk = 3; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } "
           ");\n",
-          phase, "motion \"pull\" prescribes positions");
+          phase, "motions[0]: it prescribes positions that phases[0].compress changes");
   refused("", "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1; }; } );",
           "expected a number > 0 and at most 0.02");
   refused("", "phases = ( { steps = 10; compress = { rate = 1e-3; }; } );", "either pressure or fraction");
@@ -382,6 +382,23 @@ static void test_too_narrow(void **unused) {
   end_run(sim, m);
 }
 
+/* With attraction it is longer: 4.4 here; a fraction of 0.1 is reached at 3.96. */
+static void test_too_narrow_to_attract(void **unused) {
+  (void)unused;
+  sd_model *m = model_of(
+      "dt = 0.05; integrator = \"verlet\"; box = { x = (0, 9); y = (0, 9); periodic = \"xy\"; };\n"
+      "materials = ( { name = \"m\"; k_n = 1; cohesion = \"constant\"; pull_off = 1e-9; range = 1; } );\n"
+      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 0.5; density = 1; rows = ((2, 2), (6, 6)); } );\n"
+      "phases = ( { steps = 4000; compress = { fraction = 0.1; rate = 1e-2; }; } );");
+  sd_simulation *sim = begin_run(m, 1);
+  sd_messages *messages = sd_messages_new();
+  assert_int_equal(sd_simulation_advance(sim, 4000, messages), SD_ERROR_NUMERIC);
+  assert_non_null(
+      strstr(sd_messages_text(messages, 0), "twice the gap over which disks attract each other (1)"));
+  sd_messages_free(messages);
+  end_run(sim, m);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_fraction),
@@ -394,6 +411,7 @@ int main(void) {
       cmocka_unit_test(test_skin),
       cmocka_unit_test(test_refused),
       cmocka_unit_test(test_too_narrow),
+      cmocka_unit_test(test_too_narrow_to_attract),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

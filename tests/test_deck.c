@@ -376,6 +376,61 @@ static void test_round_trip(void **state) {
   round_trip(write_file("three.cfg", three));
 }
 
+/* Those of the list before those of packings; each keeps its disks. */
+static void test_clump_numbers(void **state) {
+  (void)state;
+#define CLUMPS(clump)                                                                                        \
+  HEAD "disks = ( { name = \"a\"; x = 50; y = 50; radius = 1; mass = 2; }, { name = \"b\"; x = 52; y = 50; " \
+       "radius = 1; mass = 2; },\n  { name = \"c\"; x = 60; y = 50; radius = 1; mass = 7; } );\n"            \
+       "container = { type = \"box\"; width = 40; height = 20; };\n"                                         \
+       "packings = ( { type = \"square\"; count = 2; spacing = 8; radius = 1; density = 1; clump = { at = (" \
+       "(-1, 0), (1, 0), (0, 1)); }; } );\n"                                                                 \
+       "clumps = ( { name = \"pair\"; disk = (\"a\", \"b\"); }, { name = \"one\"; disk = \"c\"; } );\n"      \
+       "motions = ( { clump = " clump "; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );"
+  static const char *const decks[] = {CLUMPS("0"), CLUMPS("\"pair\""), CLUMPS("\"one\""), CLUMPS("1"),
+                                      CLUMPS("3")};
+  static const uint32_t number[] = {0, 0, 1, 1, 3};
+  for (size_t k = 0; k < 5; k++) {
+    sd_model *m = good(decks[k]);
+    assert_int_equal(m->n_clumps, 4);
+    assert_int_equal(m->motions[0].bodies[0], sd_model_bodies(m) + number[k]);
+    assert_string_equal(m->clumps[0].name, "pair");
+    assert_string_equal(m->clumps[1].name, "one");
+    assert_null(m->clumps[2].name);
+    assert_true(m->clumps[0].n_disks == 2 && m->clumps[1].n_disks == 1 && m->clumps[1].mass == 7);
+    assert_true(m->clumps[2].n_disks == 3 && m->clumps[3].n_disks == 3);
+    assert_true(m->disks[0].clump == 1 && m->disks[1].clump == 1 && m->disks[2].clump == 2);
+    assert_true(m->disks[3].clump == 3 && m->disks[8].clump == 4);
+    sd_model_free(m);
+  }
+  bad(CLUMPS("4"), "test.cfg:7: motions[0].clump = 4: no clump has this number; expected 0 to 3");
+}
+
+/* What the checks of the model find has a line too. */
+static void test_places(void **state) {
+  (void)state;
+#define PAIR                                                                                                 \
+  "disks = ( { name = \"a\"; x = 2; y = 2; radius = 1; mass = 2; },\n  { x = 4; y = 2; radius = 1; mass = "  \
+  "2; } );\n"
+#define WITHIN HEAD PAIR "box = { x = (0, 6); y = (0, 20); periodic = \"xy\"; };\n"
+  bad(WITHIN "clumps = (\n  { disk = (0, 1); mass = 1; inertia = 1; },\n  { name = \"long\"; disk = 0; } );",
+      "test.cfg:7: clumps[1]: disk \"a\" belongs to another clump");
+  bad(HEAD PAIR "box = { x = (0, 3.9); y = (0, 20); periodic = \"xy\"; };", "disk 1: x = 4 lies outside");
+  bad(HEAD PAIR "box = {\n  x = (0, 4.7);\n  periodic = \"x\"; };",
+      "test.cfg:5: box.x: length 4.7: expected more than 4.8");
+  bad(HEAD PAIR "container = { type = \"bed\"; origin = (2, 0);\n  width = 4.7; height = 9; radius = 1; };",
+      "test.cfg:5: container.width: length 4.7");
+  bad(HEAD PAIR
+      "motions = (\n  { name = \"m\"; clump = 0; coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
+      "test.cfg:5: motions[0].clump = 0: no clump has this number; expected none");
+  bad(HEAD "disks = ( { x = 1; y = 2; radius = 1; mass = 2; },\n  { x = 3; y = 2; radius = 1; mass = 2; },\n "
+           " { x = 5; y = 2; "
+           "radius = 1; mass = 2; } );\n"
+           "box = { x = (0, 6); y = (0, 20); periodic = \"xy\"; };\n"
+           "clumps = (\n  { name = \"long\"; disk = (0, 1, 2); } );",
+      "test.cfg:7: clump \"long\": it is longer than the periodic box in x: expected locked");
+}
+
 static int set_up(void **state) {
   (void)state;
   return mkdtemp(folder) ? 0 : 1;
@@ -399,7 +454,7 @@ int main(void) {
       cmocka_unit_test(test_values),    cmocka_unit_test(test_streams),  cmocka_unit_test(test_numbers),
       cmocka_unit_test(test_form),      cmocka_unit_test(test_overlaps), cmocka_unit_test(test_laws),
       cmocka_unit_test(test_overrides), cmocka_unit_test(test_files),    cmocka_unit_test(test_round_trip),
-      cmocka_unit_test(test_shipped),
+      cmocka_unit_test(test_shipped),   cmocka_unit_test(test_places),   cmocka_unit_test(test_clump_numbers),
   };
   return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -163,7 +163,7 @@ static void all_mistakes_are_told_at_once(void **state) {
       "dt = 0: expected a number > 0",
       "disk 0: radius = 0: expected a number > 0",
       "disk 0: mass = 0: expected a number > 0",
-      "motion \"?\": body 5 does not exist",
+      "motion 0: body 5 does not exist",
   };
   sd_model *m = sd_model_new();
   sd_messages *messages = sd_messages_new();

@@ -65,6 +65,32 @@ def phase(mistake, keys, *pairs):
     return changes(mistake, ("time = 2;", f'phases = ( {{ name = "p"; time = 2; {keys} }} );'), *pairs)
 
 
+def cell(mistake, keys, *pairs):
+    """A phase of a periodic box with two disks."""
+    deck = BOXED.replace("KEYS", keys)
+    for old, new in pairs:
+        assert deck.count(old) == 1, old
+        deck = deck.replace(old, new)
+    return mistake, {"d.cfg": deck}, []
+
+
+BOXED = """integrator = "verlet";
+dt = 1e-5;
+gravity = { g = 0; };
+materials = ( { name = "rubber"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; } );
+box = { x = (0, 1); y = (0, 1); periodic = "xy"; };
+disks = (
+  { name = "a"; x = 0.1; y = 0.2; radius = 0.02; density = 3.57; },
+  { name = "b"; x = 0.4; y = 0.2; radius = 0.02; density = 3.57; }
+);
+phases = (
+  { name = "p"; time = 1; KEYS }
+);
+walls = ();
+"""
+SHEAR = "cell = { rate_xy = 0.1; };"
+WALL = 'walls = ( { name = "floor"; type = "line"; points = ((-1, 0), (1, 0)); } )'
+PULL = 'motions = ( { disk = "a"; coordinate = "x"; type = "velocity"; velocity = 1; } )'
 SHAKE = 'motions = ( { name = "s"; wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 1e-4; omega = 100; } );\n'
 BOX = 'box = { x = (-1, 1); y = (0, 2); periodic = "x"; };\n'
 CSV = "x,y,radius\n1,1,0.1\n"
@@ -106,7 +132,7 @@ TABLES = {
     ],
     "Numbers": [
         *value("radius", "0.02", '"1 mm"', "1 mm", "1mm"),
-        *value("k_n", "1e4", '"1e4 N/m"', "1e4 N/m"),
+        *value("k_n", "1e4", '"1e4 N/m"', "1e4 N/m", '"1e4 Pa"', '"7 bar"', '"10 rpm"', '"1/s"'),
         *value("dt", "1e-5", '"10 us"', "1e-5f", "1d-5", "1_000", "0,00001", "10^-5"),
         *value("x", "0", "0,5", "\u22121", "-sqrt(3)"),
         *value("radius", "0.02", "2 * 0.01", '"2 * 0.01"', "R", '"2 * R"', '"2 * (0.01"', '"1/0"', '"two"'),
@@ -135,9 +161,43 @@ TABLES = {
         change('`type = "plane";`', '"line"', '"plane"'),
         changes("an arc that runs clockwise", ('type = "line"; points = ((-1, 0), (1, 0));',
                                                'type = "arc"; center = (0, 5); radius = 5; from = "-80 deg"; to = "-100 deg";')),
+        changes("an arc in degrees", ('type = "line"; points = ((-1, 0), (1, 0));',
+                                      'type = "arc"; center = (0, 5); radius = 5; from = 200; to = 340;')),
+        *[change(f"`{keys}` in `materials`", "gamma_n = 2; mu = 0.5;", keys)
+          for keys in ("friction = 0.5;", "e = 0.5;", "cor = 0.5;", "young = 1e9;", "damping = 2;", "mu = 0.3; mu_kinetic = 0.5;",
+                       'cohesion = "constant";', 'cohesion = "bridge"; pull_off = 1;')],
+        change("`diameter = 0.04;`", "radius = 0.02;", "diameter = 0.04;"),
+        change("`timestep = 1e-5;`", "time = 2;", "time = 2; timestep = 1e-5;"),
+        changes("a motion without `type`", ("output", 'motions = ( { wall = "floor"; coordinate = "y"; velocity = 1; } );\noutput')),
         changes("the surface of a disk", ("output", 'motions = ( { disk = "ball"; coordinate = "surface"; type = "velocity"; velocity = 1; } );\noutput')),
         change('`@include "x.inc"`, which is not there', "dt", '@include "x.inc"\ndt'),
         define("gravty.tilt=1"), define("disks.bal.radius=1"), define("gravity.tilt"),
+    ],
+    "Periodic boxes and clumps": [
+        *[cell(mistake, keys, *pairs) for mistake, keys, pairs in (
+            ("`cell` and a wall", SHEAR, [("walls = ()", WALL)]),
+            ("`cell` and a channel", SHEAR, [("box = { x = (0, 1); y = (0, 1); periodic = \"xy\"; };",
+                                             'container = { type = "channel"; width = 1; height = 1; origin = (0.5, 0); };')]),
+            ("`cell` and gravity", SHEAR, [("g = 0", "g = 9.81")]),
+            ("`cell` and clumps", SHEAR, [("walls = ()", 'clumps = ( { name = "pair"; disk = ("a", "b"); } )')]),
+            ("`cell` and `forces`", SHEAR, [("walls = ()", 'forces = ( { disk = "a"; force = (1, 0); } )')]),
+            ("`cell` and a motion", SHEAR, [("walls = ()", PULL)]),
+            ("`cell` and `relax`", SHEAR + " relax = true;", []),
+            ("`cell` and `measure.disks`", SHEAR, [("walls = ()", "measure = { disks = true; }")]),
+            ("`rate_xy = 1e4;`", "cell = { rate_xy = 1e4; };", []),
+            ("all stresses are 0", "cell = { stress_xx = 0; stress_yy = 0; };", []),
+            ("the box becomes too small", "cell = { rate_yy = -3; };", []),
+            ("`shear_rate = 1;` in `cell`", "cell = { shear_rate = 1; };", []),
+            ("`cell = { };`", "cell = { };", []),
+            ("`max_rate` without a stress", "cell = { rate_xy = 0.1; max_rate = 1; };", []),
+            ("`stress_yy = -10;` without cohesion", "cell = { stress_yy = -10; };", []),
+            ("drag in a box that shears", SHEAR, [("walls = ()", 'fields = ( { name = "air"; type = "drag"; gamma = 1; } )')]),
+            ("damping in a box that shears", SHEAR, [("walls = ()", 'fields = ( { type = "damping"; alpha = 0.1; } )')]),
+            ("attraction farther than half the box", "", [("mu = 0.5;", 'cohesion = "constant"; pull_off = 1; range = 0.5;')]),
+            ("a motion of a disk of a clump", "", [("walls = ()", PULL + '; clumps = ( { disk = ("a", "b"); } )')]),
+        )],
+        changes("`container.width = 0.05;`", ('walls = (\n  { name = "floor"; type = "line"; points = ((-1, 0), (1, 0)); }\n);',
+                                              'container = { type = "bed"; width = 0.05; height = 1; radius = 0.02; };')),
     ],
     "CSV files": [
         table("`1,1,0.1` in the first line", "1,1,0.1\n2,1,0.1\n"),
@@ -167,6 +227,11 @@ TABLES = {
     "Set-ups that are seldom meant": [
         change("`mu` without `k_t`", " k_t = 5e3;", ""),
         change("`k_t` without `mu`", " mu = 0.5;", ""),
+        change("`k_r` without `mu_r`", "mu = 0.5;", "mu = 0.5; k_r = 1e3;"),
+        changes("`k_r` of a pair without `mu_r`", ("mu = 0.5; }\n);", "mu = 0.5; },\n  { name = \"steel\"; k_n = 1e4; }\n);\n"
+                                                   'material_pairs = ( { materials = ("rubber", "steel"); k_n = 1e4; k_r = 1e3; } );'),
+                ("density", 'material = "rubber"; density'), ('"floor";', '"floor"; material = "steel";')),
+        change('`tangential = "mindlin"` without `k_t`', "k_t = 5e3; gamma_n = 2; mu = 0.5;", 'gamma_n = 2; tangential = "mindlin";'),
         define("dt=1e-4"), define("dt=5e-4"),
         change("`gamma_n = 20;`, which bounds dt", "gamma_n = 2", "gamma_n = 20"),
         change("`gamma_n = 60;`, which bounds dt", "gamma_n = 2", "gamma_n = 60"),
@@ -217,13 +282,13 @@ def said(program, files, arguments):
     return [re.sub(r"^error: ", "", line) for line in ran.stderr.splitlines() if not line.startswith("warning: ")]
 
 
-def cell(lines):
+def shown_cell(lines):
     return "<br>".join(line.replace("&", "&amp;").replace("<", "&lt;").replace("|", "&#124;").replace("*", "&#42;")
                        for line in lines)
 
 
 def shown(lines):
-    return cell(lines).replace(UNITS, "...")
+    return shown_cell(lines).replace(UNITS, "...")
 
 
 def rows():
@@ -250,7 +315,7 @@ class Mistakes(unittest.TestCase):
         there = rows()
         names = [mistake for mistakes in TABLES.values() for mistake, _, _ in mistakes]
         self.assertEqual(len(set(names)), len(names))
-        self.assertGreater(len(names), 90)
+        self.assertGreater(len(names), 130)
         self.assertEqual(sorted(set(there) - {"mistake"}), sorted(names), "tests/test_mistakes.py --write")
         for mistakes in TABLES.values():
             for mistake, files, arguments in mistakes:
@@ -260,7 +325,7 @@ class Mistakes(unittest.TestCase):
     def test_units(self):
         """The page has the message that its tables cut short."""
         deck = DECK.replace("radius = 0.02", 'radius = "1 mm"')
-        self.assertIn(f"> {cell(said(PROGRAM, {'d.cfg': deck}, []))}\n", PAGE.read_text())
+        self.assertIn(f"> {shown_cell(said(PROGRAM, {'d.cfg': deck}, []))}\n", PAGE.read_text())
 
     def test_deck(self):
         """Without a mistake it is right."""

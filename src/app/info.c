@@ -19,6 +19,7 @@ typedef struct facts {
   char *path; /* of the file that was read */
   bool finished;
   int64_t parts; /* of an unfinished run, else -1 */
+  int64_t clumps;
   uint64_t bytes;
   provenance origin;
   summary found;
@@ -81,6 +82,7 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
   if (status == SD_OK) {
     f->parts = f->finished ? -1 : checkpoint_get_parts(file);
     f->bytes = file_size(f->path);
+    f->clumps = h5_get_attr_i64(file, "/state", "n_clumps", 0);
     text_clean(f->path); /* from here on it is only shown */
   }
   h5_close(file, NULL);
@@ -154,8 +156,10 @@ static void print_text(const facts *f, const place *p) {
   char *failure = f->finished ? NULL : failure_of(p);
   if (failure) print_failure(failure);
   free(failure);
-  printf("%" PRId64 " disks, %" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n",
-         s->disks, s->walls, s->contacts, s->dt, (double)s->measured * s->dt, (double)s->step * s->dt);
+  printf("%" PRId64 " disks, ", s->disks);
+  if (f->clumps) printf("%" PRId64 " clumps, ", f->clumps);
+  printf("%" PRId64 " walls, %" PRId64 " contacts, dt %.6g, measured %.6g of %.6g\n", s->walls, s->contacts,
+         s->dt, (double)s->measured * s->dt, (double)s->step * s->dt);
   report_summary(stdout, s);
   report_cost(stdout, s, &f->origin);
   printf("\nprovenance\n");
@@ -298,7 +302,8 @@ static json_t *facts_json(const facts *f) {
   const struct {
     const char *name;
     json_t *value;
-  } rest[] = {{"phase_name", json_string(s->phase_name)},
+  } rest[] = {{"clumps", json_integer(f->clumps)},
+              {"phase_name", json_string(s->phase_name)},
               {"rotation", rotation_json(s)},
               {"until", until_json(s)},
               {"sliding", slide_json(s)},

@@ -134,9 +134,20 @@ static double each_law(const sd_model *m, law_visitor *visit, sd_messages *messa
   return worst;
 }
 
+static double mindlin_of(const sd_model *m, size_t a, size_t b, sd_messages *messages) {
+  const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
+  if (law->tangential != SD_TANGENTIAL_MINDLIN || law->k_t > 0) return 0;
+  char *name = law_name(m, a, b);
+  sd_warn(messages,
+          "%s: tangential = \"mindlin\" without k_t has no effect: give k_t (force/length^(3/2)) and mu",
+          name ? name : "?");
+  free(name);
+  return 1;
+}
+
 static double friction_of(const sd_model *m, size_t a, size_t b, sd_messages *messages) {
   const sd_contact_law *law = sd_model_law(m, (int)a, (int)b);
-  if ((law->mu > 0) == (law->k_t > 0)) return 0;
+  if ((law->mu > 0) == (law->k_t > 0)) return mindlin_of(m, a, b, messages);
   char *name = law_name(m, a, b);
   if (law->mu > 0)
     sd_warn(messages, "%s: mu = %g without k_t is no friction at all: give k_t, usually 0.3 to 1 times k_n",
@@ -279,6 +290,49 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
   return worst;
 }
 
+/* --- boxes that deform ---------------------------------------------------------------------------------- */
+
+static bool attracts(const sd_model *m) {
+  bool any = false;
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++) any |= m->laws[k].cohesion != SD_COHESION_NONE;
+  return any;
+}
+
+/* What nothing follows, as keys of the phase; NULL: all is followed. */
+static const char *without_effect(const sd_cell *c) {
+  bool controlled = false, rate = false;
+  for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
+    controlled |= c->controlled[k];
+    rate |= c->rate[k] != 0;
+  }
+  if (!controlled && c->response > 0)
+    return "cell.response has no effect: no stress is controlled; give stress_xx, stress_yy or stress_xy";
+  if (!controlled && c->max_rate > 0)
+    return "cell.max_rate has no effect: no stress is controlled; give stress_xx, stress_yy or stress_xy";
+  if (!controlled && !rate)
+    return "cell has neither a rate nor a stress: the box stays as it is; give rate_xy or the like";
+  return NULL;
+}
+
+static double check_cells(const sd_model *m, sd_messages *messages) {
+  static const char *const keys[] = {[SD_CELL_XX] = "stress_xx", [SD_CELL_YY] = "stress_yy"};
+  double worst = 0;
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_cell *c = &m->phases[k].cell;
+    const char *idle = c->asked ? without_effect(c) : NULL;
+    if (idle) worst = warn_of_phase(m, k, messages, idle);
+    for (int q = SD_CELL_XX; c->asked && q <= SD_CELL_YY; q++) {
+      if (!c->controlled[q] || !(c->stress[q] < 0) || attracts(m)) continue;
+      char *text = format_text("cell.%s = %g: compression is positive here, and without cohesion nothing "
+                               "holds disks together under tension",
+                               keys[q], c->stress[q]);
+      worst = warn_of_phase(m, k, messages, text ? text : "");
+      free(text);
+    }
+  }
+  return worst;
+}
+
 /* --- positions ------------------------------------------------------------------------------------------- */
 
 /* Deeper than this, over the radius, disks are thrown apart. */
@@ -374,8 +428,9 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
 
 /* --- all -------------------------------------------------------------------------------------------------- */
 
-advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,   check_settle,
-                                       check_compress,  check_overlap,  check_watches, advice_fields};
+advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,
+                                       check_settle,    check_compress, check_overlap,
+                                       check_watches,   check_cells,    advice_fields};
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
 void sd_model_advise(const sd_model *m, sd_messages *messages) {

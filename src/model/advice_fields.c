@@ -59,6 +59,26 @@ static double check_periodic(const sd_model *m, size_t k, sd_messages *messages)
                              : "y"));
 }
 
+/* Velocities of the laboratory are not those beside the flow. */
+static double check_sheared(const sd_model *m, size_t k, sd_messages *messages) {
+  const sd_body_force *f = &m->fields[k];
+  for (size_t p = 0; p < m->n_phases; p++) {
+    const sd_cell *c = &m->phases[p].cell;
+    const bool sheared = c->asked && (c->rate[SD_CELL_XY] != 0 || c->controlled[SD_CELL_XY]);
+    if (!sheared || !body_force_is_on(m, k, (int64_t)p)) continue;
+    if (f->kind == SD_FIELD_DAMPING)
+      return warn_of_field(m, k, messages, 1,
+                           format_text("damping acts against velocities in the laboratory, while the box "
+                                       "shears: what moves with the flow is damped too"));
+    if (f->kind == SD_FIELD_DRAG && f->shear_rate == 0)
+      return warn_of_field(
+          m, k, messages, 1,
+          format_text("the fluid does not shear while the box does: it stops what moves with "
+                      "the flow; give shear_rate, that of the box"));
+  }
+  return 0;
+}
+
 static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   const sd_body_force *f = &m->fields[k];
   if (f->kind != SD_FIELD_ROTATION || f->omega == 0) return 0;
@@ -85,6 +105,7 @@ double advice_fields(const sd_model *m, sd_messages *messages) {
   double worst = m->n_fields ? check_drag(m, messages) : 0;
   for (size_t k = 0; k < m->n_fields; k++) {
     worst = fmax(worst, check_periodic(m, k, messages));
+    worst = fmax(worst, check_sheared(m, k, messages));
     worst = fmax(worst, check_frame(m, k, messages));
     worst = fmax(worst, check_off(m, k, messages));
   }

@@ -5,17 +5,27 @@
 
 #define FAIL(...) sd_fail(msg, SD_ERROR_USER, __VA_ARGS__)
 
-/* Whatever has a place or a weight of its own would stand still in the flow. */
-static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
+/* Gap over which a law attracts. */
+static double reach_of(const sd_contact_law *law) {
+  return law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
+         : law->cohesion == SD_COHESION_CONSTANT ? law->range
+                                                 : 0.0;
+}
+
+/* Lists of neighbours look 1.2 times as far as disks touch, and at all pairs as far as any law attracts. */
+double cell_least_length(const sd_model *m, double *reach) {
+  double largest = 0.0, farthest = 0.0;
+  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  for (size_t k = 0; m->laws && k < m->n_materials * m->n_materials; k++)
+    farthest = fmax(farthest, reach_of(&m->laws[k]));
+  if (reach) *reach = farthest;
+  return 4.0 * largest * 1.2 + 2.0 * farthest;
+}
+
+/* Whatever has a place or a weight of its own would stand still in the flow. Subjects come first: the reader of a deck finds
+ * their line by them. */
+static void check_disks(const sd_model *m, size_t phase, sd_messages *msg) {
   char name[96];
-  if (!m->periodic[0] || !m->periodic[1])
-    FAIL("phases[%zu].cell: expected a box that is periodic in x and y", phase);
-  if (m->n_walls > 0)
-    FAIL("phases[%zu].cell: %s does not deform with the box; expected no walls", phase,
-         sd_model_body_name(m, (uint32_t)m->n_disks, name, sizeof name));
-  if (m->n_clumps > 0) FAIL("phases[%zu].cell: rigid bodies do not deform; expected no clumps", phase);
-  if (m->gravity[0] != 0.0 || m->gravity[1] != 0.0)
-    FAIL("phases[%zu].cell: disks fall through a periodic box; expected no gravity", phase);
   for (uint32_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     const char *what = d->driven                                        ? "is prescribed"
@@ -24,14 +34,32 @@ static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
                        : d->waiting                                     ? "waits"
                                                                         : NULL;
     if (!what) continue;
-    FAIL("phases[%zu].cell: %s %s; expected disks that contacts alone move", phase,
-         sd_model_body_name(m, i, name, sizeof name), what);
-    break;
+    FAIL("%s: it %s in the box of phases[%zu].cell; expected disks that contacts alone move",
+         sd_model_body_name(m, i, name, sizeof name), what, phase);
+    return;
   }
+}
+
+static void check_bodies(const sd_model *m, size_t phase, sd_messages *msg) {
+  char name[96];
+  if (!m->periodic[0] || !m->periodic[1])
+    FAIL("phases[%zu].cell: the box is not periodic in %s; expected a box that is periodic in x and y", phase,
+         m->periodic[0]   ? "y"
+         : m->periodic[1] ? "x"
+                          : "x and y");
+  if (m->n_walls > 0)
+    FAIL("%s: it does not deform with the box of phases[%zu].cell; expected no walls",
+         sd_model_body_name(m, (uint32_t)m->n_disks, name, sizeof name), phase);
+  if (m->n_clumps > 0)
+    FAIL("%s: rigid bodies do not deform with the box of phases[%zu].cell; expected no clumps",
+         sd_model_body_name(m, (uint32_t)sd_model_bodies(m), name, sizeof name), phase);
+  if (m->gravity[0] != 0.0 || m->gravity[1] != 0.0)
+    FAIL("gravity: disks fall through the periodic box of phases[%zu].cell; expected no gravity", phase);
+  check_disks(m, phase, msg);
   for (size_t q = 0; q < m->n_motions; q++)
     if (m->motions[q].coordinate != SD_THETA)
-      FAIL("phases[%zu].cell: motion \"%s\" prescribes positions in a box that deforms", phase,
-           m->motions[q].name ? m->motions[q].name : "?");
+      FAIL("%s: it prescribes positions in the box of phases[%zu].cell; expected motions of theta alone",
+           model_motion_name(m, q, name, sizeof name), phase);
 }
 
 static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
@@ -58,6 +86,29 @@ static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
          c->max_rate);
 }
 
+/* Lengths at the end of the phases whose rates are given: control and rest may end at any. */
+static void check_lengths(const sd_model *m, int c, sd_messages *msg) {
+  static const char *const keys[] = {"rate_xx", "rate_yy"};
+  double reach;
+  const double least = cell_least_length(m, &reach);
+  const int component = c == SD_X ? SD_CELL_XX : SD_CELL_YY;
+  double length = m->upper[c] - m->lower[c];
+  for (size_t k = 0; k < m->n_phases && m->periodic[c]; k++) {
+    const sd_phase *p = &m->phases[k];
+    const double rate = p->cell.asked ? p->cell.rate[component] : 0.0;
+    const bool ends_early = p->settle.asked || (m->until.asked && k + 1 == m->n_phases);
+    if (p->compress.asked || (p->cell.asked && p->cell.controlled[component])) return;
+    if (rate != 0.0 && ends_early) return;
+    length *= exp(rate * (double)p->steps * m->dt);
+    if (length > least || rate == 0.0) continue;
+    FAIL("phases[%zu].cell.%s = %g: the box is %.4g long in %c at the end of this phase; expected more than "
+         "%.4g, 4.8 times the largest radius%s",
+         k, keys[c], rate, length, "xy"[c], least,
+         reach > 0.0 ? " and twice the gap over which disks attract each other" : "");
+    return;
+  }
+}
+
 void cell_check(const sd_model *m, sd_messages *msg) {
   bool any = false;
   for (size_t k = 0; k < m->n_phases; k++) {
@@ -69,5 +120,7 @@ void cell_check(const sd_model *m, sd_messages *msg) {
     if (p->compress.asked || p->relax)
       FAIL("phases[%zu].cell: expected a phase without %s", k, p->relax ? "relax" : "compress");
   }
-  if (any && m->measure_disks) FAIL("measure.disks: their means are not taken in a box that deforms");
+  for (int c = 0; any && c < 2; c++) check_lengths(m, c, msg);
+  if (any && m->measure_disks)
+    FAIL("measure.disks: means of every disk are not taken in a box that deforms; expected false");
 }

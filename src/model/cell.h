@@ -17,6 +17,10 @@ static inline bool cell_deforms(const sd_model *m) {
   return false;
 }
 
+/* A periodic box is longer than this: no pair of disks that may touch or attract each other has two images within reach. reach:
+ * the gap over which disks attract each other, or NULL. */
+double cell_least_length(const sd_model *m, double *reach);
+
 /* Errors of phases that do. */
 void cell_check(const sd_model *m, sd_messages *messages);
 

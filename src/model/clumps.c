@@ -167,13 +167,13 @@ static void check_clump(const sd_model *m, size_t k, sd_messages *msg) {
 }
 
 static void check_motions(const sd_model *m, sd_messages *msg) {
-  char text[96];
+  char text[96], motion[96];
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       const uint32_t body = m->motions[k].bodies[b];
       if (body < m->n_disks && m->disks[body].clump > 0)
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": %s belongs to a clump: expected the clump",
-                m->motions[k].name ? m->motions[k].name : "?",
+        sd_fail(msg, SD_ERROR_USER, "%s: %s belongs to a clump: expected the clump",
+                model_motion_name(m, k, motion, sizeof motion),
                 sd_model_body_name(m, body, text, sizeof text));
     }
 }

@@ -56,7 +56,7 @@ TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
 /* --- mistakes ------------------------------------------------------------------------------------------- */
 
-char *law_mistake(const sd_contact_law *law, const char **key) {
+char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   const bool bridge = law->cohesion == SD_COHESION_BRIDGE;
   const struct {
     bool wrong;
@@ -64,6 +64,7 @@ char *law_mistake(const sd_contact_law *law, const char **key) {
     double value;
     const char *text;
   } rules[] = {
+      /* the first with the value of mu */
       {law->mu_kinetic > law->mu, "mu_kinetic", law->mu_kinetic, "expected at most mu"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},
@@ -79,7 +80,8 @@ char *law_mistake(const sd_contact_law *law, const char **key) {
   for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
     if (!rules[k].wrong || isnan(rules[k].value)) continue; /* what is no number was told of before */
     *key = rules[k].key;
-    return format_text("%g: %s", rules[k].value, rules[k].text);
+    *value = rules[k].value;
+    return k == 0 ? format_text("%s = %g", rules[k].text, law->mu) : format_text("%s", rules[k].text);
   }
   return NULL;
 }

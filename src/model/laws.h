@@ -12,8 +12,8 @@ extern const deck_table law_table;
 /* The pair of materials has a law, be it one with mistakes. */
 static inline bool law_is_given(const sd_contact_law *law) { return law->k_n != 0.0; }
 
-/* First mistake of a law: its key, and the text to be freed. NULL: there is none. */
-char *law_mistake(const sd_contact_law *law, const char **key);
+/* First mistake of a law: its key and value, and the text to be freed. NULL: there is none. */
+char *law_mistake(const sd_contact_law *law, const char **key, double *value);
 
 /* Attraction of a closed contact (model/law_cohesion.h), for what is measured. */
 double law_pull(const sd_contact_law *law, double delta);

@@ -129,6 +129,15 @@ const char *sd_model_body_name(const sd_model *m, uint32_t body, char *text, siz
   return text;
 }
 
+const char *model_motion_name(const sd_model *m, size_t number, char *text, size_t size) {
+  const char *name = m->motions[number].name;
+  if (name)
+    snprintf(text, size, "motion \"%s\"", name);
+  else
+    snprintf(text, size, "motion %zu", number);
+  return text;
+}
+
 int64_t sd_model_steps(const sd_model *m) {
   int64_t steps = 0;
   for (size_t k = 0; k < m->n_phases; k++) steps += m->phases[k].steps;
@@ -228,25 +237,24 @@ static bool rolls_on_surface(const sd_model *m, size_t body) {
 static void check_motions(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
-    const char *name = q->name ? q->name : "?";
-    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "motion \"%s\": it moves no disk and no wall", name);
+    char text[96];
+    const char *name = model_motion_name(m, k, text, sizeof text);
+    if (q->n_bodies == 0) sd_fail(msg, SD_ERROR_USER, "%s: it moves no disk and no wall", name);
     for (size_t b = 0; b < q->n_bodies; b++)
       if (q->bodies[b] >= model_movables(m))
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": body %u does not exist", name, q->bodies[b]);
+        sd_fail(msg, SD_ERROR_USER, "%s: body %u does not exist", name, q->bodies[b]);
       else if (q->coordinate == SD_SURFACE &&
                (q->bodies[b] < m->n_disks || q->bodies[b] >= m->n_disks + m->n_walls))
-        sd_fail(msg, SD_ERROR_USER,
-                "motion \"%s\": only walls have a surface that moves; others turn (theta)", name);
+        sd_fail(msg, SD_ERROR_USER, "%s: only walls have a surface that moves; others turn (theta)", name);
       else if (q->coordinate == SD_SURFACE && rolls_on_surface(m, q->bodies[b]))
         sd_fail(msg, SD_ERROR_USER,
-                "motion \"%s\": the surface of a round wall with rolling resistance (k_r); turn the wall "
+                "%s: the surface of a round wall with rolling resistance (k_r); turn the wall "
                 "(theta) instead",
                 name);
     if (!isfinite(q->amplitude) || !isfinite(q->omega) || !isfinite(q->phase) || !isfinite(q->velocity))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": amplitude, omega, phase and velocity must be finite", name);
-    if (!(q->ramp >= 0.0))
-      sd_fail(msg, SD_ERROR_USER, "motion \"%s\": ramp = %g: expected >= 0", name, q->ramp);
-    if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, name, msg);
+      sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite", name);
+    if (!(q->ramp >= 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
+    if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, q->name ? q->name : "?", msg);
   }
 }
 
@@ -259,8 +267,9 @@ static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
   const char *key = NULL;
   if (!law_is_given(law)) return;
   deck_key_check(&law_table, law, material_name(m, a), msg);
-  char *text = law_mistake(law, &key);
-  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %s", material_name(m, a), key, text);
+  double value = 0.0;
+  char *text = law_mistake(law, &key, &value);
+  if (text) sd_fail(msg, SD_ERROR_USER, "%s.%s = %g: %s", material_name(m, a), key, value, text);
   free(text);
 }
 
@@ -321,16 +330,20 @@ static void check_until(const sd_model *m, sd_messages *msg) {
 }
 
 static void check_box(const sd_model *m, sd_messages *msg) {
-  double largest = 0.0;
-  for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
+  double reach;
+  const double least = cell_least_length(m, &reach);
   for (int c = 0; c < 2; c++) {
     if (!m->periodic[c]) continue;
     double length = m->upper[c] - m->lower[c];
     char axis = c == SD_X ? 'x' : 'y';
-    /* the minimum image is unique while no pair within reach has two */
-    if (!(length > 4.0 * largest * 1.2))
+    if (!(length > least) && reach > 0.0)
+      sd_fail(msg, SD_ERROR_USER,
+              "box.%c: length %g: expected more than %.6g, 4.8 times the largest radius and twice the gap "
+              "(%g) over which disks attract each other",
+              axis, length, least, reach);
+    else if (!(length > least))
       sd_fail(msg, SD_ERROR_USER, "box.%c: length %g: expected more than 4.8 times the largest radius (%g)",
-              axis, length, largest);
+              axis, length, least / 4.8);
     for (size_t i = 0; i < m->n_disks; i++) {
       double p = m->disks[i].position[c];
       if (p < m->lower[c] || p >= m->upper[c]) {
@@ -353,20 +366,21 @@ static void check_compressed_walls(const sd_model *m, size_t phase, sd_messages 
 
 /* The area would be that of the container as it was, not of what a lid has left of it. */
 static void check_moved_walls(const sd_model *m, size_t phase, sd_messages *msg) {
+  char name[96];
   for (size_t q = 0; q < m->n_motions; q++) {
     const sd_motion *motion = &m->motions[q];
     bool moved = false;
     for (size_t k = 0; k < phase; k++) moved |= m->phases[k].active && m->phases[k].active[q];
     if (moved && motion_is_feedback(motion))
       sd_fail(msg, SD_ERROR_USER,
-              "phases[%zu].compress: the wall of motion \"%s\" may be anywhere by then; expected walls "
-              "that only "
+              "%s: its wall may be anywhere when phases[%zu].compress begins, which expects walls that only "
               "compression moves, or servo walls all the time",
-              phase, motion->name ? motion->name : "?");
+              model_motion_name(m, q, name, sizeof name), phase);
   }
 }
 
 static void check_compress(const sd_model *m, sd_messages *msg) {
+  char name[96];
   for (size_t k = 0; k < m->n_phases; k++) {
     const sd_phase *p = &m->phases[k];
     const sd_compress *c = &p->compress;
@@ -383,18 +397,17 @@ static void check_compress(const sd_model *m, sd_messages *msg) {
     check_compressed_walls(m, k, msg);
     for (size_t q = 0; q < m->n_motions; q++)
       if (p->active && p->active[q] && m->motions[q].coordinate < SD_THETA)
-        sd_fail(
-            msg, SD_ERROR_USER,
-            "phases[%zu].compress: motion \"%s\" prescribes positions that compression changes; expected a "
-            "phase in which it is off",
-            k, m->motions[q].name ? m->motions[q].name : "?");
+        sd_fail(msg, SD_ERROR_USER,
+                "%s: it prescribes positions that phases[%zu].compress changes; expected a phase in which it "
+                "is off",
+                model_motion_name(m, q, name, sizeof name), k);
     check_moved_walls(m, k, msg);
   }
 }
 
 /* Every disk that waits belongs to one rain, and only these wait. */
 static void check_rains(const sd_model *m, sd_messages *msg) {
-  char name[96];
+  char name[96], motion[96];
   size_t waiting = 0, rained = 0;
   for (uint32_t i = 0; i < m->n_disks; i++) waiting += m->disks[i].waiting;
   for (size_t k = 0; k < m->n_rains; k++) {
@@ -420,8 +433,8 @@ static void check_rains(const sd_model *m, sd_messages *msg) {
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       uint32_t body = m->motions[k].bodies[b];
       if (body < m->n_disks && m->disks[body].waiting)
-        sd_fail(msg, SD_ERROR_USER, "motion \"%s\": %s waits for rain, which says where it begins",
-                m->motions[k].name ? m->motions[k].name : "?",
+        sd_fail(msg, SD_ERROR_USER, "%s: %s waits for rain, which says where it begins",
+                model_motion_name(m, k, motion, sizeof motion),
                 sd_model_body_name(m, body, name, sizeof name));
     }
 }

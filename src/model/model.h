@@ -167,6 +167,9 @@ struct sd_model {
 /* Bodies that a motion can name: disks, walls, clumps. */
 static inline size_t model_movables(const sd_model *m) { return m->n_disks + m->n_walls + m->n_clumps; }
 
+/* "motion "shake"", or "motion 3" of one without a name; in text[size]. */
+const char *model_motion_name(const sd_model *model, size_t number, char *text, size_t size);
+
 /* Completes a model that was built by functions: default phase, numbers of walls, random streams. */
 void model_complete(sd_model *model);
 sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);

@@ -79,17 +79,18 @@ static double factor(const engine *e) {
 
 /* --- change of the lengths ---------------------------------------------------------------------------- */
 
-/* As at the start (check_box of model.c): the nearest image must be unique. */
+/* As at the start (cell_least_length): the nearest image must be unique. */
 static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
-  double largest = 0.0;
+  double largest = 0.0, reach;
   for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  cell_least_length(e->model, &reach);
   for (int c = 0; c < 2; c++)
-    if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2))
+    if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2 + 2.0 * reach))
       return sd_fail(messages, SD_ERROR_NUMERIC,
                      "step %lld: the compressed box would be %g long in %c; expected more than 4.8 times the "
-                     "largest radius (%g)",
-                     (long long)s->step, f * engine_length(e, c), c == SD_X ? 'x' : 'y', largest);
+                     "largest radius (%g) and twice the gap over which disks attract each other (%g)",
+                     (long long)s->step, f * engine_length(e, c), c == SD_X ? 'x' : 'y', largest, reach);
   return SD_OK;
 }
 

@@ -153,6 +153,7 @@ static void add_model(json_t *root, const check_found *f) {
       {"title", json_string(m->title ? m->title : "")},
       {"disks", json_integer((json_int_t)m->n_disks)},
       {"free", json_integer((json_int_t)m->n_free)},
+      {"clumps", json_integer((json_int_t)m->n_clumps)},
       {"walls", json_integer((json_int_t)m->n_walls)},
       {"groups", groups_json(m)},
       {"bounds", json_boolean(m->bounds.given)},

@@ -19,6 +19,11 @@ static void print_duration(double s) {
 
 static void print_counts(const sd_model *m) {
   printf("# disks       %zu: %zu free, %zu fixed or moved\n", m->n_disks, m->n_free, m->n_disks - m->n_free);
+  if (m->n_clumps) {
+    size_t n = 0;
+    for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].clump > 0;
+    printf("# clumps      %zu, of %zu disks\n", m->n_clumps, n);
+  }
   if (m->n_walls) printf("# walls       %zu\n", m->n_walls);
   for (size_t k = 0; k < m->n_groups; k++) {
     size_t n = 0;

@@ -12,7 +12,7 @@ static const double SPHERE = 4.0 / 3.0 * 3.14159265358979323846;
 
 /* --- dump ------------------------------------------------------------------------------------------------ */
 
-/* Columns "mol" and "molecule": clumps, in a model without any groups. */
+/* Columns "mol" and "molecule": 1 + number of the clump in a model with clumps, else of the group. */
 static bool has_clumps(const sd_model *m) {
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump > 0) return true;

@@ -149,7 +149,10 @@ static char *join_settings(deck *d, size_t n, const deck_setting *settings) {
 
 static sd_status finish(deck *d) {
   if (d->reported > 0) return SD_ERROR_USER;
-  sd_status status = sd_model_finish(d->model, d->messages);
+  d->found = sd_messages_new();
+  if (!d->found) longjmp(d->out_of_memory, 1);
+  sd_status status = sd_model_finish(d->model, d->found);
+  deck_tell(d, d->found);
   if (status != SD_OK) return status;
   char *unstable = advice_unstable(d->model);
   if (unstable) deck_fail_key(d, d->root, "dt", "%s", unstable);
@@ -194,6 +197,7 @@ sd_status deck_open(const char *text, const char *path, size_t n_settings, const
   if (status != SD_OK) sd_model_free(d->model);
   deck_parse_free(d);
   deck_memory_free(d);
+  sd_messages_free(d->found);
   free(d);
   return status;
 }

@@ -29,7 +29,7 @@ static void check_disk(deck *d, const deck_group *g, uint32_t body) {
   if (what) deck_fail(d, g->node, "%s %s", sd_model_body_name(d->model, body, name, sizeof name), what);
 }
 
-static void read_clump(deck *d, deck_node *node) {
+static void read_clump(deck *d, deck_node *node, uint32_t number) {
   deck_group g;
   if (!deck_enter(d, node, &deck_clumps, &g)) return;
   const size_t before = d->reported;
@@ -53,14 +53,29 @@ static void read_clump(deck *d, deck_node *node) {
   *own = c;
   for (size_t b = 0; b < bodies.n; b++) d->model->disks[bodies.body[b]].clump = (int)d->model->n_clumps;
   own->name = deck_keep_text(d, name);
-  if (name &&
-      !deck_index_add(d, &d->clumps, deck_copy(d, name, strlen(name)), (uint32_t)(d->model->n_clumps - 1)))
+  if (name && !deck_index_add(d, &d->clumps, deck_copy(d, name, strlen(name)), number))
     deck_fail_key(d, g.node, "name", "two clumps have this name");
+}
+
+/* Those of packings were there first, since clumps may be made of their disks; they get the numbers behind those of the list. */
+static void order_clumps(deck *d, size_t packed) {
+  sd_model *m = d->model;
+  const size_t listed = m->n_clumps - packed;
+  if (packed == 0 || listed == 0) return;
+  sd_clump *copy = deck_more(d, m->clumps, m->n_clumps, m->n_clumps, sizeof *copy);
+  memcpy(m->clumps, copy + packed, listed * sizeof *copy);
+  memcpy(m->clumps + listed, copy, packed * sizeof *copy);
+  for (size_t i = 0; i < m->n_disks; i++) {
+    int *clump = &m->disks[i].clump;
+    if (*clump > 0) *clump += (size_t)*clump > packed ? -(int)packed : (int)listed;
+  }
 }
 
 void deck_read_clumps(deck *d) {
   deck_node *list = deck_groups(d, d->root, "clumps");
-  for (size_t k = 0; list && k < list->n; k++) read_clump(d, list->child[k]);
+  const size_t packed = d->model->n_clumps;
+  for (size_t k = 0; list && k < list->n; k++) read_clump(d, list->child[k], (uint32_t)k);
+  order_clumps(d, packed);
 }
 
 /* --- grains of a packing --------------------------------------------------------------------------------- */

@@ -57,6 +57,13 @@ static const struct unit {
 } units[] = {{"pi", 3.14159265358979323846}, {"deg", 3.14159265358979323846 / 180}, {"rad", 1}};
 enum { UNITS = sizeof units / sizeof *units };
 
+/* Units that people write; such a word is no misspelt angle. */
+static const char *const foreign_units[] = {
+    "m",   "dm",  "cm",   "mm",  "um", "nm", "km", "s",  "ms",  "us",  "ns",  "min", "h",
+    "kg",  "g",   "mg",   "t",   "N",  "mN", "uN", "kN", "MN",  "Pa",  "kPa", "MPa", "GPa",
+    "hPa", "bar", "mbar", "psi", "J",  "mJ", "W",  "Hz", "kHz", "MHz", "rpm", "rps", "K"};
+enum { FOREIGN_UNITS = sizeof foreign_units / sizeof *foreign_units };
+
 static bool same_word(const char *word, size_t n, const char *text) {
   return strlen(text) == n && memcmp(word, text, n) == 0;
 }
@@ -73,6 +80,12 @@ static const struct unit *find_unit(const char *name, size_t n) {
   for (size_t k = 0; k < UNITS; k++)
     if (same_word(name, n, units[k].name)) return &units[k];
   return NULL;
+}
+
+static bool is_foreign(const char *name, size_t n) {
+  for (size_t k = 0; k < FOREIGN_UNITS; k++)
+    if (same_word(name, n, foreign_units[k])) return true;
+  return false;
 }
 
 static const struct function *find_function(const char *name, size_t n) {
@@ -241,7 +254,7 @@ static double behind(parser *e) {
   size_t n = name_length(e->p);
   if (n == 0) return fail(e, deck_format(e->d, "a comma or an operator is missing before \"%s\"", rest(e)));
   guess near = guess_start(deck_copy(e->d, e->p, n));
-  for (size_t k = 0; k < UNITS; k++) {
+  for (size_t k = 0; k < UNITS && !is_foreign(e->p, n); k++) {
     guess_add(&near, units[k].name);
     if (n > 3 && strncmp(e->p, units[k].name, 3) == 0) near.best = units[k].name; /* degrees */
   }
@@ -366,8 +379,9 @@ static const char *constant_value(deck *d, const char *name, double *x) {
   if (!deck_index_find(&c->index, name, &k)) {
     guess near = guess_start(name);
     deck_index_guess(d, &c->index, &near);
-    return near.best ? deck_format(d, "no constant is called \"%s\"%s", shown, deck_hint(d, &near))
-                     : deck_format(d, "expected a number; no constant is called \"%s\"", shown);
+    if (near.best) return deck_format(d, "no constant is called \"%s\"%s", shown, deck_hint(d, &near));
+    return deck_format(d, "expected a number; no constant is called \"%s\"%s", shown,
+                       is_foreign(name, strlen(name)) ? "; units are not written" : "");
   }
   if (c->state[k] == OPEN) return deck_format(d, "%s depends on itself", shown);
   if (c->depth >= LIMIT_DEPTH)

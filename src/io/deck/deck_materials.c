@@ -22,11 +22,26 @@ int deck_material(deck_group *g) {
   return deck_index_look_up(d, &d->materials, "material", node, "", &number) ? (int)number : -1;
 }
 
-static void check_law(deck *d, const deck_node *node, const sd_contact_law *law) {
+/* mu_r = 0 that is written is meant, as by a sweep. */
+static void warn_of_rolling(const deck_group *g, const sd_contact_law *law) {
+  if (!(law->k_r > 0) || law->mu_r > 0 || deck_given(g, "mu_r")) return;
+  const deck_node *k_r = deck_get(g, "k_r");
+  sd_warn(g->d->messages,
+          "%s: %s = %g without mu_r has no effect: the couple is at most mu_r R_eff F_n; give mu_r, or leave "
+          "k_r out",
+          deck_place_text(g->d, k_r->place), deck_node_path(g->d, k_r), law->k_r);
+}
+
+static void check_law(const deck_group *g, const sd_contact_law *law) {
+  deck *d = g->d;
+  const deck_node *node = g->node;
   const char *key = NULL;
-  char *text = law_mistake(law, &key);
-  if (text) deck_fail_key(d, node, key, "%s", text);
+  double value;
+  char *text = law_mistake(law, &key, &value);
+  /* a key that is missing was told of by its kind */
+  if (text && deck_child(node, key)) deck_fail_key(d, node, key, "%s", text);
   free(text);
+  warn_of_rolling(g, law);
 }
 
 static void read_pair(deck *d, deck_node *node) {
@@ -35,7 +50,7 @@ static void read_pair(deck *d, deck_node *node) {
   if (!deck_enter(d, node, &deck_pairs, &g)) return;
   sd_contact_law law = {0};
   deck_fill(&g, &law);
-  check_law(d, node, &law);
+  check_law(&g, &law);
   deck_node *names = deck_get(&g, "materials");
   if (!names || names->type != DECK_LIST || names->n != 2) {
     deck_fail_key(d, node, "materials", "expected the names of two materials (\"a\", \"b\")");
@@ -68,7 +83,7 @@ static void read_material(deck *d, deck_node *node, size_t k) {
     deck_fail_key(d, node, "name", "two materials have this name");
   if (name && !*name) deck_fail_key(d, node, "name", "expected a name that is not empty");
   deck_fill(&g, &m->laws[k * m->n_materials + k]);
-  check_law(d, node, &m->laws[k * m->n_materials + k]);
+  check_law(&g, &m->laws[k * m->n_materials + k]);
   if (name) deck_set_text(d, &m->materials[k].name, name);
 }
 
@@ -137,12 +152,24 @@ static void read_points(deck_group *g, sd_wall *wall) {
     deck_fail(d, list->child[list->n - 1], "the same as the first point, to which `closed` joins it already");
 }
 
+/* Bare numbers beyond a whole turn may have been meant as degrees. */
+static void fail_arc(const deck_group *g, const sd_wall *wall) {
+  static const char *const expected = "expected counterclockwise, by a whole turn at most";
+  const bool bare = deck_get(g, "from")->type == DECK_FLOAT && deck_get(g, "to")->type == DECK_FLOAT;
+  if (bare && fmax(fabs(wall->from), fabs(wall->to)) > 2.0 * M_PI)
+    deck_fail_key(g->d, g->node, "to",
+                  "the arc runs from %g to %g rad; %s; angles are in radians, degrees are \"%.10g deg\"",
+                  wall->from, wall->to, expected, wall->to);
+  else
+    deck_fail_key(g->d, g->node, "to", "the arc runs from %.4g to %.4g degrees; %s",
+                  wall->from * 180.0 / M_PI, wall->to * 180.0 / M_PI, expected);
+}
+
 static void read_arc(deck_group *g, sd_wall *wall) {
   deck *d = g->d;
   const double opening = wall->to - wall->from;
   if (deck_given(g, "from") && deck_given(g, "to") && !(opening > 0.0 && opening <= ARC_RING))
-    deck_fail_key(d, g->node, "to", "an arc of %.4g degrees: expected to > from, by 360 degrees at most",
-                  opening * 180.0 / M_PI);
+    fail_arc(g, wall);
   wall->points = deck_keep(d, ARC_POINTS, sizeof *wall->points);
   arc_trace(wall);
   if (deck_given(g, "pivot")) return;

@@ -231,6 +231,21 @@ static void check_surface(deck *d, deck_group *g, const deck_bodies *bodies, uns
   }
 }
 
+static void check_clumped(deck *d, deck_group *g, const deck_bodies *bodies) {
+  const sd_model *m = d->model;
+  char disk[96], clump[96];
+  for (size_t b = 0; b < bodies->n; b++) {
+    const uint32_t body = bodies->body[b];
+    if (body >= m->n_disks || m->disks[body].clump == 0) continue;
+    const uint32_t whole = (uint32_t)sd_model_bodies(m) + (uint32_t)m->disks[body].clump - 1;
+    deck_fail_key(d, g->node, deck_given(g, "disk") ? "disk" : "group",
+                  "%s belongs to %s; expected `clump`, which moves the whole",
+                  sd_model_body_name(m, body, disk, sizeof disk),
+                  sd_model_body_name(m, whole, clump, sizeof clump));
+    return;
+  }
+}
+
 /* --- walls that the disks move ------------------------------------------------------------------------------ */
 
 static uint32_t wall_called(const sd_model *m, const char *name) {
@@ -363,6 +378,7 @@ static void read_motion(deck *d, deck_node *node, size_t entry, streams *s) {
   if (!fixed) read_signal(&g, shape, mask, &motion);
   check_held(d, &g, &bodies, mask);
   check_surface(d, &g, &bodies, mask);
+  check_clumped(d, &g, &bodies);
   if (bodies.n == 0) return;
   if (motion.kind == SD_MOTION_RANDOM) {
     push_random(d, &g, &motion, entry, &bodies, mask, s);

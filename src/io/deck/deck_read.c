@@ -32,9 +32,10 @@ static void check_keys(deck *d, deck_node *node, const deck_table *table) {
     guess near = guess_start(child->name);
     const deck_key *key;
     for (size_t j = 0; !told && (key = deck_key_at(table, j)); j++) guess_add(&near, key->name);
-    const char *hint = told ? "" : near.best ? deck_hint(d, &near) : keys_of(d, table);
+    const char *other = told ? NULL : deck_other_word(d, table, child->name);
+    const char *hint = told ? "" : other ? other : near.best ? deck_hint(d, &near) : keys_of(d, table);
     bool top = table == &deck_top;
-    if (top && !told && !near.best && deck_has_constant(d, child->name))
+    if (top && !told && !other && !near.best && deck_has_constant(d, child->name))
       hint = deck_format(d, "; did you mean constants.%s?", child->name);
     deck_fail(d, child, "unknown key%s%s%s", top ? "" : " of ", top ? "" : table->name, hint);
   }
@@ -115,10 +116,22 @@ void deck_default_pair(deck_group *g, const char *key, const double pair[2]) {
     deck_node_new(g->d, list, NULL, DECK_FLOAT, list->place)->value.number = pair[k];
 }
 
+/* "a", "b" of a choice. */
+static const char *words_of(deck *d, const deck_key *key) {
+  const char *list = "";
+  for (const deck_shape *word = key->words; word->name; word++)
+    list = deck_format(d, "%s%s\"%s\"", list, word == key->words ? "" : ", ", word->name);
+  return list;
+}
+
 /* The default that the table gives, as a node; NULL when it gives none. */
 static deck_node *table_default(deck_group *g, const deck_key *key) {
   const char *text = key->initial;
   if (text[0] == '-' && !text[1]) return NULL;
+  if (strcmp(text, "required") == 0 && key->kind == DECK_KEY_CHOICE) {
+    deck_fail_key(g->d, g->node, key->name, "missing: expected one of %s", words_of(g->d, key));
+    return NULL;
+  }
   if (strcmp(text, "required") == 0) {
     deck_fail_key(g->d, g->node, key->name, "missing: expected %s%s%s (%s)", deck_kind_text(key->kind),
                   key->range ? " " : "", deck_range_text(key->range), key->meaning);
@@ -273,13 +286,11 @@ static const deck_shape *choose(deck_group *g, const char *name) {
   deck_node *node = find(g, name, &key);
   if (!node) return NULL;
   guess near = guess_start(node->type == DECK_STRING ? node->value.text : "");
-  const char *list = "";
   for (const deck_shape *word = key->words; word->name; word++) {
     if (strcmp(near.word, word->name) == 0) return word;
     guess_add(&near, word->name);
-    list = deck_format(g->d, "%s%s\"%s\"", list, word == key->words ? "" : ", ", word->name);
   }
-  deck_fail(g->d, node, "expected one of %s%s", list, deck_hint(g->d, &near));
+  deck_fail(g->d, node, "expected one of %s%s", words_of(g->d, key), deck_hint(g->d, &near));
   return NULL;
 }
 

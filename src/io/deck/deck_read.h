@@ -63,6 +63,9 @@ const char *deck_one_of(deck_group *g, const char *expected);
  * has them. Defaults that depend on other keys are put in before. False: a kind is missing (reported). */
 bool deck_fill(deck_group *g, void *members);
 
+/* Hint for a key that the table lacks and another program has; NULL: none. deck_words.c. */
+const char *deck_other_word(deck *d, const deck_table *table, const char *word);
+
 /* "; did you mean "..."?", or "". */
 const char *deck_hint(deck *d, const guess *g);
 

@@ -245,6 +245,17 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path,
     in.failed |= n < 0 || n > 8 * (int64_t)LIMIT_DISKS;
     *extents[k].n = in.failed ? 0 : (size_t)n;
   }
+  const int64_t clumps = h5_get_attr_i64(in.file, "/state", "n_clumps", 0);
+  if (clumps > 0) {
+    h5_close(in.file, NULL);
+    deck_fail(
+        d, node,
+        "it has %lld clumps, which are not read: their disks would come apart; expected a result without "
+        "clumps, or single disks: columns = (\"x\", \"y\", \"radius\", \"mass\"), dataset = \"" RESULT_DISKS
+        "\"",
+        (long long)clumps);
+    return NULL;
+  }
   in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
   if (!contacts) r->n_contacts = 0;
   const double *scale = column(&in, "box_scale", SD_F64, 1);

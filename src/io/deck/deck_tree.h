@@ -91,7 +91,8 @@ typedef struct deck_chunk deck_chunk;
 typedef struct deck {
   const char *path; /* of the deck, as given */
   sd_messages *messages;
-  size_t reported; /* errors of this deck so far */
+  sd_messages *found; /* by the checks of the model, before they have a place */
+  size_t reported;    /* errors of this deck so far */
   deck_chunk *memory;
   jmp_buf out_of_memory;
   void *library; /* libconfig's tree while it is alive; see deck_parse.c */
@@ -213,6 +214,11 @@ char *deck_resolve(deck *d, const char *file, const char *path);
 /* libconfig's view of a scanned text, as nodes; NULL when it is not a deck (reported). */
 deck_node *deck_parse(deck *d, const deck_text *text);
 void deck_parse_free(deck *d);
+
+/* --- deck_locate.c ------------------------------------------------------------------------------------ */
+
+/* Tells what sd_model_finish has found, with the place in the deck where it stands. */
+void deck_tell(deck *d, const sd_messages *found);
 
 /* --- deck_override.c ---------------------------------------------------------------------------------- */
 
