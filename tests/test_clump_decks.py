@@ -101,6 +101,73 @@ disk_files = (
         frame = out.read_text().split("ITEM: ATOMS")[-1].splitlines()[1:]
         self.assertEqual(sum(line.split()[2] == "1" for line in frame), 15)
 
+    def run_text(self, name, text):
+        deck, path = self.folder / f"{name}.cfg", self.folder / f"{name}.h5"
+        deck.write_text(text)
+        status, _, err = run("run", deck, "-o", path, "--quiet")
+        self.assertEqual(status, 0, err)
+        return path
+
+    def measured(self, path, *words):
+        status, out, err = run("measure", path, "--json", *words)
+        self.assertEqual(status, 0, err)
+        return json.loads(out)["frames"]
+
+    @unittest.skipIf(BRIEF, "steps are slow")
+    def test_a_file_says_what_the_walls_feel(self):
+        path = self.run_text("pressed", PRESSED)
+        with h5py.File(path) as file:
+            last = {name: o["value"][-1] for name, o in file["observables"].items() if isinstance(o, h5py.Group) and "value" in o}
+            unbalanced = file["summary/phase/unbalanced"][-1]
+        (state,) = self.measured(path)
+        stress, region = state["stress"]["contact"], state["region"]
+        for c, (force, length) in enumerate((("wall_force_x", "height"), ("wall_force_y", "width"))):
+            self.assertAlmostEqual(max(last[force]) / last[length], stress[c][c], 8)
+            self.assertAlmostEqual(last["stress_" + "xy"[c] * 2], stress[c][c], 11)
+        self.assertAlmostEqual(last["pressure"], state["stress"]["pressure"], 11)
+        self.assertAlmostEqual(stress[0][1], stress[1][0], 8)
+        self.assertAlmostEqual(state["contacts"]["unbalanced"], unbalanced, 12)
+        self.assertEqual((state["disks"]["free"], state["disks"]["clumps"]), (46, 23))
+        # contacts that are not stored are found again, without those of a clump's own disks
+        *_, before, frame = self.measured(path, "--all")
+        self.assertTrue(before["contacts"]["recomputed"])
+        self.assertEqual(before["contacts"]["closed"], state["contacts"]["closed"])
+        self.assertAlmostEqual(before["stress"]["pressure"], state["stress"]["pressure"], 3)
+        # pressures on disks are those of their clumps
+        tables = self.folder / "tables"
+        status, _, err = run("measure", path, "--csv", tables)
+        self.assertEqual(status, 0, err)
+        rows = numpy.genfromtxt(tables / "disks.csv", delimiter=",", names=True)
+        numpy.testing.assert_array_equal(rows["pressure"][0::2], rows["pressure"][1::2])
+        if rows["closed"].all():
+            self.assertAlmostEqual((rows["pressure"] * rows["cell"]).sum() / region["area"], state["stress"]["pressure"], 9)
+
+    def test_a_file_knows_inertia_and_force_of_a_clump(self):
+        path = self.run_text("given", GIVEN)
+        (state,) = self.measured(path)
+        self.assertAlmostEqual(state["stress"]["energy_rotation"], 7, 6)  # I w^2/2
+        self.assertAlmostEqual(state["stress"]["energy_translation"], 3, 6)  # M v^2/2
+        with h5py.File(path) as file:
+            self.assertEqual(file["particles/clumps/constant_force"][:].tolist(), [[0, 0.5]])
+
+
+PRESSED = """
+integrator = "verlet"; contact_variant = "conservative"; dt = 1e-3;
+materials = ( { name = "g"; k_n = 1e4; restitution = 0.3; }, { name = "smooth"; k_n = 1e4; } );
+material_pairs = ( { materials = ("g", "smooth"); k_n = 1e4; restitution = 0.3; } );
+container = { type = "box"; width = 12; height = 12; open = false; material = "smooth"; };
+packings = ( { type = "random"; fraction = 0.4; radius = 0.5; density = 1; material = "g"; clump = { at = ([-0.8, 0], [0.8, 0]); }; } );
+phases = ( { time = 100; compress = { pressure = 10; rate = 0.05; }; settle = { unbalanced = 0.01; }; },
+           { time = 40; relax = true; settle = { unbalanced = 1e-9; every = 500; }; frames = 250; } );
+output = { series = 100; };
+measure = { stress = true; box = true; walls = true; rotation = (); };
+"""
+GIVEN = """
+dt = 1e-3; time = 1e-3; gravity = { g = 0; };
+materials = ( { name = "m"; k_n = 1; k_t = 0; mu = 0; gamma_n = 0; } );
+disk_rows = ( { columns = ("x", "y"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, 0)); } );
+clumps = ( { disk = (0, 1); velocity = (1, 0); omega = 2; mass = 6; inertia = 3.5; force = (0, 0.5); } );
+"""
 
 if __name__ == "__main__":
     unittest.main()

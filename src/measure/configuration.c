@@ -370,18 +370,31 @@ static sd_status take_contacts(configuration *c, const sd_model *from, const fra
   return SD_OK;
 }
 
+/* Disks of one clump do not touch. */
+static bool rigid(const configuration *c, uint32_t a, uint32_t b) {
+  return b < c->model->n_disks && configuration_in_clump(c, a) && c->clump_of[a] == c->clump_of[b];
+}
+
 static sd_status copy_contacts(configuration *c, const sd_state *s) {
   c->contacts = calloc(s->n_contacts + 1, sizeof *c->contacts);
   if (!c->contacts) return SD_ERROR_IO;
-  c->n_contacts = s->n_contacts;
-  for (size_t k = 0; k < s->n_contacts; k++)
-    c->contacts[k] = (config_contact){.a = s->contact_a[k],
-                                      .b = s->contact_b[k],
-                                      .part = s->contact_part[k],
-                                      .overlap = s->contact_overlap[k],
-                                      .force = s->contact_force[k],
-                                      .tau = c->frictionless ? 0.0 : NAN};
+  for (size_t k = 0; k < s->n_contacts; k++) {
+    const uint32_t a = s->contact_a[k], b = s->contact_b[k];
+    if (rigid(c, a, b)) continue;
+    c->contacts[c->n_contacts++] = (config_contact){.a = a,
+                                                    .b = b,
+                                                    .part = s->contact_part[k],
+                                                    .overlap = s->contact_overlap[k],
+                                                    .force = s->contact_force[k],
+                                                    .tau = c->frictionless ? 0.0 : NAN};
+  }
   return SD_OK;
+}
+
+/* A coefficient of restitution damps with the masses of whole clumps. */
+static void use_clump_masses(const configuration *c, sd_state *s) {
+  for (size_t i = 0; c->n_clumps > 0 && i < s->n_free; i++)
+    if (configuration_in_clump(c, s->id[i])) s->mass[i] = c->clumps[c->clump_of[s->id[i]]].mass;
 }
 
 /* The box is that of the model, but for the shift and motion of its images. */
@@ -403,6 +416,7 @@ static sd_status find_contacts(configuration *c, const frame_data *f, size_t n_d
   if (e && s) {
     *e = (engine){.model = m, .state = s};
     engine_fill_state(m, s);
+    use_clump_masses(c, s);
     if (s->n_cell) deform(c, s);
     for (size_t k = s->n_free; k < s->n_bodies; k++) {
       size_t body = s->id[k] < m->n_disks ? c->number[s->id[k]] : n_disks + (s->id[k] - m->n_disks);
@@ -468,10 +482,11 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   }
   for (int k = 0; status == SD_OK && k < SD_CELL_COMPONENTS; k++)
     m->phases[0].cell.asked |= frame->offset != 0.0 || frame->gradient[k] != 0.0;
-  if (status == SD_OK) status = fill_bodies(c, constants, frame, renumbered);
-  if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
   for (int k = 0; status == SD_OK && k < 2; k++)
     c->length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0.0;
+  if (status == SD_OK) status = fill_bodies(c, constants, frame, renumbered);
+  if (status == SD_OK) status = configuration_clumps(c, constants, frame);
+  if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
   bool any = status == SD_OK && m->n_disks > 0;
   if (any) {
     c->frictionless = is_frictionless(m);
@@ -489,6 +504,7 @@ void configuration_free(configuration *c) {
   sd_model_free(c->model);
   free(c->number);
   free(c->contacts);
+  configuration_clumps_free(c);
   *c = (configuration){0};
 }
 

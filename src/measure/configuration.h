@@ -54,14 +54,24 @@ sd_status frame_data_of_part(frame_data *f, sd_model *constants, const sd_model 
 typedef struct config_contact {
   uint32_t a, b, part; /* a: a free disk; numbers of configuration.model */
   double nx, ny;       /* unit vector from a to b's surface */
-  double lx, ly;       /* branch vector: to b's centre, or to the surface of a wall or prescribed disk */
-  double x, y;         /* the point of contact */
-  double fx, fy;       /* force on b, without the tangential one where tau is NAN */
+  double lx,
+      ly;      /* branch vector of the disks: to b's centre, or to the surface of a wall or prescribed disk */
+  double x, y; /* the point of contact */
+  double fx, fy; /* force on b, without the tangential one where tau is NAN */
   double overlap, force, tau, mu;
   double k_t;  /* tau = -k_t zeta; 0: it is not */
   double push; /* normal force without attraction, to which friction is limited */
   int slide;
 } config_contact;
+
+/* A rigid body of several disks. */
+typedef struct config_clump {
+  size_t n_disks;  /* in play; 0: it is not there */
+  uint32_t *disks; /* ascending */
+  double mass, inertia;
+  double position[2], velocity[3]; /* of its centre of mass, which may lie beyond the edge of the box */
+  double force[2];                 /* constant, its disks' included */
+} config_clump;
 
 typedef struct configuration {
   int64_t step;
@@ -79,6 +89,11 @@ typedef struct configuration {
   bool frictionless; /* no pair of materials has k_t > 0 and mu > 0 */
   size_t n_contacts;
   config_contact *contacts;
+  size_t n_clumps; /* 0: there are none, and nothing of the following */
+  config_clump *clumps;
+  int32_t *clump_of;     /* [model->n_disks] -1: in none */
+  uint32_t *clump_disks; /* those of each clump */
+  double (*arm)[2];      /* [model->n_disks] from the centre of its clump, 0 of other disks */
 } configuration;
 
 /* constants: a model of the run (disks, walls, laws, box, region); only what a frame does not have is read. While no disk is
@@ -87,6 +102,17 @@ typedef struct configuration {
 sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
                             sd_messages *messages);
 void configuration_free(configuration *c);
+
+/* Rigid bodies of the disks in play; from: as constants above. SD_ERROR_IO: no memory. A part of configuration_new. */
+sd_status configuration_clumps(configuration *c, const sd_model *from, const frame_data *frame);
+void configuration_clumps_free(configuration *c);
+/* Branch vector between rigid bodies: from the centre of a, or of its clump, to that of b, or to the surface of a wall or prescribed
+ * disk. */
+void configuration_branch(const configuration *c, const config_contact *k, double from[2], double l[2]);
+/* Does the disk move by itself? */
+static inline bool configuration_in_clump(const configuration *c, size_t disk) {
+  return c->n_clumps > 0 && c->clump_of[disk] >= 0;
+}
 
 /* Region whose filling is measured: that of the model, with walls that have moved, the periodic box along periodic directions, and where neither
  * says anything the rectangle about all disks. wanted (may be NULL): x0, x1, y0, y1 instead. Collective. */

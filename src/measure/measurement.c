@@ -73,6 +73,23 @@ void measurement_free(measurement *m) {
   correlation_free(&m->pairs);
 }
 
+double measurement_pressure(const measurement *m, size_t disk) {
+  const uint32_t alone = (uint32_t)disk, *disks = &alone;
+  double virial = 0.0, area = 0.0;
+  size_t n = 1;
+  if (configuration_in_clump(&m->c, disk)) {
+    const config_clump *k = &m->c.clumps[m->c.clump_of[disk]];
+    disks = k->disks;
+    n = k->n_disks;
+  }
+  for (size_t k = 0; k < n; k++) {
+    if (!m->has_cells || !m->cells.closed[disks[k]]) return NAN;
+    virial += m->s.virial[disks[k]];
+    area += m->cells.area[disks[k]];
+  }
+  return 0.5 * virial / area;
+}
+
 OBSERVABLE_GET(sliding, measurement, at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
 OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
 
@@ -97,6 +114,7 @@ static const observable rows[] = {
     COUNT("free", s.free, "free disks in the region", "disks", "disks.free"),
     COUNT("rattlers", s.rattlers, "of these, with too few load-bearing contacts", "rattlers",
           "disks.rattlers"),
+    COUNT("clumps", s.clumps, "rigid bodies made of free disks, in the region", NULL, "disks.clumps"),
     COUNT("prescribed", s.fixed, "prescribed disks in the region", NULL, "disks.prescribed"),
     COUNT("elsewhere", s.outside, "free disks elsewhere", NULL, "disks.elsewhere"),
     COUNT("waiting", c.n_waiting, "disks to be released", NULL, "disks.waiting"),
@@ -147,12 +165,13 @@ static const observable rows[] = {
          "contacts.mean_force"),
     REAL("overlap_mean", s.overlap_mean, "length", "mean overlap", "overlap_mean", "contacts.overlap_mean"),
     GOT("overlap_max", overlap_max, "length", "largest overlap", "overlap_max", "contacts.overlap_max"),
-    REAL("energy_translation", s.energy_translation, "energy", "kinetic energy of translation per free disk",
-         "energy_translation", "stress.energy_translation"),
-    REAL("energy_rotation", s.energy_rotation, "energy", "kinetic energy of rotation per free disk",
+    REAL("energy_translation", s.energy_translation, "energy",
+         "kinetic energy of translation per free disk or clump", "energy_translation",
+         "stress.energy_translation"),
+    REAL("energy_rotation", s.energy_rotation, "energy", "kinetic energy of rotation per free disk or clump",
          "energy_rotation", "stress.energy_rotation"),
-    REAL("unbalanced", s.unbalanced, "1", "mean resultant force on a free disk over mean_force", "unbalanced",
-         "contacts.unbalanced"),
+    REAL("unbalanced", s.unbalanced, "1", "mean resultant force on a free disk or clump over mean_force",
+         "unbalanced", "contacts.unbalanced"),
     REAL("mobilised_mean", pairs.mobilised.mean, "1", "mean of |tau|/(mu F_n)", "mobilised_mean", ""),
     GOT("limit", at_limit, "1", "fraction of the contacts with friction that slide", "limit",
         "contacts.at_limit"),

@@ -26,6 +26,8 @@ typedef struct measurement {
 sd_status measurement_new(measurement *m, const sd_model *constants, const frame_data *frame,
                           const double *wanted, size_t bins, sd_messages *messages);
 void measurement_free(measurement *m);
+/* On a disk: sum of l.f over twice the area of its cell, of a disk in a clump that of the clump; NAN where a cell is open. */
+double measurement_pressure(const measurement *m, size_t disk);
 
 /* The numbers of a measurement: columns of frames.csv, and the JSON, with the object in which they stand. */
 extern const observable_list measurement_observables;

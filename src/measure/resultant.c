@@ -134,6 +134,8 @@ static void add_whole(const resultants *r, const part *p) {
   }
   for (size_t i = 0; compresses && i < s->n_free; i++)
     if (body_in_play(s, i)) exact_sum_add(&r->sums[SQUARES], s->radius[i] * s->radius[i]);
+  for (size_t i = 0; compresses && s->n_clumps > 0 && i < s->n_free; i++)
+    exact_sum_add(&r->sums[VIRIAL], compress_inner(p->model, s, i));
   exact_sum_add(&r->sums[CONTACTS], (double)contacts);
   exact_sum_add(&r->sums[SLIDING], (double)sliding);
   exact_sum_add(&r->sums[OUTSIDE], (double)outside_count(s));

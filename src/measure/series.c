@@ -246,7 +246,7 @@ static const observable clump_rows[] = {
            clump_torque, NULL),
 };
 const observable_list clump_observables =
-    OBSERVABLES("clumps", "frames of all clumps in /particles/clumps; a disk's clump: /particles/disks/clump",
+    OBSERVABLES("clumps", "frames of all clumps in /particles/clumps; /particles/disks/clump: 1 + its number of each disk, 0: none",
                 clump_rows);
 
 /* --- contacts of a moment --------------------------------------------------------------------------------- */

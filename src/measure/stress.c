@@ -34,6 +34,10 @@ static void add_contact(stress *s, const configuration *c, const config_contact 
     s->bearing[body[e]] += bears;
     s->resultant[body[e]][0] += sign * k->fx;
     s->resultant[body[e]][1] += sign * k->fy;
+    if (c->n_clumps > 0 && body[e] < m->n_disks) { /* as seen from the centre of the clump */
+      px += c->arm[body[e]][0];
+      py += c->arm[body[e]][1];
+    }
     s->virial[body[e]] -= sign * (px * k->fx + py * k->fy);
   }
 }
@@ -45,39 +49,45 @@ static void add_body_forces(stress *s, const sd_model *m) {
 
 /* --- rattlers ----------------------------------------------------------------------------------------- */
 
-/* Contacts of each disk, as rows of one list. */
+/* Contacts of each rigid body, as rows of one list. */
 typedef struct incidence_list {
   size_t *start;
-  uint32_t *partner; /* a disk, or UINT32_MAX: something that stays */
+  uint32_t *partner; /* a body, or UINT32_MAX: something that stays */
 } incidence_list;
 
-static sd_status list_bearing(incidence_list *l, const configuration *c, const stress *s) {
+/* The first disk of a clump stands for all of them. */
+static uint32_t body_of(const configuration *c, uint32_t disk) {
+  return configuration_in_clump(c, disk) ? c->clumps[c->clump_of[disk]].disks[0] : disk;
+}
+
+/* bearing: load-bearing contacts of each body. */
+static sd_status list_bearing(incidence_list *l, const configuration *c, const int32_t *bearing) {
   size_t n = c->model->n_disks;
   l->start = calloc(n + 2, sizeof *l->start);
   l->partner = calloc(2 * c->n_contacts + 1, sizeof *l->partner);
   if (!l->start || !l->partner) return SD_ERROR_IO;
-  for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)s->bearing[i];
+  for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)bearing[i];
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
     if (!(q->force > 0.0)) continue;
     bool free = configuration_is_free(c, q->b);
-    l->partner[l->start[q->a + 1]++] = free ? q->b : UINT32_MAX;
-    if (q->b < n) l->partner[l->start[q->b + 1]++] = q->a;
+    l->partner[l->start[body_of(c, q->a) + 1]++] = free ? body_of(c, q->b) : UINT32_MAX;
+    if (q->b < n) l->partner[l->start[body_of(c, q->b) + 1]++] = body_of(c, q->a);
   }
   return SD_OK;
 }
 
-/* Disks with too few contacts leave, and take their contacts along, until none is left with too few. left: contacts of
+/* Bodies with too few contacts leave, and take their contacts along, until none is left with too few. left: contacts of
  * those that stay. */
 static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left) {
   size_t n = c->model->n_disks, waiting = 0;
   int32_t least = c->frictionless ? 3 : 2;
   incidence_list l = {0};
   uint32_t *stack = calloc(n + 1, sizeof *stack);
-  sd_status status = stack ? list_bearing(&l, c, s) : SD_ERROR_IO;
+  for (uint32_t i = 0; i < n; i++) left[body_of(c, i)] += s->bearing[i];
+  sd_status status = stack ? list_bearing(&l, c, left) : SD_ERROR_IO;
   for (uint32_t i = 0; status == SD_OK && i < n; i++) {
-    left[i] = s->bearing[i];
-    if (c->model->disks[i].driven || left[i] >= least) continue;
+    if (body_of(c, i) != i || c->model->disks[i].driven || left[i] >= least) continue;
     s->rattler[i] = true;
     stack[waiting++] = i;
   }
@@ -91,6 +101,7 @@ static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left)
       stack[waiting++] = b;
     }
   }
+  for (uint32_t i = 0; i < n; i++) s->rattler[i] = s->rattler[body_of(c, i)];
   free(stack);
   free(l.start);
   free(l.partner);
@@ -99,10 +110,56 @@ static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left)
 
 /* --- of the region ------------------------------------------------------------------------------------ */
 
+/* What moves by itself: a disk, or a clump in place of its disks. */
+typedef struct body {
+  double mass, inertia;
+  const double *position, *velocity;
+  double resultant; /* as far as it is known */
+} body;
+
+static size_t n_bodies(const configuration *c) { return c->model->n_disks + c->n_clumps; }
+
+/* Body k, when it is free and its centre in the region. s may be NULL. */
+static bool body_moves(body *b, const configuration *c, const region *g, const stress *s, size_t k) {
+  const sd_model *m = c->model;
+  if (k < m->n_disks) {
+    const sd_disk *d = &m->disks[k];
+    if (d->driven || configuration_in_clump(c, k)) return false;
+    *b = (body){d->mass, d->inertia, d->position, d->velocity,
+                s ? hypot(s->resultant[k][0], s->resultant[k][1]) : NAN};
+  } else {
+    const config_clump *of = &c->clumps[k - m->n_disks];
+    double sum[2] = {of->force[0], of->force[1]};
+    if (of->n_disks == 0) return false;
+    for (size_t n = 0; s && n < of->n_disks; n++)
+      for (int q = 0; q < 2; q++) sum[q] += s->resultant[of->disks[n]][q];
+    *b = (body){of->mass, of->inertia, of->position, of->velocity, s ? hypot(sum[0], sum[1]) : NAN};
+  }
+  return region_holds(g, b->position[0], b->position[1]);
+}
+
+static void sum_bodies(stress *s, const configuration *c, const region *g) {
+  double resultant = 0.0;
+  size_t bodies = 0;
+  body b;
+  for (size_t k = 0; k < n_bodies(c); k++) {
+    if (!body_moves(&b, c, g, s, k)) continue;
+    const double *v = b.velocity;
+    bodies++;
+    s->clumps += k >= c->model->n_disks;
+    resultant += b.resultant;
+    s->energy_translation += 0.5 * b.mass * (v[0] * v[0] + v[1] * v[1]);
+    s->energy_rotation += 0.5 * b.inertia * v[2] * v[2];
+  }
+  s->energy_translation = ratio(s->energy_translation, bodies);
+  s->energy_rotation = ratio(s->energy_rotation, bodies);
+  s->unbalanced = ratio(resultant, bodies); /* to be divided by the mean force */
+}
+
 static void count_disks(stress *s, const configuration *c, const region *g, const bool *inside,
                         const int32_t *left) {
   const sd_model *m = c->model;
-  double covered = 0.0, resultant = 0.0, closed = 0.0, bearing = 0.0, backbone = 0.0;
+  double covered = 0.0, closed = 0.0, bearing = 0.0, backbone = 0.0;
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     covered += region_disk(g, d->position[0], d->position[1], d->radius);
@@ -117,30 +174,24 @@ static void count_disks(stress *s, const configuration *c, const region *g, cons
     closed += s->contacts[i];
     bearing += s->bearing[i];
     if (!s->rattler[i]) backbone += left[i];
-    resultant += hypot(s->resultant[i][0], s->resultant[i][1]);
-    s->energy_translation +=
-        0.5 * d->mass * (d->velocity[0] * d->velocity[0] + d->velocity[1] * d->velocity[1]);
-    s->energy_rotation += 0.5 * d->inertia * d->velocity[2] * d->velocity[2];
   }
   s->fraction = covered / s->area;
   s->z = ratio(closed, s->free);
   s->z_bearing = ratio(bearing, s->free);
   s->z_backbone = ratio(backbone, s->free - s->rattlers);
-  s->energy_translation = ratio(s->energy_translation, s->free);
-  s->energy_rotation = ratio(s->energy_rotation, s->free);
-  s->unbalanced = ratio(resultant, s->free); /* to be divided by the mean force */
-}
-
-static bool moves_inside(const sd_disk *d, const region *g) {
-  return !d->driven && region_holds(g, d->position[0], d->position[1]);
 }
 
 /* Velocity beside that of a box that deforms. */
-static void beside_flow(const configuration *c, const sd_disk *d, double v[2]) {
-  const double *g = c->gradient, x = d->position[0] - c->model->lower[0],
-               y = d->position[1] - c->model->lower[1];
-  v[0] = d->velocity[0] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y);
-  v[1] = d->velocity[1] - g[SD_CELL_YY] * y;
+static void beside_flow(const configuration *c, const body *b, double v[2]) {
+  const double *g = c->gradient, x = b->position[0] - c->model->lower[0],
+               y = b->position[1] - c->model->lower[1];
+  v[0] = b->velocity[0] - (g[SD_CELL_XX] * x + g[SD_CELL_XY] * y);
+  v[1] = b->velocity[1] - g[SD_CELL_YY] * y;
+}
+
+/* One that this rank adds to sums: no ranks have clumps. */
+static bool body_counts(const configuration *c, size_t k) {
+  return k >= c->model->n_disks || configuration_counts(c, (uint32_t)k);
 }
 
 /* Of all ranks, when the configuration is one of theirs. */
@@ -149,24 +200,23 @@ static void add_up(const configuration *c, exact_sum *sums, size_t n) {
 }
 
 static void kinetic_stress(double out[4], const configuration *c, const region *g, double area) {
-  const sd_model *m = c->model;
   exact_sum momentum[3] = {0}, sum[4] = {0}; /* x, y, and the mass */
   double v[2];
-  for (uint32_t i = 0; i < m->n_disks; i++) {
-    if (!moves_inside(&m->disks[i], g) || !configuration_counts(c, i)) continue;
-    beside_flow(c, &m->disks[i], v);
-    for (int k = 0; k < 2; k++) exact_sum_add(&momentum[k], m->disks[i].mass * v[k]);
-    exact_sum_add(&momentum[2], m->disks[i].mass);
+  body b;
+  for (size_t i = 0; i < n_bodies(c); i++) {
+    if (!body_moves(&b, c, g, NULL, i) || !body_counts(c, i)) continue;
+    beside_flow(c, &b, v);
+    for (int k = 0; k < 2; k++) exact_sum_add(&momentum[k], b.mass * v[k]);
+    exact_sum_add(&momentum[2], b.mass);
   }
   add_up(c, momentum, 3);
   const double mass = exact_sum_value(&momentum[2]);
   const double mean[2] = {exact_sum_value(&momentum[0]) / mass, exact_sum_value(&momentum[1]) / mass};
-  for (uint32_t i = 0; i < m->n_disks; i++) {
-    const sd_disk *d = &m->disks[i];
-    if (!moves_inside(d, g) || !configuration_counts(c, i)) continue;
-    beside_flow(c, d, v);
+  for (size_t i = 0; i < n_bodies(c); i++) {
+    if (!body_moves(&b, c, g, NULL, i) || !body_counts(c, i)) continue;
+    beside_flow(c, &b, v);
     for (int k = 0; k < 2; k++) v[k] -= mean[k];
-    for (int k = 0; k < 4; k++) exact_sum_add(&sum[k], d->mass * v[k / 2] * v[k % 2]);
+    for (int k = 0; k < 4; k++) exact_sum_add(&sum[k], b.mass * v[k / 2] * v[k % 2]);
   }
   add_up(c, sum, 4);
   for (int k = 0; k < 4; k++) out[k] = exact_sum_value(&sum[k]) / area;
@@ -176,8 +226,10 @@ static void contact_stress(double out[4], const configuration *c, const region *
   exact_sum sum[4] = {0};
   for (size_t k = 0; k < c->n_contacts; k++) {
     const config_contact *q = &c->contacts[k];
-    const double *centre = c->model->disks[q->a].position, l[2] = {q->lx, q->ly}, f[2] = {q->fx, q->fy};
-    double part = region_line(g, centre[0], centre[1], l[0], l[1]);
+    const double f[2] = {q->fx, q->fy};
+    double from[2], l[2];
+    configuration_branch(c, q, from, l);
+    double part = region_line(g, from[0], from[1], l[0], l[1]);
     for (int e = 0; e < 4; e++) exact_sum_add(&sum[e], part * l[e / 2] * f[e % 2]);
   }
   add_up(c, sum, 4);
@@ -240,6 +292,7 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
   }
   if (status == SD_OK) {
     count_disks(s, c, g, inside, left);
+    sum_bodies(s, c, g);
     stress_tensors(s->contact, s->kinetic, c, g);
     sum_contacts(s, c, g);
   } else {

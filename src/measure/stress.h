@@ -8,6 +8,9 @@
  * Stress, compression positive: sigma_xy = (1/A) sum over contacts of l_x f_y, l the branch vector from a on and f
  * the force on b, each contact with the part of its branch that lies in the region. Branches end on the surface of
  * walls and prescribed disks. Kinetic part: (1/A) sum of m v_x v_y, relative to the mean velocity.
+ *
+ * A clump is one body: branches begin and end at its centre, since the forces that hold it together are not known, and the
+ * kinetic part has its mass and the velocity of its centre. Rattlers, energies and resultants are those of clumps, too.
  */
 #ifndef MEASURE_STRESS_H
 #define MEASURE_STRESS_H
@@ -28,12 +31,14 @@ typedef struct stress {
   int32_t *contacts, *bearing; /* closed, load-bearing */
   bool *rattler;
   double (*resultant)[2]; /* contacts, gravity and constant force */
-  double *virial;         /* sum of l.f over its contacts, l from its centre to the point of contact */
+  double *
+      virial; /* sum of l.f over its contacts, l from its centre, or that of its clump, to the point of contact */
 
   /* of the region: disks whose centre, contacts whose point lies in it */
   double area, fraction;       /* of the region; area of disks (also prescribed ones) in it over its own */
   size_t free, fixed, outside; /* disks in play: free and prescribed inside, free ones elsewhere */
-  size_t rattlers;
+  size_t rattlers;             /* of the free disks; those of clumps that rattle */
+  size_t clumps;               /* whose centre lies in the region */
   size_t n_contacts, n_bearing, n_wall; /* contacts; of these load-bearing, with a wall or prescribed disk */
   size_t n_sliding;
   double z, z_bearing; /* contacts per free disk: closed, load-bearing */
@@ -46,8 +51,8 @@ typedef struct stress {
   double mean_force;                /* of load-bearing contacts */
   double overlap_mean, overlap_max; /* closed contacts */
   uint32_t overlap_a, overlap_b;    /* bodies of the largest, as in configuration.model */
-  double energy_translation, energy_rotation; /* kinetic, per free disk */
-  double unbalanced; /* mean resultant on a free disk over mean_force; NAN: tangential forces are not known */
+  double energy_translation, energy_rotation; /* kinetic, per free disk or clump */
+  double unbalanced; /* mean resultant on one over mean_force; NAN: tangential forces are not known */
 } stress;
 
 /* stress_free also when it fails. */

@@ -25,8 +25,39 @@ double compress_area(const sd_model *m, const sd_state *s) {
   return width * height * cell_scale(s, SD_X) * cell_scale(s, SD_Y);
 }
 
+/* From the centre of its clump to the disk in slot i, 0 of other bodies. The images tell them apart across the edges of a box, which
+ * does not deform. */
+static void arm_of(const sd_model *m, const sd_state *s, size_t i, double arm[2]) {
+  const int clump = i < s->n_free ? m->disks[s->id[i]].clump : 0;
+  arm[0] = arm[1] = 0.0;
+  if (clump == 0) return;
+  const size_t k = (size_t)clump - 1;
+  arm[0] = s->x[i] - s->clump_x[k];
+  arm[1] = s->y[i] - s->clump_y[k];
+  for (int c = 0; c < 2; c++)
+    if (m->periodic[c])
+      arm[c] += (c ? s->image_y[i] - s->clump_image_y[k] : s->image_x[i] - s->clump_image_x[k]) *
+                (s->box_scale * (m->upper[c] - m->lower[c]));
+}
+
+double compress_inner(const sd_model *m, const sd_state *s, size_t slot) {
+  double arm[2];
+  arm_of(m, s, slot, arm);
+  return -(arm[0] * s->force_x[slot] + arm[1] * s->force_y[slot]);
+}
+
+/* What the clumps add to r along the normal: the part of the branch vector between their centres. */
+static double longer(const engine *e, size_t k) {
+  const sd_model *m = e->model;
+  double arm[2][2], n[2];
+  arm_of(m, e->state, engine_contact_a(e, k), arm[0]);
+  arm_of(m, e->state, engine_contact_b(e, k), arm[1]);
+  engine_contact_direction(e, k, n);
+  return n[0] * (arm[0][0] - arm[1][0]) + n[1] * (arm[0][1] - arm[1][1]);
+}
+
 typedef struct virial {
-  double pressure, stiffness; /* stiffness: of an affine change, - dp/d ln(length) */
+  double pressure, stiffness; /* stiffness: of an affine change of the centres, - dp/d ln(length) */
 } virial;
 
 static virial virial_of(const engine *e) {
@@ -37,8 +68,10 @@ static virial virial_of(const engine *e) {
     size_t a = engine_contact_a(e, k), b = engine_contact_b(e, k);
     double r = s->radius[a] + (b < s->n_disks ? s->radius[b] : 0.0) - engine_contact_overlap(e, k);
     force += engine_contact_force(e, k) * r;
+    if (s->n_clumps > 0) r += longer(e, k);
     stiffness += engine_contact_stiffness(e, k) * r * r;
   }
+  for (size_t i = 0; s->n_clumps > 0 && i < s->n_free; i++) force += compress_inner(e->model, s, i);
   return (virial){force / twice, (stiffness + 2.0 * force) / twice};
 }
 

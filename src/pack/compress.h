@@ -4,7 +4,8 @@
  *
  * The pressure is the mean of the two principal stresses of the contacts, 2 A p = sum F_n r, with r the distance
  * of two centres, for a wall that of the centre from the wall. In a box at rest without gravity this is the mean
- * of the pressures on its walls (physics.md).
+ * of the pressures on its walls (physics.md). Clumps add what their inner forces do: the contacts pull disk i with F_i, the clump
+ * holds it back, - sum (x_i - X) F_i with X the centre of its clump.
  */
 #ifndef PACK_COMPRESS_H
 #define PACK_COMPRESS_H
@@ -23,6 +24,8 @@ bool compress_done(const engine *e);
 
 /* Pressure in the region, force/length, of the live contacts. */
 double compress_pressure(const engine *e);
+/* Of the disk in this slot: what it adds to the virial sum F_n r for being in a clump, 0 for other disks. */
+double compress_inner(const sd_model *model, const sd_state *state, size_t slot);
 /* Area of the free disks in play over that of the region. */
 double compress_fraction(const sd_model *model, const sd_state *state);
 /* Of the region. */

@@ -40,6 +40,8 @@ static void line(FILE *out, const char *name, double value, const char *format, 
   fputc('\n', out);
 }
 
+static const char *body_word(const stress *s) { return s->clumps > 0 ? "body" : "disk"; }
+
 /* Nothing ends an open region but the deck: there the closed cells tell how dense a packing is. */
 static void page_packing(FILE *out, const measurement *m) {
   const cells *t = &m->cells;
@@ -60,6 +62,7 @@ static void page_disks(FILE *out, const measurement *m) {
   char text[32];
   fprintf(out, "\ndisks\n");
   line(out, "free", (double)s->free, "in the region");
+  if (s->clumps > 0) line(out, "clumps", (double)s->clumps, "rigid bodies that they make");
   if (s->fixed > 0) line(out, "prescribed", (double)s->fixed, "in the region");
   if (s->outside > 0) line(out, "free elsewhere", (double)s->outside, "left out below");
   if (m->c.n_waiting > 0) line(out, "waiting", (double)m->c.n_waiting, "to be released");
@@ -98,7 +101,7 @@ static void page_contacts(FILE *out, const measurement *m) {
   bool disk = s->overlap_b < model->n_disks;
   line(out, "largest overlap", s->overlap_max, "length, disk %u and %s %u", m->c.number[s->overlap_a],
        disk ? "disk" : "wall", disk ? m->c.number[s->overlap_b] : s->overlap_b - (uint32_t)model->n_disks);
-  line(out, "unbalanced force", s->unbalanced, "mean resultant on a disk over mean normal force");
+  line(out, "unbalanced force", s->unbalanced, "mean resultant on a %s over mean normal force", body_word(s));
   line(out, "anisotropy", s->anisotropy, "of the directions of load-bearing contacts, most at %s deg",
        shown(s->fabric_angle * DEGREES, 4, text[0]));
 }
@@ -117,7 +120,7 @@ static void page_stress(FILE *out, const measurement *m) {
           s->contact[STRESS_XY], "yx yy", s->contact[STRESS_YX], s->contact[STRESS_YY]);
   line(out, "kinetic pressure", 0.5 * (k[STRESS_XX] + k[STRESS_YY]), "force/length");
   double energy = s->energy_translation + s->energy_rotation;
-  line(out, "kinetic energy", energy, "energy per disk, %s %% in rotation",
+  line(out, "kinetic energy", energy, "energy per %s, %s %% in rotation", body_word(s),
        shown(100.0 * ratio(s->energy_rotation, energy), 3, text[0]));
   if (!g->pairs) return;
   fprintf(out, "\npairs\n");

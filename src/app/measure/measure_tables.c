@@ -77,7 +77,7 @@ static void add_disks(FILE *out, const measurement *m, const bool *wanted) {
     double area = m->has_cells ? m->cells.area[i] : NAN;
     fprintf(out, "%" PRId64 ",%u,%.15g,%.15g,%.15g,%d,%d,%d,%d", m->c.step, m->c.number[i], d->position[0],
             d->position[1], d->radius, d->driven, s->rattler[i], (int)s->contacts[i], (int)s->bearing[i]);
-    number(out, closed ? 0.5 * s->virial[i] / area : NAN);
+    number(out, measurement_pressure(m, i));
     number(out, area);
     fprintf(out, ",%d", closed);
     number(out, m->has_cells ? cells_fraction(&m->cells, &m->c, i) : NAN);

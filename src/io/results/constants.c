@@ -55,6 +55,12 @@ static const observable clump_rows[] = {
 };
 static const observable_list clump_constants = OBSERVABLES("clumps", "of clumps", clump_rows);
 
+static const observable clump_force_rows[] = {
+    CONSTANT("constant_force", sd_clump, force, OBSERVABLE_F64, 2, "force",
+             "constant force on the centre, beside those on disks")};
+static const observable_list clump_forces =
+    OBSERVABLES("clumps", "of clumps, where there are any", clump_force_rows);
+
 static const observable wall_rows[] = {
     WALL("species", material, OBSERVABLE_I32, 1, "1", "index of the material"),
     WALL("shape/kind", kind, OBSERVABLE_I32, 1, "1",
@@ -217,6 +223,10 @@ static void put_clumps(h5_file *file, const sd_model *m) {
   put_box(file, CLUMPS, m);
   put_bodies(file, CLUMPS, m, m->n_disks + m->n_walls, m->n_clumps, "body number");
   members_write(file, CLUMPS, &clump_constants, m->clumps, sizeof *m->clumps, m->n_clumps);
+  bool pushed = false;
+  for (size_t k = 0; k < m->n_clumps; k++)
+    pushed = pushed || m->clumps[k].force[0] != 0.0 || m->clumps[k].force[1] != 0.0;
+  if (pushed) members_write(file, CLUMPS, &clump_forces, m->clumps, sizeof *m->clumps, m->n_clumps);
 }
 
 static void put_walls(h5_file *file, const sd_model *m) {
@@ -400,6 +410,22 @@ static void read_disks(reader *r, sd_model *m) {
   free(names);
 }
 
+/* Without their disks, which say to which they belong. */
+static void read_clumps(reader *r, sd_model *m) {
+  if (r->status != SD_OK || !h5_exists(r->file, CLUMPS "/mass")) return;
+  const size_t n = count(r, CLUMPS "/mass");
+  if (n > m->n_disks) r->status = sd_fail(r->messages, SD_ERROR_IO, "%zu clumps: the file is damaged", n);
+  m->clumps = r->status == SD_OK ? calloc(n + 1, sizeof *m->clumps) : NULL;
+  if (r->status == SD_OK && !m->clumps)
+    r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for %zu clumps", n);
+  if (r->status == SD_OK)
+    r->status = members_read(r->file, CLUMPS, &clump_constants, m->clumps, sizeof *m->clumps, n, r->messages);
+  if (r->status == SD_OK && h5_exists(r->file, CLUMPS "/constant_force"))
+    r->status = members_read(r->file, CLUMPS, &clump_forces, m->clumps, sizeof *m->clumps, n, r->messages);
+  for (size_t k = 0; m->clumps && k < n; k++) m->clumps[k].n_disks = 0;
+  if (r->status == SD_OK) m->n_clumps = n;
+}
+
 /* Points of all walls stand in one list; each wall has its number of them, but no memory. */
 static sd_status share_points(sd_model *m, size_t total, const double *points) {
   for (size_t k = 0, at = 0; k < m->n_walls; k++) {
@@ -464,6 +490,7 @@ static sd_status read_file(const h5_file *file, sd_model *m, sd_messages *messag
   if (r.status == SD_OK) read_laws(&r, m);
   if (r.status == SD_OK) read_disks(&r, m);
   if (r.status == SD_OK) read_walls(&r, m);
+  read_clumps(&r, m);
   read_words(&r, m);
   return r.status;
 }

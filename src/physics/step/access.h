@@ -61,6 +61,11 @@ static inline double engine_contact_force(const engine *e, size_t k) {
 static inline double engine_contact_overlap(const engine *e, size_t k) {
   return PAIR(&e->work.pairs, k, overlap);
 }
+/* Reference direction of a closed contact: its normal from a on, within 1/64. */
+static inline void engine_contact_direction(const engine *e, size_t k, double n[2]) {
+  n[0] = PAIR(&e->work.pairs, k, ex);
+  n[1] = PAIR(&e->work.pairs, k, ey);
+}
 /* +1, -1: sliding with that sign of torque; 0: stuck or open. */
 static inline int engine_contact_sliding(const engine *e, size_t k) {
   return pairs_slide_sign(&e->work.pairs, k);

@@ -354,17 +354,15 @@ void cell_begin(engine *e) {
   note_places(e);
 }
 
-/* As at the start (check_box of model.c): the nearest image must be unique. */
+/* As at the start: the nearest image must be unique. */
 static sd_status check_width(const engine *e, sd_messages *messages) {
-  const sd_state *s = e->state;
-  double largest = 0.0;
-  for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  const double least = cell_least_length(e->model, NULL);
   for (int c = 0; c < 2; c++)
-    if (!(e->work.length[c] > 4.0 * largest * 1.2))
+    if (!(e->work.length[c] > least))
       return sd_fail(messages, SD_ERROR_NUMERIC,
-                     "step %lld: the deformed box is %g long in %c; expected more than 4.8 times the largest "
-                     "radius (%g)",
-                     (long long)s->step, e->work.length[c], c == SD_X ? 'x' : 'y', largest);
+                     "step %lld: the deformed box is %g long in %c; expected more than %g, 4.8 times the largest "
+                     "radius and twice the reach of attraction",
+                     (long long)e->state->step, e->work.length[c], c == SD_X ? 'x' : 'y', least);
   return SD_OK;
 }
 

@@ -1,0 +1,115 @@
+/* configuration_clumps.c: the rigid bodies of a configuration.
+ *
+ * The mass of a clump is shared out among its disks as theirs are (model/clumps.c). So its centre and velocity are those of the
+ * mass of its disks, and frames need no poses of clumps. Absolute positions of its disks, images included, stand side by side.
+ */
+#include <stdlib.h>
+
+#include "measure/configuration.h"
+
+/* 1 + number of the clump of a disk in play; 0: it is in none. Each has a disk, so there are no more than disks. */
+static size_t clump_of(const configuration *c, const sd_model *from, size_t disk) {
+  const int clump = from->disks[c->number[disk]].clump;
+  return clump > 0 && (size_t)clump <= from->n_disks ? (size_t)clump : 0;
+}
+
+/* Disks by clump, in the order of their numbers. */
+static void list_disks(configuration *c, const sd_model *from) {
+  const size_t n = c->model->n_disks;
+  for (size_t i = 0; i < n; i++) {
+    c->clump_of[i] = (int32_t)clump_of(c, from, i) - 1;
+    if (c->clump_of[i] >= 0) c->clumps[c->clump_of[i]].n_disks++;
+  }
+  for (size_t k = 0, first = 0; k < c->n_clumps; k++) {
+    c->clumps[k].disks = c->clump_disks + first;
+    first += c->clumps[k].n_disks;
+    c->clumps[k].n_disks = 0;
+  }
+  for (size_t i = 0; i < n; i++) {
+    if (c->clump_of[i] < 0) continue;
+    config_clump *k = &c->clumps[c->clump_of[i]];
+    k->disks[k->n_disks++] = (uint32_t)i;
+  }
+}
+
+static double between(const configuration *c, const frame_data *f, uint32_t first, uint32_t disk, int q) {
+  const uint32_t a = c->number[first], b = c->number[disk];
+  return (f->position[b][q] - f->position[a][q]) + (f->image[b][q] - f->image[a][q]) * c->length[q];
+}
+
+/* Centre, from the first disk; velocity; arms of the disks. */
+static void measure(configuration *c, const frame_data *f, config_clump *k) {
+  const sd_model *m = c->model;
+  double centre[2] = {0.0, 0.0};
+  for (size_t n = 0; n < k->n_disks; n++) {
+    const uint32_t i = k->disks[n];
+    const sd_disk *d = &m->disks[i];
+    k->mass += d->mass;
+    for (int q = 0; q < 2; q++) {
+      c->arm[i][q] = between(c, f, k->disks[0], i, q);
+      centre[q] += d->mass * c->arm[i][q];
+      k->velocity[q] += d->mass * d->velocity[q];
+      k->force[q] += d->force[q];
+    }
+  }
+  for (int q = 0; q < 2; q++) {
+    centre[q] /= k->mass;
+    k->velocity[q] /= k->mass;
+    k->position[q] = m->disks[k->disks[0]].position[q] + centre[q];
+  }
+  k->velocity[SD_THETA] = m->disks[k->disks[0]].velocity[SD_THETA];
+  for (size_t n = 0; n < k->n_disks; n++) {
+    const uint32_t i = k->disks[n];
+    for (int q = 0; q < 2; q++) c->arm[i][q] -= centre[q];
+    k->inertia +=
+        m->disks[i].inertia + m->disks[i].mass * (c->arm[i][0] * c->arm[i][0] + c->arm[i][1] * c->arm[i][1]);
+  }
+}
+
+/* What the model gives for the clump itself. */
+static void take_given(config_clump *k, const sd_clump *given) {
+  if (given->inertia > 0.0) k->inertia = given->inertia;
+  for (int q = 0; q < 2; q++) k->force[q] += given->force[q];
+}
+
+sd_status configuration_clumps(configuration *c, const sd_model *from, const frame_data *f) {
+  const size_t n = c->model->n_disks;
+  size_t members = 0;
+  for (size_t i = 0; i < n; i++) {
+    const size_t k = clump_of(c, from, i);
+    members += k > 0;
+    if (k > c->n_clumps) c->n_clumps = k;
+  }
+  if (members == 0) return SD_OK;
+  c->clumps = calloc(c->n_clumps, sizeof *c->clumps);
+  c->clump_of = calloc(n, sizeof *c->clump_of);
+  c->clump_disks = calloc(members, sizeof *c->clump_disks);
+  c->arm = calloc(n, sizeof *c->arm);
+  if (!c->clumps || !c->clump_of || !c->clump_disks || !c->arm) return SD_ERROR_IO;
+  list_disks(c, from);
+  for (size_t k = 0; k < c->n_clumps; k++) {
+    if (c->clumps[k].n_disks == 0) continue;
+    measure(c, f, &c->clumps[k]);
+    if (k < from->n_clumps) take_given(&c->clumps[k], &from->clumps[k]);
+  }
+  return SD_OK;
+}
+
+void configuration_clumps_free(configuration *c) {
+  free(c->clumps);
+  free(c->clump_of);
+  free(c->clump_disks);
+  free(c->arm);
+}
+
+void configuration_branch(const configuration *c, const config_contact *k, double from[2], double l[2]) {
+  const double *centre = c->model->disks[k->a].position, between[2] = {k->lx, k->ly};
+  for (int q = 0; q < 2; q++) {
+    from[q] = centre[q];
+    l[q] = between[q];
+    if (c->n_clumps == 0) continue;
+    from[q] -= c->arm[k->a][q];
+    l[q] += c->arm[k->a][q];
+    if (k->b < c->model->n_disks) l[q] -= c->arm[k->b][q];
+  }
+}
