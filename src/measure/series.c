@@ -245,9 +245,10 @@ static const observable clump_rows[] = {
     SERIES("torque", "force length", "of the contacts of its disks, about the centre", OBSERVABLE_F64, 1,
            clump_torque, NULL),
 };
-const observable_list clump_observables =
-    OBSERVABLES("clumps", "frames of all clumps in /particles/clumps; /particles/disks/clump: 1 + its number of each disk, 0: none",
-                clump_rows);
+const observable_list clump_observables = OBSERVABLES(
+    "clumps",
+    "frames of all clumps in /particles/clumps; /particles/disks/clump: 1 + its number of each disk, 0: none",
+    clump_rows);
 
 /* --- contacts of a moment --------------------------------------------------------------------------------- */
 

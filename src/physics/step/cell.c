@@ -359,10 +359,11 @@ static sd_status check_width(const engine *e, sd_messages *messages) {
   const double least = cell_least_length(e->model, NULL);
   for (int c = 0; c < 2; c++)
     if (!(e->work.length[c] > least))
-      return sd_fail(messages, SD_ERROR_NUMERIC,
-                     "step %lld: the deformed box is %g long in %c; expected more than %g, 4.8 times the largest "
-                     "radius and twice the reach of attraction",
-                     (long long)e->state->step, e->work.length[c], c == SD_X ? 'x' : 'y', least);
+      return sd_fail(
+          messages, SD_ERROR_NUMERIC,
+          "step %lld: the deformed box is %g long in %c; expected more than %g, 4.8 times the largest "
+          "radius and twice the reach of attraction",
+          (long long)e->state->step, e->work.length[c], c == SD_X ? 'x' : 'y', least);
   return SD_OK;
 }
 
