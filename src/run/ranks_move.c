@@ -419,7 +419,7 @@ sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *w
   float *weight = malloc((n + 1) * sizeof *weight);
   assert(!s || s->n_free == all);
   sd_status status = to && x && y && activity && weight ? SD_OK : SD_ERROR_IO;
-  if (comm_or(status != SD_OK) == 0) {
+  if (comm_or(status != SD_OK) == 0 && status == SD_OK) {
     for (size_t q = 0; s && q < n_ranks; q++) to[q] = (int)(all * (q + 1) / n_ranks - all * q / n_ranks);
     from[0] = (int)n;
     comm_exchange(s ? s->x : NULL, to, x, from, sizeof *x);
