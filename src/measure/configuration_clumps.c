@@ -66,7 +66,7 @@ static void measure(configuration *c, const frame_data *f, config_clump *k) {
   }
 }
 
-/* What the model gives for the clump itself. */
+/* Values that the model gives for the clump itself. */
 static void take_given(config_clump *k, const sd_clump *given) {
   if (given->inertia > 0.0) k->inertia = given->inertia;
   for (int q = 0; q < 2; q++) k->force[q] += given->force[q];

@@ -110,7 +110,7 @@ static sd_status find_rattlers(stress *s, const configuration *c, int32_t *left)
 
 /* --- of the region ------------------------------------------------------------------------------------ */
 
-/* What moves by itself: a disk, or a clump in place of its disks. */
+/* A rigid body: a disk, or a clump in place of its disks. */
 typedef struct body {
   double mass, inertia;
   const double *position, *velocity;

@@ -298,7 +298,7 @@ static bool attracts(const sd_model *m) {
   return any;
 }
 
-/* What nothing follows, as keys of the phase; NULL: all is followed. */
+/* Keys of the phase without effect; NULL: all have one. */
 static const char *without_effect(const sd_cell *c) {
   bool controlled = false, rate = false;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {

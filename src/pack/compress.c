@@ -46,7 +46,7 @@ double compress_inner(const sd_model *m, const sd_state *s, size_t slot) {
   return -(arm[0] * s->force_x[slot] + arm[1] * s->force_y[slot]);
 }
 
-/* What the clumps add to r along the normal: the part of the branch vector between their centres. */
+/* Added by clumps to r along the normal: the part of the branch vector between their centres. */
 static double longer(const engine *e, size_t k) {
   const sd_model *m = e->model;
   double arm[2][2], n[2];

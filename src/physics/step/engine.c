@@ -234,22 +234,29 @@ static sd_status allocate(engine *e, int threads) {
   return bad || columns_new(e) != SD_OK ? SD_ERROR_IO : SD_OK;
 }
 
+/* Columns with a row for each free disk. */
+enum { FREE_COLUMNS = 8 };
+static void free_columns(const work *w, double *column[FREE_COLUMNS]) {
+  double *all[FREE_COLUMNS] = {w->inverse_mass_x,
+                               w->inverse_mass_y,
+                               w->inverse_inertia,
+                               w->constant_x,
+                               w->constant_y,
+                               w->constant_torque,
+                               w->x0,
+                               w->y0};
+  memcpy(column, all, sizeof all);
+}
+
 /* Pages stand near the thread that writes them first: each writes zeros to its part of what has just been mapped. */
 static void touch_first(const team *t, void *with) {
   const engine *e = with;
   const work *w = &e->work;
   size_t from, to;
   team_share(t, e->state->n_free, &from, &to);
-  double *column[] = {w->inverse_mass_x,
-                      w->inverse_mass_y,
-                      w->inverse_inertia,
-                      w->constant_x,
-                      w->constant_y,
-                      w->constant_torque,
-                      w->x0,
-                      w->y0};
-  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
-    memset(column[k] + from, 0, (to - from) * sizeof(double));
+  double *column[FREE_COLUMNS];
+  free_columns(w, column);
+  for (size_t k = 0; k < FREE_COLUMNS; k++) memset(column[k] + from, 0, (to - from) * sizeof(double));
 }
 
 /* Places of rows are numbers of 32 bits; of sums there are a few for every body. */
@@ -309,18 +316,9 @@ void engine_drop_lists(engine *e) {
   const sd_state *s = e->state;
   neighbours_free(e);
   fill_laws(e->model, w);
-  double *column[] = {w->inverse_mass_x,
-                      w->inverse_mass_y,
-                      w->inverse_inertia,
-                      w->constant_x,
-                      w->constant_y,
-                      w->constant_torque,
-                      w->x0,
-                      w->y0,
-                      w->theta0,
-                      w->reach};
-  for (size_t k = 0; k < sizeof column / sizeof *column; k++)
-    arena_release(w->arena, column[k], s->n_free * sizeof(double));
+  double *column[FREE_COLUMNS];
+  free_columns(w, column);
+  for (size_t k = 0; k < FREE_COLUMNS; k++) arena_release(w->arena, column[k], s->n_free * sizeof(double));
 }
 
 sd_status engine_make_lists(engine *e, sd_messages *messages) {
