@@ -221,7 +221,7 @@ static void mistakes_are_told(void **unused) {
   refused(WAVE("square", "rise = 0;"), "expected a number > 0");
   refused(WAVE("square", "rise = 1.5;"), "expected a number > 0 and <= 1");
   refused(WAVE("square", "rise = 0.01;"),
-          "motion \"shake\": rise = 0.01: a change of sides takes 5 steps, expected 8 or more");
+          "test.cfg:3: motions[0]: rise = 0.01: a change of sides takes 5 steps, expected 8 or more");
   refused(WAVE("triangle", "rise = 0.1;"), "does not belong to type \"triangle\"");
   refused(WAVE("harmonic", "rise = 0.1;"), "does not belong to type \"harmonic\"");
   refused(WAVE("triangle", "acceleration = 2;"), "does not belong to type \"triangle\"");
