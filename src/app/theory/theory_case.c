@@ -7,6 +7,7 @@
 
 #include "slipdisk/deck.h"
 #include "app/theory/theory.h"
+#include "model/law_features.h"
 
 /* Disks nearer than this part of the upper disk's radius count as touching it. */
 static const double NEAR = 0.01;
@@ -206,11 +207,29 @@ static sd_status set_geometry(const sd_model *m, theory_case *c, uint32_t upper,
 
 /* --- contacts and bonds --------------------------------------------------------------------------------- */
 
+/* The key of a law beyond linear elastic contacts with friction mu; NULL: none. */
+static const char *beyond_theory(const sd_contact_law *law) {
+  const unsigned features = law_features(law);
+  return law->normal != SD_NORMAL_LINEAR ? "law"
+         : features & LAW_MINDLIN        ? "tangential"
+         : features & LAW_KINETIC        ? "mu_kinetic"
+         : features & LAW_DASHPOT        ? "gamma_t"
+         : features & LAW_ROLLING        ? "mu_r"
+         : features & LAW_COHESION       ? "cohesion"
+                                         : NULL;
+}
+
 static sd_status set_contacts(const sd_model *m, theory_case *c, uint32_t upper, const uint32_t support[2],
                               sd_messages *messages) {
   double mu[2];
   for (int k = 0; k < 2; k++) {
     const sd_contact_law *law = sd_model_law(m, m->disks[upper].material, m->disks[support[k]].material);
+    const char *beyond = beyond_theory(law);
+    if (beyond)
+      return sd_fail(
+          messages, SD_ERROR_USER,
+          "%s: theory: the contacts of %s with %s have `%s`; expected linear ones with friction mu alone",
+          sd_model_deck(m)->path, c->upper, c->support[k], beyond);
     mu[k] = law->mu;
     c->k_t[k] = law->k_t;
     c->stiffness = k == 0 ? law->k_n : fmin(c->stiffness, law->k_n);
@@ -240,6 +259,11 @@ static sd_status check_bonds(const sd_model *m, theory_case *c, uint32_t upper, 
                        "to find its equilibrium");
   if (disk->force[SD_THETA] != 0)
     status = fail_disk(m, messages, upper, "has a constant torque on it; expected none");
+  if (disk->clump > 0)
+    status = fail_disk(m, messages, upper, "belongs to a clump; expected a disk of its own");
+  if (m->n_fields > 0)
+    status =
+        sd_fail(messages, SD_ERROR_USER, "%s: theory: it has fields; expected none", sd_model_deck(m)->path);
   return status;
 }
 
