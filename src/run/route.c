@@ -7,6 +7,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "base/runs.h"
 
 void route_free(route *r) {
   free(r->to);
@@ -138,24 +139,27 @@ sd_status route_columns(route *r, const route_column *column, size_t n, const ui
 
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   const size_t ranks = (size_t)comm_size();
-  size_t *at = malloc((2 * ranks + 1) * sizeof *at), *end = at + ranks, n_runs = 0, begin = 0;
-  if (!at) {
+  size_t *at = malloc((2 * ranks + 1) * sizeof *at), *end = at + ranks, begin = 0;
+  runs heads = {0};
+  if (!at || runs_new(&heads, ranks) != SD_OK) {
+    free(at);
     comm_abort(SD_ERROR_IO); /* the others wait */
     return SD_ERROR_IO;
   }
-  for (size_t q = 0; q < ranks; q++) {
-    if (r->from[q] == 0) continue;
-    at[n_runs] = begin;
-    begin += (size_t)r->from[q];
-    end[n_runs++] = begin;
+  for (size_t q = 0; q < ranks; begin = end[q++]) {
+    at[q] = begin;
+    end[q] = begin + (size_t)r->from[q];
+    if (at[q] < end[q]) runs_add(&heads, q, order[at[q]]);
   }
   for (uint32_t n = 0; n < r->n_receive; n++) {
-    size_t least = SIZE_MAX;
-    for (size_t q = 0; q < n_runs; q++)
-      if (at[q] < end[q] && (least == SIZE_MAX || order[at[q]] < order[at[least]])) least = q;
-    assert(least != SIZE_MAX);
-    place[at[least]++] = n;
+    const size_t q = runs_least(&heads);
+    place[at[q]++] = n;
+    if (at[q] < end[q])
+      runs_step(&heads, order[at[q]]);
+    else
+      runs_end(&heads);
   }
+  runs_free(&heads);
   free(at);
   return SD_OK;
 }

@@ -56,6 +56,27 @@ static void put_row(table *t, const sd_model *model, const observable_list *list
   table_commit(t, 1);
 }
 
+static int by_number(const void *one, const void *two) {
+  const uint64_t p = *(const uint64_t *)one, q = *(const uint64_t *)two;
+  return p < q ? -1 : p > q;
+}
+
+/* Keys ascend: disks go by their numbers. */
+static sd_status put_disks(record_share *r, const sd_state *s, size_t driven, int64_t first,
+                           sd_messages *messages) {
+  uint64_t *list = malloc((s->n_disks + 1) * sizeof *list);
+  size_t n = 0;
+  if (!list) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  for (size_t slot = 0; slot < s->n_disks; slot++)
+    if (slot < s->n_free || slot >= driven) list[n++] = (uint64_t)s->id[slot] << 32 | slot;
+  qsort(list, n, sizeof *list, by_number);
+  for (size_t k = 0; k < n; k++)
+    put_row(&r->disks, r->model, &frame_observables, first + (int64_t)(list[k] >> 32),
+            &(moment_body){s, (uint32_t)list[k]});
+  free(list);
+  return SD_OK;
+}
+
 sd_status record_share_sample(record_share *r, unsigned what, const sd_state *s, size_t driven,
                               const uint32_t *slots, const checkpoint_order *order, int64_t frame,
                               int64_t moment_number, sd_messages *messages) {
@@ -65,10 +86,8 @@ sd_status record_share_sample(record_share *r, unsigned what, const sd_state *s,
   if (what & RECORD_CONTACTS && status == SD_OK)
     status = table_reserve(&r->contacts, s->n_contacts, messages);
   if (status != SD_OK) return status;
-  for (size_t slot = 0; what & RECORD_FRAMES && slot < s->n_disks; slot++)
-    if (slot < s->n_free || slot >= driven)
-      put_row(&r->disks, r->model, &frame_observables, frame * n_disks + s->id[slot],
-              &(moment_body){s, slot});
+  if (what & RECORD_FRAMES) status = put_disks(r, s, driven, frame * n_disks, messages);
+  if (status != SD_OK) return status;
   for (size_t c = 0; what & RECORD_CONTACTS && c < s->n_contacts; c++)
     put_row(&r->contacts, r->model, &contact_observables, moment_number * MOMENT + order->contact_key[c],
             &(moment_contact){r->model, s, slots, order->contact[c]});

@@ -93,6 +93,7 @@ void h5_release(h5_file *file) {
   }
   free(file->sets);
   free(file->loans);
+  h5_shares_free(file->shares);
   h5_journal_free(file);
   free(file);
 }

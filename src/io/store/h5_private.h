@@ -47,6 +47,10 @@ typedef struct h5_loan {
 /* Loans stand at multiples of this, so that the seal's words do not straddle their borders. */
 enum { H5_LOAN_LEAST = 64 << 10, H5_LOAN_ALIGNED = 4096, H5_LOAN_WORD = 8 };
 
+/* Of a file with shares, h5_shares.c. */
+typedef struct h5_shares h5_shares;
+typedef struct h5_shared_set h5_shared_set;
+
 struct h5_file {
   hid_t id;
   char *path;     /* for messages */
@@ -59,7 +63,8 @@ struct h5_file {
   char *trouble; /* ... and this was the first */
   h5_open_set *sets;
   size_t n_sets;
-  bool on_disk; /* made by h5_create: has a journal */
+  h5_shares *shares; /* NULL: it has none */
+  bool on_disk;      /* made by h5_create: has a journal */
   h5_entry *journal;
   size_t n_entries, most_entries;
 };
@@ -105,8 +110,15 @@ sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *mes
 
 /* A name that no other file in memory has. */
 void h5_memory_name(char *name, size_t size);
-/* Puts a file that was opened together with its shares: from now on it is one in memory. */
+/* Opens the shares of a file. Their datasets are listed as its own from then on, with the shape of the whole; their values stay in
+ * the shares until they are read. */
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages);
+void h5_shares_free(h5_shares *s);
+/* The dataset, if its rows stand in shares; else NULL. */
+const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path);
+/* Rows [first, first + n) of the whole, which it must have. */
+sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
+                         void *data, sd_messages *messages);
 /* --- h5_pages.c ------------------------------------------------------------------------------------- */
 /* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
 bool h5_set_pages(hid_t access, size_t room);

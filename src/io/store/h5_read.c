@@ -122,7 +122,7 @@ static bool is_stored(hid_t set, size_t n) {
 static sd_status check_size(const h5_file *file, const char *path, hid_t set, size_t n,
                             sd_messages *messages) {
   size_t have = elements(set);
-  if (have == n && is_stored(set, n)) return SD_OK;
+  if (have == n && (h5_shared_set_of(file, path) || is_stored(set, n))) return SD_OK;
   if (have == n) return sd_fail(messages, SD_ERROR_IO, "%s: %s was not written as a whole", file->path, path);
   return sd_fail(messages, SD_ERROR_IO, "%s: %s has %zu values where %zu are expected", file->path, path,
                  have, n);
@@ -142,7 +142,11 @@ sd_status h5_get(const h5_file *file, const char *path, sd_type type, size_t n, 
   if (set < 0) return SD_ERROR_IO;
   sd_status status = check_size(file, path, set, n, messages);
   char reason[200];
-  if (status == SD_OK && n > 0 && H5Dread(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+  const h5_shared_set *shared = h5_shared_set_of(file, path);
+  size_t dims[H5_MAX_RANK];
+  if (shared && status == SD_OK && n > 0 && h5_extent(set, dims) > 0)
+    status = h5_shared_rows(file, shared, type, 0, dims[0], data, messages);
+  else if (status == SD_OK && n > 0 && H5Dread(set, h5_native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
     status = sd_fail(messages, SD_ERROR_IO, "%s: cannot read %s: %s", file->path, path,
                      h5_reason(reason, sizeof reason));
   H5Oclose(set);
@@ -172,15 +176,17 @@ static sd_status get_rows(const h5_file *file, const char *path, sd_type type, s
   hid_t space = H5Dget_space(set);
   int rank = H5Sget_simple_extent_dims(space, count, NULL);
   bool good = rank > 0 && first <= count[0] && n <= count[0] - first;
+  const h5_shared_set *shared = h5_shared_set_of(file, path);
   start[0] = first;
   count[0] = n;
   hid_t memory = good ? H5Screate_simple(rank, count, NULL) : H5I_INVALID_HID;
   good = good && (width == 0 || H5Sget_simple_extent_npoints(memory) == (hssize_t)n * (hssize_t)width) &&
-         H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-         H5Dread(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0;
+         (shared || (H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+                     H5Dread(set, h5_native(type), memory, space, H5P_DEFAULT, data) >= 0));
   if (memory >= 0) H5Sclose(memory);
   H5Sclose(space);
   H5Oclose(set);
+  if (good && shared) return h5_shared_rows(file, shared, type, first, n, data, messages);
   if (good) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "%s: cannot read rows of %s", file->path, path);
 }

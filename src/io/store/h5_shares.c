@@ -1,7 +1,10 @@
 /* h5_shares.c: files that are put together from several; see h5.h. */
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
+#include "base/runs.h"
 #include "base/shortage.h"
 #include "base/text.h"
 #include "io/store/h5_private.h"
@@ -17,34 +20,58 @@ void h5_put_shares(h5_file *file, size_t n, const int64_t *sums) {
 
 bool h5_has_shares(const h5_file *file) { return h5_exists(file, "/shares"); }
 
-/* A row of share `from`. */
-typedef struct shared_row {
-  int64_t key;
-  size_t from, at;
-} shared_row;
-
-typedef struct joining {
-  h5_file *head, **shares;
-  size_t n;
-  const char *group;
-  size_t *rows;    /* [n] of this group in each share */
-  size_t **places; /* [n][rows] where they stand in the whole */
-  size_t total, largest;
+/* Datasets of one group of the shares have the same order of rows. */
+typedef struct shared_group {
+  const char *name;
+  size_t *rows;    /* [shares] */
+  int64_t **place; /* [shares][rows], ascending: where they stand in the whole */
+  size_t total;
   size_t each; /* rows of the shares in a row of the whole; 0: they are its rows */
+} shared_group;
+
+struct h5_shared_set {
+  char *path;
+  const shared_group *group;
+  sd_type type;
+  size_t width; /* elements of a row of a share */
+  size_t tail;  /* rows of the head itself, behind all others */
+  char *own;    /* these */
+};
+
+enum { GROUPS = 2, PIECE_BYTES = 1 << 20 };
+
+struct h5_shares {
+  h5_file *head, **file;
+  size_t n;
+  shared_group group[GROUPS];
+  h5_shared_set *set;
+  size_t n_sets;
+  const shared_group *listed; /* while datasets are listed, of this share */
+  const h5_file *listed_in;
   sd_status status;
   sd_messages *messages;
-} joining;
+};
 
-static sd_status no_memory(const joining *j) {
+static sd_status no_memory(const h5_shares *s) {
   shortage_note();
-  return sd_fail(j->messages, SD_ERROR_IO, "no memory to put %s together", j->head->path);
+  return sd_fail(s->messages, SD_ERROR_IO, "no memory to put %s together", s->head->path);
 }
 
-static int by_key(const void *one, const void *two) {
-  const shared_row *p = one, *q = two;
-  if (p->key != q->key) return p->key < q->key ? -1 : 1;
-  if (p->from != q->from) return p->from < q->from ? -1 : 1;
-  return p->at < q->at ? -1 : p->at > q->at;
+void h5_shares_free(h5_shares *s) {
+  if (!s) return;
+  for (size_t k = 0; k < s->n_sets; k++) {
+    free(s->set[k].path);
+    free(s->set[k].own);
+  }
+  for (size_t g = 0; g < GROUPS; g++) {
+    for (size_t k = 0; s->group[g].place && k < s->n; k++) free(s->group[g].place[k]);
+    free(s->group[g].place);
+    free(s->group[g].rows);
+  }
+  for (size_t k = 0; s->file && k < s->n; k++) h5_close(s->file[k], NULL);
+  free(s->file);
+  free(s->set);
+  free(s);
 }
 
 /* --- open ------------------------------------------------------------------------------------------------ */
@@ -69,178 +96,256 @@ static sd_status take_image(h5_file *file, sd_messages *messages) {
   return SD_OK;
 }
 
-static sd_status open_share(joining *j, int folder, size_t k, int64_t sum) {
+static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   uint64_t found = 0;
-  char *path = h5_share_path(j->head->path, k);
-  if (!path) return no_memory(j);
-  sd_status status = h5_open_sealed(folder, path, &j->shares[k], &found, j->messages);
+  char *path = h5_share_path(s->head->path, k);
+  if (!path) return no_memory(s);
+  sd_status status = h5_open_sealed(folder, path, &s->file[k], &found, s->messages);
   if (status == SD_OK && found != (uint64_t)sum)
-    status = sd_fail(j->messages, SD_ERROR_IO, "%s is not the share that %s names", path, j->head->path);
+    status = sd_fail(s->messages, SD_ERROR_IO, "%s is not the share that %s names", path, s->head->path);
   free(path);
   return status;
 }
 
-static sd_status open_shares(joining *j, int folder) {
+/* All stay open, for what is checked is what is read: each needs a descriptor. */
+static void allow_files(size_t n) {
+  enum { OTHERS = 64 };
+  struct rlimit most;
+  if (getrlimit(RLIMIT_NOFILE, &most) != 0 || most.rlim_cur >= n + OTHERS) return;
+  most.rlim_cur = most.rlim_max < n + OTHERS ? most.rlim_max : n + OTHERS;
+  setrlimit(RLIMIT_NOFILE, &most);
+}
+
+static sd_status open_shares(h5_shares *s, int folder) {
   size_t dims[H5_MAX_RANK];
   int rank;
-  sd_status status = h5_shape(j->head, "/shares", &rank, dims, j->messages);
-  int64_t *sums = h5_column(j->head, "/shares", SD_I64, dims[0], &status, j->messages);
+  sd_status status = h5_shape(s->head, "/shares", &rank, dims, s->messages);
+  int64_t *sums = h5_column(s->head, "/shares", SD_I64, dims[0], &status, s->messages);
   if (status != SD_OK) return status;
-  j->shares = calloc(dims[0] + 1, sizeof *j->shares);
-  j->rows = calloc(dims[0] + 1, sizeof *j->rows);
-  j->places = calloc(dims[0] + 1, sizeof *j->places);
-  if (!j->shares || !j->rows || !j->places) status = no_memory(j);
-  for (; status == SD_OK && j->n < dims[0]; j->n++) status = open_share(j, folder, j->n, sums[j->n]);
+  allow_files(dims[0]);
+  s->file = calloc(dims[0] + 1, sizeof *s->file);
+  if (!s->file) status = no_memory(s);
+  for (; status == SD_OK && s->n < dims[0]; s->n++) status = open_share(s, folder, s->n, sums[s->n]);
   free(sums);
   return status;
 }
 
-static void end(joining *j) {
-  for (size_t k = 0; k < j->n; k++) {
-    h5_close(j->shares[k], NULL);
-    free(j->places[k]);
-  }
-  free(j->shares);
-  free(j->rows);
-  free(j->places);
-}
-
 /* --- order ----------------------------------------------------------------------------------------------- */
 
-static sd_status count_rows(joining *j, const char *keys) {
-  j->total = 0;
-  for (size_t k = 0; k < j->n; k++) {
-    size_t dims[H5_MAX_RANK];
-    int rank;
-    if (h5_shape(j->shares[k], keys, &rank, dims, j->messages) != SD_OK ||
-        h5_check(j->shares[k], keys, dims[0], j->messages) != SD_OK)
-      return SD_ERROR_IO;
-    j->rows[k] = dims[0];
-    j->total += dims[0];
-    free(j->places[k]);
-    if (!(j->places[k] = malloc((dims[0] + 1) * sizeof **j->places))) return no_memory(j);
-  }
+/* The keys of share k, which ascend. */
+static sd_status read_keys(h5_shares *s, shared_group *g, const char *keys, size_t k) {
+  size_t dims[H5_MAX_RANK];
+  int rank;
+  sd_status status = h5_shape(s->file[k], keys, &rank, dims, s->messages);
+  const int64_t *key = g->place[k] = h5_column(s->file[k], keys, SD_I64, dims[0], &status, s->messages);
+  if (status != SD_OK) return status;
+  g->rows[k] = dims[0];
+  g->total += dims[0];
+  for (size_t i = 1; i < dims[0]; i++)
+    if (key[i] < key[i - 1])
+      return sd_fail(s->messages, SD_ERROR_IO, "%s is damaged: its keys do not ascend", s->file[k]->path);
   return SD_OK;
 }
 
-static sd_status order_rows(joining *j) {
-  char *keys = format_text("%s/key", j->group);
-  sd_status status = keys ? count_rows(j, keys) : no_memory(j);
-  if (status == SD_OK && j->n > 0) j->each = (size_t)h5_get_attr_i64(j->shares[0], keys, "each", 0);
-  shared_row *list = status == SD_OK ? malloc((j->total + 1) * sizeof *list) : NULL;
-  if (status == SD_OK && !list) status = no_memory(j);
-  size_t filled = 0;
-  for (size_t k = 0; list && k < j->n && status == SD_OK; k++) {
-    int64_t *key = h5_column(j->shares[k], keys, SD_I64, j->rows[k], &status, j->messages);
-    for (size_t i = 0; key && i < j->rows[k]; i++) list[filled++] = (shared_row){key[i], k, i};
-    free(key);
+/* Places take the room of the keys. */
+static sd_status merge_keys(const h5_shares *s, shared_group *g) {
+  runs heads;
+  size_t *at = calloc(s->n + 1, sizeof *at);
+  if (runs_new(&heads, s->n) != SD_OK || !at) {
+    runs_free(&heads);
+    free(at);
+    return no_memory(s);
   }
-  if (status == SD_OK && list) {
-    qsort(list, j->total, sizeof *list, by_key);
-    for (size_t i = 0; i < j->total; i++) j->places[list[i].from][list[i].at] = i;
+  for (size_t k = 0; k < s->n; k++)
+    if (g->rows[k] > 0) runs_add(&heads, k, g->place[k][0]);
+  for (int64_t place = 0; heads.n > 0; place++) {
+    const size_t k = runs_least(&heads);
+    g->place[k][at[k]++] = place;
+    if (at[k] < g->rows[k])
+      runs_step(&heads, g->place[k][at[k]]);
+    else
+      runs_end(&heads);
   }
-  free(list);
+  runs_free(&heads);
+  free(at);
+  return SD_OK;
+}
+
+static sd_status order_group(h5_shares *s, shared_group *g) {
+  char *keys = format_text("%s/key", g->name);
+  g->rows = calloc(s->n + 1, sizeof *g->rows);
+  g->place = calloc(s->n + 1, sizeof *g->place);
+  sd_status status = keys && g->rows && g->place ? SD_OK : no_memory(s);
+  for (size_t k = 0; status == SD_OK && k < s->n; k++) status = read_keys(s, g, keys, k);
+  if (status == SD_OK && s->n > 0) g->each = (size_t)h5_get_attr_i64(s->file[0], keys, "each", 0);
   free(keys);
+  return status == SD_OK ? merge_keys(s, g) : status;
+}
+
+/* --- datasets -------------------------------------------------------------------------------------------- */
+
+/* Rows of the head's own, which stand last. dims: of the share, become those of the whole. */
+static sd_status shape_set(h5_shares *s, h5_shared_set *set, int *rank, size_t *dims) {
+  const shared_group *g = set->group;
+  size_t there[H5_MAX_RANK] = {0};
+  int own;
+  set->width = 1;
+  for (int k = 1; k < *rank; k++) set->width *= dims[k];
+  if (h5_exists(s->head, set->path) && h5_shape(s->head, set->path, &own, there, s->messages) != SD_OK)
+    return SD_ERROR_IO;
+  set->tail = g->each ? 0 : there[0];
+  if ((g->each && *rank == H5_MAX_RANK) || (g->each && g->total % g->each != 0))
+    return sd_fail(s->messages, SD_ERROR_IO, "%s: the shares do not fit together", s->head->path);
+  if (g->each) {
+    memmove(dims + 2, dims + 1, (size_t)(*rank - 1) * sizeof *dims);
+    dims[1] = g->each;
+    ++*rank;
+  }
+  dims[0] = g->each ? g->total / g->each : g->total + set->tail;
+  sd_status status = SD_OK;
+  if (set->tail > 0)
+    set->own = h5_column(s->head, set->path, set->type, set->tail * set->width, &status, s->messages);
   return status;
 }
 
-/* --- columns --------------------------------------------------------------------------------------------- */
-
-typedef struct column {
-  const char *from, *path; /* in shares, in the head */
-  sd_type type;
-  int rank;
-  size_t dims[H5_MAX_RANK + 1]; /* of the whole */
-  size_t width, tail;           /* elements of a row; rows that the head has itself */
-} column;
-
-/* The rows of the shares, and behind them those of the head. */
-static void *gather(joining *j, const column *c) {
-  const size_t row = c->width * sd_type_size(c->type);
-  char *data = malloc((j->total + c->tail) * row + 1);
-  if (!data) j->status = no_memory(j);
-  for (size_t k = 0; data && k < j->n && j->status == SD_OK; k++) {
-    if (j->rows[k] == 0) continue;
-    char *piece = h5_column(j->shares[k], c->from, c->type, j->rows[k] * c->width, &j->status, j->messages);
-    for (size_t i = 0; piece && i < j->rows[k]; i++)
-      memcpy(data + j->places[k][i] * row, piece + i * row, row);
-    free(piece);
-  }
-  if (data && j->status == SD_OK && c->tail > 0)
-    j->status = h5_get(j->head, c->path, c->type, c->tail * c->width, data + j->total * row, j->messages);
-  if (j->status == SD_OK) return data;
-  free(data);
-  return NULL;
-}
-
-/* In its place in the head, with the attributes that it has there or in the share. */
-static void replace(h5_file *head, const h5_file *share, const column *c, const void *data) {
+/* In the head a dataset of the whole's shape stands for it, without values, with the attributes that the head or the
+ * share has. */
+static void stand_for(h5_file *head, const h5_file *share, const char *from, const h5_shared_set *set,
+                      int rank, const size_t *dims) {
   static const char *const names[] = {"unit", "description"};
   char *texts[sizeof names / sizeof *names];
-  const bool there = h5_exists(head, c->path);
+  const bool there = h5_exists(head, set->path);
   for (size_t k = 0; k < sizeof names / sizeof *names; k++)
-    texts[k] = h5_get_attr_text(there ? head : share, there ? c->path : c->from, names[k]);
-  if (there && H5Ldelete(head->id, c->path, H5P_DEFAULT) < 0) head->failed = true;
-  h5_put(head, c->path, c->type, c->rank, c->dims, data, false);
+    texts[k] = h5_get_attr_text(there ? head : share, there ? set->path : from, names[k]);
+  if (there && H5Ldelete(head->id, set->path, H5P_DEFAULT) < 0) head->failed = true;
+  h5_make(head, set->path, set->type, rank, dims, false);
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-    if (texts[k]) h5_attr_text(head, c->path, names[k], texts[k]);
+    if (texts[k]) h5_attr_text(head, set->path, names[k], texts[k]);
     free(texts[k]);
   }
 }
 
-/* Rows of `dims` as they are, or `each` of them in one row of the whole. */
-static sd_status shape_column(joining *j, column *c, const size_t *dims) {
-  size_t there[H5_MAX_RANK] = {0};
-  int rank;
-  c->width = 1;
-  for (int k = 1; k < c->rank; k++) c->width *= dims[k];
-  if (h5_exists(j->head, c->path) && h5_shape(j->head, c->path, &rank, there, j->messages) != SD_OK)
-    return SD_ERROR_IO;
-  c->tail = j->each ? 0 : there[0];
-  const int more = j->each ? 1 : 0;
-  if (c->rank + more > H5_MAX_RANK || (j->each && j->total % j->each != 0))
-    return sd_fail(j->messages, SD_ERROR_IO, "%s: the shares do not fit together", j->head->path);
-  for (int k = 1; k < c->rank; k++) c->dims[k + more] = dims[k];
-  c->dims[more] = j->each;
-  c->dims[0] = j->each ? j->total / j->each : j->total + c->tail;
-  c->rank += more;
-  return SD_OK;
-}
-
-/* h5_visitor of the largest share. */
-static void join_column(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
-  joining *j = user;
-  const size_t n = strlen(j->group);
-  if (j->status != SD_OK || text || rank < 1 || strncmp(path, j->group, n) != 0 || path[n] != '/' ||
+/* h5_visitor of a share. */
+static void take_set(void *user, const char *path, sd_type type, bool text, int rank, const size_t *dims) {
+  h5_shares *s = user;
+  const size_t n = strlen(s->listed->name);
+  size_t whole[H5_MAX_RANK + 1] = {0};
+  if (s->status != SD_OK || text || rank < 1 || strncmp(path, s->listed->name, n) != 0 || path[n] != '/' ||
       strcmp(path + n, "/key") == 0)
     return;
-  column c = {.from = path, .path = path + n, .type = type, .rank = rank};
-  j->status = shape_column(j, &c, dims);
-  void *data = j->status == SD_OK ? gather(j, &c) : NULL;
-  if (j->status == SD_OK) replace(j->head, j->shares[j->largest], &c, data);
-  free(data);
+  h5_shared_set *sets = realloc(s->set, (s->n_sets + 1) * sizeof *sets);
+  if (sets) s->set = sets;
+  char *copy = format_text("%s", path + n);
+  if (!sets || !copy) {
+    free(copy);
+    s->status = no_memory(s);
+    return;
+  }
+  h5_shared_set *set = &sets[s->n_sets++];
+  *set = (h5_shared_set){.path = copy, .group = s->listed, .type = type};
+  memcpy(whole, dims, (size_t)rank * sizeof *whole);
+  s->status = shape_set(s, set, &rank, whole);
+  if (s->status == SD_OK) stand_for(s->head, s->listed_in, path, set, rank, whole);
 }
 
-static sd_status join_group(joining *j, const char *group) {
-  j->group = group;
-  sd_status status = order_rows(j);
-  j->largest = 0;
-  for (size_t k = 1; status == SD_OK && k < j->n; k++)
-    if (j->rows[k] > j->rows[j->largest]) j->largest = k;
-  if (status != SD_OK || j->n == 0) return status;
-  status = h5_visit(j->shares[j->largest], join_column, j, j->messages);
-  return status == SD_OK ? j->status : status;
+/* A share without rows may have no datasets. */
+static sd_status take_sets(h5_shares *s, const shared_group *g) {
+  size_t largest = 0;
+  for (size_t k = 1; k < s->n; k++)
+    if (g->rows[k] > g->rows[largest]) largest = k;
+  if (s->n == 0) return SD_OK;
+  s->listed = g;
+  s->listed_in = s->file[largest];
+  const sd_status status = h5_visit(s->listed_in, take_set, s, s->messages);
+  return status == SD_OK ? s->status : status;
 }
 
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
-  joining j = {.head = file, .messages = messages};
-  sd_status status = open_shares(&j, folder);
+  h5_shares *s = calloc(1, sizeof *s);
+  if (!s) return sd_fail(messages, SD_ERROR_IO, "no memory to put %s together", file->path);
+  *s = (h5_shares){.head = file, .group = {{.name = "/disks"}, {.name = "/contacts"}}, .messages = messages};
+  sd_status status = open_shares(s, folder);
+  for (size_t g = 0; status == SD_OK && g < GROUPS; g++) status = order_group(s, &s->group[g]);
   if (status == SD_OK) status = take_image(file, messages);
   file->writing = status == SD_OK;
-  if (status == SD_OK) status = join_group(&j, "/disks");
-  if (status == SD_OK) status = join_group(&j, "/contacts");
-  if (status == SD_OK && file->failed) status = no_memory(&j);
+  for (size_t g = 0; status == SD_OK && g < GROUPS; g++) status = take_sets(s, &s->group[g]);
+  if (status == SD_OK && file->failed) status = no_memory(s);
   file->writing = false;
-  end(&j);
+  s->messages = NULL;
+  if (status == SD_OK)
+    file->shares = s;
+  else
+    h5_shares_free(s);
   return status;
+}
+
+/* --- rows ------------------------------------------------------------------------------------------------ */
+
+const h5_shared_set *h5_shared_set_of(const h5_file *file, const char *path) {
+  for (size_t k = 0; file->shares && k < file->shares->n_sets; k++)
+    if (strcmp(file->shares->set[k].path, path) == 0) return &file->shares->set[k];
+  return NULL;
+}
+
+/* The first of n rows that stands at `at` or behind it. */
+static size_t first_at(const int64_t *place, size_t n, int64_t at) {
+  size_t low = 0, high = n;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (place[middle] < at)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/* Rows [from, to) of the shares, in the order of the whole, from share k. */
+static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type type, size_t k, size_t from,
+                           size_t to, char *data, sd_messages *messages) {
+  const int64_t *place = set->group->place[k];
+  const size_t row = set->width * sd_type_size(type), most = row < PIECE_BYTES ? PIECE_BYTES / row : 1;
+  size_t at = first_at(place, set->group->rows[k], (int64_t)from);
+  const size_t end = first_at(place, set->group->rows[k], (int64_t)to);
+  if (at == end) return SD_OK;
+  char *path = format_text("%s%s", set->group->name, set->path);
+  char *piece = malloc((end - at < most ? end - at : most) * row);
+  sd_status status =
+      path && piece ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
+  for (size_t n; status == SD_OK && at < end; at += n) {
+    n = end - at < most ? end - at : most;
+    status = h5_get_values(s->file[k], path, type, at, n, set->width, piece, messages);
+    for (size_t i = 0; status == SD_OK && i < n; i++)
+      memcpy(data + ((size_t)place[at + i] - from) * row, piece + i * row, row);
+  }
+  free(piece);
+  free(path);
+  return status;
+}
+
+/* n of the rows that stand in the head, from `first` on. */
+static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
+                         sd_messages *messages) {
+  const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);
+  char *copy = malloc(values * (from > to ? from : to));
+  if (copy) memcpy(copy, set->own + first * set->width * from, values * from);
+  const bool good =
+      copy && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
+  if (good) memcpy(data, copy, values * to);
+  free(copy);
+  return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
+}
+
+sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type type, size_t first, size_t n,
+                         void *data, sd_messages *messages) {
+  const h5_shares *s = file->shares;
+  const size_t unit = set->group->each ? set->group->each : 1, total = set->group->total, from = first * unit,
+               to = (first + n) * unit, end = to < total ? to : total, begin = from > total ? from : total,
+               row = set->width * sd_type_size(type);
+  sd_status status = SD_OK;
+  assert(to <= total + set->tail);
+  for (size_t k = 0; k < s->n && status == SD_OK && from < end; k++)
+    status = get_piece(s, set, type, k, from, end, data, messages);
+  if (status != SD_OK || to <= total) return status;
+  return get_own(set, type, begin - total, to - begin, (char *)data + (begin - from) * row, messages);
 }

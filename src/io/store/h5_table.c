@@ -248,7 +248,10 @@ static sd_status read_set(table *t, hid_t set) {
   sd_status status = h5_shape(t->file, t->path, &rank, dims, t->messages);
   if (status != SD_OK) return status;
   hid_t type = H5Dget_type(set);
-  if (H5Tget_class(type) == H5T_COMPOUND)
+  if (h5_shared_set_of(t->file, t->path))
+    status = sd_fail(t->messages, SD_ERROR_USER, "%s: %s is a column; expected the group that it is in",
+                     t->file->path, t->path);
+  else if (H5Tget_class(type) == H5T_COMPOUND)
     status = read_compound(t, set, type);
   else if (rank == 2 && is_number(type))
     status = read_matrix(t, set, dims[0], dims[1]);

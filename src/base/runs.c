@@ -1,0 +1,48 @@
+/* runs.c: see runs.h. */
+#include "base/runs.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+sd_status runs_new(runs *r, size_t n) {
+  *r = (runs){.heap = malloc((n + 1) * sizeof *r->heap)};
+  return r->heap ? SD_OK : SD_ERROR_IO;
+}
+
+void runs_free(runs *r) {
+  free(r->heap);
+  *r = (runs){0};
+}
+
+static bool before(runs_head p, runs_head q) { return p.key < q.key || (p.key == q.key && p.run < q.run); }
+
+void runs_add(runs *r, size_t run, int64_t key) {
+  const runs_head head = {key, run};
+  size_t k = r->n++;
+  for (; k > 0 && before(head, r->heap[(k - 1) / 2]); k = (k - 1) / 2) r->heap[k] = r->heap[(k - 1) / 2];
+  r->heap[k] = head;
+}
+
+/* From the top to where it belongs. */
+static void sink(runs *r, runs_head head) {
+  size_t k = 0, next;
+  while ((next = 2 * k + 1) < r->n) {
+    if (next + 1 < r->n && before(r->heap[next + 1], r->heap[next])) next++;
+    if (!before(r->heap[next], head)) break;
+    r->heap[k] = r->heap[next];
+    k = next;
+  }
+  r->heap[k] = head;
+}
+
+void runs_step(runs *r, int64_t key) {
+  assert(r->n > 0);
+  sink(r, (runs_head){key, r->heap[0].run});
+}
+
+void runs_end(runs *r) {
+  assert(r->n > 0);
+  r->n--;
+  if (r->n > 0) sink(r, r->heap[r->n]);
+}
