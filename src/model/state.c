@@ -436,13 +436,17 @@ void sd_state_set_record(sd_state *s, size_t c, const sd_contact_record *record)
 #undef RECORD_WRITE
 }
 
+uint64_t state_hash_bytes(uint64_t hash, const void *data, size_t bytes) {
+  const unsigned char *p = data;
+  for (size_t b = 0; b < bytes; b++) hash = (hash ^ p[b]) * 1099511628211u;
+  return hash;
+}
+
 uint64_t sd_state_hash(const sd_state *s) {
-  uint64_t hash = 14695981039346656037u;
-  for (size_t k = 0; k < sd_field_count; k++) {
-    const unsigned char *p = sd_field_data(s, &sd_fields[k]);
-    size_t bytes = sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type);
-    for (size_t b = 0; b < bytes; b++) hash = (hash ^ p[b]) * 1099511628211u;
-  }
+  uint64_t hash = STATE_HASH;
+  for (size_t k = 0; k < sd_field_count; k++)
+    hash = state_hash_bytes(hash, sd_field_data(s, &sd_fields[k]),
+                            sd_extent_size(s, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
   return hash;
 }
 

@@ -153,26 +153,29 @@ struct sd_state {
   double *clump_x4, *clump_y4, *clump_theta4, *clump_x5, *clump_y5, *clump_theta5;
 };
 
-/* Columns of which each closed contact has an element. */
 /* Has the column rows of free disks, and of nothing else? */
 static inline bool state_of_free(sd_extent extent) {
   return extent == SD_PER_FREE || extent == SD_PER_MEAN || extent == SD_PER_MEAN_BIN ||
          extent == SD_PER_FIELDED || extent == SD_PER_LAW_FREE || extent == SD_PER_CELL_DISK;
 }
+/* ... of closed contacts? */
 static inline bool state_of_contacts(sd_extent extent) {
   return extent == SD_PER_CONTACT || extent == SD_PER_LAW_CONTACT;
 }
 
 /* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
 sd_state *sd_state_new(const sd_model *model);
-/* The same for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
 /* Gives the memory of most rows of free disks, and of the contacts, back until they are written anew: they hold anything. Kept: id, x, y, radius,
  * activity. */
 void state_release_rows(sd_state *state);
+/* As sd_state_new for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
 sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
 /* Columns of bodies move to pages that the threads have touched first, each its share, so that they stand near it. Without
  * memory they stay. */
 void state_spread(sd_state *state, pool *c);
+/* sd_state_hash is that of the columns one after the other, from this start. */
+#define STATE_HASH UINT64_C(14695981039346656037)
+uint64_t state_hash_bytes(uint64_t hash, const void *data, size_t bytes);
 /* Room for n contacts; their old contents are kept as far as they fit. */
 sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
 /* Record of stored contact c. */

@@ -473,11 +473,20 @@ static void say_path(word w, const char *path) {
 /* Collective. */
 static size_t count_contacts(const ranks *r) { return (size_t)comm_total((double)r->part.state->n_contacts); }
 
-sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, size_t *n_contacts,
+/* On every rank. */
+static summary_contacts contacts_of_all(const ranks *r) {
+  exact_sum overlap = {0};
+  for (size_t c = 0; c < r->part.state->n_contacts; c++)
+    exact_sum_add(&overlap, r->part.state->contact_overlap[c]);
+  comm_total_exact(&overlap, 1);
+  return (summary_contacts){count_contacts(r), exact_sum_value(&overlap)};
+}
+
+sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
                       sd_messages *messages) {
   say_path(WRITE, path);
   const sd_status status = write_share(r, false, path, seals, messages);
-  *n_contacts = status == SD_OK ? count_contacts(r) : 0;
+  if (status == SD_OK) *contacts = contacts_of_all(r);
   return status == SD_OK ? take_common_of(r, whole, messages) : status;
 }
 
@@ -529,7 +538,7 @@ static void serve_write(ranks *r, bool rows, size_t length) {
   if (!path) comm_abort(SD_ERROR_IO);
   comm_share(path, length);
   if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
-    count_contacts(r);
+    contacts_of_all(r);
     move_common(&r->part, NULL);
   }
   free(path);

@@ -12,6 +12,7 @@
 
 #include <signal.h>
 
+#include "io/results/summary.h"
 #include "measure/resultant.h"
 #include "pack/settle.h"
 #include "physics/system/work.h"
@@ -56,8 +57,8 @@ sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages);
 sd_energy ranks_energy(ranks *r);
 const resultants *ranks_resultants(ranks *r, sd_messages *messages);
 /* Each rank writes its disks and contacts as a share (h5.h) of the checkpoint `path`; whole->state then has the rest. seals
- * [comm_size()]: their sums. n_contacts: of all ranks. When any fails none is left. */
-sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, size_t *n_contacts,
+ * [comm_size()]: their sums. contacts: of all ranks. When any fails none is left. */
+sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
                       sd_messages *messages);
 /* Each rank keeps its rows of frame `frame`, or of the contacts of moment `moment_number`, of the next part; whole->state then
  * has the rest, as above. n_contacts, bytes: of all ranks, now and since the last part. */

@@ -125,14 +125,16 @@ static sd_status collect_disks(session *s, const sd_state *state, sd_messages *m
 }
 
 /* Summary and provenance as of now; a result has the means of every disk, however many there are. */
-static sd_status describe(session *s, const sd_state *state, const sd_energy *energy, sd_messages *messages) {
+static sd_status describe(session *s, const sd_state *state, const summary_contacts *contacts,
+                          sd_messages *messages) {
+  const sd_energy energy = sd_simulation_energy(s->simulation);
   double now = clock_seconds();
   s->origin.wall_seconds += now - s->wall_mark;
   s->wall_mark = now;
   double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
   summary_free(&s->found);
   s->has_found = false;
-  sd_status status = summary_collect(&s->found, s->model, state, energy, per_step, messages);
+  sd_status status = summary_collect(&s->found, s->model, state, contacts, &energy, per_step, messages);
   if (status == SD_OK && state->n_means < SUMMARY_LATER) status = collect_disks(s, state, messages);
   if (status == SD_OK)
     status =
@@ -144,9 +146,8 @@ static sd_status describe(session *s, const sd_state *state, const sd_energy *en
 
 /* The state, as a file of the folder. */
 static sd_status write_state(session *s, const sd_state *state, const char *path, sd_messages *messages) {
-  sd_energy energy = sd_simulation_energy(s->simulation);
   checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  sd_status status = path ? describe(s, state, &energy, messages)
+  sd_status status = path ? describe(s, state, NULL, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
   if (status == SD_OK) status = folder_check(&s->parts_folder, messages);
   if (status != SD_OK) return status;
@@ -158,16 +159,13 @@ static sd_status write_shares(session *s, const char *path, sd_messages *message
   engine *e = simulation_engine(s->simulation);
   checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
   checkpoint_shares shares = {.n = (size_t)comm_size()};
+  summary_contacts contacts = {0};
   shares.sums = calloc(shares.n, sizeof *shares.sums);
   sd_status status = shares.sums ? folder_check(&s->parts_folder, messages)
                                  : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
-  if (status == SD_OK)
-    status = ranks_write(s->simulation->ranks, e, path, shares.sums, &shares.n_contacts, messages);
-  if (status == SD_OK) {
-    sd_energy energy = sd_simulation_energy(s->simulation);
-    status = describe(s, e->state, &energy, messages);
-    s->found.contacts = (int64_t)shares.n_contacts;
-  }
+  if (status == SD_OK) status = ranks_write(s->simulation->ranks, e, path, shares.sums, &contacts, messages);
+  shares.n_contacts = contacts.n;
+  if (status == SD_OK) status = describe(s, e->state, &contacts, messages);
   if (status == SD_OK)
     status = checkpoint_write(s->parts_folder.at, path, e->state, &parts, &shares, &s->origin, &s->found,
                               messages);
@@ -347,34 +345,55 @@ sd_status session_may_publish(const session *s, sd_status kind, sd_messages *mes
       s->result);
 }
 
+static sd_status merge_from(session *s, const sd_state *state, const h5_file *checkpoint,
+                            sd_messages *messages) {
+  const merge_job job = {.result = s->options.result,
+                         .how = *s->replaces ? FILE_REPLACE : FILE_KEEP,
+                         .folder = &s->parts_folder,
+                         .parts = s->parts,
+                         .layout = &s->rows,
+                         .model = s->model,
+                         .state = state,
+                         .checkpoint = checkpoint,
+                         .origin = &s->origin,
+                         .found = &s->found,
+                         .stop = s->options.stop};
+  return merge_parts(&job, messages);
+}
+
+/* The whole state is nowhere but in the last checkpoint. */
+static sd_status merge_spread(session *s, sd_messages *messages) {
+  const sd_state *state = simulation_engine(s->simulation)->state;
+  char *path = folder_checkpoint(s->parts_folder.path, s->saved_step);
+  h5_file *file = NULL;
+  sd_status status = path ? h5_open_sealed(s->parts_folder.at, path, &file, NULL, messages)
+                          : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
+  summary_contacts contacts = {0};
+  if (status == SD_OK && !s->has_found) status = checkpoint_get_contacts(file, &contacts, messages);
+  if (status == SD_OK && !s->has_found) status = describe(s, state, &contacts, messages);
+  if (status == SD_OK) status = merge_from(s, NULL, file, messages);
+  h5_close(file, NULL);
+  free(path);
+  return status;
+}
+
+static sd_status merge_here(session *s, sd_messages *messages) {
+  const sd_state *state = present_state(s, messages);
+  sd_status status = state ? SD_OK : SD_ERROR_IO;
+  /* a run that goes on after its end has none */
+  if (state && !s->has_found) status = describe(s, state, NULL, messages);
+  if (status == SD_OK && s->found.packing.n > 0 && !s->found.packing.disks)
+    status = collect_disks(s, state, messages);
+  return status == SD_OK ? merge_from(s, state, NULL, messages) : status;
+}
+
 /* The last checkpoint is a finished state, so a merge that is cut short is all that is left to do. */
 static sd_status merge(session *s, sd_messages *messages) {
   /* never a second one of the same step: its shares would take the place of those that the first one names */
   sd_status status = s->saved_step == s->step ? SD_OK : session_checkpoint(s, messages);
-  if (status != SD_OK) return status;
-  const sd_state *state = present_state(s, messages);
-  if (!state) return SD_ERROR_IO;
-  if (!s->has_found || simulation_is_spread(s->simulation)) {
-    /* a run that goes on after its end has none; over ranks it was found without the columns of disks */
-    const sd_energy energy = sd_simulation_energy(s->simulation);
-    if (describe(s, state, &energy, messages) != SD_OK) return SD_ERROR_IO;
-  }
-  if (session_may_publish(s, SD_ERROR_IO, messages) != SD_OK) return SD_ERROR_IO;
-  if (s->found.packing.n > 0 && !s->found.packing.disks) status = collect_disks(s, state, messages);
-  if (status != SD_OK) return status;
-  merge_job job = {.result = s->options.result,
-                   .how = *s->replaces ? FILE_REPLACE : FILE_KEEP,
-                   .folder = &s->parts_folder,
-                   .parts = s->parts,
-                   .layout = &s->rows,
-                   .model = s->model,
-                   .state = state,
-                   .origin = &s->origin,
-                   .found = &s->found,
-                   .stop = s->options.stop};
-  status = merge_parts(&job, messages);
-  if (status == SD_OK) status = folder_remove(&s->parts_folder, messages);
-  return status;
+  if (status == SD_OK) status = session_may_publish(s, SD_ERROR_IO, messages);
+  if (status == SD_OK) status = is_shared(s) ? merge_spread(s, messages) : merge_here(s, messages);
+  return status == SD_OK ? folder_remove(&s->parts_folder, messages) : status;
 }
 
 /* A run that ends without its goal is a finished run, but not what was hoped for. */

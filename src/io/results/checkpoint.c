@@ -86,9 +86,13 @@ static uint64_t sum_of(const sd_state *state) {
   return sum;
 }
 
-static const char *hash_of(const sd_state *state, char text[20]) {
-  snprintf(text, 20, "%016" PRIx64, sd_state_hash(state));
+static const char *hash_text(uint64_t hash, char text[20]) {
+  snprintf(text, 20, "%016" PRIx64, hash);
   return text;
+}
+
+static const char *hash_of(const sd_state *state, char text[20]) {
+  return hash_text(sd_state_hash(state), text);
 }
 
 void checkpoint_put_state(h5_file *file, const sd_state *state) {
@@ -96,6 +100,66 @@ void checkpoint_put_state(h5_file *file, const sd_state *state) {
   put_extents(file, state, state->n_contacts);
   put_columns(file, state, false);
   h5_attr_text(file, "/state", "hash", hash_of(state, hash));
+}
+
+/* Elements of a column; 1: of the run. */
+static sd_status count_stored(const h5_file *checkpoint, const char *path, size_t *n, sd_messages *messages) {
+  size_t dims[H5_MAX_RANK] = {0};
+  int rank = 0;
+  const sd_status status = path ? h5_shape(checkpoint, path, &rank, dims, messages)
+                                : sd_fail(messages, SD_ERROR_IO, "no memory for the state");
+  *n = rank == 0 ? 1 : dims[0];
+  return status;
+}
+
+uint64_t checkpoint_stored_bytes(const h5_file *checkpoint) {
+  uint64_t bytes = 0;
+  for (size_t k = 0; k < sd_field_count; k++) {
+    size_t n = 0;
+    char *path = format_text("/state/%s", sd_fields[k].name);
+    if (count_stored(checkpoint, path, &n, NULL) == SD_OK) bytes += n * sd_type_size(sd_fields[k].type);
+    free(path);
+  }
+  return bytes;
+}
+
+static int64_t count_contacts(const h5_file *file) {
+  return h5_get_attr_i64(file, "/state", "n_contacts", -1);
+}
+
+sd_status checkpoint_get_contacts(const h5_file *checkpoint, summary_contacts *contacts,
+                                  sd_messages *messages) {
+  sd_status status = SD_OK;
+  contacts->n = (size_t)count_contacts(checkpoint);
+  double *overlap = h5_column(checkpoint, "/state/contact_overlap", SD_F64, contacts->n, &status, messages);
+  contacts->overlap = 0.0;
+  for (size_t c = 0; overlap && c < contacts->n; c++) contacts->overlap += overlap[c];
+  free(overlap);
+  return status;
+}
+
+sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_messages *messages) {
+  uint64_t hash = STATE_HASH;
+  sd_status status = SD_OK;
+  h5_group(file, "/state");
+  h5_attr_i64(file, "/state", "format", h5_get_attr_i64(checkpoint, "/state", "format", 0));
+  for (size_t k = 0; k < EXTENTS; k++)
+    h5_attr_i64(file, "/state", extents[k].name, h5_get_attr_i64(checkpoint, "/state", extents[k].name, 0));
+  h5_attr_i64(file, "/state", "n_contacts", count_contacts(checkpoint));
+  for (size_t k = 0; k < sd_field_count && status == SD_OK && !h5_failed(file); k++) {
+    const sd_field *f = &sd_fields[k];
+    size_t n;
+    char *path = format_text("/state/%s", f->name);
+    status = count_stored(checkpoint, path, &n, messages);
+    void *column = h5_column(checkpoint, path, f->type, n, &status, messages);
+    if (column) put_column(file, f, n, column);
+    if (column) hash = state_hash_bytes(hash, column, n * sd_type_size(f->type));
+    free(column);
+    free(path);
+  }
+  char text[20];
+  h5_attr_text(file, "/state", "hash", hash_text(hash, text));
+  return status;
 }
 
 /* Below so many bytes of the state a copy costs less than pages. */
@@ -226,7 +290,7 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
   if (!state) shortage_note();
   if (!state) return sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   sd_status status = check_extents(file, state, messages);
-  int64_t contacts = h5_get_attr_i64(file, "/state", "n_contacts", -1);
+  const int64_t contacts = count_contacts(file);
   /* a damaged number does not get to ask for all memory */
   if (status == SD_OK &&
       (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))

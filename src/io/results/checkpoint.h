@@ -53,6 +53,11 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
 
 /* The group /state of a file that is being written; of one that borrows the state must stay as it is until it is saved. */
 void checkpoint_put_state(h5_file *file, const sd_state *state);
+/* The same from a checkpoint, column by column, as it stands there: no state is needed. */
+sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_messages *messages);
+uint64_t checkpoint_stored_bytes(const h5_file *checkpoint); /* of all its columns */
+sd_status checkpoint_get_contacts(const h5_file *checkpoint, summary_contacts *contacts,
+                                  sd_messages *messages);
 /* The state in an open file, sized for the model; verified against its hash. SD_ERROR_USER: it belongs to
  * another model. */
 sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,

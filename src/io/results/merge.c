@@ -119,12 +119,17 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
 }
 
 /* Everything but the rows. */
-static void write_rest(const merge_job *job, h5_file *out) {
+static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *messages) {
+  sd_status status = SD_OK;
   provenance_write(job->origin, out);
   summary_write(job->found, out);
-  checkpoint_put_state(out, job->state);
+  if (job->state)
+    checkpoint_put_state(out, job->state);
+  else
+    status = checkpoint_copy_state(out, job->checkpoint, messages);
   constants_write(out, job->model);
   series_write_columns(out, job->model);
+  return status;
 }
 
 static bool stopped(const merge_job *job) { return job->stop && *job->stop; }
@@ -140,7 +145,7 @@ static sd_status fill(const merge_job *job, h5_file *out, const size_t total[REC
     status = copy_part(job, p, out, done, &sum, messages);
   }
   if (status == SD_OK && !h5_failed(out)) status = write_offsets(out, total[RECORD_CONTACT_INDEX], messages);
-  if (status == SD_OK && !h5_failed(out)) write_rest(job, out);
+  if (status == SD_OK && !h5_failed(out)) status = write_rest(job, out, messages);
   return status;
 }
 
@@ -167,7 +172,8 @@ static sd_status write_result(const merge_job *job, const size_t total[RECORD_TA
 
 sd_status merge_parts(const merge_job *job, sd_messages *messages) {
   size_t total[RECORD_TABLES] = {0};
-  uint64_t bytes = (4u << 20) + 2 * checkpoint_bytes(job->state), sum = 0;
+  const uint64_t whole = job->state ? checkpoint_bytes(job->state) : checkpoint_stored_bytes(job->checkpoint);
+  uint64_t bytes = (4u << 20) + 2 * whole, sum = 0;
   sd_status status = SD_OK;
   for (int64_t p = 1; status == SD_OK && p <= job->parts; p++) {
     size_t rows[RECORD_TABLES] = {0};

@@ -20,7 +20,8 @@ typedef struct merge_job {
   int64_t parts;
   const record *layout; /* which tables there are; its rows are not looked at */
   const sd_model *model;
-  const sd_state *state;
+  const sd_state *state;     /* NULL: */
+  const h5_file *checkpoint; /* has the state, which is copied column by column */
   const provenance *origin;
   const summary *found;
   const volatile sig_atomic_t *stop; /* may be NULL; SD_INTERRUPTED soon after it becomes true */

@@ -233,14 +233,22 @@ sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages) 
   return named ? SD_OK : no_memory(messages);
 }
 
-sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
-                          double step_nanoseconds, sd_messages *messages) {
+static summary_contacts contacts_of(const sd_state *state) {
+  summary_contacts contacts = {state->n_contacts, 0.0};
+  for (size_t c = 0; c < state->n_contacts; c++) contacts.overlap += state->contact_overlap[c];
+  return contacts;
+}
+
+sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
+                          const summary_contacts *contacts, const sd_energy *energy, double step_nanoseconds,
+                          sd_messages *messages) {
+  const summary_contacts all = contacts ? *contacts : contacts_of(state);
   sd_status status = summary_new(s, model, messages);
   if (status != SD_OK) return status;
   s->step = state->step;
   s->phase = state->phase;
   s->measured = state->measured;
-  s->contacts = (int64_t)state->n_contacts;
+  s->contacts = (int64_t)all.n;
   s->step_nanoseconds = step_nanoseconds;
   s->energy = *energy;
   bool running = state->phase >= 0 && (size_t)state->phase < model->n_phases;
@@ -254,7 +262,7 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
   status = collect_until(s, model, state, messages);
   if (status == SD_OK) status = collect_lost(s, model, state, messages);
   summary_disks_announce(&s->packing, model, state);
-  return status == SD_OK ? summary_judge(s, &model->limits, model, state, messages) : status;
+  return status == SD_OK ? summary_judge(s, &model->limits, model, state, all.overlap, messages) : status;
 }
 
 void summary_free(summary *s) {

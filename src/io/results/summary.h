@@ -61,9 +61,16 @@ extern const observable_list phase_observables;   /* of summary_phase */
 
 /* Sizes and names, from the model alone; no values. summary_free also when it fails, likewise below. */
 sd_status summary_new(summary *s, const sd_model *model, sd_messages *messages);
-/* All but the means of every disk: summary_disks_collect. */
-sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state, const sd_energy *energy,
-                          double step_nanoseconds, sd_messages *messages);
+/* Closed contacts of a state whose rows may be elsewhere. */
+typedef struct summary_contacts {
+  size_t n;
+  double overlap; /* sum */
+} summary_contacts;
+
+/* All but the means of every disk: summary_disks_collect. contacts NULL: those that stand in the state. */
+sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
+                          const summary_contacts *contacts, const sd_energy *energy, double step_nanoseconds,
+                          sd_messages *messages);
 void summary_free(summary *s);
 /* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
 bool summary_is_column(const char *name, bool of_body);

@@ -31,13 +31,12 @@ static bool doubt(summary *s, doubt_kind kind, double value, double limit, char 
 }
 
 /* Elastic energy that rounded coordinates leave open: k_n times overlap times the rounding of a position. */
-static double rounding(const sd_model *model, const sd_state *state) {
-  double stiffest = 0, farthest = 0, overlaps = 0;
+static double rounding(const sd_model *model, const sd_state *state, double overlaps) {
+  double stiffest = 0, farthest = 0;
   for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
     stiffest = fmax(stiffest, model->laws[k].k_n);
   for (size_t i = 0; i < state->n_disks; i++)
     farthest = fmax(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
-  for (size_t c = 0; c < state->n_contacts; c++) overlaps += state->contact_overlap[c];
   return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
 }
 
@@ -151,8 +150,8 @@ static bool judge_finite(summary *s, const sd_state *state) {
 }
 
 sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
-                        sd_messages *messages) {
-  bool memory = judge_residual(s, limits->residual, state ? rounding(model, state) : 0) &&
+                        double overlaps, sd_messages *messages) {
+  bool memory = judge_residual(s, limits->residual, state ? rounding(model, state, overlaps) : 0) &&
                 judge_open(s, limits->open, model, state);
   if (state)
     memory = memory && judge_displacement(s, limits->displacement, model, state) && judge_finite(s, state);
@@ -199,7 +198,7 @@ void summary_doubts_write(const summary *s, h5_file *file) {
 sd_status summary_doubts_read(summary *s, const h5_file *file, sd_messages *messages) {
   const sd_limits before = {.residual = 0.01, .open = 0.99};
   int64_t n = h5_exists(file, "/summary/doubts") ? h5_get_attr_i64(file, "/summary/doubts", "count", -1) : -2;
-  if (n == -2) return summary_judge(s, &before, NULL, NULL, messages);
+  if (n == -2) return summary_judge(s, &before, NULL, NULL, 0, messages);
   for (size_t k = 0; k < DOUBT_KINDS; k++) {
     char *group = group_of(k);
     if (!group) return sd_fail(messages, SD_ERROR_IO, "no memory for the summary");
