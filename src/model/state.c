@@ -368,12 +368,30 @@ void sd_state_free(sd_state *s) {
   free(s);
 }
 
-static bool is_kept(size_t offset) {
+bool state_keeps(const sd_field *f) {
   static const size_t kept[] = {offsetof(sd_state, id), offsetof(sd_state, x), offsetof(sd_state, y),
                                 offsetof(sd_state, radius), offsetof(sd_state, activity)};
   for (size_t k = 0; k < sizeof kept / sizeof *kept; k++)
-    if (kept[k] == offset) return true;
+    if (kept[k] == f->offset) return true;
   return false;
+}
+
+const sd_field *state_field(size_t offset) {
+  size_t k = 0;
+  while (sd_fields[k].offset != offset) k++;
+  assert(k < sd_field_count);
+  return &sd_fields[k];
+}
+
+/* Elements of the rows of free disks, or of contacts. */
+static size_t elements_of(const sd_state *s, const sd_field *f) {
+  if (f->extent == SD_PER_BODY) return s->n_free;
+  if (f->extent == SD_PER_LAW_CONTACT) return s->law_columns * state_contact_count(s);
+  return f->extent == SD_PER_CONTACT ? state_contact_count(s) : sd_extent_size(s, f->extent);
+}
+
+static bool has_rows(const sd_field *f) {
+  return f->extent == SD_PER_BODY || state_of_free(f->extent) || state_of_contacts(f->extent);
 }
 
 void state_release_rows(sd_state *s) {
@@ -384,14 +402,40 @@ void state_release_rows(sd_state *s) {
     if (state_of_contacts(f->extent)) {
       free(*column);
       *column = NULL;
-    } else if ((f->extent == SD_PER_BODY || state_of_free(f->extent)) && !is_kept(f->offset)) {
-      const size_t rows = f->extent == SD_PER_BODY ? s->n_free : sd_extent_size(s, f->extent);
+    } else if (has_rows(f) && !state_keeps(f)) {
+      const size_t bytes = elements_of(s, f) * sd_type_size(f->type);
 #ifdef SD_CHECK /* so that tests find who reads them */
-      memset(*column, 0x55, rows * sd_type_size(f->type));
+      memset(*column, 0x55, bytes);
 #endif
-      arena_release(s->columns, *column, rows * sd_type_size(f->type));
+      arena_release(s->columns, *column, bytes);
     }
   }
+}
+
+size_t state_contact_count(const sd_state *s) { return s->source ? s->source->n_contacts : s->n_contacts; }
+
+const void *state_rows(const sd_state *s, const sd_field *f, void **own) {
+  const size_t n = elements_of(s, f);
+  *own = NULL;
+  if (!s->source || state_keeps(f)) return sd_field_data(s, f);
+  *own = malloc(n * sd_type_size(f->type) + 1);
+  if (*own && s->source->read(s->source->with, f, n, *own) == SD_OK) return *own;
+  free(*own);
+  *own = NULL;
+  return NULL;
+}
+
+sd_status state_bring(sd_state *s) {
+  if (!s->source) return SD_OK;
+  if (sd_state_reserve_contacts(s, s->source->n_contacts) != SD_OK) return SD_ERROR_IO;
+  sd_status status = SD_OK;
+  for (size_t k = 0; status == SD_OK && k < sd_field_count; k++)
+    if (has_rows(&sd_fields[k]) && !state_keeps(&sd_fields[k]))
+      status = s->source->read(s->source->with, &sd_fields[k], elements_of(s, &sd_fields[k]),
+                               sd_field_data(s, &sd_fields[k]));
+  s->n_contacts = s->source->n_contacts;
+  s->source = NULL;
+  return status;
 }
 
 sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {

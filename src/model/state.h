@@ -6,6 +6,14 @@
 #include "model/model.h"
 #include "slipdisk/state.h"
 
+/* Where the rows of free disks and the contacts are, of a state that has only the kept columns (state_keeps): in a file. */
+typedef struct state_source {
+  /* The first n elements of a column. */
+  sd_status (*read)(void *with, const sd_field *f, size_t n, void *column);
+  void *with;
+  size_t n_contacts;
+} state_source;
+
 struct sd_state {
   /* per run */
   int64_t step;                      /* completed since the start */
@@ -29,7 +37,8 @@ struct sd_state {
   int64_t fast_disk;        /* its body number */
   double fast_displacement; /* its speed times dt, in radii */
 
-  void *columns; /* what the columns but those of contacts stand in */
+  const state_source *source; /* NULL: all rows are here */
+  void *columns;              /* what the columns but those of contacts stand in */
 
   /* extents */
   size_t n_free, n_disks, n_bodies;
@@ -166,8 +175,15 @@ static inline bool state_of_contacts(sd_extent extent) {
 /* A state with every column zero and sized for the model, no contacts. NULL: no memory. */
 sd_state *sd_state_new(const sd_model *model);
 /* Gives the memory of most rows of free disks, and of the contacts, back until they are written anew: they hold anything. Kept: id, x, y, radius,
- * activity. */
+ * activity. Of a state with a source all stays there. */
 void state_release_rows(sd_state *state);
+bool state_keeps(const sd_field *f);
+const sd_field *state_field(size_t offset); /* the column of this member of sd_state */
+/* The rows of free disks, or of contacts, of a column; *own: read from the source, to be freed, or NULL. NULL: cannot be read. */
+const void *state_rows(const sd_state *state, const sd_field *f, void **own);
+size_t state_contact_count(const sd_state *state); /* here or in the source */
+/* Takes all that is in the source; then there is none. */
+sd_status state_bring(sd_state *state);
 /* As sd_state_new for a part of the free disks, with places for ghosts; prescribed bodies are those of the model. */
 sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
 /* Columns of bodies move to pages that the threads have touched first, each its share, so that they stand near it. Without

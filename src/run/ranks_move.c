@@ -9,63 +9,10 @@
 #include "base/comm.h"
 #include "base/comm_data.h"
 #include "model/cell.h"
-#include "model/laws.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
+#include "run/ranks_columns.h"
 #include "run/route.h"
-
-enum { MOST_COLUMNS = 256 };
-
-/* --- columns ----------------------------------------------------------------------------------------------- */
-
-/* Bytes of a free disk's row in this column; 0: it has none. The same on all ranks, also on those without disks. */
-static size_t disk_row(const sd_model *m, const sd_field *f) {
-  const size_t size = sd_type_size(f->type);
-  switch (f->extent) {
-    case SD_PER_BODY:
-    case SD_PER_FREE: return size;
-    case SD_PER_MEAN: return m->measure_disks ? size : 0;
-    case SD_PER_MEAN_BIN: return m->measure_disks ? size * SD_MEAN_BINS : 0;
-    case SD_PER_FIELDED: return m->n_fields ? size : 0;
-    case SD_PER_LAW_FREE: return laws_features(m) & LAW_GENERAL ? size : 0;
-    case SD_PER_CELL_DISK: return cell_deforms(m) ? size : 0;
-    default: return 0;
-  }
-}
-
-static size_t contact_row(const sd_state *s, const sd_field *f) {
-  const bool there = f->extent == SD_PER_CONTACT || (f->extent == SD_PER_LAW_CONTACT && s->law_columns);
-  return there ? sd_type_size(f->type) : 0;
-}
-
-/* The part of a column that every rank has: of prescribed bodies, motions, the run. */
-static size_t common_part(const sd_state *s, const sd_field *f, char **at) {
-  const size_t size = sd_type_size(f->type);
-  *at = sd_field_data(s, f);
-  if (state_of_free(f->extent) || state_of_contacts(f->extent)) return 0;
-  if (f->extent != SD_PER_BODY) return size * sd_extent_size(s, f->extent);
-  const size_t first = s->n_free + s->n_ghosts;
-  *at += size * first;
-  return size * (s->n_bodies - first);
-}
-
-static size_t common_bytes(const sd_state *s) {
-  size_t bytes = 0;
-  char *at;
-  for (size_t k = 0; k < sd_field_count; k++) bytes += common_part(s, &sd_fields[k], &at);
-  return bytes;
-}
-
-/* to: into the state; else out of it. */
-static void common_copy(const sd_state *s, char *buffer, bool to) {
-  for (size_t k = 0; k < sd_field_count; k++) {
-    char *at;
-    const size_t bytes = common_part(s, &sd_fields[k], &at);
-    if (bytes == 0) continue;
-    memcpy(to ? at : buffer, to ? buffer : at, bytes);
-    buffer += bytes;
-  }
-}
 
 /* --- parts -------------------------------------------------------------------------------------------------- */
 
@@ -134,7 +81,7 @@ static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *place)
 }
 
 /* Who comes here, and what ghosts are chosen by. */
-static sd_status call_disks(shares *p, bool whole) {
+static sd_status call_disks(shares *p) {
   const sd_state *s = p->from ? p->from->state : NULL;
   route *r = &p->disks;
   uint32_t *order = source_order(p);
@@ -143,7 +90,6 @@ static sd_status call_disks(shares *p, bool whole) {
     return SD_ERROR_IO;
   }
   route_count(r);
-  r->narrow = whole;
   const size_t n = r->n_receive + 1;
   p->place = malloc(n * sizeof *p->place);
   p->order = malloc(n * sizeof *p->order);
@@ -283,12 +229,17 @@ static sd_status place_ghosts(shares *p) {
 /* --- contacts ------------------------------------------------------------------------------------------------- */
 
 /* To the ranks of both disks. */
-static sd_status call_contacts(shares *p, bool whole) {
+static sd_status call_contacts(shares *p) {
   sends list = {0};
   sd_status status = SD_OK;
   const sd_state *s = p->from ? p->from->state : NULL;
-  for (uint32_t k = 0; s && k < s->n_contacts && status == SD_OK; k++) {
-    const uint32_t a = engine_slot(p->from, s->contact_a[k]), b = engine_slot(p->from, s->contact_b[k]);
+  void *own[2] = {NULL, NULL};
+  const uint32_t *first_of = s ? state_rows(s, state_field(offsetof(sd_state, contact_a)), &own[0]) : NULL,
+                 *second_of = s ? state_rows(s, state_field(offsetof(sd_state, contact_b)), &own[1]) : NULL;
+  const size_t n = s ? state_contact_count(s) : 0;
+  if (n > 0 && !(first_of && second_of)) status = SD_ERROR_IO;
+  for (uint32_t k = 0; k < n && status == SD_OK; k++) {
+    const uint32_t a = engine_slot(p->from, first_of[k]), b = engine_slot(p->from, second_of[k]);
     assert(a < p->n_known);
     const int first = p->owner[a], second = b < p->n_known ? p->owner[b] : first;
     status = add_send(&list, k, first);
@@ -297,50 +248,33 @@ static sd_status call_contacts(shares *p, bool whole) {
   if (status == SD_OK) status = route_new(&p->contacts, list.n, list.row, list.rank);
   if (status != SD_OK) comm_abort(SD_ERROR_IO);
   if (status == SD_OK) route_count(&p->contacts);
-  p->contacts.narrow = whole;
   free(list.row);
   free(list.rank);
+  free(own[0]);
+  free(own[1]);
   return status;
 }
 
-static sd_status take_contacts(route *r, const sd_state *from, sd_state *to) {
+static sd_status take_contacts(route *r, const sd_state *from, bool whole, sd_state *to) {
   to->n_contacts = 0;
   sd_status status = sd_state_reserve_contacts(to, r->n_receive);
   if (status != SD_OK) comm_abort(SD_ERROR_IO);
   to->n_contacts = r->n_receive;
-  route_column list[MOST_COLUMNS];
-  size_t n = 0;
-  for (size_t k = 0; k < sd_field_count; k++) {
-    const sd_field *f = &sd_fields[k];
-    const size_t size = contact_row(to, f);
-    assert(n < MOST_COLUMNS);
-    if (size) list[n++] = (route_column){from ? sd_field_data(from, f) : NULL, sd_field_data(to, f), size};
-  }
-  return status == SD_OK ? route_columns(r, list, n, NULL) : status;
+  moving m = {.route = r, .from = from, .to = to, .narrow = whole};
+  moving_contacts(&m);
+  return status == SD_OK ? moving_send(&m, NULL) : status;
 }
 
 /* --- to parts ------------------------------------------------------------------------------------------------- */
 
-/* Columns of disks that have a row for each free disk, or for each body; from, to NULL: none there. */
-static size_t columns_of(const sd_model *m, const sd_state *from, const sd_state *to, bool bodies,
-                         route_column *list) {
-  size_t n = 0;
-  for (size_t k = 0; k < sd_field_count; k++) {
-    const sd_field *f = &sd_fields[k];
-    const size_t size = disk_row(m, f);
-    if (size == 0 || (bodies && f->extent != SD_PER_BODY)) continue;
-    assert(n < MOST_COLUMNS);
-    list[n++] = (route_column){from ? sd_field_data(from, f) : NULL, to ? sd_field_data(to, f) : NULL, size};
-  }
-  return n;
-}
-
-static sd_status take_disks(shares *p, sd_state *to) {
-  route_column list[MOST_COLUMNS];
-  size_t n = columns_of(p->model, p->from ? p->from->state : NULL, to, false, list);
-  const sd_status status = route_columns(&p->disks, list, n, p->place);
-  n = columns_of(p->model, to, to, true, list);
-  return status == SD_OK ? route_columns(&p->ghosts, list, n, p->ghost_place) : status;
+static sd_status take_disks(shares *p, bool whole, sd_state *to) {
+  const sd_state *from = p->from ? p->from->state : NULL;
+  moving disks = {.route = &p->disks, .from = from, .to = to, .narrow = whole, .fresh = whole},
+         ghosts = {.route = &p->ghosts, .from = to, .to = to};
+  moving_disks(&disks, p->model, false);
+  moving_disks(&ghosts, p->model, true);
+  const sd_status status = moving_send(&disks, p->place);
+  return status == SD_OK ? moving_send(&ghosts, p->ghost_place) : status;
 }
 
 /* Prescribed bodies, motions, and what is of the run. */
@@ -387,7 +321,7 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
   int *owner = find_owners(&p);
   sd_status status = owner ? SD_OK : SD_ERROR_IO;
   if (!owner) comm_abort(SD_ERROR_IO);
-  if (status == SD_OK) status = call_disks(&p, whole);
+  if (status == SD_OK) status = call_disks(&p);
   if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
   if (status == SD_OK) status = place_ghosts(&p);
   if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
@@ -395,9 +329,9 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
     comm_abort(SD_ERROR_IO);
     status = SD_ERROR_IO;
   }
-  if (status == SD_OK) status = take_disks(&p, *state);
-  if (status == SD_OK) status = call_contacts(&p, whole);
-  if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, *state);
+  if (status == SD_OK) status = take_disks(&p, whole, *state);
+  if (status == SD_OK) status = call_contacts(&p);
+  if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, whole, *state);
   if (status == SD_OK) status = take_common(from, whole, *state);
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
@@ -499,9 +433,9 @@ static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
     return SD_ERROR_IO;
   }
   sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
-  route_column list[MOST_COLUMNS];
-  const size_t n = columns_of(part->model, part->state, whole, false, list);
-  if (status == SD_OK) status = route_columns(r, list, n, place);
+  moving m = {.route = r, .from = part->state, .to = whole, .narrow = true};
+  moving_disks(&m, part->model, false);
+  if (status == SD_OK) status = moving_send(&m, place);
   free(place);
   return status;
 }
@@ -526,10 +460,9 @@ sd_status move_together(const engine *part, sd_state *whole) {
   if (status == SD_OK) {
     route_count(&disks);
     route_count(&contacts);
-    disks.narrow = contacts.narrow = true;
     status = put_disks(&disks, part, whole);
   }
-  if (status == SD_OK) status = take_contacts(&contacts, s, whole ? whole : &nothing);
+  if (status == SD_OK) status = take_contacts(&contacts, s, true, whole ? whole : &nothing);
   if (status == SD_OK) status = move_common(part, whole);
   route_free(&disks);
   route_free(&contacts);

@@ -71,14 +71,12 @@ static size_t before_own(const int *counts) {
   return n;
 }
 
-static sd_status reserve(route *r, size_t bytes) {
-  if (bytes <= r->capacity) return SD_OK;
-  free(r->out);
-  free(r->in);
-  r->out = malloc(bytes);
-  r->in = malloc(bytes);
-  r->capacity = bytes;
-  if (r->out && r->in) return SD_OK;
+static sd_status reserve(char **buffer, size_t *capacity, size_t bytes) {
+  if (bytes <= *capacity) return SD_OK;
+  free(*buffer);
+  *buffer = malloc(bytes);
+  *capacity = bytes;
+  if (*buffer) return SD_OK;
   comm_abort(SD_ERROR_IO); /* the others wait */
   return SD_ERROR_IO;
 }
@@ -111,14 +109,15 @@ static void unpack(const route *r, const route_column *c, size_t offset, size_t 
 }
 
 /* All of them in one message to each rank. */
-static sd_status send_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
+sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
   const int here = comm_rank();
   const int own = r->to[here];
-  const size_t others = (r->n_send > r->n_receive ? r->n_send : r->n_receive) - (size_t)own;
   size_t all = 0, offset = 0;
   assert(own == r->from[here]);
   for (size_t k = 0; k < n; k++) all += column[k].size;
-  if (reserve(r, all * (others + 1)) != SD_OK) return SD_ERROR_IO;
+  if (reserve(&r->out, &r->capacity_out, all * (r->n_send - (size_t)own + 1)) != SD_OK ||
+      reserve(&r->in, &r->capacity_in, all * (r->n_receive - (size_t)own + 1)) != SD_OK)
+    return SD_ERROR_IO;
   for (size_t k = 0; k < n; offset += column[k++].size) pack(r, &column[k], offset, all);
   r->to[here] = r->from[here] = 0;
   comm_exchange(r->out, r->to, r->in, r->from, all);
@@ -126,15 +125,6 @@ static sd_status send_columns(route *r, const route_column *column, size_t n, co
   offset = 0;
   for (size_t k = 0; k < n; offset += column[k++].size) unpack(r, &column[k], offset, all, place);
   return SD_OK;
-}
-
-sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place) {
-  enum { NARROW = 4 };
-  const size_t most = r->narrow ? NARROW : n;
-  sd_status status = SD_OK;
-  for (size_t k = 0; k < n && status == SD_OK; k += most)
-    status = send_columns(r, column + k, n - k < most ? n - k : most, place);
-  return status;
 }
 
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {

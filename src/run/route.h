@@ -5,19 +5,17 @@
 #ifndef SLIPDISK_RUN_ROUTE_H
 #define SLIPDISK_RUN_ROUTE_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "slipdisk/status.h"
 
 typedef struct route {
-  int *to, *from;           /* rows to and from each rank */
-  size_t n_send, n_receive; /* of all ranks, with this one */
-  uint32_t *row;            /* [n_send] of a column, those to rank 0 first */
-  size_t capacity;          /* bytes of each buffer */
+  int *to, *from;                   /* rows to and from each rank */
+  size_t n_send, n_receive;         /* of all ranks, with this one */
+  uint32_t *row;                    /* [n_send] of a column, those to rank 0 first */
+  size_t capacity_out, capacity_in; /* bytes of the buffers */
   char *out, *in;
-  bool narrow; /* few columns at a time, for less memory; the same on all ranks */
 } route;
 
 /* A column here, and where its rows go to; NULL: no rows. */

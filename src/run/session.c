@@ -107,6 +107,7 @@ static sd_status seal_rows(session *s, record *rows, const char *path, sd_messag
 }
 
 static sd_status seal(session *s, sd_messages *messages) {
+  if (!record_empty(&s->shared) && !record_has_shares(&s->shared)) record_take_series(&s->rows, &s->shared);
   record *rows = record_empty(&s->shared) ? &s->rows : &s->shared;
   if (record_empty(rows)) return SD_OK;
   char *path = folder_part(s->parts_folder.path, s->parts + 1);

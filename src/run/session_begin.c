@@ -60,7 +60,7 @@ static sd_status refuse_existing(const session *s, const char *there, sd_message
 
 /* The deck of the checkpoint must be this one, and so must the files that it names. */
 static sd_status check_deck(const session *s, const provenance *origin, const sd_state *state,
-                            sd_messages *messages) {
+                            const double *mass, sd_messages *messages) {
   const char *full = sd_model_deck(s->model)->full;
   if (!deck_same(origin->deck_full, full)) {
     sd_fail(messages, SD_ERROR_USER,
@@ -73,7 +73,7 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
     uint32_t body = state->id[slot];
     if (body >= s->model->n_disks) continue;
     const sd_disk *disk = &s->model->disks[body];
-    if (disk->radius == state->radius[slot] && disk->mass == state->mass[slot]) continue;
+    if (disk->radius == state->radius[slot] && disk->mass == mass[slot]) continue;
     return sd_fail(messages, SD_ERROR_USER,
                    "disk %u is not the one that %s was started with: a file that the deck names has changed",
                    body, s->result);
@@ -90,9 +90,15 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
 /* Checks deck, state and parts of a checkpoint in an open file, and takes them over. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path, sd_state **state,
                                  sd_messages *messages) {
-  sd_status status = check_deck(s, &s->origin, NULL, messages);
-  if (status == SD_OK) status = checkpoint_get_state(file, s->model, state, messages);
-  if (status == SD_OK) status = check_deck(s, &s->origin, *state, messages);
+  sd_status status = check_deck(s, &s->origin, NULL, NULL, messages);
+  if (status == SD_OK && s->options.over_ranks && h5_has_shares(file))
+    status = checkpoint_get_kept(file, s->model, &s->source, state, messages);
+  else if (status == SD_OK)
+    status = checkpoint_get_state(file, s->model, state, messages);
+  double *mass =
+      status == SD_OK ? h5_column(file, "/state/mass", SD_F64, (*state)->n_bodies, &status, messages) : NULL;
+  if (status == SD_OK) status = check_deck(s, &s->origin, *state, mass, messages);
+  free(mass);
   if (status != SD_OK) return status;
   s->parts = checkpoint_get_parts(file);
   s->last_part = checkpoint_get_last_part(file);
@@ -122,7 +128,10 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
     *state = NULL;
     provenance_free(&s->origin);
   }
-  h5_close(file, NULL);
+  if (status == SD_OK)
+    s->resumed = file;
+  else
+    h5_close(file, NULL);
   free(path);
   return status;
 }
@@ -206,6 +215,8 @@ static sd_status begin_again(session *s, sd_state *state, sd_messages *messages)
   status = simulation_resume(s->model, state, s->options.threads, SIMULATION_SUITABLE, s->options.over_ranks,
                              &s->simulation, messages);
   if (status == SD_OK) warn_of_ranks(s, messages);
+  h5_close(s->resumed, NULL);
+  s->resumed = NULL;
   return status;
 }
 
@@ -289,6 +300,7 @@ void session_close(session *s) {
   sd_simulation_free(s->simulation);
   record_free(&s->rows);
   record_free(&s->shared);
+  h5_close(s->resumed, NULL);
   provenance_free(&s->origin);
   summary_free(&s->found);
   folder_close(&s->parts_folder);

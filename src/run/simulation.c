@@ -93,9 +93,10 @@ static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_mess
   engine *e = &sim->engine;
   if (threads > 1 && !(e->pool = pool_new(threads)))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the threads");
+  if (sim->ranks && begins_on_ranks(e)) return engine_build_bodies(e, threads, messages);
+  if (state_bring(e->state) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "cannot read the state");
   state_spread(e->state, e->pool);
-  return sim->ranks && begins_on_ranks(e) ? engine_build_bodies(e, threads, messages)
-                                          : build(e, small, threads, messages);
+  return build(e, small, threads, messages);
 }
 
 /* All but what is done once at step 0, and lists that are made on the ranks. */
@@ -161,6 +162,7 @@ sd_status simulation_resume(const sd_model *model, sd_state *state, int threads,
   assert(*out);
   sd_simulation *sim = *out;
   if (!engine_has_lists(&sim->engine)) status = ranks_spread(sim->ranks, &sim->engine, messages);
+  state->source = NULL; /* what it read may go */
   return status == SD_OK ? SD_OK : fail_new(sim, out, status);
 }
 

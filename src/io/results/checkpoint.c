@@ -260,14 +260,49 @@ static sd_status check_extents(const h5_file *file, const sd_state *state, sd_me
   return status;
 }
 
+/* Elements [first, first + n) of a column; from 0 on: those that there are. */
+static sd_status read_column(const h5_file *file, const sd_field *f, size_t first, size_t n, void *column,
+                             sd_messages *messages) {
+  char *path = format_text("/state/%s", f->name);
+  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
+  sd_status status = f->extent == SD_PER_RUN
+                         ? h5_get(file, path, f->type, n, column, messages)
+                         : h5_get_values(file, path, f->type, first, n, 1, column, messages);
+  free(path);
+  return status;
+}
+
+/* state_source of an open file. */
+static sd_status read_rows(void *with, const sd_field *f, size_t n, void *column) {
+  return read_column(with, f, 0, n, column, NULL);
+}
+
+/* Elements of a column in the file; and how many of the first are left there, of a state with a source. */
+static size_t stored_of(const sd_state *s, const sd_field *f, size_t *left) {
+  const size_t contacts = state_of_contacts(f->extent) ? state_contact_count(s) : 0,
+               n = f->extent == SD_PER_LAW_CONTACT ? s->law_columns * contacts
+                   : contacts > 0                  ? contacts
+                                                   : sd_extent_size(s, f->extent);
+  *left = 0;
+  if (!s->source || state_keeps(f)) return n;
+  if (state_of_free(f->extent) || state_of_contacts(f->extent)) *left = n;
+  if (f->extent == SD_PER_BODY) *left = s->n_free;
+  return n;
+}
+
 static sd_status read_columns(const h5_file *file, sd_state *state, sd_messages *messages) {
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
+    size_t left;
+    const size_t n = stored_of(state, f, &left);
     char *path = format_text("/state/%s", f->name);
-    if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
-    status = h5_get(file, path, f->type, sd_extent_size(state, f->extent), sd_field_data(state, f), messages);
+    status = path ? h5_check(file, path, n, messages)
+                  : sd_fail(messages, SD_ERROR_IO, "no memory to read the state");
     free(path);
+    if (status == SD_OK && left < n)
+      status = read_column(file, f, left, n - left,
+                           (char *)sd_field_data(state, f) + left * sd_type_size(f->type), messages);
   }
   return status;
 }
@@ -283,8 +318,8 @@ static sd_status check_hash(const h5_file *file, const sd_state *state, sd_messa
   return same ? SD_OK : sd_fail(messages, SD_ERROR_IO, "the state is damaged: its hash does not fit");
 }
 
-sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
-                               sd_messages *messages) {
+static sd_status get_state(const h5_file *file, const sd_model *model, state_source *source, sd_state **out,
+                           sd_messages *messages) {
   *out = NULL;
   sd_state *state = sd_state_new(model);
   if (!state) shortage_note();
@@ -295,21 +330,32 @@ sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_st
   if (status == SD_OK &&
       (contacts < 0 || h5_check(file, "/state/contact_a", (size_t)contacts, NULL) != SD_OK))
     status = sd_fail(messages, SD_ERROR_IO, "the state is damaged: the number of contacts is missing");
-  if (status == SD_OK && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK) {
+  if (source) *source = (state_source){read_rows, (void *)(uintptr_t)file, (size_t)contacts};
+  state->source = source;
+  if (status == SD_OK && !source && sd_state_reserve_contacts(state, (size_t)contacts) != SD_OK) {
     shortage_note();
     status = sd_fail(messages, SD_ERROR_IO, "no memory for %" PRId64 " contacts", contacts);
   }
   if (status == SD_OK) {
-    assert((size_t)contacts <= state->contact_capacity);
-    state->n_contacts = (size_t)contacts;
+    state->n_contacts = source ? 0 : (size_t)contacts;
     status = read_columns(file, state, messages);
   }
-  if (status == SD_OK) status = check_hash(file, state, messages);
+  if (status == SD_OK && !source) status = check_hash(file, state, messages);
   if (status == SD_OK)
     *out = state;
   else
     sd_state_free(state);
   return status;
+}
+
+sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
+                               sd_messages *messages) {
+  return get_state(file, model, NULL, out, messages);
+}
+
+sd_status checkpoint_get_kept(const h5_file *file, const sd_model *model, state_source *source,
+                              sd_state **out, sd_messages *messages) {
+  return get_state(file, model, source, out, messages);
 }
 
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,

@@ -62,6 +62,9 @@ sd_status checkpoint_get_contacts(const h5_file *checkpoint, summary_contacts *c
  * another model. */
 sd_status checkpoint_get_state(const h5_file *file, const sd_model *model, sd_state **out,
                                sd_messages *messages);
+/* The same of a checkpoint in shares, with source for the rows that state_keeps leaves out: both must stay while it is used. */
+sd_status checkpoint_get_kept(const h5_file *file, const sd_model *model, state_source *source,
+                              sd_state **out, sd_messages *messages);
 /* Means of every disk that a checkpoint leaves to its readers (SUMMARY_LATER), from its state. path: of the file; model: of the
  * run, NULL: from its deck. */
 sd_status checkpoint_complete(const h5_file *file, const char *path, const sd_model *model, summary_disks *s,

@@ -39,6 +39,9 @@ typedef struct record_link {
   uint64_t after; /* sum of the part before; 0: it is the first */
 } record_link;
 
+/* Has a shared record rows of disks or of contacts? Without them it needs no shares: r, which is empty, takes its series over. */
+bool record_has_shares(const record *shared);
+void record_take_series(record *r, record *shared);
 /* Writes all rows to a part, and clears them when that has succeeded; sum: that of its seal. folder: see file.h. The n_shares of
  * a shared one are there already; their sums, see h5.h. */
 sd_status record_seal(record *r, int folder, const char *path, const record_link *link, size_t n_shares,

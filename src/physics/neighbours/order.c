@@ -79,7 +79,8 @@ static void fill_places(const sd_model *m, const sd_state *s, place *list) {
 
 /* Rows of a column in a new order: row k becomes that which was from[k]. */
 static void permute(char *column, size_t row, size_t n, const uint32_t *from, char *scratch) {
-  if (n == 0) return;
+  /* zeros, of which a state has many at its start, take no memory until they are written */
+  if (n == 0 || (column[0] == 0 && memcmp(column, column + 1, n * row - 1) == 0)) return;
   for (size_t k = 0; k < n; k++) memcpy(scratch + k * row, column + from[k] * row, row);
   memcpy(column, scratch, n * row);
 }

@@ -29,6 +29,11 @@
 
 /* --- state of step 0 --------------------------------------------------------------------------------- */
 
+/* Of a new state, whose memory costs nothing where it stays zero. */
+static void set(double *at, double value) {
+  if (value != 0.0 || signbit(value)) *at = value;
+}
+
 void engine_fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t slot) {
   const sd_disk *d = &m->disks[disk];
   assert(slot < s->n_disks && (slot >= s->n_free) == d->driven);
@@ -36,16 +41,16 @@ void engine_fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t sl
   s->id[slot] = disk;
   s->x[slot] = s->base_x[slot] = d->position[SD_X];
   s->y[slot] = s->base_y[slot] = d->position[SD_Y];
-  s->base_theta[slot] = d->position[SD_THETA];
-  s->turn[slot] = turn;
-  s->theta[slot] = d->position[SD_THETA] - turn;
+  set(&s->base_theta[slot], d->position[SD_THETA]);
+  set(&s->turn[slot], turn);
+  set(&s->theta[slot], d->position[SD_THETA] - turn);
   assert(fabs(s->theta[slot]) <= 4.0);
   if (d->waiting && !d->driven) {
     s->activity[slot] = SD_WAITING;
   } else if (!d->driven) {
-    s->vx[slot] = d->velocity[SD_X];
-    s->vy[slot] = d->velocity[SD_Y];
-    s->omega[slot] = d->velocity[SD_THETA];
+    set(&s->vx[slot], d->velocity[SD_X]);
+    set(&s->vy[slot], d->velocity[SD_Y]);
+    set(&s->omega[slot], d->velocity[SD_THETA]);
   }
   s->radius[slot] = d->radius;
   s->mass[slot] = d->mass;
@@ -270,7 +275,6 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
                    MOST_BODIES);
   if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   fill_laws(e->model, w);
-  pool_run(e->pool, touch_first, e);
   w->dt = e->model->dt;
   w->per_dt = 1.0 / w->dt;
   w->half_dt2 = 0.5 * w->dt * w->dt;
@@ -292,7 +296,6 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
     w->slot[e->state->n_bodies + k] = (uint32_t)e->state->n_bodies + k;
   if (clumps_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the clumps");
   if (body_forces_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the fields");
-  bodies_fill_constants(e);
   sd_status status = motion_new(e, messages);
   if (status == SD_OK && motion_resume(e) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
@@ -308,7 +311,10 @@ static sd_status build_lists(engine *e, sd_messages *messages) {
 
 sd_status engine_build(engine *e, int threads, sd_messages *messages) {
   sd_status status = engine_build_bodies(e, threads, messages);
-  return status == SD_OK ? build_lists(e, messages) : status;
+  if (status != SD_OK) return status;
+  pool_run(e->pool, touch_first, e);
+  bodies_fill_constants(e);
+  return build_lists(e, messages);
 }
 
 void engine_drop_lists(engine *e) {

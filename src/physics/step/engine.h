@@ -13,8 +13,8 @@ void engine_fill_disk(const sd_model *model, sd_state *state, uint32_t disk, uin
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
-/* The same without lists and contacts; gives their memory back, once contacts and motions are in the state; and makes them from there.
- * Without them nothing may be asked for but constants of the bodies. */
+/* The same without lists, contacts and constants of bodies, of which the state needs to have its kept columns only; gives
+ * their memory back, once contacts and motions are in the state; and makes them from there. */
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
 void engine_drop_lists(engine *e);
 sd_status engine_make_lists(engine *e, sd_messages *messages);
