@@ -240,7 +240,7 @@ static sd_status call_contacts(shares *p) {
   if (n > 0 && !(first_of && second_of)) status = SD_ERROR_IO;
   for (uint32_t k = 0; k < n && status == SD_OK; k++) {
     const uint32_t a = engine_slot(p->from, first_of[k]), b = engine_slot(p->from, second_of[k]);
-    assert(a < p->n_known);
+    assert(a < p->n_known && s->id[a] == first_of[k] && s->id[b] == second_of[k]);
     const int first = p->owner[a], second = b < p->n_known ? p->owner[b] : first;
     status = add_send(&list, k, first);
     if (second != first && status == SD_OK) status = add_send(&list, k, second);

@@ -16,6 +16,7 @@
 
 /* --- bodies and box ------------------------------------------------------------------------------------ */
 
+/* Of a body that is here: */
 static inline uint32_t engine_slot(const engine *e, uint32_t body) { return e->work.slot[body]; }
 static inline const uint32_t *engine_slots(const engine *e) { return e->work.slot; } /* of all bodies */
 /* Of the periodic box as it is now; 0 where it is open. */

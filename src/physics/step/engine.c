@@ -227,8 +227,7 @@ static sd_status allocate(engine *e, int threads) {
   const sd_state *s = e->state;
   work *w = &e->work;
   w->laws = calloc(m->n_materials * m->n_materials, sizeof *w->laws);
-  w->slot = malloc((sd_model_bodies(m) + s->n_clumps + 1) * sizeof *w->slot);
-  if (w->slot) memset(w->slot, 0xff, (sd_model_bodies(m) + s->n_clumps) * sizeof *w->slot); /* not here */
+  w->slot = calloc(sd_model_bodies(m) + s->n_clumps + 1, sizeof *w->slot);
   w->segments = calloc(m->n_segments + 1, sizeof *w->segments);
   w->pieces = calloc(m->n_segments + 1, sizeof *w->pieces);
   w->watched = calloc(2 * m->n_slides + 1, sizeof *w->watched);
@@ -289,7 +288,7 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   fill_limit(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) {
     const uint32_t id = e->state->id[k];
-    assert(id < sd_model_bodies(e->model) && w->slot[id] == UINT32_MAX);
+    assert(id < sd_model_bodies(e->model) && w->slot[id] == 0);
     w->slot[id] = k;
   }
   for (uint32_t k = 0; k < e->state->n_clumps; k++)

@@ -260,8 +260,10 @@ typedef struct work {
   bool nothing_constant[SD_COORDINATES];                     /* the same is 0 for all */
   columns columns[SD_COORDINATES];
   clumps clumps;
-  void *arena;    /* columns of these, and poses when the lists were built */
-  uint32_t *slot; /* [n_bodies + clumps] slot of a body number; of clump k: n_bodies + k */
+  void *arena; /* columns of these, and poses when the lists were built */
+  uint32_t *
+      slot; /* [bodies + clumps of the model] slot of a body number; of clump k: bodies + k. Of a body that is not here: 0, and
+                     most of it is never touched, so that it takes memory for the bodies of this rank only */
   const kernels *kernels;
   int n_threads;
 
