@@ -75,11 +75,11 @@ static void test_what_cannot_fit(void **state) {
           "packings[0]: a disk of radius 0.6 does not fit into a region that is 1 wide\n"
           "packings[0]: a disk of radius 0.6 does not fit into a region that is 1 high");
   refused(HEAD BOX PACKING("type = \"square\"; spacing = 1e-6; radius = 1e-7; mass = 1;"),
-          "packings[0].spacing = 1e-06: the lattice has about 9.23761e+13 sites; expected at most 50000000");
+          "packings[0].spacing = 1e-06: the lattice has about 9.23761e+13 sites; expected at most 200000000");
   refused(HEAD BOX PACKING("type = \"square\"; count = 3; spacing = 9; " MONO),
           "packings[0]: the lattice has no free site in the region");
   refused(HEAD BOX PACKING("type = \"random\"; count = 1000000000; radius = 1e-6; mass = 1;"),
-          "packings[0]: 1e+09 disks; expected at most 50000000");
+          "packings[0]: 1e+09 disks; expected at most 200000000");
   refused(HEAD BOX PACKING("type = \"rain\"; count = 400; " MONO),
           "packings[0]: 400 disks of area 78.5398 in all in a region of area 80: a packing fraction of "
           "0.9817; expected "

@@ -7,7 +7,7 @@
 
 /* Fuzz builds, which are to meet the limits, set fewer. */
 #ifndef SD_LIMIT_DISKS
-#define SD_LIMIT_DISKS 50000000
+#define SD_LIMIT_DISKS 200000000
 #endif
 
 enum {

@@ -167,7 +167,7 @@ static sd_status renew(ranks *r) {
   sd_status status = neighbours_check_finite(e, step, r->messages);
   if (!all_well(status)) return status;
   neighbours_tune(e);
-  r->skin = engine_skin(e);
+  r->skin = r->model->skin > 0.0 ? r->model->skin : engine_skin(e); /* not what one step has asked for */
   if (step - r->cut_step >= CUT_LEAST) {
     note_balance(r);
     if (r->balance.excess > IMBALANCE) {

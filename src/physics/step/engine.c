@@ -263,15 +263,9 @@ static void touch_first(const team *t, void *with) {
   for (size_t k = 0; k < FREE_COLUMNS; k++) memset(column[k] + from, 0, (to - from) * sizeof(double));
 }
 
-/* Places of rows are numbers of 32 bits; of sums there are a few for every body. */
-enum { MOST_BODIES = 50000000 };
-
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slot && e->model->dt > 0.0);
-  if (e->state->n_bodies > MOST_BODIES)
-    return sd_fail(messages, SD_ERROR_USER, "%zu disks and walls: expected at most %d", e->state->n_bodies,
-                   MOST_BODIES);
   if (allocate(e, threads) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   fill_laws(e->model, w);
   w->dt = e->model->dt;
@@ -301,7 +295,16 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   return status;
 }
 
+/* Places of rows are numbers of 32 bits; of sums there are a few for every body. */
+enum { MOST_BODIES = 50000000 };
+
 static sd_status build_lists(engine *e, sd_messages *messages) {
+  if (e->state->n_bodies > MOST_BODIES)
+    return sd_fail(
+        messages, SD_ERROR_USER,
+        "%zu disks and walls: expected at most %d in one process; the ranks of an MPI job can share "
+        "more",
+        e->state->n_bodies, MOST_BODIES);
   walls_pose(e);
   sd_status status = neighbours_build(e, messages);
   if (status == SD_OK) contacts_load(e);
