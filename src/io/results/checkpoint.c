@@ -172,12 +172,16 @@ uint64_t checkpoint_bytes(const sd_state *state) {
   return bytes;
 }
 
+static sd_status file_for(const sd_state *state, h5_file **file, sd_messages *messages) {
+  const uint64_t bytes = checkpoint_bytes(state);
+  return bytes < BORROWED ? h5_new(file, messages) : h5_new_borrowing(bytes, file, messages);
+}
+
 sd_status checkpoint_write(int folder, const char *path, const sd_state *state, const checkpoint_parts *parts,
                            const checkpoint_shares *shares, const provenance *origin, const summary *found,
                            sd_messages *messages) {
   h5_file *file;
-  const uint64_t bytes = checkpoint_bytes(state);
-  sd_status status = bytes < BORROWED ? h5_new(&file, messages) : h5_new_borrowing(bytes, &file, messages);
+  sd_status status = file_for(state, &file, messages);
   if (status != SD_OK) return status;
   assert(parts->n >= 0 && state->n_contacts <= state->contact_capacity);
   h5_group(file, "/checkpoint");
@@ -213,7 +217,10 @@ static void put_rows(h5_file *file, const char *group, const sd_field *f, const 
   if (!h5_have(file, path, group)) return;
   for (size_t k = 0; from && k < n; k++)
     memcpy(scratch + k * size, (const char *)data + from[k] * size, size);
-  h5_put(file, path, f->type, 1, &n, from ? scratch : data, false);
+  if (from)
+    h5_put(file, path, f->type, 1, &n, scratch, false);
+  else
+    h5_lend(file, path, f->type, n, data);
   free(path);
 }
 
@@ -221,7 +228,7 @@ sd_status checkpoint_write_share(const char *path, const sd_state *state, const 
                                  int64_t *sum, sd_messages *messages) {
   h5_file *file;
   uint64_t seal = 0;
-  sd_status status = h5_new(&file, messages);
+  sd_status status = file_for(state, &file, messages);
   if (status != SD_OK) return status;
   char *scratch = malloc(sizeof(double) * state->n_contacts + 1);
   h5_put(file, "/disks/key", SD_I64, 1, &state->n_free, order->disk_key, false);
