@@ -346,6 +346,8 @@ static void open_book(void) {
   unlink(path);
 }
 
+static void tell(const char *why) { fprintf(stderr, "rank %d: %s\n", comm_rank(), why); }
+
 /* The others wait in comm_queue_end for a rank that never comes there. */
 static void fail_alone(const char *how) {
   comm_queue queue;
@@ -353,6 +355,8 @@ static void fail_alone(const char *how) {
   if (comm_rank() == comm_size() - 1) {
     doze(0.2);
     if (strcmp(how, "abort") == 0) comm_abort(SD_ERROR_IO);
+    comm_on_fail(tell);
+    if (strcmp(how, "fail") == 0) comm_fail("no memory");
     if (strcmp(how, "die") == 0) raise(SIGKILL);
   }
   comm_queue_end(&queue);

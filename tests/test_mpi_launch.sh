@@ -22,6 +22,8 @@ status() {
 }
 
 status 4 "comm_abort ends all ranks" "${mpiexec[@]}" -n 3 "$program" 3 abort
+status 4 "comm_fail tells why" "${mpiexec[@]}" -n 3 "$program" 3 fail
+grep -qx 'rank 2: no memory' "$work/log" || fail "comm_fail does not tell why"
 status 137 "a rank that is killed ends all ranks" "${mpiexec[@]}" -n 3 "$program" 3 die
 status 2 "ranks that do not find each other" env PMI_SIZE=3 "$program"
 grep -q '^error: PMI_SIZE = 3: .*another MPI' "$work/log" || fail "no message"

@@ -284,8 +284,7 @@ static int serve(void) {
   model_share(NULL, &model, NULL);
   ranks *r = model ? ranks_new(model, &app_stop) : NULL;
   if (!r) {
-    app_line(stderr, "error: rank %d: no memory", comm_rank());
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return SD_ERROR_IO;
   }
   const int status = ranks_serve(r);
@@ -294,8 +293,13 @@ static int serve(void) {
   return status;
 }
 
+static void tell_end(const char *why) {
+  app_line(stderr, "error: rank %d: %s; the job ends", comm_rank(), why);
+}
+
 int drive_begin(sd_messages *messages) {
   const int status = comm_begin(messages);
+  comm_on_fail(tell_end);
   if (status != SD_OK) sd_messages_print(messages, stderr);
   if (comm_size() > 1) app_begin_saving(); /* a rank that is gone would be waited for */
   return status;

@@ -24,6 +24,7 @@ enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
 static struct {
   bool begun;
   int rank, size;
+  void (*tell)(const char *why);
 } comm = {.size = 1};
 
 int comm_rank(void) { return comm.rank; }
@@ -206,6 +207,13 @@ void comm_share(void *data, size_t bytes) {
 
 void comm_abort(int status) {
   if (comm.size > 1) end_all(status);
+}
+
+void comm_on_fail(void (*tell)(const char *why)) { comm.tell = tell; }
+
+void comm_fail(const char *why) {
+  if (comm.size > 1 && comm.tell) comm.tell(why);
+  comm_abort(SD_ERROR_IO);
 }
 
 /* --- queue ---------------------------------------------------------------------------------------- */

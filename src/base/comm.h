@@ -46,6 +46,9 @@ void comm_share(void *data, size_t bytes);
 /* Ends the processes of all ranks at once with this exit status, after an error that leaves the others waiting
  * for ever. With one rank it does nothing: to end the process is the caller's affair. */
 void comm_abort(int status);
+/* The same with SD_ERROR_IO, after what comm_on_fail was given has told why. */
+void comm_fail(const char *why);
+void comm_on_fail(void (*tell)(const char *why));
 
 typedef struct comm_queue {
   int64_t n, next;             /* next: on rank 0 */

@@ -19,7 +19,7 @@ struct comm_links {
 
 static void no_memory(void) {
   fprintf(stderr, "slipdisk: rank %d: no memory for messages\n", comm_rank());
-  comm_abort(SD_ERROR_IO);
+  comm_fail("no memory");
 }
 
 static MPI_Datatype row_of(size_t size) {
@@ -152,7 +152,7 @@ void comm_exchange(const void *send, const int *to, void *receive, const int *fr
 void comm_counts(const int *to, int *from) {
   int *ones = calloc((size_t)comm_size() + 1, sizeof *ones);
   if (!ones) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return;
   }
   for (int k = 0; k < comm_size(); k++) ones[k] = 1;
@@ -170,7 +170,7 @@ void comm_gather(const void *send, void *receive, const int *counts, size_t size
 void comm_gather_counts(int mine, int *counts) {
   int *same = calloc((size_t)comm_size() + 1, sizeof *same);
   if (!same) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return;
   }
   for (int k = 0; k < comm_size(); k++) same[k] = mine;

@@ -237,7 +237,7 @@ static sd_status take_frame(resultants *r, const part *p, sd_messages *messages)
   if (status == SD_OK) status = take_geometry(r, p, p->shared ? &constants : p->model, &f, messages);
   frame_data_free(&f);
   free(constants.disks);
-  if (p->shared && status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (p->shared && status != SD_OK) comm_fail("no memory");
   return status;
 }
 

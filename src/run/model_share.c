@@ -11,7 +11,7 @@
 static const size_t PIECE = (size_t)1 << 30;
 
 static sd_status fail(sd_messages *messages) {
-  comm_abort(SD_ERROR_IO);
+  comm_fail("no memory");
   return sd_fail(messages, SD_ERROR_IO, "rank %d: out of memory for the model", comm_rank());
 }
 

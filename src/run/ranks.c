@@ -341,7 +341,7 @@ static settle_measure rest(ranks *r, sd_state *whole) {
   all.disks = (size_t)comm_total((double)all.disks);
   all.contacts = (size_t)comm_total((double)all.contacts);
   all.outside = comm_or(all.outside > 0);
-  if (move_common(&r->part, whole) != SD_OK) comm_abort(SD_ERROR_IO); /* the others wait */
+  if (move_common(&r->part, whole) != SD_OK) comm_fail("no memory"); /* the others wait */
   return settle_of_sums(&all);
 }
 
@@ -449,7 +449,7 @@ const resultants *ranks_resultants(ranks *r, sd_messages *messages) {
 static sd_status write_share(ranks *r, bool rows, const char *whole, int64_t *seals, sd_messages *messages) {
   int64_t sum = 0;
   char *path = h5_share_path(whole, (size_t)comm_rank());
-  if (!path) comm_abort(SD_ERROR_IO);
+  if (!path) comm_fail("no memory");
   sd_status status = rows ? SD_OK : store_part(r);
   if (all_well(status))
     status = rows ? record_share_seal(&r->rows, path, &sum, r->messages)
@@ -535,7 +535,7 @@ void ranks_dismiss(int status) {
 
 static void serve_write(ranks *r, bool rows, size_t length) {
   char *path = malloc(length);
-  if (!path) comm_abort(SD_ERROR_IO);
+  if (!path) comm_fail("no memory");
   comm_share(path, length);
   if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
     contacts_of_all(r);

@@ -83,7 +83,8 @@ static const void *rows_of(const moving *m, size_t k, void **own) {
   *own = NULL;
   if (!m->from) return NULL;
   const void *rows = state_rows(m->from, m->field[k], own);
-  if (!rows && state_contact_count(m->from) > 0) comm_abort(SD_ERROR_IO); /* the others wait */
+  if (!rows && state_contact_count(m->from) > 0)
+    comm_fail("cannot read the checkpoint"); /* the others wait */
   return rows;
 }
 

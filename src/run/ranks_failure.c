@@ -31,7 +31,7 @@ sd_status ranks_tell_failure(sd_status failed, const sd_messages *own, sd_messag
   char *mine = text_of(own, &length);
   int *counts = calloc(2 * n, sizeof *counts), *all = counts ? counts + n : NULL;
   if (!mine || !counts) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     free(mine);
     free(counts);
     return SD_ERROR_IO;
@@ -45,7 +45,7 @@ sd_status ranks_tell_failure(sd_status failed, const sd_messages *own, sd_messag
     bytes += (size_t)counts[q];
   }
   char *text = malloc(bytes + 1);
-  if (!text) comm_abort(SD_ERROR_IO);
+  if (!text) comm_fail("no memory");
   comm_gather(mine, text, counts, 1);
   for (size_t at = 0; messages && text && at < bytes; at += strlen(text + at) + 1)
     if (!is_told(messages, text + at)) sd_fail(messages, status, "%s", text + at);

@@ -71,7 +71,7 @@ static uint32_t *source_order(const shares *p) {
 static sd_status come_in_order(route *r, const uint32_t *order, uint32_t *place) {
   uint32_t *found = malloc((r->n_receive + 1) * sizeof *found);
   if (!found) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return SD_ERROR_IO;
   }
   sd_status status = route_columns(r, &(route_column){order, found, sizeof *order}, 1, NULL);
@@ -98,7 +98,7 @@ static sd_status call_disks(shares *p) {
   p->radius = malloc(n * sizeof *p->radius);
   p->activity = malloc(n * sizeof *p->activity);
   sd_status status = p->place && p->order && p->x && p->y && p->radius && p->activity ? SD_OK : SD_ERROR_IO;
-  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status != SD_OK) comm_fail("no memory");
   const route_column known[] = {{order, p->order, sizeof *order},
                                 {s ? s->x : NULL, p->x, sizeof *p->x},
                                 {s ? s->y : NULL, p->y, sizeof *p->y},
@@ -199,7 +199,7 @@ static sd_status choose_ghosts(shares *p, const sd_state *common, double skin) {
     if (p->activity[i] == SD_IN_PLAY || p->activity[i] == SD_OUTSIDE)
       status = add_ghost(p, &list, &b, i, p->radius[i] + reach, ranks, seen);
   if (status == SD_OK) status = route_new(&p->ghosts, list.n, list.row, list.rank);
-  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status != SD_OK) comm_fail("no memory");
   if (status == SD_OK) route_count(&p->ghosts);
   free(list.row);
   free(list.rank);
@@ -216,7 +216,7 @@ static sd_status place_ghosts(shares *p) {
   if (all) p->order = all;
   p->ghost_place = malloc((r->n_receive + 1) * sizeof *p->ghost_place);
   if (!all || !p->ghost_place) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return SD_ERROR_IO;
   }
   sd_status status = come_in_order(r, p->order, p->ghost_place);
@@ -246,7 +246,7 @@ static sd_status call_contacts(shares *p) {
     if (second != first && status == SD_OK) status = add_send(&list, k, second);
   }
   if (status == SD_OK) status = route_new(&p->contacts, list.n, list.row, list.rank);
-  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status != SD_OK) comm_fail("no memory");
   if (status == SD_OK) route_count(&p->contacts);
   free(list.row);
   free(list.rank);
@@ -258,7 +258,7 @@ static sd_status call_contacts(shares *p) {
 static sd_status take_contacts(route *r, const sd_state *from, bool whole, sd_state *to) {
   to->n_contacts = 0;
   sd_status status = sd_state_reserve_contacts(to, r->n_receive);
-  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status != SD_OK) comm_fail("no memory");
   to->n_contacts = r->n_receive;
   moving m = {.route = r, .from = from, .to = to, .narrow = whole};
   moving_contacts(&m);
@@ -282,7 +282,7 @@ static sd_status take_common(const engine *from, bool whole, sd_state *to) {
   const size_t bytes = common_bytes(to);
   char *buffer = malloc(bytes + 1);
   if (!buffer) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return SD_ERROR_IO;
   }
   if (from) {
@@ -320,13 +320,13 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
   const sd_state common = {.box_scale = scale[0]};
   int *owner = find_owners(&p);
   sd_status status = owner ? SD_OK : SD_ERROR_IO;
-  if (!owner) comm_abort(SD_ERROR_IO);
+  if (!owner) comm_fail("no memory");
   if (status == SD_OK) status = call_disks(&p);
   if (status == SD_OK) status = choose_ghosts(&p, &common, skin);
   if (status == SD_OK) status = place_ghosts(&p);
   if (status == SD_OK) *state = state_new_part(model, p.disks.n_receive, p.ghosts.n_receive);
   if (status == SD_OK && !*state) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     status = SD_ERROR_IO;
   }
   if (status == SD_OK) status = take_disks(&p, whole, *state);
@@ -398,7 +398,7 @@ static void merge_fast(const sd_state *part, sd_state *whole) {
   const size_t ranks = (size_t)comm_size();
   int *counts = malloc(ranks * sizeof *counts);
   fast *all = malloc(ranks * sizeof *all);
-  if (!counts || !all) comm_abort(SD_ERROR_IO);
+  if (!counts || !all) comm_fail("no memory");
   if (counts && all) {
     for (size_t q = 0; q < ranks; q++) counts[q] = 1;
     comm_gather(&mine, all, counts, sizeof mine);
@@ -429,7 +429,7 @@ static void put_common(const sd_state *part, sd_state *whole, char *buffer) {
 static sd_status put_disks(route *r, const engine *part, sd_state *whole) {
   uint32_t *place = calloc(r->n_receive + 1, sizeof *place);
   if (!place) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return SD_ERROR_IO;
   }
   sd_status status = route_columns(r, &(route_column){part->halo->order, place, sizeof *place}, 1, NULL);
@@ -456,7 +456,7 @@ sd_status move_together(const engine *part, sd_state *whole) {
   sd_status status = first ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) status = route_new(&disks, s->n_free, NULL, first);
   if (status == SD_OK) status = route_new(&contacts, s->n_contacts, NULL, first);
-  if (status != SD_OK) comm_abort(SD_ERROR_IO);
+  if (status != SD_OK) comm_fail("no memory");
   if (status == SD_OK) {
     route_count(&disks);
     route_count(&contacts);

@@ -85,7 +85,7 @@ void ranks_gather_sums(int64_t sum, int64_t *all) {
   const size_t n = (size_t)comm_size();
   int *counts = malloc(n * sizeof *counts);
   int64_t *every = malloc(n * sizeof *every);
-  if (!counts || !every) comm_abort(SD_ERROR_IO);
+  if (!counts || !every) comm_fail("no memory");
   for (size_t q = 0; counts && q < n; q++) counts[q] = 1;
   if (counts && every) comm_gather(&sum, every, counts, sizeof sum);
   if (all && every) memcpy(all, every, n * sizeof *all);

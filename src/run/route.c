@@ -77,7 +77,7 @@ static sd_status reserve(char **buffer, size_t *capacity, size_t bytes) {
   *buffer = malloc(bytes);
   *capacity = bytes;
   if (*buffer) return SD_OK;
-  comm_abort(SD_ERROR_IO); /* the others wait */
+  comm_fail("no memory"); /* the others wait */
   return SD_ERROR_IO;
 }
 
@@ -133,7 +133,7 @@ sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place) {
   runs heads = {0};
   if (!at || runs_new(&heads, ranks) != SD_OK) {
     free(at);
-    comm_abort(SD_ERROR_IO); /* the others wait */
+    comm_fail("no memory"); /* the others wait */
     return SD_ERROR_IO;
   }
   for (size_t q = 0; q < ranks; begin = end[q++]) {

@@ -31,7 +31,7 @@ void route_count(route *r);
 void route_free(route *r);
 
 /* Collective. Rows that come, numbered rank by rank, go to rows place[k] of the columns; place NULL: rows k. Without memory the job ends
- * (comm_abort). */
+ * (comm_fail). */
 sd_status route_columns(route *r, const route_column *column, size_t n, const uint32_t *place);
 /* The rows of each rank come in ascending order: place[k] is where row k stands among all. */
 sd_status route_merge(const route *r, const uint32_t *order, uint32_t *place);

@@ -344,7 +344,7 @@ sd_status contacts_follow(engine *e) {
   for (size_t n = 0; n < wrapped->count; n++) follow_wrap(e, wrapped->item[n].index, wrapped->item[n].turn);
   h->rebased.count = wrapped->count = 0;
   free(turn);
-  if (status != SD_OK) comm_abort(SD_ERROR_IO); /* after the ranks have agreed on how they go on */
+  if (status != SD_OK) comm_fail("no memory"); /* after the ranks have agreed on how they go on */
   return status;
 }
 

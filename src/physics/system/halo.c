@@ -195,7 +195,7 @@ sd_status halo_list_prescribed(engine *e) {
   r->n_mine = mine;
   r->counts = malloc((size_t)comm_size() * sizeof *r->counts);
   if (!r->counts) {
-    comm_abort(SD_ERROR_IO);
+    comm_fail("no memory");
     return SD_ERROR_IO;
   }
   comm_gather_counts((int)mine, r->counts);
@@ -208,7 +208,7 @@ sd_status halo_list_prescribed(engine *e) {
   r->all = calloc((all + 1) * SUM_ROW, sizeof *r->all);
   r->mine_at = malloc((mine + 1) * sizeof *r->mine_at);
   const bool there = key && every && r->start && r->from && r->mine && r->all && r->mine_at;
-  if (!there) comm_abort(SD_ERROR_IO);
+  if (!there) comm_fail("no memory");
   if (there) {
     fill_keys(e, key, r->mine_at);
     comm_gather(key, every, r->counts, sizeof *key);
