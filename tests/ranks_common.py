@@ -37,6 +37,17 @@ phases = ( {{ steps = 3000; series = 300; frames = 1000; contacts = 1000; measur
 measure = {{ disks = true; }};
 """
 
+# Contacts turn fast where disks go round a periodic box: both in one step, and its rounding is seen.
+SHEAR = f"""
+title = "shear"; integrator = "verlet"; dt = 1e-3; seed = 5;
+{GRAIN.replace("1e4", "1e3").replace("5e3", "500")}
+container = {{ type = "channel"; width = 12; height = 12; }};
+walls = ( {{ name = "lid"; type = "line"; points = ((-6, 12), (6, 12)); }} );
+packings = ( {{ type = "random"; fraction = 0.45; density = 1.27; sizes = "uniform"; lower = 0.4; upper = 0.6; }} );
+fields = ( {{ name = "fluid"; type = "drag"; gamma = 2; gamma_rotation = 4; per = "mass"; shear_rate = 1.5; centre = (0, 6); }} );
+phases = ( {{ steps = 6000; series = 100; frames = 100; contacts = 100; }} );
+"""
+
 # So few disks in the channel that ranks have none, and get some.
 FEW = CHANNEL.replace("count = 180;", "count = 7;").replace("steps = 3000;", "steps = 8000;").replace("disks = true;", "disks = true; rotation = (); sliding = ();")
 
@@ -122,7 +133,7 @@ phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fract
 measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
 """
 
-DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC}
 
 

@@ -54,6 +54,10 @@ class Ranks(Folder):
         for ranks in brief((2, 3, 4), (3,)):
             self.same("channel", ranks)
 
+    def test_shear(self):
+        for ranks in brief((2, 3, 4), (2,)):
+            self.same("shear", ranks)
+
     def test_laws(self):
         for ranks in brief((2, 3), (2,)):
             self.same("laws", ranks)

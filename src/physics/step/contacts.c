@@ -145,7 +145,7 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
     return SD_OK;
   }
   if (v->was_closed && halo_is_ghost(e, (size_t)p->b[k])) {
-    if (halo_wait_for(&e->halo->rebased, (uint32_t)k, 0.0) != SD_OK)
+    if (halo_wait_for(&e->halo->rebased, (halo_wait){.index = (uint32_t)k}) != SD_OK)
       return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   } else if (v->was_closed)
     rebase(e, k);
@@ -188,6 +188,9 @@ static void wrap(engine *e, uint32_t i) {
   const double across = s->x[i] - ny * w->offset; /* cells above are shifted */
   const double nx = across < w->lower[0] ? -1.0 : across >= w->upper[0] ? 1.0 : 0.0;
   const double shift[2] = {-nx * w->length[0] - ny * w->offset, -ny * w->length[1]};
+  if ((nx != 0.0 || ny != 0.0) && e->halo && i < s->n_free && e->halo->sent[i] &&
+      halo_wait_for(&e->halo->shifted, (halo_wait){.index = i, .x = s->x[i], .y = s->y[i]}) != SD_OK)
+    e->halo->lost = true;
   s->theta[i] -= turn;
   s->turn[i] += turn;
   s->x[i] += shift[0];
@@ -204,7 +207,7 @@ static void wrap(engine *e, uint32_t i) {
   motion_wrapped(e, i);
   body_pack(e, i);
   if (turn != 0.0 && e->halo && i < s->n_free && e->halo->sent[i] &&
-      halo_wait_for(&e->halo->wrapped, i, turn) != SD_OK)
+      halo_wait_for(&e->halo->wrapped, (halo_wait){.index = i, .turn = turn}) != SD_OK)
     e->halo->lost = true;
   if (i >= s->n_disks) walls_pose(e);
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
@@ -328,23 +331,42 @@ static int by_order(const void *one, const void *two) {
   return p < q ? -1 : p > q;
 }
 
-/* References first, then wraps by their slots in the whole: the order in which one rank alone does it. */
+/* Exchanges the places of disks with those that they had before they went round the box. */
+static void exchange_place(const sd_state *s, halo_wait *w) {
+  const double x = s->x[w->index], y = s->y[w->index];
+  s->x[w->index] = w->x;
+  s->y[w->index] = w->y;
+  w->x = x;
+  w->y = y;
+}
+
+static void exchange_places(const engine *e, halo_wait *ghosts) {
+  halo_waits *own = &e->halo->shifted;
+  for (size_t n = 0; n < own->count; n++) exchange_place(e->state, &own->item[n]);
+  for (size_t g = 0; g < e->state->n_ghosts; g++) exchange_place(e->state, &ghosts[g]);
+}
+
+/* As one rank alone does it: references first, from the places before wraps, then wraps by their slots in the whole. */
 sd_status contacts_follow(engine *e) {
   halo *h = e->halo;
   halo_waits *wrapped = &h->wrapped;
   const sd_state *s = e->state;
-  double *turn = calloc(s->n_ghosts + 1, sizeof *turn);
-  sd_status status = turn ? SD_OK : SD_ERROR_IO;
-  halo_refresh(e, turn);
+  halo_wait *ghosts = calloc(s->n_ghosts + 1, sizeof *ghosts);
+  if (!ghosts) comm_fail("no memory"); /* after the ranks have agreed on how they go on */
+  if (!ghosts) return SD_ERROR_IO;
+  halo_refresh(e, ghosts);
+  exchange_places(e, ghosts);
   for (size_t n = 0; n < h->rebased.count; n++) rebase(e, h->rebased.item[n].index);
-  for (size_t g = 0; turn && g < s->n_ghosts && status == SD_OK; g++)
-    if (turn[g] != 0.0) status = halo_wait_for(wrapped, (uint32_t)(s->n_free + g), turn[g]);
+  exchange_places(e, ghosts);
+  sd_status status = SD_OK;
+  for (size_t g = 0; g < s->n_ghosts && status == SD_OK; g++)
+    if (ghosts[g].turn != 0.0) status = halo_wait_for(wrapped, ghosts[g]);
   for (size_t n = 0; n < wrapped->count; n++) wrapped->item[n].order = h->order[wrapped->item[n].index];
   if (wrapped->count > 1) qsort(wrapped->item, wrapped->count, sizeof *wrapped->item, by_order);
   for (size_t n = 0; n < wrapped->count; n++) follow_wrap(e, wrapped->item[n].index, wrapped->item[n].turn);
   h->rebased.count = wrapped->count = 0;
-  free(turn);
-  if (status != SD_OK) comm_fail("no memory"); /* after the ranks have agreed on how they go on */
+  free(ghosts);
+  if (status != SD_OK) comm_fail("no memory");
   return status;
 }
 

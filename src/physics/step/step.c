@@ -122,6 +122,7 @@ unsigned step_agree(engine *e, bool stop) {
   const unsigned all = halo_agree(h);
   if (all & HALO_WAITS && contacts_follow(e) != SD_OK)
     w->status = sd_fail(w->messages, SD_ERROR_IO, "out of memory for contact events");
+  h->shifted.count = 0;
   return all;
 }
 

@@ -31,6 +31,7 @@ void halo_free(halo *h) {
   free(h->sent);
   free(h->rebased.item);
   free(h->wrapped.item);
+  free(h->shifted.item);
   free_rows(&h->prescribed);
   free(h);
 }
@@ -51,7 +52,7 @@ sd_status halo_connect(halo *h, const int *to, const int *from) {
   return SD_OK;
 }
 
-sd_status halo_wait_for(halo_waits *list, uint32_t index, double turn) {
+sd_status halo_wait_for(halo_waits *list, halo_wait wait) {
   if (list->count == list->capacity) {
     const size_t capacity = 2 * list->capacity + 16;
     halo_wait *more = realloc(list->item, capacity * sizeof *more);
@@ -59,7 +60,7 @@ sd_status halo_wait_for(halo_waits *list, uint32_t index, double turn) {
     list->item = more;
     list->capacity = capacity;
   }
-  list->item[list->count++] = (halo_wait){.index = index, .turn = turn};
+  list->item[list->count++] = wait;
   return SD_OK;
 }
 
@@ -111,9 +112,22 @@ void halo_finish(engine *e) {
   }
 }
 
-enum { POSE_X, POSE_Y, POSE_THETA, POSE_TURN, POSE_VX, POSE_VY, POSE_OMEGA, POSE_IMAGE_X, POSE_IMAGE_Y };
+enum {
+  POSE_X,
+  POSE_Y,
+  POSE_THETA,
+  POSE_TURN,
+  POSE_VX,
+  POSE_VY,
+  POSE_OMEGA,
+  POSE_IMAGES, /* two integers */
+  POSE_BEFORE_X,
+  POSE_BEFORE_Y,
+  POSE_ROW
+};
+static_assert((int)POSE_ROW <= (int)HALO_ROW, "a row of the messages");
 
-void halo_refresh(engine *e, double *turn) {
+void halo_refresh(engine *e, halo_wait *change) {
   halo *h = e->halo;
   sd_state *s = e->state;
   for (size_t k = 0; k < h->n_send; k++) {
@@ -126,15 +140,24 @@ void halo_refresh(engine *e, double *turn) {
     row[POSE_VX] = s->vx[i];
     row[POSE_VY] = s->vy[i];
     row[POSE_OMEGA] = s->omega[i];
-    row[POSE_IMAGE_X] = s->image_x[i];
-    row[POSE_IMAGE_Y] = s->image_y[i];
+    const int32_t images[2] = {s->image_x[i], s->image_y[i]};
+    memcpy(&row[POSE_IMAGES], images, sizeof images);
+    row[POSE_BEFORE_X] = s->x[i];
+    row[POSE_BEFORE_Y] = s->y[i];
+    for (size_t n = 0; n < h->shifted.count; n++) {
+      if (h->shifted.item[n].index != i) continue;
+      row[POSE_BEFORE_X] = h->shifted.item[n].x;
+      row[POSE_BEFORE_Y] = h->shifted.item[n].y;
+    }
   }
   comm_links_start(h->links);
   wait_for_rows(h);
   for (size_t k = 0; k < h->n_ghosts; k++) {
     const double *row = h->receive + HALO_ROW * k;
     const uint32_t i = h->ghost_slot[k];
-    if (turn) turn[i - h->n_own] = row[POSE_TURN] - s->turn[i];
+    if (change)
+      change[i - h->n_own] = (halo_wait){
+          .index = i, .turn = row[POSE_TURN] - s->turn[i], .x = row[POSE_BEFORE_X], .y = row[POSE_BEFORE_Y]};
     s->x[i] = row[POSE_X];
     s->y[i] = row[POSE_Y];
     s->theta[i] = row[POSE_THETA];
@@ -142,8 +165,10 @@ void halo_refresh(engine *e, double *turn) {
     s->vx[i] = row[POSE_VX];
     s->vy[i] = row[POSE_VY];
     s->omega[i] = row[POSE_OMEGA];
-    s->image_x[i] = (int32_t)row[POSE_IMAGE_X];
-    s->image_y[i] = (int32_t)row[POSE_IMAGE_Y];
+    int32_t images[2];
+    memcpy(images, &row[POSE_IMAGES], sizeof images);
+    s->image_x[i] = images[0];
+    s->image_y[i] = images[1];
   }
 }
 

@@ -18,10 +18,11 @@
 /* A packed body, and its acceleration. */
 enum { HALO_ROW = PACKED_ROW + 2 };
 
-/* A change of lambda_ref that waits: pair `index` is re-based, or body `index` was wrapped by `turn`. */
+/* A change of lambda_ref that waits: pair `index` is re-based, or body `index` was wrapped by `turn`, or by turns of the box: it
+ * was at x, y, from where contacts are re-based. */
 typedef struct halo_wait {
   uint32_t index, order;
-  double turn;
+  double turn, x, y;
 } halo_wait;
 
 typedef struct halo_waits {
@@ -51,10 +52,10 @@ struct halo {
   comm_links *links;
   bool *sent; /* [n_own] is a ghost elsewhere */
   halo_rows prescribed;
-  halo_waits rebased, wrapped;
-  bool lost;     /* no memory for one of them */
-  unsigned bits; /* HALO_STALE ... of this rank for the next halo_agree */
-  double waited; /* seconds in messages, since it was last set to 0 */
+  halo_waits rebased, wrapped, shifted; /* shifted: of this step, own disks before they went round the box */
+  bool lost;                            /* no memory for one of them */
+  unsigned bits;                        /* HALO_STALE ... of this rank for the next halo_agree */
+  double waited;                        /* seconds in messages, since it was last set to 0 */
 };
 
 /* After each step every rank knows whether any of them: has stale lists, has failed, is to stop, has changes that wait. */
@@ -86,7 +87,7 @@ static inline double halo_second(const engine *e, int32_t slot, int c) {
   if ((size_t)slot < s->n_free) return (c == SD_X ? s->x2 : s->y2)[slot];
   return (c == SD_X ? e->halo->x2 : e->halo->y2)[(size_t)slot - s->n_free];
 }
-sd_status halo_wait_for(halo_waits *list, uint32_t index, double turn);
+sd_status halo_wait_for(halo_waits *list, halo_wait wait);
 
 /* Collective, by one thread: */
 /* Bits of all ranks. */
@@ -96,8 +97,9 @@ unsigned halo_agree(halo *h);
 void halo_start(engine *e);
 void halo_progress(halo *h);
 void halo_finish(engine *e);
-/* Poses and velocities of own disks in the state to those of the ghosts. turn: [n_ghosts] by how much theirs has changed, or NULL. */
-void halo_refresh(engine *e, double *turn);
+/* Poses and velocities of own disks in the state to those of the ghosts. change: [n_ghosts] by how much their turn has changed, and
+ * where they were before they went round the box; or NULL. */
+void halo_refresh(engine *e, halo_wait *change);
 /* After new lists: where rows of forces on prescribed bodies go. */
 sd_status halo_list_prescribed(engine *e);
 /* Brings their rows together; sums_add_listed then takes the sums. */
