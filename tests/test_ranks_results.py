@@ -6,11 +6,17 @@ import pathlib
 import random
 import signal
 import subprocess
+import sys
 import time
 import unittest
 
+import numpy as np
+
 from ranks_common import ranks_of
 from results_common import LONG, PROGRAM, SELDOM, Folder, assert_same, run, wait_for
+
+sys.path.insert(0, str(pathlib.Path(os.environ["SLIPDISK_SOURCE_DIR"]) / "tools/python"))
+import slipdisk  # noqa: E402
 
 MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
 SHIM = pathlib.Path(os.environ["SLIPDISK_BUILD_DIR"]) / "tests/calls.so"
@@ -153,7 +159,17 @@ class Ranks(Folder):
         for table in "disks", "contacts":
             one, other = (self.folder / name / f"{table}.csv" for name in ("shares", "whole"))
             self.assertEqual(one.read_text(), other.read_text())
+        shared, one = slipdisk.Result(self.result), slipdisk.Result(whole)
+        self.assertEqual(shared.step, step)
+        self.assertEqual(len(shared.contacts), len(shared.contacts.step))
+        last = len(shared.frames) - 1
+        self.assertEqual(shared.frames.step[last], one.frames.step[last])
+        for name in "position", "velocity", "angle":
+            np.testing.assert_array_equal(shared.frames[last][name], one.frames[last][name])
+        np.testing.assert_array_equal(shared.disks, one.disks)
+        np.testing.assert_array_equal(shared.last_contacts, one.last_contacts)
         self.assertIn(f"step {step} of", self.run_ok("info", self.result)[0])
+        self.assertIn("give the result", run("info", self.parts / f"checkpoint-{step}-1.h5")[2])
         self.run_ok("view", self.result, "-o", self.folder / "page.html")
         self.run_ok("verify", self.result)
         # a share of another checkpoint, a damaged one, one that is missing

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 
 from .library import FileError, Record, unknown
+from .shares import opened
 
 FIRST = ("name", "disk", "partner")  # columns of tables that come first
 
@@ -224,7 +225,7 @@ class Result:
     @contextlib.contextmanager
     def _file(self, path):
         try:
-            file = h5py.File(path, "r")
+            file = opened(path)
         except FileNotFoundError:
             raise
         except OSError as error:
