@@ -48,7 +48,9 @@ static void leave(group *g, size_t member, sd_status status) {
         sd_simulation_finished(s->simulation) ? session_finish(s, m->messages) : session_stop(s, m->messages);
   if (status == SD_ERROR_IO && s->saved_step >= 0 && folder_check(&s->parts_folder, NULL) == SD_OK)
     sd_fail(m->messages, SD_ERROR_IO,
-            "what was written before is not damaged: the run can continue from step %" PRId64, s->saved_step);
+            "files that were written before are left as they were: with them the run can continue from step "
+            "%" PRId64,
+            s->saved_step);
   m->status = status;
   if (g->left) g->left(g->user, member);
 }

@@ -342,10 +342,11 @@ static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   const char *alone = sim->ranks ? ranks_unsuited(e) : "";
   if (!alone) return ranks_advance(sim->ranks, e, n, phase_measures(e), messages);
-  if (sim->ranks && alone != sim->told) {
+  if (sim->ranks && (alone != sim->told || e->state->phase != sim->told_phase)) {
     const char *name = phase_of(e)->name;
     sd_warn(messages, "phase \"%s\" runs on one rank, since %s", name ? name : "", alone);
     sim->told = alone;
+    sim->told_phase = e->state->phase;
   }
   const sd_status status = sim->ranks ? ranks_center(sim->ranks, e, messages) : SD_OK;
   if (status == SD_OK) advance_team(e, n, phase_measures(e));

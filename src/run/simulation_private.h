@@ -24,7 +24,8 @@ struct sd_simulation {
   engine engine;
   sd_model *owned;  /* model of its own; NULL: the caller's */
   ranks *ranks;     /* that share its steps; NULL: this process alone */
-  const char *told; /* why they do not, as the user was told */
+  const char *told; /* why they do not, as the user was told of this phase */
+  int64_t told_phase;
   size_t n_observers;
   simulation_observer *observers;
 };

@@ -400,7 +400,12 @@ static sd_status check_version(const h5_file *file, const char *path, int64_t le
   const char *shown = version ? version : "unknown";
   int64_t format = h5_get_attr_i64(file, "/state", "format", 0);
   sd_status status = SD_OK;
-  if (!creator || strcmp(creator, "slipdisk") != 0)
+  if (!creator && h5_exists(file, "/disks/key"))
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "%s is what one rank has written of a larger file; give the result, or that file: the "
+                     "name without the number of the rank",
+                     path);
+  else if (!creator || strcmp(creator, "slipdisk") != 0)
     status = sd_fail(messages, SD_ERROR_USER, "%s is no result of slipdisk%s%.80s", path,
                      creator ? ": it was written by " : "", creator ? creator : "");
   else if (format > CHECKPOINT_FORMAT)
