@@ -89,6 +89,7 @@ static const void *rows_of(const moving *m, size_t k, void **own) {
 }
 
 static bool is_zero(const char *data, size_t bytes) {
+  assert(data || bytes == 0);
   return bytes == 0 || (data[0] == 0 && memcmp(data, data + 1, bytes - 1) == 0);
 }
 

@@ -136,9 +136,11 @@ static sd_status open_shares(h5_shares *s, int folder) {
 static sd_status read_keys(h5_shares *s, shared_group *g, const char *keys, size_t k) {
   size_t dims[H5_MAX_RANK];
   int rank;
+  assert(g->rows && g->place);
   sd_status status = h5_shape(s->file[k], keys, &rank, dims, s->messages);
   const int64_t *key = g->place[k] = h5_column(s->file[k], keys, SD_I64, dims[0], &status, s->messages);
   if (status != SD_OK) return status;
+  assert(key && s->file[k]);
   g->rows[k] = dims[0];
   g->total += dims[0];
   for (size_t i = 1; i < dims[0]; i++)
@@ -156,6 +158,7 @@ static sd_status merge_keys(const h5_shares *s, shared_group *g) {
     free(at);
     return no_memory(s);
   }
+  assert(g->rows && g->place);
   for (size_t k = 0; k < s->n; k++)
     if (g->rows[k] > 0) runs_add(&heads, k, g->place[k][0]);
   for (int64_t place = 0; heads.n > 0; place++) {
@@ -313,6 +316,7 @@ static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type
   sd_status status =
       path && piece ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
   for (size_t n; status == SD_OK && at < end; at += n) {
+    assert(piece);
     n = end - at < most ? end - at : most;
     status = h5_get_values(s->file[k], path, type, at, n, set->width, piece, messages);
     for (size_t i = 0; status == SD_OK && i < n; i++)
