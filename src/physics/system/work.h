@@ -261,9 +261,9 @@ typedef struct work {
   columns columns[SD_COORDINATES];
   clumps clumps;
   void *arena; /* columns of these, and poses when the lists were built */
-  uint32_t *
-      slot; /* [bodies + clumps of the model] slot of a body number; of clump k: bodies + k. Of a body that is not here: 0, and
-                     most of it is never touched, so that it takes memory for the bodies of this rank only */
+  /* [bodies + clumps of the model] slot of a body number; of clump k: bodies + k. Of a body that is not here: 0, so that most of it
+   * is never touched on a rank of many. */
+  uint32_t *slot;
   const kernels *kernels;
   int n_threads;
 
