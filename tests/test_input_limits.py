@@ -248,16 +248,16 @@ class Tables(Limits):
                     file[f"t/{name}"] = numpy.array(values, dtype="f8")
 
     def test_many_rows(self):
-        n = 60_000_000
+        n = 240_000_000
 
         def zeros(file, name):
             file.create_dataset(name, (n,), "f8", chunks=(1 << 20,), compression="gzip", fillvalue=0)
             file[name][:1 << 20] = 0
         self.columns(x=zeros, y=zeros, radius=zeros)
-        self.refuse(self.deck(), "/t has 60000000 rows; expected at most 50000000")
+        self.refuse(self.deck(), "/t has 240000000 rows; expected at most 200000000")
         with h5py.File(self.folder / "a.h5", "w") as file:
             file.create_dataset("t", (n,), numpy.dtype([("x", "f8"), ("y", "f8"), ("radius", "f8")]), chunks=(1 << 16,))
-        self.refuse(self.deck(), "/t has 60000000 rows; expected at most 50000000")
+        self.refuse(self.deck(), "/t has 240000000 rows; expected at most 200000000")
 
     def test_wide(self):
         with h5py.File(self.folder / "a.h5", "w") as file:
