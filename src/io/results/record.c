@@ -70,6 +70,7 @@ void record_clear(record *r) {
   for (int k = 0; k < RECORD_TABLES; k++) table_clear(r->tables[k]);
 }
 
+/* GCOVR_EXCL_START: over ranks only */
 bool record_has_shares(const record *shared) {
   return shared->disks.n_rows > 0 || shared->contact_index.n_rows > 0;
 }
@@ -81,6 +82,7 @@ void record_take_series(record *r, record *shared) {
   shared->series = series;
 }
 
+/* GCOVR_EXCL_STOP */
 sd_status record_seal(record *r, int folder, const char *path, const record_link *link, size_t n_shares,
                       const int64_t *shares, uint64_t *sum, sd_messages *messages) {
   h5_file *file;
