@@ -32,6 +32,28 @@ def _strike(process, victim):
         pass
 
 
+def _is_over(pid):
+    """A process that has ended, though its parent has not asked for its status."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+def _await(process, launcher):
+    """Waits for the end of it, or says that it hangs. Open MPI's mpirun (4.1) itself may, in PMIx_server_finalize, when a
+    rank was killed in MPI_Init: a launcher whose ranks have all ended is told to end, too."""
+    for _ in range(runs.SECONDS // 10):
+        try:
+            process.communicate(timeout=10)
+            return True
+        except subprocess.TimeoutExpired:
+            ranks = _children(process.pid)
+            if launcher and ranks and all(map(_is_over, ranks)):
+                process.kill()
+    return False
+
+
 def _random_kills(setup, run, number, victims):
     """Kills the run again and again until it gets through; (kills, what is wrong)."""
     chance = setup.random("kill", run.name, number)
@@ -49,9 +71,7 @@ def _random_kills(setup, run, number, victims):
             _strike(process, chance.choice(victims))
             kills += 1
             # a sweep whose worker was killed goes on; workers of a killed one end by themselves, and hold the pipes
-            try:
-                process.communicate(timeout=runs.SECONDS)
-            except subprocess.TimeoutExpired:
+            if not _await(process, launcher=bool(run.also)):
                 _strike(process, "group")
                 process.communicate()
                 return kills, f"hangs after kill {kills} of trial {number}"
