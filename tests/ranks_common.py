@@ -133,8 +133,31 @@ phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fract
 measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
 """
 
+# Packings in tiles, of which ranks make their own: a front around a disk at the edge of a periodic box; a lattice across a tall box, whose
+# disks have sizes of two levels.
+TILES = f"""
+title = "tiles"; integrator = "gear5"; dt = 2e-4; gravity = {{ g = 1; tilt = 0.1; }}; seed = 7; checkpoint = 1e6;
+{GRAIN}
+box = {{ x = (-30, 30); periodic = "x"; }};
+walls = ( {{ name = "floor"; type = "segment"; points = ((-30, 0), (30, 0)); }} );
+disks = ( {{ name = "big"; x = 29; y = 12; radius = 2; density = 1.27; fixed = true; }}, {{ x = 0; y = 60; radius = 1; density = 1.27; }} );
+packings = ( {{ type = "front"; count = 8003; tiles = 7; y = (0.1, 50); sizes = "list"; radii = (0.2, 0.28); density = 1.27; group = "grains"; }} );
+motions = ( {{ wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.05; frequency = 5; }} );
+phases = ( {{ name = "fall"; steps = 300; series = 50; frames = 100; contacts = 150; }},
+           {{ name = "more"; steps = 300; series = 50; frames = 300; }} );
+measure = {{ groups = true; walls = true; }};
+"""
+LEVELS = f"""
+title = "levels"; integrator = "verlet"; dt = 2e-4; gravity = {{ g = 1; }}; checkpoint = 1e6;
+{GRAIN}
+container = {{ type = "box"; width = 40; height = 400; }};
+packings = ( {{ type = "triangular"; count = 6000; tiles = 5; spacing = 1.02; jitter = 1; sizes = "powerlaw"; exponent = 2; lower = 0.05;
+                upper = 0.5; density = 1.27; }} );
+phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
+"""
+
 DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
-         "periodic": PERIODIC}
+         "periodic": PERIODIC, "tiles": TILES, "levels": LEVELS}
 
 
 def ranks_of(launcher):

@@ -20,6 +20,7 @@
 #include "pack/lattice.h"
 #include "pack/place.h"
 #include "pack/sizes.h"
+#include "pack/tiles.h"
 
 enum { DRAWS = 40000 };
 
@@ -215,7 +216,7 @@ static size_t lattice(const sd_model *m, sd_packing_kind kind, double width, dou
   const double lower[2] = {0, 0}, upper[2] = {width, height};
   place_interior inside = {0};
   place_space s;
-  assert_int_equal(place_begin(&s, m, &inside, lower, upper, most), SD_OK);
+  assert_int_equal(place_begin(&s, m, m->n_disks, &inside, lower, upper, most), SD_OK);
   size_t n = lattice_sites(&s, kind, spacing, most, position);
   double *radius = malloc((n + 1) * sizeof *radius);
   assert_non_null(radius);
@@ -286,7 +287,7 @@ static size_t generate(const sd_model *m, const place_interior *inside, const do
   size_t placed = 0;
   gsl_rng *rng = sizes_random(3, 0);
   assert_int_equal(sizes_draw(s, rng, n, radius), SD_OK);
-  assert_int_equal(place_begin(&space, m, inside, lower, upper, n), SD_OK);
+  assert_int_equal(place_begin(&space, m, m->n_disks, inside, lower, upper, n), SD_OK);
   if (front)
     assert_int_equal(front_fill(&space, n, radius, position, &placed), SD_OK);
   else
@@ -481,6 +482,57 @@ static void test_waiting(void **state) {
   near_to(p[99][1], 10 + 19 * 1.05, 1e-9, "the last row"); /* 5 in a row */
 }
 
+/* Tiles know nothing of each other, but of what was there; together they are clear, and each is the same whoever makes it. */
+static void test_tiles(void **state) {
+  (void)state;
+  static const sd_packing_kind kinds[] = {SD_PACKING_SQUARE, SD_PACKING_TRIANGULAR, SD_PACKING_RANDOM,
+                                          SD_PACKING_FRONT};
+  enum { MOST = 400, TILES = 7 };
+  sd_disk there = {.position = {0.5, 10, 0}, .radius = 3}; /* also at the other end of the box */
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    sd_model m = model_of(40, 0);
+    m.n_disks = 1;
+    m.disks = &there;
+    m.seed = 3;
+    m.tiles = (sd_tiles){.n = TILES,
+                         .first = 1,
+                         .count = MOST,
+                         .kind = kinds[k],
+                         .upper = {40, 40},
+                         .spacing = 1.3,
+                         .jitter = 1,
+                         .density = 2,
+                         .sizes = SD_SIZES_LIST,
+                         .least = 0.4,
+                         .most = 0.6,
+                         .n_radii = 2,
+                         .radii = {0.4, 0.6},
+                         .weights = {1, 3}};
+    double again[MOST], at[MOST][2];
+    size_t placed;
+    for (size_t t = TILES; t-- > 0;) {
+      const size_t first = tiles_begin(&m.tiles, t), n = tiles_begin(&m.tiles, t + 1) - first;
+      assert_int_equal(n, MOST / TILES + (t < MOST % TILES));
+      assert_int_equal(tiles_make(&m, t, radius + first, position + first, &placed), SD_OK);
+      assert_int_equal(placed, n);
+      assert_int_equal(tiles_make(&m, t, again, at, &placed), SD_OK);
+      assert_memory_equal(again, radius + first, n * sizeof *again);
+      assert_memory_equal(at, position + first, n * sizeof *at);
+      for (size_t i = first; i < first + n; i++) {
+        assert_true(position[i][0] - radius[i] >= 40.0 * t / TILES - 1e-9);
+        assert_true(position[i][0] + radius[i] <= 40.0 * (t + 1) / TILES + 1e-9);
+        assert_true(apart(&m, position[i], there.position) >= (radius[i] + 3) * (1 - 1e-9));
+      }
+      if (t > 0) assert_true(position[first][1] != position[first + n - 1][1]);
+    }
+    assert_int_equal(tiles_begin(&m.tiles, TILES), MOST);
+    check_clear(&m, m.tiles.lower, m.tiles.upper, MOST, radius, position);
+    const sd_disk disk = tiles_disk(&m.tiles, 2, position[0]);
+    near_to(disk.mass, 8 * M_PI, 1e-12, "mass");
+    near_to(disk.inertia, 16 * M_PI, 1e-12, "moment of inertia");
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sizes),
@@ -499,6 +551,7 @@ int main(void) {
       cmocka_unit_test(test_interiors),
       cmocka_unit_test(test_drum),
       cmocka_unit_test(test_waiting),
+      cmocka_unit_test(test_tiles),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

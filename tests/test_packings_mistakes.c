@@ -200,6 +200,26 @@ static void test_packing_mistakes(void **state) {
           "packings[0].jitter = 1.1: expected at most 1; beyond it disks could overlap");
 }
 
+static void test_tile_mistakes(void **state) {
+  (void)state;
+  refused(HEAD BOX PACKING("type = \"front\"; tiles = 2; " MONO),
+          "packings[0].count: missing: expected the number of disks, which tiles share");
+  refused(HEAD BOX PACKING("type = \"random\"; fraction = 0.2; tiles = 2; " MONO),
+          "packings[0].count: missing: expected the number of disks, which tiles share");
+  refused(HEAD BOX PACKING("type = \"front\"; count = 3; tiles = 4; " MONO),
+          "packings[0].tiles = 4: expected at most one for each of the 3 disks");
+  refused(HEAD BOX PACKING("type = \"front\"; count = 50; tiles = 30; " MONO),
+          "packings[0].tiles = 30: each is 0.333333 wide; expected fewer, so that a disk of radius 0.25 fits "
+          "between their edges");
+  refused(HEAD BOX PACKING("type = \"rain\"; count = 50; tiles = 2; " MONO),
+          "packings[0].tiles = 2: does not belong to type \"rain\"");
+  refused(HEAD BOX PACKING("type = \"square\"; count = 50; tiles = 2; jitter = 1.1; " MONO),
+          "packings[0].jitter = 1.1: expected at most 1; beyond it disks could overlap");
+  refused(HEAD BOX PACKING("type = \"square\"; count = 20; tiles = 3; y = (0, 0.6); " MONO),
+          "packings[0].count = 20: tile 0 of 3 holds 6 disks only, where 7 were asked for; expected fewer disks or "
+          "a larger region");
+}
+
 static void test_rain_mistakes(void **state) {
   (void)state;
 #define RAIN(keys) PACKING("type = \"rain\"; count = 9; " keys MONO)
@@ -222,7 +242,7 @@ int main(void) {
       cmocka_unit_test(test_container_mistakes),  cmocka_unit_test(test_what_cannot_fit),
       cmocka_unit_test(test_generators_that_end), cmocka_unit_test(test_region_mistakes),
       cmocka_unit_test(test_size_mistakes),       cmocka_unit_test(test_packing_mistakes),
-      cmocka_unit_test(test_rain_mistakes),
+      cmocka_unit_test(test_rain_mistakes),      cmocka_unit_test(test_tile_mistakes),
   };
   return cmocka_run_group_tests(tests, NULL, tear_down);
 }

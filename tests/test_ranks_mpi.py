@@ -98,6 +98,33 @@ class Ranks(Folder):
         for ranks in brief((2, 4), (3,)):
             self.same("periodic", ranks, alone='"compress" runs on one rank')
 
+    def test_tiles(self):
+        """Disks that each rank makes itself, wherever it is cut to be."""
+        for ranks in brief((2, 3, 4, 7), (3,)):
+            self.same("tiles", ranks)
+        for ranks in brief((2, 3), (2,)):
+            self.same("levels", ranks, threads=2)
+
+    def test_tiles_go_on(self):
+        """What ranks have made goes on where one process makes it, and on other ranks."""
+        long = "-D", "phases[1].steps=4000", "-D", "checkpoint=0.1"
+        self.goes_on("tiles", (2, 3, 0), long)
+
+    def test_tiles_too_small(self):
+        """Those of another rank: its message, and no result."""
+        deck = self.folder / "full.cfg"
+        # tiles beside the first hold a disk that leaves too little room
+        deck.write_text(DECKS["tiles"].replace("x = 0; y = 60; radius = 1;", "x = 0; y = 24; radius = 4.2;").replace("y = (0.1, 50);", "y = (0.1, 33);"))
+        status, _, alone = run(0, "run", deck, "--quiet", "-o", self.result)
+        self.assertEqual(status, 2, alone)
+        expected = r"packings\[0\].count.*: tile 3 of 7 holds [0-9]+ disks only, where 1143 were asked for; expected fewer disks or a larger region"
+        self.assertRegex(alone, expected)
+        for ranks in brief((2, 4), (2,)):
+            status, _, err = run(ranks, "run", deck, "--quiet", "-o", self.result)
+            self.assertEqual(status, 2, err)
+            self.assertRegex(err, expected)
+            self.assertFalse(self.result.exists())
+
     def test_uneven(self):
         """Few disks, and clocks that leap: ranks without a disk, and cuts anew every 200 steps."""
         for seed in brief(range(1, 9), (1, 2)):
@@ -105,19 +132,18 @@ class Ranks(Folder):
         for seed in brief((1, 2), ()):
             self.same("channel", 3, environment=(f"LD_PRELOAD={SHIM}", f"INJECT_CLOCK={seed}"))
 
-    def test_restart(self):
-        """Stopped by a signal, continued on other numbers of ranks again and again."""
-        name, long = "collapse", ("-D", "phases[1].steps=40000", "-D", "checkpoint=0.1")
+    def goes_on(self, name, numbers, long):
+        """Stopped by a signal, and continued on other numbers of ranks."""
         by_one = self.by_one(name, *long)
         words = "run", self.deck(name), "--quiet", "--threads", 1, *long, "-o", self.result
         stopped = 0
-        for ranks in (3, 1, 2, 0):
+        for ranks in numbers:
             if self.result.exists():
                 break
             before = set(self.parts.glob("checkpoint*"))
             process = start(ranks, *words)
             # all ranks listen to signals when they have made steps
-            wait_for(lambda: process.poll() is not None or set(self.parts.glob("checkpoint*")) - before)
+            wait_for(lambda p=process, b=before: p.poll() is not None or set(self.parts.glob("checkpoint*")) - b)
             time.sleep(0.2)
             process.send_signal(signal.SIGUSR1)
             out, err = process.communicate(timeout=LONG)
@@ -127,6 +153,9 @@ class Ranks(Folder):
         if not self.result.exists():
             self.ok(4, *words)
         assert_same(self, by_one, self.result)
+
+    def test_restart(self):
+        self.goes_on("collapse", (3, 1, 2, 0), ("-D", "phases[1].steps=40000", "-D", "checkpoint=0.1"))
 
     def test_rows_once(self):
         """The second rank is told to stop where a row is due at every step: none is lost, none is there twice."""

@@ -7,6 +7,7 @@
 #include "base/comm.h"
 #include "base/text.h"
 #include "app/app.h"
+#include "io/deck/deck.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {
@@ -52,7 +53,11 @@ int app_run(int argc, char **argv) {
     assert(a.deck);
     output = a.output ? format_text("%s", a.output) : app_default_name(a.deck, "h5");
     again = output ? format_text("resume %s", output) : NULL;
-    if (comm_rank() == 0) status = sd_deck_load(a.deck, a.overrides.n, a.overrides.item, &model, messages);
+    /* a page shows all disks */
+    const bool shared = comm_size() > 1 && !a.drive.live;
+    if (comm_rank() == 0)
+      status = (shared ? deck_load_for_ranks : sd_deck_load)(a.deck, a.overrides.n, a.overrides.item, &model,
+                                                             messages);
     status = drive_agree(status, messages);
     if (status == SD_OK && comm_rank() == 0 && sd_model_deck(model)->sweep_points > 0)
       sd_warn(messages,

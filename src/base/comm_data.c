@@ -142,6 +142,10 @@ void comm_total_exact(exact_sum *sums, size_t n) {
   if (comm_size() > 1) add_integers((int64_t *)(void *)sums, n * MEMBERS);
 }
 
+void comm_add(int64_t *values, size_t n) {
+  if (comm_size() > 1) add_integers(values, n);
+}
+
 void comm_exchange(const void *send, const int *to, void *receive, const int *from, size_t size) {
   if (comm_size() > 1)
     exchange(send, to, receive, from, size);

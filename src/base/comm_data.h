@@ -18,6 +18,8 @@ double comm_largest(double value);
 double comm_total(double value);
 /* n sums of all ranks, without rounding. */
 void comm_total_exact(exact_sum *sums, size_t n);
+/* Each of n numbers becomes its sum over all ranks. */
+void comm_add(int64_t *values, size_t n);
 /* How many rows each rank sends here. */
 void comm_counts(const int *to, int *from);
 /* Rows to each rank, and from each. */

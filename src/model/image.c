@@ -12,6 +12,7 @@
 
 #include "model/bodies.h"
 #include "model/motion_kinds.h"
+#include "model/tiles.h"
 #include "slipdisk/model.h"
 
 typedef struct image {
@@ -92,12 +93,16 @@ static void text(image *im, void *place) {
 #define FORGET_ALL(im, list, n, member)                                                                      \
   for (size_t k_ = 0; k_ < (n); k_++) forget(im, &(list)[k_].member)
 
-/* It is more than its row of the state says. */
-static bool is_special(const sd_disk *d) {
+bool image_is_special(const sd_disk *d) {
   bool special = d->driven || d->clump > 0 || d->name;
   for (int c = 0; c < SD_COORDINATES; c++)
     special = special || d->locked[c] || d->force[c] != 0.0 || signbit(d->force[c]);
   return special;
+}
+
+/* Tiles see the disks that were there before them. */
+static bool is_of_rank(const sd_model *m, size_t k) {
+  return image_is_special(&m->disks[k]) || (m->tiles.away && k < m->tiles.first);
 }
 
 /* Of the others all is zero, in pages that nothing is written to. */
@@ -105,10 +110,10 @@ static void walk_special_disks(image *im, sd_model *m) {
   uint64_t n = 0;
   if (!im->writes) im->starved = !(m->disks = calloc(m->n_disks ? m->n_disks : 1, sizeof *m->disks));
   if (failed(im)) return;
-  for (size_t k = 0; im->writes && k < m->n_disks; k++) n += is_special(&m->disks[k]);
+  for (size_t k = 0; im->writes && k < model_held(m); k++) n += is_of_rank(m, k);
   transfer(im, &n, sizeof n);
   for (uint64_t k = 0; n > 0 && !failed(im); k++) {
-    if (im->writes && !is_special(&m->disks[k])) continue;
+    if (im->writes && !is_of_rank(m, k)) continue;
     transfer(im, &k, sizeof k);
     im->damaged = k >= m->n_disks;
     if (failed(im)) return;
@@ -210,7 +215,8 @@ static void walk(image *im, sd_model *m) {
   void *places[] = {&m->title,    &m->materials,     &m->laws,   &m->groups,      &m->disks,
                     &m->walls,    &m->motions,       &m->fields, &m->phases,      &m->rains,
                     &m->memories, &m->rotations,     &m->slides, &m->mistakes,    &m->deck,
-                    &m->segments, &m->contact_disks, &m->clumps, &m->clump_disks, &m->clump_offsets};
+                    &m->segments, &m->contact_disks, &m->clumps, &m->clump_disks, &m->clump_offsets,
+                    &m->advised};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
@@ -227,7 +233,7 @@ static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {
   image im = {.writes = true, .of_rank = of_rank};
   /* walked, not changed: places are only written when an image is read */
   sd_model whole = *model, *m = &whole;
-  if (of_rank) {
+  if (of_rank && !(model->limit_told > 0.0)) {
     const sd_step_limit limit = sd_model_step_limit(model);
     whole.limit_told = limit.dt;
     whole.bound_told = limit.bound;

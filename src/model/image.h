@@ -13,5 +13,7 @@ sd_status image_read(const void *bytes, size_t size, sd_model **out, sd_messages
  * prescribes it; nothing of most disks, which take no memory there. Not the contacts with which the run begins. */
 void *image_for_ranks(const sd_model *model, size_t *size);
 sd_status image_read_for_rank(const void *bytes, size_t size, sd_model **out, sd_messages *messages);
+/* Of this disk it has more than a row of the state says. */
+bool image_is_special(const sd_disk *disk);
 
 #endif

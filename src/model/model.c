@@ -72,6 +72,7 @@ void sd_model_free(sd_model *m) {
   free(m->clump_disks);
   free(m->clump_offsets);
   sd_messages_free(m->mistakes);
+  sd_messages_free(m->advised);
   if (m->deck) {
     char *const texts[] = {m->deck->path, m->deck->text, m->deck->overrides, m->deck->full, m->deck->bodies};
     for (size_t k = 0; k < COUNT(texts); k++) free(texts[k]);

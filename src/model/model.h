@@ -47,6 +47,25 @@ typedef struct sd_rain {
   double gap, speed;
 } sd_rain;
 
+enum { SD_TILE_RADII = 16 };
+
+/* The last packing, where it is made in tiles: slabs side by side along x, each made by itself (pack/tiles.h). Its disks are the last
+ * of the model, tile after tile. */
+typedef struct sd_tiles {
+  size_t n;            /* 0: there is no such packing */
+  size_t first, count; /* disks */
+  bool away;           /* those of the first tile alone are here, the others are made by the ranks that share them */
+  size_t packing;      /* number in the deck */
+  sd_packing_kind kind;
+  double lower[2], upper[2], spacing, jitter;
+  double mass, density; /* one is 0 */
+  int material, group;
+  sd_size_kind sizes; /* the rest as in sizes.h */
+  double radius, deviation, exponent, least, most;
+  size_t n_radii;
+  double radii[SD_TILE_RADII], weights[SD_TILE_RADII];
+} sd_tiles;
+
 /* A rectangle in which the centres of the free disks belong; infinite where there is no limit. */
 typedef struct sd_bounds {
   bool given; /* by the deck or its container; else nothing is looked at */
@@ -128,6 +147,7 @@ struct sd_model {
   size_t n_phases;
   sd_phase *phases;
 
+  sd_tiles tiles;
   size_t n_rains;
   sd_rain *rains;
   size_t n_memories; /* contacts of the packing that the run begins with, in any order */
@@ -151,6 +171,8 @@ struct sd_model {
 
   sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
   bool mistakes_lost;    /* without memory for them */
+
+  sd_messages *advised; /* of a model whose tiles are away, by its first one; NULL: none */
 
   /* derived */
   bool finished;

@@ -180,7 +180,7 @@ static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
 static bool boxes_apart(const front *f, const body *b, const double lower[2], const double upper[2]) {
   for (int c = 0; c < 2; c++) {
     const double gap = fmax(b->lower[c] - upper[c], lower[c] - b->upper[c]);
-    if (!(f->s->period[c] > 0) && gap > 2.0 * (1.0 + 1e-9) * f->largest) return true;
+    if (f->s->edge[c] && gap > 2.0 * (1.0 + 1e-9) * f->largest) return true;
   }
   return false;
 }

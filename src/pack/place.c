@@ -54,11 +54,11 @@ double place_area(const place_interior *in, const double lower[2], const double 
 static void choose_cells(place_space *s, size_t expected) {
   double extent[2], area = 1;
   for (int c = 0; c < 2; c++) {
-    s->corner[c] = s->period[c] > 0 ? s->model->lower[c] : s->lower[c];
-    extent[c] = s->period[c] > 0 ? s->period[c] : s->upper[c] - s->lower[c];
+    s->corner[c] = s->edge[c] ? s->lower[c] : s->model->lower[c];
+    extent[c] = s->edge[c] ? s->upper[c] - s->lower[c] : s->period[c];
     area *= extent[c];
   }
-  double wanted = fmin(2.0 * (double)(expected + s->model->n_disks) + 16, 5e7), size = sqrt(area / wanted);
+  double wanted = fmin(2.0 * (double)expected + 16, 5e7), size = sqrt(area / wanted);
   for (int c = 0; c < 2; c++) {
     s->cells[c] = (int64_t)fmax(1, fmin(floor(extent[c] / size), wanted));
     s->cell[c] = extent[c] / (double)s->cells[c];
@@ -66,11 +66,11 @@ static void choose_cells(place_space *s, size_t expected) {
   }
 }
 
-/* Cells from x - reach to x + reach along c; false: none. In a periodic direction they are to be taken modulo. */
+/* Cells from x - reach to x + reach along c; false: none. Where the grid goes round they are to be taken modulo. */
 static bool cell_range(const place_space *s, double x, double reach, int c, int64_t range[2]) {
   double low = floor((x - reach - s->corner[c]) / s->cell[c]), n = (double)s->cells[c],
          high = floor((x + reach - s->corner[c]) / s->cell[c]);
-  if (s->period[c] > 0) {
+  if (!s->edge[c]) {
     if (high - low >= n) {
       low = 0;
       high = n - 1;
@@ -111,6 +111,16 @@ static sd_status add_node(place_space *s, int64_t cell, uint32_t disk) {
   return SD_OK;
 }
 
+static sd_status add_nodes(place_space *s, double x, double y, double radius, uint32_t disk) {
+  int64_t along[2], up[2];
+  sd_status status = SD_OK;
+  if (!cell_range(s, x, radius, 0, along) || !cell_range(s, y, radius, 1, up)) return SD_OK;
+  for (int64_t j = up[0]; j <= up[1] && status == SD_OK; j++)
+    for (int64_t i = along[0]; i <= along[1] && status == SD_OK; i++)
+      status = add_node(s, cell_number(s, i, j), disk);
+  return status;
+}
+
 sd_status place_add(place_space *s, double x, double y, double radius) {
   if (s->n == s->capacity) {
     size_t capacity = 2 * s->capacity + 256;
@@ -130,17 +140,16 @@ sd_status place_add(place_space *s, double x, double y, double radius) {
   disk[0] = x;
   disk[1] = y;
   disk[2] = radius;
-  int64_t along[2], up[2];
+  const int p_most = s->edge[0] && s->period[0] > 0, q_most = s->edge[1] && s->period[1] > 0;
   sd_status status = SD_OK;
-  if (!cell_range(s, x, radius, 0, along) || !cell_range(s, y, radius, 1, up)) return SD_OK;
-  for (int64_t j = up[0]; j <= up[1] && status == SD_OK; j++)
-    for (int64_t i = along[0]; i <= along[1] && status == SD_OK; i++)
-      status = add_node(s, cell_number(s, i, j), number);
+  for (int p = -p_most; p <= p_most && status == SD_OK; p++)
+    for (int q = -q_most; q <= q_most && status == SD_OK; q++)
+      status = add_nodes(s, x + p * s->period[0], y + q * s->period[1], radius, number);
   return status;
 }
 
-sd_status place_begin(place_space *s, const sd_model *m, const place_interior *inside, const double lower[2],
-                      const double upper[2], size_t expected) {
+sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const place_interior *inside,
+                      const double lower[2], const double upper[2], size_t expected) {
   *s = (place_space){.model = m, .interior = *inside};
   for (int c = 0; c < 2; c++) {
     s->lower[c] = lower[c];
@@ -148,13 +157,13 @@ sd_status place_begin(place_space *s, const sd_model *m, const place_interior *i
     s->period[c] = m->periodic[c] ? fmax(0, m->upper[c] - m->lower[c]) : 0;
     s->edge[c] = !(s->period[c] > 0 && upper[c] - lower[c] >= s->period[c]);
   }
-  choose_cells(s, expected);
+  choose_cells(s, n_there + expected);
   size_t n_cells = (size_t)(s->cells[0] * s->cells[1]);
   s->head = malloc(n_cells * sizeof *s->head);
   if (!s->head) return SD_ERROR_IO;
   for (size_t k = 0; k < n_cells; k++) s->head[k] = -1;
   sd_status status = SD_OK;
-  for (size_t i = 0; i < m->n_disks && status == SD_OK; i++) {
+  for (size_t i = 0; i < n_there && status == SD_OK; i++) {
     const sd_disk *disk = &m->disks[i];
     bool sound = isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0 &&
                  isfinite(disk->radius);

@@ -31,7 +31,8 @@ typedef struct place_space {
   const sd_model *model;
   place_interior interior;
   double lower[2], upper[2];
-  bool edge[2]; /* disks lie between the edges of the rectangle; false: it is as wide as the periodic box */
+  bool edge[2]; /* disks lie between the edges of the rectangle, and so does the grid, which holds images; false: both go round
+                 * the periodic box */
   double period[2];   /* of the box; 0: open */
   size_t n, capacity; /* disks: of the model, then those that were added */
   double (*disk)[3];  /* x, y, radius */
@@ -45,9 +46,10 @@ typedef struct place_space {
   uint32_t *near;          /* [capacity]: what it has found */
 } place_space;
 
-/* A space for about `expected` new disks; to be ended in any case. SD_ERROR_IO: out of memory. */
-sd_status place_begin(place_space *s, const sd_model *m, const place_interior *inside, const double lower[2],
-                      const double upper[2], size_t expected);
+/* A space for about `expected` new disks beside the first n_there of the model; to be ended in any case. SD_ERROR_IO: out of
+ * memory. */
+sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const place_interior *inside,
+                      const double lower[2], const double upper[2], size_t expected);
 void place_end(place_space *s);
 
 /* Puts a coordinate back into the periodic box. */

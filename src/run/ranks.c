@@ -28,6 +28,7 @@
 #include "run/ranks_failure.h"
 #include "run/ranks_move.h"
 #include "run/ranks_share.h"
+#include "run/ranks_tiles.h"
 
 /* Cut anew when the busiest rank works by so much more than the mean, but not more often. */
 static const double IMBALANCE = 0.1;
@@ -255,24 +256,10 @@ static sd_status tell_failure(const ranks *r, sd_messages *messages) {
 
 /* --- rank 0 ------------------------------------------------------------------------------------------------------ */
 
-const char *ranks_unsuited(const engine *whole) {
-  const sd_model *m = whole->model;
-  /* of a run that is over, which only has to be merged: NULL */
-  const sd_phase *p = whole->state->phase < (int64_t)m->n_phases ? &m->phases[whole->state->phase] : NULL;
-  if (whole->fields) return "the program has force fields of its own";
-  if (m->n_clumps > 0) return "there are clumps";
-  if (cell_deforms(m)) return "the box deforms";
-  if (m->n_rotations > 0 || m->n_slides > 0) return "single disks are watched";
-  if (p && p->relax) return "it relaxes";
-  if (p && p->compress.asked) return "it compresses";
-  for (size_t k = 0; k < m->n_motions; k++)
-    for (size_t b = 0; b < m->motions[k].n_bodies; b++)
-      if (m->motions[k].bodies[b] < m->n_disks && !m->disks[m->motions[k].bodies[b]].driven)
-        return "a motion moves a free disk";
-  return NULL;
-}
-
-static sd_status spread(ranks *r, const engine *whole) {
+/* tiles: each rank makes its own. */
+static sd_status spread(ranks *r, const engine *whole, bool tiles) {
+  engine made = {0};
+  const engine *from = tiles ? &made : whole;
   double skin[1] = {whole ? engine_skin(whole) : 0.0};
   int64_t step[1] = {whole ? whole->state->step : 0};
   comm_share(skin, sizeof skin);
@@ -282,25 +269,35 @@ static sd_status spread(ranks *r, const engine *whole) {
   r->busy = 0.0;
   if (!r->cuts) r->cuts = comm_cuts_new(); /* all ranks at once: rank 0 may have finished without */
   sd_status status = r->cuts ? SD_OK : SD_ERROR_IO;
-  if (all_well(status)) status = move_first_cut(r->model, r->cuts, whole);
+  if (all_well(status) && tiles) status = ranks_tiles_new(r->model, whole, &made, r->messages);
+  if (all_well(status)) status = move_first_cut(r->model, r->cuts, from);
   r->balance.cuts++;
   if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
   if (r->threads > 1 && !r->pool) status = SD_ERROR_IO;
-  if (!all_well(status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot spread the disks over the ranks");
-  status = take_part(r, whole);
+  if (all_well(status))
+    status = take_part(r, from);
+  else if (status != SD_OK && sd_messages_count(r->messages) == 0)
+    sd_fail(r->messages, SD_ERROR_IO, "cannot spread the disks over the ranks");
+  ranks_tiles_free(&made);
+  if (whole && tiles) state_release_rows(whole->state);
   if (!all_well(status)) r->bits = HALO_FAILED;
+  engine_end(&r->part, status);
   return status;
 }
 
-sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
+static sd_status spread_whole(ranks *r, engine *whole, bool tiles, sd_messages *messages) {
   motion_store(whole);
   if (engine_has_lists(whole) && contacts_store(whole) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
   r->threads = engine_threads(whole);
-  say(SPREAD, r->threads, false);
+  say(SPREAD, r->threads, tiles);
   engine_drop_lists(whole);
-  const sd_status status = spread(r, whole);
+  const sd_status status = spread(r, whole, tiles);
   return comm_or(status != SD_OK) ? tell_failure(r, messages) : SD_OK;
+}
+
+sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
+  return spread_whole(r, whole, false, messages);
 }
 
 /* On every rank. */
@@ -375,7 +372,7 @@ sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages) {
 }
 
 sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messages) {
-  sd_status status = ranks_spread(r, whole, messages);
+  sd_status status = spread_whole(r, whole, r->model->tiles.away, messages);
   if (status != SD_OK) return status;
   double kept = 0.0;
   say(START, 0, measure);
@@ -416,11 +413,13 @@ sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages) {
   if (!ranks_are_spread(r)) return SD_OK;
   if (ranks_collect(r, whole) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the whole state");
-  engine_use_skin(whole, engine_skin(&r->part));
+  const double skin = engine_skin(&r->part);
   engine_tell(whole, messages);
   say(DROP, 0, false);
   drop_part(r);
   r->collected = -1;
+  if (r->model->tiles.away) return ranks_tiles_bring(whole, messages);
+  engine_use_skin(whole, skin);
   return engine_make_lists(whole, messages);
 }
 
@@ -557,7 +556,7 @@ int ranks_serve(ranks *r) {
     switch ((word)o.word) {
       case SPREAD: {
         r->threads = (int)o.n;
-        const sd_status status = spread(r, NULL);
+        const sd_status status = spread(r, NULL, o.measure != 0);
         if (comm_or(status != SD_OK)) tell_failure(r, NULL);
         break;
       }

@@ -32,8 +32,6 @@ ranks *ranks_new(const sd_model *model, volatile sig_atomic_t *stop);
 void ranks_free(ranks *r);
 
 /* --- rank 0 --------------------------------------------------------------------------------------------- */
-/* Can ranks share the steps of the present phase? NULL, or why not: "it relaxes". */
-const char *ranks_unsuited(const engine *whole);
 bool ranks_are_spread(const ranks *r);
 /* Shares out the disks, whose contacts stand in whole->state if it has no lists; ranks_advance does it where they are not. */
 sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages);

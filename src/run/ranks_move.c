@@ -342,32 +342,44 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
 
 /* --- cuts ----------------------------------------------------------------------------------------------------- */
 
+static sd_status cut_rows(comm_cuts *cuts, size_t n, const double *x, const double *y,
+                          const int32_t *activity) {
+  float *weight = malloc((n + 1) * sizeof *weight);
+  for (size_t i = 0; weight && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : 0.01f;
+  sd_status status = weight ? SD_OK : SD_ERROR_IO;
+  if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, n, x, y, weight);
+  free(weight);
+  return status;
+}
+
 /* Each rank looks at as many of the disks. */
-sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *whole) {
-  const sd_state *s = whole ? whole->state : NULL;
+static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_state *s) {
   const size_t n_ranks = (size_t)comm_size(), all = model->n_free, here = (size_t)comm_rank(),
                n = all * (here + 1) / n_ranks - all * here / n_ranks;
   int *to = calloc(2 * n_ranks, sizeof *to), *from = to + n_ranks;
   double *x = malloc((n + 1) * sizeof *x), *y = malloc((n + 1) * sizeof *y);
   int32_t *activity = malloc((n + 1) * sizeof *activity);
-  float *weight = malloc((n + 1) * sizeof *weight);
   assert(!s || s->n_free == all);
-  sd_status status = to && x && y && activity && weight ? SD_OK : SD_ERROR_IO;
+  sd_status status = to && x && y && activity ? SD_OK : SD_ERROR_IO;
   if (comm_or(status != SD_OK) == 0 && status == SD_OK) {
     for (size_t q = 0; s && q < n_ranks; q++) to[q] = (int)(all * (q + 1) / n_ranks - all * q / n_ranks);
     from[0] = (int)n;
     comm_exchange(s ? s->x : NULL, to, x, from, sizeof *x);
     comm_exchange(s ? s->y : NULL, to, y, from, sizeof *y);
     comm_exchange(s ? s->activity : NULL, to, activity, from, sizeof *activity);
-    for (size_t i = 0; i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : 0.01f;
-    status = comm_cuts_make(cuts, n, x, y, weight);
+    status = cut_rows(cuts, n, x, y, activity);
   }
   free(to);
   free(x);
   free(y);
   free(activity);
-  free(weight);
   return status;
+}
+
+sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *from) {
+  const sd_state *s = from ? from->state : NULL;
+  if (comm_or(from && from->halo) == 0) return cut_whole(model, cuts, s);
+  return cut_rows(cuts, s->n_free, s->x, s->y, s->activity);
 }
 
 /* A rank that had to wait for its processor is no reason to take all disks from it. */

@@ -6,9 +6,9 @@
 #include "physics/system/halo.h"
 #include "physics/system/work.h"
 
-/* Cuts the plane for disks that rank 0 has all of (whole: NULL on the others): points of equal weight, but for disks that are not in
- * play. SD_ERROR_IO: no memory, on any rank. */
-sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *whole);
+/* Cuts the plane for disks that rank 0 has all of, or each rank some (from: as of move_parts): points of equal weight, but for disks
+ * that are not in play. SD_ERROR_IO: no memory, on any rank. */
+sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *from);
 /* Anew, for parts: work per disk is contacts and the rest, in proportion to the seconds that its rank was busy with them, within a factor
  * of the mean. */
 sd_status move_cut_again(comm_cuts *cuts, const engine *part, double busy);

@@ -16,6 +16,7 @@
 #include "base/shortage.h"
 #include "io/store/file.h"
 #include "io/results/merge.h"
+#include "model/tiles.h"
 #include "run/deck_diff.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
@@ -71,7 +72,7 @@ static sd_status check_deck(const session *s, const provenance *origin, const sd
   }
   for (size_t slot = 0; state && slot < state->n_bodies; slot++) {
     uint32_t body = state->id[slot];
-    if (body >= s->model->n_disks) continue;
+    if (body >= model_held(s->model)) continue;
     const sd_disk *disk = &s->model->disks[body];
     if (disk->radius == state->radius[slot] && disk->mass == mass[slot]) continue;
     return sd_fail(messages, SD_ERROR_USER,

@@ -9,6 +9,7 @@
 #include "base/subnormal.h"
 #include "measure/disks.h"
 #include "measure/sample.h"
+#include "model/cell.h"
 #include "pack/compress.h"
 #include "pack/rain.h"
 #include "pack/relax.h"
@@ -84,9 +85,27 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
   return model->finished;
 }
 
+/* Can ranks share the steps of the present phase? NULL, or why not: "it relaxes". */
+static const char *unsuited(const engine *whole) {
+  const sd_model *m = whole->model;
+  /* of a run that is over, which only has to be merged: NULL */
+  const sd_phase *p = whole->state->phase < (int64_t)m->n_phases ? &m->phases[whole->state->phase] : NULL;
+  if (whole->fields) return "the program has force fields of its own";
+  if (m->n_clumps > 0) return "there are clumps";
+  if (cell_deforms(m)) return "the box deforms";
+  if (m->n_rotations > 0 || m->n_slides > 0) return "single disks are watched";
+  if (p && p->relax) return "it relaxes";
+  if (p && p->compress.asked) return "it compresses";
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; b < m->motions[k].n_bodies; b++)
+      if (m->motions[k].bodies[b] < m->n_disks && !m->disks[m->motions[k].bodies[b]].driven)
+        return "a motion moves a free disk";
+  return NULL;
+}
+
 /* Lists are made where the steps of the present phase are: on the ranks, or here. */
 static bool begins_on_ranks(const engine *e) {
-  return !ranks_unsuited(e) && !(e->state->step == 0 && rain_next(e, -1) == 0);
+  return !unsuited(e) && !(e->state->step == 0 && rain_next(e, -1) == 0);
 }
 
 static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
@@ -340,7 +359,7 @@ sd_status simulation_pause(engine *e, int64_t from, sd_messages *messages) {
 /* Steps by all ranks where they can share them, else by this process. */
 static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
-  const char *alone = sim->ranks ? ranks_unsuited(e) : "";
+  const char *alone = sim->ranks ? unsuited(e) : "";
   if (!alone) return ranks_advance(sim->ranks, e, n, phase_measures(e), messages);
   if (sim->ranks && (alone != sim->told || e->state->phase != sim->told_phase)) {
     const char *name = phase_of(e)->name;

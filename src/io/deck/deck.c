@@ -12,6 +12,7 @@
 #include "io/store/file.h"
 #include "model/advice.h"
 #include "model/bodies.h"
+#include "model/tiles.h"
 #include "slipdisk/deck.h"
 
 /* --- the keys of the deck itself --------------------------------------------------------------------------- */
@@ -206,11 +207,13 @@ typedef struct model_task {
   size_t n_settings;
   const deck_setting *settings;
   bool point, unfinished; /* wanted even so */
+  bool leave_tiles;
   sd_model *model;
 } model_task;
 
 static sd_status make_model(deck *d, void *user) {
   model_task *t = user;
+  d->leave_tiles = t->leave_tiles;
   d->model = sd_model_new();
   if (!d->model) longjmp(d->out_of_memory, 1);
   sd_deck *own = d->model->deck = deck_keep(d, 1, sizeof *own);
@@ -227,29 +230,31 @@ static sd_status make_model(deck *d, void *user) {
 
 sd_status deck_load(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     bool point, sd_model **out, sd_messages *messages) {
-  model_task t = {n_settings, settings, point, false, NULL};
+  model_task t = {.n_settings = n_settings, .settings = settings, .point = point};
   sd_status status = deck_open(text, path, n_settings, settings, make_model, &t, messages);
   *out = t.model;
   return status;
 }
 
+/* how: what else is wanted. */
 static sd_status load_text(const char *text, const char *path, size_t n_overrides,
-                           const char *const *overrides, bool unfinished, sd_model **out,
+                           const char *const *overrides, model_task how, sd_model **out,
                            sd_messages *messages) {
   deck_setting *settings = calloc(n_overrides + 1, sizeof *settings);
   *out = NULL;
   if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   for (size_t k = 0; k < n_overrides; k++) settings[k].text = overrides[k];
-  model_task t = {n_overrides, settings, false, unfinished, NULL};
-  sd_status status = deck_open(text, path, n_overrides, settings, make_model, &t, messages);
-  *out = t.model;
+  how.n_settings = n_overrides;
+  how.settings = settings;
+  sd_status status = deck_open(text, path, n_overrides, settings, make_model, &how, messages);
+  *out = how.model;
   free(settings);
   return status;
 }
 
 sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
                             const char *const *overrides, sd_model **out, sd_messages *messages) {
-  return load_text(text, path, n_overrides, overrides, false, out, messages);
+  return load_text(text, path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 
 /* Read once: a command may load its deck several times. */
@@ -285,22 +290,38 @@ char *deck_file_text(const char *path, sd_messages *messages, sd_status *status)
 
 const char *deck_source(const char *path) { return strcmp(path, "-") == 0 ? "stdin" : path; }
 
-static sd_status load(const char *path, size_t n_overrides, const char *const *overrides, bool unfinished,
+static sd_status load(const char *path, size_t n_overrides, const char *const *overrides, model_task how,
                       sd_model **out, sd_messages *messages) {
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   *out = NULL;
-  if (text) status = load_text(text, deck_source(path), n_overrides, overrides, unfinished, out, messages);
+  if (text) status = load_text(text, deck_source(path), n_overrides, overrides, how, out, messages);
   free(text);
   return status;
 }
 
 sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                        sd_messages *messages) {
-  return load(path, n_overrides, overrides, false, out, messages);
+  return load(path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                     sd_messages *messages) {
-  return load(path, n_overrides, overrides, true, out, messages);
+  return load(path, n_overrides, overrides, (model_task){.unfinished = true}, out, messages);
+}
+
+sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
+                              sd_model **out, sd_messages *messages) {
+  sd_messages *own = sd_messages_new();
+  if (!own) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  sd_status status = load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
+  const bool done = status == SD_OK && model_count_tiles(*out, &status) && status == SD_OK;
+  for (size_t k = 0; done && k < sd_messages_count(own); k++)
+    sd_warn(messages, "%s", sd_messages_text(own, k));
+  sd_messages_free(own);
+  if (done) return SD_OK;
+  /* what it says of a disk may be a mistake only where that is not there */
+  sd_model_free(*out);
+  *out = NULL;
+  return sd_deck_load(path, n_overrides, overrides, out, messages);
 }

@@ -72,6 +72,10 @@ bool deck_compare(const char *there, const char *here, bool any_title, deck_diff
 sd_status deck_look(const char *path, size_t n_overrides, const char *const *overrides, sd_model **out,
                     sd_messages *messages);
 
+/* As sd_deck_load, for a run that ranks share: *out may lack disks that they make (model/tiles.h). */
+sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
+                              sd_model **out, sd_messages *messages);
+
 /* All keys as Markdown, the way docs/deck.md shows them. */
 void deck_keys_print(FILE *out);
 

@@ -16,7 +16,7 @@ enum { FAR = 10, MOST_ALIKE = 8 };
 static const double SWING = 4;
 
 static double largest_radius(const sd_model *m) {
-  double largest = 0;
+  double largest = m->tiles.n ? m->tiles.most : 0; /* tiles may not all be here */
   for (size_t i = 0; i < m->n_disks; i++) largest = fmax(largest, m->disks[i].radius);
   return largest;
 }
@@ -88,6 +88,10 @@ static void extend(extent *e, const double *at, double radius) {
 static void far_out(sd_model *m) {
   extent e = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
   for (size_t i = 0; i < m->n_disks; i++) extend(&e, m->disks[i].position, m->disks[i].radius);
+  if (m->tiles.n) {
+    extend(&e, m->tiles.lower, 0);
+    extend(&e, m->tiles.upper, 0);
+  }
   for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
     if (wall->kind == SD_WALL_CIRCLE) extend(&e, wall->pivot, wall->radius);

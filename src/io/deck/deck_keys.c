@@ -174,12 +174,12 @@ TABLE(deck_container, "container", true,
       container_keys);
 
 static const deck_shape packing_kinds[] = {
-    {"triangular", SD_PACKING_TRIANGULAR, "count spacing jitter",
+    {"triangular", SD_PACKING_TRIANGULAR, "count spacing jitter tiles",
      "triangular lattice, from below; fills the region unless count is given"},
-    {"square", SD_PACKING_SQUARE, "count spacing jitter", "square lattice, likewise"},
-    {"random", SD_PACKING_RANDOM, "count/fraction*",
+    {"square", SD_PACKING_SQUARE, "count spacing jitter tiles", "square lattice, likewise"},
+    {"random", SD_PACKING_RANDOM, "count/fraction* tiles",
      "at random, without overlap; up to a fraction of about 0.5"},
-    {"front", SD_PACKING_FRONT, "count",
+    {"front", SD_PACKING_FRONT, "count tiles",
      "advancing front: each disk touches two, dense and without overlap; fills the region unless count is "
      "given"},
     {"rain", SD_PACKING_RAIN, "count* rows interval gap speed",
@@ -213,6 +213,9 @@ static const deck_key packing_keys[] = {
     {"jitter", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
      "lattices: largest random displacement over the room that a disk has; 1: they may touch",
      SETS(deck_packing_values, jitter)},
+    {"tiles", INTEGER(DECK_AT_LEAST_1, "-"), "-", NULL,
+     "slabs side by side along x, each made by itself with its part of count: over MPI ranks each rank makes its own",
+     SETS(deck_packing_values, tiles)},
     {"rows", INTEGER(DECK_AT_LEAST_1, "-"), "4", NULL, "rain: rows of disks in a batch",
      SETS(deck_packing_values, rows)},
     {"interval", NUMBER(DECK_POSITIVE, "time"), "(the fall through a batch's height)", NULL,

@@ -11,10 +11,10 @@
 #include "io/deck/deck_clumps.h"
 #include "io/deck/deck_read.h"
 #include "pack/front.h"
-#include "pack/lattice.h"
 #include "pack/place.h"
 #include "pack/rain.h"
 #include "pack/sizes.h"
+#include "pack/tiles.h"
 
 /* Densest packing of equal disks, pi/sqrt(12). */
 static const double DENSEST = 0.90689968211710892;
@@ -24,6 +24,7 @@ static const double LEAST_KEPT = 1e-6;
 typedef struct packing {
   deck_group g;
   size_t number;
+  bool last; /* of the deck */
   deck_packing_values v;
   sizes *sizes; /* of v */
   double mean_area;
@@ -280,7 +281,7 @@ static bench open_bench(const packing *p, double capacity) {
   bench b = {.capacity = (size_t)capacity};
   b.radius = deck_alloc(d, b.capacity, sizeof *b.radius);
   b.position = deck_alloc(d, b.capacity, sizeof *b.position);
-  b.status = place_begin(&b.space, d->model, &d->container->interior, p->lower, p->upper, b.capacity);
+  b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower, p->upper, b.capacity);
   b.rng = sizes_random(d->model->seed, p->number);
   if (!b.rng) b.status = SD_ERROR_IO;
   return b;
@@ -292,16 +293,29 @@ static void close_bench(const packing *p, bench *b) {
   if (b->status != SD_OK) longjmp(p->g.d->out_of_memory, 1);
 }
 
-static void make_lattice(packing *p) {
+/* The spacing of a lattice; 0: there are mistakes. */
+static double read_spacing(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
   size_t before = d->reported;
   deck_default_number(g, "spacing", 2 * p->sizes->upper);
-  double spacing = deck_number(g, "spacing"), jitter = p->v.jitter;
+  double spacing = deck_number(g, "spacing");
   if (spacing < 2 * p->sizes->upper)
     deck_fail_key(d, g->node, "spacing", "expected at least the largest diameter, %g", 2 * p->sizes->upper);
-  if (jitter > 1) deck_fail_key(d, g->node, "jitter", "expected at most 1; beyond it disks could overlap");
-  if (d->reported > before) return;
+  if (p->v.jitter > 1)
+    deck_fail_key(d, g->node, "jitter", "expected at most 1; beyond it disks could overlap");
+  return d->reported > before ? 0 : spacing;
+}
+
+static bool is_lattice(const packing *p) {
+  return p->v.kind == SD_PACKING_TRIANGULAR || p->v.kind == SD_PACKING_SQUARE;
+}
+
+static void make_lattice(packing *p) {
+  deck *d = p->g.d;
+  deck_group *g = &p->g;
+  const double spacing = read_spacing(p);
+  if (spacing == 0) return;
   double sites = ((p->upper[0] - p->lower[0]) / spacing + 1) *
                  ((p->upper[1] - p->lower[1]) / (spacing * sqrt(0.75)) + 1);
   if (sites > LIMIT_DISKS) {
@@ -310,11 +324,9 @@ static void make_lattice(packing *p) {
     return;
   }
   bench b = open_bench(p, p->v.count > 0 ? fmin((double)p->v.count, sites) : sites);
-  if (b.status == SD_OK) {
-    b.n = lattice_sites(&b.space, p->v.kind, spacing, b.capacity, b.position);
-    b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
-    lattice_jitter(&b.space, b.rng, spacing, jitter, b.n, b.radius, b.position);
-  }
+  const tiles_fill how = {p->v.kind, p->sizes, spacing, p->v.jitter};
+  if (b.status == SD_OK)
+    b.status = tiles_place(&b.space, b.rng, &how, b.capacity, b.radius, b.position, &b.n);
   close_bench(p, &b);
   if (b.n == 0)
     deck_fail(d, g->node, "the lattice has no free site in the region");
@@ -331,9 +343,12 @@ static void make_random(packing *p) {
   bench b = open_bench(p, by_count ? (double)p->v.count : 2 * target / p->mean_area + 100);
   size_t placed = 0;
   b.n = b.capacity;
-  if (b.status == SD_OK && by_count) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  const tiles_fill how = {.kind = p->v.kind, .sizes = p->sizes};
+  if (b.status == SD_OK && by_count)
+    b.status = tiles_place(&b.space, b.rng, &how, b.n, b.radius, b.position, &placed);
   if (b.status == SD_OK && !by_count) b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
-  if (b.status == SD_OK) b.status = place_random(&b.space, b.rng, b.n, b.radius, b.position, &placed);
+  if (b.status == SD_OK && !by_count)
+    b.status = place_random(&b.space, b.rng, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
   if (placed == b.n) {
     push(p, b.n, b.radius, b.position, false);
@@ -447,6 +462,82 @@ static void make_rain(packing *p) {
   m->rains[m->n_rains++] = rain;
 }
 
+/* --- tiles ---------------------------------------------------------------------------------------------------- */
+
+/* What tiles are made from, in the model; group: when there is a disk. */
+static void keep_tiles(packing *p, double spacing) {
+  const sizes *s = p->sizes;
+  sd_tiles *t = &p->g.d->model->tiles;
+  *t = (sd_tiles){.n = (size_t)p->v.tiles,
+                  .first = p->g.d->model->n_disks,
+                  .count = (size_t)p->v.count,
+                  .packing = p->number,
+                  .kind = p->v.kind,
+                  .lower = {p->lower[0], p->lower[1]},
+                  .upper = {p->upper[0], p->upper[1]},
+                  .spacing = spacing,
+                  .jitter = p->v.jitter,
+                  .mass = p->v.mass,
+                  .density = p->v.density,
+                  .material = p->material,
+                  .group = -1,
+                  .sizes = s->kind,
+                  .radius = s->radius,
+                  .deviation = s->deviation,
+                  .exponent = s->exponent,
+                  .least = s->lower,
+                  .most = s->upper,
+                  .n_radii = s->n};
+  for (size_t k = 0; k < s->n; k++) {
+    t->radii[k] = s->radii[k];
+    t->weights[k] = s->weights[k];
+  }
+}
+
+static void check_tiles(packing *p) {
+  deck *d = p->g.d;
+  deck_group *g = &p->g;
+  const double wide = (p->upper[0] - p->lower[0]) / (double)p->v.tiles;
+  const sd_container_kind kind = d->container->interior.kind;
+  if (p->v.count == 0)
+    deck_fail_key(d, g->node, "count", "missing: expected the number of disks, which tiles share");
+  else if (p->v.tiles > p->v.count)
+    deck_fail_key(d, g->node, "tiles", "expected at most one for each of the %lld disks",
+                  (long long)p->v.count);
+  if (!(2 * p->sizes->upper <= wide))
+    deck_fail_key(d, g->node, "tiles",
+                  "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges", wide,
+                  p->sizes->upper);
+  if (p->grain.at) deck_fail_key(d, g->node, "tiles", "clumps are not made in tiles");
+  if (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM)
+    deck_fail_key(d, g->node, "tiles", "expected a container that is a rectangle");
+  if (p->sizes->n > SD_TILE_RADII)
+    deck_fail_key(d, g->node, "radii", "expected at most %d in a packing that is made in tiles", SD_TILE_RADII);
+}
+
+/* Of a run that ranks will share only the first tile is made here; sd_model_finish and advice look at that one. */
+static void make_tiled(packing *p) {
+  deck *d = p->g.d;
+  sd_model *m = d->model;
+  size_t before = d->reported;
+  const double spacing = is_lattice(p) ? read_spacing(p) : 0;
+  check_tiles(p);
+  if (d->reported > before) return;
+  keep_tiles(p, spacing);
+  m->tiles.away = d->leave_tiles && p->last && m->tiles.n > 1;
+  for (size_t k = 0; k < (m->tiles.away ? 1 : m->tiles.n) && d->reported == before; k++) {
+    const size_t n = tiles_begin(&m->tiles, k + 1) - tiles_begin(&m->tiles, k);
+    double *radius = deck_alloc(d, n, sizeof *radius), (*position)[2] = deck_alloc(d, n, sizeof *position);
+    size_t placed;
+    if (tiles_make(m, k, radius, position, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
+    if (placed < n)
+      deck_fail_key(d, p->g.node, "count", TILES_FULL, k, m->tiles.n, placed, n);
+    else
+      push(p, n, radius, position, false);
+  }
+  if (d->reported == before) m->tiles.group = m->disks[m->tiles.first].group;
+}
+
 /* --- a packing ------------------------------------------------------------------------------------------------ */
 
 static void make_packing(packing *p) {
@@ -467,7 +558,11 @@ static void make_packing(packing *p) {
   if (d->reported == before) check_area(p, count, rain ? HUGE_VAL : p->area);
   if (p->v.fraction > 0 && count < 1)
     deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
-  if (d->reported == before) make[p->v.kind](p);
+  if (d->reported > before) return;
+  if (p->v.tiles > 0)
+    make_tiled(p);
+  else
+    make[p->v.kind](p);
 }
 
 /* Radii become those of the circles around the grains. */
@@ -481,8 +576,9 @@ static void enlarge(deck *d, sizes *s, double by) {
   if (s->kind != SD_SIZES_LOGNORMAL) s->deviation *= by;
 }
 
-static void read_packing(deck *d, deck_node *node, size_t number) {
-  packing p = {.number = number, .sizes = &p.v.sizes};
+static void read_packing(deck *d, deck_node *node, size_t number, bool last) {
+  packing p = {.number = number, .last = last, .sizes = &p.v.sizes};
+  d->model->tiles = (sd_tiles){0};
   if (!deck_enter(d, node, &deck_packings, &p.g)) return;
   size_t before = d->reported;
   bool known = deck_fill(&p.g, &p.v);
@@ -498,5 +594,5 @@ static void read_packing(deck *d, deck_node *node, size_t number) {
 
 void deck_read_packings(deck *d) {
   deck_node *list = deck_groups(d, d->root, "packings");
-  for (size_t k = 0; list && k < list->n; k++) read_packing(d, list->child[k], k);
+  for (size_t k = 0; list && k < list->n; k++) read_packing(d, list->child[k], k, k + 1 == list->n);
 }

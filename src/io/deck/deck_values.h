@@ -18,6 +18,7 @@ typedef struct deck_packing_values {
   int64_t count;   /* 0: not given */
   double fraction; /* 0: not given */
   double jitter;
+  int64_t tiles; /* 0: not given */
   int64_t rows;
   double speed;
   double mass, density; /* one is 0 */

@@ -11,6 +11,7 @@
 #include "io/results/trajectory.h"
 #include "io/store/members.h"
 #include "model/law_features.h"
+#include "model/tiles.h"
 #include "slipdisk/deck.h"
 
 #define MODEL "/parameters/model"
@@ -173,8 +174,9 @@ static void put_bodies(h5_file *file, const char *group, const sd_model *m, size
   for (size_t k = 0; names && id && k < n; k++) {
     size_t body = first + k;
     id[k] = (uint32_t)body;
-    names[k] = (char *)name_of(m, body);
-    named = named || names[k];
+    const char *name = name_of(m, body);
+    if (name) names[k] = (char *)(uintptr_t)name; /* else zeros stay, that take no memory */
+    named = named || name;
   }
   members_put(file, group, "id", SD_U32, 1, &n, id, true, "1", meaning);
   if (h5_have(file, path && names, group) && named) {
@@ -207,16 +209,67 @@ static void put_box(h5_file *file, const char *group, const sd_model *m) {
   free(box);
 }
 
-static void put_disks(h5_file *file, const sd_model *m) {
+/* Rows of bodies in the order of a state, to be freed; NULL: not there, and why. */
+static void *state_column(const constants_source *from, const char *name, size_t n, sd_status *status,
+                          sd_messages *messages) {
+  size_t k = 0;
+  while (strcmp(sd_fields[k].name, name) != 0) k++;
+  if (!from->state) {
+    char path[64];
+    snprintf(path, sizeof path, "/state/%s", name);
+    return h5_column(from->checkpoint, path, sd_fields[k].type, n, status, messages);
+  }
+  const size_t bytes = n * sd_type_size(sd_fields[k].type);
+  void *copy = *status == SD_OK ? malloc(bytes + 1) : NULL;
+  if (copy) memcpy(copy, sd_field_data(from->state, &sd_fields[k]), bytes);
+  if (*status == SD_OK && !copy) *status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
+  return copy;
+}
+
+/* Disks that ranks have made are nowhere but in the state: a column at a time. */
+static sd_status put_made(h5_file *file, const sd_model *m, const constants_source *from,
+                          sd_messages *messages) {
+  static const char *const columns[] = {"radius", "mass", "inertia", "material", "group", NULL};
+  const size_t n = m->n_disks, bodies = sd_model_bodies(m);
+  sd_status status = SD_OK;
+  uint32_t *id = state_column(from, "id", bodies, &status, messages);
+  h5_group(file, DISKS);
+  for (size_t k = 0; k < disk_constants.n && status == SD_OK; k++) {
+    const observable *o = &disk_constants.rows[k];
+    const sd_type type = observable_stored(o);
+    const size_t size = sd_type_size(type);
+    char *rows = columns[k] ? state_column(from, columns[k], bodies, &status, messages) : NULL;
+    char *dense = status == SD_OK ? calloc(n + 1, size) : NULL;
+    if (status == SD_OK && !dense) status = sd_fail(messages, SD_ERROR_IO, "no memory for the result");
+    for (size_t slot = 0; id && dense && slot < bodies; slot++) {
+      const int32_t driven = slot >= m->n_free;
+      if (id[slot] < n)
+        memcpy(dense + id[slot] * size, rows ? rows + slot * size : (const char *)&driven, size);
+    }
+    if (dense) members_put(file, DISKS, o->name, type, 1, &n, dense, true, o->unit, o->meaning);
+    free(rows);
+    free(dense);
+  }
+  free(id);
+  return status;
+}
+
+static sd_status put_disks(h5_file *file, const sd_model *m, const constants_source *from,
+                           sd_messages *messages) {
   bool pushed = false;
   put_box(file, DISKS, m);
   put_bodies(file, DISKS, m, 0, m->n_disks, "permanent number, as in the deck");
-  members_write(file, DISKS, &disk_constants, m->disks, sizeof *m->disks, m->n_disks);
-  for (size_t k = 0; k < m->n_disks; k++)
+  sd_status status = SD_OK;
+  if (m->tiles.away)
+    status = put_made(file, m, from, messages);
+  else
+    members_write(file, DISKS, &disk_constants, m->disks, sizeof *m->disks, m->n_disks);
+  for (size_t k = 0; k < model_held(m); k++)
     pushed = pushed || m->disks[k].force[0] != 0.0 || m->disks[k].force[1] != 0.0;
   if (pushed) members_write(file, DISKS, &disk_forces, m->disks, sizeof *m->disks, m->n_disks);
   if (m->n_clumps > 0)
     members_write(file, DISKS, &in_clump_constants, m->disks, sizeof *m->disks, m->n_disks);
+  return status;
 }
 
 static void put_clumps(h5_file *file, const sd_model *m) {
@@ -249,7 +302,8 @@ static void put_walls(h5_file *file, const sd_model *m) {
   free(points);
 }
 
-void constants_write(h5_file *file, const sd_model *m) {
+sd_status constants_write(h5_file *file, const sd_model *m, const constants_source *from, sd_messages *messages) {
+  sd_status status = SD_OK;
   static const size_t two = 2, square[2] = {2, 2};
   const double box[2][2] = {{m->lower[0], m->lower[1]}, {m->upper[0], m->upper[1]}};
   const double area[2][2] = {{m->region_lower[0], m->region_lower[1]},
@@ -268,9 +322,10 @@ void constants_write(h5_file *file, const sd_model *m) {
   put_laws(file, m);
   put_normal_laws(file, m);
   put_general_laws(file, m);
-  if (m->n_disks > 0) put_disks(file, m);
+  if (m->n_disks > 0) status = put_disks(file, m, from, messages);
   if (m->n_walls > 0) put_walls(file, m);
   if (m->n_clumps > 0) put_clumps(file, m);
+  return status;
 }
 
 /* --- read --------------------------------------------------------------------------------------------- */

@@ -4,8 +4,18 @@
 #define SLIPDISK_IO_CONSTANTS_H
 
 #include "io/store/h5.h"
+#include "model/model.h"
+#include "model/state.h"
 
-void constants_write(h5_file *file, const sd_model *model);
+/* Where the state at the end is: in memory, or in the last checkpoint. */
+typedef struct constants_source {
+  const sd_state *state;
+  const h5_file *checkpoint;
+} constants_source;
+
+/* from: read for disks that are not in the model (model/tiles.h). SD_ERROR_IO: not there, no memory. */
+sd_status constants_write(h5_file *file, const sd_model *model, const constants_source *from,
+                          sd_messages *messages);
 /* A model, not finished, with one material per row of the laws: from a result, or, where /parameters/model is not
  * there (a checkpoint, an old result), from the deck that is stored in the file. SD_ERROR_USER: the deck cannot be
  * read again, for example since it names files that are gone. */

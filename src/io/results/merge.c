@@ -127,7 +127,8 @@ static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *mes
     checkpoint_put_state(out, job->state);
   else
     status = checkpoint_copy_state(out, job->checkpoint, messages);
-  constants_write(out, job->model);
+  if (status == SD_OK)
+    status = constants_write(out, job->model, &(constants_source){job->state, job->checkpoint}, messages);
   series_write_columns(out, job->model);
   return status;
 }

@@ -37,6 +37,10 @@ static double rounding(const sd_model *model, const sd_state *state, double over
     stiffest = fmax(stiffest, model->laws[k].k_n);
   for (size_t i = 0; i < state->n_disks; i++)
     farthest = fmax(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
+  const sd_tiles *t = &model->tiles; /* of disks that are away the corners are known */
+  if (t->away)
+    farthest = fmax(farthest, fmax(fabs(t->lower[0]), fabs(t->upper[0])) +
+                                  fmax(fabs(t->lower[1]), fabs(t->upper[1])));
   return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
 }
 

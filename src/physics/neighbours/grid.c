@@ -14,15 +14,18 @@ static const double LEVEL_FACTOR = 2.5, CELL_SIZE = 1.0, CELLS_PER_DISK = 4.0;
 
 /* --- levels ---------------------------------------------------------------------------------------------- */
 
-size_t grid_levels_of(const double *radius, size_t n, double factor, double top[GRID_LEVELS]) {
+size_t grid_levels_of(const double *radius, size_t n, double factor, double (*most)(double),
+                      double top[GRID_LEVELS]) {
   double least = HUGE_VAL, below = HUGE_VAL;
   size_t count = 0;
   assert(factor > 1.0);
   for (size_t i = 0; i < n; i++) least = radius[i] < least ? radius[i] : least;
+  if (most) least = -most(-least);
   while (count < GRID_LEVELS) {
     double largest = 0.0;
     for (size_t i = 0; i < n; i++)
       if (radius[i] < below && radius[i] > largest) largest = radius[i];
+    if (most) largest = most(largest);
     if (largest == 0.0) break;
     top[count++] = largest;
     below = largest / factor;
@@ -242,7 +245,7 @@ static void grid_together(const team *t, void *with) {
 sd_status grid_build(const engine *e, double margin, grid *g) {
   const sd_state *s = e->state;
   double top[GRID_LEVELS] = {0};
-  *g = (grid){.count = grid_levels_of(s->radius, s->n_disks, LEVEL_FACTOR, top)};
+  *g = (grid){.count = grid_levels_of(s->radius, s->n_disks, LEVEL_FACTOR, NULL, top)};
   for (size_t k = 0; k < g->count; k++) g->level[k].largest = top[k];
   grid_task f = {.e = e, .g = g, .margin = margin};
   pool_run(work_pool(e), grid_together, &f);

@@ -51,7 +51,9 @@ void grid_free(grid *g);
 sd_status grid_around(const grid *g, const grid_level *l, const double at[2], double reach, grid_runs *found);
 /* The same for a line, of which there are no periodic images. */
 sd_status grid_along(const grid_level *l, const grid_line *line, double reach, grid_runs *found);
-/* Radii of the levels: writes the largest of each, descending, and returns how many there are. */
-size_t grid_levels_of(const double *radius, size_t n, double factor, double top[GRID_LEVELS]);
+/* Radii of the levels: writes the largest of each, descending, and returns how many there are. most: the largest of a value on all
+ * ranks, which then call together; NULL: of this one. */
+size_t grid_levels_of(const double *radius, size_t n, double factor, double (*most)(double),
+                      double top[GRID_LEVELS]);
 
 #endif

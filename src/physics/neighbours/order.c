@@ -10,15 +10,8 @@
 
 /* --- order of the disks ------------------------------------------------------------------------------ */
 
-typedef struct place {
-  uint64_t strip; /* UINT64_MAX: not in play */
-  double along;
-  uint32_t id, slot;
-  uint32_t level; /* of size, the smallest first */
-} place;
-
-static int by_place(const void *one, const void *two) {
-  const place *p = one, *q = two;
+int order_by_place(const void *one, const void *two) {
+  const order_place *p = one, *q = two;
   if ((p->strip == UINT64_MAX) != (q->strip == UINT64_MAX)) return p->strip < q->strip ? -1 : 1;
   if (p->level != q->level) return p->level < q->level ? -1 : 1;
   if (p->strip != q->strip) return p->strip < q->strip ? -1 : 1;
@@ -34,13 +27,14 @@ static bool in_play(const sd_state *s, size_t i) {
   return s->activity[i] == SD_IN_PLAY || s->activity[i] == SD_OUTSIDE;
 }
 
-static range range_of(const sd_state *s, const double *at) {
+static range range_of(const sd_state *s, const double *at, double (*most)(double)) {
   range x = {HUGE_VAL, -HUGE_VAL};
   for (size_t i = 0; i < s->n_free; i++) {
     if (!in_play(s, i)) continue;
     x.low = fmin(x.low, at[i]);
     x.high = fmax(x.high, at[i]);
   }
+  if (most) x = (range){-most(-x.low), most(x.high)};
   return x;
 }
 
@@ -58,13 +52,13 @@ static uint64_t strip_of(double at, range x, double width, bool folded) {
  * first. So the partners of a disk stand near it, but for larger ones, which are few and last. */
 static const double LEVEL_FACTOR = 4.0;
 
-static void fill_places(const sd_model *m, const sd_state *s, place *list) {
-  range x = range_of(s, s->x), y = range_of(s, s->y);
+static void fill_places(const sd_model *m, const sd_state *s, double (*most)(double), order_place *list) {
+  const range x = range_of(s, s->x, most), y = range_of(s, s->y, most);
   const bool along_x = x.high - x.low >= y.high - y.low;
   double top[GRID_LEVELS];
-  const size_t levels = grid_levels_of(s->radius, s->n_free, LEVEL_FACTOR, top);
+  const size_t levels = grid_levels_of(s->radius, s->n_free, LEVEL_FACTOR, most, top);
   for (uint32_t i = 0; i < s->n_free; i++) {
-    list[i] = (place){.strip = UINT64_MAX, .id = s->id[i], .slot = i};
+    list[i] = (order_place){.strip = UINT64_MAX, .id = s->id[i], .slot = i};
     if (!in_play(s, i)) continue;
     uint32_t level = 0;
     while (level + 1 < levels && s->radius[i] <= top[level + 1]) level++;
@@ -166,21 +160,26 @@ sd_status order_contacts(const sd_model *m, sd_state *s) {
   return status;
 }
 
-sd_status order_disks(const sd_model *m, sd_state *s) {
+sd_status order_part(const sd_model *m, sd_state *s, double (*most)(double), order_place *list) {
   size_t row = s->n_means ? SD_MEAN_BINS * sizeof(double) : sizeof(double);
-  place *disks = malloc((s->n_free + 1) * sizeof *disks);
   uint32_t *from = calloc(s->n_free + 1, sizeof *from);
   void *scratch = malloc((s->n_free + 1) * row);
-  sd_status status = disks && from && scratch ? SD_OK : SD_ERROR_IO;
+  sd_status status = from && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
-    fill_places(m, s, disks);
-    if (s->n_free > 1) qsort(disks, s->n_free, sizeof *disks, by_place);
-    for (size_t k = 0; k < s->n_free; k++) from[k] = disks[k].slot;
-    for (size_t k = 1; k < s->n_free; k++) assert(by_place(&disks[k - 1], &disks[k]) < 0);
+    fill_places(m, s, most, list);
+    if (s->n_free > 1) qsort(list, s->n_free, sizeof *list, order_by_place);
+    for (size_t k = 0; k < s->n_free; k++) from[k] = list[k].slot;
+    for (size_t k = 1; k < s->n_free; k++) assert(order_by_place(&list[k - 1], &list[k]) < 0);
     permute_all(s, false, from, scratch);
   }
-  free(disks);
   free(from);
   free(scratch);
+  return status;
+}
+
+sd_status order_disks(const sd_model *m, sd_state *s) {
+  order_place *list = malloc((s->n_free + 1) * sizeof *list);
+  const sd_status status = list ? order_part(m, s, NULL, list) : SD_ERROR_IO;
+  free(list);
   return status == SD_OK ? order_contacts(m, s) : status;
 }

@@ -16,6 +16,17 @@ enum { ORDER_LEAST = 1000 };
  * the upper one; a periodic side is folded, so that its ends stand side by side. Disks that wait or were taken out
  * follow, in the order of the deck. The contacts in the state follow suit. SD_ERROR_IO: no memory. */
 sd_status order_disks(const sd_model *model, sd_state *state);
+/* Where a disk stands in this order: sizes ascend, and in them strips. */
+typedef struct order_place {
+  uint64_t strip; /* UINT64_MAX: not in play */
+  double along;
+  uint32_t id, slot; /* slot: where it stood */
+  uint32_t level;    /* of size, the smallest first */
+} order_place;
+int order_by_place(const void *one, const void *two);
+/* Puts the free disks of a part without contacts in this order, and says where they stand in that of all parts: list[n_free]. most: the
+ * largest of a value on all ranks, which call together; NULL: this part is all. SD_ERROR_IO: no memory. */
+sd_status order_part(const sd_model *model, sd_state *state, double (*most)(double), order_place *list);
 /* The contacts in the state, however they stand, as the lists have them: the disk in the lower slot first, round ones
  * before those with pieces of straight walls, by slots. SD_ERROR_IO: no memory, nothing is changed. */
 sd_status order_contacts(const sd_model *model, sd_state *state);

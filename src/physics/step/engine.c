@@ -11,6 +11,7 @@
 #include "base/arena.h"
 #include "model/law_features.h"
 #include "model/normal_laws.h"
+#include "model/tiles.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
@@ -34,11 +35,10 @@ static void set(double *at, double value) {
   if (value != 0.0 || signbit(value)) *at = value;
 }
 
-void engine_fill_disk(const sd_model *m, sd_state *s, uint32_t disk, uint32_t slot) {
-  const sd_disk *d = &m->disks[disk];
+void engine_fill_disk(sd_state *s, const sd_disk *d, uint32_t number, uint32_t slot) {
   assert(slot < s->n_disks && (slot >= s->n_free) == d->driven);
   double turn = 8.0 * nearbyint(d->position[SD_THETA] / 8.0);
-  s->id[slot] = disk;
+  s->id[slot] = number;
   s->x[slot] = s->base_x[slot] = d->position[SD_X];
   s->y[slot] = s->base_y[slot] = d->position[SD_Y];
   set(&s->base_theta[slot], d->position[SD_THETA]);
@@ -78,10 +78,13 @@ static sd_status fill_contacts(const sd_model *m, sd_state *s) {
 }
 
 sd_status engine_fill_state(const sd_model *m, sd_state *s) {
+  const size_t held = model_held(m);
   uint32_t slot = 0;
-  for (int driven = 0; driven < 2; driven++)
-    for (uint32_t i = 0; i < m->n_disks; i++)
-      if (m->disks[i].driven == (driven != 0)) engine_fill_disk(m, s, i, slot++);
+  for (int driven = 0; driven < 2; driven++) {
+    for (uint32_t i = 0; i < held; i++)
+      if (m->disks[i].driven == (driven != 0)) engine_fill_disk(s, &m->disks[i], i, slot++);
+    if (!driven) slot += (uint32_t)(m->n_disks - held);
+  }
   assert(slot == s->n_disks && m->n_free == s->n_free);
   for (uint32_t k = 0; k < m->n_walls; k++, slot++) {
     const sd_wall *wall = &m->walls[k];
@@ -95,7 +98,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   assert(slot == s->n_bodies);
   clumps_fill_state(m, s);
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
-  if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
+  if (s->n_free >= ORDER_LEAST && !m->tiles.away && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
   return fill_contacts(m, s);
 }
 
@@ -282,6 +285,7 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   fill_limit(e, w);
   for (uint32_t k = 0; k < e->state->n_bodies; k++) {
     const uint32_t id = e->state->id[k];
+    if (e->state->radius[k] == 0.0 && k < e->state->n_free) continue; /* made by another rank */
     assert(id < sd_model_bodies(e->model) && w->slot[id] == 0);
     w->slot[id] = k;
   }
@@ -337,6 +341,12 @@ sd_status engine_make_lists(engine *e, sd_messages *messages) {
   bodies_fill_constants(e);
   if (motion_resume(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the motions");
   return build_lists(e, messages);
+}
+
+sd_status engine_build_again(engine *e, sd_messages *messages) {
+  const int threads = engine_threads(e);
+  engine_free(e);
+  return engine_build(e, threads, messages);
 }
 
 void engine_free(engine *e) {

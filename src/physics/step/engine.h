@@ -8,7 +8,7 @@
  * SD_ERROR_IO: no memory for these. */
 sd_status engine_fill_state(const sd_model *model, sd_state *state);
 /* The columns of one disk, in its slot. */
-void engine_fill_disk(const sd_model *model, sd_state *state, uint32_t disk, uint32_t slot);
+void engine_fill_disk(sd_state *state, const sd_disk *disk, uint32_t number, uint32_t slot);
 
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
@@ -18,6 +18,8 @@ void engine_free(engine *e);
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
 void engine_drop_lists(engine *e);
 sd_status engine_make_lists(engine *e, sd_messages *messages);
+/* Everything anew, of a state that has other disks than before. */
+sd_status engine_build_again(engine *e, sd_messages *messages);
 static inline bool engine_has_lists(const engine *e) { return e->work.pairs.capacity > 0; }
 
 /* At step 0, once the first phase's motions run: contacts that are closed at the start begin (lambda* =

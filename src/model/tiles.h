@@ -1,0 +1,21 @@
+/* tiles.h: a model that lacks most disks of its last packing, which the ranks of a run make in tiles (sd_tiles, pack/tiles.h).
+ *
+ * Rank 0 reads the deck with the first tile alone, whose disks stand for all in what is checked and advised. Then the others are counted
+ * as free disks, so that walls have the numbers that they have in one process; the rows of these disks are zeros that nothing is
+ * written to, as those of all free disks are on the other ranks (image.h).
+ */
+#ifndef SLIPDISK_MODEL_TILES_H
+#define SLIPDISK_MODEL_TILES_H
+
+#include "model/model.h"
+
+/* Disks whose rows are in the model. */
+static inline size_t model_held(const sd_model *m) {
+  return m->tiles.away ? m->tiles.first + (m->tiles.count + m->tiles.n - 1) / m->tiles.n : m->n_disks;
+}
+
+/* Counts the disks that are not there. false: something is done with single disks of them, or with all on one rank, so that the
+ * deck must be read with them. SD_ERROR_IO in status: out of memory. */
+bool model_count_tiles(sd_model *model, sd_status *status);
+
+#endif

@@ -1,0 +1,93 @@
+/* tiles.c: see tiles.h. */
+#include "pack/tiles.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+#include "base/limits.h"
+#include "pack/front.h"
+#include "pack/lattice.h"
+
+sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_t n, double *radius,
+                      double (*position)[2], size_t *placed) {
+  const bool lattice = how->kind == SD_PACKING_TRIANGULAR || how->kind == SD_PACKING_SQUARE;
+  if (lattice) n = lattice_sites(s, how->kind, how->spacing, n, position);
+  *placed = 0;
+  sd_status status = sizes_draw(how->sizes, rng, n, radius);
+  if (status != SD_OK) return status;
+  if (how->kind == SD_PACKING_FRONT) return front_fill(s, n, radius, position, placed);
+  if (!lattice) return place_random(s, rng, n, radius, position, placed);
+  lattice_jitter(s, rng, how->spacing, how->jitter, n, radius, position);
+  *placed = n;
+  return SD_OK;
+}
+
+size_t tiles_begin(const sd_tiles *t, size_t tile) {
+  const size_t each = t->count / t->n, more = t->count % t->n;
+  return tile * each + (tile < more ? tile : more);
+}
+
+/* Behind those of packings and of the angles of their grains. */
+static size_t stream_of(const sd_tiles *t, size_t tile) {
+  return tile == 0 ? t->packing : t->packing + LIMIT_ENTRIES * (1 + tile);
+}
+
+static double edge_of(const sd_tiles *t, size_t tile) {
+  if (tile == t->n) return t->upper[0];
+  return t->lower[0] + (t->upper[0] - t->lower[0]) * ((double)tile / (double)t->n);
+}
+
+sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*position)[2], size_t *placed) {
+  const sd_tiles *t = &m->tiles;
+  const sizes drawn = {.kind = t->sizes,
+                       .radius = t->radius,
+                       .deviation = t->deviation,
+                       .exponent = t->exponent,
+                       .lower = t->least,
+                       .upper = t->most,
+                       .n = t->n_radii,
+                       .radii = t->radii,
+                       .weights = t->weights};
+  const tiles_fill how = {t->kind, &drawn, t->spacing, t->jitter};
+  const place_interior rectangle = {0};
+  const double lower[2] = {edge_of(t, tile), t->lower[1]}, upper[2] = {edge_of(t, tile + 1), t->upper[1]};
+  const size_t n = tiles_begin(t, tile + 1) - tiles_begin(t, tile);
+  place_space space;
+  gsl_rng *rng = sizes_random(m->seed, stream_of(t, tile));
+  sd_status status = place_begin(&space, m, t->first, &rectangle, lower, upper, n);
+  if (!rng) status = SD_ERROR_IO;
+  *placed = 0;
+  if (status == SD_OK) status = tiles_place(&space, rng, &how, n, radius, position, placed);
+  gsl_rng_free(rng);
+  place_end(&space);
+  return status;
+}
+
+sd_disk tiles_disk(const sd_tiles *t, double radius, const double position[2]) {
+  const double mass = t->mass == 0.0 ? t->density * 3.14159265358979323846 * radius * radius : t->mass;
+  return (sd_disk){.position = {position[0], position[1], 0.0},
+                   .radius = radius,
+                   .mass = mass,
+                   .inertia = 0.5 * mass * radius * radius,
+                   .material = t->material,
+                   .group = t->group};
+}
+
+sd_status tiles_bring(sd_model *m) {
+  const sd_tiles *t = &m->tiles;
+  const size_t most = tiles_begin(t, 1);
+  double *radius = malloc((most + 1) * sizeof *radius), (*position)[2] = malloc((most + 1) * sizeof *position);
+  sd_status status = radius && position ? SD_OK : SD_ERROR_IO;
+  for (size_t k = 1; t->away && k < t->n && status == SD_OK; k++) {
+    const size_t first = tiles_begin(t, k), n = tiles_begin(t, k + 1) - first;
+    size_t placed;
+    status = tiles_make(m, k, radius, position, &placed);
+    assert(status != SD_OK || placed == n);
+    for (size_t i = 0; i < n && status == SD_OK; i++)
+      m->disks[t->first + first + i] = tiles_disk(t, radius[i], position[i]);
+  }
+  if (status == SD_OK) m->tiles.away = false;
+  free(radius);
+  free(position);
+  return status;
+}
