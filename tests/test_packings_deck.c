@@ -402,9 +402,11 @@ static void test_overrides(void **state) {
 #define TILES(more)                                                                                          \
   HEAD "container = { type = \"box\"; width = 60; height = 60; };\n"                                         \
        "disks = ( { name = \"peg\"; x = 0; y = 40; radius = 1; mass = 1; fixed = true; } );\n"               \
-       "packings = ( { type = \"front\"; count = 3301; tiles = 3; sizes = \"uniform\"; lower = 0.2; upper = 0.4; " \
+       "packings = ( { type = \"front\"; count = 3301; tiles = 3; sizes = \"uniform\"; lower = 0.2; upper "  \
+       "= 0.4; "                                                                                             \
        "density = 2; group = \"grains\"; " more " } );\n"                                                    \
-       "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; frequency = 1; } );\n"
+       "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; "          \
+       "frequency = 1; } );\n"
 
 /* The deck as a run reads it that ranks will share; how many of its disks are there. */
 static sd_model *for_ranks(const char *text, size_t *held) {
@@ -469,10 +471,15 @@ static void test_tiles_that_stay(void **state) {
     sd_model *m = for_ranks(text, &held);
     if (m && held != 3302) print_error("%s\n", more[k]);
     if (m) assert_int_equal(held, 3302);
+    const size_t n = m ? sd_messages_count(messages) : 0;
+    if (m)
+      assert_non_null(
+          strstr(sd_messages_text(messages, n - 1), "packings[0].tiles: one rank makes all, since "));
     if (!m) assert_null(load(text, NULL, NULL)); /* the same mistake */
     sd_model_free(m);
   }
-  sd_model *m = for_ranks(TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"), &held);
+  sd_model *m = for_ranks(
+      TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"), &held);
   assert_int_equal(held, 3303);
   sd_model_free(m);
 }

@@ -216,7 +216,8 @@ static void test_tile_mistakes(void **state) {
   refused(HEAD BOX PACKING("type = \"square\"; count = 50; tiles = 2; jitter = 1.1; " MONO),
           "packings[0].jitter = 1.1: expected at most 1; beyond it disks could overlap");
   refused(HEAD BOX PACKING("type = \"square\"; count = 20; tiles = 3; y = (0, 0.6); " MONO),
-          "packings[0].count = 20: tile 0 of 3 holds 6 disks only, where 7 were asked for; expected fewer disks or "
+          "packings[0].count = 20: tile 0 of 3 holds 6 disks only, where 7 were asked for; expected fewer "
+          "disks or "
           "a larger region");
 }
 
@@ -242,7 +243,7 @@ int main(void) {
       cmocka_unit_test(test_container_mistakes),  cmocka_unit_test(test_what_cannot_fit),
       cmocka_unit_test(test_generators_that_end), cmocka_unit_test(test_region_mistakes),
       cmocka_unit_test(test_size_mistakes),       cmocka_unit_test(test_packing_mistakes),
-      cmocka_unit_test(test_rain_mistakes),      cmocka_unit_test(test_tile_mistakes),
+      cmocka_unit_test(test_rain_mistakes),       cmocka_unit_test(test_tile_mistakes),
   };
   return cmocka_run_group_tests(tests, NULL, tear_down);
 }

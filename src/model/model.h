@@ -54,8 +54,8 @@ enum { SD_TILE_RADII = 16 };
 typedef struct sd_tiles {
   size_t n;            /* 0: there is no such packing */
   size_t first, count; /* disks */
-  bool away;           /* those of the first tile alone are here, the others are made by the ranks that share them */
-  size_t packing;      /* number in the deck */
+  bool away; /* those of the first tile alone are here, the others are made by the ranks that share them */
+  size_t packing; /* number in the deck */
   sd_packing_kind kind;
   double lower[2], upper[2], spacing, jitter;
   double mass, density; /* one is 0 */

@@ -13,43 +13,63 @@
 /* So few that the order of the disks in a state, or what is watched, might depend on how many there are. */
 enum { FEW = 1000 };
 
-static bool one_is_special(const sd_model *m) {
-  for (size_t k = m->tiles.first; k < m->n_disks; k++)
-    if (image_is_special(&m->disks[k])) return true;
-  for (size_t k = 0; k < m->n_contact_disks; k++)
-    if (m->contact_disks[k] >= m->tiles.first) return true;
+static bool moves_free_disks(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
       const uint32_t body = m->motions[k].bodies[b];
       if (body < m->n_disks && !m->disks[body].driven) return true;
     }
-  for (size_t k = 0; k < m->n_fields; k++)
-    if (m->fields[k].n_disks > 0) return true;
   return false;
 }
 
-/* What motions, or the bounds that a deck gives, take from all disks. */
+/* Something of the deck speaks of its disks. */
+static bool names_disks(const sd_model *m) {
+  bool named = m->n_rotations > 0 || m->n_slides > 0 || moves_free_disks(m);
+  for (size_t k = m->tiles.first; k < m->n_disks; k++) named = named || image_is_special(&m->disks[k]);
+  for (size_t k = 0; k < m->n_contact_disks; k++) named = named || m->contact_disks[k] >= m->tiles.first;
+  for (size_t k = 0; k < m->n_fields; k++) named = named || m->fields[k].n_disks > 0;
+  return named;
+}
+
+/* Some phase is for one rank. */
+static bool runs_alone(const sd_model *m) {
+  bool alone = m->n_rains > 0 || cell_deforms(m);
+  for (size_t k = 0; k < m->n_phases; k++) alone = alone || m->phases[k].relax || m->phases[k].compress.asked;
+  return alone;
+}
+
+/* Periods of springs, radii. */
 static bool asks_all(const sd_model *m) {
   bool asks = model_moves_surfaces(m);
   for (size_t k = 0; k < m->n_motions; k++) asks = asks || m->motions[k].kind == SD_MOTION_SERVO;
-  for (int c = 0; m->bounds.given && c < 2; c++)
-    asks = asks || m->tiles.lower[c] < m->bounds.lower[c] || m->tiles.upper[c] > m->bounds.upper[c];
   return asks;
 }
 
-/* Ranks share all its phases, and nothing but its forces is asked of each disk. */
-static bool suits(const sd_model *m) {
-  bool whole = m->n_clumps > 0 || m->n_rains > 0 || m->n_memories > 0 || m->n_rotations > 0 ||
-               m->n_slides > 0 || m->measure_disks || cell_deforms(m) || asks_all(m);
-  for (size_t k = 0; k < m->n_phases; k++)
-    whole = whole || m->phases[k].relax || m->phases[k].compress.asked;
-  return !whole && m->n_disks == model_held(m) && m->n_disks - m->tiles.first >= FEW && !one_is_special(m);
+static bool reaches_out(const sd_model *m) {
+  bool out = false;
+  for (int c = 0; m->bounds.given && c < 2; c++)
+    out = out || m->tiles.lower[c] < m->bounds.lower[c] || m->tiles.upper[c] > m->bounds.upper[c];
+  return out;
 }
 
-bool model_count_tiles(sd_model *m, sd_status *status) {
-  *status = SD_OK;
-  if (!m->tiles.away) return true;
-  if (!suits(m)) return false;
+/* Why all disks must be in the model; NULL: they need not. */
+static const char *reason(const sd_model *m) {
+  if (m->n_disks != model_held(m) || m->n_clumps > 0) return "other disks follow, or clumps";
+  if (m->n_disks - m->tiles.first < FEW) return "tiles are small";
+  if (m->n_memories > 0) return "contacts come from a file";
+  if (m->measure_disks) return "measure.disks = true";
+  if (names_disks(m)) return "the deck speaks of single disks of it";
+  if (runs_alone(m)) return "a phase is for one rank";
+  if (asks_all(m)) return "a servo or a moving surface is made for all disks";
+  return reaches_out(m) ? "it reaches beyond the bounds" : NULL;
+}
+
+static const char NO_MEMORY[] = "there is no memory for fewer";
+
+const char *model_count_tiles(sd_model *m) {
+  if (!m->tiles.away) return NULL;
+  const char *why = reason(m);
+  if (why) return why;
   const size_t held = m->n_disks, more = m->tiles.first + m->tiles.count - held;
   const sd_step_limit limit = sd_model_step_limit(m);
   sd_disk *all = calloc(held + more, sizeof *all);
@@ -57,8 +77,7 @@ bool model_count_tiles(sd_model *m, sd_status *status) {
   if (!all || !advised) {
     free(all);
     sd_messages_free(advised);
-    *status = SD_ERROR_IO;
-    return true;
+    return NO_MEMORY;
   }
   sd_model_advise(m, advised);
   m->advised = advised;
@@ -73,6 +92,5 @@ bool model_count_tiles(sd_model *m, sd_status *status) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++)
       if (m->motions[k].bodies[b] >= held) m->motions[k].bodies[b] += (uint32_t)more;
-  *status = model_find_pieces(m);
-  return true;
+  return model_find_pieces(m) == SD_OK ? NULL : NO_MEMORY;
 }

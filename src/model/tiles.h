@@ -14,8 +14,7 @@ static inline size_t model_held(const sd_model *m) {
   return m->tiles.away ? m->tiles.first + (m->tiles.count + m->tiles.n - 1) / m->tiles.n : m->n_disks;
 }
 
-/* Counts the disks that are not there. false: something is done with single disks of them, or with all on one rank, so that the
- * deck must be read with them. SD_ERROR_IO in status: out of memory. */
-bool model_count_tiles(sd_model *model, sd_status *status);
+/* Counts the disks that are not there. NULL, or why all must be there: then the deck is to be read again. */
+const char *model_count_tiles(sd_model *model);
 
 #endif

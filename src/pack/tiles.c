@@ -76,7 +76,8 @@ sd_disk tiles_disk(const sd_tiles *t, double radius, const double position[2]) {
 sd_status tiles_bring(sd_model *m) {
   const sd_tiles *t = &m->tiles;
   const size_t most = tiles_begin(t, 1);
-  double *radius = malloc((most + 1) * sizeof *radius), (*position)[2] = malloc((most + 1) * sizeof *position);
+  double *radius = malloc((most + 1) * sizeof *radius),
+         (*position)[2] = malloc((most + 1) * sizeof *position);
   sd_status status = radius && position ? SD_OK : SD_ERROR_IO;
   for (size_t k = 1; t->away && k < t->n && status == SD_OK; k++) {
     const size_t first = tiles_begin(t, k), n = tiles_begin(t, k + 1) - first;

@@ -10,11 +10,12 @@
 #include "pack/sizes.h"
 
 /* What is said of a tile that is too small for its disks: its number, how many tiles there are, disks that it holds and shall hold. */
-#define TILES_FULL "tile %zu of %zu holds %zu disks only, where %zu were asked for; expected fewer disks or a larger region"
+#define TILES_FULL                                                                                           \
+  "tile %zu of %zu holds %zu disks only, where %zu were asked for; expected fewer disks or a larger region"
 
 /* How a region is filled with n disks. */
 typedef struct tiles_fill {
-  sd_packing_kind kind;    /* not rain */
+  sd_packing_kind kind; /* not rain */
   const sizes *sizes;
   double spacing, jitter; /* of lattices */
 } tiles_fill;

@@ -18,6 +18,7 @@
 #include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/neighbours/order.h"
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
@@ -27,6 +28,7 @@
 #include "run/phase.h"
 #include "run/ranks_failure.h"
 #include "run/ranks_move.h"
+#include "run/ranks_order.h"
 #include "run/ranks_share.h"
 #include "run/ranks_tiles.h"
 
@@ -332,14 +334,9 @@ static sd_status take_common_of(ranks *r, engine *whole, sd_messages *messages) 
 
 /* On every rank. The whole learns how fast walls move. */
 static settle_measure rest(ranks *r, sd_state *whole) {
-  settle_sums all;
-  settle_add_up(&r->part, &all);
-  comm_total_exact(all.of, SETTLE_SUMS);
-  all.disks = (size_t)comm_total((double)all.disks);
-  all.contacts = (size_t)comm_total((double)all.contacts);
-  all.outside = comm_or(all.outside > 0);
+  const settle_measure now = ranks_add_rest(&r->part);
   if (move_common(&r->part, whole) != SD_OK) comm_fail("no memory"); /* the others wait */
-  return settle_of_sums(&all);
+  return now;
 }
 
 settle_measure ranks_rest(ranks *r, engine *whole) {
@@ -352,19 +349,36 @@ bool ranks_outside_is_due(ranks *r) {
   return comm_or(outside_is_due(&r->part)) != 0;
 }
 
-/* On every rank, after so many steps of the phase. */
-static void end_phase(ranks *r, int64_t phase_step) {
+/* On every rank: its disks in the order that a phase begins with. */
+static sd_status order_again(ranks *r) {
+  engine *e = &r->part;
+  sd_status status = store_part(r);
+  if (!all_well(status) || r->model->n_free < ORDER_LEAST) return status;
+  status = ranks_order(r->model, e->state, e->halo->order);
+  engine_find_slots(e);
+  return status == SD_OK ? take_part(r, e) : status;
+}
+
+/* On every rank, after so many steps of the phase; the next one begins. */
+static sd_status end_phase(ranks *r, int64_t phase_step) {
   engine *e = &r->part;
   assert(ranks_are_spread(r));
   const bool settles = r->model->phases[e->state->phase].settle.asked;
   const settle_measure now = settles ? rest(r, NULL) : (settle_measure){0};
   e->state->phase_step = phase_step;
   phase_end(e, settles ? &now : NULL);
+  if (e->state->phase == (int64_t)r->model->n_phases) return SD_OK;
+  sd_status status = order_again(r);
+  if (all_well(status) && motion_begin_phase(e) != SD_OK)
+    status = sd_fail(r->messages, SD_ERROR_IO, "out of memory for the motions");
+  if (all_well(status) && phase_measures(e)) phase_measure_begin(e);
+  engine_end(e, status);
+  return status;
 }
 
 sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages) {
   say(END, whole->state->phase_step, false);
-  end_phase(r, whole->state->phase_step);
+  if (!all_well(end_phase(r, whole->state->phase_step))) return tell_failure(r, messages);
   whole->state->phase = r->part.state->phase;
   whole->state->phase_step = 0;
   r->collected = -1;
@@ -405,8 +419,10 @@ sd_status ranks_collect(ranks *r, engine *whole) {
   sd_status status = store_part(r);
   if (!all_well(status)) return SD_ERROR_IO;
   status = move_together(&r->part, whole->state);
-  if (status == SD_OK) r->collected = whole->state->step;
-  return status;
+  if (status != SD_OK) return status;
+  engine_find_slots(whole);
+  r->collected = whole->state->step;
+  return SD_OK;
 }
 
 sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages) {
@@ -469,23 +485,11 @@ static void say_path(word w, const char *path) {
   comm_share((char *)(uintptr_t)path, length);
 }
 
-/* Collective. */
-static size_t count_contacts(const ranks *r) { return (size_t)comm_total((double)r->part.state->n_contacts); }
-
-/* On every rank. */
-static summary_contacts contacts_of_all(const ranks *r) {
-  exact_sum overlap = {0};
-  for (size_t c = 0; c < r->part.state->n_contacts; c++)
-    exact_sum_add(&overlap, r->part.state->contact_overlap[c]);
-  comm_total_exact(&overlap, 1);
-  return (summary_contacts){count_contacts(r), exact_sum_value(&overlap)};
-}
-
 sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
                       sd_messages *messages) {
   say_path(WRITE, path);
   const sd_status status = write_share(r, false, path, seals, messages);
-  if (status == SD_OK) *contacts = contacts_of_all(r);
+  if (status == SD_OK) *contacts = ranks_add_contacts(&r->part);
   return status == SD_OK ? take_common_of(r, whole, messages) : status;
 }
 
@@ -510,7 +514,7 @@ static sd_status sample(ranks *r, sampling *s, sd_messages *messages) {
     engine_end(&r->part, status);
     return tell_failure(r, messages);
   }
-  s->contacts = count_contacts(r);
+  s->contacts = ranks_count_contacts(&r->part);
   s->bytes = (size_t)comm_total((double)record_share_bytes(&r->rows));
   return SD_OK;
 }
@@ -537,7 +541,7 @@ static void serve_write(ranks *r, bool rows, size_t length) {
   if (!path) comm_fail("no memory");
   comm_share(path, length);
   if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
-    contacts_of_all(r);
+    ranks_add_contacts(&r->part);
     move_common(&r->part, NULL);
   }
   free(path);
@@ -573,8 +577,10 @@ int ranks_serve(ranks *r) {
       case SETTLE: rest(r, NULL); break;
       case LOOK: comm_or(outside_is_due(&r->part)); break;
       case END:
-        end_phase(r, o.n);
-        move_common(&r->part, NULL);
+        if (all_well(end_phase(r, o.n)))
+          move_common(&r->part, NULL);
+        else
+          tell_failure(r, NULL);
         break;
       case ADVANCE:
         advance(r, o.n, o.measure != 0);

@@ -48,7 +48,7 @@ ranks_balance ranks_balance_of(const ranks *r);
 settle_measure ranks_rest(ranks *r, engine *whole);
 /* Would outside_look of the whole change anything? */
 bool ranks_outside_is_due(ranks *r);
-/* The last phase ends, also for whole->state; the disks stay where they are. */
+/* The phase ends, also for whole->state, and the next one begins, which must be one that ranks can share; the disks stay where they are. */
 sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages);
 /* Energies of the whole, and all else that a row of the series sums up (NULL: no memory): each rank adds up its own disks and
  * contacts, without rounding, so that these are the bits of one process. */

@@ -92,3 +92,27 @@ void ranks_gather_sums(int64_t sum, int64_t *all) {
   free(counts);
   free(every);
 }
+
+/* --- sums ---------------------------------------------------------------------------------------------------- */
+
+size_t ranks_count_contacts(const engine *part) {
+  return (size_t)comm_total((double)part->state->n_contacts);
+}
+
+summary_contacts ranks_add_contacts(const engine *part) {
+  exact_sum overlap = {0};
+  for (size_t c = 0; c < part->state->n_contacts; c++)
+    exact_sum_add(&overlap, part->state->contact_overlap[c]);
+  comm_total_exact(&overlap, 1);
+  return (summary_contacts){ranks_count_contacts(part), exact_sum_value(&overlap)};
+}
+
+settle_measure ranks_add_rest(const engine *part) {
+  settle_sums all;
+  settle_add_up(part, &all);
+  comm_total_exact(all.of, SETTLE_SUMS);
+  all.disks = (size_t)comm_total((double)all.disks);
+  all.contacts = (size_t)comm_total((double)all.contacts);
+  all.outside = comm_or(all.outside > 0);
+  return settle_of_sums(&all);
+}

@@ -85,11 +85,11 @@ static bool is_finished(const sd_model *model, sd_messages *messages) {
   return model->finished;
 }
 
-/* Can ranks share the steps of the present phase? NULL, or why not: "it relaxes". */
-static const char *unsuited(const engine *whole) {
+/* Can ranks share the steps of this phase? NULL, or why not: "it relaxes". */
+static const char *unsuited_in(const engine *whole, int64_t phase) {
   const sd_model *m = whole->model;
   /* of a run that is over, which only has to be merged: NULL */
-  const sd_phase *p = whole->state->phase < (int64_t)m->n_phases ? &m->phases[whole->state->phase] : NULL;
+  const sd_phase *p = phase < (int64_t)m->n_phases ? &m->phases[phase] : NULL;
   if (whole->fields) return "the program has force fields of its own";
   if (m->n_clumps > 0) return "there are clumps";
   if (cell_deforms(m)) return "the box deforms";
@@ -102,6 +102,8 @@ static const char *unsuited(const engine *whole) {
         return "a motion moves a free disk";
   return NULL;
 }
+
+static const char *unsuited(const engine *whole) { return unsuited_in(whole, whole->state->phase); }
 
 /* Lists are made where the steps of the present phase are: on the ranks, or here. */
 static bool begins_on_ranks(const engine *e) {
@@ -376,7 +378,7 @@ static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
 static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
-  const bool last = s->phase + 1 == (int64_t)e->model->n_phases, bounds = e->model->bounds.given;
+  const bool goes_on = !unsuited_in(e, s->phase + 1), bounds = e->model->bounds.given;
   s->phase_step += s->step - from;
   if (*status != SD_OK) return true;
   bool whole = sim->n_observers > 0 || whole_is_due(e) ||
@@ -387,7 +389,7 @@ static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, 
       const settle_measure now = ranks_rest(sim->ranks, e);
       over = settle_reached(e, &now);
     }
-    whole = over && (!last || (bounds && ranks_outside_is_due(sim->ranks)));
+    whole = over && (!goes_on || (bounds && ranks_outside_is_due(sim->ranks)));
     if (over && !whole) *status = ranks_end_phase(sim->ranks, e, messages);
   }
   if (!whole) return true;

@@ -208,7 +208,8 @@ static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, 
   }
   for (size_t i = 0; i < s->n_bodies; i++) s->id[i] += s->id[i] >= first ? (uint32_t)n : 0;
   for (size_t c = 0; c < s->n_contacts; c++) s->contact_b[c] += s->contact_b[c] >= first ? (uint32_t)n : 0;
-  for (size_t k = 0; k < n; k++) engine_fill_disk(s, &m->disks[first + k], first + (uint32_t)k, (uint32_t)(old->n_free + k));
+  for (size_t k = 0; k < n; k++)
+    engine_fill_disk(s, &m->disks[first + k], first + (uint32_t)k, (uint32_t)(old->n_free + k));
   if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) {
     sd_state_free(s);
     *out = NULL;

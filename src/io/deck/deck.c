@@ -315,13 +315,16 @@ sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *
   sd_messages *own = sd_messages_new();
   if (!own) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   sd_status status = load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
-  const bool done = status == SD_OK && model_count_tiles(*out, &status) && status == SD_OK;
-  for (size_t k = 0; done && k < sd_messages_count(own); k++)
+  /* a disk that is not there is a mistake where the deck speaks of it */
+  const char *why = status == SD_OK ? model_count_tiles(*out) : "the deck speaks of single disks of it";
+  for (size_t k = 0; !why && k < sd_messages_count(own); k++)
     sd_warn(messages, "%s", sd_messages_text(own, k));
   sd_messages_free(own);
-  if (done) return SD_OK;
-  /* what it says of a disk may be a mistake only where that is not there */
+  if (!why) return SD_OK;
   sd_model_free(*out);
   *out = NULL;
-  return sd_deck_load(path, n_overrides, overrides, out, messages);
+  status = sd_deck_load(path, n_overrides, overrides, out, messages);
+  if (status == SD_OK)
+    sd_warn(messages, "packings[%zu].tiles: one rank makes all, since %s", (*out)->tiles.packing, why);
+  return status;
 }

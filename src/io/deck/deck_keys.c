@@ -214,7 +214,8 @@ static const deck_key packing_keys[] = {
      "lattices: largest random displacement over the room that a disk has; 1: they may touch",
      SETS(deck_packing_values, jitter)},
     {"tiles", INTEGER(DECK_AT_LEAST_1, "-"), "-", NULL,
-     "slabs side by side along x, each made by itself with its part of count: over MPI ranks each rank makes its own",
+     "slabs side by side along x, each made by itself with its part of count: over MPI ranks each rank makes "
+     "its own",
      SETS(deck_packing_values, tiles)},
     {"rows", INTEGER(DECK_AT_LEAST_1, "-"), "4", NULL, "rain: rows of disks in a batch",
      SETS(deck_packing_values, rows)},

@@ -281,7 +281,8 @@ static bench open_bench(const packing *p, double capacity) {
   bench b = {.capacity = (size_t)capacity};
   b.radius = deck_alloc(d, b.capacity, sizeof *b.radius);
   b.position = deck_alloc(d, b.capacity, sizeof *b.position);
-  b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower, p->upper, b.capacity);
+  b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower, p->upper,
+                         b.capacity);
   b.rng = sizes_random(d->model->seed, p->number);
   if (!b.rng) b.status = SD_ERROR_IO;
   return b;
@@ -506,13 +507,14 @@ static void check_tiles(packing *p) {
                   (long long)p->v.count);
   if (!(2 * p->sizes->upper <= wide))
     deck_fail_key(d, g->node, "tiles",
-                  "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges", wide,
-                  p->sizes->upper);
+                  "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
+                  wide, p->sizes->upper);
   if (p->grain.at) deck_fail_key(d, g->node, "tiles", "clumps are not made in tiles");
   if (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM)
     deck_fail_key(d, g->node, "tiles", "expected a container that is a rectangle");
   if (p->sizes->n > SD_TILE_RADII)
-    deck_fail_key(d, g->node, "radii", "expected at most %d in a packing that is made in tiles", SD_TILE_RADII);
+    deck_fail_key(d, g->node, "radii", "expected at most %d in a packing that is made in tiles",
+                  SD_TILE_RADII);
 }
 
 /* Of a run that ranks will share only the first tile is made here; sd_model_finish and advice look at that one. */

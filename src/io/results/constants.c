@@ -302,7 +302,8 @@ static void put_walls(h5_file *file, const sd_model *m) {
   free(points);
 }
 
-sd_status constants_write(h5_file *file, const sd_model *m, const constants_source *from, sd_messages *messages) {
+sd_status constants_write(h5_file *file, const sd_model *m, const constants_source *from,
+                          sd_messages *messages) {
   sd_status status = SD_OK;
   static const size_t two = 2, square[2] = {2, 2};
   const double box[2][2] = {{m->lower[0], m->lower[1]}, {m->upper[0], m->upper[1]}};

@@ -39,8 +39,8 @@ static double rounding(const sd_model *model, const sd_state *state, double over
     farthest = fmax(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
   const sd_tiles *t = &model->tiles; /* of disks that are away the corners are known */
   if (t->away)
-    farthest = fmax(farthest, fmax(fabs(t->lower[0]), fabs(t->upper[0])) +
-                                  fmax(fabs(t->lower[1]), fabs(t->upper[1])));
+    farthest = fmax(farthest,
+                    fmax(fabs(t->lower[0]), fabs(t->upper[0])) + fmax(fabs(t->lower[1]), fabs(t->upper[1])));
   return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
 }
 

@@ -266,6 +266,15 @@ static void touch_first(const team *t, void *with) {
   for (size_t k = 0; k < FREE_COLUMNS; k++) memset(column[k] + from, 0, (to - from) * sizeof(double));
 }
 
+void engine_find_slots(engine *e) {
+  const sd_state *s = e->state;
+  for (uint32_t k = 0; k < s->n_bodies; k++) {
+    assert(s->id[k] < sd_model_bodies(e->model));
+    /* rows without a disk are of those that another rank makes */
+    if (s->radius[k] != 0.0 || k >= s->n_free) e->work.slot[s->id[k]] = k;
+  }
+}
+
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   work *w = &e->work;
   assert(threads >= 1 && threads <= WORK_MAX_THREADS && !w->slot && e->model->dt > 0.0);
@@ -283,12 +292,7 @@ sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages) {
   cell_pose(e, e->state->step);
   fill_skin(e, w);
   fill_limit(e, w);
-  for (uint32_t k = 0; k < e->state->n_bodies; k++) {
-    const uint32_t id = e->state->id[k];
-    if (e->state->radius[k] == 0.0 && k < e->state->n_free) continue; /* made by another rank */
-    assert(id < sd_model_bodies(e->model) && w->slot[id] == 0);
-    w->slot[id] = k;
-  }
+  engine_find_slots(e);
   for (uint32_t k = 0; k < e->state->n_clumps; k++)
     w->slot[e->state->n_bodies + k] = (uint32_t)e->state->n_bodies + k;
   if (clumps_new(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for the clumps");

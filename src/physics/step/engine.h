@@ -16,6 +16,8 @@ void engine_free(engine *e);
 /* The same without lists, contacts and constants of bodies, of which the state needs to have its kept columns only; gives
  * their memory back, once contacts and motions are in the state; and makes them from there. */
 sd_status engine_build_bodies(engine *e, int threads, sd_messages *messages);
+/* Where the disks of the state stand, when it has them in another order. */
+void engine_find_slots(engine *e);
 void engine_drop_lists(engine *e);
 sd_status engine_make_lists(engine *e, sd_messages *messages);
 /* Everything anew, of a state that has other disks than before. */

@@ -1,0 +1,126 @@
+/* ranks_order.c: see ranks_order.h. */
+#include "run/ranks_order.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/comm.h"
+#include "base/comm_data.h"
+#include "physics/neighbours/order.h"
+#include "run/route.h"
+
+/* Strips, some together where there are very many: buckets that ascend in the order, the last of disks that are not in play. */
+typedef struct buckets {
+  uint64_t strips, width; /* of one size; strips in a bucket */
+  size_t n, *begin;       /* [n + 1]: disks of all ranks before them */
+} buckets;
+
+enum { STRIPS = 1 << 16 };
+
+static size_t bucket_of(const buckets *b, const order_place *p) {
+  if (p->strip == UINT64_MAX) return b->n - 1;
+  return (size_t)(p->level * b->strips + p->strip / b->width);
+}
+
+static sd_status count_buckets(const order_place *list, size_t n, buckets *b) {
+  double strip = 0.0, level = 0.0;
+  for (size_t k = 0; k < n; k++) {
+    if (list[k].strip == UINT64_MAX) continue;
+    strip = fmax(strip, (double)list[k].strip);
+    level = fmax(level, (double)list[k].level);
+  }
+  const uint64_t most = (uint64_t)comm_largest(strip) + 1;
+  b->width = (most + STRIPS - 1) / STRIPS;
+  b->strips = (most + b->width - 1) / b->width;
+  b->n = (size_t)((uint64_t)comm_largest(level) + 1) * (size_t)b->strips + 1;
+  b->begin = calloc(b->n + 1, sizeof *b->begin);
+  int64_t *counts = calloc(b->n, sizeof *counts);
+  if (!b->begin || !counts) {
+    free(counts);
+    return SD_ERROR_IO;
+  }
+  for (size_t k = 0; k < n; k++) counts[bucket_of(b, &list[k])]++;
+  comm_add(counts, b->n);
+  for (size_t k = 0; k < b->n; k++) b->begin[k + 1] = b->begin[k] + (size_t)counts[k];
+  free(counts);
+  return SD_OK;
+}
+
+/* The rank that numbers a bucket: they ascend with the order, so that each numbers a run of it. */
+static int keeper_of(const buckets *b, size_t bucket) {
+  const size_t all = b->begin[b->n], ranks = (size_t)comm_size();
+  return (int)(b->begin[bucket] * ranks / all);
+}
+
+static size_t first_kept(const buckets *b) {
+  size_t k = 0;
+  while (k < b->n && (b->begin[k + 1] == b->begin[k] || keeper_of(b, k) < comm_rank())) k++;
+  return b->begin[k];
+}
+
+/* Numbers from `first` on, by the order of the places. */
+static void number_places(order_place *came, size_t n, size_t first, uint32_t *number) {
+  for (size_t k = 0; k < n; k++) came[k].slot = (uint32_t)k;
+  if (n > 1) qsort(came, n, sizeof *came, order_by_place);
+  for (size_t k = 0; k < n; k++) number[came[k].slot] = (uint32_t)(first + k);
+}
+
+/* Numbers of places go back to the ranks that these came from. */
+static sd_status send_back(const route *r, const uint32_t *number, uint32_t *order) {
+  int *rank = malloc((r->n_receive + 1) * sizeof *rank);
+  route back = {0};
+  sd_status status = rank ? SD_OK : SD_ERROR_IO;
+  size_t k = 0;
+  for (int q = 0; rank && q < comm_size(); q++)
+    for (int c = 0; c < r->from[q]; c++) rank[k++] = q;
+  if (status == SD_OK) status = route_new(&back, r->n_receive, NULL, rank);
+  if (status != SD_OK) comm_fail("no memory");
+  if (status == SD_OK) {
+    route_count(&back);
+    assert(back.n_receive == r->n_send);
+    status = route_columns(&back, &(route_column){number, order, sizeof *order}, 1, NULL);
+  }
+  route_free(&back);
+  free(rank);
+  return status;
+}
+
+/* Slots in the whole of the places of this rank, which ascend. Collective. */
+static sd_status find_order(const order_place *list, size_t n, uint32_t *order) {
+  buckets b = {0};
+  route r = {0};
+  int *rank = malloc((n + 1) * sizeof *rank);
+  sd_status status = rank ? count_buckets(list, n, &b) : SD_ERROR_IO;
+  for (size_t k = 0; status == SD_OK && k < n; k++) rank[k] = keeper_of(&b, bucket_of(&b, &list[k]));
+  if (status == SD_OK) status = route_new(&r, n, NULL, rank);
+  if (status != SD_OK) comm_fail("no memory");
+  if (status == SD_OK) route_count(&r);
+  order_place *came = malloc((r.n_receive + 1) * sizeof *came);
+  uint32_t *number = malloc((r.n_receive + 1) * sizeof *number);
+  if (!came || !number) {
+    comm_fail("no memory");
+    status = SD_ERROR_IO;
+  }
+  if (status == SD_OK) status = route_columns(&r, &(route_column){list, came, sizeof *came}, 1, NULL);
+  if (status == SD_OK) {
+    number_places(came, r.n_receive, first_kept(&b), number);
+    status = send_back(&r, number, order);
+  }
+  for (size_t k = 1; k < n && status == SD_OK; k++) assert(order[k - 1] < order[k]);
+  route_free(&r);
+  free(b.begin);
+  free(rank);
+  free(came);
+  free(number);
+  return status;
+}
+
+sd_status ranks_order(const sd_model *m, sd_state *part, uint32_t *order) {
+  order_place *list = malloc((part->n_free + 1) * sizeof *list);
+  sd_status status = list ? order_part(m, part, comm_largest, list) : SD_ERROR_IO;
+  if (status != SD_OK) comm_fail("no memory for the order of its disks");
+  if (status == SD_OK) status = find_order(list, part->n_free, order);
+  free(list);
+  return status;
+}
