@@ -96,6 +96,18 @@ bounds = {{ y = (-3, 1000); outside = "remove"; }};
 phases = ( {{ steps = 8000; frames = 2000; series = 500; }} );
 """
 
+# Two rains at once on a shaken floor, so many disks that a phase puts them in order.
+SHOWERS = f"""
+title = "showers"; integrator = "verlet"; dt = 2e-4; gravity = {{ g = 1; }}; seed = 3;
+{GRAIN}
+container = {{ type = "box"; width = 40; height = 60; }};
+packings = ( {{ type = "rain"; count = 900; rows = 3; interval = 0.02; speed = 3; sizes = "uniform"; lower = 0.1; upper = 0.2; density = 1; }},
+             {{ type = "rain"; count = 300; rows = 2; interval = 0.03; x = (-10, 10); speed = 1; radius = 0.12; density = 1; }} );
+motions = ( {{ name = "shake"; wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.1; frequency = 1; }} );
+phases = ( {{ name = "still"; steps = 450; series = 50; frames = 150; contacts = 150; motions = (); }},
+           {{ name = "shake"; steps = 600; series = 50; frames = 300; }} );
+"""
+
 # The same disks at once, on a floor that throws them up over the bounds.
 BOUNDS = RAIN.replace('type = "rain"; count = 80; rows = 1; interval = 1;', 'type = "square"; jitter = 0.5; count = 40;').replace(
     " gap = 1;", "").replace("(-3, 1000)", "(-3, 9)").replace("remove", "report").replace(
@@ -157,7 +169,7 @@ phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
 """
 
 DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
-         "periodic": PERIODIC, "tiles": TILES, "levels": LEVELS}
+         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "levels": LEVELS}
 
 
 def ranks_of(launcher):

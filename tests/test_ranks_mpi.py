@@ -85,6 +85,7 @@ class Ranks(Folder):
     def test_rain(self):
         for ranks in brief((2, 3), (2,)):
             self.same("rain", ranks)
+            self.same("showers", ranks)
 
     def test_bounds(self):
         """Disks that cross them and come back, and some that stay outside."""

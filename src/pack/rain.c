@@ -48,7 +48,7 @@ bool rain_waits(const engine *e) { return rain_waiting(e->model, e->state) > 0; 
 /* --- is there room? ----------------------------------------------------------------------------------- */
 
 /* Top of the highest disk over the strip, no lower than the rain's floor less its gap. */
-static double top_of(const engine *e, const sd_rain *r) {
+double rain_top(const engine *e, const sd_rain *r) {
   const sd_state *s = e->state;
   double top = r->floor - r->gap, middle = 0.5 * (r->lower + r->upper), half = 0.5 * (r->upper - r->lower);
   for (size_t i = 0; i < s->n_disks; i++) {
@@ -138,20 +138,21 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
   return numbers;
 }
 
-/* The grain of n disks that begins with this one. */
-static void set_out(engine *e, uint32_t disk, size_t n, double x, double y, double speed) {
-  sd_state *s = e->state;
-  for (size_t k = 0; k < n; k++) {
-    const size_t i = engine_slot(e, disk + (uint32_t)k);
-    assert(i < s->n_free && s->activity[i] == SD_WAITING);
-    s->activity[i] = SD_IN_PLAY;
-    s->x[i] = x;
-    s->y[i] = y;
-    s->vy[i] = -speed;
-    s->released++;
-  }
-  if (e->model->disks[disk].clump > 0)
-    clump_set_out(e, (size_t)e->model->disks[disk].clump - 1, x, y, -speed);
+/* --- which, and where ----------------------------------------------------------------------------------- */
+
+bool rain_due(const engine *e, const sd_rain *r) {
+  int64_t batch = e->state->step / r->interval;
+  return e->state->step % r->interval == 0 && batch < (int64_t)((r->count + r->batch - 1) / r->batch);
+}
+
+/* First disk of the batch that is due. */
+static size_t first_due(const engine *e, const sd_rain *r) {
+  return r->first + (size_t)(e->state->step / r->interval) * r->batch;
+}
+
+size_t rain_count(const engine *e, const sd_rain *r) {
+  const size_t left = r->first + r->count - first_due(e, r);
+  return left < r->batch ? left : r->batch;
 }
 
 /* Largest of the grains in these n disks; *taken: the sum of their diameters; returns how many there are. */
@@ -167,9 +168,9 @@ static size_t measure_row(const sd_model *m, size_t first, size_t n, double *lar
   return grains;
 }
 
-/* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. */
-static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, double low, double end,
-                           gsl_rng *numbers, double *gaps, sd_messages *messages) {
+/* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. drops: of the first. */
+static sd_status place_row(const engine *e, const sd_rain *r, size_t first, size_t n, double low, double end,
+                           gsl_rng *numbers, double *gaps, rain_drop *drops, sd_messages *messages) {
   const sd_model *m = e->model;
   double taken, largest;
   const size_t grains = measure_row(m, first, n, &largest, &taken);
@@ -188,42 +189,29 @@ static sd_status place_row(engine *e, const sd_rain *r, size_t first, size_t n, 
                      "step %lld: rain: %s has no room at (%g, %g), %s is in the way; expected a higher "
                      "container, fewer disks, or more time between batches",
                      (long long)e->state->step, sd_model_body_name(m, disk, name, sizeof name), x, y, what);
-    set_out(e, disk, grain.disks, x, y, r->speed);
+    for (size_t i = 0; i < grain.disks; i++) *drops++ = (rain_drop){disk + (uint32_t)i, i == 0, x, y};
     left += 2.0 * radius;
     disk += (uint32_t)grain.disks;
   }
   return SD_OK;
 }
 
-/* Disks first ... end - 1, row upon row. */
-static sd_status place_rows(engine *e, const sd_rain *r, size_t first, size_t end, gsl_rng *numbers,
-                            double *gaps, sd_messages *messages) {
+sd_status rain_plan(const engine *e, const sd_rain *r, double top, rain_drop *drops, sd_messages *messages) {
   const sd_model *m = e->model;
-  double top = top_of(e, r), low = top + r->gap;
+  const size_t begin = first_due(e, r), last = begin + rain_count(e, r);
+  double *gaps = malloc((last - begin) * sizeof *gaps), low = top + r->gap;
+  gsl_rng *numbers = numbers_of(e, r, e->state->step / r->interval);
   sd_status status = SD_OK;
-  for (size_t n; status == SD_OK && first < end; first += n) {
+  if (!gaps || !numbers) status = sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
+  for (size_t n, first = begin; status == SD_OK && first < last; first += n) { /* row upon row */
     double largest, taken;
-    n = rain_row(m, first, end, r->upper - r->lower);
+    n = rain_row(m, first, last, r->upper - r->lower);
     measure_row(m, first, n, &largest, &taken);
     /* a lid that presses on the highest disk is in the way, too */
-    double end_of_fall = fmax(top - 0.5 * largest, r->floor);
-    status = place_row(e, r, first, n, low, end_of_fall, numbers, gaps, messages);
+    double end = fmax(top - 0.5 * largest, r->floor);
+    status = place_row(e, r, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
     low += (2.0 + ROW_GAP) * largest;
   }
-  return status;
-}
-
-static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_messages *messages) {
-  size_t first = r->first + (size_t)batch * r->batch, end = r->first + r->count;
-  assert(first < end && batch >= 0 && r->batch > 0);
-  if (end - first > r->batch) end = first + r->batch;
-  double *gaps = malloc((end - first) * sizeof *gaps);
-  gsl_rng *numbers = numbers_of(e, r, batch);
-  sd_status status = SD_ERROR_IO;
-  if (gaps && numbers)
-    status = place_rows(e, r, first, end, numbers, gaps, messages);
-  else
-    sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   free(gaps);
   if (numbers) gsl_rng_free(numbers);
   return status;
@@ -231,24 +219,53 @@ static sd_status place_batch_of(engine *e, const sd_rain *r, int64_t batch, sd_m
 
 /* --- release ------------------------------------------------------------------------------------------ */
 
+/* Slot of a disk that waits here; n_free: it does on another rank. */
+static size_t slot_here(const engine *e, size_t disk) {
+  const size_t slot = engine_slot(e, (uint32_t)disk);
+  return slot < e->state->n_free && e->state->id[slot] == disk ? slot : e->state->n_free;
+}
+
+void rain_set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
+  sd_state *s = e->state;
+  const size_t n = rain_count(e, r);
+  for (size_t k = 0; k < n; k++) {
+    const rain_drop *d = &drops[k];
+    const size_t i = slot_here(e, d->disk);
+    s->released++;
+    if (i == s->n_free) continue;
+    assert(s->activity[i] == SD_WAITING);
+    s->activity[i] = SD_IN_PLAY;
+    s->x[i] = d->x;
+    s->y[i] = d->y;
+    s->vy[i] = -r->speed;
+    const int clump = e->model->disks[d->disk].clump;
+    if (clump > 0 && d->first) clump_set_out(e, (size_t)clump - 1, d->x, d->y, -r->speed);
+  }
+}
+
 /* They fall freely: accelerations without contacts. */
-static void accelerate(engine *e, const sd_rain *r, int64_t batch) {
-  size_t first = (size_t)batch * r->batch;
-  for (size_t k = first; k < r->count && k < first + r->batch; k++) {
-    uint32_t i = engine_slot(e, (uint32_t)(r->first + k));
+void rain_accelerate(engine *e, const sd_rain *r) {
+  const size_t first = first_due(e, r), n = rain_count(e, r);
+  for (size_t k = first; k < first + n; k++) {
+    const size_t i = slot_here(e, k);
+    if (i == e->state->n_free) continue;
     body_forces_renew(e, i, i + 1);
     for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, i, 0.0);
   }
-  for (size_t k = first; k < r->count && k < first + r->batch; k++) {
-    const sd_disk *d = &e->model->disks[r->first + k];
-    if (d->clump > 0 && e->model->clumps[d->clump - 1].disks[0] == r->first + k)
+  for (size_t k = first; k < first + n; k++) {
+    const sd_disk *d = &e->model->disks[k];
+    if (d->clump > 0 && e->model->clumps[d->clump - 1].disks[0] == k)
       clump_accelerate(e, (size_t)d->clump - 1);
   }
 }
 
-static bool due(const engine *e, const sd_rain *r) {
-  int64_t batch = e->state->step / r->interval;
-  return e->state->step % r->interval == 0 && batch < (int64_t)((r->count + r->batch - 1) / r->batch);
+static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
+  rain_drop *drops = calloc(rain_count(e, r), sizeof *drops);
+  if (!drops) return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
+  const sd_status status = rain_plan(e, r, rain_top(e, r), drops, messages);
+  if (status == SD_OK) rain_set_out(e, r, drops);
+  free(drops);
+  return status;
 }
 
 sd_status rain_release(engine *e, sd_messages *messages) {
@@ -258,12 +275,11 @@ sd_status rain_release(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   engine_pose_walls(e);
   for (size_t k = 0; k < m->n_rains && status == SD_OK; k++)
-    if (due(e, &m->rains[k]))
-      status = place_batch_of(e, &m->rains[k], s->step / m->rains[k].interval, messages);
+    if (rain_due(e, &m->rains[k])) status = release(e, &m->rains[k], messages);
   if (status != SD_OK) return status;
   bodies_fill_constants(e);
   for (size_t k = 0; k < m->n_rains; k++)
-    if (due(e, &m->rains[k])) accelerate(e, &m->rains[k], s->step / m->rains[k].interval);
+    if (rain_due(e, &m->rains[k])) rain_accelerate(e, &m->rains[k]);
   status = neighbours_build(e, messages);
   sd_energy after = energy_of(e);
   s->energy_start += energy_total(&after) - energy_total(&before);

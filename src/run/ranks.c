@@ -1,5 +1,5 @@
 /* ranks.c: see ranks.h. How disks move is in ranks_move.c. */
-#include "run/ranks.h"
+#include "run/ranks_private.h"
 
 #include <assert.h>
 #include <math.h>
@@ -14,11 +14,8 @@
 #include "io/results/checkpoint.h"
 #include "measure/disks.h"
 #include "measure/sample.h"
-#include "model/cell.h"
-#include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
-#include "physics/neighbours/order.h"
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
@@ -28,7 +25,6 @@
 #include "run/phase.h"
 #include "run/ranks_failure.h"
 #include "run/ranks_move.h"
-#include "run/ranks_order.h"
 #include "run/ranks_share.h"
 #include "run/ranks_tiles.h"
 
@@ -36,29 +32,12 @@
 static const double IMBALANCE = 0.1;
 enum { CUT_LEAST = 200 }; /* steps */
 
-struct ranks {
-  const sd_model *model;
-  int threads;
-  pool *pool;
-  volatile sig_atomic_t *stop;
-  comm_cuts *cuts;
-  engine part; /* of this rank; state NULL: not spread */
-  double skin;
-  unsigned bits;         /* of all ranks, after the last step */
-  sd_messages *messages; /* of this rank */
-  record_share rows;     /* of this rank, since the last part */
-  resultants sums;       /* of all ranks, for a row of the series */
-  int64_t collected;     /* step of the whole state */
-  double busy;           /* seconds of work since the last cut */
-  int64_t cut_step;
-  ranks_balance balance;
-};
-
 /* The word of rank 0. */
 typedef enum word {
   SPREAD,
   START,
   SETTLE,
+  RAIN,
   LOOK,
   END,
   ADVANCE,
@@ -120,10 +99,10 @@ bool ranks_are_spread(const ranks *r) { return r->part.state != NULL; }
 /* --- parts --------------------------------------------------------------------------------------------------- */
 
 /* Collective. False: some rank could not. */
-static bool all_well(sd_status status) { return comm_or(status != SD_OK) == 0; }
+bool ranks_all_well(sd_status status) { return comm_or(status != SD_OK) == 0; }
 
 /* This rank's part of what `from` has (NULL: nothing). */
-static sd_status take_part(ranks *r, const engine *from) {
+sd_status ranks_take_part(ranks *r, const engine *from) {
   engine next = {.model = r->model, .pool = r->pool};
   sd_status status = move_parts(r->model, r->cuts, from, r->skin, &next.state, &next.halo);
   if (status == SD_OK && from && !from->halo) state_release_rows(from->state);
@@ -131,7 +110,7 @@ static sd_status take_part(ranks *r, const engine *from) {
   r->part = next;
   if (status == SD_OK) status = engine_build(&r->part, r->threads, r->messages);
   /* together, or not at all: the others would wait */
-  if (all_well(status) && halo_list_prescribed(&r->part) != SD_OK) status = SD_ERROR_IO;
+  if (ranks_all_well(status) && halo_list_prescribed(&r->part) != SD_OK) status = SD_ERROR_IO;
   engine_ready(&r->part, r->messages);
   engine_end(&r->part, status);
   return status;
@@ -142,7 +121,7 @@ static sd_status tell_stored(ranks *r, sd_status status) {
 }
 
 /* The part as a state that can be sent. */
-static sd_status store_part(ranks *r) {
+sd_status ranks_store_part(ranks *r) {
   halo_refresh(&r->part, NULL);
   motion_store(&r->part);
   return tell_stored(r, contacts_store(&r->part));
@@ -168,7 +147,7 @@ static sd_status renew(ranks *r) {
   engine *e = &r->part;
   const int64_t step = e->state->step;
   sd_status status = neighbours_check_finite(e, step, r->messages);
-  if (!all_well(status)) return status;
+  if (!ranks_all_well(status)) return status;
   neighbours_tune(e);
   r->skin = r->model->skin > 0.0 ? r->model->skin : engine_skin(e); /* not what one step has asked for */
   if (step - r->cut_step >= CUT_LEAST) {
@@ -179,16 +158,16 @@ static sd_status renew(ranks *r) {
     }
     r->cut_step = step;
     r->busy = 0.0;
-    if (!all_well(status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
+    if (!ranks_all_well(status)) return sd_fail(r->messages, SD_ERROR_IO, "cannot balance the ranks");
   }
   /* wider, until no disk or wall outruns the lists in one step; what is not finite outruns any */
   for (;;) {
-    status = store_part(r);
-    if (all_well(status)) status = take_part(r, &r->part);
-    if (!all_well(status)) return status;
+    status = ranks_store_part(r);
+    if (ranks_all_well(status)) status = ranks_take_part(r, &r->part);
+    if (!ranks_all_well(status)) return status;
     if (!comm_or(engine_outruns(&r->part))) return SD_OK;
     status = neighbours_check_next(&r->part, r->messages);
-    if (!all_well(status)) return status;
+    if (!ranks_all_well(status)) return status;
     if (!isfinite(r->skin))
       return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite", (long long)step + 1);
     r->skin = fmax(1.5 * r->skin, comm_largest(engine_outrun_skin(&r->part)));
@@ -245,7 +224,7 @@ static void advance(ranks *r, int64_t n, bool measure) {
       const int64_t step = r->part.state->step;
       const sd_status status = step < until ? renew(r) : neighbours_check_finite(&r->part, step, r->messages);
       engine_end(&r->part, status);
-      if (!all_well(status)) r->bits |= HALO_FAILED;
+      if (!ranks_all_well(status)) r->bits |= HALO_FAILED;
     }
     const int64_t next = r->part.state->step + 1;
     if (r->bits & HALO_STOP && next < until) until = next;
@@ -271,18 +250,18 @@ static sd_status spread(ranks *r, const engine *whole, bool tiles) {
   r->busy = 0.0;
   if (!r->cuts) r->cuts = comm_cuts_new(); /* all ranks at once: rank 0 may have finished without */
   sd_status status = r->cuts ? SD_OK : SD_ERROR_IO;
-  if (all_well(status) && tiles) status = ranks_tiles_new(r->model, whole, &made, r->messages);
-  if (all_well(status)) status = move_first_cut(r->model, r->cuts, from);
+  if (ranks_all_well(status) && tiles) status = ranks_tiles_new(r->model, whole, &made, r->messages);
+  if (ranks_all_well(status)) status = move_first_cut(r->model, r->cuts, from);
   r->balance.cuts++;
   if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
   if (r->threads > 1 && !r->pool) status = SD_ERROR_IO;
-  if (all_well(status))
-    status = take_part(r, from);
+  if (ranks_all_well(status))
+    status = ranks_take_part(r, from);
   else if (status != SD_OK && sd_messages_count(r->messages) == 0)
     sd_fail(r->messages, SD_ERROR_IO, "cannot spread the disks over the ranks");
   ranks_tiles_free(&made);
   if (whole && tiles) state_release_rows(whole->state);
-  if (!all_well(status)) r->bits = HALO_FAILED;
+  if (!ranks_all_well(status)) r->bits = HALO_FAILED;
   engine_end(&r->part, status);
   return status;
 }
@@ -302,46 +281,22 @@ sd_status ranks_spread(ranks *r, engine *whole, sd_messages *messages) {
   return spread_whole(r, whole, false, messages);
 }
 
-/* On every rank. */
-static sd_energy add_energies(ranks *r) {
-  energy_sums sum;
-  halo_refresh(&r->part, NULL);
-  energy_add_up(&r->part, &sum);
-  comm_total_exact(sum.of, ENERGY_SUMS);
-  return energy_of_sums(r->part.state, &sum);
-}
-
-/* On every rank; SD_OK on those that have not failed themselves. kept: of all ranks. */
-static sd_status start(ranks *r, bool measure, double *kept) {
-  engine *e = &r->part;
-  size_t mine = 0;
-  sd_status status = engine_start_part(e, &mine, r->messages);
-  if (!all_well(status)) return status;
-  step_agree(e, false);
-  *kept = comm_total((double)mine);
-  const sd_energy now = add_energies(r);
-  e->state->energy_start = energy_total(&now);
-  motion_begin_run(e);
-  if (measure) phase_measure_begin(e);
-  return engine_status(e);
-}
-
 static sd_status take_common_of(ranks *r, engine *whole, sd_messages *messages) {
   return move_common(&r->part, whole->state) == SD_OK
              ? SD_OK
              : sd_fail(messages, SD_ERROR_IO, "no memory to write the results");
 }
 
-/* On every rank. The whole learns how fast walls move. */
-static settle_measure rest(ranks *r, sd_state *whole) {
-  const settle_measure now = ranks_add_rest(&r->part);
-  if (move_common(&r->part, whole) != SD_OK) comm_fail("no memory"); /* the others wait */
-  return now;
-}
-
 settle_measure ranks_rest(ranks *r, engine *whole) {
   say(SETTLE, 0, false);
-  return rest(r, whole->state);
+  return ranks_rest_of(r, whole->state);
+}
+
+sd_status ranks_rain(ranks *r, engine *whole, sd_messages *messages) {
+  say(RAIN, 0, false);
+  const sd_status status = ranks_release_rain(r);
+  engine_end(&r->part, status);
+  return ranks_all_well(status) ? take_common_of(r, whole, messages) : tell_failure(r, messages);
 }
 
 bool ranks_outside_is_due(ranks *r) {
@@ -349,36 +304,9 @@ bool ranks_outside_is_due(ranks *r) {
   return comm_or(outside_is_due(&r->part)) != 0;
 }
 
-/* On every rank: its disks in the order that a phase begins with. */
-static sd_status order_again(ranks *r) {
-  engine *e = &r->part;
-  sd_status status = store_part(r);
-  if (!all_well(status) || r->model->n_free < ORDER_LEAST) return status;
-  status = ranks_order(r->model, e->state, e->halo->order);
-  engine_find_slots(e);
-  return status == SD_OK ? take_part(r, e) : status;
-}
-
-/* On every rank, after so many steps of the phase; the next one begins. */
-static sd_status end_phase(ranks *r, int64_t phase_step) {
-  engine *e = &r->part;
-  assert(ranks_are_spread(r));
-  const bool settles = r->model->phases[e->state->phase].settle.asked;
-  const settle_measure now = settles ? rest(r, NULL) : (settle_measure){0};
-  e->state->phase_step = phase_step;
-  phase_end(e, settles ? &now : NULL);
-  if (e->state->phase == (int64_t)r->model->n_phases) return SD_OK;
-  sd_status status = order_again(r);
-  if (all_well(status) && motion_begin_phase(e) != SD_OK)
-    status = sd_fail(r->messages, SD_ERROR_IO, "out of memory for the motions");
-  if (all_well(status) && phase_measures(e)) phase_measure_begin(e);
-  engine_end(e, status);
-  return status;
-}
-
 sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages) {
   say(END, whole->state->phase_step, false);
-  if (!all_well(end_phase(r, whole->state->phase_step))) return tell_failure(r, messages);
+  if (!ranks_all_well(ranks_end_part(r, whole->state->phase_step))) return tell_failure(r, messages);
   whole->state->phase = r->part.state->phase;
   whole->state->phase_step = 0;
   r->collected = -1;
@@ -390,9 +318,9 @@ sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messag
   if (status != SD_OK) return status;
   double kept = 0.0;
   say(START, 0, measure);
-  status = start(r, measure, &kept);
+  status = ranks_start_part(r, measure, &kept);
   engine_end(&r->part, status);
-  if (!all_well(status)) return tell_failure(r, messages);
+  if (!ranks_all_well(status)) return tell_failure(r, messages);
   engine_warn_of_dropped(r->model, (size_t)kept, messages);
   return take_common_of(r, whole, messages);
 }
@@ -416,8 +344,8 @@ sd_status ranks_advance(ranks *r, engine *whole, int64_t n, bool measure, sd_mes
 sd_status ranks_collect(ranks *r, engine *whole) {
   if (!ranks_are_spread(r) || r->collected == whole->state->step) return SD_OK;
   say(COLLECT, 0, false);
-  sd_status status = store_part(r);
-  if (!all_well(status)) return SD_ERROR_IO;
+  sd_status status = ranks_store_part(r);
+  if (!ranks_all_well(status)) return SD_ERROR_IO;
   status = move_together(&r->part, whole->state);
   if (status != SD_OK) return status;
   engine_find_slots(whole);
@@ -441,13 +369,13 @@ sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages) {
 
 sd_energy ranks_energy(ranks *r) {
   say(ENERGY, 0, false);
-  return add_energies(r);
+  return ranks_add_energies(r);
 }
 
 /* On every rank. */
 static sd_status add_resultants(ranks *r, sd_messages *messages) {
   sd_status status = store_rows(r);
-  if (all_well(status)) {
+  if (ranks_all_well(status)) {
     resultants_take(&r->sums, r->model, r->part.state, engine_slots(&r->part), true, r->messages);
     return SD_OK;
   }
@@ -465,12 +393,12 @@ static sd_status write_share(ranks *r, bool rows, const char *whole, int64_t *se
   int64_t sum = 0;
   char *path = h5_share_path(whole, (size_t)comm_rank());
   if (!path) comm_fail("no memory");
-  sd_status status = rows ? SD_OK : store_part(r);
-  if (all_well(status))
+  sd_status status = rows ? SD_OK : ranks_store_part(r);
+  if (ranks_all_well(status))
     status = rows ? record_share_seal(&r->rows, path, &sum, r->messages)
                   : ranks_write_share(&r->part, path, &sum, r->messages);
   free(path);
-  if (all_well(status)) {
+  if (ranks_all_well(status)) {
     ranks_gather_sums(sum, seals);
     return SD_OK;
   }
@@ -507,10 +435,10 @@ typedef struct sampling {
 /* On every rank. */
 static sd_status sample(ranks *r, sampling *s, sd_messages *messages) {
   sd_status status = store_rows(r);
-  if (all_well(status))
+  if (ranks_all_well(status))
     status =
         ranks_sample_share(&r->part, (unsigned)s->what, s->frame, s->moment_number, &r->rows, r->messages);
-  if (!all_well(status)) {
+  if (!ranks_all_well(status)) {
     engine_end(&r->part, status);
     return tell_failure(r, messages);
   }
@@ -566,18 +494,27 @@ int ranks_serve(ranks *r) {
       }
       case START: {
         double kept;
-        const sd_status status = start(r, o.measure != 0, &kept);
+        const sd_status status = ranks_start_part(r, o.measure != 0, &kept);
         engine_end(&r->part, status);
-        if (all_well(status))
+        if (ranks_all_well(status))
           move_common(&r->part, NULL);
         else
           tell_failure(r, NULL);
         break;
       }
-      case SETTLE: rest(r, NULL); break;
+      case SETTLE: ranks_rest_of(r, NULL); break;
+      case RAIN: {
+        const sd_status status = ranks_release_rain(r);
+        engine_end(&r->part, status);
+        if (ranks_all_well(status))
+          move_common(&r->part, NULL);
+        else
+          tell_failure(r, NULL);
+        break;
+      }
       case LOOK: comm_or(outside_is_due(&r->part)); break;
       case END:
-        if (all_well(end_phase(r, o.n)))
+        if (ranks_all_well(ranks_end_part(r, o.n)))
           move_common(&r->part, NULL);
         else
           tell_failure(r, NULL);
@@ -587,9 +524,9 @@ int ranks_serve(ranks *r) {
         if (r->bits & HALO_FAILED) tell_failure(r, NULL);
         break;
       case COLLECT:
-        if (all_well(store_part(r))) move_together(&r->part, NULL);
+        if (ranks_all_well(ranks_store_part(r))) move_together(&r->part, NULL);
         break;
-      case ENERGY: add_energies(r); break;
+      case ENERGY: ranks_add_energies(r); break;
       case SERIES: add_resultants(r, NULL); break;
       case WRITE:
       case SEAL: serve_write(r, o.word == SEAL, (size_t)o.n); break;

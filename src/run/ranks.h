@@ -2,7 +2,7 @@
  *
  * Rank 0 leads: it has the session and, between steps, may have the whole state. The others serve: they wait for its word, and
  * do the same at the same time. While the disks are spread over the ranks each has an engine of its part (halo.h), and the whole state is
- * as old as the last ranks_collect. Whatever steps do not do (phases, rain, compression) is done on the whole, by rank 0, as
+ * as old as the last ranks_collect. What ranks cannot share (phases that relax or compress, disks that leave the bounds) is done on the whole, by rank 0, as
  * in a run on one rank; then the disks are spread again. Nothing of it changes a bit.
  *
  * A failure in a step is told by all ranks, and rank 0 returns it. Without memory, a rank says so and ends the job.
@@ -46,6 +46,8 @@ sd_status ranks_center(ranks *r, engine *whole, sd_messages *messages);
 ranks_balance ranks_balance_of(const ranks *r);
 /* How near all disks are to rest; whole->state then knows how fast walls move. */
 settle_measure ranks_rest(ranks *r, engine *whole);
+/* Batches of rain that are due fall. */
+sd_status ranks_rain(ranks *r, engine *whole, sd_messages *messages);
 /* Would outside_look of the whole change anything? */
 bool ranks_outside_is_due(ranks *r);
 /* The phase ends, also for whole->state, and the next one begins, which must be one that ranks can share; the disks stay where they are. */

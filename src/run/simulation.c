@@ -106,15 +106,11 @@ static const char *unsuited_in(const engine *whole, int64_t phase) {
 static const char *unsuited(const engine *whole) { return unsuited_in(whole, whole->state->phase); }
 
 /* Lists are made where the steps of the present phase are: on the ranks, or here. */
-static bool begins_on_ranks(const engine *e) {
-  return !unsuited(e) && !(e->state->step == 0 && rain_next(e, -1) == 0);
-}
-
 static sd_status build_work(sd_simulation *sim, bool small, int threads, sd_messages *messages) {
   engine *e = &sim->engine;
   if (threads > 1 && !(e->pool = pool_new(threads)))
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the threads");
-  if (sim->ranks && begins_on_ranks(e)) return engine_build_bodies(e, threads, messages);
+  if (sim->ranks && !unsuited(e)) return engine_build_bodies(e, threads, messages);
   if (state_bring(e->state) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "cannot read the state");
   state_spread(e->state, e->pool);
   return build(e, small, threads, messages);
@@ -297,13 +293,14 @@ static int64_t next_stop(const engine *e) {
   return next - step < stop - now ? now + (next - step) : stop;
 }
 
+static bool rain_is_due(const engine *e) { return rain_next(e, e->state->step - 1) == e->state->step; }
+
 static sd_status between_steps(engine *e, sd_messages *messages) {
   const sd_phase *p = phase_of(e);
   int64_t now = e->state->phase_step;
   sd_status status = SD_OK;
   if (e->model->bounds.given && e->state->step % OUTSIDE_EVERY == 0) status = outside_look(e, messages);
-  if (status == SD_OK && rain_next(e, e->state->step - 1) == e->state->step)
-    status = rain_release(e, messages);
+  if (status == SD_OK && rain_is_due(e)) status = rain_release(e, messages);
   if (status == SD_OK && p->compress.asked && now % COMPRESS_EVERY == 0) status = compress_step(e, messages);
   if (status == SD_OK && p->cell.asked && now % CELL_EVERY == 0) status = cell_change(e, messages);
   return status;
@@ -332,7 +329,7 @@ static bool whole_is_due(const engine *e) {
   const sd_phase *p = phase_of(e);
   const int64_t now = e->state->phase_step;
   return (p->compress.asked && now % COMPRESS_EVERY == 0) || (p->cell.asked && now % CELL_EVERY == 0) ||
-         rain_next(e, e->state->step - 1) == e->state->step || goal_is_due(e);
+         goal_is_due(e);
 }
 
 engine *simulation_engine(sd_simulation *sim) { return &sim->engine; }
@@ -383,6 +380,7 @@ static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, 
   if (*status != SD_OK) return true;
   bool whole = sim->n_observers > 0 || whole_is_due(e) ||
                (bounds && s->step % OUTSIDE_EVERY == 0 && ranks_outside_is_due(sim->ranks));
+  if (!whole && rain_is_due(e) && (*status = ranks_rain(sim->ranks, e, messages)) != SD_OK) return true;
   if (!whole) {
     bool over = s->phase_step == phase_of(e)->steps;
     if (!over && phase_settles(e)) {

@@ -324,7 +324,7 @@ sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *
   sd_model_free(*out);
   *out = NULL;
   status = sd_deck_load(path, n_overrides, overrides, out, messages);
-  if (status == SD_OK)
+  if (status == SD_OK && *out)
     sd_warn(messages, "packings[%zu].tiles: one rank makes all, since %s", (*out)->tiles.packing, why);
   return status;
 }

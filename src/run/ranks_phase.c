@@ -1,0 +1,124 @@
+/* ranks_phase.c: how the parts of a run begin and end phases, and let rain fall; see ranks_private.h. */
+#include <assert.h>
+#include <stdlib.h>
+
+#include "base/comm.h"
+#include "base/comm_data.h"
+#include "pack/rain.h"
+#include "physics/contact/energy.h"
+#include "physics/motion/motion.h"
+#include "physics/neighbours/order.h"
+#include "physics/step/access.h"
+#include "physics/step/engine.h"
+#include "physics/step/step.h"
+#include "physics/system/bodies.h"
+#include "physics/system/halo.h"
+#include "run/phase.h"
+#include "run/ranks_move.h"
+#include "run/ranks_order.h"
+#include "run/ranks_private.h"
+#include "run/ranks_share.h"
+
+/* --- sums ------------------------------------------------------------------------------------------------------ */
+
+sd_energy ranks_add_energies(ranks *r) {
+  energy_sums sum;
+  halo_refresh(&r->part, NULL);
+  energy_add_up(&r->part, &sum);
+  comm_total_exact(sum.of, ENERGY_SUMS);
+  return energy_of_sums(r->part.state, &sum);
+}
+
+settle_measure ranks_rest_of(ranks *r, sd_state *whole) {
+  const settle_measure now = ranks_add_rest(&r->part);
+  if (move_common(&r->part, whole) != SD_OK) comm_fail("no memory"); /* the others wait */
+  return now;
+}
+
+/* --- rain ------------------------------------------------------------------------------------------------------ */
+
+/* Radii of disks that wait are in the model of rank 0. */
+static sd_status set_out(engine *e, const sd_rain *r, sd_messages *messages) {
+  const size_t n = rain_count(e, r);
+  const double top = comm_largest(rain_top(e, r));
+  rain_drop *drops = calloc(n, sizeof *drops);
+  if (!drops) {
+    comm_fail("no memory for a batch of rain");
+    return SD_ERROR_IO;
+  }
+  const sd_status status = comm_rank() == 0 ? rain_plan(e, r, top, drops, messages) : SD_OK;
+  const bool failed = comm_or(status != SD_OK);
+  if (!failed) comm_share(drops, n * sizeof *drops);
+  if (!failed) rain_set_out(e, r, drops);
+  free(drops);
+  return status;
+}
+
+/* Collective: disks of this part that are due set out; its lists are to be made anew. */
+static sd_status set_out_all(engine *e, sd_messages *messages) {
+  const sd_model *m = e->model;
+  sd_status status = SD_OK;
+  engine_pose_walls(e);
+  for (size_t k = 0; k < m->n_rains; k++) {
+    if (rain_due(e, &m->rains[k])) status = set_out(e, &m->rains[k], messages);
+    if (comm_or(status != SD_OK)) return status;
+  }
+  bodies_fill_constants(e);
+  for (size_t k = 0; k < m->n_rains; k++)
+    if (rain_due(e, &m->rains[k])) rain_accelerate(e, &m->rains[k]);
+  return SD_OK;
+}
+
+sd_status ranks_release_rain(ranks *r) {
+  const sd_energy before = ranks_add_energies(r);
+  sd_status status = set_out_all(&r->part, r->messages);
+  if (ranks_all_well(status)) status = ranks_store_part(r);
+  if (ranks_all_well(status)) status = ranks_take_part(r, &r->part);
+  if (!ranks_all_well(status)) return status;
+  const sd_energy after = ranks_add_energies(r);
+  r->part.state->energy_start += energy_total(&after) - energy_total(&before);
+  return SD_OK;
+}
+
+/* --- phases ---------------------------------------------------------------------------------------------------- */
+
+sd_status ranks_start_part(ranks *r, bool measure, double *kept) {
+  engine *e = &r->part;
+  size_t mine = 0;
+  sd_status status = rain_next(e, -1) == 0 ? ranks_release_rain(r) : SD_OK;
+  if (ranks_all_well(status)) status = engine_start_part(e, &mine, r->messages);
+  if (!ranks_all_well(status)) return status;
+  step_agree(e, false);
+  *kept = comm_total((double)mine);
+  const sd_energy now = ranks_add_energies(r);
+  e->state->energy_start = energy_total(&now);
+  motion_begin_run(e);
+  if (measure) phase_measure_begin(e);
+  return engine_status(e);
+}
+
+/* On every rank: its disks in the order that a phase begins with. */
+static sd_status order_again(ranks *r) {
+  engine *e = &r->part;
+  sd_status status = ranks_store_part(r);
+  if (!ranks_all_well(status) || r->model->n_free < ORDER_LEAST) return status;
+  status = ranks_order(r->model, e->state, e->halo->order);
+  engine_find_slots(e);
+  return status == SD_OK ? ranks_take_part(r, e) : status;
+}
+
+sd_status ranks_end_part(ranks *r, int64_t phase_step) {
+  engine *e = &r->part;
+  assert(ranks_are_spread(r));
+  const bool settles = r->model->phases[e->state->phase].settle.asked;
+  const settle_measure now = settles ? ranks_rest_of(r, NULL) : (settle_measure){0};
+  e->state->phase_step = phase_step;
+  phase_end(e, settles ? &now : NULL);
+  if (e->state->phase == (int64_t)r->model->n_phases) return SD_OK;
+  sd_status status = order_again(r);
+  if (ranks_all_well(status) && motion_begin_phase(e) != SD_OK)
+    status = sd_fail(r->messages, SD_ERROR_IO, "out of memory for the motions");
+  if (ranks_all_well(status) && phase_measures(e)) phase_measure_begin(e);
+  engine_end(e, status);
+  return status;
+}
