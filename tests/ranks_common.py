@@ -84,6 +84,24 @@ LOST = COLLAPSE.replace("phases = (", """disks = ( { name = "lost"; x = 15; y = 
 fields = ( { name = "hole"; type = "central"; disk = "lost"; centre = (15, 20); strength = 1e100; power = 8; } );
 phases = ( { name = "calm"; steps = 300; fields = (); },""")
 
+# Phases that end where the disks are: motions that fade in and stop, fields that change, a rest that does not come, means that pause.
+PHASES = f"""
+title = "phases"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 1; }}; seed = 3;
+{GRAIN}
+container = {{ type = "box"; width = 30; height = 40; }};
+packings = ( {{ type = "random"; count = 600; sizes = "uniform"; lower = 0.2; upper = 0.4; density = 1; group = "red"; }},
+             {{ type = "random"; count = 500; sizes = "uniform"; lower = 0.2; upper = 0.4; density = 1; group = "blue"; }} );
+fields = ( {{ name = "wind"; type = "drag"; gamma = 0.3; shear_rate = 0.1; centre = (0, 0); group = "red"; }},
+           {{ name = "damping"; type = "damping"; alpha = 0.2; }} );
+motions = ( {{ name = "shake"; wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.1; frequency = 1; ramp = 0.2; }},
+            {{ name = "push"; wall = "left"; coordinate = "x"; type = "velocity"; velocity = 0.3; ramp = 0.2; }} );
+phases = ( {{ name = "push"; steps = 900; series = 100; frames = 300; contacts = 300; motions = ("push"); fields = ("wind"); measure = true; }},
+           {{ name = "shake"; steps = 1000; series = 100; frames = 500; motions = ("shake"); fields = ("damping");
+              settle = {{ kinetic = 1e-5; every = 300; }}; }},
+           {{ name = "both"; steps = 800; series = 100; frames = 400; measure = true; }} );
+measure = {{ disks = true; walls = true; groups = true; stress = true; }};
+"""
+
 # Rain on fixed disks; what rolls off is taken away.
 RAIN = f"""
 title = "rain"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
@@ -169,7 +187,7 @@ phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
 """
 
 DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
-         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "levels": LEVELS}
+         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "phases": PHASES, "levels": LEVELS}
 
 
 def ranks_of(launcher):

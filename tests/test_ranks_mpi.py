@@ -92,6 +92,10 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("bounds", ranks)
 
+    def test_phases(self):
+        for ranks in brief((2, 3, 4), (3,)):
+            self.same("phases", ranks)
+
     def test_sums(self):
         """Series of all that is summed up over disks and contacts."""
         for ranks in brief((2, 3, 5), (3,)):
