@@ -379,6 +379,7 @@ static sd_status cut_whole(const sd_model *model, comm_cuts *cuts, const sd_stat
 sd_status move_first_cut(const sd_model *model, comm_cuts *cuts, const engine *from) {
   const sd_state *s = from ? from->state : NULL;
   if (comm_or(from && from->halo) == 0) return cut_whole(model, cuts, s);
+  assert(s);
   return cut_rows(cuts, s->n_free, s->x, s->y, s->activity);
 }
 

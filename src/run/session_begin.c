@@ -12,6 +12,7 @@
 
 #include "slipdisk/deck.h"
 #include "base/clock.h"
+#include "base/comm.h"
 #include "base/text.h"
 #include "base/shortage.h"
 #include "io/store/file.h"
@@ -177,9 +178,19 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
   return status;
 }
 
+/* Two ranks of 1000 disks are as fast as one process (docs/performance.md). */
 static void warn_of_ranks(const session *s, sd_messages *messages) {
-  if (s->options.over_ranks && simulation_is_small(s->simulation))
+  enum { WORTH = 1000 };
+  const size_t n = (size_t)comm_size(), disks = s->model->n_free;
+  if (!s->options.over_ranks) return;
+  if (simulation_is_small(s->simulation))
     sd_warn(messages, "so few disks run on one rank; the others have nothing to do");
+  else if (disks < WORTH * n)
+    sd_warn(
+        messages,
+        "%zu ranks share %zu free disks: with fewer than %d each they wait for each other longer than they "
+        "work; fewer ranks are faster",
+        n, disks, WORTH);
 }
 
 /* there: identity of the file that may be replaced in the end; "": none. */
