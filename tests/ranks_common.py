@@ -131,6 +131,17 @@ BOUNDS = RAIN.replace('type = "rain"; count = 80; rows = 1; interval = 1;', 'typ
     " gap = 1;", "").replace("(-3, 1000)", "(-3, 9)").replace("remove", "report").replace(
     "phases", 'motions = ( { group = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 15; frequency = 0.5; } );\nphases')
 
+# Two disks are taken out in the first phase, and told in the order that the last one begins with.
+GONE = f"""
+title = "gone"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
+{GRAIN}
+container = {{ type = "box"; width = 40; height = 60; }};
+disks = ( {{ x = 8; y = 39; vy = 20; radius = 0.4; density = 1; }}, {{ x = -9; y = 39; vx = 1; vy = 20; radius = 0.4; density = 1; }} );
+{LATTICE % (1200, "-19, 19", "0.1, 36")}
+bounds = {{ x = (-22, 22); y = (-3, 45); outside = "remove"; }};
+phases = ( {{ name = "leave"; steps = 600; series = 100; }}, {{ name = "stay"; steps = 300; series = 100; frames = 300; }} );
+"""
+
 # All that a series can sum up, in many rows: two materials, groups that are mixed, a lid within the region.
 MIXTURE = """
 materials = ( { name = "hard"; k_n = 1e4; k_t = 5e3; gamma_n = 0.5; mu = 0.4; }, { name = "soft"; k_n = 6e3; k_t = 2e3; gamma_n = 0.5; mu = 0.2; } );
@@ -187,7 +198,7 @@ phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
 """
 
 DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
-         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "phases": PHASES, "levels": LEVELS}
+         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 
 def ranks_of(launcher):

@@ -91,6 +91,7 @@ class Ranks(Folder):
         """Disks that cross them and come back, and some that stay outside."""
         for ranks in brief((2, 3), (2,)):
             self.same("bounds", ranks)
+            self.same("gone", ranks)
 
     def test_phases(self):
         for ranks in brief((2, 3, 4), (3,)):

@@ -375,7 +375,8 @@ static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
 static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
-  const bool goes_on = !unsuited_in(e, s->phase + 1), bounds = e->model->bounds.given;
+  /* those that were taken out are told in the order of the whole, which is new in a new phase */
+  const bool goes_on = !unsuited_in(e, s->phase + 1) && s->outside == 0, bounds = e->model->bounds.given;
   s->phase_step += s->step - from;
   if (*status != SD_OK) return true;
   bool whole = sim->n_observers > 0 || whole_is_due(e) ||
