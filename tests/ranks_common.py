@@ -126,6 +126,23 @@ phases = ( {{ name = "still"; steps = 450; series = 50; frames = 150; contacts =
            {{ name = "shake"; steps = 600; series = 50; frames = 300; }} );
 """
 
+# A batch falls in the last step of a phase: before one that relaxes, and where a disk is beyond the bounds just then.
+LAST_DROP = f"""
+title = "last drop"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
+{GRAIN}
+container = {{ type = "box"; width = 10; height = 30; }};
+packings = ( {{ type = "rain"; count = 80; rows = 1; interval = 0.1; speed = 5; gap = 1; density = 1.27; sizes = "uniform"; lower = 0.4; upper = 0.6; }} );
+phases = ( {{ steps = 300; frames = 100; series = 50; }}, {{ name = "relax"; steps = 500; relax = true; series = 50; }} );
+"""
+LOST_DROP = f"""
+title = "lost drop"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
+{GRAIN}
+packings = ( {{ type = "rain"; count = 80; rows = 1; interval = 0.1; speed = 5; gap = 1; x = (-4, 4); y = (0.5, 10); density = 1.27;
+                sizes = "uniform"; lower = 0.4; upper = 0.6; }} );
+bounds = {{ y = (0.9, 1000); outside = "remove"; }};
+phases = ( {{ steps = 200; frames = 100; series = 50; }}, {{ steps = 300; frames = 100; series = 50; }} );
+"""
+
 # The same disks at once, on a floor that throws them up over the bounds.
 BOUNDS = RAIN.replace('type = "rain"; count = 80; rows = 1; interval = 1;', 'type = "square"; jitter = 0.5; count = 40;').replace(
     " gap = 1;", "").replace("(-3, 1000)", "(-3, 9)").replace("remove", "report").replace(
@@ -198,7 +215,7 @@ phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
 """
 
 DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
-         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "phases": PHASES, "gone": GONE, "levels": LEVELS}
+         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 
 def ranks_of(launcher):

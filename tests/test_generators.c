@@ -16,6 +16,7 @@
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 
+#include "model/tiles.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
 #include "pack/place.h"
@@ -527,7 +528,7 @@ static void test_tiles(void **state) {
     }
     assert_int_equal(tiles_begin(&m.tiles, TILES), MOST);
     check_clear(&m, m.tiles.lower, m.tiles.upper, MOST, radius, position);
-    const sd_disk disk = tiles_disk(&m.tiles, 2, position[0]);
+    const sd_disk disk = model_tile_disk(&m.tiles, 2, position[0]);
     near_to(disk.mass, 8 * M_PI, 1e-12, "mass");
     near_to(disk.inertia, 16 * M_PI, 1e-12, "moment of inertia");
   }

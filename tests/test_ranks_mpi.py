@@ -86,6 +86,8 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("rain", ranks)
             self.same("showers", ranks)
+            self.same("lost drop", ranks)
+            self.same("last drop", ranks, alone='phase "relax" runs on one rank')
 
     def test_bounds(self):
         """Disks that cross them and come back, and some that stay outside."""
@@ -130,6 +132,18 @@ class Ranks(Folder):
             self.assertEqual(status, 2, err)
             self.assertRegex(err, expected)
             self.assertFalse(self.result.exists())
+
+    def test_tiles_near_a_limit(self):
+        """The smallest disk of another tile forbids the time step."""
+        deck = self.folder / "gaussian.cfg"
+        deck.write_text(DECKS["tiles"].replace('"gear5"', '"verlet"').replace(
+            'sizes = "list"; radii = (0.2, 0.28);', 'sizes = "gaussian"; radius = 0.2; deviation = 0.05; lower = 0.01; upper = 0.28;'))
+        for seed in 2, 3:
+            status, _, alone = run(0, "run", deck, "--quiet", "-o", self.result, "-D", f"seed={seed}")
+            self.assertEqual(status, 2, alone)
+            self.assertIn("blows up", alone)
+            status, _, err = run(2, "run", deck, "--quiet", "-o", self.result, "-D", f"seed={seed}")
+            self.assertEqual((status, err.splitlines()[0]), (2, alone.splitlines()[0]))
 
     def test_uneven(self):
         """Few disks, and clocks that leap: ranks without a disk, and cuts anew every 200 steps."""

@@ -14,6 +14,8 @@ static inline size_t model_held(const sd_model *m) {
   return m->tiles.away ? m->tiles.first + (m->tiles.count + m->tiles.n - 1) / m->tiles.n : m->n_disks;
 }
 
+/* A disk of the packing. */
+sd_disk model_tile_disk(const sd_tiles *tiles, double radius, const double position[2]);
 /* Counts the disks that are not there. NULL, or why all must be there: then the deck is to be read again. */
 const char *model_count_tiles(sd_model *model);
 

@@ -31,9 +31,8 @@ typedef struct place_space {
   const sd_model *model;
   place_interior interior;
   double lower[2], upper[2];
-  bool edge
-      [2]; /* disks lie between the edges of the rectangle, and so does the grid, which holds images; false: both go round
-                 * the periodic box */
+  /* disks lie between the edges of the rectangle, and so does the grid, which holds images; false: both go round the box */
+  bool edge[2];
   double period[2];   /* of the box; 0: open */
   size_t n, capacity; /* disks: of the model, then those that were added */
   double (*disk)[3];  /* x, y, radius */

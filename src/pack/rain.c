@@ -239,7 +239,7 @@ void rain_set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
     s->y[i] = d->y;
     s->vy[i] = -r->speed;
     const int clump = e->model->disks[d->disk].clump;
-    if (clump > 0 && d->first) clump_set_out(e, (size_t)clump - 1, d->x, d->y, -r->speed);
+    if (clump > 0 && d->leads) clump_set_out(e, (size_t)clump - 1, d->x, d->y, -r->speed);
   }
 }
 

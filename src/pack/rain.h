@@ -14,9 +14,9 @@ int64_t rain_next(const engine *e, int64_t step);
 /* Releases what is due at state->step, between steps, on one thread. The energy that the disks bring is booked in
  * state->energy_start. SD_ERROR_NUMERIC: a wall or the end of the bounds is where a disk should be. */
 sd_status rain_release(engine *e, sd_messages *messages);
-/* The same in parts, of a run that ranks share (ranks_rain.c): rank 0 says where the disks of a batch go, and each rank sets out its own. */
+/* The same in parts, of a run that ranks share (ranks_phase.c): rank 0 says where the disks of a batch go, and each rank sets out its own. */
 typedef struct rain_drop {
-  uint32_t disk, first; /* first: of its grain */
+  uint32_t disk, leads; /* leads: the first of its grain */
   double x, y;
 } rain_drop;
 /* Is a batch due now, and how many disks has it? */

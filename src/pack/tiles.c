@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/limits.h"
+#include "model/tiles.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
 
@@ -63,29 +64,19 @@ sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*po
   return status;
 }
 
-sd_disk tiles_disk(const sd_tiles *t, double radius, const double position[2]) {
-  const double mass = t->mass == 0.0 ? t->density * 3.14159265358979323846 * radius * radius : t->mass;
-  return (sd_disk){.position = {position[0], position[1], 0.0},
-                   .radius = radius,
-                   .mass = mass,
-                   .inertia = 0.5 * mass * radius * radius,
-                   .material = t->material,
-                   .group = t->group};
-}
-
 sd_status tiles_bring(sd_model *m) {
   const sd_tiles *t = &m->tiles;
   const size_t most = tiles_begin(t, 1);
   double *radius = malloc((most + 1) * sizeof *radius),
          (*position)[2] = malloc((most + 1) * sizeof *position);
   sd_status status = radius && position ? SD_OK : SD_ERROR_IO;
-  for (size_t k = 1; t->away && k < t->n && status == SD_OK; k++) {
+  for (size_t k = 1; k < t->n && status == SD_OK; k++) {
     const size_t first = tiles_begin(t, k), n = tiles_begin(t, k + 1) - first;
     size_t placed;
     status = tiles_make(m, k, radius, position, &placed);
     assert(status != SD_OK || placed == n);
     for (size_t i = 0; i < n && status == SD_OK; i++)
-      m->disks[t->first + first + i] = tiles_disk(t, radius[i], position[i]);
+      m->disks[t->first + first + i] = model_tile_disk(t, radius[i], position[i]);
   }
   if (status == SD_OK) m->tiles.away = false;
   free(radius);

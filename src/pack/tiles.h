@@ -31,7 +31,5 @@ size_t tiles_begin(const sd_tiles *t, size_t tile);
 sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*position)[2], size_t *placed);
 /* Makes the disks that are not in the model (m->tiles.away), one tile after the other. SD_ERROR_IO: out of memory. */
 sd_status tiles_bring(sd_model *m);
-/* A disk of the packing. */
-sd_disk tiles_disk(const sd_tiles *t, double radius, const double position[2]);
 
 #endif

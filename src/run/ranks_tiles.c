@@ -36,7 +36,7 @@ static sd_status fill_tile(const sd_model *m, size_t tile, sd_state *s, size_t s
   sd_status status = radius && position ? tiles_make(m, tile, radius, position, &placed) : SD_ERROR_IO;
   if (status != SD_OK) comm_fail("no memory for its tiles");
   for (size_t k = 0; radius && position && placed == n && k < n; k++) {
-    const sd_disk disk = tiles_disk(&m->tiles, radius[k], position[k]);
+    const sd_disk disk = model_tile_disk(&m->tiles, radius[k], position[k]);
     engine_fill_disk(s, &disk, (uint32_t)(m->tiles.first + first + k), (uint32_t)(slot + k));
   }
   free(radius);

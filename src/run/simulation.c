@@ -379,7 +379,9 @@ static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, 
   const bool goes_on = !unsuited_in(e, s->phase + 1) && s->outside == 0, bounds = e->model->bounds.given;
   s->phase_step += s->step - from;
   if (*status != SD_OK) return true;
-  bool whole = sim->n_observers > 0 || whole_is_due(e) ||
+  /* after rain in the last step of a phase all is looked at together */
+  const bool may_end = s->phase_step == phase_of(e)->steps || phase_settles(e);
+  bool whole = sim->n_observers > 0 || whole_is_due(e) || (rain_is_due(e) && may_end) ||
                (bounds && s->step % OUTSIDE_EVERY == 0 && ranks_outside_is_due(sim->ranks));
   if (!whole && rain_is_due(e) && (*status = ranks_rain(sim->ranks, e, messages)) != SD_OK) return true;
   if (!whole) {

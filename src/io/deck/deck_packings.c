@@ -308,10 +308,6 @@ static double read_spacing(packing *p) {
   return d->reported > before ? 0 : spacing;
 }
 
-static bool is_lattice(const packing *p) {
-  return p->v.kind == SD_PACKING_TRIANGULAR || p->v.kind == SD_PACKING_SQUARE;
-}
-
 static void make_lattice(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
@@ -522,10 +518,13 @@ static void make_tiled(packing *p) {
   deck *d = p->g.d;
   sd_model *m = d->model;
   size_t before = d->reported;
-  const double spacing = is_lattice(p) ? read_spacing(p) : 0;
+  const double spacing = p->v.kind <= SD_PACKING_SQUARE ? read_spacing(p) : 0;
   check_tiles(p);
   if (d->reported > before) return;
   keep_tiles(p, spacing);
+  if (d->leave_tiles && !p->last && m->tiles.n > 1)
+    sd_warn(d->messages, "packings[%zu].tiles: one rank makes all, since the packing is not the last",
+            p->number);
   m->tiles.away = d->leave_tiles && p->last && m->tiles.n > 1;
   for (size_t k = 0; k < (m->tiles.away ? 1 : m->tiles.n) && d->reported == before; k++) {
     const size_t n = tiles_begin(&m->tiles, k + 1) - tiles_begin(&m->tiles, k);

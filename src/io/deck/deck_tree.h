@@ -109,7 +109,7 @@ typedef struct deck {
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
   size_t n_file_tables;
   bool disks_missing; /* some could not be read */
-  bool leave_tiles;   /* of the last packing but the first: ranks make them */
+  bool leave_tiles;   /* those of the last packing, but for its first, are made by ranks */
   bool readable;      /* no mistake but where bodies stand */
   struct deck_container_values *container;
   struct deck_constants *constants; /* NULL until one is asked for */

@@ -125,8 +125,9 @@ static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
 int64_t provenance_inputs(const sd_model *model) {
   uint64_t sum = FILE_SUM;
   /* those of tiles follow from the deck's text */
-  const size_t n_disks = model->tiles.n ? model->tiles.first : model->n_disks;
-  for (size_t k = 0; k < n_disks; k++) {
+  const sd_tiles *t = &model->tiles;
+  for (size_t k = 0; k < model->n_disks; k++) {
+    if (k >= t->first && k < t->first + t->count) continue;
     const sd_disk *d = &model->disks[k];
     const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};
     const int32_t whole[] = {d->material, d->group, d->locked[0], d->locked[1], d->locked[2], d->driven};
