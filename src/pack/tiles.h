@@ -9,7 +9,7 @@
 #include "pack/place.h"
 #include "pack/sizes.h"
 
-/* What is said of a tile that is too small for its disks: its number, how many tiles there are, disks that it holds and shall hold. */
+/* Message of a tile that is too small: its number, how many tiles there are, disks that it holds, disks that it shall hold. */
 #define TILES_FULL                                                                                           \
   "tile %zu of %zu holds %zu disks only, where %zu were asked for; expected fewer disks or a larger region"
 

@@ -277,8 +277,7 @@ static sd_status take_disks(shares *p, bool whole, sd_state *to) {
   return status == SD_OK ? moving_send(&ghosts, p->ghost_place) : status;
 }
 
-/* Prescribed bodies, motions, and what is of the run. */
-static sd_status take_common(const engine *from, bool whole, sd_state *to) {
+sd_status move_take_common(const engine *from, bool whole, sd_state *to) {
   const size_t bytes = common_bytes(to);
   char *buffer = malloc(bytes + 1);
   if (!buffer) {
@@ -332,7 +331,7 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
   if (status == SD_OK) status = take_disks(&p, whole, *state);
   if (status == SD_OK) status = call_contacts(&p);
   if (status == SD_OK) status = take_contacts(&p.contacts, from ? from->state : NULL, whole, *state);
-  if (status == SD_OK) status = take_common(from, whole, *state);
+  if (status == SD_OK) status = move_take_common(from, whole, *state);
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
   free(owner);

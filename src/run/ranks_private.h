@@ -36,7 +36,7 @@ sd_status ranks_store_part(ranks *r);
 sd_energy ranks_add_energies(ranks *r);
 /* The whole (rank 0) learns how fast walls move. */
 settle_measure ranks_rest_of(ranks *r, sd_state *whole);
-/* What is due falls. */
+/* Batches of rain that are due fall. */
 sd_status ranks_release_rain(ranks *r);
 /* Step 0, once motions run: engine_start. kept: contacts of the packing, of all ranks. */
 sd_status ranks_start_part(ranks *r, bool measure, double *kept);

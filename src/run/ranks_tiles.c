@@ -11,7 +11,7 @@
 #include "model/tiles.h"
 #include "pack/tiles.h"
 #include "physics/step/engine.h"
-#include "run/ranks_columns.h"
+#include "run/ranks_move.h"
 #include "run/ranks_order.h"
 
 /* --- disks --------------------------------------------------------------------------------------------------- */
@@ -61,18 +61,6 @@ static sd_status fill_disks(const sd_model *m, sd_state *s, sd_messages *message
   return status;
 }
 
-/* Prescribed bodies, motions, and what is of the run. */
-static sd_status share_common(const engine *whole, sd_state *s) {
-  const size_t bytes = common_bytes(s);
-  char *buffer = malloc(bytes + 1);
-  if (!buffer) return SD_ERROR_IO;
-  if (whole) common_copy(whole->state, buffer, false);
-  comm_share(buffer, bytes);
-  common_copy(s, buffer, true);
-  free(buffer);
-  return SD_OK;
-}
-
 /* --- together -------------------------------------------------------------------------------------------------- */
 
 static sd_status order_made(engine *made) {
@@ -84,7 +72,7 @@ static sd_status order_made(engine *made) {
 
 sd_status ranks_tiles_new(const sd_model *m, const engine *whole, engine *made, sd_messages *messages) {
   *made = (engine){.model = m, .state = state_new_part(m, count_mine(m), 0)};
-  if (!made->state || share_common(whole, made->state) != SD_OK) {
+  if (!made->state || move_take_common(whole, true, made->state) != SD_OK) {
     comm_fail("no memory for its tiles");
     return SD_ERROR_IO;
   }

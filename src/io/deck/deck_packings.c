@@ -461,7 +461,7 @@ static void make_rain(packing *p) {
 
 /* --- tiles ---------------------------------------------------------------------------------------------------- */
 
-/* What tiles are made from, in the model; group: when there is a disk. */
+/* The model keeps all that tiles are made from; their group is known when there is a disk. */
 static void keep_tiles(packing *p, double spacing) {
   const sizes *s = p->sizes;
   sd_tiles *t = &p->g.d->model->tiles;
