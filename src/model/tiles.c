@@ -92,7 +92,7 @@ static bool reaches_out(const sd_model *m) {
 /* Why all disks must be in the model; NULL: they need not. */
 static const char *reason(const sd_model *m) {
   if (m->n_disks != model_held(m) || m->n_clumps > 0) return "other disks follow, or clumps";
-  if (m->n_disks - m->tiles.first < FEW) return "tiles are small";
+  if (m->n_disks - m->tiles.first < FEW) return "tiles have fewer than 1000 disks";
   if (m->n_memories > 0) return "contacts come from a file";
   if (m->measure_disks) return "measure.disks = true";
   if (names_disks(m)) return "the deck speaks of single disks of it";
