@@ -214,7 +214,28 @@ packings = ( {{ type = "triangular"; count = 6000; tiles = 5; spacing = 1.02; ji
 phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
 """
 
-DECKS = {"collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+# The last disks of a file that is large enough to be read in parts: a result with groups and materials that are mixed, and its columns.
+PREPARED = f"""
+title = "prepared"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 1; }};
+{MIXTURE.replace("count = 90", "count = 12000").replace("count = 70", "count = 9000") % ("0, 200", "0.6, 110", "0, 200", "110, 200")}
+box = {{ x = (0, 200); periodic = "x"; }};
+walls = ( {{ name = "floor"; type = "line"; points = ((0, 0), (1, 0)); material = "soft"; }} );
+phases = ( {{ steps = 50; }} );
+"""
+FILE = PREPARED.replace("packings", "other").split("other")[0] + """
+box = { x = (0, 200); periodic = "x"; };
+walls = ( { name = "floor"; type = "line"; points = ((0, 0), (1, 0)); material = "soft"; } );
+disks = ( { name = "ball"; x = 100; y = 210; vy = -5; radius = 4; density = 2; material = "hard"; group = "balls"; } );
+disk_files = ( { file = "prepared.h5"; } );
+motions = ( { wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.1; frequency = 5; } );
+phases = ( { name = "shake"; steps = 200; series = 50; frames = 100; contacts = 100; }, { steps = 100; series = 50; } );
+measure = { groups = true; walls = true; };
+"""
+COLUMNS = FILE.replace("box = { x = (0, 200); peri", 'box = { file = "prepared.h5"; peri').replace(
+    'file = "prepared.h5"; }', 'file = "prepared.h5"; columns = ("x", "y", "vx", "radius"); dataset = "/particles/disks"; '
+    'density = 2; omega = 1; material = "soft"; group = "all"; }')
+
+DECKS = {"prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 

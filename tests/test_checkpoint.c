@@ -288,29 +288,40 @@ static void test_tables(void **unused) {
   check(h5_save(file, -1, path, NULL, messages), messages);
 
   const char *const columns[2] = {"x", "radius"}, *const both[3] = {"x", "y", "radius"};
+  const struct {
+    const char *dataset;
+    size_t n_columns;
+    const char *const *columns;
+    double expected[9];
+  } forms[] = {{"/group", 2, columns, {1, 7, 2, 8, 3, 9}},
+               {"/matrix", 2, columns, {1, 4, 2, 5, 3, 6}},
+               {"named", 2, columns, {4, 1, 5, 2, 6, 3}},
+               {"/particles/disks", 3, both, {1, 4, 7, 2, 5, 8, 3, 6, 9}}};
   double *values;
-  size_t n;
-  check(h5_read_table(path, "/group", 2, columns, &values, &n, messages), messages);
-  assert_int_equal(n, 3);
-  assert_true(values[0] == 1 && values[1] == 7 && values[4] == 3 && values[5] == 9);
-  free(values);
-  check(h5_read_table(path, "/matrix", 2, columns, &values, &n, messages), messages);
-  assert_true(n == 3 && values[0] == 1 && values[1] == 4 && values[5] == 6);
-  free(values);
-  check(h5_read_table(path, "named", 2, columns, &values, &n, messages), messages);
-  assert_true(n == 3 && values[0] == 4 && values[1] == 1 && values[5] == 3);
-  free(values);
-  check(h5_read_table(path, "/particles/disks", 3, both, &values, &n, messages), messages);
-  assert_true(n == 3 && values[0] == 1 && values[1] == 4 && values[2] == 7 && values[7] == 6);
-  free(values);
+  h5_range r = {0, SIZE_MAX, 0};
+  for (size_t k = 0; k < sizeof forms / sizeof *forms; k++) {
+    /* all, some, what is left, and none */
+    static const h5_range asked[] = {{0, SIZE_MAX, 3}, {1, 1, 1}, {1, 7, 2}, {3, 1, 0}, {5, 1, 0}};
+    for (size_t n = 0; n < sizeof asked / sizeof *asked; n++) {
+      r = asked[n];
+      check(
+          h5_read_table(path, forms[k].dataset, forms[k].n_columns, forms[k].columns, &values, &r, messages),
+          messages);
+      assert_int_equal(r.all, 3);
+      assert_int_equal(r.n, asked[n].all);
+      assert_memory_equal(values, forms[k].expected + (r.n ? r.first * forms[k].n_columns : 0),
+                          r.n * forms[k].n_columns * sizeof *values);
+      free(values);
+    }
+  }
 
   const char *const wrong[3] = {"x", "width", "height"};
-  assert_int_equal(h5_read_table(path, "/group", 3, wrong, &values, &n, messages), SD_ERROR_USER);
+  assert_int_equal(h5_read_table(path, "/group", 3, wrong, &values, &r, messages), SD_ERROR_USER);
   assert_int_equal(sd_messages_errors(messages), 2); /* each missing column */
   assert_null(values);
-  assert_int_equal(h5_read_table(path, "/named", 3, wrong, &values, &n, NULL), SD_ERROR_USER);
-  assert_int_equal(h5_read_table(path, "/nowhere", 2, columns, &values, &n, NULL), SD_ERROR_USER);
-  assert_int_equal(h5_read_table("/nonexistent", "/x", 2, columns, &values, &n, NULL), SD_ERROR_IO);
+  assert_int_equal(h5_read_table(path, "/named", 3, wrong, &values, &r, NULL), SD_ERROR_USER);
+  assert_int_equal(h5_read_table(path, "/nowhere", 2, columns, &values, &r, NULL), SD_ERROR_USER);
+  assert_int_equal(h5_read_table("/nonexistent", "/x", 2, columns, &values, &r, NULL), SD_ERROR_IO);
   sd_messages_free(messages);
 }
 

@@ -509,16 +509,19 @@ static void test_tiles(void **state) {
                          .n_radii = 2,
                          .radii = {0.4, 0.6},
                          .weights = {1, 3}};
-    double again[MOST], at[MOST][2];
+    sd_disk disks[MOST], again[MOST];
     size_t placed;
     for (size_t t = TILES; t-- > 0;) {
-      const size_t first = tiles_begin(&m.tiles, t), n = tiles_begin(&m.tiles, t + 1) - first;
+      const size_t first = model_tile_begin(&m.tiles, t), n = model_tile_begin(&m.tiles, t + 1) - first;
       assert_int_equal(n, MOST / TILES + (t < MOST % TILES));
-      assert_int_equal(tiles_make(&m, t, radius + first, position + first, &placed), SD_OK);
+      assert_int_equal(tiles_make(&m, t, disks, &placed), SD_OK);
       assert_int_equal(placed, n);
-      assert_int_equal(tiles_make(&m, t, again, at, &placed), SD_OK);
-      assert_memory_equal(again, radius + first, n * sizeof *again);
-      assert_memory_equal(at, position + first, n * sizeof *at);
+      assert_int_equal(tiles_make(&m, t, again, &placed), SD_OK);
+      assert_memory_equal(again, disks, n * sizeof *again);
+      for (size_t i = 0; i < n; i++) {
+        radius[first + i] = disks[i].radius;
+        for (int c = 0; c < 2; c++) position[first + i][c] = disks[i].position[c];
+      }
       for (size_t i = first; i < first + n; i++) {
         assert_true(position[i][0] - radius[i] >= 40.0 * t / TILES - 1e-9);
         assert_true(position[i][0] + radius[i] <= 40.0 * (t + 1) / TILES + 1e-9);
@@ -526,7 +529,7 @@ static void test_tiles(void **state) {
       }
       if (t > 0) assert_true(position[first][1] != position[first + n - 1][1]);
     }
-    assert_int_equal(tiles_begin(&m.tiles, TILES), MOST);
+    assert_int_equal(model_tile_begin(&m.tiles, TILES), MOST);
     check_clear(&m, m.tiles.lower, m.tiles.upper, MOST, radius, position);
     const sd_disk disk = model_tile_disk(&m.tiles, 2, position[0]);
     near_to(disk.mass, 8 * M_PI, 1e-12, "mass");

@@ -11,14 +11,8 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "io/deck/deck.h"
-#include "io/results/provenance.h"
 #include "model/state.h"
-#include "model/tiles.h"
-#include "pack/tiles.h"
 #include "slipdisk/deck.h"
-#define SCRATCH_NAME "tiles"
-#include "scratch_file.h"
 #include "packings_decks.h"
 
 static void near_to(double value, double expected, const char *what) {
@@ -397,108 +391,6 @@ static void test_overrides(void **state) {
   sd_model_free(m);
 }
 
-/* --- tiles ------------------------------------------------------------------------------------------------ */
-
-#define TILES(more)                                                                                          \
-  HEAD "container = { type = \"box\"; width = 60; height = 60; };\n"                                         \
-       "disks = ( { name = \"peg\"; x = 0; y = 40; radius = 1; mass = 1; fixed = true; } );\n"               \
-       "packings = ( { type = \"front\"; count = 3301; tiles = 3; sizes = \"uniform\"; lower = 0.2; upper "  \
-       "= 0.4; "                                                                                             \
-       "density = 2; group = \"grains\"; " more " } );\n"                                                    \
-       "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; "          \
-       "frequency = 1; } );\n"
-
-/* The deck as a run reads it that ranks will share; how many of its disks are there. */
-static sd_model *for_ranks(const char *text, size_t *held) {
-  FILE *file = fopen(path, "w");
-  sd_model *m;
-  assert_non_null(file);
-  fputs(text, file);
-  fclose(file);
-  sd_messages_clear(messages);
-  const sd_status status = deck_load_for_ranks(path, 0, NULL, &m, messages);
-  *held = m ? model_held(m) : 0;
-  if (m) check(status, messages);
-  return m;
-}
-
-static void test_tiles_of_ranks(void **state) {
-  (void)state;
-  size_t held;
-  sd_model *all = good(TILES("")), *m = for_ranks(TILES(""), &held);
-  assert_int_equal(held, 1 + 1101);
-  assert_int_equal(m->n_disks, all->n_disks);
-  assert_int_equal(m->n_free, all->n_free);
-  assert_int_equal(m->n_segments, all->n_segments);
-  for (size_t k = 0; k < m->n_segments; k++) assert_int_equal(m->segments[k].body, all->segments[k].body);
-  assert_int_equal(m->motions[0].bodies[0], all->motions[0].bodies[0]);
-  assert_string_equal(m->deck->full, all->deck->full);
-  assert_memory_equal(&m->bounds, &all->bounds, sizeof m->bounds);
-  assert_true(m->largest_radius >= all->largest_radius);
-  assert_true(provenance_inputs(m) == provenance_inputs(all));
-  for (size_t k = 1; k < m->n_disks; k++) {
-    const sd_disk none = {0};
-    assert_memory_equal(&m->disks[k], k < held ? &all->disks[k] : &none, sizeof none);
-  }
-  assert_int_equal(tiles_bring(m), SD_OK);
-  assert_int_equal(model_held(m), all->n_disks);
-  for (size_t k = 1; k < m->n_disks; k++) {
-    sd_disk a = m->disks[k], b = all->disks[k];
-    assert_true(a.position[0] == b.position[0] && a.position[1] == b.position[1] && a.radius == b.radius);
-    assert_true(a.mass == b.mass && a.inertia == b.inertia && a.material == b.material && a.group == b.group);
-  }
-  sd_model_free(m);
-  sd_model_free(all);
-}
-
-/* What asks more of single disks than their forces reads the whole deck. */
-static void test_tiles_that_stay(void **state) {
-  (void)state;
-  static const char *const more[] = {
-      "measure = { disks = true; };",
-      "measure = { contacts = (1, 3000); };",
-      "integrator = \"verlet\"; phases = ( { steps = 10; relax = true; } );",
-      "forces = ( { group = \"grains\"; force = (1, 0); } );",
-      "locks = ( { group = \"grains\"; coordinates = \"theta\"; } );",
-      "fields = ( { type = \"drag\"; gamma = 1; group = \"grains\"; } );",
-      "bounds = { y = (-1, 50); outside = \"report\"; };",
-  };
-  size_t held;
-  for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
-    char text[4096];
-    snprintf(text, sizeof text, "%s%s", TILES(""), more[k]);
-    if (strstr(more[k], "phases")) memset(strstr(text, "steps"), ' ', strlen("steps = 10;"));
-    sd_model *m = for_ranks(text, &held);
-    if (!m) sd_messages_print(messages, stderr);
-    if (m && held != 3302) print_error("%s\n", more[k]);
-    if (m) assert_int_equal(held, 3302);
-    const size_t n = m ? sd_messages_count(messages) : 0;
-    if (m)
-      assert_non_null(
-          strstr(sd_messages_text(messages, n - 1), "packings[0].tiles: one rank makes all, since "));
-    if (!m) print_error("%s\n", more[k]);
-    assert_non_null(m);
-    sd_model_free(m);
-  }
-  /* the stream of a random motion of several walls goes by their numbers */
-  char random[4096] = TILES("");
-  strcpy(strstr(random, "motions"),
-         "motions = ( { wall = (\"floor\", \"left\"); coordinate = \"x\"; type = \"random\"; "
-         "amplitude = 0.1; frequency = 1; independent = false; } );\n");
-  sd_model *m = for_ranks(random, &held);
-  assert_int_equal(held, 3302);
-  sd_model_free(m);
-  m = for_ranks(TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"),
-                &held);
-  assert_int_equal(held, 3303);
-  sd_model_free(m);
-}
-
-static int end(void **state) {
-  tear_down(state);
-  return remove_folder(state);
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_box),
@@ -513,8 +405,6 @@ int main(void) {
       cmocka_unit_test(test_echo),
       cmocka_unit_test(test_seed),
       cmocka_unit_test(test_overrides),
-      cmocka_unit_test(test_tiles_of_ranks),
-      cmocka_unit_test(test_tiles_that_stay),
   };
-  return cmocka_run_group_tests(tests, make_folder, end);
+  return cmocka_run_group_tests(tests, NULL, tear_down);
 }

@@ -61,6 +61,12 @@ class Memory(Folder):
         self.deck.write_text(TILES)
         self.assert_little("a packing in tiles", self.start(), 0, MOST_OF_TILES)
 
+    def test_file(self):
+        first = self.folder / "first.h5"
+        subprocess.run([PROGRAM, "run", self.deck, "-o", first, "--quiet", "-D", "phases[0].steps=1"], check=True)
+        self.deck.write_text("\n".join('disk_files = ( { file = "first.h5"; } );' if line.startswith("packings") else line for line in DECK.splitlines()))
+        self.assert_little("disks of a file", self.start(), 0, MOST_OF_TILES)
+
     def test_going_on(self):
         endless = "-D", "phases[0].steps=100000000", "-D", "checkpoint=0.2"
         last = 0

@@ -113,6 +113,18 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("levels", ranks, threads=2)
 
+    def test_files_in_parts(self):
+        """Disks that each rank reads itself."""
+        self.ok(0, "run", self.deck("prepared"), "--quiet", "-o", self.folder / "prepared.h5")
+        for ranks in brief((2, 3, 4, 7), (3,)):
+            self.same("file", ranks)
+        for ranks in brief((2, 3), (2,)):
+            self.same("columns", ranks, threads=2)
+
+    def test_files_in_parts_go_on(self):
+        self.ok(0, "run", self.deck("prepared"), "--quiet", "-o", self.folder / "prepared.h5")
+        self.goes_on("file", (2, 3, 0), ("-D", "phases[1].steps=3000", "-D", "checkpoint=0.1"))
+
     def test_tiles_go_on(self):
         """What ranks have made goes on where one process makes it, and on other ranks."""
         long = "-D", "phases[1].steps=4000", "-D", "checkpoint=0.1"

@@ -13,6 +13,7 @@
 #include "model/bodies.h"
 #include "model/motion_kinds.h"
 #include "model/tiles.h"
+#include "slipdisk/deck.h"
 #include "slipdisk/model.h"
 
 typedef struct image {
@@ -98,6 +99,15 @@ bool image_is_special(const sd_disk *d) {
   for (int c = 0; c < SD_COORDINATES; c++)
     special = special || d->locked[c] || d->force[c] != 0.0 || signbit(d->force[c]);
   return special;
+}
+
+/* Parts of a file are read as the deck says. */
+static void walk_deck(image *im, sd_model *m) {
+  array(im, &m->deck, 1, sizeof *m->deck);
+  if (failed(im)) return;
+  char **texts[] = {&m->deck->path, &m->deck->text, &m->deck->overrides, &m->deck->full, &m->deck->bodies};
+  for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) forget(im, texts[k]);
+  for (size_t k = 0; k < 3; k++) text(im, texts[k]);
 }
 
 /* Tiles see the disks that were there before them. */
@@ -227,6 +237,7 @@ static void walk(image *im, sd_model *m) {
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);
   array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);
+  if (im->of_rank && m->tiles.away && m->tiles.of_file) walk_deck(im, m);
 }
 
 static void *bytes_of(const sd_model *model, bool of_rank, size_t *size) {

@@ -49,13 +49,16 @@ typedef struct sd_rain {
 
 enum { SD_TILE_RADII = 16 };
 
-/* The last packing, where it is made in tiles: slabs side by side along x, each made by itself (pack/tiles.h). Its disks are the last
- * of the model, tile after tile. */
+/* The last disks of a model, where each part of them can be had by itself: the last packing, in slabs side by side along x, tile after
+ * tile (pack/tiles.h), or a large file, in rows (deck_make_part). */
 typedef struct sd_tiles {
-  size_t n;            /* 0: there is no such packing */
+  size_t n;            /* 0: there are none */
   size_t first, count; /* disks */
-  bool away; /* those of the first tile alone are here, the others are made by the ranks that share them */
-  size_t packing; /* number in the deck */
+  bool away;           /* ranks make them; those that are here until they are counted are a sample */
+  size_t sample;       /* disks, the first that many of which may be put in the place of (model_bears) */
+  bool of_file;
+  size_t entry;   /* of the deck's list of packings, or of files */
+  int64_t inputs; /* of a file: sum of what it says of its disks, in any order */
   sd_packing_kind kind;
   double lower[2], upper[2], spacing, jitter;
   double mass, density; /* one is 0 */

@@ -1,6 +1,7 @@
 /* tiles.c: see tiles.h. */
 #include "model/tiles.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,6 +11,11 @@
 #include "model/cell.h"
 #include "model/image.h"
 #include "slipdisk/model.h"
+
+size_t model_tile_begin(const sd_tiles *t, size_t part) {
+  const size_t each = t->count / t->n, more = t->count % t->n;
+  return part * each + (part < more ? part : more);
+}
 
 sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[2]) {
   const double mass = t->mass == 0.0 ? t->density * 3.14159265358979323846 * radius * radius : t->mass;
@@ -60,28 +66,6 @@ static bool asks_all(const sd_model *m) {
   return asks;
 }
 
-/* Does the model bear a disk of this radius? Lowers the limit of the time step to what that says. */
-static bool bears(sd_model *m, double radius, sd_step_limit *limit) {
-  sd_disk *d = &m->disks[m->tiles.first];
-  const sd_disk kept = *d;
-  *d = model_tile_disk(&m->tiles, radius, d->position);
-  bool good = sd_model_finish(m, NULL) == SD_OK;
-  char *unstable = good ? advice_unstable(m) : NULL;
-  const sd_step_limit now = good ? sd_model_step_limit(m) : *limit;
-  if (now.dt < limit->dt) *limit = now;
-  good = good && !unstable;
-  free(unstable);
-  *d = kept;
-  return good;
-}
-
-/* The model is the same afterwards. */
-static bool bears_all(sd_model *m, sd_step_limit *limit) {
-  *limit = sd_model_step_limit(m);
-  const bool good = bears(m, m->tiles.least, limit) && bears(m, m->tiles.most, limit);
-  return sd_model_finish(m, NULL) == SD_OK && good;
-}
-
 static bool reaches_out(const sd_model *m) {
   bool out = false;
   for (int c = 0; m->bounds.given && c < 2; c++)
@@ -89,10 +73,10 @@ static bool reaches_out(const sd_model *m) {
   return out;
 }
 
-/* Why all disks must be in the model; NULL: they need not. */
-static const char *reason(const sd_model *m) {
-  if (m->n_disks != model_held(m) || m->n_clumps > 0) return "other disks follow, or clumps";
-  if (m->n_disks - m->tiles.first < FEW) return "tiles have fewer than 1000 disks";
+const char *model_needs_tiles(const sd_model *m) {
+  if (m->n_disks != m->tiles.first + m->tiles.sample || m->n_clumps > 0)
+    return "other disks follow, or clumps";
+  if (m->tiles.sample < FEW) return "tiles have fewer than 1000 disks";
   if (m->n_memories > 0) return "contacts come from a file";
   if (m->measure_disks) return "measure.disks = true";
   if (names_disks(m)) return "the deck speaks of single disks of it";
@@ -101,34 +85,48 @@ static const char *reason(const sd_model *m) {
   return reaches_out(m) ? "it reaches beyond the bounds" : NULL;
 }
 
-static const char NO_MEMORY[] = "there is no memory for fewer";
+/* --- what the sample does not show ---------------------------------------------------------------------------- */
 
-const char *model_count_tiles(sd_model *m) {
-  if (!m->tiles.away) return NULL;
-  const char *why = reason(m);
-  if (why) return why;
-  sd_step_limit limit;
-  if (!bears_all(m, &limit)) return "some size is near a limit";
-  const size_t held = m->n_disks, more = m->tiles.first + m->tiles.count - held;
-  sd_disk *all = calloc(held + more, sizeof *all);
+bool model_bears(sd_model *m, size_t n, const sd_disk *disks, sd_step_limit *limit) {
+  sd_disk *sample = &m->disks[m->tiles.first], *kept = malloc((n + 1) * sizeof *kept);
+  if (!kept) return false;
+  assert(n <= m->tiles.sample);
+  memcpy(kept, sample, n * sizeof *kept);
+  memcpy(sample, disks, n * sizeof *kept);
+  bool good = sd_model_finish(m, NULL) == SD_OK;
+  char *unstable = good ? advice_unstable(m) : NULL;
+  const sd_step_limit now = good ? sd_model_step_limit(m) : *limit;
+  if (now.dt < limit->dt) *limit = now;
+  good = good && !unstable;
+  free(unstable);
+  memcpy(sample, kept, n * sizeof *kept);
+  free(kept);
+  return good;
+}
+
+/* --- counted -------------------------------------------------------------------------------------------------- */
+
+bool model_count_tiles(sd_model *m, sd_step_limit limit) {
+  const size_t n = m->n_disks, all = m->tiles.first + m->tiles.count;
+  sd_disk *disks = calloc(all + 1, sizeof *disks);
   sd_messages *advised = sd_messages_new();
-  if (!all || !advised) {
-    free(all);
+  if (!disks || !advised) {
+    free(disks);
     sd_messages_free(advised);
-    return NO_MEMORY;
+    return false;
   }
   sd_model_advise(m, advised);
   m->advised = advised;
   m->limit_told = limit.dt;
   m->bound_told = limit.bound;
   m->largest_radius = fmax(m->largest_radius, m->tiles.most);
-  memcpy(all, m->disks, held * sizeof *all);
+  if (m->tiles.first > 0) memcpy(disks, m->disks, m->tiles.first * sizeof *disks);
   free(m->disks);
-  m->disks = all;
-  m->n_disks += more;
-  m->n_free += more;
+  m->disks = disks;
+  m->n_disks = all;
+  m->n_free += all - n;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++)
-      if (m->motions[k].bodies[b] >= held) m->motions[k].bodies[b] += (uint32_t)more;
-  return model_find_pieces(m) == SD_OK ? NULL : NO_MEMORY;
+      if (m->motions[k].bodies[b] >= n) m->motions[k].bodies[b] += (uint32_t)(all - n);
+  return model_find_pieces(m) == SD_OK;
 }

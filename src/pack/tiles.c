@@ -1,7 +1,6 @@
 /* tiles.c: see tiles.h. */
 #include "pack/tiles.h"
 
-#include <assert.h>
 #include <stdlib.h>
 
 #include "base/limits.h"
@@ -23,14 +22,9 @@ sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_
   return SD_OK;
 }
 
-size_t tiles_begin(const sd_tiles *t, size_t tile) {
-  const size_t each = t->count / t->n, more = t->count % t->n;
-  return tile * each + (tile < more ? tile : more);
-}
-
 /* Behind those of packings and of the angles of their grains. */
 static size_t stream_of(const sd_tiles *t, size_t tile) {
-  return tile == 0 ? t->packing : t->packing + LIMIT_ENTRIES * (1 + tile);
+  return tile == 0 ? t->entry : t->entry + LIMIT_ENTRIES * (1 + tile);
 }
 
 static double edge_of(const sd_tiles *t, size_t tile) {
@@ -38,7 +32,8 @@ static double edge_of(const sd_tiles *t, size_t tile) {
   return t->lower[0] + (t->upper[0] - t->lower[0]) * ((double)tile / (double)t->n);
 }
 
-sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*position)[2], size_t *placed) {
+static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *radius, double (*position)[2],
+                            size_t *placed) {
   const sd_tiles *t = &m->tiles;
   const sizes drawn = {.kind = t->sizes,
                        .radius = t->radius,
@@ -52,7 +47,6 @@ sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*po
   const tiles_fill how = {t->kind, &drawn, t->spacing, t->jitter};
   const place_interior rectangle = {0};
   const double lower[2] = {edge_of(t, tile), t->lower[1]}, upper[2] = {edge_of(t, tile + 1), t->upper[1]};
-  const size_t n = tiles_begin(t, tile + 1) - tiles_begin(t, tile);
   place_space space;
   gsl_rng *rng = sizes_random(m->seed, stream_of(t, tile));
   sd_status status = place_begin(&space, m, t->first, &rectangle, lower, upper, n);
@@ -64,21 +58,14 @@ sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*po
   return status;
 }
 
-sd_status tiles_bring(sd_model *m) {
-  const sd_tiles *t = &m->tiles;
-  const size_t most = tiles_begin(t, 1);
-  double *radius = malloc((most + 1) * sizeof *radius),
-         (*position)[2] = malloc((most + 1) * sizeof *position);
-  sd_status status = radius && position ? SD_OK : SD_ERROR_IO;
-  for (size_t k = 1; k < t->n && status == SD_OK; k++) {
-    const size_t first = tiles_begin(t, k), n = tiles_begin(t, k + 1) - first;
-    size_t placed;
-    status = tiles_make(m, k, radius, position, &placed);
-    assert(status != SD_OK || placed == n);
-    for (size_t i = 0; i < n && status == SD_OK; i++)
-      m->disks[t->first + first + i] = model_tile_disk(t, radius[i], position[i]);
-  }
-  if (status == SD_OK) m->tiles.away = false;
+sd_status tiles_make(const sd_model *m, size_t tile, sd_disk *disks, size_t *placed) {
+  const size_t n = model_tile_begin(&m->tiles, tile + 1) - model_tile_begin(&m->tiles, tile);
+  double *radius = malloc((n + 1) * sizeof *radius), (*position)[2] = malloc((n + 1) * sizeof *position);
+  *placed = 0;
+  const sd_status status =
+      radius && position ? make_disks(m, tile, n, radius, position, placed) : SD_ERROR_IO;
+  for (size_t k = 0; status == SD_OK && *placed == n && k < n; k++)
+    disks[k] = model_tile_disk(&m->tiles, radius[k], position[k]);
   free(radius);
   free(position);
   return status;

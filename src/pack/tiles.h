@@ -25,11 +25,7 @@ typedef struct tiles_fill {
 sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_t n, double *radius,
                       double (*position)[2], size_t *placed);
 
-/* The first disk of a tile among those of the packing; of tile n: how many there are. */
-size_t tiles_begin(const sd_tiles *t, size_t tile);
-/* Makes the disks of one tile of m->tiles; *placed: as above. */
-sd_status tiles_make(const sd_model *m, size_t tile, double *radius, double (*position)[2], size_t *placed);
-/* Makes the disks that are not in the model (m->tiles.away), one tile after the other. SD_ERROR_IO: out of memory. */
-sd_status tiles_bring(sd_model *m);
+/* Makes the disks of one tile of m->tiles (a packing's); *placed: as above, and where that is fewer than it shall hold no disk is filled in. */
+sd_status tiles_make(const sd_model *m, size_t tile, sd_disk *disks, size_t *placed);
 
 #endif

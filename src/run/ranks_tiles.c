@@ -8,6 +8,7 @@
 
 #include "base/comm.h"
 #include "base/comm_data.h"
+#include "io/deck/deck.h"
 #include "model/tiles.h"
 #include "pack/tiles.h"
 #include "physics/step/engine.h"
@@ -16,47 +17,73 @@
 
 /* --- disks --------------------------------------------------------------------------------------------------- */
 
-/* Rank 0 has the first tile, from the deck. */
-static bool is_mine(size_t tile) { return tile > 0 && tile % (size_t)comm_size() == (size_t)comm_rank(); }
+/* A part, and which disks of the model they are. */
+typedef struct made_part {
+  size_t n;
+  sd_disk *disks;
+  uint32_t *number;
+} made_part;
 
+static size_t count_part(const sd_tiles *t, size_t part) {
+  return model_tile_begin(t, part + 1) - model_tile_begin(t, part);
+}
+
+/* Room for the largest. False: no memory. */
+static bool begin_part(const sd_model *m, made_part *p) {
+  const size_t most = count_part(&m->tiles, 0);
+  p->disks = malloc((most + 1) * sizeof *p->disks);
+  p->number = calloc(most + 1, sizeof *p->number);
+  return p->disks && p->number;
+}
+
+static void end_part(made_part *p) {
+  free(p->disks);
+  free(p->number);
+}
+
+static sd_status make_part(const sd_model *m, size_t part, made_part *p, sd_messages *messages) {
+  const sd_tiles *t = &m->tiles;
+  const size_t first = model_tile_begin(t, part);
+  size_t placed = p->n = count_part(t, part);
+  const sd_status status = t->of_file ? deck_make_part(m, part, p->disks, p->number, messages)
+                                      : tiles_make(m, part, p->disks, &placed);
+  if (status != SD_OK)
+    return t->of_file ? status : sd_fail(messages, status, "no memory for the disks of a tile");
+  if (placed < p->n)
+    return sd_fail(messages, SD_ERROR_USER, "packings[%zu].count: " TILES_FULL, t->entry, part, t->n, placed,
+                   p->n);
+  for (size_t k = 0; k < p->n; k++)
+    p->number[k] = (uint32_t)(t->first + (t->of_file ? p->number[k] : first + k));
+  return SD_OK;
+}
+
+static bool is_mine(size_t part) { return part % (size_t)comm_size() == (size_t)comm_rank(); }
+
+/* Rank 0 has the disks before them, from the deck. */
 static size_t count_mine(const sd_model *m) {
   const size_t held = model_held(m);
   size_t n = 0;
   for (size_t i = 0; comm_rank() == 0 && i < held; i++) n += !m->disks[i].driven;
   for (size_t k = 0; k < m->tiles.n; k++)
-    if (is_mine(k)) n += tiles_begin(&m->tiles, k + 1) - tiles_begin(&m->tiles, k);
+    if (is_mine(k)) n += count_part(&m->tiles, k);
   return n;
-}
-
-/* The disks of one tile, from this slot on. */
-static sd_status fill_tile(const sd_model *m, size_t tile, sd_state *s, size_t slot, sd_messages *messages) {
-  const size_t first = tiles_begin(&m->tiles, tile), n = tiles_begin(&m->tiles, tile + 1) - first;
-  double *radius = malloc((n + 1) * sizeof *radius), (*position)[2] = malloc((n + 1) * sizeof *position);
-  size_t placed = 0;
-  sd_status status = radius && position ? tiles_make(m, tile, radius, position, &placed) : SD_ERROR_IO;
-  if (status != SD_OK) comm_fail("no memory for its tiles");
-  for (size_t k = 0; radius && position && placed == n && k < n; k++) {
-    const sd_disk disk = model_tile_disk(&m->tiles, radius[k], position[k]);
-    engine_fill_disk(s, &disk, (uint32_t)(m->tiles.first + first + k), (uint32_t)(slot + k));
-  }
-  free(radius);
-  free(position);
-  if (placed == n) return SD_OK;
-  return sd_fail(messages, SD_ERROR_USER, "packings[%zu].count: " TILES_FULL, m->tiles.packing, tile,
-                 m->tiles.n, placed, n);
 }
 
 static sd_status fill_disks(const sd_model *m, sd_state *s, sd_messages *messages) {
   const size_t held = model_held(m);
   size_t slot = 0;
+  made_part p = {0};
+  if (!begin_part(m, &p)) comm_fail("no memory for its tiles");
   sd_status status = SD_OK;
   for (uint32_t i = 0; comm_rank() == 0 && i < held; i++)
     if (!m->disks[i].driven) engine_fill_disk(s, &m->disks[i], i, (uint32_t)slot++);
   for (size_t k = 0; k < m->tiles.n && status == SD_OK; k++) {
     if (!is_mine(k)) continue;
-    status = fill_tile(m, k, s, slot, messages);
-    slot += tiles_begin(&m->tiles, k + 1) - tiles_begin(&m->tiles, k);
+    status = make_part(m, k, &p, messages);
+    for (size_t i = 0; i < p.n && status == SD_OK; i++)
+      engine_fill_disk(s, &p.disks[i], p.number[i], (uint32_t)slot++);
   }
+  end_part(&p);
   assert(status != SD_OK || slot == s->n_free);
   return status;
 }
@@ -90,9 +117,22 @@ void ranks_tiles_free(engine *made) {
   *made = (engine){0};
 }
 
+/* A model is const to all but the one that left its tiles away. */
+static sd_status bring(sd_model *m, sd_messages *messages) {
+  made_part p = {0};
+  sd_status status = begin_part(m, &p)
+                         ? SD_OK
+                         : sd_fail(messages, SD_ERROR_IO, "no memory for the disks of all tiles on one rank");
+  for (size_t k = 0; k < m->tiles.n && status == SD_OK; k++) {
+    status = make_part(m, k, &p, messages);
+    for (size_t i = 0; i < p.n && status == SD_OK; i++) m->disks[p.number[i]] = p.disks[i];
+  }
+  if (status == SD_OK) m->tiles.away = false;
+  end_part(&p);
+  return status;
+}
+
 sd_status ranks_tiles_bring(engine *whole, sd_messages *messages) {
-  /* a model is const to all but the one that left its tiles away */
-  if (tiles_bring((sd_model *)(uintptr_t)whole->model) != SD_OK)
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the disks of all tiles on one rank");
-  return engine_build_again(whole, messages);
+  const sd_status status = bring((sd_model *)(uintptr_t)whole->model, messages);
+  return status == SD_OK ? engine_build_again(whole, messages) : status;
 }

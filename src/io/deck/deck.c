@@ -6,6 +6,7 @@
 
 #include "base/limits.h"
 #include "io/deck/deck_expression.h"
+#include "io/deck/deck_parts.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_result.h"
 #include "io/deck/deck.h"
@@ -72,7 +73,7 @@ static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
   return false;
 }
 
-static void read_box(deck *d) {
+void deck_read_box(deck *d) {
   sd_model *m = d->model;
   deck_group g;
   if (!deck_enter_one(d, d->root, "box", &deck_box, &g)) return;
@@ -107,7 +108,7 @@ static void read_all(deck *d, bool point) {
     d->model->deck->checkpoint_seconds = deck_number(&top, "checkpoint");
   }
   read_gravity(d);
-  read_box(d);
+  deck_read_box(d);
   deck_read_materials(d);
   deck_read_container(d);
   deck_read_disks(d);
@@ -310,21 +311,47 @@ sd_status deck_look(const char *path, size_t n_overrides, const char *const *ove
   return load(path, n_overrides, overrides, (model_task){.unfinished = true}, out, messages);
 }
 
+/* Of a file that nobody asked to be read in parts this matters when it is large. */
+static void warn_of_tiles(const sd_tiles *t, const char *why, sd_messages *messages) {
+  enum { LARGE = 1000000 };
+  if (t->of_file && t->count >= LARGE)
+    sd_warn(messages, "disk_files[%zu].file: one rank reads all, since %s", t->entry, why);
+  if (t->n > 0 && !t->of_file)
+    sd_warn(messages, "packings[%zu].tiles: one rank makes all, since %s", t->entry, why);
+}
+
+/* Why all disks must be in the model; NULL: those of tiles are counted. */
+static const char *leave_tiles(sd_model *m) {
+  const sd_tiles *t = &m->tiles;
+  if (!t->away) return NULL;
+  const char *why = model_needs_tiles(m);
+  if (why) return why;
+  sd_step_limit limit = sd_model_step_limit(m);
+  const double corner[2] = {t->lower[0], t->lower[1]};
+  sd_disk ends[] = {model_tile_disk(t, t->least, corner), model_tile_disk(t, t->most, corner)};
+  for (int k = 0; k < 2; k++)
+    for (int c = 0; c < 2; c++) ends[k].position[c] = m->disks[t->first + (size_t)k].position[c];
+  if (!(t->of_file ? deck_parts_bear(m, &limit) : model_bears(m, 2, ends, &limit)))
+    return "some disk is near a limit";
+  if (sd_model_finish(m, NULL) != SD_OK || !model_count_tiles(m, limit))
+    return "there is no memory for fewer";
+  return NULL;
+}
+
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
                               sd_model **out, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
   if (!own) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
-  sd_status status = load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
+  load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
   /* a disk that is not there is a mistake where the deck speaks of it */
-  const char *why = status == SD_OK ? model_count_tiles(*out) : "the deck speaks of single disks of it";
+  const char *why = *out ? leave_tiles(*out) : "the deck speaks of single disks of it";
   for (size_t k = 0; !why && k < sd_messages_count(own); k++)
     sd_warn(messages, "%s", sd_messages_text(own, k));
   sd_messages_free(own);
   if (!why) return SD_OK;
   sd_model_free(*out);
   *out = NULL;
-  status = sd_deck_load(path, n_overrides, overrides, out, messages);
-  if (status == SD_OK && *out)
-    sd_warn(messages, "packings[%zu].tiles: one rank makes all, since %s", (*out)->tiles.packing, why);
+  const sd_status status = sd_deck_load(path, n_overrides, overrides, out, messages);
+  if (*out) warn_of_tiles(&(*out)->tiles, why, messages);
   return status;
 }

@@ -9,7 +9,7 @@
 
 #include "base/limits.h"
 #include "base/text.h"
-#include "io/deck/deck_rows.h"
+#include "io/deck/deck_parts.h"
 
 /* Disk files up to so many disks are echoed as rows, so that the echo stands on its own. */
 enum { MOST_ECHOED = 1000 };
@@ -55,7 +55,7 @@ static void check_values(deck *d, const values *v) {
       fail_value(d, v, "locked", "a locked coordinate cannot have a velocity");
 }
 
-static int group_number(deck *d, const char *name) {
+int deck_group_number(deck *d, const char *name) {
   sd_model *m = d->model;
   if (!name) return -1;
   uint32_t found;
@@ -76,7 +76,7 @@ void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *
   sd_disk *own = &m->disks[m->n_disks++];
   *own = *disk;
   own->name = NULL; /* the model is whole if there is no memory for the name */
-  own->group = group_number(d, group);
+  own->group = deck_group_number(d, group);
   own->name = deck_keep_text(d, name);
   if (name && !deck_index_add(d, &d->disks, own->name, (uint32_t)(m->n_disks - 1)))
     deck_fail_place(d, place, "name = \"%s\": two disks have this name", name);
@@ -176,7 +176,7 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
 }
 
 /* A file's table is kept until deck_echo_files. */
-static deck_columns read_table(deck *d, deck_node *node, const deck_table *table) {
+deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) {
   deck_columns t = {0};
   deck_group g;
   if (!deck_enter(d, node, table, &g)) return t;
@@ -204,12 +204,16 @@ void deck_read_disks(deck *d) {
     add_disk(d, &v);
   }
   list = deck_groups(d, d->root, "disk_rows");
-  for (size_t k = 0; list && k < list->n; k++) read_table(d, list->child[k], &deck_disk_rows);
+  for (size_t k = 0; list && k < list->n; k++) deck_read_table(d, list->child[k], &deck_disk_rows);
   list = deck_groups(d, d->root, "disk_files");
   d->n_file_tables = list ? list->n : 0;
   d->file_tables = deck_alloc(d, d->n_file_tables, sizeof(deck_columns));
-  for (size_t k = 0; list && k < list->n; k++)
-    d->file_tables[k] = read_table(d, list->child[k], &deck_disk_files);
+  for (size_t k = 0; list && k < list->n; k++) {
+    const bool last = k + 1 == list->n;
+    if (last && deck_parts_begin(d, k)) break;
+    d->file_tables[k] = deck_read_table(d, list->child[k], &deck_disk_files);
+    if (last) deck_parts_note(d, k, &d->file_tables[k]);
+  }
   bool tried = deck_child(d->root, "disks") && deck_child(d->root, "disks")->type != DECK_LIST; /* reported */
   if (d->model->n_disks == 0 && !tried && !deck_child(d->root, "disk_files") &&
       !deck_child(d->root, "packings"))

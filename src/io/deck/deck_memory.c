@@ -117,7 +117,7 @@ static mapping map_bodies(our_walls *ours, const deck_columns *t) {
   mapping map = {ours, t, deck_alloc(d, r->n_bodies + 1, sizeof *map.body),
                  deck_alloc(d, r->n_walls + 1, sizeof *map.first_segment)};
   for (size_t k = 0; k < r->n_bodies; k++) map.body[k] = NOWHERE;
-  for (size_t row = 0; row < t->n_rows; row++) map.body[t->body[row]] = (uint32_t)(t->first + row);
+  for (size_t row = 0; row < t->n_rows; row++) map.body[t->disk[row]] = (uint32_t)(t->first + row);
   for (size_t k = 0; k < r->n_walls && r->n_disks + k < r->n_bodies; k++) {
     uint32_t w = same_wall(ours, r, k);
     map.first_segment[k + 1] = map.first_segment[k] + r->walls[k].segments;

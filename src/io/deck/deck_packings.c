@@ -9,17 +9,16 @@
 
 #include "base/limits.h"
 #include "io/deck/deck_clumps.h"
-#include "io/deck/deck_read.h"
+#include "io/deck/deck_sizes.h"
 #include "pack/front.h"
 #include "pack/place.h"
 #include "pack/rain.h"
 #include "pack/sizes.h"
+#include "model/tiles.h"
 #include "pack/tiles.h"
 
 /* Densest packing of equal disks, pi/sqrt(12). */
 static const double DENSEST = 0.90689968211710892;
-/* A distribution that is cut down to less than this is taken for a mistake. */
-static const double LEAST_KEPT = 1e-6;
 
 typedef struct packing {
   deck_group g;
@@ -34,85 +33,6 @@ typedef struct packing {
   const char *group;
   deck_grain grain; /* generators see the circles in which the grains lie */
 } packing;
-
-/* --- sizes ---------------------------------------------------------------------------------------------- */
-
-static const double *read_numbers(deck_group *g, const char *key, size_t *n) {
-  deck *d = g->d;
-  deck_node *list = deck_get(g, key);
-  const deck_range range = deck_key_find(g->table, key)->range;
-  *n = deck_each_count(list);
-  if (*n == 0) deck_fail_key(d, g->node, key, "expected a list of numbers %s", deck_range_text(range));
-  double *x = deck_alloc(d, *n, sizeof *x);
-  for (size_t k = 0; k < *n; k++) {
-    deck_node *value = deck_each(list, k);
-    if (deck_value_number(d, value, false, &x[k]) && !deck_in_range(range, x[k]))
-      deck_fail(d, value, "expected a number %s", deck_range_text(range));
-  }
-  return x;
-}
-
-static void read_list(deck_group *g, sizes *s) {
-  deck *d = g->d;
-  size_t n_weights;
-  s->radii = read_numbers(g, "radii", &s->n);
-  if (s->n == 0) return;
-  if (!deck_get(g, "weights")) {
-    deck_node *list = deck_default_list(g, "weights");
-    for (size_t k = 0; k < s->n; k++) deck_node_new(d, list, NULL, DECK_FLOAT, list->place)->value.number = 1;
-  }
-  s->weights = read_numbers(g, "weights", &n_weights);
-  if (n_weights != s->n) {
-    deck_fail_key(d, g->node, "weights", "%zu weights for %zu radii; expected one for each", n_weights, s->n);
-    return;
-  }
-  s->lower = HUGE_VAL;
-  for (size_t k = 0; k < s->n; k++)
-    if (s->weights[k] > 0) {
-      s->lower = fmin(s->lower, s->radii[k]);
-      s->upper = fmax(s->upper, s->radii[k]);
-    }
-  if (!(s->upper > 0)) deck_fail_key(d, g->node, "weights", "all are 0");
-}
-
-/* Gaussian and lognormal are cut at 3 deviations unless the deck says otherwise. */
-static void cut_normal(deck_group *g, const sizes *s) {
-  deck *d = g->d;
-  bool logarithm = s->kind == SD_SIZES_LOGNORMAL;
-  double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;
-  double upper = logarithm ? s->radius * exp(3 * s->deviation) : s->radius + 3 * s->deviation;
-  if (!deck_get(g, "lower") && !(lower > 0)) {
-    deck_fail_key(d, g->node, "lower", "missing: 3 deviations below the mean is %g; expected a radius > 0",
-                  lower);
-    return;
-  }
-  deck_default_number(g, "lower", lower);
-  deck_default_number(g, "upper", upper);
-}
-
-static void finish_sizes(deck_group *g, sizes *s) {
-  deck *d = g->d;
-  size_t before = d->reported;
-  if (s->kind == SD_SIZES_MONO) {
-    s->lower = s->upper = s->radius;
-    return;
-  }
-  if (s->kind == SD_SIZES_LIST) {
-    read_list(g, s);
-    return;
-  }
-  if (s->kind == SD_SIZES_GAUSSIAN || s->kind == SD_SIZES_LOGNORMAL) cut_normal(g, s);
-  if (d->reported > before) return;
-  s->lower = deck_number(g, "lower");
-  s->upper = deck_number(g, "upper");
-  if (s->lower >= s->upper && deck_given(g, "upper"))
-    deck_fail_key(d, g->node, "upper", "expected more than lower, %g", s->lower);
-  else if (s->lower >= s->upper)
-    deck_fail_key(d, g->node, "lower", "expected less than upper, %g", s->upper);
-  if (d->reported == before && sizes_kept(s) < LEAST_KEPT)
-    deck_fail_key(d, g->node, "lower", "only %g of the distribution lies between lower and upper",
-                  sizes_kept(s));
-}
 
 /* --- region --------------------------------------------------------------------------------------------- */
 
@@ -211,6 +131,20 @@ static double *draw_angles(packing *p, size_t n) {
   return angle;
 }
 
+static bool mass_is_good(const packing *p, double mass) {
+  const bool good =
+      !(mass >= 0) || deck_in_range(DECK_POSITIVE, mass); /* what is no number is told at its key */
+  if (!good)
+    deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
+                  deck_expected(DECK_POSITIVE, mass));
+  return good;
+}
+
+static void push_disks(const packing *p, size_t n, const sd_disk *disks) {
+  for (size_t k = 0; k < n && mass_is_good(p, disks[k].mass); k++)
+    deck_push_disk(p->g.d, &disks[k], NULL, p->group, p->g.node->place);
+}
+
 static void push(packing *p, size_t n, const double *circle, double (*position)[2], bool waiting) {
   const deck_grain *grain = &p->grain;
   const double *angle = grain->at ? draw_angles(p, n) : NULL;
@@ -218,11 +152,7 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
     const double radius = circle[k] / grain->reach;
     double mass =
         p->v.mass == 0 ? p->v.density * 3.14159265358979323846 * radius * radius * grain->area : p->v.mass;
-    if (mass >= 0 && !deck_in_range(DECK_POSITIVE, mass)) {
-      deck_fail_key(p->g.d, p->g.node, "density", "the mass of a disk is %g; expected a number %s", mass,
-                    deck_expected(DECK_POSITIVE, mass));
-      return;
-    }
+    if (!mass_is_good(p, mass)) return;
     sd_disk disk = {.position = {position[k][0], position[k][1], 0},
                     .radius = radius,
                     .mass = mass,
@@ -468,7 +398,7 @@ static void keep_tiles(packing *p, double spacing) {
   *t = (sd_tiles){.n = (size_t)p->v.tiles,
                   .first = p->g.d->model->n_disks,
                   .count = (size_t)p->v.count,
-                  .packing = p->number,
+                  .entry = p->number,
                   .kind = p->v.kind,
                   .lower = {p->lower[0], p->lower[1]},
                   .upper = {p->upper[0], p->upper[1]},
@@ -526,15 +456,17 @@ static void make_tiled(packing *p) {
     sd_warn(d->messages, "packings[%zu].tiles: one rank makes all, since the packing is not the last",
             p->number);
   m->tiles.away = d->leave_tiles && p->last && m->tiles.n > 1;
+  const size_t most = model_tile_begin(&m->tiles, 1);
+  sd_disk *disks = deck_alloc(d, most, sizeof *disks);
+  m->tiles.sample = m->tiles.away ? most : 0;
   for (size_t k = 0; k < (m->tiles.away ? 1 : m->tiles.n) && d->reported == before; k++) {
-    const size_t n = tiles_begin(&m->tiles, k + 1) - tiles_begin(&m->tiles, k);
-    double *radius = deck_alloc(d, n, sizeof *radius), (*position)[2] = deck_alloc(d, n, sizeof *position);
+    const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
     size_t placed;
-    if (tiles_make(m, k, radius, position, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
+    if (tiles_make(m, k, disks, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
     if (placed < n)
       deck_fail_key(d, p->g.node, "count", TILES_FULL, k, m->tiles.n, placed, n);
     else
-      push(p, n, radius, position, false);
+      push_disks(p, n, disks);
   }
   if (d->reported == before) m->tiles.group = m->disks[m->tiles.first].group;
 }
@@ -586,7 +518,7 @@ static void read_packing(deck *d, deck_node *node, size_t number, bool last) {
   p.material = deck_material(&p.g);
   p.group = deck_text_of(&p.g, "group");
   deck_one_of(&p.g, "mass or density > 0");
-  if (known && d->reported == before) finish_sizes(&p.g, p.sizes);
+  if (known && d->reported == before) deck_finish_sizes(&p.g, p.sizes);
   if (deck_read_grain(&p.g, &p.grain)) enlarge(d, p.sizes, p.grain.reach);
   read_region(&p);
   if (d->reported == before && !isnan(p.area)) make_packing(&p);

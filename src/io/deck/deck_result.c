@@ -138,22 +138,31 @@ typedef struct reader {
   bool failed;
 } reader;
 
-/* NULL: reported. Its length is looked at before there is memory for it. */
-static void *column(reader *in, const char *name, sd_type type, size_t n) {
+/* `rows` of the n values from `first` on. NULL: reported. Its length is looked at before there is memory for it. */
+static void *part_of(reader *in, const char *name, sd_type type, size_t n, size_t first, size_t rows) {
   const char *path = deck_format(in->d, "/state/%s", checkpoint_column(in->file, name));
   if (in->failed || h5_check(in->file, path, n, in->d->messages) != SD_OK) {
     in->failed = true;
     return NULL;
   }
-  void *data = deck_alloc(in->d, n, sd_type_size(type));
-  in->failed = n && h5_get(in->file, path, type, n, data, in->d->messages) != SD_OK;
+  void *data = deck_alloc(in->d, rows, sd_type_size(type));
+  in->failed = n && (rows < n ? h5_get_rows(in->file, path, type, first, rows, data, in->d->messages)
+                              : h5_get(in->file, path, type, n, data, in->d->messages)) != SD_OK;
   return data;
 }
 
-/* A column that goes by slots, brought into the order of body numbers. */
+static void *column(reader *in, const char *name, sd_type type, size_t n) {
+  return part_of(in, name, type, n, 0, n);
+}
+
+/* A column that goes by slots, of n bodies: brought into the order of body numbers, or (rows asked for) as it comes. */
 static void *by_body(reader *in, const char *name, sd_type type, const deck_result *r, const uint32_t *id,
                      size_t n) {
   size_t size = sd_type_size(type);
+  if (in->d->asked.part) {
+    const size_t left = n > r->first ? n - r->first : 0;
+    return part_of(in, name, type, n, r->first, r->n_rows < left ? r->n_rows : left);
+  }
   char *from = column(in, name, type, n);
   char *to = in->failed ? NULL : deck_alloc(in->d, r->n_bodies, size);
   for (size_t slot = 0; slot < n && !in->failed; slot++)
@@ -182,15 +191,40 @@ static void read_contacts(reader *in, deck_result *r) {
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
 }
 
-static void read_bodies(reader *in, deck_result *r) {
-  const uint32_t *id = column(in, "id", SD_U32, r->n_bodies);
-  if (in->failed) return;
-  bool *seen = deck_alloc(in->d, r->n_bodies, sizeof *seen);
-  for (size_t slot = 0; slot < r->n_bodies; slot++) {
-    in->failed |= id[slot] >= r->n_bodies || seen[id[slot]];
-    if (in->failed) return;
-    seen[id[slot]] = true;
+/* Numbers of bodies by slot: each of them once, as far as they are read. NULL: reported, or they are not that. */
+static uint32_t *read_numbers(reader *in, const deck_result *r) {
+  const bool part = in->d->asked.part;
+  const size_t n = part ? r->n_rows : r->n_bodies, most = part ? r->n_disks : r->n_bodies;
+  uint32_t *id = part_of(in, "id", SD_U32, r->n_bodies, part ? r->first : 0, n);
+  if (in->failed) return NULL;
+  bool *seen = part ? NULL : deck_alloc(in->d, most, sizeof *seen);
+  for (size_t slot = 0; slot < n && !in->failed; slot++) {
+    in->failed |= id[slot] >= most || (seen && seen[id[slot]]);
+    if (seen && !in->failed) seen[id[slot]] = true;
   }
+  return in->failed ? NULL : id;
+}
+
+/* Which rows are of driven disks, and of disks that are out of play. */
+static void read_kinds(reader *in, deck_result *r, const uint32_t *id) {
+  const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
+  if (in->failed) return;
+  r->driven = deck_alloc(in->d, r->n_rows, sizeof *r->driven);
+  r->gone = deck_alloc(in->d, r->n_rows, sizeof *r->gone);
+  r->number = deck_alloc(in->d, r->n_rows, sizeof *r->number);
+  for (size_t k = 0; k < r->n_rows; k++) {
+    const size_t slot = r->first + k, row = in->d->asked.part ? k : id[slot];
+    if (row >= r->n_rows) continue; /* a wall, where n_disks is wrong */
+    r->number[row] = id[k];
+    r->driven[row] = slot >= r->n_free;
+  }
+  for (size_t k = 0; k < r->n_rows; k++)
+    r->gone[k] = !r->driven[k] && (activity[k] == SD_WAITING || activity[k] == SD_REMOVED);
+}
+
+static void read_bodies(reader *in, deck_result *r) {
+  const uint32_t *id = read_numbers(in, r);
+  if (in->failed) return;
   const struct {
     double **to;
     const char *name;
@@ -201,19 +235,13 @@ static void read_bodies(reader *in, deck_result *r) {
                {&r->mass, "mass"},   {&r->inertia, "inertia"}};
   for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
     *reals[k].to = by_body(in, reals[k].name, SD_F64, r, id, r->n_bodies);
+  r->material = by_body(in, "material", SD_I32, r, id, r->n_bodies);
+  r->group = by_body(in, "group", SD_I32, r, id, r->n_bodies);
+  read_kinds(in, r, id);
+  if (in->d->asked.part) return;
   r->n_surfaces = (size_t)h5_get_attr_i64(in->file, "/state", "n_surfaces", 0);
   in->failed |= r->n_surfaces > r->n_bodies - r->n_disks;
   if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
-  r->material = by_body(in, "material", SD_I32, r, id, r->n_bodies);
-  r->group = by_body(in, "group", SD_I32, r, id, r->n_bodies);
-  const int32_t *activity = by_body(in, "activity", SD_I32, r, id, r->n_free);
-  if (in->failed) return;
-  r->driven = deck_alloc(in->d, r->n_disks, sizeof *r->driven);
-  r->gone = deck_alloc(in->d, r->n_disks, sizeof *r->gone);
-  for (size_t slot = 0; slot < r->n_disks; slot++)
-    if (id[slot] < r->n_disks) r->driven[id[slot]] = slot >= r->n_free;
-  for (size_t k = 0; k < r->n_disks; k++)
-    r->gone[k] = !r->driven[k] && (activity[k] == SD_WAITING || activity[k] == SD_REMOVED);
 }
 
 /* NULL: reported. */
@@ -222,7 +250,7 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path,
   deck_result *r = deck_alloc(d, 1, sizeof *r);
   reader in = {.d = d};
   r->path = path;
-  if (h5_open_whole(path, &in.file, d->messages) != SD_OK) {
+  if ((d->asked.again ? h5_open_again : h5_open_whole)(path, &in.file, d->messages) != SD_OK) {
     d->reported += sd_messages_errors(d->messages) - before;
     return NULL;
   }
@@ -258,6 +286,9 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path,
   }
   in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
   if (!contacts) r->n_contacts = 0;
+  r->first = d->asked.part && d->asked.first < r->n_disks ? d->asked.first : d->asked.part ? r->n_disks : 0;
+  r->n_rows = r->n_disks - r->first;
+  if (d->asked.part && d->asked.n < r->n_rows) r->n_rows = d->asked.n;
   const double *scale = column(&in, "box_scale", SD_F64, 1);
   if (!in.failed) read_bodies(&in, r);
   if (!in.failed && contacts) read_contacts(&in, r);
@@ -295,12 +326,12 @@ static double number_of(const deck_result *r, int column, size_t k) {
 }
 
 static const char *text_of(const deck_result *r, int column, size_t k) {
-  if (column == COLUMN_NAME) return name_at(&r->disk_names, (int64_t)k);
+  if (column == COLUMN_NAME) return name_at(&r->disk_names, r->number[k]);
   return column == COLUMN_GROUP ? name_at(&r->groups, r->group[k]) : name_at(&r->materials, r->material[k]);
 }
 
 static bool any_text(const deck_result *r, int column) {
-  for (size_t k = 0; k < r->n_disks; k++)
+  for (size_t k = 0; k < r->n_rows; k++)
     if (!r->gone[k] && text_of(r, column, k)) return true;
   return false;
 }
@@ -335,12 +366,13 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
     if (takes(g, r, t, column)) deck_columns_add(d, t, deck_column_names[column], file, file->place);
   t->result = r;
   t->file = file;
-  t->body = deck_alloc(d, r->n_disks, sizeof *t->body);
-  deck_columns_reserve(d, t, r->n_disks);
-  for (uint32_t k = 0; k < r->n_disks; k++) {
+  t->all = r->n_disks;
+  t->disk = deck_alloc(d, r->n_rows, sizeof *t->disk);
+  deck_columns_reserve(d, t, r->n_rows);
+  for (size_t k = 0; k < r->n_rows; k++) {
     if (r->gone[k]) continue;
-    t->body[t->n_rows] = k;
-    if (!deck_columns_add_row(d, t, (deck_place){path, PLACE_DISK - (int)k})) return;
+    t->disk[t->n_rows] = r->number[k];
+    if (!deck_columns_add_row(d, t, (deck_place){path, PLACE_DISK - (int)r->number[k]})) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = number_of(r, t->column[c], k);

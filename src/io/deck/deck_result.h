@@ -21,14 +21,17 @@ typedef struct result_names {
   const char **name;
 } result_names;
 
-/* The last state in a file. Columns of bodies go by body number: disks, then walls. */
+/* The last state in a file. Columns of bodies go by body number: disks, then walls. Where rows were asked for (deck_rows_asked) they
+ * are the disks of these slots, as they come. */
 typedef struct deck_result {
   const char *path;
   size_t n_disks, n_bodies, n_free, n_contacts;
+  size_t first, n_rows; /* slots of the disks; all: 0, n_disks */
+  uint32_t *number;     /* [n_rows]: their numbers there */
   double box_scale;
   double *x, *y, *theta, *turn, *vx, *vy, *omega, *radius, *mass, *inertia;
   int32_t *material, *group;
-  bool *driven, *gone; /* disks; gone: removed, or waiting for rain */
+  bool *driven, *gone; /* of the rows; gone: removed, or waiting for rain */
   uint32_t *a, *b, *part;
   double *side;
   double *surface; /* way of each wall's surface */

@@ -386,16 +386,19 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   for (int k = 0; k < 3 && !deck_given(g, "columns"); k++)
     deck_columns_add(d, t, usual[k], file, file->place);
   double *values = NULL;
-  size_t n = 0, before = sd_messages_errors(d->messages);
-  if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &n, d->messages) != SD_OK) {
+  const size_t before = sd_messages_errors(d->messages), first = d->asked.part ? d->asked.first : 0;
+  h5_range rows = {first, d->asked.part ? d->asked.n : SIZE_MAX, 0};
+  if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &rows, d->messages) != SD_OK) {
     /* the reader has said what; say where the deck asked for it */
     d->reported += sd_messages_errors(d->messages) - before;
     deck_fail(d, file, "cannot be read");
     free(values);
     return;
   }
+  const size_t n = rows.n;
+  t->all = rows.all;
   if (n) deck_columns_reserve(d, t, n);
-  for (size_t r = 0; r < n && deck_columns_add_row(d, t, (deck_place){path, -1 - (int)r}); r++)
+  for (size_t r = 0; r < n && deck_columns_add_row(d, t, (deck_place){path, -1 - (int)(first + r)}); r++)
     for (size_t c = 0; c < t->n_columns; c++) t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
   free(values);
 }

@@ -34,14 +34,20 @@ typedef struct deck_columns {
   double *number;                   /* [n_rows * n_columns], NAN where a text stands */
   const char **text; /* the same, NULL where a number stands; NULL when there is no text column */
   deck_place *place; /* [n_rows] */
+  size_t all;        /* disks of the file, where rows of it can be read by themselves; 0: they cannot */
+  uint32_t *disk;    /* [n_rows]: which disk of the file it is; NULL: in their order */
 
   /* of a result whose contacts are wanted */
   bool contacts;
   struct deck_result *result;
-  uint32_t *body;        /* [n_rows]: its body number there */
   size_t first;          /* disk of the model that row 0 became */
   const deck_node *file; /* for messages */
 } deck_columns;
+
+/* Reads an entry of disk_rows or disk_files, and pushes its disks: those of d->asked. deck_disks.c. */
+deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table);
+/* Number of a group of this name, which is there then; -1: NULL. */
+int deck_group_number(deck *d, const char *name);
 
 /* The key `columns` of a group of disk_rows or disk_files. */
 void deck_columns_read(deck_group *g, deck_columns *table);

@@ -88,6 +88,13 @@ typedef struct deck_buffer {
 
 typedef struct deck_chunk deck_chunk;
 
+/* Rows of a file of disks. */
+typedef struct deck_rows_asked {
+  bool part;  /* only n from `first` on */
+  bool again; /* the file was opened, and checked, before */
+  size_t first, n;
+} deck_rows_asked;
+
 typedef struct deck {
   const char *path; /* of the deck, as given */
   sd_messages *messages;
@@ -108,9 +115,10 @@ typedef struct deck {
   size_t *group_start, n_grouped;
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
   size_t n_file_tables;
-  bool disks_missing; /* some could not be read */
-  bool leave_tiles;   /* those of the last packing, but for its first, are made by ranks */
-  bool readable;      /* no mistake but where bodies stand */
+  deck_rows_asked asked; /* of the file that is being read */
+  bool disks_missing;    /* some could not be read */
+  bool leave_tiles; /* the last disks are made by ranks, where they can be had in parts: a sample will do */
+  bool readable;    /* no mistake but where bodies stand */
   struct deck_container_values *container;
   struct deck_constants *constants; /* NULL until one is asked for */
 
@@ -247,6 +255,7 @@ size_t deck_sweep_count(deck *d);
 void deck_read_materials(deck *d);
 void deck_check_laws(deck *d); /* call when motions are read */
 void deck_read_disks(deck *d);
+void deck_read_box(deck *d);
 void deck_read_container(deck *d);   /* its region and box; call before disks */
 void deck_container_bodies(deck *d); /* its walls and floor; call when disks and walls are read */
 void deck_read_packings(deck *d);    /* call when all other disks and walls are there */

@@ -124,8 +124,9 @@ static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
 
 int64_t provenance_inputs(const sd_model *model) {
   uint64_t sum = FILE_SUM;
-  /* those of tiles follow from the deck's text */
+  /* those of tiles follow from the deck's text, those of a large file have a sum of their own */
   const sd_tiles *t = &model->tiles;
+  if (t->inputs != 0) sum = file_sum(sum, &t->inputs, sizeof t->inputs);
   for (size_t k = 0; k < model->n_disks; k++) {
     if (k >= t->first && k < t->first + t->count) continue;
     const sd_disk *d = &model->disks[k];

@@ -137,6 +137,11 @@ void h5_put_shares(h5_file *file, size_t n, const int64_t *sums);
 bool h5_has_shares(const h5_file *file);
 
 /* --- tables of particles, for the deck ------------------------------------------------------------ */
+/* Rows of a table: asked for (at most n from `first` on), how many that is, and how many there are. */
+typedef struct h5_range {
+  size_t first, n, all;
+} h5_range;
+
 /* Reads the named columns as (*values)[row * n_columns + column], to be freed. `dataset` is one of
  * - a compound dataset with these fields,
  * - a 2D dataset whose attribute "columns" names its columns (without it: the columns in the order asked),
@@ -145,6 +150,6 @@ bool h5_has_shares(const h5_file *file);
  *   theta, omega stand for the elements position, velocity, angle, angular_velocity.
  * Every missing column is one message. SD_ERROR_IO: the file cannot be read; SD_ERROR_USER: the rest. */
 sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns, const char *const *columns,
-                        double **values, size_t *n_rows, sd_messages *messages);
+                        double **values, h5_range *rows, sd_messages *messages);
 
 #endif

@@ -14,8 +14,8 @@ typedef struct table {
   size_t n_columns;
   const char *const *columns;
   double *values;
-  size_t n_rows;
-  bool sized;    /* n_rows is known */
+  h5_range rows;
+  bool sized;    /* their number is known */
   bool too_long; /* reported */
   sd_messages *messages;
 } table;
@@ -33,12 +33,16 @@ static sd_status size_rows(table *t, const char *column, size_t n) {
                    t->path, n, LIMIT_DISKS);
   }
   if (!t->sized) {
-    t->n_rows = n;
+    h5_range *r = &t->rows;
+    r->all = n;
+    if (r->first > n) r->first = n;
+    if (r->n > n - r->first) r->n = n - r->first;
     t->sized = true;
-    t->values = calloc(n * t->n_columns + 1, sizeof *t->values);
+    t->values = calloc(r->n * t->n_columns + 1, sizeof *t->values);
     if (!t->values) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
   }
-  return n == t->n_rows ? SD_OK : user_error(t, column, "has another number of rows than the columns before");
+  return n == t->rows.all ? SD_OK
+                          : user_error(t, column, "has another number of rows than the columns before");
 }
 
 static bool is_number(hid_t type) {
@@ -48,19 +52,36 @@ static bool is_number(hid_t type) {
 
 /* Copies one column, as read, to its place in the rows. */
 static void scatter(table *t, size_t column, const double *data) {
-  for (size_t k = 0; k < t->n_rows; k++) t->values[k * t->n_columns + column] = data[k];
+  for (size_t k = 0; k < t->rows.n; k++) t->values[k * t->n_columns + column] = data[k];
+}
+
+/* Reads a box of a dataset: count values from `start` on in each of its dimensions (1 beyond them). */
+static bool read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
+                     const hsize_t count[H5_MAX_RANK], double *data) {
+  hid_t space = H5Dget_space(set);
+  hsize_t total = 1;
+  for (int k = 0; k < H5_MAX_RANK; k++) total *= count[k];
+  hid_t memory = H5Screate_simple(1, &total, NULL);
+  const bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+                    H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
+  H5Sclose(memory);
+  H5Sclose(space);
+  return good;
 }
 
 /* --- compound ------------------------------------------------------------------------------------- */
 
-static sd_status read_compound(table *t, hid_t set, hid_t type) {
+/* Of more than one dimension: all rows, one after the other. */
+static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
   hid_t space = H5Dget_space(set);
   hssize_t points = H5Sget_simple_extent_npoints(space);
   size_t rows = points < 0 ? SIZE_MAX : (size_t)points;
   H5Sclose(space);
   sd_status status = size_rows(t, "", rows);
   if (t->too_long) return status;
-  double *data = calloc(rows + 1, sizeof *data);
+  const bool line = rank == 1;
+  const hsize_t start[H5_MAX_RANK] = {t->rows.first}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
+  double *data = calloc((line ? t->rows.n : rows) + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
   for (size_t c = 0; status != SD_ERROR_IO && c < t->n_columns; c++) {
     int member = H5Tget_member_index(type, t->columns[c]);
@@ -72,10 +93,11 @@ static sd_status read_compound(table *t, hid_t set, hid_t type) {
     } else {
       hid_t one = H5Tcreate(H5T_COMPOUND, sizeof(double));
       H5Tinsert(one, t->columns[c], 0, H5T_NATIVE_DOUBLE);
-      if (rows > 0 && H5Dread(set, one, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+      if (t->rows.n > 0 && !(line ? read_box(set, one, start, count, data)
+                                  : H5Dread(set, one, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0))
         status = user_error(t, t->columns[c], "cannot be read");
       else
-        scatter(t, c, data);
+        scatter(t, c, line ? data : data + t->rows.first);
       H5Tclose(one);
     }
     if (kind >= 0) H5Tclose(kind);
@@ -140,20 +162,15 @@ static size_t find_name(const char *names, const char *name) {
 }
 
 /* One column of a 2D dataset: however wide it is, there is memory for one. */
-static bool read_wide(hid_t set, size_t rows, size_t column, double *data) {
-  hsize_t start[2] = {0, column}, count[2] = {rows, 1}, length = rows;
-  hid_t space = H5Dget_space(set), memory = H5Screate_simple(1, &length, NULL);
-  bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
-              H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, data) >= 0;
-  H5Sclose(memory);
-  H5Sclose(space);
-  return good;
+static bool read_wide(const table *t, hid_t set, size_t column, double *data) {
+  const hsize_t start[H5_MAX_RANK] = {t->rows.first, column}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
+  return read_box(set, H5T_NATIVE_DOUBLE, start, count, data);
 }
 
 static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   sd_status status = size_rows(t, "", rows);
   if (status != SD_OK) return status;
-  double *data = calloc(rows + 1, sizeof *data);
+  double *data = calloc(t->rows.n + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
   char *names = column_names(set);
   for (size_t c = 0; status != SD_ERROR_IO && c < t->n_columns; c++) {
@@ -162,7 +179,7 @@ static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
       status =
           user_error(t, t->columns[c],
                      names ? "is not among the names in attribute \"columns\"" : "the dataset is too narrow");
-    else if (rows > 0 && !read_wide(set, rows, from, data))
+    else if (t->rows.n > 0 && !read_wide(t, set, from, data))
       status = user_error(t, t->columns[c], "cannot be read as numbers");
     else
       scatter(t, c, data);
@@ -184,6 +201,19 @@ static const struct alias {
 } aliases[] = {{"x", "position", 0},  {"y", "position", 1},   {"vx", "velocity", 0},
                {"vy", "velocity", 1}, {"theta", "angle", -1}, {"omega", "angular_velocity", -1}};
 
+/* The rows asked for, `width` numbers each; of the last of so many frames. */
+static sd_status read_rows(const table *t, const char *path, size_t frames, size_t width, double *data) {
+  const hsize_t start[] = {frames ? frames - 1 : 0, t->rows.first, 0, 0, 0},
+                count[] = {1, t->rows.n, width, 1, 1};
+  const int skip = frames ? 0 : 1;
+  if (t->rows.n == 0) return SD_OK;
+  hid_t set = h5_open_data(t->file, path, NULL);
+  if (set < 0) return SD_ERROR_IO;
+  const bool good = read_box(set, H5T_NATIVE_DOUBLE, start + skip, count + skip, data);
+  H5Oclose(set);
+  return good ? SD_OK : SD_ERROR_IO;
+}
+
 /* Reads component (or the scalar) of the last frame, or of a fixed element, of shape [N] or [N][D]. */
 static sd_status read_element(table *t, size_t column, const char *path, bool framed, int component) {
   const char *name = t->columns[column];
@@ -196,16 +226,23 @@ static sd_status read_element(table *t, size_t column, const char *path, bool fr
   if (inner_rank != (component < 0 ? 1 : 2) || (framed && dims[0] == 0) ||
       (component >= 0 && ((size_t)component >= inner[1] || inner[1] > MOST_COMPONENTS)))
     return user_error(t, name, "has not the shape of one value per particle");
-  size_t width = component < 0 ? 1 : inner[1], n = inner[0] * width;
   status = size_rows(t, name, inner[0]);
   if (status != SD_OK) return status;
+  const h5_range *r = &t->rows;
+  const bool shared = h5_shared_set_of(t->file, path) != NULL;
+  const size_t width = component < 0 ? 1 : inner[1], n = (shared ? r->all : r->n) * width;
   double *data = calloc(n + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  status = framed ? h5_get_values(t->file, path, SD_F64, dims[0] - 1, 1, n, data, NULL)
-                  : h5_get(t->file, path, SD_F64, n, data, NULL);
+  if (shared) /* rows of shares come a frame at a time */
+    status = framed ? h5_get_values(t->file, path, SD_F64, dims[0] - 1, 1, n, data, NULL)
+                    : h5_get(t->file, path, SD_F64, n, data, NULL);
+  else
+    status = read_rows(t, path, framed ? dims[0] : 0, width, data);
   if (status != SD_OK) status = user_error(t, name, "cannot be read as numbers");
-  for (size_t k = 0; status == SD_OK && k < t->n_rows; k++)
-    t->values[k * t->n_columns + column] = data[k * width + (component < 0 ? 0 : (size_t)component)];
+  const double *first = data + (shared ? r->first * width : 0) + (component < 0 ? 0 : (size_t)component);
+  double *values = t->values;
+  for (size_t k = 0; values && status == SD_OK && k < r->n; k++)
+    values[k * t->n_columns + column] = first[k * width];
   free(data);
   return status;
 }
@@ -252,7 +289,7 @@ static sd_status read_set(table *t, hid_t set) {
     status = sd_fail(t->messages, SD_ERROR_USER, "%s: %s is a column; expected the group that it is in",
                      t->file->path, t->path);
   else if (H5Tget_class(type) == H5T_COMPOUND)
-    status = read_compound(t, set, type);
+    status = read_compound(t, set, type, rank);
   else if (rank == 2 && is_number(type))
     status = read_matrix(t, set, dims[0], dims[1]);
   else
@@ -263,9 +300,8 @@ static sd_status read_set(table *t, hid_t set) {
 }
 
 sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns, const char *const *columns,
-                        double **values, size_t *n_rows, sd_messages *messages) {
+                        double **values, h5_range *rows, sd_messages *messages) {
   *values = NULL;
-  *n_rows = 0;
   h5_file *h5;
   sd_status status = h5_open(file, &h5, messages), worst = status;
   if (status != SD_OK) return status;
@@ -273,7 +309,9 @@ sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
              .path = dataset && *dataset ? dataset : "/",
              .n_columns = n_columns,
              .columns = columns,
+             .rows = *rows,
              .messages = messages};
+  *rows = (h5_range){0};
   hid_t object = h5_open_object(h5, t.path, messages);
   if (object < 0)
     worst = SD_ERROR_USER;
@@ -287,7 +325,7 @@ sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
   h5_close(h5, NULL);
   if (worst == SD_OK) {
     *values = t.values;
-    *n_rows = t.n_rows;
+    *rows = t.rows;
   } else {
     free(t.values);
   }

@@ -1,0 +1,263 @@
+/* test_tiles.c: decks whose last disks are left to the ranks of a run: packings in tiles, and large files in parts. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "io/deck/deck.h"
+#include "io/results/provenance.h"
+#include "io/store/h5.h"
+#include "model/tiles.h"
+#include "pack/tiles.h"
+#include "slipdisk/deck.h"
+#define SCRATCH_NAME "tiles"
+#include "scratch_file.h"
+#include "packings_decks.h"
+
+/* --- packings ------------------------------------------------------------------------------------------------ */
+
+#define TILES(more)                                                                                          \
+  HEAD "container = { type = \"box\"; width = 60; height = 60; };\n"                                         \
+       "disks = ( { name = \"peg\"; x = 0; y = 40; radius = 1; mass = 1; fixed = true; } );\n"               \
+       "packings = ( { type = \"front\"; count = 3301; tiles = 3; sizes = \"uniform\"; lower = 0.2; upper "  \
+       "= 0.4; "                                                                                             \
+       "density = 2; group = \"grains\"; " more " } );\n"                                                    \
+       "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 0.1; "          \
+       "frequency = 1; } );\n"
+
+/* The deck as a run reads it that ranks will share; how many of its disks are there. */
+static sd_model *for_ranks(const char *text, size_t *held) {
+  FILE *file = fopen(path, "w");
+  sd_model *m;
+  assert_non_null(file);
+  fputs(text, file);
+  fclose(file);
+  sd_messages_clear(messages);
+  const sd_status status = deck_load_for_ranks(path, 0, NULL, &m, messages);
+  *held = m ? model_held(m) : 0;
+  if (m) check(status, messages);
+  return m;
+}
+
+static void test_tiles_of_ranks(void **state) {
+  (void)state;
+  size_t held;
+  sd_model *all = good(TILES("")), *m = for_ranks(TILES(""), &held);
+  assert_int_equal(held, 1);
+  assert_int_equal(m->tiles.sample, 1101);
+  assert_int_equal(m->n_disks, all->n_disks);
+  assert_int_equal(m->n_free, all->n_free);
+  assert_int_equal(m->n_segments, all->n_segments);
+  for (size_t k = 0; k < m->n_segments; k++) assert_int_equal(m->segments[k].body, all->segments[k].body);
+  assert_int_equal(m->motions[0].bodies[0], all->motions[0].bodies[0]);
+  assert_string_equal(m->deck->full, all->deck->full);
+  assert_memory_equal(&m->bounds, &all->bounds, sizeof m->bounds);
+  assert_true(m->largest_radius >= all->largest_radius);
+  assert_true(provenance_inputs(m) == provenance_inputs(all));
+  for (size_t k = 1; k < m->n_disks; k++) {
+    const sd_disk none = {0};
+    assert_memory_equal(&m->disks[k], &none, sizeof none);
+  }
+  for (size_t tile = 0, placed; tile < 3; tile++)
+    assert_int_equal(tiles_make(m, tile, &m->disks[1 + model_tile_begin(&m->tiles, tile)], &placed), SD_OK);
+  for (size_t k = 1; k < m->n_disks; k++) {
+    sd_disk a = m->disks[k], b = all->disks[k];
+    assert_true(a.position[0] == b.position[0] && a.position[1] == b.position[1] && a.radius == b.radius);
+    assert_true(a.mass == b.mass && a.inertia == b.inertia && a.material == b.material && a.group == b.group);
+  }
+  sd_model_free(m);
+  sd_model_free(all);
+}
+
+/* What asks more of single disks than their forces reads the whole deck. */
+static void test_tiles_that_stay(void **state) {
+  (void)state;
+  static const char *const more[] = {
+      "measure = { disks = true; };",
+      "measure = { contacts = (1, 3000); };",
+      "integrator = \"verlet\"; phases = ( { steps = 10; relax = true; } );",
+      "forces = ( { group = \"grains\"; force = (1, 0); } );",
+      "locks = ( { group = \"grains\"; coordinates = \"theta\"; } );",
+      "fields = ( { type = \"drag\"; gamma = 1; group = \"grains\"; } );",
+      "bounds = { y = (-1, 50); outside = \"report\"; };",
+  };
+  size_t held;
+  for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
+    char text[4096];
+    snprintf(text, sizeof text, "%s%s", TILES(""), more[k]);
+    if (strstr(more[k], "phases")) memset(strstr(text, "steps"), ' ', strlen("steps = 10;"));
+    sd_model *m = for_ranks(text, &held);
+    if (!m) sd_messages_print(messages, stderr);
+    if (m && held != 3302) print_error("%s\n", more[k]);
+    if (m) assert_int_equal(held, 3302);
+    const size_t n = m ? sd_messages_count(messages) : 0;
+    if (m)
+      assert_non_null(
+          strstr(sd_messages_text(messages, n - 1), "packings[0].tiles: one rank makes all, since "));
+    if (!m) print_error("%s\n", more[k]);
+    assert_non_null(m);
+    sd_model_free(m);
+  }
+  /* the stream of a random motion of several walls goes by their numbers */
+  char random[4096] = TILES("");
+  strcpy(strstr(random, "motions"),
+         "motions = ( { wall = (\"floor\", \"left\"); coordinate = \"x\"; type = \"random\"; "
+         "amplitude = 0.1; frequency = 1; independent = false; } );\n");
+  sd_model *m = for_ranks(random, &held);
+  assert_int_equal(held, 3302);
+  sd_model_free(m);
+  m = for_ranks(TILES("}, { type = \"square\"; count = 1; x = (0, 1); y = (55, 60); radius = 0.1; mass = 1;"),
+                &held);
+  assert_int_equal(held, 3303);
+  sd_model_free(m);
+}
+
+/* --- files -------------------------------------------------------------------------------------------------- */
+
+enum { ROWS = 20011, WIDE = 150 };
+static char table[160];
+static double x[ROWS], y[ROWS], radius[ROWS], mass[ROWS];
+
+/* A square lattice, which falls. */
+static void fill(void) {
+  for (size_t k = 0; k < ROWS; k++) {
+    x[k] = (double)(k % WIDE) + 0.5;
+    const size_t row = k / WIDE;
+    y[k] = (double)row + 0.5;
+    radius[k] = 0.3 + 0.1 * (double)(k % 7) / 7;
+    mass[k] = radius[k] * radius[k];
+  }
+}
+
+static void put_table(size_t n) {
+  h5_file *file;
+  snprintf(table, sizeof table, "%s/table.h5", folder_name);
+  sd_messages_clear(messages);
+  check(h5_new(&file, messages), messages);
+  h5_put(file, "/disks/x", SD_F64, 1, &n, x, false);
+  h5_put(file, "/disks/y", SD_F64, 1, &n, y, false);
+  h5_put(file, "/disks/radius", SD_F64, 1, &n, radius, false);
+  h5_put(file, "/disks/mass", SD_F64, 1, &n, mass, false);
+  check(h5_save(file, -1, table, NULL, messages), messages);
+}
+
+#define FILES                                                                                                \
+  HEAD "box = { x = (0, 150); periodic = \"x\"; };\n"                                                        \
+       "disks = ( { name = \"peg\"; x = 9; y = 200; radius = 1; mass = 1; } );\n"                            \
+       "disk_files = ( { file = \"table.h5\"; dataset = \"/disks\"; columns = (\"x\", \"y\", \"radius\", "   \
+       "\"mass\"); omega = 2; group = \"grains\"; } );\n"
+
+static void test_files_of_ranks(void **state) {
+  (void)state;
+  fill();
+  put_table(ROWS);
+  size_t held;
+  sd_model *m = for_ranks(FILES, &held), *all;
+  assert_non_null(m);
+  assert_int_equal(sd_messages_count(messages), 0);
+  assert_true(m->tiles.away);
+  assert_int_equal(held, 1);
+  assert_int_equal(m->n_disks, 1 + ROWS);
+  check(sd_deck_load(path, 0, NULL, &all, messages), messages);
+  assert_false(all->tiles.away);
+  assert_true(m->tiles.inputs == all->tiles.inputs && m->tiles.inputs != 0);
+  assert_true(provenance_inputs(m) == provenance_inputs(all));
+  assert_string_equal(m->deck->full, all->deck->full);
+  assert_memory_equal(&m->bounds, &all->bounds, sizeof m->bounds);
+  assert_true(m->largest_radius == all->largest_radius);
+  assert_true(m->limit_told == sd_model_step_limit(all).dt);
+  static sd_disk disks[ROWS];
+  static uint32_t number[ROWS];
+  for (size_t k = m->tiles.n, n = 0; k-- > 0;) {
+    check(deck_make_part(m, k, disks, number, messages), messages);
+    n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
+    for (size_t i = 0; i < n; i++) {
+      assert_int_equal(number[i], model_tile_begin(&m->tiles, k) + i);
+      assert_memory_equal(&disks[i], &all->disks[1 + number[i]], sizeof disks[i]);
+    }
+  }
+  assert_int_equal(model_tile_begin(&m->tiles, m->tiles.n), ROWS);
+  /* another file is not read as if it were the same */
+  put_table(ROWS - 12);
+  sd_messages_clear(messages);
+  assert_int_equal(deck_make_part(m, m->tiles.n - 1, disks, number, messages), SD_ERROR_IO);
+  assert_string_equal(sd_messages_text(messages, 0), "disk_files[0].file has changed while it was read");
+  sd_model_free(all);
+  check(sd_deck_load(path, 0, NULL, &all, messages), messages);
+  assert_true(provenance_inputs(m) != provenance_inputs(all)); /* too short for parts */
+  sd_model_free(all);
+  mass[ROWS - 1] *= 1.5;
+  put_table(ROWS);
+  check(sd_deck_load(path, 0, NULL, &all, messages), messages);
+  assert_true(provenance_inputs(m) != provenance_inputs(all));
+  sd_model_free(all);
+  sd_model_free(m);
+}
+
+/* All are read where the deck speaks of single ones, and where one of them is not like the first. */
+static void test_files_that_stay(void **state) {
+  (void)state;
+  static const char *const more[] = {
+      "measure = { disks = true; };", "locks = ( { disk = 20000; coordinates = \"x\"; } );",
+      "forces = ( { group = \"grains\"; force = (1, 0); } );",
+      "packings = ( { type = \"square\"; count = 1; x = (0, 9); y = (300, 310); radius = 1; mass = 1; } );"};
+  size_t held;
+  fill();
+  put_table(ROWS);
+  for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
+    char text[4096];
+    snprintf(text, sizeof text, "%s%s", FILES, more[k]);
+    sd_model *m = for_ranks(text, &held);
+    assert_non_null(m);
+    assert_false(m->tiles.away);
+    assert_int_equal(m->n_disks, held);
+    assert_int_equal(held, 1 + ROWS + (k == 3));
+    sd_model_free(m);
+  }
+  char fixed[4096];
+  snprintf(fixed, sizeof fixed, "%.*s fixed = true; %s", (int)(strstr(FILES, "omega") - FILES), FILES,
+           strstr(FILES, "group"));
+  sd_model *m = for_ranks(fixed, &held);
+  assert_true(m && !m->tiles.away && held == 1 + ROWS);
+  sd_model_free(m);
+  /* the time step is too long for the last disk */
+  mass[ROWS - 1] = 1e-7;
+  put_table(ROWS);
+  m = for_ranks(FILES, &held);
+  assert_null(m);
+  assert_non_null(strstr(sd_messages_text(messages, 0), "dt = 0.001"));
+  /* the two last ones have the same centre */
+  fill();
+  y[ROWS - 1] = y[ROWS - 2];
+  x[ROWS - 1] = x[ROWS - 2];
+  put_table(ROWS);
+  assert_null(for_ranks(FILES, &held));
+  assert_non_null(
+      strstr(sd_messages_text(messages, 0), "row 20010: disk 20011 and disk 20010 have the same centre"));
+}
+
+static int end(void **state) {
+  tear_down(state);
+  unlink(table);
+  return remove_folder(state);
+}
+
+static int begin(void **state) {
+  messages = sd_messages_new();
+  return messages ? make_folder(state) : -1;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_tiles_of_ranks),
+      cmocka_unit_test(test_tiles_that_stay),
+      cmocka_unit_test(test_files_of_ranks),
+      cmocka_unit_test(test_files_that_stay),
+  };
+  return cmocka_run_group_tests(tests, begin, end);
+}
