@@ -214,6 +214,12 @@ packings = ( {{ type = "triangular"; count = 6000; tiles = 5; spacing = 1.02; ji
 phases = ( {{ steps = 400; series = 100; frames = 200; contacts = 200; }} );
 """
 
+# Rain whose disks ranks make; some fall at the end of the first phase, and in a front around it others do, for which there are tiles, too.
+DROPS = SHOWERS.replace('type = "rain"; count = 300;', 'type = "rain"; count = 4100; tiles = 3; group = "drops"; sizes = "list"; radii = (0.1, 0.13);').replace(
+    "radius = 0.12; ", "") + "measure = { groups = true; };\n"
+LOST_DROPS = LOST_DROP.replace("count = 80;", "count = 3100; tiles = 3;").replace("rows = 1;", "rows = 2;")
+FRONT_IN_RAIN = TILES.replace("packings = (", 'packings = ( { type = "rain"; count = 400; rows = 2; y = (55, 80); interval = 0.01; speed = 2; radius = 0.3; density = 1.27; },')
+
 # The last disks of a file that is large enough to be read in parts: a result with groups and materials that are mixed, and its columns.
 PREPARED = f"""
 title = "prepared"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 1; }};
@@ -235,7 +241,7 @@ COLUMNS = FILE.replace("box = { x = (0, 200); peri", 'box = { file = "prepared.h
     'file = "prepared.h5"; }', 'file = "prepared.h5"; columns = ("x", "y", "vx", "radius"); dataset = "/particles/disks"; '
     'density = 2; omega = 1; material = "soft"; group = "all"; }')
 
-DECKS = {"prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+DECKS = {"drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 

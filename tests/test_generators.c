@@ -475,7 +475,7 @@ static void test_drum(void **state) {
 static void test_waiting(void **state) {
   (void)state;
   double p[100][2];
-  place_waiting(-3, 3, 10, 1.05, 100, p);
+  place_waiting(-3, 3, 10, 1.05, 0, 100, p);
   for (size_t i = 0; i < 100; i++) {
     assert_true(p[i][0] >= -3 + 0.525 && p[i][0] <= 3 - 0.525 && p[i][1] >= 10);
     for (size_t j = 0; j < i; j++) assert_true(hypot(p[i][0] - p[j][0], p[i][1] - p[j][1]) > 1.04999);

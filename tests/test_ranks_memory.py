@@ -61,6 +61,10 @@ class Memory(Folder):
         self.deck.write_text(TILES)
         self.assert_little("a packing in tiles", self.start(), 0, MOST_OF_TILES)
 
+    def test_rain(self):
+        self.deck.write_text(TILES.replace('type = "square"', 'type = "rain"; rows = 2; interval = 7e-4').replace(" spacing = 1.0;", ""))
+        self.assert_little("disks that wait for rain", self.start(), 0, MOST_OF_TILES)
+
     def test_file(self):
         first = self.folder / "first.h5"
         subprocess.run([PROGRAM, "run", self.deck, "-o", first, "--quiet", "-D", "phases[0].steps=1"], check=True)

@@ -113,6 +113,16 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("levels", ranks, threads=2)
 
+    def test_rain_in_tiles(self):
+        for ranks in brief((2, 3, 7), (2,)):
+            self.same("drops", ranks)
+        for ranks in brief((2, 3), (3,)):
+            self.same("lost drops", ranks)
+            self.same("front in rain", ranks)
+
+    def test_rain_in_tiles_goes_on(self):
+        self.goes_on("drops", (3, 2, 0), ("-D", "phases[1].steps=6000", "-D", "checkpoint=0.1"))
+
     def test_files_in_parts(self):
         """Disks that each rank reads itself."""
         self.ok(0, "run", self.deck("prepared"), "--quiet", "-o", self.folder / "prepared.h5")

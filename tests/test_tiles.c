@@ -117,6 +117,46 @@ static void test_tiles_that_stay(void **state) {
   sd_model_free(m);
 }
 
+/* Runs of disks of a rain: where they wait goes by their numbers. */
+#define RAIN(tiles, rows)                                                                                    \
+  HEAD "container = { type = \"box\"; width = 60; height = 40; };\n"                                         \
+       "disks = ( { name = \"peg\"; x = 0; y = 20; radius = 1; mass = 1; fixed = true; } );\n"               \
+       "packings = ( { type = \"rain\"; count = 3301; tiles = " tiles "; rows = " rows                       \
+       "; sizes = \"uniform\"; "                                                                             \
+       "lower = 0.2; upper = 0.4; density = 2; } );\n"
+
+static void test_rain_of_ranks(void **state) {
+  (void)state;
+  size_t held;
+  sd_model *all = good(RAIN("3", "2")), *m = for_ranks(RAIN("3", "2"), &held);
+  assert_int_equal(sd_messages_count(messages), 0);
+  assert_int_equal(held, 1);
+  assert_int_equal(m->n_rains, 1);
+  assert_memory_equal(m->rains, all->rains, sizeof *m->rains);
+  assert_int_equal(all->rains[0].count, 3301);
+  assert_memory_equal(&m->bounds, &all->bounds, sizeof m->bounds);
+  assert_true(provenance_inputs(m) == provenance_inputs(all));
+  for (size_t tile = 0, placed; tile < 3; tile++)
+    assert_int_equal(tiles_make(m, tile, &m->disks[1 + model_tile_begin(&m->tiles, tile)], &placed), SD_OK);
+  for (size_t k = 1; k < m->n_disks; k++) {
+    const sd_disk *a = &m->disks[k], *b = &all->disks[k];
+    assert_true(a->waiting && b->waiting && a->position[0] == b->position[0] &&
+                a->position[1] == b->position[1]);
+    assert_true(a->radius == b->radius && a->mass == b->mass && a->inertia == b->inertia);
+    assert_true(a->position[1] - 0.4 >= all->tiles.lower[1] && a->position[1] + 0.4 <= all->tiles.upper[1]);
+  }
+  sd_model_free(m);
+  sd_model_free(all);
+  /* a batch that one tile does not hold */
+  m = for_ranks(RAIN("3", "400"), &held);
+  assert_int_equal(held, 3302);
+  const char *why =
+      "packings[0].tiles: one rank makes all, since tiles have fewer disks than a batch of rain";
+  assert_non_null(strstr(sd_messages_text(messages, sd_messages_count(messages) - 1), why));
+  sd_model_free(m);
+  refused(RAIN("3302", "2"), "packings[0].tiles = 3302: expected at most one for each of the 3301 disks");
+}
+
 /* --- files -------------------------------------------------------------------------------------------------- */
 
 enum { ROWS = 20011, WIDE = 150 };
@@ -254,9 +294,8 @@ static int begin(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_tiles_of_ranks),
-      cmocka_unit_test(test_tiles_that_stay),
-      cmocka_unit_test(test_files_of_ranks),
+      cmocka_unit_test(test_tiles_of_ranks),  cmocka_unit_test(test_tiles_that_stay),
+      cmocka_unit_test(test_rain_of_ranks),   cmocka_unit_test(test_files_of_ranks),
       cmocka_unit_test(test_files_that_stay),
   };
   return cmocka_run_group_tests(tests, begin, end);

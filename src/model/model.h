@@ -60,7 +60,8 @@ typedef struct sd_tiles {
   size_t entry;   /* of the deck's list of packings, or of files */
   int64_t inputs; /* of a file: sum of what it says of its disks, in any order */
   sd_packing_kind kind;
-  double lower[2], upper[2], spacing, jitter;
+  double lower[2], upper[2], spacing,
+      jitter;           /* rain: where its disks wait, `spacing` inside of the edges in y */
   double mass, density; /* one is 0 */
   int material, group;
   sd_size_kind sizes; /* the rest as in sizes.h */

@@ -24,7 +24,8 @@ sd_disk model_tile_disk(const sd_tiles *t, double radius, const double position[
                    .mass = mass,
                    .inertia = 0.5 * mass * radius * radius,
                    .material = t->material,
-                   .group = t->group};
+                   .group = t->group,
+                   .waiting = t->kind == SD_PACKING_RAIN};
 }
 
 /* So few that the order of the disks in a state, or what is watched, might depend on how many there are. */
@@ -52,7 +53,7 @@ static bool names_disks(const sd_model *m) {
 
 /* Some phase is for one rank. */
 static bool runs_alone(const sd_model *m) {
-  bool alone = m->n_rains > 0 || m->n_rotations > 0 || m->n_slides > 0 || cell_deforms(m);
+  bool alone = m->n_rotations > 0 || m->n_slides > 0 || cell_deforms(m);
   for (size_t k = 0; k < m->n_phases; k++) alone = alone || m->phases[k].relax || m->phases[k].compress.asked;
   return alone;
 }
@@ -66,8 +67,10 @@ static bool asks_all(const sd_model *m) {
   return asks;
 }
 
+/* Disks that wait for rain need not lie within them. */
 static bool reaches_out(const sd_model *m) {
   bool out = false;
+  if (m->tiles.kind == SD_PACKING_RAIN) return false;
   for (int c = 0; m->bounds.given && c < 2; c++)
     out = out || m->tiles.lower[c] < m->bounds.lower[c] || m->tiles.upper[c] > m->bounds.upper[c];
   return out;
@@ -82,6 +85,8 @@ const char *model_needs_tiles(const sd_model *m) {
   if (names_disks(m)) return "the deck speaks of single disks of it";
   if (runs_alone(m)) return "a phase is for one rank";
   if (asks_all(m)) return "a motion depends on all disks";
+  if (m->tiles.kind == SD_PACKING_RAIN && !(m->rains[m->n_rains - 1].batch < m->tiles.sample))
+    return "tiles have fewer disks than a batch of rain";
   return reaches_out(m) ? "it reaches beyond the bounds" : NULL;
 }
 
@@ -124,6 +129,7 @@ bool model_count_tiles(sd_model *m, sd_step_limit limit) {
   free(m->disks);
   m->disks = disks;
   m->n_disks = all;
+  if (m->tiles.kind == SD_PACKING_RAIN) m->rains[m->n_rains - 1].count = m->tiles.count;
   m->n_free += all - n;
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; b < m->motions[k].n_bodies; b++)

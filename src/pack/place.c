@@ -312,11 +312,12 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
 
 /* --- waiting -------------------------------------------------------------------------------------------------- */
 
-void place_waiting(double lower, double upper, double y, double spacing, size_t n, double (*position)[2]) {
+void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,
+                   double (*position)[2]) {
   double columns = fmax(1, floor((upper - lower) / spacing)), wide = (upper - lower) / columns;
   for (size_t k = 0; k < n; k++) {
-    double row = floor((double)k / columns);
-    position[k][0] = lower + ((double)k - row * columns + 0.5) * wide;
+    const double number = (double)(first + k), row = floor(number / columns);
+    position[k][0] = lower + (number - row * columns + 0.5) * wide;
     position[k][1] = y + row * spacing;
   }
 }

@@ -69,6 +69,7 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
                        size_t *placed);
 
 /* Where n disks wait: rows from `lower` to `upper` in x, upwards from y, `spacing` or more apart. */
-void place_waiting(double lower, double upper, double y, double spacing, size_t n, double (*position)[2]);
+void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,
+                   double (*position)[2]);
 
 #endif

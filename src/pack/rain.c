@@ -108,16 +108,31 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
 
 /* --- rows --------------------------------------------------------------------------------------------- */
 
-size_t rain_row(const sd_model *m, size_t first, size_t end, double width) {
+/* Disks of a batch: their radii, where the model has none. */
+typedef struct rain_sizes {
+  const sd_model *model;
+  const double *radius; /* from disk `first` on; NULL: in the model */
+  size_t first;
+} rain_sizes;
+
+static clump_grain grain_of(const rain_sizes *b, size_t disk, size_t end) {
+  return b->radius ? (clump_grain){1, b->radius[disk - b->first]} : clumps_grain(b->model, disk, end);
+}
+
+static size_t count_row(const rain_sizes *b, size_t first, size_t end, double width) {
   double taken = 0.0;
   size_t n = 0;
   while (first + n < end) {
-    const clump_grain grain = clumps_grain(m, first + n, end);
+    const clump_grain grain = grain_of(b, first + n, end);
     taken += 2.0 * grain.radius;
     if (n > 0 && taken > ROW_FILL * width) break;
     n += grain.disks;
   }
   return n;
+}
+
+size_t rain_row(const sd_model *m, size_t first, size_t end, double width) {
+  return count_row(&(rain_sizes){.model = m}, first, end, width);
 }
 
 /* Numbers that lie close together shall give sequences that do not (splitmix64). */
@@ -156,11 +171,11 @@ size_t rain_count(const engine *e, const sd_rain *r) {
 }
 
 /* Largest of the grains in these n disks; *taken: the sum of their diameters; returns how many there are. */
-static size_t measure_row(const sd_model *m, size_t first, size_t n, double *largest, double *taken) {
+static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *largest, double *taken) {
   size_t grains = 0;
   *largest = *taken = 0.0;
   for (size_t k = 0; k < n; grains++) {
-    const clump_grain grain = clumps_grain(m, first + k, first + n);
+    const clump_grain grain = grain_of(b, first + k, first + n);
     *taken += 2.0 * grain.radius;
     *largest = fmax(*largest, grain.radius);
     k += grain.disks;
@@ -169,17 +184,18 @@ static size_t measure_row(const sd_model *m, size_t first, size_t n, double *lar
 }
 
 /* A row of n disks upon `low`, whose fall leads to y = end; `gaps` is scratch. drops: of the first. */
-static sd_status place_row(const engine *e, const sd_rain *r, size_t first, size_t n, double low, double end,
-                           gsl_rng *numbers, double *gaps, rain_drop *drops, sd_messages *messages) {
+static sd_status place_row(const engine *e, const sd_rain *r, const rain_sizes *b, size_t first, size_t n,
+                           double low, double end, gsl_rng *numbers, double *gaps, rain_drop *drops,
+                           sd_messages *messages) {
   const sd_model *m = e->model;
   double taken, largest;
-  const size_t grains = measure_row(m, first, n, &largest, &taken);
+  const size_t grains = measure_row(b, first, n, &largest, &taken);
   for (size_t k = 0; k < grains; k++) gaps[k] = gsl_rng_uniform(numbers);
   gsl_sort(gaps, 1, grains);
   double left = r->lower, slack = r->upper - r->lower - taken;
   uint32_t disk = (uint32_t)first;
   for (size_t k = 0; k < grains; k++) {
-    const clump_grain grain = clumps_grain(m, disk, first + n);
+    const clump_grain grain = grain_of(b, disk, first + n);
     double radius = grain.radius, x = left + slack * gaps[k] + radius;
     double y = low + radius + 2.0 * (largest - radius) * gsl_rng_uniform(numbers);
     char name[96], wall[96];
@@ -196,20 +212,21 @@ static sd_status place_row(const engine *e, const sd_rain *r, size_t first, size
   return SD_OK;
 }
 
-sd_status rain_plan(const engine *e, const sd_rain *r, double top, rain_drop *drops, sd_messages *messages) {
-  const sd_model *m = e->model;
+sd_status rain_plan(const engine *e, const sd_rain *r, double top, const double *radius, rain_drop *drops,
+                    sd_messages *messages) {
   const size_t begin = first_due(e, r), last = begin + rain_count(e, r);
+  const rain_sizes b = {e->model, radius, begin};
   double *gaps = malloc((last - begin) * sizeof *gaps), low = top + r->gap;
   gsl_rng *numbers = numbers_of(e, r, e->state->step / r->interval);
   sd_status status = SD_OK;
   if (!gaps || !numbers) status = sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   for (size_t n, first = begin; status == SD_OK && first < last; first += n) { /* row upon row */
     double largest, taken;
-    n = rain_row(m, first, last, r->upper - r->lower);
-    measure_row(m, first, n, &largest, &taken);
+    n = count_row(&b, first, last, r->upper - r->lower);
+    measure_row(&b, first, n, &largest, &taken);
     /* a lid that presses on the highest disk is in the way, too */
     double end = fmax(top - 0.5 * largest, r->floor);
-    status = place_row(e, r, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
+    status = place_row(e, r, &b, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
     low += (2.0 + ROW_GAP) * largest;
   }
   free(gaps);
@@ -223,6 +240,14 @@ sd_status rain_plan(const engine *e, const sd_rain *r, double top, rain_drop *dr
 static size_t slot_here(const engine *e, size_t disk) {
   const size_t slot = engine_slot(e, (uint32_t)disk);
   return slot < e->state->n_free && e->state->id[slot] == disk ? slot : e->state->n_free;
+}
+
+void rain_radii(const engine *e, const sd_rain *r, double *radius) {
+  const size_t first = first_due(e, r), n = rain_count(e, r);
+  for (size_t k = 0; k < n; k++) {
+    const size_t i = slot_here(e, first + k);
+    radius[k] = i < e->state->n_free ? e->state->radius[i] : 0.0;
+  }
 }
 
 void rain_set_out(engine *e, const sd_rain *r, const rain_drop *drops) {
@@ -262,7 +287,7 @@ void rain_accelerate(engine *e, const sd_rain *r) {
 static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
   rain_drop *drops = calloc(rain_count(e, r), sizeof *drops);
   if (!drops) return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
-  const sd_status status = rain_plan(e, r, rain_top(e, r), drops, messages);
+  const sd_status status = rain_plan(e, r, rain_top(e, r), NULL, drops, messages);
   if (status == SD_OK) rain_set_out(e, r, drops);
   free(drops);
   return status;

@@ -24,8 +24,11 @@ bool rain_due(const engine *e, const sd_rain *r);
 size_t rain_count(const engine *e, const sd_rain *r);
 /* Top of the highest disk of this part over the rain's strip, no lower than its floor less its gap. */
 double rain_top(const engine *e, const sd_rain *r);
-/* drops[rain_count()]: above `top`; walls posed (engine_pose_walls). SD_ERROR_NUMERIC: as above. */
-sd_status rain_plan(const engine *e, const sd_rain *r, double top, rain_drop *drops, sd_messages *messages);
+/* Radii of the disks of the batch [rain_count()] that are here; 0: elsewhere. */
+void rain_radii(const engine *e, const sd_rain *r, double *radius);
+/* drops[rain_count()]: above `top`; walls posed (engine_pose_walls). radius NULL: as the model has them. SD_ERROR_NUMERIC: as above. */
+sd_status rain_plan(const engine *e, const sd_rain *r, double top, const double *radius, rain_drop *drops,
+                    sd_messages *messages);
 /* Those that are here are in play; then, with their constants (bodies_fill_constants), they fall. */
 void rain_set_out(engine *e, const sd_rain *r, const rain_drop *drops);
 void rain_accelerate(engine *e, const sd_rain *r);

@@ -32,6 +32,27 @@ static double edge_of(const sd_tiles *t, size_t tile) {
   return t->lower[0] + (t->upper[0] - t->lower[0]) * ((double)tile / (double)t->n);
 }
 
+static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const tiles_fill *how, size_t n,
+                           double *radius, double (*position)[2], size_t *placed) {
+  const sd_tiles *t = &m->tiles;
+  const place_interior rectangle = {0};
+  const double lower[2] = {edge_of(t, tile), t->lower[1]}, upper[2] = {edge_of(t, tile + 1), t->upper[1]};
+  place_space space;
+  sd_status status = place_begin(&space, m, t->first, &rectangle, lower, upper, n);
+  if (status == SD_OK) status = tiles_place(&space, rng, how, n, radius, position, placed);
+  place_end(&space);
+  return status;
+}
+
+/* Of rain: the first row is `spacing` above the lower edge. */
+static sd_status make_waiting(const sd_tiles *t, size_t tile, gsl_rng *rng, const tiles_fill *how, size_t n,
+                              double *radius, double (*position)[2], size_t *placed) {
+  place_waiting(t->lower[0], t->upper[0], t->lower[1] + t->spacing, t->spacing, model_tile_begin(t, tile), n,
+                position);
+  *placed = n;
+  return sizes_draw(how->sizes, rng, n, radius);
+}
+
 static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *radius, double (*position)[2],
                             size_t *placed) {
   const sd_tiles *t = &m->tiles;
@@ -45,16 +66,13 @@ static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *ra
                        .radii = t->radii,
                        .weights = t->weights};
   const tiles_fill how = {t->kind, &drawn, t->spacing, t->jitter};
-  const place_interior rectangle = {0};
-  const double lower[2] = {edge_of(t, tile), t->lower[1]}, upper[2] = {edge_of(t, tile + 1), t->upper[1]};
-  place_space space;
   gsl_rng *rng = sizes_random(m->seed, stream_of(t, tile));
-  sd_status status = place_begin(&space, m, t->first, &rectangle, lower, upper, n);
-  if (!rng) status = SD_ERROR_IO;
   *placed = 0;
-  if (status == SD_OK) status = tiles_place(&space, rng, &how, n, radius, position, placed);
+  if (!rng) return SD_ERROR_IO;
+  const sd_status status = t->kind == SD_PACKING_RAIN
+                               ? make_waiting(t, tile, rng, &how, n, radius, position, placed)
+                               : fill_slab(m, tile, rng, &how, n, radius, position, placed);
   gsl_rng_free(rng);
-  place_end(&space);
   return status;
 }
 

@@ -44,6 +44,7 @@ static void part_free(shares *p) {
   free(p->activity);
 }
 
+/* Disks that wait are wherever there is memory: no rectangle has many more than another. */
 static int *find_owners(shares *p) {
   double low[2], high[2];
   const sd_state *s = p->from ? p->from->state : NULL;
@@ -53,6 +54,10 @@ static int *find_owners(shares *p) {
   if (!owner) return NULL;
   comm_cuts_mine(p->cuts, low, high);
   for (size_t i = 0; i < p->n_known; i++) {
+    if (i < p->n_from && s->activity[i] == SD_WAITING) {
+      owner[i] = (int)(s->id[i] % (uint32_t)comm_size());
+      continue;
+    }
     const bool inside = s->x[i] > low[0] && s->x[i] < high[0] && s->y[i] > low[1] && s->y[i] < high[1];
     owner[i] = inside ? comm_rank() : comm_cuts_owner(p->cuts, s->x[i], s->y[i]);
   }
@@ -341,10 +346,13 @@ sd_status move_parts(const sd_model *model, const comm_cuts *cuts, const engine 
 
 /* --- cuts ----------------------------------------------------------------------------------------------------- */
 
+/* Of disks that are not in play, in place of 1: all of them together count for little. */
+static const float IDLE = 1e-6f;
+
 static sd_status cut_rows(comm_cuts *cuts, size_t n, const double *x, const double *y,
                           const int32_t *activity) {
   float *weight = malloc((n + 1) * sizeof *weight);
-  for (size_t i = 0; weight && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : 0.01f;
+  for (size_t i = 0; weight && i < n; i++) weight[i] = activity[i] == SD_IN_PLAY ? 1.0f : IDLE;
   sd_status status = weight ? SD_OK : SD_ERROR_IO;
   if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, n, x, y, weight);
   free(weight);
@@ -392,7 +400,8 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
                rate = fmin(fmax(busy / fmax(all, 1.0), mean / MOST), mean * MOST);
   sd_status status = weight ? SD_OK : SD_ERROR_IO;
   for (size_t i = 0; weight && i < s->n_free; i++)
-    weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST));
+    weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST)) *
+                (s->activity[i] == SD_IN_PLAY ? 1.0f : IDLE);
   if (comm_or(status != SD_OK) == 0) status = comm_cuts_make(cuts, s->n_free, s->x, s->y, weight);
   free(weight);
   return status;

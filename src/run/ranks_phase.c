@@ -1,6 +1,7 @@
 /* ranks_phase.c: how the parts of a run begin and end phases, and let rain fall; see ranks_private.h. */
 #include <assert.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/comm.h"
 #include "base/comm_data.h"
@@ -37,19 +38,29 @@ settle_measure ranks_rest_of(ranks *r, sd_state *whole) {
 
 /* --- rain ------------------------------------------------------------------------------------------------------ */
 
-/* Radii of disks that wait are in the model of rank 0. */
+/* Of disks that wait on any rank, on all: bits of each are there once. */
+static void share_radii(const engine *e, const sd_rain *r, size_t n, double *radius, int64_t *bits) {
+  rain_radii(e, r, radius);
+  memcpy(bits, radius, n * sizeof *bits);
+  comm_add(bits, n);
+  memcpy(radius, bits, n * sizeof *bits);
+}
+
 static sd_status set_out(engine *e, const sd_rain *r, sd_messages *messages) {
   const size_t n = rain_count(e, r);
   const double top = comm_largest(rain_top(e, r));
   rain_drop *drops = calloc(n, sizeof *drops);
-  if (!drops) {
-    comm_fail("no memory for a batch of rain");
-    return SD_ERROR_IO;
-  }
-  const sd_status status = comm_rank() == 0 ? rain_plan(e, r, top, drops, messages) : SD_OK;
+  double *radius = malloc(n * sizeof *radius);
+  int64_t *bits = malloc(n * sizeof *bits);
+  sd_status status = drops && radius && bits ? SD_OK : SD_ERROR_IO;
+  if (status == SD_OK) share_radii(e, r, n, radius, bits);
+  if (status != SD_OK) comm_fail("no memory for a batch of rain");
+  if (status == SD_OK && comm_rank() == 0) status = rain_plan(e, r, top, radius, drops, messages);
   const bool failed = comm_or(status != SD_OK);
   if (!failed) comm_share(drops, n * sizeof *drops);
   if (!failed) rain_set_out(e, r, drops);
+  free(bits);
+  free(radius);
   free(drops);
   return status;
 }

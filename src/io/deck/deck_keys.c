@@ -182,7 +182,7 @@ static const deck_shape packing_kinds[] = {
     {"front", SD_PACKING_FRONT, "count tiles",
      "advancing front: each disk touches two, dense and without overlap; fills the region unless count is "
      "given"},
-    {"rain", SD_PACKING_RAIN, "count* rows interval gap speed",
+    {"rain", SD_PACKING_RAIN, "count* rows interval gap speed tiles",
      "disks wait and fall in batches from just above those that are there"},
     LAST_WORD,
 };
@@ -214,8 +214,8 @@ static const deck_key packing_keys[] = {
      "lattices: largest random displacement over the room that a disk has; 1: they may touch",
      SETS(deck_packing_values, jitter)},
     {"tiles", INTEGER(DECK_AT_LEAST_1, "-"), "-", NULL,
-     "slabs side by side along x, each made by itself with its part of count: over MPI ranks each rank makes "
-     "its own",
+     "slabs side by side along x (rain: runs of disks), each made by itself with its part of count: over MPI "
+     "ranks each rank makes its own",
      SETS(deck_packing_values, tiles)},
     {"rows", INTEGER(DECK_AT_LEAST_1, "-"), "4", NULL, "rain: rows of disks in a batch",
      SETS(deck_packing_values, rows)},

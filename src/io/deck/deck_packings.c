@@ -312,6 +312,97 @@ static void make_front(packing *p) {
     push(p, placed, b.radius, b.position, false);
 }
 
+/* --- tiles ---------------------------------------------------------------------------------------------------- */
+
+/* The model keeps all that tiles are made from; their group is known when there is a disk. */
+static void keep_tiles(packing *p, double spacing) {
+  const sizes *s = p->sizes;
+  sd_tiles *t = &p->g.d->model->tiles;
+  *t = (sd_tiles){.n = (size_t)p->v.tiles,
+                  .first = p->g.d->model->n_disks,
+                  .count = (size_t)p->v.count,
+                  .entry = p->number,
+                  .kind = p->v.kind,
+                  .lower = {p->lower[0], p->lower[1]},
+                  .upper = {p->upper[0], p->upper[1]},
+                  .spacing = spacing,
+                  .jitter = p->v.jitter,
+                  .mass = p->v.mass,
+                  .density = p->v.density,
+                  .material = p->material,
+                  .group = -1,
+                  .sizes = s->kind,
+                  .radius = s->radius,
+                  .deviation = s->deviation,
+                  .exponent = s->exponent,
+                  .least = s->lower,
+                  .most = s->upper,
+                  .n_radii = s->n};
+  for (size_t k = 0; k < s->n; k++) {
+    t->radii[k] = s->radii[k];
+    t->weights[k] = s->weights[k];
+  }
+}
+
+/* As high as disks of any size could need. */
+static void wait_above(sd_tiles *t, double height) {
+  const double across = fmax(1, floor((t->upper[0] - t->lower[0]) / t->spacing));
+  t->lower[1] = height - t->spacing;
+  t->upper[1] = height + (floor((double)t->count / across) + 1) * t->spacing;
+}
+
+static void check_tiles(packing *p) {
+  deck *d = p->g.d;
+  deck_group *g = &p->g;
+  const double wide = (p->upper[0] - p->lower[0]) / (double)p->v.tiles;
+  const sd_container_kind kind = d->container->interior.kind;
+  if (p->v.count == 0)
+    deck_fail_key(d, g->node, "count", "missing: expected the number of disks, which tiles share");
+  else if (p->v.tiles > p->v.count)
+    deck_fail_key(d, g->node, "tiles", "expected at most one for each of the %lld disks",
+                  (long long)p->v.count);
+  const bool rain = p->v.kind == SD_PACKING_RAIN;
+  if (!(2 * p->sizes->upper <= wide) && !rain)
+    deck_fail_key(d, g->node, "tiles",
+                  "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
+                  wide, p->sizes->upper);
+  if (p->grain.at) deck_fail_key(d, g->node, "tiles", "clumps are not made in tiles");
+  if (!rain && (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM))
+    deck_fail_key(d, g->node, "tiles", "expected a container that is a rectangle");
+  if (p->sizes->n > SD_TILE_RADII)
+    deck_fail_key(d, g->node, "radii", "expected at most %d in a packing that is made in tiles",
+                  SD_TILE_RADII);
+}
+
+/* Of a run that ranks will share only the first tile is made here; sd_model_finish and advice look at that one. height: where
+ * disks wait for rain, from that row on. */
+static void make_tiled(packing *p, double spacing, double height) {
+  deck *d = p->g.d;
+  sd_model *m = d->model;
+  size_t before = d->reported;
+  check_tiles(p);
+  if (d->reported > before) return;
+  keep_tiles(p, spacing);
+  if (p->v.kind == SD_PACKING_RAIN) wait_above(&m->tiles, height);
+  if (d->leave_tiles && !p->last && m->tiles.n > 1)
+    sd_warn(d->messages, "packings[%zu].tiles: one rank makes all, since the packing is not the last",
+            p->number);
+  m->tiles.away = d->leave_tiles && p->last && m->tiles.n > 1;
+  const size_t most = model_tile_begin(&m->tiles, 1);
+  sd_disk *disks = deck_alloc(d, most, sizeof *disks);
+  m->tiles.sample = m->tiles.away ? most : 0;
+  for (size_t k = 0; k < (m->tiles.away ? 1 : m->tiles.n) && d->reported == before; k++) {
+    const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
+    size_t placed;
+    if (tiles_make(m, k, disks, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
+    if (placed < n)
+      deck_fail_key(d, p->g.node, "count", TILES_FULL, k, m->tiles.n, placed, n);
+    else
+      push_disks(p, n, disks);
+  }
+  if (d->reported == before) m->tiles.group = m->disks[m->tiles.first].group;
+}
+
 /* --- rain ----------------------------------------------------------------------------------------------------- */
 
 /* Time in which a batch falls by its own height. */
@@ -354,6 +445,20 @@ static double waiting_height(const packing *p, double spacing) {
   return top + spacing;
 }
 
+static void make_waiting(packing *p, double spacing) {
+  const double height = waiting_height(p, spacing);
+  if (p->v.tiles > 0) {
+    make_tiled(p, spacing, height);
+    return;
+  }
+  bench b = open_bench(p, (double)p->v.count);
+  b.n = b.capacity;
+  if (b.status == SD_OK) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  close_bench(p, &b);
+  place_waiting(p->lower[0], p->upper[0], height, spacing, 0, b.n, b.position);
+  push(p, b.n, b.radius, b.position, true);
+}
+
 static void make_rain(packing *p) {
   deck *d = p->g.d;
   deck_group *g = &p->g;
@@ -376,99 +481,12 @@ static void make_rain(packing *p) {
   check_rain(p, height);
   if (d->reported > before) return;
   rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
-  bench b = open_bench(p, (double)p->v.count);
-  b.n = b.capacity;
-  if (b.status == SD_OK) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
-  close_bench(p, &b);
-  double spacing = 2.1 * largest;
-  place_waiting(p->lower[0], p->upper[0], waiting_height(p, spacing), spacing, b.n, b.position);
-  push(p, b.n, b.radius, b.position, true);
+  make_waiting(p, 2.1 * largest);
+  if (m->tiles.away) rain.count = m->tiles.sample;
   for (double row = 0; row < rows && rain.batch < rain.count; row++)
     rain.batch += rain_row(m, rain.first + rain.batch, m->n_disks, rain.upper - rain.lower);
   m->rains = deck_grow(d, m->rains, m->n_rains + 1, sizeof *m->rains);
   m->rains[m->n_rains++] = rain;
-}
-
-/* --- tiles ---------------------------------------------------------------------------------------------------- */
-
-/* The model keeps all that tiles are made from; their group is known when there is a disk. */
-static void keep_tiles(packing *p, double spacing) {
-  const sizes *s = p->sizes;
-  sd_tiles *t = &p->g.d->model->tiles;
-  *t = (sd_tiles){.n = (size_t)p->v.tiles,
-                  .first = p->g.d->model->n_disks,
-                  .count = (size_t)p->v.count,
-                  .entry = p->number,
-                  .kind = p->v.kind,
-                  .lower = {p->lower[0], p->lower[1]},
-                  .upper = {p->upper[0], p->upper[1]},
-                  .spacing = spacing,
-                  .jitter = p->v.jitter,
-                  .mass = p->v.mass,
-                  .density = p->v.density,
-                  .material = p->material,
-                  .group = -1,
-                  .sizes = s->kind,
-                  .radius = s->radius,
-                  .deviation = s->deviation,
-                  .exponent = s->exponent,
-                  .least = s->lower,
-                  .most = s->upper,
-                  .n_radii = s->n};
-  for (size_t k = 0; k < s->n; k++) {
-    t->radii[k] = s->radii[k];
-    t->weights[k] = s->weights[k];
-  }
-}
-
-static void check_tiles(packing *p) {
-  deck *d = p->g.d;
-  deck_group *g = &p->g;
-  const double wide = (p->upper[0] - p->lower[0]) / (double)p->v.tiles;
-  const sd_container_kind kind = d->container->interior.kind;
-  if (p->v.count == 0)
-    deck_fail_key(d, g->node, "count", "missing: expected the number of disks, which tiles share");
-  else if (p->v.tiles > p->v.count)
-    deck_fail_key(d, g->node, "tiles", "expected at most one for each of the %lld disks",
-                  (long long)p->v.count);
-  if (!(2 * p->sizes->upper <= wide))
-    deck_fail_key(d, g->node, "tiles",
-                  "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
-                  wide, p->sizes->upper);
-  if (p->grain.at) deck_fail_key(d, g->node, "tiles", "clumps are not made in tiles");
-  if (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM)
-    deck_fail_key(d, g->node, "tiles", "expected a container that is a rectangle");
-  if (p->sizes->n > SD_TILE_RADII)
-    deck_fail_key(d, g->node, "radii", "expected at most %d in a packing that is made in tiles",
-                  SD_TILE_RADII);
-}
-
-/* Of a run that ranks will share only the first tile is made here; sd_model_finish and advice look at that one. */
-static void make_tiled(packing *p) {
-  deck *d = p->g.d;
-  sd_model *m = d->model;
-  size_t before = d->reported;
-  const double spacing = p->v.kind <= SD_PACKING_SQUARE ? read_spacing(p) : 0;
-  check_tiles(p);
-  if (d->reported > before) return;
-  keep_tiles(p, spacing);
-  if (d->leave_tiles && !p->last && m->tiles.n > 1)
-    sd_warn(d->messages, "packings[%zu].tiles: one rank makes all, since the packing is not the last",
-            p->number);
-  m->tiles.away = d->leave_tiles && p->last && m->tiles.n > 1;
-  const size_t most = model_tile_begin(&m->tiles, 1);
-  sd_disk *disks = deck_alloc(d, most, sizeof *disks);
-  m->tiles.sample = m->tiles.away ? most : 0;
-  for (size_t k = 0; k < (m->tiles.away ? 1 : m->tiles.n) && d->reported == before; k++) {
-    const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
-    size_t placed;
-    if (tiles_make(m, k, disks, &placed) != SD_OK) longjmp(d->out_of_memory, 1);
-    if (placed < n)
-      deck_fail_key(d, p->g.node, "count", TILES_FULL, k, m->tiles.n, placed, n);
-    else
-      push_disks(p, n, disks);
-  }
-  if (d->reported == before) m->tiles.group = m->disks[m->tiles.first].group;
 }
 
 /* --- a packing ------------------------------------------------------------------------------------------------ */
@@ -492,10 +510,13 @@ static void make_packing(packing *p) {
   if (p->v.fraction > 0 && count < 1)
     deck_fail_key(d, p->g.node, "fraction", "less than one disk in a region of area %g", p->area);
   if (d->reported > before) return;
-  if (p->v.tiles > 0)
-    make_tiled(p);
-  else
+  if (p->v.tiles == 0 || rain) {
     make[p->v.kind](p);
+    return;
+  }
+  const bool lattice = p->v.kind == SD_PACKING_TRIANGULAR || p->v.kind == SD_PACKING_SQUARE;
+  const double spacing = lattice ? read_spacing(p) : 0;
+  if (d->reported == before) make_tiled(p, spacing, NAN);
 }
 
 /* Radii become those of the circles around the grains. */
