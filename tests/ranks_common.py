@@ -220,6 +220,19 @@ DROPS = SHOWERS.replace('type = "rain"; count = 300;', 'type = "rain"; count = 4
 LOST_DROPS = LOST_DROP.replace("count = 80;", "count = 3100; tiles = 3;").replace("rows = 1;", "rows = 2;")
 FRONT_IN_RAIN = TILES.replace("packings = (", 'packings = ( { type = "rain"; count = 400; rows = 2; y = (55, 80); interval = 0.01; speed = 2; radius = 0.3; density = 1.27; },')
 
+# A bed of disks that stick slides over the bounds, now and again several at once, some of which touch.
+SLIDE = """
+title = "slide"; integrator = "gear5"; dt = 2e-4; gravity = { g = 5; tilt = 0.9; };
+materials = ( { name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.3; gamma_t = 1; k_r = 100; mu_r = 0.05; cohesion = "bridge"; pull_off = 2; range = 0.02;
+                rupture = 0.05; } );
+walls = ( { name = "floor"; type = "line"; points = ((0, 0), (1, 0)); } );
+packings = ( { type = "front"; count = 3000; x = (-20, 20); y = (0.05, 60); sizes = "uniform"; lower = 0.2; upper = 0.28; density = 1.27; group = "all"; } );
+bounds = { x = (-20.1, 1000); outside = "remove"; };
+measure = { walls = true; groups = true; stress = true; };
+phases = ( { name = "slide"; steps = 2400; series = 64; frames = 1024; contacts = 1024; }, { name = "more"; steps = 800; series = 50; frames = 400; contacts = 512; } );
+"""
+LEAVE = SLIDE.replace("remove", "report")
+
 # The last disks of a file that is large enough to be read in parts: a result with groups and materials that are mixed, and its columns.
 PREPARED = f"""
 title = "prepared"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 1; }};
@@ -241,7 +254,7 @@ COLUMNS = FILE.replace("box = { x = (0, 200); peri", 'box = { file = "prepared.h
     'file = "prepared.h5"; }', 'file = "prepared.h5"; columns = ("x", "y", "vx", "radius"); dataset = "/particles/disks"; '
     'density = 2; omega = 1; material = "soft"; group = "all"; }')
 
-DECKS = {"drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+DECKS = {"slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 

@@ -94,6 +94,10 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("bounds", ranks)
             self.same("gone", ranks)
+        for ranks in brief((2, 3, 7), (3,)):
+            self.same("slide", ranks)
+        for ranks in brief((2, 4), (2,)):
+            self.same("leave", ranks, threads=2)
 
     def test_phases(self):
         for ranks in brief((2, 3, 4), (3,)):

@@ -9,7 +9,6 @@
 #include <sys/ioctl.h>
 
 #include "app/app.h"
-#include "physics/step/outside.h"
 
 const char *report_duration(double seconds, char *text, size_t size) {
   if (!(seconds >= 0) || seconds > 1e9) {
@@ -104,7 +103,7 @@ static void report_lost(FILE *out, const summary *found) {
   if (found->waiting > 0) fprintf(out, "\n%" PRId64 " disks wait to be released\n", found->waiting);
   if (found->left == 0) return;
   fprintf(out, "\n%" PRId64 " disk%s left the bounds", found->outside, found->outside == 1 ? "" : "s");
-  if (found->outside > 0) fprintf(out, ": %s%s", found->lost, found->outside > OUTSIDE_TOLD ? ", ..." : "");
+  if (found->outside > 0) fprintf(out, ": %s%s", found->lost, found->outside > SUMMARY_LOST ? ", ..." : "");
   if (found->left > found->outside)
     fprintf(out, " (%" PRId64 " times one left, some came back)", found->left);
   fputc('\n', out);

@@ -39,6 +39,7 @@ typedef enum word {
   SETTLE,
   RAIN,
   LOOK,
+  OUTSIDE,
   END,
   ADVANCE,
   COLLECT,
@@ -299,6 +300,13 @@ sd_status ranks_rain(ranks *r, engine *whole, sd_messages *messages) {
   return ranks_all_well(status) ? take_common_of(r, whole, messages) : tell_failure(r, messages);
 }
 
+sd_status ranks_outside(ranks *r, engine *whole, sd_messages *messages) {
+  say(OUTSIDE, 0, false);
+  const sd_status status = ranks_look_outside(r, messages);
+  engine_end(&r->part, status);
+  return ranks_all_well(status) ? take_common_of(r, whole, messages) : tell_failure(r, messages);
+}
+
 bool ranks_outside_is_due(ranks *r) {
   say(LOOK, 0, false);
   return comm_or(outside_is_due(&r->part)) != 0;
@@ -414,10 +422,11 @@ static void say_path(word w, const char *path) {
 }
 
 sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
-                      sd_messages *messages) {
+                      summary_lost *lost, sd_messages *messages) {
   say_path(WRITE, path);
   const sd_status status = write_share(r, false, path, seals, messages);
   if (status == SD_OK) *contacts = ranks_add_contacts(&r->part);
+  if (status == SD_OK) *lost = ranks_add_lost(&r->part);
   return status == SD_OK ? take_common_of(r, whole, messages) : status;
 }
 
@@ -470,6 +479,7 @@ static void serve_write(ranks *r, bool rows, size_t length) {
   comm_share(path, length);
   if (write_share(r, rows, path, NULL, NULL) == SD_OK && !rows) {
     ranks_add_contacts(&r->part);
+    ranks_add_lost(&r->part);
     move_common(&r->part, NULL);
   }
   free(path);
@@ -503,8 +513,9 @@ int ranks_serve(ranks *r) {
         break;
       }
       case SETTLE: ranks_rest_of(r, NULL); break;
-      case RAIN: {
-        const sd_status status = ranks_release_rain(r);
+      case RAIN:
+      case OUTSIDE: {
+        const sd_status status = o.word == RAIN ? ranks_release_rain(r) : ranks_look_outside(r, NULL);
         engine_end(&r->part, status);
         if (ranks_all_well(status))
           move_common(&r->part, NULL);

@@ -2,7 +2,7 @@
  *
  * Rank 0 leads: it has the session and, between steps, may have the whole state. The others serve: they wait for its word, and
  * do the same at the same time. While the disks are spread over the ranks each has an engine of its part (halo.h), and the whole state is
- * as old as the last ranks_collect. What ranks cannot share (phases that relax or compress, disks that leave the bounds) is done on the whole, by rank 0, as
+ * as old as the last ranks_collect. What ranks cannot share (phases that relax or compress) is done on the whole, by rank 0, as
  * in a run on one rank; then the disks are spread again. Nothing of it changes a bit.
  *
  * A failure in a step is told by all ranks, and rank 0 returns it. Without memory, a rank says so and ends the job.
@@ -48,7 +48,8 @@ ranks_balance ranks_balance_of(const ranks *r);
 settle_measure ranks_rest(ranks *r, engine *whole);
 /* Batches of rain that are due fall. */
 sd_status ranks_rain(ranks *r, engine *whole, sd_messages *messages);
-/* Would outside_look of the whole change anything? */
+/* outside_look, where the run does not stop by it; would it of the whole change anything? */
+sd_status ranks_outside(ranks *r, engine *whole, sd_messages *messages);
 bool ranks_outside_is_due(ranks *r);
 /* The phase ends, also for whole->state, and the next one begins, which must be one that ranks can share; the disks stay where they are. */
 sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages);
@@ -57,9 +58,9 @@ sd_status ranks_end_phase(ranks *r, engine *whole, sd_messages *messages);
 sd_energy ranks_energy(ranks *r);
 const resultants *ranks_resultants(ranks *r, sd_messages *messages);
 /* Each rank writes its disks and contacts as a share (h5.h) of the checkpoint `path`; whole->state then has the rest. seals
- * [comm_size()]: their sums. contacts: of all ranks. When any fails none is left. */
+ * [comm_size()]: their sums. contacts, lost: of all ranks. When any fails none is left. */
 sd_status ranks_write(ranks *r, engine *whole, const char *path, int64_t *seals, summary_contacts *contacts,
-                      sd_messages *messages);
+                      summary_lost *lost, sd_messages *messages);
 /* Each rank keeps its rows of frame `frame`, or of the contacts of moment `moment_number`, of the next part; whole->state then
  * has the rest, as above. n_contacts, bytes: of all ranks, now and since the last part. */
 sd_status ranks_sample(ranks *r, engine *whole, unsigned what, int64_t frame, int64_t moment_number,

@@ -10,7 +10,9 @@
 #include "physics/motion/motion.h"
 #include "physics/neighbours/order.h"
 #include "physics/step/access.h"
+#include "physics/step/contacts.h"
 #include "physics/step/engine.h"
+#include "physics/step/outside.h"
 #include "physics/step/step.h"
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
@@ -89,6 +91,73 @@ sd_status ranks_release_rain(ranks *r) {
   const sd_energy after = ranks_add_energies(r);
   r->part.state->energy_start += energy_total(&after) - energy_total(&before);
   return SD_OK;
+}
+
+/* --- bounds ---------------------------------------------------------------------------------------------------- */
+
+static int by_order(const void *one, const void *two) {
+  const outside_left *p = one, *q = two;
+  return p->order < q->order ? -1 : p->order > q->order;
+}
+
+/* Those of all ranks on every rank, in their order; to be freed. */
+static outside_left *gather_left(const outside_left *mine, size_t n, size_t *all) {
+  int *counts = calloc((size_t)comm_size(), sizeof *counts);
+  if (!counts) comm_fail("no memory");
+  comm_gather_counts((int)n, counts);
+  *all = 0;
+  for (int q = 0; counts && q < comm_size(); q++) *all += (size_t)counts[q];
+  outside_left *list = malloc((*all + 1) * sizeof *list);
+  if (!list) comm_fail("no memory");
+  comm_gather(mine, list, counts, sizeof *list);
+  free(counts);
+  if (list && *all > 1) qsort(list, *all, sizeof *list, by_order);
+  return list;
+}
+
+/* Contacts of disks that are taken out, here and as ghosts. */
+static sd_status end_contacts(engine *e, const outside_left *list, size_t n) {
+  const size_t slots = e->state->n_free + e->state->n_ghosts;
+  bool *gone = calloc(slots + 1, sizeof *gone);
+  if (!gone) return SD_ERROR_IO;
+  for (size_t k = 0; k < n; k++) {
+    const size_t slot = engine_slot(e, list[k].disk);
+    if (slot < slots && e->state->id[slot] == list[k].disk) gone[slot] = true;
+  }
+  const sd_status status = contacts_end(e, gone);
+  free(gone);
+  return status;
+}
+
+static sd_status take_out(ranks *r, const outside_left *mine, size_t n, const outside_left *all,
+                          size_t n_all) {
+  const sd_energy before = ranks_add_energies(r);
+  sd_status status = end_contacts(&r->part, all, n_all);
+  if (status != SD_OK) sd_fail(r->messages, status, "out of memory for contacts of disks that are taken out");
+  outside_mark(&r->part, mine, n);
+  if (ranks_all_well(status)) status = ranks_store_part(r);
+  if (ranks_all_well(status)) status = ranks_take_part(r, &r->part);
+  if (!ranks_all_well(status)) return status;
+  const sd_energy after = ranks_add_energies(r);
+  r->part.state->energy_start += energy_total(&after) - energy_total(&before);
+  return SD_OK;
+}
+
+sd_status ranks_look_outside(ranks *r, sd_messages *messages) {
+  engine *e = &r->part;
+  outside_left *mine;
+  size_t n, n_all = 0;
+  sd_status status = outside_find(e, &mine, &n);
+  if (status != SD_OK) comm_fail("no memory for disks that have left the bounds");
+  outside_left *all = comm_or(n > 0) ? gather_left(mine, n, &n_all) : NULL;
+  if (n_all > 0) status = outside_tell(e, all, n_all, messages);
+  if (n_all > 0 && e->model->bounds.outside == SD_OUTSIDE_REMOVE)
+    status = take_out(r, mine, n, all, n_all);
+  else
+    outside_mark(e, mine, n);
+  free(all);
+  free(mine);
+  return status;
 }
 
 /* --- phases ---------------------------------------------------------------------------------------------------- */

@@ -38,6 +38,8 @@ sd_energy ranks_add_energies(ranks *r);
 settle_measure ranks_rest_of(ranks *r, sd_state *whole);
 /* Batches of rain that are due fall. */
 sd_status ranks_release_rain(ranks *r);
+/* Disks that have left the bounds, or come back. Rank 0 tells of them in messages (the others: NULL). */
+sd_status ranks_look_outside(ranks *r, sd_messages *messages);
 /* Step 0, once motions run: engine_start. kept: contacts of the packing, of all ranks. */
 sd_status ranks_start_part(ranks *r, bool measure, double *kept);
 /* The phase ends after so many steps; the next one begins. */

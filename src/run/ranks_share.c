@@ -107,6 +107,33 @@ summary_contacts ranks_add_contacts(const engine *part) {
   return (summary_contacts){ranks_count_contacts(part), exact_sum_value(&overlap)};
 }
 
+static int by_order(const void *one, const void *two) {
+  const struct summary_lost_disk *p = one, *q = two;
+  return p->order < q->order ? -1 : p->order > q->order;
+}
+
+/* The first of each rank, and of these the first. */
+summary_lost ranks_add_lost(const engine *part) {
+  summary_lost lost = summary_lost_of(part->state);
+  int *counts = calloc((size_t)comm_size(), sizeof *counts);
+  struct summary_lost_disk *all = calloc((size_t)comm_size() * SUMMARY_LOST, sizeof *all);
+  if (!counts || !all) comm_fail("no memory");
+  for (size_t k = 0; k < lost.told; k++) lost.first[k].order = part->halo->order[lost.first[k].order];
+  lost.n = (int64_t)comm_total((double)lost.n);
+  size_t n = 0;
+  if (counts) comm_gather_counts((int)lost.told, counts);
+  for (int q = 0; counts && q < comm_size(); q++) n += (size_t)counts[q];
+  if (counts && all && n > 0) {
+    comm_gather(lost.first, all, counts, sizeof *all);
+    qsort(all, n, sizeof *all, by_order);
+    lost.told = n < SUMMARY_LOST ? n : SUMMARY_LOST;
+    memcpy(lost.first, all, lost.told * sizeof *all);
+  }
+  free(counts);
+  free(all);
+  return lost;
+}
+
 settle_measure ranks_add_rest(const engine *part) {
   settle_sums all;
   settle_add_up(part, &all);

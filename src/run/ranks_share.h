@@ -18,6 +18,7 @@ void ranks_gather_sums(int64_t sum, int64_t *all);
 /* Collective sums over the disks and contacts that each rank counts, without rounding. */
 size_t ranks_count_contacts(const engine *part);
 summary_contacts ranks_add_contacts(const engine *part);
+summary_lost ranks_add_lost(const engine *part);
 /* How near all disks are to rest. */
 settle_measure ranks_add_rest(const engine *part);
 

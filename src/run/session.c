@@ -127,7 +127,7 @@ static sd_status collect_disks(session *s, const sd_state *state, sd_messages *m
 
 /* Summary and provenance as of now; a result has the means of every disk, however many there are. */
 static sd_status describe(session *s, const sd_state *state, const summary_contacts *contacts,
-                          sd_messages *messages) {
+                          const summary_lost *lost, sd_messages *messages) {
   const sd_energy energy = sd_simulation_energy(s->simulation);
   double now = clock_seconds();
   s->origin.wall_seconds += now - s->wall_mark;
@@ -135,7 +135,7 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
   double per_step = state->step > 0 ? 1e9 * s->origin.step_seconds / (double)state->step : NAN;
   summary_free(&s->found);
   s->has_found = false;
-  sd_status status = summary_collect(&s->found, s->model, state, contacts, &energy, per_step, messages);
+  sd_status status = summary_collect(&s->found, s->model, state, contacts, lost, &energy, per_step, messages);
   if (status == SD_OK && state->n_means < SUMMARY_LATER) status = collect_disks(s, state, messages);
   if (status == SD_OK)
     status =
@@ -148,7 +148,7 @@ static sd_status describe(session *s, const sd_state *state, const summary_conta
 /* The state, as a file of the folder. */
 static sd_status write_state(session *s, const sd_state *state, const char *path, sd_messages *messages) {
   checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
-  sd_status status = path ? describe(s, state, NULL, messages)
+  sd_status status = path ? describe(s, state, NULL, NULL, messages)
                           : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
   if (status == SD_OK) status = folder_check(&s->parts_folder, messages);
   if (status != SD_OK) return status;
@@ -161,12 +161,14 @@ static sd_status write_shares(session *s, const char *path, sd_messages *message
   checkpoint_parts parts = {s->parts, s->last_part, s->replaces};
   checkpoint_shares shares = {.n = (size_t)comm_size()};
   summary_contacts contacts = {0};
+  summary_lost lost = {0};
   shares.sums = calloc(shares.n, sizeof *shares.sums);
   sd_status status = shares.sums ? folder_check(&s->parts_folder, messages)
                                  : sd_fail(messages, SD_ERROR_IO, "no memory to write the checkpoint");
-  if (status == SD_OK) status = ranks_write(s->simulation->ranks, e, path, shares.sums, &contacts, messages);
+  if (status == SD_OK)
+    status = ranks_write(s->simulation->ranks, e, path, shares.sums, &contacts, &lost, messages);
   shares.n_contacts = contacts.n;
-  if (status == SD_OK) status = describe(s, e->state, &contacts, messages);
+  if (status == SD_OK) status = describe(s, e->state, &contacts, &lost, messages);
   if (status == SD_OK)
     status = checkpoint_write(s->parts_folder.at, path, e->state, &parts, &shares, &s->origin, &s->found,
                               messages);
@@ -175,11 +177,9 @@ static sd_status write_shares(session *s, const char *path, sd_messages *message
   return status;
 }
 
-/* Means of every disk are summed up by one rank; so it is told where disks are that have left. */
+/* Means of every disk are summed up by one rank. */
 static bool is_shared(const session *s) {
-  const bool tells =
-      s->model->bounds.outside == SD_OUTSIDE_REPORT && simulation_engine(s->simulation)->state->outside > 0;
-  return simulation_is_spread(s->simulation) && !s->model->measure_disks && !tells;
+  return simulation_is_spread(s->simulation) && !s->model->measure_disks;
 }
 
 /* Part first, then the checkpoint that counts it, then older checkpoints go: at every moment the newest
@@ -371,7 +371,7 @@ static sd_status merge_spread(session *s, sd_messages *messages) {
                           : sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   summary_contacts contacts = {0};
   if (status == SD_OK && !s->has_found) status = checkpoint_get_contacts(file, &contacts, messages);
-  if (status == SD_OK && !s->has_found) status = describe(s, state, &contacts, messages);
+  if (status == SD_OK && !s->has_found) status = describe(s, state, &contacts, NULL, messages);
   if (status == SD_OK) status = merge_from(s, NULL, file, messages);
   h5_close(file, NULL);
   free(path);
@@ -382,7 +382,7 @@ static sd_status merge_here(session *s, sd_messages *messages) {
   const sd_state *state = present_state(s, messages);
   sd_status status = state ? SD_OK : SD_ERROR_IO;
   /* a run that goes on after its end has none */
-  if (state && !s->has_found) status = describe(s, state, NULL, messages);
+  if (state && !s->has_found) status = describe(s, state, NULL, NULL, messages);
   if (status == SD_OK && s->found.packing.n > 0 && !s->found.packing.disks)
     status = collect_disks(s, state, messages);
   return status == SD_OK ? merge_from(s, state, NULL, messages) : status;

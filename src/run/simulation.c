@@ -371,27 +371,35 @@ static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
   return status;
 }
 
+/* Disks that leave the bounds, or come back, while the disks are spread. True: the run is to stop, for which they are needed together. */
+static bool look_outside(sd_simulation *sim, sd_status *status, sd_messages *messages) {
+  const sd_bounds *b = &sim->engine.model->bounds;
+  if (b->given && b->outside == SD_OUTSIDE_STOP) return ranks_outside_is_due(sim->ranks);
+  if (b->given) *status = ranks_outside(sim->ranks, &sim->engine, messages);
+  return false;
+}
+
 /* simulation_pause while the disks are spread. False: they are together now, for what needs the whole system. */
 static bool pause_on_ranks(sd_simulation *sim, int64_t from, sd_status *status, sd_messages *messages) {
   engine *e = &sim->engine;
   sd_state *s = e->state;
-  /* those that were taken out are told in the order of the whole, which is new in a new phase */
-  const bool goes_on = !unsuited_in(e, s->phase + 1) && s->outside == 0, bounds = e->model->bounds.given;
+  const bool goes_on = !unsuited_in(e, s->phase + 1), looks = s->step % OUTSIDE_EVERY == 0;
   s->phase_step += s->step - from;
   if (*status != SD_OK) return true;
-  /* after rain in the last step of a phase all is looked at together */
+  /* rain falls once: where the next phase is for one rank all after it is looked at together */
   const bool may_end = s->phase_step == phase_of(e)->steps || phase_settles(e);
-  bool whole = sim->n_observers > 0 || whole_is_due(e) || (rain_is_due(e) && may_end) ||
-               (bounds && s->step % OUTSIDE_EVERY == 0 && ranks_outside_is_due(sim->ranks));
-  if (!whole && rain_is_due(e) && (*status = ranks_rain(sim->ranks, e, messages)) != SD_OK) return true;
+  bool whole = sim->n_observers > 0 || whole_is_due(e) || (rain_is_due(e) && may_end && !goes_on);
+  if (!whole && looks) whole = look_outside(sim, status, messages);
+  if (!whole && *status == SD_OK && rain_is_due(e)) *status = ranks_rain(sim->ranks, e, messages);
+  if (*status != SD_OK) return true;
   if (!whole) {
     bool over = s->phase_step == phase_of(e)->steps;
     if (!over && phase_settles(e)) {
       const settle_measure now = ranks_rest(sim->ranks, e);
       over = settle_reached(e, &now);
     }
-    whole = over && (!goes_on || (bounds && ranks_outside_is_due(sim->ranks)));
-    if (over && !whole) *status = ranks_end_phase(sim->ranks, e, messages);
+    whole = over && (!goes_on || look_outside(sim, status, messages));
+    if (over && !whole && *status == SD_OK) *status = ranks_end_phase(sim->ranks, e, messages);
   }
   if (!whole) return true;
   s->phase_step -= s->step - from;

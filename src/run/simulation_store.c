@@ -45,7 +45,7 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
   sd_status status = provenance_new(&origin, model, messages);
   if (status == SD_OK)
     status = provenance_refresh(&origin, 1, engine_threads(&sim->engine), sd_simulation_path(sim), messages);
-  if (status == SD_OK) status = summary_collect(&found, model, state, NULL, &energy, NAN, messages);
+  if (status == SD_OK) status = summary_collect(&found, model, state, NULL, NULL, &energy, NAN, messages);
   if (status == SD_OK)
     status = summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
   if (status == SD_OK) {

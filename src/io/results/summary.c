@@ -169,20 +169,26 @@ static void collect_stages(summary *s, const sd_model *model, const sd_state *st
   }
 }
 
+summary_lost summary_lost_of(const sd_state *state) {
+  summary_lost lost = {.n = outside_count(state)};
+  for (size_t i = 0; i < state->n_free && lost.told < SUMMARY_LOST; i++)
+    if (state->activity[i] == SD_OUTSIDE || state->activity[i] == SD_REMOVED)
+      lost.first[lost.told++] =
+          (struct summary_lost_disk){state->id[i], (uint32_t)i, state->x[i], state->y[i]};
+  return lost;
+}
+
 /* Which disks are outside, and where. */
 static sd_status collect_lost(summary *s, const sd_model *model, const sd_state *state,
-                              sd_messages *messages) {
-  int told = 0;
-  s->outside = outside_count(state);
+                              const summary_lost *lost, sd_messages *messages) {
+  s->outside = lost->n;
   s->left = state->outside;
   s->waiting = rain_waiting(model, state);
   s->lost = format_text("%s", "");
-  for (size_t i = 0; s->lost && i < state->n_free && told < OUTSIDE_TOLD; i++) {
-    if (state->activity[i] != SD_OUTSIDE && state->activity[i] != SD_REMOVED) continue;
+  for (const struct summary_lost_disk *d = lost->first; s->lost && d < lost->first + lost->told; d++) {
     char name[96];
-    s->lost =
-        append_text(s->lost, "%s%s at (%.6g, %.6g)", told++ ? ", " : "",
-                    sd_model_body_name(model, state->id[i], name, sizeof name), state->x[i], state->y[i]);
+    s->lost = append_text(s->lost, "%s%s at (%.6g, %.6g)", d > lost->first ? ", " : "",
+                          sd_model_body_name(model, d->disk, name, sizeof name), d->x, d->y);
   }
   return s->lost ? SD_OK : no_memory(messages);
 }
@@ -240,8 +246,9 @@ static summary_contacts contacts_of(const sd_state *state) {
 }
 
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
-                          const summary_contacts *contacts, const sd_energy *energy, double step_nanoseconds,
-                          sd_messages *messages) {
+                          const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
+                          double step_nanoseconds, sd_messages *messages) {
+  const summary_lost own = lost ? *lost : summary_lost_of(state);
   const summary_contacts all = contacts ? *contacts : contacts_of(state);
   sd_status status = summary_new(s, model, messages);
   if (status != SD_OK) return status;
@@ -260,7 +267,7 @@ sd_status summary_collect(summary *s, const sd_model *model, const sd_state *sta
     s->configurations[k] = sd_configuration_of(model, state, k);
   collect_stages(s, model, state);
   status = collect_until(s, model, state, messages);
-  if (status == SD_OK) status = collect_lost(s, model, state, messages);
+  if (status == SD_OK) status = collect_lost(s, model, state, &own, messages);
   summary_disks_announce(&s->packing, model, state);
   return status == SD_OK ? summary_judge(s, &model->limits, model, state, all.overlap, messages) : status;
 }

@@ -67,10 +67,22 @@ typedef struct summary_contacts {
   double overlap; /* sum */
 } summary_contacts;
 
-/* All but the means of every disk: summary_disks_collect. contacts NULL: those that stand in the state. */
+enum { SUMMARY_LOST = 8 }; /* told one by one */
+/* Disks of such a state that are beyond the bounds or taken out: how many, and the first of them in its order. */
+typedef struct summary_lost {
+  int64_t n;
+  size_t told;
+  struct summary_lost_disk {
+    uint32_t disk, order;
+    double x, y;
+  } first[SUMMARY_LOST];
+} summary_lost;
+summary_lost summary_lost_of(const sd_state *state);
+
+/* All but the means of every disk: summary_disks_collect. contacts, lost NULL: those that stand in the state. */
 sd_status summary_collect(summary *s, const sd_model *model, const sd_state *state,
-                          const summary_contacts *contacts, const sd_energy *energy, double step_nanoseconds,
-                          sd_messages *messages);
+                          const summary_contacts *contacts, const summary_lost *lost, const sd_energy *energy,
+                          double step_nanoseconds, sd_messages *messages);
 void summary_free(summary *s);
 /* Is this a column of the tables of sweeps: of a point, or (of_body) behind the name of a watched disk or contact? */
 bool summary_is_column(const char *name, bool of_body);

@@ -379,6 +379,47 @@ size_t contacts_count(const engine *e) {
   return n;
 }
 
+/* A contact of a disk that goes, by its place among those of the whole. */
+typedef struct ending {
+  uint64_t first, second;
+  uint32_t part, k;
+  bool piece;
+} ending;
+
+static int by_whole(const void *one, const void *two) {
+  const ending *p = one, *q = two;
+  if (p->piece != q->piece) return p->piece ? 1 : -1;
+  if (p->first != q->first) return p->first < q->first ? -1 : 1;
+  if (p->second != q->second) return p->second < q->second ? -1 : 1;
+  return p->part < q->part ? -1 : p->part > q->part;
+}
+
+static bool goes(const engine *e, const bool *gone, int32_t slot) {
+  return (size_t)slot < e->state->n_free + e->state->n_ghosts && gone[slot];
+}
+
+sd_status contacts_end(engine *e, const bool *gone) {
+  pairs *p = &e->work.pairs;
+  size_t n = 0, most = 0;
+  for (size_t k = 0; k < p->count; k++)
+    most += pairs_closed(p, k) && (goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]));
+  ending *list = malloc((most + 1) * sizeof *list);
+  if (!list) return SD_ERROR_IO;
+  for (size_t k = 0; k < p->count; k++) {
+    if (!pairs_closed(p, k) || !(goes(e, gone, p->a[k]) || goes(e, gone, p->b[k]))) continue;
+    const uint64_t a = halo_order(e, (size_t)p->a[k]), b = halo_order(e, (size_t)p->b[k]);
+    list[n++] =
+        (ending){a < b ? a : b, a < b ? b : a, (uint32_t)p->part[k], (uint32_t)k, pairs_is_segment(p, k)};
+  }
+  if (n > 1) qsort(list, n, sizeof *list, by_whole);
+  for (size_t k = 0; k < n; k++) {
+    losses_end(e, p, list[k].k);
+    p->flags[pairs_flags_at(p, list[k].k)].closed &= ~pairs_flag_bit(p, list[k].k);
+  }
+  free(list);
+  return SD_OK;
+}
+
 sd_status contacts_store(engine *e) {
   losses_show(e);
   return contacts_store_rows(e);

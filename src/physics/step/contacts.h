@@ -24,6 +24,10 @@ static inline bool contacts_any_event(const work *w) {
  * memory. */
 sd_status contacts_follow(engine *e);
 
+/* Closed contacts of free disks in these slots (and ghosts) end, in the order that the pairs of the whole have, as those of disks that are out of
+ * play do where lists are made. SD_ERROR_IO: no memory. */
+sd_status contacts_end(engine *e, const bool *gone);
+
 /* Closed contacts that count here, see halo_counts. */
 size_t contacts_count(const engine *e);
 /* Closed contacts from the live pairs into the state's columns, and back into empty pairs; what is stored and

@@ -3,11 +3,13 @@
 #include "physics/step/outside.h"
 
 #include <assert.h>
+#include <stdlib.h>
 
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/system/halo.h"
 
 /* Infinite limits stay infinite. Of a clump its centre counts, for all of its disks. */
 static bool beyond(const engine *e, size_t i) {
@@ -47,48 +49,78 @@ static void take_out(engine *e, size_t i) {
   }
 }
 
-/* The disk in slot i has just left. */
-static sd_status treat(engine *e, size_t i, sd_messages *messages) {
+sd_status outside_find(engine *e, outside_left **list, size_t *n) {
   sd_state *s = e->state;
-  const sd_outside how = e->model->bounds.outside;
-  char name[96];
-  assert(body_in_play(s, i) && e->model->bounds.given);
-  sd_model_body_name(e->model, s->id[i], name, sizeof name);
-  s->outside++;
-  if (how == SD_OUTSIDE_STOP)
-    return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s left the bounds, it is at (%g, %g)",
-                   (long long)s->step, name, s->x[i], s->y[i]);
-  /* what is meant to leave is told of once; the end of the run says how many, and which */
-  int64_t told = how == SD_OUTSIDE_REMOVE ? 1 : OUTSIDE_TOLD;
-  if (s->outside <= told)
-    sd_warn(messages, "step %lld: %s left the bounds, it is at (%g, %g)%s", (long long)s->step, name, s->x[i],
-            s->y[i], how == SD_OUTSIDE_REMOVE ? " and is taken out" : "");
-  if (s->outside == told + 1)
-    sd_warn(messages, "step %lld: more disks leave the bounds; they are only counted from here on",
-            (long long)s->step);
-  s->activity[i] = SD_OUTSIDE;
-  if (how == SD_OUTSIDE_REMOVE) take_out(e, i);
+  size_t capacity = 0;
+  *list = NULL;
+  *n = 0;
+  for (size_t i = 0; i < s->n_free; i++) {
+    if (!body_in_play(s, i)) continue;
+    const bool out = beyond(e, i);
+    if (!out) s->activity[i] = SD_IN_PLAY;
+    if (!out || s->activity[i] == SD_OUTSIDE) continue;
+    if (*n == capacity) {
+      capacity = 2 * capacity + 16;
+      outside_left *grown = realloc(*list, capacity * sizeof *grown);
+      if (!grown) {
+        free(*list);
+        *list = NULL;
+        return SD_ERROR_IO;
+      }
+      *list = grown;
+    }
+    const uint32_t order = e->halo ? e->halo->order[i] : (uint32_t)i;
+    (*list)[(*n)++] = (outside_left){order, s->id[i], (uint32_t)i, s->x[i], s->y[i]};
+  }
   return SD_OK;
 }
 
-sd_status outside_look(engine *e, sd_messages *messages) {
+sd_status outside_tell(engine *e, const outside_left *list, size_t n, sd_messages *messages) {
   sd_state *s = e->state;
-  bool removes = e->model->bounds.outside == SD_OUTSIDE_REMOVE, removed = false;
-  sd_energy before = {0};
-  for (size_t i = 0; i < s->n_free; i++) {
-    if (!body_in_play(s, i)) continue;
-    bool out = beyond(e, i);
-    if (!out) s->activity[i] = SD_IN_PLAY;
-    if (!out || s->activity[i] == SD_OUTSIDE) continue;
-    if (removes && !removed) before = energy_of(e);
-    if (treat(e, i, messages) != SD_OK) return SD_ERROR_NUMERIC;
-    removed = removes;
+  const sd_outside how = e->model->bounds.outside;
+  const long long step = (long long)s->step;
+  /* what is meant to leave is told of once; the end of the run says how many, and which */
+  const int64_t told = how == SD_OUTSIDE_REMOVE ? 1 : OUTSIDE_TOLD;
+  assert(e->model->bounds.given);
+  for (const outside_left *d = list; d < list + n; d++) {
+    char name[96];
+    s->outside++;
+    if (how != SD_OUTSIDE_STOP && s->outside > told + 1) continue;
+    sd_model_body_name(e->model, d->disk, name, sizeof name);
+    if (how == SD_OUTSIDE_STOP)
+      return sd_fail(messages, SD_ERROR_NUMERIC, "step %lld: %s left the bounds, it is at (%g, %g)", step,
+                     name, d->x, d->y);
+    if (s->outside <= told)
+      sd_warn(messages, "step %lld: %s left the bounds, it is at (%g, %g)%s", step, name, d->x, d->y,
+              how == SD_OUTSIDE_REMOVE ? " and is taken out" : "");
+    else
+      sd_warn(messages, "step %lld: more disks leave the bounds; they are only counted from here on", step);
   }
-  if (!removed) return SD_OK;
+  return SD_OK;
+}
+
+void outside_mark(engine *e, const outside_left *list, size_t n) {
+  for (size_t k = 0; k < n; k++) {
+    e->state->activity[list[k].slot] = SD_OUTSIDE;
+    if (e->model->bounds.outside == SD_OUTSIDE_REMOVE) take_out(e, list[k].slot);
+  }
+}
+
+sd_status outside_look(engine *e, sd_messages *messages) {
+  const bool removes = e->model->bounds.outside == SD_OUTSIDE_REMOVE;
+  outside_left *list;
+  size_t n;
+  sd_status status = outside_find(e, &list, &n);
+  if (status != SD_OK) return sd_fail(messages, status, "out of memory for disks that have left the bounds");
+  const sd_energy before = n > 0 && removes ? energy_of(e) : (sd_energy){0};
+  if (n > 0) status = outside_tell(e, list, n, messages);
+  if (status == SD_OK) outside_mark(e, list, n);
+  free(list);
+  if (status != SD_OK || n == 0 || !removes) return status;
   bodies_fill_constants(e);
-  sd_status status = neighbours_build(e, messages);
-  sd_energy after = energy_of(e);
-  s->energy_start += energy_total(&after) - energy_total(&before);
+  status = neighbours_build(e, messages);
+  const sd_energy after = energy_of(e);
+  e->state->energy_start += energy_total(&after) - energy_total(&before);
   return status;
 }
 

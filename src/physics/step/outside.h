@@ -16,6 +16,18 @@ enum { OUTSIDE_TOLD = 8 };
  * SD_ERROR_NUMERIC when the run shall stop. */
 sd_status outside_look(engine *e, sd_messages *messages);
 
+/* The same in parts, of a run that ranks share (ranks_phase.c). */
+typedef struct outside_left {
+  uint32_t order, disk, slot; /* order: slot of the whole */
+  double x, y;
+} outside_left;
+/* Disks that are back are in play; *list, to be freed, those that have left since the last look. SD_ERROR_IO: no memory. */
+sd_status outside_find(engine *e, outside_left **list, size_t *n);
+/* Counts disks of all ranks, in their order, and warns of them. SD_ERROR_NUMERIC: as above. */
+sd_status outside_tell(engine *e, const outside_left *list, size_t n, sd_messages *messages);
+/* Those of this part are outside, or taken out. */
+void outside_mark(engine *e, const outside_left *list, size_t n);
+
 /* Would outside_look change anything? */
 bool outside_is_due(const engine *e);
 
