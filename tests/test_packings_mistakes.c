@@ -211,8 +211,8 @@ static void test_tile_mistakes(void **state) {
   refused(HEAD BOX PACKING("type = \"front\"; count = 50; tiles = 30; " MONO),
           "packings[0].tiles = 30: each is 0.333333 wide; expected fewer, so that a disk of radius 0.25 fits "
           "between their edges");
-  refused(HEAD BOX PACKING("type = \"rain\"; count = 50; tiles = 2; " MONO),
-          "packings[0].tiles = 2: does not belong to type \"rain\"");
+  refused(HEAD BOX PACKING("type = \"rain\"; count = 50; tiles = 51; " MONO),
+          "packings[0].tiles = 51: expected at most one for each of the 50 disks");
   refused(HEAD BOX PACKING("type = \"square\"; count = 50; tiles = 2; jitter = 1.1; " MONO),
           "packings[0].jitter = 1.1: expected at most 1; beyond it disks could overlap");
   refused(HEAD BOX PACKING("type = \"square\"; count = 20; tiles = 3; y = (0, 0.6); " MONO),

@@ -236,7 +236,7 @@ static sd_status read_element(table *t, size_t column, const char *path, bool fr
   if (shared) /* rows of shares come a frame at a time */
     status = framed ? h5_get_values(t->file, path, SD_F64, dims[0] - 1, 1, n, data, NULL)
                     : h5_get(t->file, path, SD_F64, n, data, NULL);
-  else
+  else if (framed || (status = h5_check(t->file, path, r->all * width, NULL)) == SD_OK)
     status = read_rows(t, path, framed ? dims[0] : 0, width, data);
   if (status != SD_OK) status = user_error(t, name, "cannot be read as numbers");
   const double *first = data + (shared ? r->first * width : 0) + (component < 0 ? 0 : (size_t)component);
