@@ -4,7 +4,10 @@ import signal
 import time
 import unittest
 
-from ranks_common import DECKS, SHIM, ranks_of, run, start
+import h5py
+import numpy
+
+from ranks_common import DECKS, GRAIN, SHIM, ranks_of, run, start
 from results_common import LONG, Folder, assert_same, brief, wait_for
 
 
@@ -134,6 +137,24 @@ class Ranks(Folder):
             self.same("file", ranks)
         for ranks in brief((2, 3), (2,)):
             self.same("columns", ranks, threads=2)
+
+    def test_files_that_overlap(self):
+        """Disks of two parts of a file, which no rank sees together before the start."""
+        n = 70000
+        with h5py.File(self.folder / "t.h5", "w") as file:
+            file["t/x"] = numpy.append(numpy.arange(n - 1) % 250, 0.3) + 0.5
+            file["t/y"] = numpy.append(numpy.arange(n - 1) // 250, 0) + 0.5
+        deck = self.folder / "overlap.cfg"
+        deck.write_text(f"""dt = 1e-3; steps = 10; {GRAIN}
+disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0.4; density = 1; }} );""")
+        status, _, err = run(0, "run", deck, "--quiet")
+        self.assertEqual(status, 2, err)
+        overlap = "overlap by 0.5, more than max_overlap = 0.5 of the smaller radius 0.4"
+        self.assertIn("row 69999: disk 69999 and disk 0 " + overlap, err)
+        for ranks in brief((2, 4), (2,)):
+            status, _, err = run(ranks, "run", deck, "--quiet")
+            self.assertEqual(status, 2, err)
+            self.assertRegex(err, f"disk (0 and disk 69999|69999 and disk 0) {overlap}")
 
     def test_files_in_parts_go_on(self):
         self.ok(0, "run", self.deck("prepared"), "--quiet", "-o", self.folder / "prepared.h5")

@@ -213,8 +213,11 @@ static void test_files_of_ranks(void **state) {
   assert_true(m->limit_told == sd_model_step_limit(all).dt);
   static sd_disk disks[ROWS];
   static uint32_t number[ROWS];
+  int64_t inputs;
+  uint64_t sum = 0;
   for (size_t k = m->tiles.n, n = 0; k-- > 0;) {
-    check(deck_make_part(m, k, disks, number, messages), messages);
+    check(deck_make_part(m, k, disks, number, &inputs, messages), messages);
+    sum += (uint64_t)inputs;
     n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
     for (size_t i = 0; i < n; i++) {
       assert_int_equal(number[i], model_tile_begin(&m->tiles, k) + i);
@@ -222,10 +225,11 @@ static void test_files_of_ranks(void **state) {
     }
   }
   assert_int_equal(model_tile_begin(&m->tiles, m->tiles.n), ROWS);
+  assert_true((int64_t)sum == m->tiles.inputs);
   /* another file is not read as if it were the same */
   put_table(ROWS - 12);
   sd_messages_clear(messages);
-  assert_int_equal(deck_make_part(m, m->tiles.n - 1, disks, number, messages), SD_ERROR_IO);
+  assert_int_equal(deck_make_part(m, m->tiles.n - 1, disks, number, &inputs, messages), SD_ERROR_IO);
   assert_string_equal(sd_messages_text(messages, 0), "disk_files[0].file has changed while it was read");
   sd_model_free(all);
   check(sd_deck_load(path, 0, NULL, &all, messages), messages);
@@ -271,14 +275,31 @@ static void test_files_that_stay(void **state) {
   m = for_ranks(FILES, &held);
   assert_null(m);
   assert_non_null(strstr(sd_messages_text(messages, 0), "dt = 0.001"));
-  /* the two last ones have the same centre */
-  fill();
-  y[ROWS - 1] = y[ROWS - 2];
-  x[ROWS - 1] = x[ROWS - 2];
-  put_table(ROWS);
-  assert_null(for_ranks(FILES, &held));
-  assert_non_null(
-      strstr(sd_messages_text(messages, 0), "row 20010: disk 20011 and disk 20010 have the same centre"));
+  /* the two last ones have the same centre; the last one overlaps a disk that the deck has, or its neighbour, by a little */
+  static const struct {
+    double x, y;
+    const char *text;
+  } places[] = {{60.5, 133.5, "row 20010: disk 20011 and disk 20010 have the same centre"},
+                {9.2, 200, "row 20010: disk 20011 and disk \"peg\" overlap by "},
+                {61.18, 133.5, NULL}};
+  for (size_t k = 0; k < sizeof places / sizeof *places; k++) {
+    fill();
+    x[ROWS - 2] = 60.5;
+    y[ROWS - 2] = 133.5;
+    x[ROWS - 1] = places[k].x;
+    y[ROWS - 1] = places[k].y;
+    put_table(ROWS);
+    m = for_ranks(FILES, &held);
+    assert_true(places[k].text ? !m : m && held == 1 + ROWS);
+    const char *text = places[k].text ? places[k].text : "disk 20010 and disk 20011 overlap by 0.0";
+    bool told = false;
+    if (m) sd_model_advise(m, messages);
+    for (size_t n = 0; n < sd_messages_count(messages); n++)
+      told = told || strstr(sd_messages_text(messages, n), text);
+    if (!told) sd_messages_print(messages, stderr);
+    assert_true(told);
+    sd_model_free(m);
+  }
 }
 
 static int end(void **state) {

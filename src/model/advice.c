@@ -383,6 +383,12 @@ sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
   return SD_OK;
 }
 
+bool advice_overlaps(const sd_model *m) {
+  first_overlap worst;
+  return advice_overlap(m, &worst) != SD_OK || worst.relative > DEEP_OVERLAP ||
+         (m->max_overlap > 0 && worst.relative > m->max_overlap);
+}
+
 /* The relaxer lets overlaps go quietly. */
 static double check_overlap(const sd_model *m, sd_messages *messages) {
   first_overlap worst;

@@ -29,5 +29,7 @@ typedef struct first_overlap {
   double weight; /* of the lighter free one; 0: no gravity */
 } first_overlap;
 sd_status advice_overlap(const sd_model *model, first_overlap *worst);
+/* Is that so deep that it is warned of, or a mistake? */
+bool advice_overlaps(const sd_model *model);
 
 #endif

@@ -92,6 +92,15 @@ const char *model_needs_tiles(const sd_model *m) {
 
 /* --- what the sample does not show ---------------------------------------------------------------------------- */
 
+/* Do n disks in the place of the sample overlap each other, disks before them, or walls so deeply that it is to be told? */
+static bool overlaps(sd_model *m, size_t n) {
+  const size_t all = m->n_disks;
+  m->n_disks = m->tiles.first + n;
+  const bool found = advice_overlaps(m);
+  m->n_disks = all;
+  return found;
+}
+
 bool model_bears(sd_model *m, size_t n, const sd_disk *disks, sd_step_limit *limit) {
   sd_disk *sample = &m->disks[m->tiles.first], *kept = malloc((n + 1) * sizeof *kept);
   if (!kept) return false;
@@ -102,7 +111,7 @@ bool model_bears(sd_model *m, size_t n, const sd_disk *disks, sd_step_limit *lim
   char *unstable = good ? advice_unstable(m) : NULL;
   const sd_step_limit now = good ? sd_model_step_limit(m) : *limit;
   if (now.dt < limit->dt) *limit = now;
-  good = good && !unstable;
+  good = good && !unstable && !(m->tiles.of_file && overlaps(m, n));
   free(unstable);
   memcpy(sample, kept, n * sizeof *kept);
   free(kept);

@@ -165,6 +165,11 @@ sd_status ranks_look_outside(ranks *r, sd_messages *messages) {
 sd_status ranks_start_part(ranks *r, bool measure, double *kept) {
   engine *e = &r->part;
   size_t mine = 0;
+  /* parts of a file were looked at one by one */
+  if (r->model->tiles.away && r->model->tiles.of_file) {
+    const sd_status apart = contacts_check_start(e, r->messages);
+    if (!ranks_all_well(apart)) return apart;
+  }
   sd_status status = rain_next(e, -1) == 0 ? ranks_release_rain(r) : SD_OK;
   if (ranks_all_well(status)) status = engine_start_part(e, &mine, r->messages);
   if (!ranks_all_well(status)) return status;

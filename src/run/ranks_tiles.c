@@ -22,6 +22,7 @@ typedef struct made_part {
   size_t n;
   sd_disk *disks;
   uint32_t *number;
+  int64_t inputs; /* of a file: of all parts so far */
 } made_part;
 
 static size_t count_part(const sd_tiles *t, size_t part) {
@@ -45,8 +46,10 @@ static sd_status make_part(const sd_model *m, size_t part, made_part *p, sd_mess
   const sd_tiles *t = &m->tiles;
   const size_t first = model_tile_begin(t, part);
   size_t placed = p->n = count_part(t, part);
-  const sd_status status = t->of_file ? deck_make_part(m, part, p->disks, p->number, messages)
+  int64_t inputs = 0;
+  const sd_status status = t->of_file ? deck_make_part(m, part, p->disks, p->number, &inputs, messages)
                                       : tiles_make(m, part, p->disks, &placed);
+  p->inputs = (int64_t)((uint64_t)p->inputs + (uint64_t)inputs);
   if (status != SD_OK)
     return t->of_file ? status : sd_fail(messages, status, "no memory for the disks of a tile");
   if (placed < p->n)
@@ -69,7 +72,8 @@ static size_t count_mine(const sd_model *m) {
   return n;
 }
 
-static sd_status fill_disks(const sd_model *m, sd_state *s, sd_messages *messages) {
+/* inputs: of what this rank has read. */
+static sd_status fill_disks(const sd_model *m, sd_state *s, int64_t *inputs, sd_messages *messages) {
   const size_t held = model_held(m);
   size_t slot = 0;
   made_part p = {0};
@@ -83,6 +87,7 @@ static sd_status fill_disks(const sd_model *m, sd_state *s, sd_messages *message
     for (size_t i = 0; i < p.n && status == SD_OK; i++)
       engine_fill_disk(s, &p.disks[i], p.number[i], (uint32_t)slot++);
   }
+  *inputs = p.inputs;
   end_part(&p);
   assert(status != SD_OK || slot == s->n_free);
   return status;
@@ -103,9 +108,14 @@ sd_status ranks_tiles_new(const sd_model *m, const engine *whole, engine *made, 
     comm_fail("no memory for its tiles");
     return SD_ERROR_IO;
   }
-  const sd_status status = fill_disks(m, made->state, messages);
+  int64_t inputs[1];
+  sd_status status = fill_disks(m, made->state, inputs, messages);
   /* together, or not at all: the others would wait */
   if (comm_or(status != SD_OK)) return status;
+  comm_add(inputs, 1);
+  if (m->tiles.of_file && inputs[0] != m->tiles.inputs)
+    return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read",
+                   m->tiles.entry);
   if (order_made(made) == SD_OK) return SD_OK;
   comm_fail("no memory for its tiles");
   return SD_ERROR_IO;
@@ -117,22 +127,19 @@ void ranks_tiles_free(engine *made) {
   *made = (engine){0};
 }
 
-/* A model is const to all but the one that left its tiles away. */
-static sd_status bring(sd_model *m, sd_messages *messages) {
-  made_part p = {0};
-  sd_status status = begin_part(m, &p)
-                         ? SD_OK
-                         : sd_fail(messages, SD_ERROR_IO, "no memory for the disks of all tiles on one rank");
-  for (size_t k = 0; k < m->tiles.n && status == SD_OK; k++) {
-    status = make_part(m, k, &p, messages);
-    for (size_t i = 0; i < p.n && status == SD_OK; i++) m->disks[p.number[i]] = p.disks[i];
-  }
-  if (status == SD_OK) m->tiles.away = false;
-  end_part(&p);
-  return status;
-}
-
 sd_status ranks_tiles_bring(engine *whole, sd_messages *messages) {
-  const sd_status status = bring((sd_model *)(uintptr_t)whole->model, messages);
-  return status == SD_OK ? engine_build_again(whole, messages) : status;
+  /* a model is const to all but the one that left its tiles away */
+  sd_model *m = (sd_model *)(uintptr_t)whole->model;
+  const sd_state *s = whole->state;
+  for (size_t i = 0; i < s->n_free; i++)
+    if (s->id[i] >= m->tiles.first)
+      m->disks[s->id[i]] = (sd_disk){.position = {s->x[i], s->y[i], s->turn[i] + s->theta[i]},
+                                     .radius = s->radius[i],
+                                     .mass = s->mass[i],
+                                     .inertia = s->inertia[i],
+                                     .material = s->material[i],
+                                     .group = s->group[i],
+                                     .waiting = s->activity[i] == SD_WAITING};
+  m->tiles.away = false;
+  return engine_build_again(whole, messages);
 }

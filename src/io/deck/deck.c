@@ -1,4 +1,5 @@
 /* deck.c: from a deck to a finished model; see slipdisk/deck.h and deck_tree.h. */
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -320,10 +321,28 @@ static void warn_of_tiles(const sd_tiles *t, const char *why, sd_messages *messa
     sd_warn(messages, "packings[%zu].tiles: one rank makes all, since %s", t->entry, why);
 }
 
-/* Why all disks must be in the model; NULL: those of tiles are counted. */
-static const char *leave_tiles(sd_model *m) {
+/* Disks of a file have other numbers in the sample. */
+static bool names_one(const sd_messages *messages) {
+  bool named = false;
+  for (size_t k = 0; k < sd_messages_count(messages); k++)
+    for (const char *at = sd_messages_text(messages, k); (at = strstr(at, "disk ")); at++)
+      named = named || isdigit((unsigned char)at[5]);
+  return named;
+}
+
+static bool warns_of_one(const sd_model *m, const sd_messages *told) {
+  sd_messages *advised = sd_messages_new();
+  if (advised) sd_model_advise(m, advised);
+  const bool warns = !advised || names_one(told) || names_one(advised);
+  sd_messages_free(advised);
+  return warns;
+}
+
+/* Why all disks must be in the model; NULL: those of tiles are counted. told: when the deck was read. */
+static const char *leave_tiles(sd_model *m, const sd_messages *told) {
   const sd_tiles *t = &m->tiles;
   if (!t->away) return NULL;
+  if (t->of_file && warns_of_one(m, told)) return "a warning names one of its disks";
   const char *why = model_needs_tiles(m);
   if (why) return why;
   sd_step_limit limit = sd_model_step_limit(m);
@@ -332,7 +351,7 @@ static const char *leave_tiles(sd_model *m) {
   for (int k = 0; k < 2; k++)
     for (int c = 0; c < 2; c++) ends[k].position[c] = m->disks[t->first + (size_t)k].position[c];
   if (!(t->of_file ? deck_parts_bear(m, &limit) : model_bears(m, 2, ends, &limit)))
-    return "some disk is near a limit";
+    return t->of_file ? "some disk is near a limit, or overlaps another" : "some size is near a limit";
   if (sd_model_finish(m, NULL) != SD_OK || !model_count_tiles(m, limit))
     return "there is no memory for fewer";
   return NULL;
@@ -344,7 +363,7 @@ sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *
   if (!own) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
   /* a disk that is not there is a mistake where the deck speaks of it */
-  const char *why = *out ? leave_tiles(*out) : "the deck speaks of single disks of it";
+  const char *why = *out ? leave_tiles(*out, own) : "the deck speaks of single disks of it";
   for (size_t k = 0; !why && k < sd_messages_count(own); k++)
     sd_warn(messages, "%s", sd_messages_text(own, k));
   sd_messages_free(own);

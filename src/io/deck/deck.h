@@ -76,10 +76,11 @@ sd_status deck_look(const char *path, size_t n_overrides, const char *const *ove
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
                               sd_model **out, sd_messages *messages);
 
-/* The disks of one part of model->tiles, of a file, and their places in it (model_tile_begin says how many). SD_ERROR_IO, SD_ERROR_USER:
+/* The disks of one part of model->tiles, of a file, and their places in it (model_tile_begin says how many); inputs: their part of
+ * tiles.inputs. SD_ERROR_IO, SD_ERROR_USER:
  * it cannot be read, or has changed. */
 sd_status deck_make_part(const sd_model *model, size_t part, sd_disk *disks, uint32_t *number,
-                         sd_messages *messages);
+                         int64_t *inputs, sd_messages *messages);
 
 /* All keys as Markdown, the way docs/deck.md shows them. */
 void deck_keys_print(FILE *out);

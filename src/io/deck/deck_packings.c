@@ -482,6 +482,7 @@ static void make_rain(packing *p) {
   if (d->reported > before) return;
   rain.interval = (int64_t)fmin(fmax(1, ceil(deck_number(g, "interval") / m->dt)), 1e18);
   make_waiting(p, 2.1 * largest);
+  if (d->reported > before) return;
   if (m->tiles.away) rain.count = m->tiles.sample;
   for (double row = 0; row < rows && rain.batch < rain.count; row++)
     rain.batch += rain_row(m, rain.first + rain.batch, m->n_disks, rain.upper - rain.lower);

@@ -93,7 +93,9 @@ static const char *group_of(const sd_model *m, const sd_disk *d) {
 
 /* Sums add up in any order: each has the number of the disk in it. */
 static uint64_t sum_disk(const sd_model *m, const sd_disk *d, uint32_t number) {
-  const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};
+  const double real[] = {d->radius,      d->mass,        d->inertia,     d->force[0],
+                         d->force[1],    d->force[2],    d->position[0], d->position[1],
+                         d->position[2], d->velocity[0], d->velocity[1], d->velocity[2]};
   const int32_t whole[] = {d->material, d->locked[0], d->locked[1], d->locked[2], d->driven};
   const char *group = group_of(m, d);
   uint64_t sum = file_sum(FILE_SUM, &number, sizeof number);
@@ -101,8 +103,12 @@ static uint64_t sum_disk(const sd_model *m, const sd_disk *d, uint32_t number) {
   return file_sum(sum, group, strlen(group));
 }
 
+static void add_input(int64_t *sum, const sd_model *m, const sd_disk *d, uint32_t number) {
+  *sum = (int64_t)((uint64_t)*sum + sum_disk(m, d, number));
+}
+
 static void add_disk(sd_tiles *t, const sd_model *m, const sd_disk *d, uint32_t number) {
-  t->inputs = (int64_t)((uint64_t)t->inputs + sum_disk(m, d, number));
+  add_input(&t->inputs, m, d, number);
   t->least = fmin(t->least, d->radius);
   t->most = fmax(t->most, d->radius);
   for (int c = 0; c < 2; c++) {
@@ -261,27 +267,28 @@ typedef struct part {
   size_t n;
   sd_disk *disks;
   uint32_t *number;
+  int64_t inputs;
   bool good;
 } part;
 
 static void take_part(void *user, const sd_model *m, const rows *r) {
   part *p = user;
-  (void)m;
   p->good = r->n == p->n;
   for (size_t k = 0; p->good && k < r->n; k++) {
     p->disks[k] = r->disks[k];
     p->number[k] = r->number[k];
+    add_input(&p->inputs, m, &r->disks[k], r->number[k]);
     if (p->disks[k].inertia == 0.0)
       p->disks[k].inertia = 0.5 * p->disks[k].mass * p->disks[k].radius * p->disks[k].radius;
     p->good = p->good && !image_is_special(&p->disks[k]) && p->disks[k].group < (int)m->n_groups;
   }
 }
 
-sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint32_t *numbers,
+sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint32_t *numbers, int64_t *inputs,
                          sd_messages *messages) {
   const size_t first = model_tile_begin(&m->tiles, number),
                n = model_tile_begin(&m->tiles, number + 1) - first;
-  part p = {n, disks, numbers, false};
+  part p = {.n = n, .disks = disks, .number = numbers};
   rows_task t = {.asked = {true, true, first, n},
                  .entry = m->tiles.entry,
                  .n_groups = m->n_groups,
@@ -289,6 +296,7 @@ sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint3
                  .take = take_part,
                  .user = &p};
   const sd_status status = open_rows(m->deck, &t, messages);
+  *inputs = p.inputs;
   if (status != SD_OK || p.good) return status;
   return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read", m->tiles.entry);
 }
@@ -300,7 +308,8 @@ bool deck_parts_bear(sd_model *m, sd_step_limit *limit) {
   bool good = disks && number;
   for (size_t k = 0; k < m->tiles.n && good; k++) {
     const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
-    good = deck_make_part(m, k, disks, number, NULL) == SD_OK;
+    int64_t inputs;
+    good = deck_make_part(m, k, disks, number, &inputs, NULL) == SD_OK;
     for (size_t at = 0; at < n && good; at += SAMPLE)
       good = model_bears(m, n - at < SAMPLE ? n - at : SAMPLE, disks + at, limit);
   }

@@ -11,6 +11,7 @@
 #include "base/comm.h"
 #include "model/advice.h"
 #include "model/law_features.h"
+#include "physics/step/access.h"
 #include "physics/step/engine.h"
 #include "physics/system/box.h"
 #include "physics/system/halo.h"
@@ -377,6 +378,27 @@ size_t contacts_count(const engine *e) {
   size_t n = 0;
   for (size_t k = 0; k < p->count; k++) n += pairs_closed(p, k) && halo_counts(e, k);
   return n;
+}
+
+sd_status contacts_check_start(const engine *e, sd_messages *messages) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const double most = e->model->max_overlap;
+  for (size_t k = 0; k < p->count && most > 0.0; k++) {
+    if (p->a[k] == PAIR_PADDING || (size_t)p->b[k] >= s->n_disks) continue;
+    const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
+    const double dx = engine_nearest(e, SD_X, s->x[a] - s->x[b]),
+                 dy = engine_nearest(e, SD_Y, s->y[a] - s->y[b]);
+    const double least = fmin(s->radius[a], s->radius[b]),
+                 depth = s->radius[a] + s->radius[b] - hypot(dx, dy);
+    if (!(depth > most * least)) continue;
+    char one[96], two[96];
+    return sd_fail(messages, SD_ERROR_USER,
+                   "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g",
+                   sd_model_body_name(e->model, s->id[a], one, sizeof one),
+                   sd_model_body_name(e->model, s->id[b], two, sizeof two), depth, most, least);
+  }
+  return SD_OK;
 }
 
 /* A contact of a disk that goes, by its place among those of the whole. */
