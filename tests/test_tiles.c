@@ -15,6 +15,7 @@
 #include "model/tiles.h"
 #include "pack/tiles.h"
 #include "slipdisk/deck.h"
+#include "slipdisk/simulation.h"
 #define SCRATCH_NAME "tiles"
 #include "scratch_file.h"
 #include "packings_decks.h"
@@ -302,6 +303,70 @@ static void test_files_that_stay(void **state) {
   }
 }
 
+/* Materials and groups of a result that lie in turn, in another order in its state; keys that change nothing, and mistakes. */
+#define TWO                                                                                                  \
+  "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; }, { name = "       \
+  "\"n\"; k_n = 9; } );\n"                                                                                   \
+  "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 9; } ); box = { x = (0, 150); periodic = \"x\"; "  \
+  "};\n"
+#define SOURCE(more) TWO "disk_files = ( { file = \"table.h5\"; " more " } );\n"
+
+static void test_results_of_ranks(void **state) {
+  (void)state;
+  sd_simulation *run;
+  size_t held;
+  sd_model *m = good(
+      TWO
+      "packings = ( { type = \"square\"; count = 15000; x = (0, 150); y = (100, 201); radius = 0.5; density "
+      "= 1; "
+      "group = \"high\"; material = \"n\"; }, { type = \"square\"; count = 9000; x = (0, 150); y = (0, 61); "
+      "radius = 0.4; density = 1; group = \"low\"; material = \"m\"; } );");
+  check(sd_simulation_new(m, 1, &run, messages), messages);
+  check(sd_simulation_save(run, table, messages), messages);
+  sd_simulation_free(run);
+  sd_model_free(m);
+  static const char *const same[] = {"", "format = \"hdf5\"; contacts = false;", "omega = 1;"};
+  for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
+    char text[2048];
+    snprintf(text, sizeof text, SOURCE("%s"), same[k]);
+    m = for_ranks(text, &held);
+    sd_model *all;
+    assert_true(m && m->tiles.away && held == 0 && m->n_disks == 24000);
+    check(sd_deck_load(path, 0, NULL, &all, messages), messages);
+    assert_true(provenance_inputs(m) == provenance_inputs(all));
+    assert_int_equal(m->n_groups, 2);
+    assert_string_equal(m->groups[0], "high");
+    sd_disk *disks = calloc(24000, sizeof *disks);
+    uint32_t *number = calloc(24000, sizeof *number);
+    int64_t inputs;
+    for (size_t part = 0; part < m->tiles.n; part++) {
+      check(deck_make_part(m, part, disks, number, &inputs, messages), messages);
+      for (size_t i = 0; i < model_tile_begin(&m->tiles, part + 1) - model_tile_begin(&m->tiles, part); i++)
+        assert_memory_equal(&disks[i], &all->disks[number[i]], sizeof disks[i]);
+    }
+    free(disks);
+    free(number);
+    sd_model_free(all);
+    sd_model_free(m);
+  }
+  const char *const overrides[] = {"dt=2e-3", "steps=5"};
+  check(deck_load_for_ranks(path, 2, overrides, &m, messages), messages);
+  assert_true(m->tiles.away && m->dt == 2e-3);
+  sd_model_free(m);
+  static const char *const wrong[] = {
+      "format = 1;",         "contacts = 1;", "format = \"csv\";", "colour = 1;", "columns = (\"x\", \"z\");",
+      "dataset = \"/none\";"};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    char text[2048];
+    snprintf(text, sizeof text, SOURCE("%s"), wrong[k]);
+    assert_null(for_ranks(text, &held));
+    assert_true(sd_messages_errors(messages) > 0);
+  }
+  assert_null(for_ranks(TWO "disk_files = ( { dataset = \"x\"; } );", &held));
+  assert_null(for_ranks(TWO "disk_files = ( { file = 3; } );", &held));
+  assert_null(for_ranks(TWO "disk_files = ( { file = \"none.h5\"; } );", &held));
+}
+
 static int end(void **state) {
   tear_down(state);
   unlink(table);
@@ -317,7 +382,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_tiles_of_ranks),  cmocka_unit_test(test_tiles_that_stay),
       cmocka_unit_test(test_rain_of_ranks),   cmocka_unit_test(test_files_of_ranks),
-      cmocka_unit_test(test_files_that_stay),
+      cmocka_unit_test(test_files_that_stay), cmocka_unit_test(test_results_of_ranks),
   };
   return cmocka_run_group_tests(tests, begin, end);
 }
