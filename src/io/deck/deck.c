@@ -312,7 +312,7 @@ sd_status deck_look(const char *path, size_t n_overrides, const char *const *ove
   return load(path, n_overrides, overrides, (model_task){.unfinished = true}, out, messages);
 }
 
-/* Of a file that nobody asked to be read in parts this matters when it is large. */
+/* Warns of tiles that were asked for; of a file where it is so large that memory matters. */
 static void warn_of_tiles(const sd_tiles *t, const char *why, sd_messages *messages) {
   enum { LARGE = 1000000 };
   if (t->of_file && t->count >= LARGE)

@@ -27,7 +27,7 @@ typedef struct rows {
   uint32_t *number; /* their places in the file */
 } rows;
 
-/* What rows are read, and what for. */
+/* Reads rows of an entry of disk_files, and hands them to `take`. */
 typedef struct rows_task {
   deck_rows_asked asked;
   size_t entry, n_groups;
@@ -222,7 +222,7 @@ static void name_groups(survey *s) {
   }
 }
 
-/* What is wrong with a file is told when it is read as a whole. */
+/* Mistakes in a file are told when it is read as a whole. */
 static bool survey_file(survey *s) {
   const sd_deck *own = s->d->model->deck;
   do {
