@@ -82,15 +82,19 @@ static sd_status set_out_all(engine *e, sd_messages *messages) {
   return SD_OK;
 }
 
-sd_status ranks_release_rain(ranks *r) {
-  const sd_energy before = ranks_add_energies(r);
-  sd_status status = set_out_all(&r->part, r->messages);
+/* New lists of disks that have set out or are gone; the energy that they bring or take along is booked. */
+static sd_status renew(ranks *r, sd_status status, const sd_energy *before) {
   if (ranks_all_well(status)) status = ranks_store_part(r);
   if (ranks_all_well(status)) status = ranks_take_part(r, &r->part);
   if (!ranks_all_well(status)) return status;
   const sd_energy after = ranks_add_energies(r);
-  r->part.state->energy_start += energy_total(&after) - energy_total(&before);
+  r->part.state->energy_start += energy_total(&after) - energy_total(before);
   return SD_OK;
+}
+
+sd_status ranks_release_rain(ranks *r) {
+  const sd_energy before = ranks_add_energies(r);
+  return renew(r, set_out_all(&r->part, r->messages), &before);
 }
 
 /* --- bounds ---------------------------------------------------------------------------------------------------- */
@@ -135,12 +139,7 @@ static sd_status take_out(ranks *r, const outside_left *mine, size_t n, const ou
   sd_status status = end_contacts(&r->part, all, n_all);
   if (status != SD_OK) sd_fail(r->messages, status, "out of memory for contacts of disks that are taken out");
   outside_mark(&r->part, mine, n);
-  if (ranks_all_well(status)) status = ranks_store_part(r);
-  if (ranks_all_well(status)) status = ranks_take_part(r, &r->part);
-  if (!ranks_all_well(status)) return status;
-  const sd_energy after = ranks_add_energies(r);
-  r->part.state->energy_start += energy_total(&after) - energy_total(&before);
-  return SD_OK;
+  return renew(r, status, &before);
 }
 
 sd_status ranks_look_outside(ranks *r, sd_messages *messages) {
