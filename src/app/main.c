@@ -4,6 +4,7 @@
 #endif
 #include <errno.h>
 #include <jansson.h>
+#include <malloc.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -241,7 +242,16 @@ static void *json_memory(size_t size) {
   return memory;
 }
 
+/* Columns that are let go go back to the system. By itself the C library keeps ever larger ones once some were freed. */
+static void return_memory(void) {
+#ifdef M_MMAP_THRESHOLD
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_TRIM_THRESHOLD, 1 << 22);
+#endif
+}
+
 int main(int argc, char **argv) {
+  return_memory();
   json_set_alloc_funcs(json_memory, free);
   if (atexit(end_of_library) != 0) return app_no_memory();
   int status = run_command(argc, argv);
