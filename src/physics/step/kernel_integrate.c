@@ -26,12 +26,18 @@
     for (; i < end; i++) single;                                                                             \
   } while (0)
 
-/* Poses to the packed bodies. The mass of prescribed ones is infinite. */
-static void pack(engine *e, size_t begin, size_t end) {
+static void pack_alike(engine *e, size_t begin, size_t end, bool prescribed) {
   view v = view_of(e, begin);
-  if (begin >= e->state->n_free) v.mass = NULL;
+  if (prescribed) v.mass = NULL;
   FOR_LANES((LANE(pack_at)(&v, i), LANE(clear_sum)(&v, i)), (pack_at_w1(&v, i), clear_sum_w1(&v, i)));
+}
+
+/* Poses to the packed bodies. The mass of prescribed ones is infinite, that of ghosts is not. */
+static void pack(engine *e, size_t begin, size_t end) {
   const sd_state *s = e->state;
+  const size_t first = s->n_free + s->n_ghosts, middle = begin > first ? begin : end < first ? end : first;
+  pack_alike(e, begin, middle, false);
+  pack_alike(e, middle, end, true);
   for (size_t i = s->n_surfaces && begin < s->n_disks ? s->n_disks : begin; s->n_surfaces && i < end; i++)
     body_pack(e, i);
 }
