@@ -254,7 +254,37 @@ COLUMNS = FILE.replace("box = { x = (0, 200); peri", 'box = { file = "prepared.h
     'file = "prepared.h5"; }', 'file = "prepared.h5"; columns = ("x", "y", "vx", "radius"); dataset = "/particles/disks"; '
     'density = 2; omega = 1; material = "soft"; group = "all"; }')
 
-DECKS = {"slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+# A bed that a fluid spins, on walls that move, turn and run; and a run that goes on with it and its contacts. Some are with a wall that is gone,
+# some are bridges that are longer than those of the new liquid.
+WET = 'law = "hertz"; restitution = 0.5; limit_damping = false; tangential = "mindlin"; k_t = 1e4; gamma_t = 1; mu = 0.5; mu_kinetic = 0.4; k_r = 1e3; ' \
+    'mu_r = 0.1; gamma_r = 0.5; cohesion = "bridge"; pull_off = 1; range = 0.02; rupture = 0.1;'
+BED = f"""
+title = "bed"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 20; }};
+materials = ( {{ name = "hard"; k_n = 2e4; {WET} }}, {{ name = "soft"; k_n = 1e4; {WET} }} );
+material_pairs = ( {{ materials = ("hard", "soft"); k_n = 15e3; {WET} }} );
+box = {{ x = (0, 200); periodic = "x"; }};
+walls = ( {{ name = "post"; type = "segment"; points = ((150, 0), (150, 20)); material = "hard"; }},
+          {{ name = "floor"; type = "line"; points = ((0, 0), (1, 0)); material = "soft"; }},
+          {{ name = "wheel"; type = "circle"; center = (100, 40); radius = 12; side = "outside"; material = "hard"; }},
+          {{ name = "beam"; type = "polyline"; points = ((20, 20), (40, 25), (60, 20)); material = "soft"; }} );
+packings = ( {{ type = "front"; count = 12000; y = (0, 95); material = "hard"; group = "red"; sizes = "uniform"; lower = 0.4; upper = 0.5; density = 1.27; }},
+             {{ type = "front"; count = 9000; y = (95, 200); material = "soft"; group = "blue"; sizes = "uniform"; lower = 0.3; upper = 0.5; density = 2; }} );
+motions = ( {{ wall = "wheel"; coordinate = "theta"; type = "velocity"; velocity = 30; }},
+            {{ wall = "beam"; coordinate = "surface"; type = "velocity"; velocity = 3; }},
+            {{ wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.1; frequency = 5; }} );
+fields = ( {{ type = "drag"; gamma = 1e-9; gamma_rotation = 2; shear_rate = 160; centre = (0, 0); }} );
+phases = ( {{ steps = 200; }} );
+"""
+KNOWN = "\n".join(line for line in BED.replace("rupture = 0.1", "rupture = 0.05").splitlines() if "post" not in line and "surface" not in line).replace("          { name = \"floor\"", "walls = ( { name = \"floor\"")
+KNOWN = KNOWN.split("packings")[0] + """
+disks = ( { name = "ball"; x = 100; y = 210; vy = -5; radius = 4; density = 2; material = "hard"; group = "balls"; } );
+disk_files = ( { file = "bed.h5"; contacts = true; } );
+motions""" + KNOWN.split("motions")[1].split("fields")[0] + """
+phases = ( { name = "shake"; steps = 100; series = 50; frames = 50; contacts = 50; }, { steps = 100; series = 50; } );
+measure = { groups = true; walls = true; };
+"""
+
+DECKS = {"bed": BED, "known": KNOWN, "slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 

@@ -67,9 +67,14 @@ class Memory(Folder):
 
     def test_file(self):
         first = self.folder / "first.h5"
+        sticky = DECK.replace("mu = 0.4;", 'mu = 0.4; cohesion = "constant"; pull_off = 1e-3; range = 0.01;')
+        self.deck.write_text(sticky)
         subprocess.run([PROGRAM, "run", self.deck, "-o", first, "--quiet", "-D", "phases[0].steps=1"], check=True)
-        self.deck.write_text("\n".join('disk_files = ( { file = "first.h5"; } );' if line.startswith("packings") else line for line in DECK.splitlines()))
-        self.assert_little("disks of a file", self.start(), 0, MOST_OF_TILES)
+        text = sticky.splitlines()
+        for what, contacts in ("disks of a file", "false"), ("contacts of a file", "true"):
+            self.deck.write_text("\n".join(f'disk_files = ( {{ file = "first.h5"; contacts = {contacts}; }} );' if line.startswith("packings") else line for line in text))
+            self.assert_little(what, self.start(), 0, MOST_OF_TILES)
+            self.result.unlink()
 
     def test_going_on(self):
         endless = "-D", "phases[0].steps=100000000", "-D", "checkpoint=0.2"

@@ -44,6 +44,7 @@ class Ranks(Folder):
             else:
                 self.assertNotIn("runs on one rank", err)
             assert_same(self, self.by_one(name), result)
+            return err
 
     def test_collapse(self):
         for ranks in brief((1, 2, 3, 4, 7), (3,)):
@@ -138,6 +139,16 @@ class Ranks(Folder):
         for ranks in brief((2, 3), (2,)):
             self.same("columns", ranks, threads=2)
 
+    def test_contacts_in_parts(self):
+        """Contacts of a file, which each rank reads some of, reach the ranks of their disks."""
+        self.ok(0, "run", self.deck("bed"), "--quiet", "-o", self.folder / "bed.h5")
+        _, _, alone = run(0, "run", self.deck("known"), "--quiet", "-o", self.folder / "alone.h5")
+        self.assertRegex(alone, r'[0-9]+ of [0-9]+ contacts are with walls .* \(the first: wall 0 "post" of the file\)')
+        self.assertRegex(alone, "[0-9]+ of [0-9]+ contacts of the packing do not touch at the start")
+        for ranks in brief((2, 3, 4, 7), (3,)):
+            err = self.same("known", ranks, threads=2 if ranks == 2 else 1)
+            self.assertLessEqual(set(alone.splitlines()), set(err.splitlines()))
+
     def test_files_that_overlap(self):
         """Disks of two parts of a file, which no rank sees together before the start."""
         n = 70000
@@ -159,6 +170,10 @@ disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0
     def test_files_in_parts_go_on(self):
         self.ok(0, "run", self.deck("prepared"), "--quiet", "-o", self.folder / "prepared.h5")
         self.goes_on("file", (2, 3, 0), ("-D", "phases[1].steps=3000", "-D", "checkpoint=0.1"))
+
+    def test_contacts_in_parts_go_on(self):
+        self.ok(0, "run", self.deck("bed"), "--quiet", "-o", self.folder / "bed.h5")
+        self.goes_on("known", (3, 2, 0), ("-D", "phases[1].steps=1000", "-D", "checkpoint=0.1"))
 
     def test_tiles_go_on(self):
         """What ranks have made goes on where one process makes it, and on other ranks."""

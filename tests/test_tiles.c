@@ -367,6 +367,99 @@ static void test_results_of_ranks(void **state) {
   assert_null(for_ranks(TWO "disk_files = ( { file = \"none.h5\"; } );", &held));
 }
 
+/* A result whose contacts come along: what ranks read of them, part by part, and make of it is what one process has. */
+#define TOUCHING(more)                                                                                       \
+  "dt = 1e-3; steps = 4; gravity = { g = 1; }; materials = ( { name = \"m\"; k_n = 100; k_t = 50; gamma_n "  \
+  "= 1; mu = 0.3; cohesion = \"constant\"; pull_off = 0.1; range = 0.01; } ); box = { x = (0, 150); "        \
+  "periodic = \"x\"; };\n"                                                                                   \
+  "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n" more
+
+static size_t count_turned(const sd_model *m, deck_turned *turned) {
+  uint32_t *number = calloc(m->tiles.count, sizeof *number);
+  deck_turned *rows = calloc(m->tiles.count, sizeof *rows);
+  size_t n = 0;
+  for (size_t part = 0; part < m->tiles.n; part++) {
+    check(deck_make_turned(m, part, number, rows, messages), messages);
+    for (size_t k = 0; k < model_tile_begin(&m->tiles, part + 1) - model_tile_begin(&m->tiles, part);
+         k++, n++)
+      turned[number[k]] = rows[k];
+  }
+  free(number);
+  free(rows);
+  return n;
+}
+
+static void save_touching(const char *to, const char *disks) {
+  sd_simulation *run;
+  char text[2048];
+  snprintf(text, sizeof text, TOUCHING("%s"), disks);
+  sd_model *m = good(text);
+  check(sd_simulation_new(m, 1, &run, messages), messages);
+  check(sd_simulation_advance(run, 4, messages), messages);
+  check(sd_simulation_save(run, to, messages), messages);
+  sd_simulation_free(run);
+  sd_model_free(m);
+}
+
+static void test_contacts_of_ranks(void **state) {
+  (void)state;
+  enum { AT_ONCE = 10000 };
+  size_t held;
+  char one[sizeof table];
+  snprintf(one, sizeof one, "%s/one.h5", folder_name);
+  save_touching(one, "disks = ( { x = 75; y = 200; radius = 1; mass = 1; } );");
+  save_touching(
+      table, "packings = ( { type = \"square\"; count = 22500; x = (0, 150); y = (0, 160); spacing = 0.9998; "
+             "radius = 0.4999; mass = 1; group = \"grains\"; } );");
+  sd_model *all, *m;
+  m = for_ranks(TOUCHING("disks = ( { x = 75; y = 200; radius = 1; mass = 1; } );\n"
+                         "disk_files = ( { file = \"table.h5\"; contacts = true; } );"),
+                &held);
+  check(sd_deck_load(path, 0, NULL, &all, messages), messages);
+  const sd_tiles *t = &m->tiles;
+  assert_true(t->away && held == 1 && m->n_memories == 0 && !all->tiles.away);
+  assert_in_range(all->n_memories, 40000, 50000);
+  assert_int_equal(t->n_contacts, all->n_memories);
+  assert_int_equal(t->n_kept, all->n_memories);
+  assert_true(t->contact_inputs == all->tiles.contact_inputs && t->contact_inputs != 0);
+  assert_true(provenance_inputs(m) == provenance_inputs(all));
+  assert_string_equal(m->deck->bodies, all->deck->bodies);
+  deck_turned *turned = calloc(t->count, sizeof *turned);
+  sd_contact_memory *list = calloc(AT_ONCE, sizeof *list);
+  assert_int_equal(count_turned(m, turned), t->count);
+  uint64_t sum = 0;
+  int64_t inputs;
+  for (size_t at = 0; at < t->n_contacts; at += AT_ONCE) {
+    const size_t n = t->n_contacts - at < AT_ONCE ? t->n_contacts - at : AT_ONCE;
+    check(deck_make_contacts(m, at, n, list, &inputs, messages), messages);
+    sum += (uint64_t)inputs;
+    for (size_t k = 0; k < n; k++) {
+      sd_contact_memory *c = &list[k];
+      const sd_tile_wall *wall = c->b < t->count ? NULL : &t->walls[c->b - t->count];
+      assert_true(deck_contact_is_kept(c, wall));
+      deck_carry_contact(c, turned[c->a], wall ? (deck_turned){0} : turned[c->b], wall);
+      c->a += 1;
+      c->b = wall ? (uint32_t)m->n_disks + wall->wall : c->b + 1;
+      assert_memory_equal(c, &all->memories[at + k], sizeof *c);
+    }
+  }
+  assert_true((int64_t)sum == t->contact_inputs);
+  sd_messages_clear(messages);
+  assert_int_equal(deck_make_contacts(m, t->n_contacts, 1, list, &inputs, messages), SD_ERROR_IO);
+  assert_string_equal(sd_messages_text(messages, 0), "disk_files[0].file has changed while it was read");
+  free(turned);
+  free(list);
+  sd_model_free(m);
+  sd_model_free(all);
+  /* contacts of two files: all are read */
+  m = for_ranks(TOUCHING("disk_files = ( { file = \"one.h5\"; contacts = true; }, { file = \"table.h5\"; "
+                         "contacts = true; } );"),
+                &held);
+  assert_true(m && !m->tiles.away && m->n_memories > 40000 && m->tiles.n_contacts == 0);
+  sd_model_free(m);
+  unlink(one);
+}
+
 static int end(void **state) {
   tear_down(state);
   unlink(table);
@@ -380,9 +473,10 @@ static int begin(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_tiles_of_ranks),  cmocka_unit_test(test_tiles_that_stay),
-      cmocka_unit_test(test_rain_of_ranks),   cmocka_unit_test(test_files_of_ranks),
-      cmocka_unit_test(test_files_that_stay), cmocka_unit_test(test_results_of_ranks),
+      cmocka_unit_test(test_tiles_of_ranks),    cmocka_unit_test(test_tiles_that_stay),
+      cmocka_unit_test(test_rain_of_ranks),     cmocka_unit_test(test_files_of_ranks),
+      cmocka_unit_test(test_files_that_stay),   cmocka_unit_test(test_results_of_ranks),
+      cmocka_unit_test(test_contacts_of_ranks),
   };
   return cmocka_run_group_tests(tests, begin, end);
 }

@@ -342,15 +342,42 @@ static const double WIDE_GAP = 0.1;
 
 typedef struct search {
   const sd_model *m;
+  uint64_t *pairs; /* [n_memories] */
   first_overlap worst;
 } search;
 
-static bool begins_with(const sd_model *m, uint32_t a, uint32_t b) {
-  for (size_t k = 0; k < m->n_memories; k++) {
-    const sd_contact_memory *c = &m->memories[k];
-    if ((c->a == a && c->b == b) || (c->a == b && c->b == a)) return true;
-  }
-  return false;
+static uint64_t pair_key(uint32_t a, uint32_t b) {
+  return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+static int by_key(const void *one, const void *two) {
+  const uint64_t *p = one, *q = two;
+  return *p < *q ? -1 : *p > *q;
+}
+
+/* Pairs that a run begins with, in order. */
+static sd_status list_pairs(search *s) {
+  const sd_model *m = s->m;
+  s->pairs = m->n_memories > 0 ? malloc(m->n_memories * sizeof *s->pairs) : NULL;
+  if (m->n_memories > 0 && !s->pairs) return SD_ERROR_IO;
+  for (size_t k = 0; k < m->n_memories; k++) s->pairs[k] = pair_key(m->memories[k].a, m->memories[k].b);
+  if (m->n_memories > 1) qsort(s->pairs, m->n_memories, sizeof *s->pairs, by_key);
+  return SD_OK;
+}
+
+static bool begins_with(const search *s, uint32_t a, uint32_t b) {
+  const uint64_t key = pair_key(a, b);
+  return s->pairs && bsearch(&key, s->pairs, s->m->n_memories, sizeof key, by_key);
+}
+
+/* Disks of a file that is away have their contacts there; walls that it has, too. */
+static bool begins_away(const sd_model *m, uint32_t a, uint32_t b) {
+  const sd_tiles *t = &m->tiles;
+  if (!t->away || t->n_contacts == 0 || a < t->first) return false;
+  bool known = b >= t->first && b < m->n_disks;
+  for (size_t k = 0; k < t->n_walls; k++)
+    known = known || (t->walls[k].known && m->n_disks + t->walls[k].wall == b);
+  return known;
 }
 
 static bool is_free(const sd_model *m, uint32_t body) { return body < m->n_disks && !m->disks[body].driven; }
@@ -363,15 +390,17 @@ static bool note_overlap(void *user, const overlap *o) {
   double relative = o->depth / m->disks[o->a].radius;
   if (relative <= s->worst.relative || waits(m, o->a) || waits(m, o->b)) return false;
   if (!is_free(m, o->a) && !is_free(m, o->b)) return false;
-  if (m->n_memories > 0 && begins_with(m, o->a, o->b)) return false;
+  if (begins_away(m, o->a, o->b) || begins_with(s, o->a, o->b)) return false;
   s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
   return false;
 }
 
 sd_status advice_overlap(const sd_model *m, first_overlap *worst) {
   search s = {.m = m};
-  sd_status status = overlaps_of_disks(m, note_overlap, &s);
+  sd_status status = list_pairs(&s);
+  if (status == SD_OK) status = overlaps_of_disks(m, note_overlap, &s);
   if (status == SD_OK) status = overlaps_with_walls(m, note_overlap, &s);
+  free(s.pairs);
   *worst = s.worst;
   if (status != SD_OK || !(worst->depth > 0)) return status;
   int other = worst->b < m->n_disks ? m->disks[worst->b].material : m->walls[worst->b - m->n_disks].material;

@@ -226,7 +226,7 @@ static void walk(image *im, sd_model *m) {
                     &m->walls,    &m->motions,       &m->fields, &m->phases,      &m->rains,
                     &m->memories, &m->rotations,     &m->slides, &m->mistakes,    &m->deck,
                     &m->segments, &m->contact_disks, &m->clumps, &m->clump_disks, &m->clump_offsets,
-                    &m->advised};
+                    &m->advised,  &m->tiles.walls};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
@@ -234,6 +234,7 @@ static void walk(image *im, sd_model *m) {
   if (!failed(im)) walk_phases(im, m);
   array(im, &m->rains, m->n_rains, sizeof *m->rains);
   if (!im->of_rank) array(im, &m->memories, m->n_memories, sizeof *m->memories);
+  array(im, &m->tiles.walls, m->tiles.n_walls, sizeof *m->tiles.walls);
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);
   array(im, &m->contact_disks, m->n_contact_disks, sizeof *m->contact_disks);

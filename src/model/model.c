@@ -63,6 +63,7 @@ void sd_model_free(sd_model *m) {
   free(m->phases);
   free(m->rains);
   free(m->memories);
+  free(m->tiles.walls);
   free(m->rotations);
   free(m->contact_disks);
   free(m->slides);

@@ -49,6 +49,15 @@ typedef struct sd_rain {
 
 enum { SD_TILE_RADII = 16 };
 
+/* A wall of a file whose contacts come along, and what it is here. */
+typedef struct sd_tile_wall {
+  bool known;              /* the model has it */
+  uint32_t wall;           /* of the model */
+  size_t pieces;           /* straight ones; 0: it is round */
+  size_t first, own_first; /* of all pieces of walls, there and here */
+  double radius, theta, surface;
+} sd_tile_wall;
+
 /* The last disks of a model, where each part of them can be had by itself: the last packing, in slabs side by side along x, tile after
  * tile (pack/tiles.h), or a large file, in rows (deck_make_part). */
 typedef struct sd_tiles {
@@ -57,8 +66,11 @@ typedef struct sd_tiles {
   bool away;           /* ranks make them; those that are here until they are counted are a sample */
   size_t sample;       /* disks, the first that many of which may be put in the place of (model_bears) */
   bool of_file;
-  size_t entry;   /* of the deck's list of packings, or of files */
-  int64_t inputs; /* of a file: sum of what it says of its disks, in any order */
+  size_t entry;                   /* of the deck's list of packings, or of files */
+  int64_t inputs, contact_inputs; /* of a file: sums of what it says of disks and contacts, in any order */
+  size_t n_contacts, n_kept;      /* of a file: that come along; where it is away: with bodies of the model */
+  size_t n_walls;                 /* where it is away, and contacts come along */
+  sd_tile_wall *walls;
   sd_packing_kind kind;
   double lower[2], upper[2], spacing,
       jitter;           /* rain: where its disks wait, `spacing` inside of the edges in y */

@@ -23,6 +23,7 @@
 #include "physics/step/step.h"
 #include "physics/system/halo.h"
 #include "run/phase.h"
+#include "run/ranks_contacts.h"
 #include "run/ranks_failure.h"
 #include "run/ranks_move.h"
 #include "run/ranks_share.h"
@@ -102,10 +103,12 @@ bool ranks_are_spread(const ranks *r) { return r->part.state != NULL; }
 /* Collective. False: some rank could not. */
 bool ranks_all_well(sd_status status) { return comm_or(status != SD_OK) == 0; }
 
-/* This rank's part of what `from` has (NULL: nothing). */
-sd_status ranks_take_part(ranks *r, const engine *from) {
+/* made: disks of tiles at the start, whose contacts may be in a file. */
+static sd_status take_part(ranks *r, const engine *from, bool made) {
   engine next = {.model = r->model, .pool = r->pool};
   sd_status status = move_parts(r->model, r->cuts, from, r->skin, &next.state, &next.halo);
+  if (made && r->model->tiles.n_contacts > 0 && ranks_all_well(status))
+    status = ranks_contacts_take(r->model, next.state, r->messages);
   if (status == SD_OK && from && !from->halo) state_release_rows(from->state);
   drop_part(r);
   r->part = next;
@@ -116,6 +119,9 @@ sd_status ranks_take_part(ranks *r, const engine *from) {
   engine_end(&r->part, status);
   return status;
 }
+
+/* This rank's part of what `from` has (NULL: nothing). */
+sd_status ranks_take_part(ranks *r, const engine *from) { return take_part(r, from, false); }
 
 static sd_status tell_stored(ranks *r, sd_status status) {
   return status == SD_OK ? SD_OK : sd_fail(r->messages, SD_ERROR_IO, "out of memory for the contacts");
@@ -257,7 +263,7 @@ static sd_status spread(ranks *r, const engine *whole, bool tiles) {
   if (r->threads > 1 && !r->pool) r->pool = pool_new(r->threads);
   if (r->threads > 1 && !r->pool) status = SD_ERROR_IO;
   if (ranks_all_well(status))
-    status = ranks_take_part(r, from);
+    status = take_part(r, from, tiles);
   else if (status != SD_OK && sd_messages_count(r->messages) == 0)
     sd_fail(r->messages, SD_ERROR_IO, "cannot spread the disks over the ranks");
   ranks_tiles_free(&made);

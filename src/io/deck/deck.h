@@ -77,10 +77,25 @@ sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *
                               sd_model **out, sd_messages *messages);
 
 /* The disks of one part of model->tiles, of a file, and their places in it (model_tile_begin says how many); inputs: their part of
- * tiles.inputs. SD_ERROR_IO, SD_ERROR_USER:
- * it cannot be read, or has changed. */
+ * tiles.inputs. SD_ERROR_IO, SD_ERROR_USER: it cannot be read, or has changed. */
 sd_status deck_make_part(const sd_model *model, size_t part, sd_disk *disks, uint32_t *number,
                          int64_t *inputs, sd_messages *messages);
+
+/* Of the same file, where contacts come along: n of them from `first` on, bodies by their numbers there; inputs: their part of
+ * tiles.contact_inputs. Errors likewise, and for numbers of bodies that are none. */
+sd_status deck_make_contacts(const sd_model *model, size_t first, size_t n, sd_contact_memory *contacts,
+                             int64_t *inputs, sd_messages *messages);
+/* A disk as its contacts know it: its angle in a state of this model, beyond that in the file. */
+typedef struct deck_turned {
+  double radius, shift;
+} deck_turned;
+/* The disks of one part, as deck_make_part. */
+sd_status deck_make_turned(const sd_model *model, size_t part, uint32_t *number, deck_turned *turned,
+                           sd_messages *messages);
+/* Is a contact's partner a body of the model? wall: NULL for a disk. */
+bool deck_contact_is_kept(const sd_contact_memory *contact, const sd_tile_wall *wall);
+/* Makes the memory of a contact of the file one of the model, but for the numbers of its bodies. b: of a disk; else `wall`. */
+void deck_carry_contact(sd_contact_memory *contact, deck_turned a, deck_turned b, const sd_tile_wall *wall);
 
 /* All keys as Markdown, the way docs/deck.md shows them. */
 void deck_keys_print(FILE *out);

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "io/deck/deck.h"
+#include "io/deck/deck_parts.h"
 #include "io/deck/deck_result.h"
 #include "model/law_features.h"
 #include "slipdisk/deck.h"
@@ -70,7 +72,7 @@ static void move_edges(sd_model *m, const sd_wall *w, double x, double y) {
 
 static void place_wall(our_walls *ours, const deck_columns *t, size_t k, uint32_t w) {
   const deck_result *r = t->result;
-  size_t body = r->n_disks + k;
+  size_t body = r->n_disks + k - r->first_body;
   sd_wall *wall = &ours->d->model->walls[w];
   result_wall *own = &ours->walls[w];
   double x = r->x[body], y = r->y[body];
@@ -103,97 +105,157 @@ static our_walls list_walls(deck *d) {
 
 /* --- contacts ------------------------------------------------------------------------------------------- */
 
-/* Where bodies and segments of a file are in the model. */
-typedef struct mapping {
-  const our_walls *ours;
-  const deck_columns *t;
-  uint32_t *body;
-  size_t *first_segment; /* of each wall of the file */
-} mapping;
+double deck_result_shift(const deck_result *r, size_t row) {
+  double total = r->turn[row] + r->theta[row];
+  return (total - 8.0 * nearbyint(total / 8.0)) - r->theta[row];
+}
 
-static mapping map_bodies(our_walls *ours, const deck_columns *t) {
-  deck *d = ours->d;
+sd_contact_memory deck_result_contact(const deck_result *r, size_t k) {
+  double record[SD_CONTACT_ALL];
+  sd_contact_memory c = {
+      .a = r->a[k], .b = r->b[k], .part = r->part[k], .slide = r->slide[k], .side = r->side[k]};
+  for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
+  memcpy(&c.record, record, sizeof record);
+  return c;
+}
+
+/* Places the walls of the model that the file has, and tells which they are. */
+static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_wall *walls) {
   const deck_result *r = t->result;
-  mapping map = {ours, t, deck_alloc(d, r->n_bodies + 1, sizeof *map.body),
-                 deck_alloc(d, r->n_walls + 1, sizeof *map.first_segment)};
-  for (size_t k = 0; k < r->n_bodies; k++) map.body[k] = NOWHERE;
-  for (size_t row = 0; row < t->n_rows; row++) map.body[t->disk[row]] = (uint32_t)(t->first + row);
+  size_t first = 0;
   for (size_t k = 0; k < r->n_walls && r->n_disks + k < r->n_bodies; k++) {
-    uint32_t w = same_wall(ours, r, k);
-    map.first_segment[k + 1] = map.first_segment[k] + r->walls[k].segments;
+    const size_t row = r->n_disks + k - r->first_body;
+    const uint32_t w = same_wall(ours, r, k);
+    sd_tile_wall *wall = &walls[k];
+    *wall = (sd_tile_wall){
+        .pieces = r->walls[k].segments, .first = first, .radius = r->radius[row], .theta = r->theta[row]};
+    if (k < r->n_surfaces) wall->surface = r->surface[k];
+    first += r->walls[k].segments;
     if (w == NOWHERE) continue;
-    map.body[r->n_disks + k] = (uint32_t)d->model->n_disks + w;
+    wall->known = true;
+    wall->wall = w;
+    wall->own_first = ours->first_segment[w];
     place_wall(ours, t, k, w);
   }
-  return map;
+  return walls;
 }
 
-/* The angle in the state that a disk has here begins at another multiple of a turn, and may be rounded. */
-static double angle_shift(const deck_result *r, uint32_t disk) {
-  double total = r->turn[disk] + r->theta[disk];
-  return (total - 8.0 * nearbyint(total / 8.0)) - r->theta[disk];
+bool deck_contact_is_kept(const sd_contact_memory *c, const sd_tile_wall *wall) {
+  return !wall || (wall->known && (wall->pieces == 0 || c->part - wall->first < wall->pieces));
 }
 
-/* False: the partner is no body of this deck. */
-static bool take_contact(const mapping *map, size_t k, sd_contact_memory *c) {
-  const deck_result *r = map->t->result;
-  uint32_t a = r->a[k], b = r->b[k], part = r->part[k];
-  if (map->body[a] == NOWHERE || map->body[b] == NOWHERE) return false;
-  double record[SD_CONTACT_ALL], shift = r->radius[a] * angle_shift(r, a); /* of lambda* */
-  double rolled = angle_shift(r, a) - (b < r->n_disks ? angle_shift(r, b) : -r->theta[b]);
-  if (b < r->n_disks) {
-    shift += r->radius[b] * angle_shift(r, b);
+void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, const sd_tile_wall *wall) {
+  double shift = a.radius * a.shift; /* of lambda* */
+  const double rolled = a.shift - (wall ? -wall->theta : b.shift);
+  if (!wall) {
+    shift += b.radius * b.shift;
   } else {
-    size_t theirs = b - r->n_disks, own = map->body[b] - map->ours->d->model->n_disks;
-    if (r->walls[theirs].segments && part - map->first_segment[theirs] >= r->walls[theirs].segments)
-      return false;
-    if (r->walls[theirs].segments)
-      part = (uint32_t)(part - map->first_segment[theirs] + map->ours->first_segment[own]);
-    /* a round wall begins at angle 0 */
-    if (!r->walls[theirs].segments) shift -= r->radius[b] * r->theta[b];
-    /* and a surface at 0 */
-    if (theirs < r->n_surfaces) shift += r->radius[b] > 0 ? -r->surface[theirs] : r->surface[theirs];
+    if (wall->pieces)
+      c->part = (uint32_t)(c->part - wall->first + wall->own_first);
+    else
+      shift -= wall->radius * wall->theta;                      /* a round wall begins at angle 0 */
+    shift += wall->radius > 0 ? -wall->surface : wall->surface; /* and a surface at 0 */
   }
-  *c = (sd_contact_memory){
-      .a = map->body[a], .b = map->body[b], .part = part, .slide = r->slide[k], .side = r->side[k]};
-  for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
-  memcpy(&c->record, record, sizeof record);
   c->record.lambda_ref += shift;
-  if (c->record.rho_ref != 0.0) c->record.rho_ref += law_arm(r->radius[a], r->radius[b]) * rolled;
-  c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling =
-      0.0; /* these are of the other run */
-  return true;
+  if (c->record.rho_ref != 0.0)
+    c->record.rho_ref += law_arm(a.radius, wall ? wall->radius : b.radius) * rolled;
+  /* these are of the other run, or follow from the first forces, where a law has them */
+  c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
+  c->record.tau = c->record.pull = c->record.rho = c->record.roll = 0.0;
 }
 
-static void take_contacts(const mapping *map) {
-  deck *d = map->ours->d;
-  sd_model *m = d->model;
-  const deck_result *r = map->t->result;
-  size_t lost = 0, first_lost = 0;
-  m->memories = deck_grow(d, m->memories, m->n_memories + r->n_contacts + 1, sizeof *m->memories);
-  for (size_t k = 0; k < r->n_contacts; k++) {
-    if (take_contact(map, k, &m->memories[m->n_memories]))
-      m->n_memories++;
-    else if (lost++ == 0)
-      first_lost = r->b[k];
-  }
-  if (!lost) return;
-  size_t wall = first_lost >= r->n_disks ? first_lost - r->n_disks : 0;
-  bool known = first_lost >= r->n_disks && wall < r->n_walls;
+/* Contacts whose partner is no body of this deck. */
+typedef struct lost_contacts {
+  size_t n;
+  uint32_t first; /* the wall of the file */
+} lost_contacts;
+
+static void warn_of_lost(deck *d, const deck_result *r, const lost_contacts *lost) {
+  if (!lost->n) return;
+  const bool known = lost->first >= r->n_disks && lost->first - r->n_disks < r->n_walls;
+  const size_t wall = lost->first >= r->n_disks ? lost->first - r->n_disks : 0;
   sd_warn(d->messages,
           "%s: %zu of %zu contacts are with walls that this deck does not have, or describes in another way "
           "(the first: wall %zu%s%s%s of the file); they are not taken over",
-          r->path, lost, r->n_contacts, wall, known && *r->walls[wall].name ? " \"" : "",
+          r->path, lost->n, r->all_contacts, wall, known && *r->walls[wall].name ? " \"" : "",
           known ? r->walls[wall].name : "", known && *r->walls[wall].name ? "\"" : "");
+}
+
+/* Where disks of a file are in the model. */
+static uint32_t *map_disks(deck *d, const deck_columns *t) {
+  const deck_result *r = t->result;
+  uint32_t *body = deck_alloc(d, r->n_disks + 1, sizeof *body);
+  for (size_t k = 0; k < r->n_disks; k++) body[k] = NOWHERE;
+  for (size_t row = 0; row < t->n_rows; row++) body[t->disk[row]] = (uint32_t)(t->first + row);
+  return body;
+}
+
+static deck_turned turned_of(const deck_result *r, uint32_t disk) {
+  return (deck_turned){r->radius[disk], deck_result_shift(r, disk)};
+}
+
+static void take_contacts(our_walls *ours, const deck_columns *t) {
+  deck *d = ours->d;
+  sd_model *m = d->model;
+  const deck_result *r = t->result;
+  const uint32_t *body = map_disks(d, t);
+  const size_t n_walls = r->n_bodies - r->n_disks;
+  static const sd_tile_wall unknown;
+  const sd_tile_wall *walls = map_walls(ours, t, deck_alloc(d, n_walls + 1, sizeof *walls));
+  lost_contacts lost = {0};
+  m->memories = deck_grow(d, m->memories, m->n_memories + r->n_contacts + 1, sizeof *m->memories);
+  for (size_t k = 0; k < r->n_contacts; k++) {
+    sd_contact_memory c = deck_result_contact(r, k);
+    const bool two = c.b < r->n_disks;
+    const sd_tile_wall *wall = two ? NULL : &walls[c.b - r->n_disks];
+    if (body[c.a] == NOWHERE || (two && body[c.b] == NOWHERE)) wall = &unknown;
+    if (!deck_contact_is_kept(&c, wall)) {
+      if (lost.n++ == 0) lost.first = c.b;
+      continue;
+    }
+    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall);
+    c.a = body[c.a];
+    c.b = two ? body[c.b] : (uint32_t)m->n_disks + wall->wall;
+    m->memories[m->n_memories++] = c;
+  }
+  warn_of_lost(d, r, &lost);
+}
+
+/* Of the file that ranks read in parts: which walls they are with, and how many come along. */
+static void survey_contacts(our_walls *ours, deck_columns *t) {
+  deck *d = ours->d;
+  sd_tiles *tiles = &d->model->tiles;
+  d->asked = (deck_rows_asked){.part = true, .contacts = true, .again = true};
+  deck_result *r = t->result = deck_result_read(d, t->file, t->result->path, true);
+  d->asked = (deck_rows_asked){0};
+  if (!r) return;
+  if (r->n_disks != tiles->count) {
+    deck_fail(d, t->file, "has changed while it was read");
+    return;
+  }
+  tiles->n_walls = r->n_bodies - r->n_disks;
+  tiles->walls = map_walls(ours, t, deck_keep(d, tiles->n_walls + 1, sizeof *tiles->walls));
+  tiles->n_contacts = r->all_contacts;
+  lost_contacts lost = {0};
+  if (!deck_parts_contacts(d, &lost.n, &lost.first))
+    deck_fail(d, t->file, "the contacts in this file are damaged");
+  tiles->n_kept = tiles->n_contacts - lost.n;
+  warn_of_lost(d, r, &lost);
 }
 
 void deck_read_memories(deck *d) {
   our_walls ours = list_walls(d);
+  sd_tiles *tiles = &d->model->tiles;
   for (size_t k = 0; k < d->n_file_tables && !d->reported; k++) {
-    const deck_columns *t = &d->file_tables[k];
+    deck_columns *t = &d->file_tables[k];
+    const bool large = tiles->of_file && tiles->entry == k;
     if (!t->contacts || !t->result) continue;
-    mapping map = map_bodies(&ours, t);
-    take_contacts(&map);
+    if (large && tiles->away) {
+      survey_contacts(&ours, t);
+      continue;
+    }
+    take_contacts(&ours, t);
+    if (large) deck_parts_note_contacts(d, t->result);
   }
   d->model->deck->bodies = deck_result_text(d, ours.walls);
 }

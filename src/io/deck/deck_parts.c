@@ -10,6 +10,7 @@
 
 #include "base/shortage.h"
 #include "io/deck/deck_expression.h"
+#include "io/deck/deck_result.h"
 #include "io/deck/deck.h"
 #include "io/store/file.h"
 #include "model/image.h"
@@ -33,8 +34,21 @@ typedef struct rows_task {
   size_t entry, n_groups;
   char *const *groups; /* known */
   void (*take)(void *user, const sd_model *m, const rows *r);
+  sd_status (*use)(void *user, deck *d, const deck_node *file); /* in place of `take` */
   void *user;
 } rows_task;
+
+static deck_node *file_node(const deck *d, size_t entry) {
+  const deck_node *list = deck_child(d->root, "disk_files");
+  return list && entry < list->n ? deck_child(list->child[entry], "file") : NULL;
+}
+
+static sd_status read_file(deck *d, void *user) {
+  const rows_task *t = user;
+  const deck_node *file = file_node(d, t->entry);
+  d->asked = t->asked;
+  return file && file->type == DECK_STRING ? t->use(t->user, d, file) : SD_ERROR_USER;
+}
 
 static sd_status read_rows(deck *d, void *user) {
   const rows_task *t = user;
@@ -76,7 +90,8 @@ static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *me
   for (char *rest = NULL, *line = status == SD_OK ? strtok_r(lines, "\n", &rest) : NULL; line;
        line = strtok_r(NULL, "\n", &rest))
     settings[n++].text = line;
-  if (status == SD_OK) status = deck_open(from->text, from->path, n, settings, read_rows, task, own);
+  if (status == SD_OK)
+    status = deck_open(from->text, from->path, n, settings, task->use ? read_file : read_rows, task, own);
   for (size_t k = 0; status != SD_OK && own && k < sd_messages_count(own); k++)
     if (sd_messages_kind(own, k) != SD_OK) sd_fail(messages, status, "%s", sd_messages_text(own, k));
   sd_messages_free(own);
@@ -130,14 +145,16 @@ static sd_tiles begin_tiles(const sd_model *m, size_t entry, size_t all) {
                     .least = HUGE_VAL};
 }
 
-/* The last disks of the deck, in an HDF5 file whose contacts do not come along. */
-static bool is_large(const deck *d, const deck_columns *t) {
-  return t->all >= LEAST && !t->contacts && !deck_child(d->root, "packings");
+/* The last disks of the deck, in an HDF5 file; no contacts come from others. */
+static bool is_large(const deck *d, size_t entry, const deck_columns *t) {
+  bool others = false;
+  for (size_t k = 0; k < entry; k++) others = others || d->file_tables[k].contacts;
+  return t->all >= LEAST && !others && !deck_child(d->root, "packings");
 }
 
 void deck_parts_note(deck *d, size_t entry, const deck_columns *t) {
   sd_model *m = d->model;
-  if (!is_large(d, t) || t->n_rows != t->all || m->n_disks != t->first + t->all) return;
+  if (!is_large(d, entry, t) || t->n_rows != t->all || m->n_disks != t->first + t->all) return;
   sd_tiles tiles = begin_tiles(m, entry, t->all);
   tiles.first = t->first;
   for (size_t k = 0; k < t->all; k++) add_disk(&tiles, m, &m->disks[t->first + k], (uint32_t)k);
@@ -226,8 +243,10 @@ static void name_groups(survey *s) {
 static bool survey_file(survey *s) {
   const sd_deck *own = s->d->model->deck;
   do {
-    rows_task t = {
-        .asked = {true, s->at > 0, s->at, MOST}, .entry = s->tiles.entry, .take = survey_rows, .user = s};
+    rows_task t = {.asked = {.part = true, .again = s->at > 0, .first = s->at, .n = MOST},
+                   .entry = s->tiles.entry,
+                   .take = survey_rows,
+                   .user = s};
     if (open_rows(own, &t, NULL) != SD_OK || s->special || s->tiles.count < LEAST) return false;
   } while (s->at < s->tiles.count);
   return s->numbers == (uint64_t)s->at * (s->at - 1) / 2;
@@ -235,19 +254,19 @@ static bool survey_file(survey *s) {
 
 bool deck_parts_begin(deck *d, size_t entry) {
   const deck_node *node = deck_child(d->root, "disk_files")->child[entry];
-  const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format"),
-                  *contacts = deck_child(node, "contacts");
+  const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
   if (!d->leave_tiles || deck_child(d->root, "packings") || !file || file->type != DECK_STRING) return false;
   if (format ? format->type != DECK_STRING || strcmp(format->value.text, "hdf5") != 0
              : deck_file_format(file->value.text) != DECK_HDF5)
     return false;
-  if (contacts && (contacts->type != DECK_BOOL || contacts->value.flag)) return false;
+  for (size_t k = 0; k < entry; k++)
+    if (d->file_tables[k].contacts) return false;
   survey *s = deck_alloc(d, 1, sizeof *s);
   s->d = d;
   s->tiles.entry = entry;
   if (!survey_file(s)) return false;
   name_groups(s);
-  d->asked = (deck_rows_asked){true, true, 0, SAMPLE};
+  d->asked = (deck_rows_asked){.part = true, .again = true, .n = SAMPLE};
   deck_columns t = deck_read_table(d, deck_child(d->root, "disk_files")->child[entry], &deck_disk_files);
   d->asked = (deck_rows_asked){0};
   d->file_tables[entry] = t;
@@ -259,6 +278,107 @@ bool deck_parts_begin(deck *d, size_t entry) {
   d->model->tiles.sample = d->model->n_disks - s->tiles.first;
   d->model->tiles.away = true;
   return true;
+}
+
+/* --- contacts --------------------------------------------------------------------------------------------------- */
+
+static void add_contact(int64_t *sum, const sd_contact_memory *c) {
+  const uint32_t whole[] = {c->a, c->b, c->part, (uint32_t)c->slide};
+  uint64_t one = file_sum(file_sum(FILE_SUM, whole, sizeof whole), &c->side, sizeof c->side);
+  one = file_sum(one, &c->record, sizeof c->record);
+  *sum = (int64_t)((uint64_t)*sum + one);
+}
+
+void deck_parts_note_contacts(deck *d, const deck_result *r) {
+  sd_tiles *t = &d->model->tiles;
+  t->n_contacts = r->n_contacts;
+  for (size_t k = 0; k < r->n_contacts; k++) {
+    const sd_contact_memory c = deck_result_contact(r, k);
+    add_contact(&t->contact_inputs, &c);
+  }
+}
+
+typedef struct contacts_task {
+  const sd_tiles *tiles;
+  size_t n;
+  sd_contact_memory *contacts;
+  int64_t inputs;
+} contacts_task;
+
+static sd_status use_contacts(void *user, deck *d, const deck_node *file) {
+  contacts_task *t = user;
+  const deck_result *r = deck_result_read(d, file, deck_resolve(d, d->path, file->value.text), true);
+  if (!r || r->n_contacts != t->n || r->n_disks != t->tiles->count ||
+      r->n_bodies - r->n_disks != t->tiles->n_walls)
+    return SD_ERROR_USER;
+  for (size_t k = 0; k < t->n; k++) {
+    t->contacts[k] = deck_result_contact(r, k);
+    add_contact(&t->inputs, &t->contacts[k]);
+  }
+  return SD_OK;
+}
+
+static sd_status has_changed(const sd_model *m, sd_messages *messages) {
+  return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read", m->tiles.entry);
+}
+
+sd_status deck_make_contacts(const sd_model *m, size_t first, size_t n, sd_contact_memory *contacts,
+                             int64_t *inputs, sd_messages *messages) {
+  contacts_task c = {&m->tiles, n, contacts, 0};
+  rows_task t = {.asked = {.part = true, .contacts = true, .again = true, .first = first, .n = n},
+                 .entry = m->tiles.entry,
+                 .use = use_contacts,
+                 .user = &c};
+  const sd_status status = open_rows(m->deck, &t, messages);
+  *inputs = c.inputs;
+  return status == SD_ERROR_USER ? has_changed(m, messages) : status;
+}
+
+bool deck_parts_contacts(deck *d, size_t *lost, uint32_t *first) {
+  sd_tiles *t = &d->model->tiles;
+  sd_contact_memory *list = deck_alloc(d, MOST, sizeof *list);
+  *lost = 0;
+  for (size_t at = 0; at < t->n_contacts; at += MOST) {
+    const size_t n = t->n_contacts - at < MOST ? t->n_contacts - at : MOST;
+    int64_t inputs;
+    if (deck_make_contacts(d->model, at, n, list, &inputs, NULL) != SD_OK) return false;
+    t->contact_inputs = (int64_t)((uint64_t)t->contact_inputs + (uint64_t)inputs);
+    for (size_t k = 0; k < n; k++) {
+      const sd_contact_memory *c = &list[k];
+      if (deck_contact_is_kept(c, c->b < t->count ? NULL : &t->walls[c->b - t->count])) continue;
+      if ((*lost)++ == 0) *first = c->b;
+    }
+  }
+  return true;
+}
+
+typedef struct turned_task {
+  size_t n, all;
+  uint32_t *number;
+  deck_turned *turned;
+} turned_task;
+
+static sd_status use_turned(void *user, deck *d, const deck_node *file) {
+  const turned_task *t = user;
+  const deck_result *r = deck_result_read(d, file, deck_resolve(d, d->path, file->value.text), false);
+  if (!r || r->n_rows != t->n || r->n_disks != t->all) return SD_ERROR_USER;
+  for (size_t k = 0; k < t->n; k++) {
+    t->number[k] = r->number[k];
+    t->turned[k] = (deck_turned){r->radius[k], deck_result_shift(r, k)};
+  }
+  return SD_OK;
+}
+
+sd_status deck_make_turned(const sd_model *m, size_t part, uint32_t *number, deck_turned *turned,
+                           sd_messages *messages) {
+  const size_t first = model_tile_begin(&m->tiles, part), n = model_tile_begin(&m->tiles, part + 1) - first;
+  turned_task w = {n, m->tiles.count, number, turned};
+  rows_task t = {.asked = {.part = true, .again = true, .first = first, .n = n},
+                 .entry = m->tiles.entry,
+                 .use = use_turned,
+                 .user = &w};
+  const sd_status status = open_rows(m->deck, &t, messages);
+  return status == SD_ERROR_USER ? has_changed(m, messages) : status;
 }
 
 /* --- parts ------------------------------------------------------------------------------------------------------- */
@@ -289,7 +409,7 @@ sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint3
   const size_t first = model_tile_begin(&m->tiles, number),
                n = model_tile_begin(&m->tiles, number + 1) - first;
   part p = {.n = n, .disks = disks, .number = numbers};
-  rows_task t = {.asked = {true, true, first, n},
+  rows_task t = {.asked = {.part = true, .again = true, .first = first, .n = n},
                  .entry = m->tiles.entry,
                  .n_groups = m->n_groups,
                  .groups = m->groups,
@@ -297,8 +417,7 @@ sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint3
                  .user = &p};
   const sd_status status = open_rows(m->deck, &t, messages);
   *inputs = p.inputs;
-  if (status != SD_OK || p.good) return status;
-  return sd_fail(messages, SD_ERROR_IO, "disk_files[%zu].file has changed while it was read", m->tiles.entry);
+  return status != SD_OK || p.good ? status : has_changed(m, messages);
 }
 
 bool deck_parts_bear(sd_model *m, sd_step_limit *limit) {

@@ -170,13 +170,25 @@ static void *by_body(reader *in, const char *name, sd_type type, const deck_resu
   return to;
 }
 
+typedef struct rows_of_file {
+  size_t first, n;
+} rows_of_file;
+
+static rows_of_file rows_asked(const deck *d, size_t all) {
+  if (!d->asked.part) return (rows_of_file){0, all};
+  const size_t first = d->asked.first < all ? d->asked.first : all;
+  return (rows_of_file){first, d->asked.n < all - first ? d->asked.n : all - first};
+}
+
 static void read_contacts(reader *in, deck_result *r) {
-  size_t n = r->n_contacts;
-  r->a = column(in, "contact_a", SD_U32, n);
-  r->b = column(in, "contact_b", SD_U32, n);
-  r->part = column(in, "contact_part", SD_U32, n);
-  r->side = column(in, "contact_side", SD_F64, n);
-  r->slide = column(in, "contact_slide", SD_I32, n);
+  const size_t all = r->all_contacts;
+  const rows_of_file rows = rows_asked(in->d, all);
+  const size_t begin = rows.first, n = r->n_contacts = rows.n;
+  r->a = part_of(in, "contact_a", SD_U32, all, begin, n);
+  r->b = part_of(in, "contact_b", SD_U32, all, begin, n);
+  r->part = part_of(in, "contact_part", SD_U32, all, begin, n);
+  r->side = part_of(in, "contact_side", SD_F64, all, begin, n);
+  r->slide = part_of(in, "contact_slide", SD_I32, all, begin, n);
 #define NAME(name, unit, meaning) "contact_" #name,
   static const char *const names[] = {SD_CONTACT_RECORD(NAME) SD_CONTACT_MORE(NAME)};
 #undef NAME
@@ -185,7 +197,8 @@ static void read_contacts(reader *in, deck_result *r) {
     /* columns of laws that the other run did not have */
     const bool absent =
         k >= SD_CONTACT_COLUMNS && (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
-    r->record[k] = absent ? deck_alloc(in->d, n, sizeof(double)) : column(in, names[k], SD_F64, n);
+    r->record[k] =
+        absent ? deck_alloc(in->d, n, sizeof(double)) : part_of(in, names[k], SD_F64, all, begin, n);
   }
   for (size_t k = 0; k < n && !in->failed; k++)
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
@@ -238,14 +251,30 @@ static void read_bodies(reader *in, deck_result *r) {
   r->material = by_body(in, "material", SD_I32, r, id, r->n_bodies);
   r->group = by_body(in, "group", SD_I32, r, id, r->n_bodies);
   read_kinds(in, r, id);
-  if (in->d->asked.part) return;
+}
+
+static void read_surfaces(reader *in, deck_result *r) {
   r->n_surfaces = (size_t)h5_get_attr_i64(in->file, "/state", "n_surfaces", 0);
   in->failed |= r->n_surfaces > r->n_bodies - r->n_disks;
   if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
 }
 
-/* NULL: reported. */
-static deck_result *read_state(deck *d, const deck_node *node, const char *path, bool contacts) {
+/* Walls stand behind the disks, in their order. */
+static void read_walls(reader *in, deck_result *r) {
+  const size_t n = r->n_bodies - r->n_disks;
+  const uint32_t *id = part_of(in, "id", SD_U32, r->n_bodies, r->n_disks, n);
+  const struct {
+    double **to;
+    const char *name;
+  } reals[] = {{&r->x, "x"}, {&r->y, "y"}, {&r->theta, "theta"}, {&r->turn, "turn"}, {&r->radius, "radius"}};
+  for (size_t k = 0; k < sizeof reals / sizeof *reals; k++)
+    *reals[k].to = part_of(in, reals[k].name, SD_F64, r->n_bodies, r->n_disks, n);
+  for (size_t k = 0; k < n && !in->failed; k++) in->failed |= id[k] != r->n_disks + k;
+  r->first_body = r->n_disks;
+  if (!in->failed) read_surfaces(in, r);
+}
+
+deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, bool contacts) {
   size_t before = sd_messages_errors(d->messages);
   deck_result *r = deck_alloc(d, 1, sizeof *r);
   reader in = {.d = d};
@@ -267,7 +296,7 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path,
   } extents[] = {{&r->n_disks, "n_disks"},
                  {&r->n_bodies, "n_bodies"},
                  {&r->n_free, "n_free"},
-                 {&r->n_contacts, "n_contacts"}};
+                 {&r->all_contacts, "n_contacts"}};
   for (size_t k = 0; k < sizeof extents / sizeof *extents; k++) {
     int64_t n = h5_get_attr_i64(in.file, "/state", extents[k].name, -1);
     in.failed |= n < 0 || n > 8 * (int64_t)LIMIT_DISKS;
@@ -285,12 +314,15 @@ static deck_result *read_state(deck *d, const deck_node *node, const char *path,
     return NULL;
   }
   in.failed |= r->n_disks > r->n_bodies || r->n_free > r->n_disks;
-  if (!contacts) r->n_contacts = 0;
-  r->first = d->asked.part && d->asked.first < r->n_disks ? d->asked.first : d->asked.part ? r->n_disks : 0;
-  r->n_rows = r->n_disks - r->first;
-  if (d->asked.part && d->asked.n < r->n_rows) r->n_rows = d->asked.n;
+  const rows_of_file rows = rows_asked(d, r->n_disks);
+  r->first = rows.first;
+  r->n_rows = rows.n;
   const double *scale = column(&in, "box_scale", SD_F64, 1);
-  if (!in.failed) read_bodies(&in, r);
+  if (!in.failed && d->asked.contacts)
+    read_walls(&in, r);
+  else if (!in.failed)
+    read_bodies(&in, r);
+  if (!in.failed && !d->asked.part) read_surfaces(&in, r);
   if (!in.failed && contacts) read_contacts(&in, r);
   r->box_scale = in.failed ? 1.0 : *scale;
   char *text = h5_get_text(in.file, "/parameters/deck_bodies");
@@ -357,7 +389,7 @@ static bool takes(const deck_group *g, const deck_result *r, const deck_columns 
 
 void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_columns *t) {
   deck *d = g->d;
-  deck_result *r = read_state(d, file, path, t->contacts);
+  deck_result *r = deck_result_read(d, file, path, t->contacts && !d->asked.part);
   if (!r) { /* the materials that it would have named are not missing */
     if (!deck_given(g, "material")) deck_columns_add(d, t, "material", file, file->place);
     return;

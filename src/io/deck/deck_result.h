@@ -22,12 +22,14 @@ typedef struct result_names {
 } result_names;
 
 /* The last state in a file. Columns of bodies go by body number: disks, then walls. Where rows were asked for (deck_rows_asked) they
- * are the disks of these slots, as they come. */
+ * are the disks of these slots, as they come, or the walls alone. */
 typedef struct deck_result {
   const char *path;
-  size_t n_disks, n_bodies, n_free, n_contacts;
-  size_t first, n_rows; /* slots of the disks; all: 0, n_disks */
-  uint32_t *number;     /* [n_rows]: their numbers there */
+  size_t n_disks, n_bodies, n_free;
+  size_t n_contacts, all_contacts; /* that were read, that are in the file */
+  size_t first_body;               /* whose numbers are in row 0 of columns of bodies */
+  size_t first, n_rows;            /* slots of the disks; all: 0, n_disks */
+  uint32_t *number;                /* [n_rows]: their numbers there */
   double box_scale;
   double *x, *y, *theta, *turn, *vx, *vy, *omega, *radius, *mass, *inertia;
   int32_t *material, *group;
@@ -49,6 +51,8 @@ typedef struct deck_result {
 
 /* Does the file hold a state? No messages. */
 bool deck_result_there(const char *path);
+/* The rows that d->asked says. NULL: reported at the node. */
+deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, bool contacts);
 /* Behind a message that there is no file: the command that makes the result, "" when no deck beside it has its name. */
 const char *deck_result_maker(deck *d, const char *path);
 /* All disks in play, with all columns that are known and that the group does not give itself. */
@@ -64,5 +68,9 @@ char *deck_result_text(deck *d, const result_wall *walls);
 /* deck_memory.c: contacts of the files that were asked for them, and the places of the walls that they know.
  * Call when all disks and walls are there. */
 void deck_read_memories(deck *d);
+/* A contact, with bodies as the file has them. */
+sd_contact_memory deck_result_contact(const deck_result *result, size_t k);
+/* The angle in the state that a disk, in this row of the result, has here begins at another multiple of a turn, and may be rounded. */
+double deck_result_shift(const deck_result *result, size_t row);
 
 #endif

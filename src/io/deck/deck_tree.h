@@ -90,8 +90,9 @@ typedef struct deck_chunk deck_chunk;
 
 /* Rows of a file of disks. */
 typedef struct deck_rows_asked {
-  bool part;  /* only n from `first` on */
-  bool again; /* the file was opened, and checked, before */
+  bool part;     /* only n from `first` on */
+  bool contacts; /* of its contacts, with the walls, in place of disks */
+  bool again;    /* the file was opened, and checked, before */
   size_t first, n;
 } deck_rows_asked;
 

@@ -108,13 +108,16 @@ static void author_of(char *text, size_t size) {
 
 /* Contacts taken over from a file, and the walls, which then stand where the file has them. */
 static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
-  for (size_t k = 0; k < model->n_memories; k++) {
+  /* those of a large file have a sum of their own */
+  const bool large = model->tiles.n_contacts > 0;
+  if (large) sum = file_sum(sum, &model->tiles.contact_inputs, sizeof model->tiles.contact_inputs);
+  for (size_t k = 0; !large && k < model->n_memories; k++) {
     const sd_contact_memory *c = &model->memories[k];
     const uint32_t body[] = {c->a, c->b, c->part, (uint32_t)c->slide};
     sum = file_sum(file_sum(sum, body, sizeof body), &c->side, sizeof c->side);
     sum = file_sum(sum, &c->record, sizeof c->record);
   }
-  for (size_t k = 0; model->n_memories && k < model->n_walls; k++) {
+  for (size_t k = 0; (large || model->n_memories) && k < model->n_walls; k++) {
     const sd_wall *w = &model->walls[k];
     sum = file_sum(file_sum(sum, w->pivot, sizeof w->pivot), &w->radius, sizeof w->radius);
     if (w->n_points) sum = file_sum(sum, w->points, w->n_points * sizeof *w->points);

@@ -59,9 +59,9 @@ void engine_fill_disk(sd_state *s, const sd_disk *d, uint32_t number, uint32_t s
   s->group[slot] = d->group;
 }
 
-static void fill_contact(sd_state *s, const sd_contact_memory *c) {
+void engine_fill_contact(sd_state *s, const sd_contact_memory *c) {
   size_t k = s->n_contacts++;
-  assert(k < s->contact_capacity && c->a < s->n_disks && c->b < s->n_bodies && c->a != c->b);
+  assert(k < s->contact_capacity && c->a != c->b);
   s->contact_a[k] = c->a;
   s->contact_b[k] = c->b;
   s->contact_part[k] = c->part;
@@ -73,7 +73,7 @@ static void fill_contact(sd_state *s, const sd_contact_memory *c) {
 static sd_status fill_contacts(const sd_model *m, sd_state *s) {
   if (m->n_memories == 0) return SD_OK;
   if (sd_state_reserve_contacts(s, m->n_memories) != SD_OK) return SD_ERROR_IO;
-  for (size_t k = 0; k < m->n_memories; k++) fill_contact(s, &m->memories[k]);
+  for (size_t k = 0; k < m->n_memories; k++) engine_fill_contact(s, &m->memories[k]);
   return order_contacts(m, s);
 }
 
@@ -392,7 +392,7 @@ static size_t drop_apart(engine *e) {
 }
 
 void engine_warn_of_dropped(const sd_model *model, size_t kept, sd_messages *messages) {
-  const size_t n = model->n_memories;
+  const size_t n = model->n_memories + model->tiles.n_kept;
   if (kept < n)
     sd_warn(messages, "%zu of %zu contacts of the packing do not touch at the start: they are dropped",
             n - kept, n);

@@ -9,6 +9,8 @@
 sd_status engine_fill_state(const sd_model *model, sd_state *state);
 /* The columns of one disk, in its slot. */
 void engine_fill_disk(sd_state *state, const sd_disk *disk, uint32_t number, uint32_t slot);
+/* The next contact; there is room for it. */
+void engine_fill_contact(sd_state *state, const sd_contact_memory *contact);
 
 /* Work for e->model and e->state (both set, the rest zero), up to the lists; contacts come from the state. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
