@@ -150,11 +150,17 @@ static double law_reach(const sd_model *m) {
   return reach;
 }
 
-/* The disk and its periodic images, `beside` wide: is it inside this rank's rectangle with all of them? */
+/* This rank's rectangle, as far as the periodic box goes, and that box. */
 typedef struct box {
-  double low[2], high[2], length[2]; /* 0: open */
+  double low[2], high[2], lower[2], upper[2], length[2]; /* 0: open */
 } box;
 
+/* Rectangles have no ends, but their disks lie in the periodic box: no image far beyond it is near one. */
+static bool is_beyond(const box *b, int c, double at, double beside) {
+  return b->length[c] > 0.0 && (at + 2.0 * beside < b->lower[c] || at - 2.0 * beside > b->upper[c]);
+}
+
+/* The disk and its periodic images, `beside` wide: to whose rectangles do they reach? */
 static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, double beside, int *ranks,
                            uint8_t *seen) {
   const double at[2] = {p->x[i], p->y[i]};
@@ -166,6 +172,7 @@ static sd_status add_ghost(const shares *p, sends *l, const box *b, uint32_t i, 
   for (int ix = -nx; ix <= nx; ix++)
     for (int iy = -ny; iy <= ny; iy++) {
       const double x = at[0] + ix * b->length[0], y = at[1] + iy * b->length[1];
+      if (is_beyond(b, SD_X, x, beside) || is_beyond(b, SD_Y, y, beside)) continue;
       const double low[2] = {x - beside, y - beside}, high[2] = {x + beside, y + beside};
       const int n = comm_cuts_near(p->cuts, low, high, ranks);
       for (int k = 0; k < n; k++) {
@@ -186,8 +193,10 @@ static box box_of(const shares *p, const sd_state *s) {
     if (!p->model->periodic[c]) continue;
     const double upper =
         p->model->lower[c] + (s ? s->box_scale : 1.0) * (p->model->upper[c] - p->model->lower[c]);
-    b.length[c] = upper - p->model->lower[c];
-    b.low[c] = fmax(b.low[c], p->model->lower[c]);
+    b.lower[c] = p->model->lower[c];
+    b.upper[c] = upper;
+    b.length[c] = upper - b.lower[c];
+    b.low[c] = fmax(b.low[c], b.lower[c]);
     b.high[c] = fmin(b.high[c], upper);
   }
   return b;
