@@ -148,6 +148,7 @@ class Ranks(Folder):
         for ranks in brief((2, 3, 4, 7), (3,)):
             err = self.same("known", ranks, threads=2 if ranks == 2 else 1)
             self.assertLessEqual(set(alone.splitlines()), set(err.splitlines()))
+        self.assertRegex(self.same("wider", 3), "[0-9]+ of [0-9]+ contacts of the packing do not touch at the start")
 
     def test_files_that_overlap(self):
         """Disks of two parts of a file, which no rank sees together before the start."""

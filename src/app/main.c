@@ -4,11 +4,13 @@
 #endif
 #include <errno.h>
 #include <jansson.h>
-#include <malloc.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "app/app.h"
 #include "app/manual.h"
@@ -242,7 +244,7 @@ static void *json_memory(size_t size) {
   return memory;
 }
 
-/* Columns that are let go go back to the system. By itself the C library keeps ever larger ones once some were freed. */
+/* Large blocks that are freed go back to the system. By default glibc keeps ever larger ones for itself, once some were freed. */
 static void return_memory(void) {
 #ifdef M_MMAP_THRESHOLD
   mallopt(M_MMAP_THRESHOLD, 1 << 20);

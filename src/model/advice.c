@@ -390,7 +390,8 @@ static bool note_overlap(void *user, const overlap *o) {
   double relative = o->depth / m->disks[o->a].radius;
   if (relative <= s->worst.relative || waits(m, o->a) || waits(m, o->b)) return false;
   if (!is_free(m, o->a) && !is_free(m, o->b)) return false;
-  if (begins_away(m, o->a, o->b) || begins_with(s, o->a, o->b)) return false;
+  const bool too_deep = m->max_overlap > 0 && relative > m->max_overlap; /* a mistake, though remembered */
+  if ((begins_away(m, o->a, o->b) && !too_deep) || begins_with(s, o->a, o->b)) return false;
   s->worst = (first_overlap){.a = o->a, .b = o->b, .depth = o->depth, .relative = relative};
   return false;
 }

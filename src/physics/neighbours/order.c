@@ -111,7 +111,7 @@ static int by_slots(const void *one, const void *two) {
   return p->part < q->part ? -1 : p->part > q->part;
 }
 
-/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. */
+/* The disk in the lower slot comes first; seen from the other one the contact's direction is reversed. slot: by body, from 1 on. */
 static void turn_contact(const sd_model *m, sd_state *s, size_t k, const uint32_t *slot) {
   uint32_t a = s->contact_a[k], b = s->contact_b[k];
   assert(a < m->n_disks && b < sd_model_bodies(m) && a != b);
@@ -126,32 +126,43 @@ static void turn_contact(const sd_model *m, sd_state *s, size_t k, const uint32_
   s->contact_roll[k] = -s->contact_roll[k];
 }
 
-static void list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list) {
+/* Contacts that a packing brings along may be with disks that are out of reach here: these stand last, and are not listed. Returns how
+ * many are. */
+static size_t list_contacts(const sd_model *m, sd_state *s, const uint32_t *slot, contact_place *list,
+                            uint32_t *from) {
+  size_t n = 0, last = s->n_contacts;
   for (uint32_t k = 0; k < s->n_contacts; k++) {
+    if (slot[s->contact_a[k]] == 0 || slot[s->contact_b[k]] == 0) {
+      from[--last] = k;
+      continue;
+    }
     turn_contact(m, s, k, slot);
     uint32_t b = s->contact_b[k];
     bool piece = b >= m->n_disks && m->walls[b - m->n_disks].kind != SD_WALL_CIRCLE;
-    bool ghost = slot[b] >= s->n_free && slot[b] < s->n_free + s->n_ghosts;
+    bool ghost = slot[b] > s->n_free && slot[b] <= s->n_free + s->n_ghosts;
     assert(slot[s->contact_a[k]] < slot[b]);
-    list[k] = (contact_place){piece ? 2 : ghost, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
+    list[n++] = (contact_place){piece ? 2 : ghost, slot[s->contact_a[k]], slot[b], s->contact_part[k], k};
   }
+  assert(n == last);
+  return n;
 }
 
 sd_status order_contacts(const sd_model *m, sd_state *s) {
-  const size_t n = s->n_contacts;
+  size_t n = s->n_contacts;
   contact_place *list = malloc((n + 1) * sizeof *list);
   uint32_t *from = calloc(n + 1, sizeof *from), *slot = calloc(sd_model_bodies(m) + 1, sizeof *slot);
   void *scratch = malloc((n + 1) * sizeof(double));
   sd_status status = list && from && slot && scratch ? SD_OK : SD_ERROR_IO;
   if (status == SD_OK) {
     for (uint32_t k = 0; k < s->n_bodies; k++) {
-      assert(s->id[k] < sd_model_bodies(m) && slot[s->id[k]] == 0); /* the first stands in slot 0 */
-      slot[s->id[k]] = k;
+      assert(s->id[k] < sd_model_bodies(m) && slot[s->id[k]] == 0);
+      slot[s->id[k]] = k + 1;
     }
-    list_contacts(m, s, slot, list);
+    n = list_contacts(m, s, slot, list, from);
     if (n > 1) qsort(list, n, sizeof *list, by_slots);
     for (size_t k = 0; k < n; k++) from[k] = list[k].from;
     permute_all(s, true, from, scratch);
+    s->n_contacts = n;
   }
   free(list);
   free(from);
