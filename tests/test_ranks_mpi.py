@@ -151,22 +151,20 @@ class Ranks(Folder):
         self.assertRegex(self.same("wider", 3), "[0-9]+ of [0-9]+ contacts of the packing do not touch at the start")
 
     def test_files_that_overlap(self):
-        """Disks of two parts of a file, which no rank sees together before the start."""
+        """Disks of two parts of a file, which no rank sees together before the start: a mistake, and a warning."""
         n = 70000
-        with h5py.File(self.folder / "t.h5", "w") as file:
-            file["t/x"] = numpy.append(numpy.arange(n - 1) % 250, 0.3) + 0.5
-            file["t/y"] = numpy.append(numpy.arange(n - 1) // 250, 0) + 0.5
         deck = self.folder / "overlap.cfg"
         deck.write_text(f"""dt = 1e-3; steps = 10; {GRAIN}
 disk_files = ( {{ file = "t.h5"; dataset = "t"; columns = ("x", "y"); radius = 0.4; density = 1; }} );""")
-        status, _, err = run(0, "run", deck, "--quiet")
-        self.assertEqual(status, 2, err)
-        overlap = "overlap by 0.5, more than max_overlap = 0.5 of the smaller radius 0.4"
-        self.assertIn("row 69999: disk 69999 and disk 0 " + overlap, err)
-        for ranks in brief((2, 4), (2,)):
-            status, _, err = run(ranks, "run", deck, "--quiet")
-            self.assertEqual(status, 2, err)
-            self.assertRegex(err, f"disk (0 and disk 69999|69999 and disk 0) {overlap}")
+        for x, told, overlap in ((0.8, 2, "overlap by 0.5, more than max_overlap = 0.5 of the smaller radius 0.4"),
+                                 (-0.27, 0, "overlap by 0.03 at the start, 0.075 of the radius: a force of 300 throws them apart")):
+            with h5py.File(self.folder / "t.h5", "w") as file:
+                file["t/x"] = numpy.append(numpy.arange(n - 1) % 250 + 0.5, x)
+                file["t/y"] = numpy.append(numpy.arange(n - 1) // 250, 0) + 0.5
+            for ranks in brief((0, 2, 4), (0, 2)):
+                status, _, err = run(ranks, "run", deck, "--quiet", "--force")
+                self.assertEqual(status, told, err)
+                self.assertRegex(err, f"disk (0 and disk 69999|69999 and disk 0) {overlap}")
 
     def test_files_in_parts_go_on(self):
         self.ok(0, "run", self.deck("prepared"), "--quiet", "-o", self.folder / "prepared.h5")

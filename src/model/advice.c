@@ -419,24 +419,28 @@ bool advice_overlaps(const sd_model *m) {
          (m->max_overlap > 0 && worst.relative > m->max_overlap);
 }
 
+double advice_tell_overlap(const sd_model *m, const first_overlap *worst, sd_messages *messages) {
+  char one[96], two[96], *times = NULL;
+  if (!(worst->relative > DEEP_OVERLAP)) return 0;
+  if (worst->weight > 0) times = format_text(", %.3g times the weight", worst->force / worst->weight);
+  sd_warn(messages,
+          "%s and %s overlap by %.3g at the start, %.3g of the radius: a force of %.3g%s throws them apart; "
+          "move them, or let the first phase relax = true",
+          sd_model_body_name(m, worst->a, one, sizeof one), sd_model_body_name(m, worst->b, two, sizeof two),
+          worst->depth, worst->relative, worst->force, times ? times : "");
+  free(times);
+  return worst->relative / DEEP_OVERLAP;
+}
+
 /* The relaxer lets overlaps go quietly. */
 static double check_overlap(const sd_model *m, sd_messages *messages) {
   first_overlap worst;
-  char one[96], two[96], *times = NULL;
   if (m->n_phases > 0 && m->phases[0].relax) return 0;
   if (advice_overlap(m, &worst) != SD_OK) {
     shortage_note();
     return 0;
   }
-  if (!(worst.relative > DEEP_OVERLAP)) return 0;
-  if (worst.weight > 0) times = format_text(", %.3g times the weight", worst.force / worst.weight);
-  sd_warn(messages,
-          "%s and %s overlap by %.3g at the start, %.3g of the radius: a force of %.3g%s throws them apart; "
-          "move them, or let the first phase relax = true",
-          sd_model_body_name(m, worst.a, one, sizeof one), sd_model_body_name(m, worst.b, two, sizeof two),
-          worst.depth, worst.relative, worst.force, times ? times : "");
-  free(times);
-  return worst.relative / DEEP_OVERLAP;
+  return advice_tell_overlap(m, &worst, messages);
 }
 
 static double check_watches(const sd_model *m, sd_messages *messages) {

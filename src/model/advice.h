@@ -29,6 +29,8 @@ typedef struct first_overlap {
   double weight; /* of the lighter free one; 0: no gravity */
 } first_overlap;
 sd_status advice_overlap(const sd_model *model, first_overlap *worst);
+/* The warning, where it is deep; what an advice_check returns. */
+double advice_tell_overlap(const sd_model *model, const first_overlap *worst, sd_messages *messages);
 /* Is that so deep that it is warned of, or a mistake? */
 bool advice_overlaps(const sd_model *model);
 

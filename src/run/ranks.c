@@ -335,6 +335,7 @@ sd_status ranks_start(ranks *r, engine *whole, bool measure, sd_messages *messag
   status = ranks_start_part(r, measure, &kept);
   engine_end(&r->part, status);
   if (!ranks_all_well(status)) return tell_failure(r, messages);
+  advice_tell_overlap(r->model, &r->deepest, messages);
   engine_warn_of_dropped(r->model, (size_t)kept, messages);
   return take_common_of(r, whole, messages);
 }

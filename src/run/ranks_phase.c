@@ -161,13 +161,29 @@ sd_status ranks_look_outside(ranks *r, sd_messages *messages) {
 
 /* --- phases ---------------------------------------------------------------------------------------------------- */
 
+/* Of equal ones, as they are found from both sides of a border, that of the first rank. */
+static void share_deepest(ranks *r, const first_overlap *mine) {
+  const size_t n = (size_t)comm_size();
+  int *counts = calloc(n, sizeof *counts);
+  first_overlap *all = calloc(n, sizeof *all);
+  if (!counts || !all) comm_fail("no memory");
+  for (size_t k = 0; counts && k < n; k++) counts[k] = 1;
+  if (counts && all) comm_gather(mine, all, counts, sizeof *mine);
+  for (size_t k = 0; all && k < n; k++)
+    if (all[k].relative > r->deepest.relative) r->deepest = all[k];
+  free(counts);
+  free(all);
+}
+
 sd_status ranks_start_part(ranks *r, bool measure, double *kept) {
   engine *e = &r->part;
   size_t mine = 0;
   /* parts of a file were looked at one by one */
   if (r->model->tiles.away && r->model->tiles.of_file) {
-    const sd_status apart = contacts_check_start(e, r->messages);
+    first_overlap deepest;
+    const sd_status apart = contacts_check_start(e, &deepest, r->messages);
     if (!ranks_all_well(apart)) return apart;
+    share_deepest(r, &deepest);
   }
   sd_status status = rain_next(e, -1) == 0 ? ranks_release_rain(r) : SD_OK;
   if (ranks_all_well(status)) status = engine_start_part(e, &mine, r->messages);

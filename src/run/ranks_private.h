@@ -4,6 +4,7 @@
 
 #include "base/comm_cuts.h"
 #include "io/results/record_share.h"
+#include "model/advice.h"
 #include "run/ranks.h"
 
 struct ranks {
@@ -22,6 +23,8 @@ struct ranks {
   double busy;           /* seconds of work since the last cut */
   int64_t cut_step;
   ranks_balance balance;
+  first_overlap
+      deepest; /* at the start, of all ranks, where the deck's check did not see all pairs; relative 0: none */
 };
 
 /* --- ranks.c ---------------------------------------------------------------------------------------------- */

@@ -9,8 +9,8 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
-#include "model/advice.h"
 #include "model/law_features.h"
+#include "model/normal_laws.h"
 #include "physics/step/access.h"
 #include "physics/step/engine.h"
 #include "physics/system/box.h"
@@ -380,18 +380,38 @@ size_t contacts_count(const engine *e) {
   return n;
 }
 
-sd_status contacts_check_start(const engine *e, sd_messages *messages) {
+/* The disk with the smaller radius first. */
+static first_overlap overlap_of(const engine *e, size_t a, size_t b, double depth) {
+  const sd_state *s = e->state;
+  const double *g = e->model->gravity;
+  const sd_contact_law *law = sd_model_law(e->model, s->material[a], s->material[b]);
+  if (s->radius[b] < s->radius[a]) {
+    const size_t swap = a;
+    a = b;
+    b = swap;
+  }
+  return (first_overlap){.a = s->id[a],
+                         .b = s->id[b],
+                         .depth = depth,
+                         .relative = depth / s->radius[a],
+                         .force = law_force(law, depth),
+                         .weight = fmin(s->mass[a], s->mass[b]) * hypot(g[0], g[1])};
+}
+
+sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messages *messages) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const double most = e->model->max_overlap;
-  for (size_t k = 0; k < p->count && most > 0.0; k++) {
+  *deepest = (first_overlap){0};
+  for (size_t k = 0; k < p->count; k++) {
     if (p->a[k] == PAIR_PADDING || (size_t)p->b[k] >= s->n_disks) continue;
     const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
     const double dx = engine_nearest(e, SD_X, s->x[a] - s->x[b]),
                  dy = engine_nearest(e, SD_Y, s->y[a] - s->y[b]);
     const double least = fmin(s->radius[a], s->radius[b]),
                  depth = s->radius[a] + s->radius[b] - hypot(dx, dy);
-    if (!(depth > most * least)) continue;
+    if (depth > deepest->relative * least && !pairs_closed(p, k)) *deepest = overlap_of(e, a, b, depth);
+    if (!(most > 0.0 && depth > most * least)) continue;
     char one[96], two[96];
     return sd_fail(messages, SD_ERROR_USER,
                    "%s and %s overlap by %g, more than max_overlap = %g of the smaller radius %g",

@@ -2,6 +2,7 @@
 #ifndef PHYSICS_CONTACTS_H
 #define PHYSICS_CONTACTS_H
 
+#include "model/advice.h"
 #include "physics/system/work.h"
 
 /* After a commit: books what contacts dropped when they opened, hands memory on where a disk passes from
@@ -24,8 +25,9 @@ static inline bool contacts_any_event(const work *w) {
  * memory. */
 sd_status contacts_follow(engine *e);
 
-/* Pairs of disks of the lists, before the first step. SD_ERROR_USER: one overlaps by more than max_overlap. */
-sd_status contacts_check_start(const engine *e, sd_messages *messages);
+/* Pairs of disks of the lists, before the first step: deepest of those that the run does not begin with as contacts (advice_overlap).
+ * SD_ERROR_USER: one overlaps by more than max_overlap. */
+sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messages *messages);
 /* Closed contacts of free disks in these slots (and ghosts) end, in the order that the pairs of the whole have, as those of disks that are out of
  * play do where lists are made. SD_ERROR_IO: no memory. */
 sd_status contacts_end(engine *e, const bool *gone);
