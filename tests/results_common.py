@@ -19,8 +19,10 @@ ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__)
 sys.path.insert(0, str(ROOT / "tools"))
 
 from soak import results  # noqa: E402  what the trials of tools/soak.sh compare by
+from soak.inject import Fault  # noqa: E402
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 DECK = ROOT / "inputs/three_disk/random.cfg"
+CALLS = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release")) / "tests/calls.so"
 BRIEF = os.environ.get("SLIPDISK_BRIEF") == "1"  # steps are slow, as under sanitizers: see brief.h
 LONG = 600  # seconds after which what a test waits for will not come, however busy the machine
 # Checkpoints cost more than the steps between them; who is not to be interrupted writes none.
@@ -77,6 +79,32 @@ def steps_for(seconds):
     return max(2, round(speed() * seconds / 100000)) * 100000
 
 
+class Gate:
+    """Runs below a folder wait where a test wants them, so that no other work on the machine lets them end before.
+
+    With this environment each process waits once, when a point of its has written a checkpoint of its own beyond its first
+    step: before the part of the series that follows. It goes on when the gate is opened, or after a signal that it
+    handles."""
+
+    def __init__(self, test, below):
+        self.file = tempfile.NamedTemporaryFile(prefix="slipdisk-gate-")
+        test.addCleanup(self.file.close)
+        last = {}
+        for path in pathlib.Path(below).rglob("part-*.h5"):
+            last[path.parent.name] = max(last.get(path.parent.name, 0), int(path.stem.split("-")[1]))
+        part = "|".join([f"{folder}/part-{n + 2:06d}.h5" for folder, n in last.items()] + ["part-000003.h5"])
+        fault = Fault(call="rename", name=f"*/@({part})", when=1, do="wait", gate=self.file.name)
+        self.environment = fault.environment(CALLS, below)
+
+    def wait(self, process, count=1):
+        """Until so many processes wait, none of which can have ended."""
+        wait_for(lambda: process.poll() is not None or pathlib.Path(self.file.name).stat().st_size >= count)
+        assert process.poll() is None, "it was over before it could be interrupted"
+
+    def open(self):
+        self.file.close()
+
+
 @contextlib.contextmanager
 def changed(path):
     """An h5py file to be changed on purpose; its checksum is made anew."""
@@ -115,6 +143,13 @@ class Folder(unittest.TestCase):
         status, out, err = run(*words)
         self.assertEqual(status, 0, err)
         return out, err
+
+    def started(self, *words, command="run"):
+        """A run that has written a checkpoint of its own beyond step 0, and waits for a signal or for self.gate.open()."""
+        self.gate = Gate(self, self.folder)
+        process = start(command, *words, "-o", self.result, env=self.gate.environment)
+        self.gate.wait(process)
+        return process
 
     def checkpoints(self):
         """Their steps, the newest first."""

@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import LONG, SELDOM, assert_same, run, start, wait_for
+from results_common import Gate, LONG, SELDOM, assert_same, run, start
 
 THREE = """
 dt = 1e-6;
@@ -124,13 +124,11 @@ class SweepTest(unittest.TestCase):
             found[parts.name] = max((int(c.stem.split("-")[1]) for c in parts.glob("checkpoint-*.h5")), default=0)
         return found
 
-    def begin(self, n, *words, **more):
-        """Starts a sweep; returns when n points have written checkpoints of their own, and it is still running."""
-        before = self.checkpoints()
-        process = start("sweep", *words, "-o", self.out, **more)
-        wait_for(lambda: process.poll() is not None or
-                 sum(step > before.get(name, 0) for name, step in self.checkpoints().items()) >= n)
-        self.assertIsNone(process.poll(), "the sweep was over before it could be interrupted")
+    def begin(self, workers, *words, **more):
+        """Starts a sweep; returns when so many workers wait, each with checkpoints of its own, for a signal or the gate."""
+        self.gate = Gate(self, self.folder)
+        process = start("sweep", *words, "-o", self.out, env=self.gate.environment, **more)
+        self.gate.wait(process, workers)
         return process
 
     def assert_same_results(self, a, b):

@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-from results_common import DECK, LONG, PROGRAM, ROOT, assert_same, run, steps_for, wait_for
+from results_common import DECK, Gate, LONG, PROGRAM, ROOT, assert_same, run, steps_for, wait_for
 
 SCRIPT = ROOT / "tools/cluster/sweep.sbatch"
 SCONTROL = """#!/bin/sh
@@ -64,6 +64,18 @@ class Cluster(unittest.TestCase):
         """A task of an array."""
         return self.start(SLURM_ARRAY_JOB_ID="12", SLURM_ARRAY_TASK_ID=str(point), **environment)
 
+    def gated(self, workers=1):
+        """The environment in which workers wait, with checkpoints, for a signal or for self.gate.open()."""
+        self.gate, self.workers = Gate(self, self.top), workers
+        names = "LD_PRELOAD", "ASAN_OPTIONS"
+        return {key: value for key, value in self.gate.environment.items() if key in names or key.startswith("INJECT_")}
+
+    def wait_at_gate(self, process):
+        try:
+            self.gate.wait(process, self.workers)
+        except AssertionError as problem:
+            self.fail(f"{problem}\n{(self.top / 'log').read_text()}")
+
     def endless(self):
         """What is only to be stopped does not end by itself, however late the signal comes."""
         self.options.append("-Dphases.measure.steps=100000000000")
@@ -74,15 +86,6 @@ class Cluster(unittest.TestCase):
     def requeued(self):
         return self.calls.read_text().splitlines()
 
-    def wait_for_checkpoint(self, process, points=1):
-        """Till so many points have one beyond their first step."""
-        def there():
-            self.assertIsNone(process.poll(), (self.top / "log").read_text())
-            return len({path.parent for path in self.points.glob("*.parts/checkpoint-*.h5")
-                        if path.name != "checkpoint-0.h5"}) >= points
-
-        wait_for(there)
-
     def assert_undisturbed(self, point):
         """The result is that of a run that nobody stopped."""
         status, _, err = run("sweep", "deck.cfg", *self.options, "--point", point, "-o", "whole", cwd=self.top)
@@ -92,8 +95,8 @@ class Cluster(unittest.TestCase):
         self.assertEqual([path.name for path in self.points.iterdir()], [whole.name])
 
     def test_time_limit_of_an_array_task(self):
-        process = self.start_task(1)
-        self.wait_for_checkpoint(process)
+        process = self.start_task(1, **self.gated())
+        self.wait_at_gate(process)
         process.send_signal(signal.SIGUSR1)
         self.wait(process, 75)
         self.assertEqual(self.requeued(), ["requeue 12_1"])
@@ -106,8 +109,8 @@ class Cluster(unittest.TestCase):
 
     def test_shares(self):
         """A task runs some of the points; the last one has fewer."""
-        process = self.start_task(0, SLIPDISK_POINTS="2")
-        self.wait_for_checkpoint(process, 2)
+        process = self.start_task(0, SLIPDISK_POINTS="2", **self.gated())
+        self.wait_at_gate(process)
         process.send_signal(signal.SIGUSR1)
         self.wait(process, 75)
         self.assertEqual(self.requeued(), ["requeue 12_0"])
@@ -119,8 +122,8 @@ class Cluster(unittest.TestCase):
 
     def test_signals_to_all_processes(self):
         self.endless()
-        process = self.start_task(0)
-        self.wait_for_checkpoint(process)
+        process = self.start_task(0, **self.gated())
+        self.wait_at_gate(process)
         for _ in range(3):
             os.killpg(process.pid, signal.SIGUSR1)
         self.wait(process, 75)
@@ -141,8 +144,8 @@ class Cluster(unittest.TestCase):
     def test_cancelled(self):
         self.endless()
         for kind in (signal.SIGTERM, signal.SIGINT):
-            process = self.start_task(0)
-            self.wait_for_checkpoint(process)
+            process = self.start_task(0, **self.gated())
+            self.wait_at_gate(process)
             process.send_signal(kind)
             self.wait(process, 75)
             self.assertEqual(self.requeued(), [])
@@ -150,16 +153,16 @@ class Cluster(unittest.TestCase):
 
     def test_restarts_are_limited(self):
         self.endless()
-        process = self.start_task(0, SLURM_RESTART_COUNT="3", SLIPDISK_RESTARTS="3")
-        self.wait_for_checkpoint(process)
+        process = self.start_task(0, SLURM_RESTART_COUNT="3", SLIPDISK_RESTARTS="3", **self.gated())
+        self.wait_at_gate(process)
         process.send_signal(signal.SIGUSR1)
         self.wait(process, 75)
         self.assertEqual(self.requeued(), [])
         self.assertIn("restarted 3 times", (self.top / "log").read_text())
 
     def test_one_node(self):
-        process = self.start(SLURM_CPUS_PER_TASK="2")
-        self.wait_for_checkpoint(process, 2)
+        process = self.start(SLURM_CPUS_PER_TASK="2", **self.gated(2))
+        self.wait_at_gate(process)
         process.send_signal(signal.SIGUSR1)
         self.wait(process, 75)
         self.assertEqual(self.requeued(), ["requeue 17"])
@@ -173,8 +176,8 @@ class Cluster(unittest.TestCase):
         self.endless()
         launcher = os.environ.get("SLIPDISK_MPIEXEC")
         more = {"SLIPDISK_LAUNCHER": f"{launcher} -n 2"} if launcher else {}
-        process = self.start(SLURM_NTASKS="2", SLURM_CPUS_PER_TASK="1", **more)
-        self.wait_for_checkpoint(process, 2 if launcher else 1)
+        process = self.start(SLURM_NTASKS="2", SLURM_CPUS_PER_TASK="1", **more | self.gated(2 if launcher else 1))
+        self.wait_at_gate(process)
         process.send_signal(signal.SIGUSR1)
         self.wait(process, 75)
         calls = self.requeued()
@@ -204,9 +207,10 @@ class Cluster(unittest.TestCase):
         self.assertEqual(self.requeued(), [])
 
     def test_a_point_is_taken_once(self):
-        first = self.start_task(0)
-        self.wait_for_checkpoint(first)
+        first = self.start_task(0, **self.gated())
+        self.wait_at_gate(first)
         self.wait(self.start_task(0), 2)
+        self.gate.open()
         self.assertIn("another process is writing this result", (self.top / "log").read_text())
         self.wait(first, 0)
         self.assert_undisturbed(0)

@@ -8,7 +8,7 @@ import unittest
 
 import h5py
 
-from results_common import DECK, PROGRAM, Folder, assert_same, run, start, wait_for
+from results_common import DECK, Gate, PROGRAM, Folder, assert_same, run, start
 from sweep_common import SweepTest, column, results, three_disks
 
 IN_DOUBT = 5
@@ -139,9 +139,9 @@ class Doubts(Folder):
         said = self.doubted(["open", "displacement"], words)
         again = self.folder / "again.h5"
         parts = self.folder / "again.h5.parts"
-        process = start("run", *words, "--quiet", "-o", again)
-        wait_for(lambda: process.poll() is not None or
-                 any(int(p.stem.split("-")[1]) > 5000 for p in parts.glob("checkpoint-*.h5")))
+        gate = Gate(self, parts)
+        process = start("run", *words, "--quiet", "-o", again, env=gate.environment)
+        gate.wait(process)
         process.send_signal(signal.SIGKILL)
         process.communicate()
         self.assertTrue(parts.exists(), "it was over before it could be killed")

@@ -24,13 +24,6 @@ def long_deck(checkpoint=0.03):
 
 
 class Started(Folder):
-    def started(self, *words):
-        """A run that has written a checkpoint beyond step 0."""
-        process = start("run", *words, "-o", self.result)
-        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0 or process.poll() is not None)
-        self.assertIsNone(process.poll(), "the run was over before it could be interrupted")
-        return process
-
     def stop(self, process, number=signal.SIGTERM):
         process.send_signal(number)
         out, err = process.communicate(timeout=LONG)
@@ -261,9 +254,7 @@ class Stopped(Started):
             self.assertEqual(status, 75, err)
             self.assertIn("continue with", err)
             self.assertEqual(len(self.checkpoints()), 2)
-            process = start("run", *self.words, "-o", self.result)
-            wait_for(lambda: (self.parts / "lock").exists())
-            wait_for(lambda c=self.checkpoints(): self.checkpoints() > c)
+            process = self.started(*self.words)
         status, _, err = self.stop(process)
         self.assertEqual(status, 75, err)
         info = json.loads(self.run_ok("info", "--json", self.result)[0])
@@ -282,6 +273,7 @@ class Stopped(Started):
         self.assertIn("another process", err)
         status, _, err = run("run", *self.words, "--force", "-o", self.result)
         self.assertEqual(status, 2)
+        self.gate.open()
         out, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 0, err)
         assert_same(self, self.result, self.whole)
@@ -315,9 +307,7 @@ class Stopped(Started):
         self.assertIn("a file that the deck names", err)
         self.assertEqual(self.checkpoints(), before)
         table.write_text("\n".join(["time,value", *rows, ""]))
-        process = start("run", deck, "-o", self.result)
-        wait_for(lambda: self.checkpoints() > before or process.poll() is not None)
-        self.assertEqual(self.stop(process)[0], 75)
+        self.assertEqual(self.stop(self.started(deck))[0], 75)
 
     def test_same_deck_said_otherwise(self):
         """How often a run is saved is no difference, nor is a default that is written out."""
@@ -363,9 +353,7 @@ class Stopped(Started):
     def test_forced_run_keeps_the_old_result_until_it_is_done(self):
         self.run_ok("run", *deck_arguments(measure=1000), "-o", self.result)
         before = self.result.read_bytes()
-        process = start("run", *self.words, "--force", "-o", self.result)
-        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0)
-        self.stop(process)
+        self.stop(self.started(*self.words, "--force"))
         self.assertEqual(self.result.read_bytes(), before)
         self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         assert_same(self, self.result, self.whole)

@@ -21,7 +21,7 @@ quiet() {
   local wanted=$1 words=$2 status=0
   shift 2
   rm -f "$work/called"
-  (cd "$work" && PATH=$work/stubs:$PATH timeout 120 "$@") >"$work/out" 2>&1 </dev/null || status=$?
+  (cd "$work" && PATH=$work/stubs:$PATH timeout 600 "$@") >"$work/out" 2>&1 </dev/null || status=$?
   local good=yes
   if [ "$wanted" != any ] && [ "$wanted" != "$status" ]; then good=no; fi
   [ -z "$words" ] || grep -qi -- "$words" "$work/out" || good=no
@@ -60,7 +60,18 @@ for pair in --tests:libcmocka-dev --tests:python3-sphinx --tests:lintian --docs:
   grep -q "^Packages to install:.* libgsl-dev .*${pair#*:}\b.*openmpi-bin" "$work/out" ||
     { failures=$((failures + 1)); echo "FAILED: install_deps.sh ${pair%%:*}"; cat "$work/out"; }
 done
-rm "$work/stubs/dpkg-query" "$work/stubs/id"
+# another apt holds a lock three times, then no more
+cat >"$work/stubs/sudo" <<EOF
+#!/bin/sh
+echo >>"$work/tries"
+[ "\$(wc -l <"$work/tries")" -gt 3 ] && exit 0
+echo "E: Could not get lock /var/lib/apt/lists/lock" >&2
+exit 100
+EOF
+PATH=$work/stubs:$PATH SLIPDISK_APT_WAIT=0 bash "$work/tree/tools/install_deps.sh" >"$work/out" 2>&1 &&
+  [ "$(wc -l <"$work/tries")" = 5 ] && [ "$(grep -c 'Another apt is at work' "$work/out")" = 1 ] ||
+  { failures=$((failures + 1)); echo "FAILED: install_deps.sh does not wait for another apt"; cat "$work/out"; }
+rm "$work/stubs/dpkg-query" "$work/stubs/id" "$work/stubs/sudo"
 quiet 0 "deck_docs.py" python3 "$work/tree/tools/deck_docs.py" --help
 
 # the stubs are what a script would call

@@ -226,13 +226,11 @@ measure = { walls = true; box = true; stress = true; };
 
     def test_the_same_after_a_kill(self):
         first = self.keep(HEAD % ("gear5", "paper") + BOX % 60000)
-        words = ["run", self.deck, "-o", self.result, "--threads", 1, "--quiet"]
-        process = start(*words, "-D", "checkpoint=0.01")
-        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 5000)
+        process = self.started(self.deck, "--threads", 1, "--quiet", "-D", "checkpoint=0.01")
         process.kill()
         process.communicate()
         self.assertTrue(self.parts.exists())
-        self.run_ok(*words)
+        self.run_ok("run", self.deck, "-o", self.result, "--threads", 1, "--quiet")
         results_common.assert_same(self, first, self.result)
 
     def test_nothing_in_play(self):

@@ -155,8 +155,7 @@ class Stopped(Runs):
         assert_same(self, self.result, self.whole)
 
     def test_stopped_and_resumed(self):
-        process = start("run", self.where / "d.cfg", "-o", self.result)
-        wait_for(lambda: len(list(self.parts.glob("checkpoint-*.h5"))) > 1 or process.poll() is not None)
+        process = self.started(self.where / "d.cfg")
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75, err)

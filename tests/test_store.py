@@ -8,7 +8,7 @@ import unittest
 import h5py
 import numpy
 
-from results_common import SELDOM, assert_same, changed, deck_arguments, run, start, wait_for
+from results_common import LONG, SELDOM, assert_same, changed, deck_arguments, run, start, wait_for
 from test_results import Started, long_deck
 
 SHORT = deck_arguments(settle=1000, measure=20000)
@@ -78,14 +78,21 @@ class Names(Started):
         status, _, err = run("run", *cls.words, *SELDOM, "-o", cls.undisturbed)
         assert status == 0, err
 
+    def at_work(self, *more):
+        """A run that has a checkpoint beyond step 0, and is not held at a gate, which would be within its writing."""
+        process = start("run", *self.words, *more, "-o", self.result)
+        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0 or process.poll() is not None)
+        return process
+
     def ends(self, process, status, text):
-        _, err = process.communicate(timeout=300)
+        _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, status, err)
         self.assertIn(text, err)
 
     def test_a_file_appears(self):
         process = self.started(*self.words)
         self.result.write_text("mine")
+        self.gate.open()
         self.ends(process, 4, "is not overwritten")
         self.assertEqual(self.result.read_text(), "mine")
         status, _, err = run("run", *self.words, "-o", self.result)  # told at once, not at the end
@@ -98,9 +105,7 @@ class Names(Started):
     def test_force_replaces_what_was_there(self):
         self.run_ok("run", *SHORT, "-o", self.result)
         old = self.result.read_bytes()
-        process = start("run", *self.words, "--force", "-o", self.result)
-        wait_for(lambda: self.checkpoints() and self.checkpoints()[0] > 0)
-        self.stop(process)
+        self.stop(self.started(*self.words, "--force"))
         self.result.write_bytes(b"mine")
         status, _, err = run("run", *self.words, "-o", self.result)
         self.assertEqual(status, 2, err)
@@ -110,7 +115,7 @@ class Names(Started):
         assert_same(self, self.result, self.undisturbed)
 
     def test_folder_removed(self):
-        process = self.started(*self.words)
+        process = self.at_work("-D", "phases.measure.steps=1000000000000")
         shutil.rmtree(self.parts, ignore_errors=True)
         shutil.rmtree(self.parts, ignore_errors=True)  # a file may have come meanwhile
         self.ends(process, 4, "was removed or replaced")
@@ -119,11 +124,11 @@ class Names(Started):
 
     def test_folder_of_another_run(self):
         """The folder is moved away and another run started under the same name."""
-        first = self.started(*self.words)
+        first = self.at_work()
         self.parts.rename(self.folder / "moved")
-        second = self.started(*self.words, "-D", "seed=2")
+        second = start("run", *self.words, "-D", "seed=2", "-o", self.result)
         self.ends(first, 4, "was removed or replaced")
-        out, err = second.communicate(timeout=300)
+        out, err = second.communicate(timeout=LONG)
         self.assertEqual(second.returncode, 0, err)
         with h5py.File(self.result) as file:
             self.assertEqual(file["parameters"].attrs["seed"], 2)

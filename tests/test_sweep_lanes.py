@@ -98,22 +98,23 @@ class Lanes(ReferenceTest):
     def test_signals(self):
         """All points of a group stop at checkpoints; one of them goes on alone, the rest in other groups."""
         for words in ("-j", 1), ():
-            process = self.begin(self.together, self.path, *words)
+            process = self.begin(1, self.path, *words)
             self.assertIn(f"{self.together} running", self.sweep(self.path, "--status"))
             said = self.stop(process, signal.SIGTERM, 75)
             self.assertIn("stopped, everything is saved: give the command again", said)
             self.assertEqual(len(list((self.out / "points").glob("*.parts"))), self.together)
             self.assertEqual(column(self.out, "status"), ["stopped"] * self.together + ["waiting"] * (8 - self.together))
         self.assertEqual(run("resume", self.out / "points/tilt=0,r=1.h5", "--quiet")[0], 0)
-        process = self.begin(1, self.path, "--no-lanes")
+        process = self.begin(1, self.path, "--no-lanes", "-j", 1)
         self.stop(process, signal.SIGINT, 75)
         self.finish("-j", 2)
         self.assertEqual(max(sessions(self.out).values()), 4)
 
     def test_crash(self):
         """Of a group that crashes each point is run again by itself."""
-        process = self.begin(self.together, self.path, "-j", 1)
+        process = self.begin(1, self.path, "-j", 1)
         os.kill(children(process.pid)[0], signal.SIGSEGV)
+        self.gate.open()
         _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 0, err)
         self.assertRegex(err, r"warning: the process that ran \d+ points side by side .*; they are run again one by one")
@@ -123,7 +124,7 @@ class Lanes(ReferenceTest):
     def test_crash_again(self):
         """Only the point that crashes by itself, too, has failed."""
         n = self.together
-        process = self.begin(n, self.path, "-j", 1, "--point", f"0-{n - 1}")
+        process = self.begin(1, self.path, "-j", 1, "--point", f"0-{n - 1}")
         first, = children(process.pid)
         os.kill(first, signal.SIGKILL)
         wait_for(lambda: (children(process.pid) or [first]) != [first])

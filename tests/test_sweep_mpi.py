@@ -4,7 +4,6 @@ mpirun passes USR1 on, and the job ends with status 75. On TERM (and INT) it pas
 a second, and ends with a status of its own: no more is asked of it here than that nothing is lost.
 """
 import csv
-import fcntl
 import os
 import pathlib
 import random
@@ -15,7 +14,7 @@ import tempfile
 import time
 import unittest
 
-from results_common import DECK, LONG, PROGRAM, assert_same, results, run, steps_for, wait_for
+from results_common import DECK, Gate, LONG, PROGRAM, assert_same, results, run, steps_for, wait_for
 
 MPIEXEC = os.environ["SLIPDISK_MPIEXEC"].split()
 POINTS, TIMING = 6, {"ns_per_step"}
@@ -32,17 +31,6 @@ def children(pid):
         if int(words[1]) == pid:
             found.append(int(stat.parent.name))
     return sorted(found)
-
-
-def is_locked(path):
-    try:
-        with open(path) as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except FileNotFoundError:
-        return False
-    except BlockingIOError:
-        return True
-    return False
 
 
 def is_alive(pid):
@@ -79,11 +67,11 @@ class Sweep(unittest.TestCase):
         status, _, err = run(*self.words, "-j", 1, "-o", self.reference)
         self.assertEqual(status, 0, err)
 
-    def start(self, ranks, *more):
+    def start(self, ranks, *more, env=None):
         self.log = open(self.folder.parent / "log", "a+")
         self.addCleanup(self.log.close)
         return subprocess.Popen([*MPIEXEC, "-n", str(ranks), PROGRAM, *self.words, "-o", str(self.folder), *more],
-                                stdout=self.log, stderr=self.log)
+                                stdout=self.log, stderr=self.log, env=env)
 
     def said(self):
         return (self.folder.parent / "log").read_text()
@@ -91,14 +79,9 @@ class Sweep(unittest.TestCase):
     def finish(self, ranks, status=0, *more):
         self.assertEqual(self.start(ranks, *more).wait(timeout=LONG), status, self.said())
 
-    def ranks_at_work(self, process, ranks, points):
-        """Their process ids, once so many points are run."""
-        def at_work():
-            self.assertIsNone(process.poll(), f"ended too soon\n{self.said()}")
-            locks = self.folder.glob("points/*.parts/lock")
-            return len(children(process.pid)) == ranks and sum(is_locked(path) for path in locks) == points
-
-        wait_for(at_work)
+    def ranks_at_work(self, process, ranks):
+        """Their process ids, once all wait at the gate."""
+        self.gate.wait(process, ranks)
         return children(process.pid)
 
     def results(self, folder=None):
@@ -144,9 +127,11 @@ class Sweep(unittest.TestCase):
         for path in self.folder.glob("points/*.h5"):  # always enough to do, however fast the machine
             if path.is_file():
                 path.unlink()
-        process = self.start(2) if self.lanes else self.start(2, "--no-lanes")
-        ranks = self.ranks_at_work(process, 2, POINTS if self.lanes else 2)
+        self.gate = Gate(self, self.folder)
+        process = self.start(2, *(() if self.lanes else ("--no-lanes",)), env=self.gate.environment)
+        ranks = self.ranks_at_work(process, 2)
         how(process.pid, ranks)
+        self.gate.open()
         found = process.wait(timeout=LONG)
         if status is None:
             self.assertNotEqual(found, 0, self.said())

@@ -25,9 +25,9 @@ class Interrupted(ReferenceTest):
     def setUpClass(cls):
         cls.make(three_disks(FOUR, steps_for(SECONDS), checkpoint=0.03))
 
-    def started(self, n, *words, **more):
+    def started(self, workers, *words, **more):
         alone = () if "--point" in words else ("--no-lanes",)
-        return self.begin(n, self.path, *alone, *words, **more)
+        return self.begin(workers, self.path, *alone, *words, **more)
 
     def unfinished(self):
         return sorted(p.name for p in (self.out / "points").glob("*.parts"))
@@ -39,7 +39,7 @@ class Interrupted(ReferenceTest):
         self.assertEqual(len(self.unfinished()), 2)
         self.assertEqual(column(self.out, "status"), ["stopped"] * 2 + ["waiting"] * 2)
         self.assertIn("2 waiting, 2 stopped", self.sweep(self.path, "--status"))
-        process = self.started(1)
+        process = self.started(2, "-j", 2)
         said = self.stop(process, signal.SIGTERM, 75)
         self.assertIn("stopped", said)
         self.finish("-j", 2)
@@ -72,6 +72,7 @@ class Interrupted(ReferenceTest):
             process = self.started(2, "-j", 2)
             victim = children(process.pid)[0]
             os.kill(victim, number)
+            self.gate.open()
             _, err = process.communicate(timeout=LONG)
             self.assertEqual(process.returncode, 3, err)
             self.assertIn(f"failed: the process that ran it {word and 'was ended by '}{word}".rstrip(), err)
@@ -88,6 +89,7 @@ class Interrupted(ReferenceTest):
         process = self.started(2, "-j", 2)
         victim = children(process.pid)[0]
         os.kill(victim, signal.SIGTERM)
+        self.gate.open()
         _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75, err)
         self.assertIn("3 of 4 points done", err)

@@ -152,8 +152,7 @@ class Killed(Until):
             self.result.unlink()
 
     def test_stopped_and_resumed(self):
-        process = start("run", *self.words, "-o", self.result)
-        wait_for(lambda: len(list(self.parts.glob("checkpoint-*.h5"))) > 1 or process.poll() is not None)
+        process = self.started(*self.words)
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 75, err)

@@ -81,11 +81,30 @@ if [ "$(id -u)" -ne 0 ]; then
   fi
   as_root=(sudo)
 fi
+
+# Waits while another apt is at work: apt-get itself waits for dpkg's lock, but not for that of the package lists.
+apt() {
+  local wait said
+  said=$(mktemp)
+  for wait in $(seq 240); do
+    # env: sudo drops the variables otherwise.
+    if { "${as_root[@]}" env LC_ALL=C DEBIAN_FRONTEND=noninteractive \
+        apt-get -o DPkg::Lock::Timeout=1200 "$@" 2>&1 >&3 | tee "$said" >&2; } 3>&1; then
+      rm -f "$said"
+      return
+    fi
+    grep -q 'Could not get lock' "$said" || break
+    if [ "$wait" = 1 ]; then echo "Another apt is at work: waiting for it"; fi
+    sleep "${SLIPDISK_APT_WAIT:-5}"
+  done
+  rm -f "$said"
+  return 1
+}
+
 echo "Packages to install: ${missing[*]}"
-# env: sudo drops the variable otherwise.
-"${as_root[@]}" apt-get update -q
+apt update -q
 find_missing # the name of clang's runtime is known for sure only now
-if ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"; then
+if ! apt install -q -y --no-install-recommends "${missing[@]}"; then
   echo "These packages could not be installed: ${missing[*]}" >&2
   exit 1
 fi

@@ -1,7 +1,7 @@
 /* calls.c: a library to preload (LD_PRELOAD) that lets calls of the C library on files below a folder go wrong.
  *
  *   INJECT_BELOW=FOLDER   files below this absolute path are concerned, no others
- *   INJECT_NAME=PATTERN   of these, only paths like this one (fnmatch)
+ *   INJECT_NAME=PATTERN   of these, only paths like this one (fnmatch, with @(A|B))
  *   INJECT_CALL=KIND,...  which calls are counted: of `any`, below; or writing, or any
  *   INJECT_FROM=program   calls from the program itself, not from its libraries; `library`: the others
  *   INJECT_WHEN=N         the N-th call, in each process, goes wrong,
@@ -9,7 +9,8 @@
  *   INJECT_DO=NUMBER      it fails with this errno; or
  *             short       it reads or writes half of what it was asked to; or
  *             kill        the process is killed before it; or
- *             torn        it writes half of what it was asked to, then the process is killed
+ *             torn        it writes half of what it was asked to, then the process is killed; or
+ *             wait        it notes a line in the file INJECT_GATE, and waits until that is gone or a signal was handled
  *   INJECT_BYTES=N        a full disk: what is written beyond N bytes fails with ENOSPC
  *   INJECT_CLOCK=SEED     the program's monotonic clock leaps by up to a second, on each rank at other times: a busy machine
  *   INJECT_LOG=FILE       one line per counted call, "KIND PATH"; with "! " before it when it went wrong
@@ -27,6 +28,7 @@
 #include <fnmatch.h>
 #include <limits.h>
 #include <link.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -52,10 +54,10 @@ static const char writing[] =
     "open,write,pwrite,fsync,truncate,allocate,rename,link,unlink,close,mkdir,rmdir,lock";
 
 /* Ends of a call, besides failing with an errno. */
-enum { GO_ON = 0, SHORT = -1, TORN = -2, KILL = -3 };
+enum { GO_ON = 0, SHORT = -1, TORN = -2, KILL = -3, WAIT = -4 };
 
 static bool ready;
-static const char *below, *pattern, *counted = "";
+static const char *below, *pattern, *gate, *counted = "";
 static long when, times = 1, calls;
 static int what;
 static long long budget = -1;
@@ -88,6 +90,7 @@ __attribute__((constructor)) static void begin(void) {
   not_library = from && strcmp(from, "program") == 0;
   below = getenv("INJECT_BELOW");
   pattern = getenv("INJECT_NAME");
+  gate = getenv("INJECT_GATE");
   const long seed = number("INJECT_CLOCK", 0);
   if (seed > 0) chance = 1000 * (uint64_t)seed + (uint64_t)number("OMPI_COMM_WORLD_RANK", 0) + 1;
   if (kind) counted = strcmp(kind, "writing") == 0 ? writing : strcmp(kind, "any") == 0 ? any : kind;
@@ -98,6 +101,7 @@ __attribute__((constructor)) static void begin(void) {
     what = strcmp(doing, "short") == 0  ? SHORT
            : strcmp(doing, "torn") == 0 ? TORN
            : strcmp(doing, "kill") == 0 ? KILL
+           : strcmp(doing, "wait") == 0 ? WAIT
                                         : atoi(doing);
   if (log)
     log_file = (int)syscall(SYS_openat, AT_FDCWD, log, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
@@ -117,10 +121,24 @@ static void die(void) {
   for (;;) pause();
 }
 
+/* Signals are let in only while it sleeps, so that none is missed. */
+static void wait_at_gate(void) {
+  const int note = gate ? (int)syscall(SYS_openat, AT_FDCWD, gate, O_WRONLY | O_APPEND | O_CLOEXEC) : -1;
+  if (note < 0) return;
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_BLOCK, &all, &before);
+  (void)!syscall(SYS_write, note, "\n", 1);
+  syscall(SYS_close, note);
+  const struct timespec moment = {0, 2000000};
+  while (syscall(SYS_faccessat, AT_FDCWD, gate, F_OK) == 0 && ppoll(NULL, 0, &moment, &before) == 0) continue;
+  pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
 static bool concerns(const char *path) {
   size_t n = strlen(below);
   if (strncmp(path, below, n) != 0 || (path[n] && path[n] != '/')) return false;
-  return !pattern || fnmatch(pattern, path, 0) == 0;
+  return !pattern || fnmatch(pattern, path, FNM_EXTMATCH) == 0;
 }
 
 static bool is_program(void) { return (uintptr_t)caller >= program_begin && (uintptr_t)caller < program_end; }
@@ -141,6 +159,10 @@ static int verdict(const char *kind, const char *path) {
   tell(kind, path, wrong);
   if (!wrong) return GO_ON;
   bool writes = is_among(kind, "write,pwrite");
+  if (what == WAIT) {
+    wait_at_gate();
+    return GO_ON;
+  }
   if (what == KILL || (what == TORN && !writes)) die();
   if (what == SHORT && !writes && !is_among(kind, "read,pread")) return GO_ON;
   return what;

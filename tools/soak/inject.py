@@ -27,12 +27,13 @@ class Fault:
     """What goes wrong: the n-th call of some kinds; see calls.c."""
     call: str = "any"
     when: int = 0
-    do: str = ""          # name of an errno, or short, kill, torn
+    do: str = ""          # name of an errno, or short, kill, torn, wait
     times: int = 1        # 0: for ever
     name: str = ""        # only paths like this one
     origin: str = ""      # program or library: only calls from there
     room: int = -1        # bytes that can be written
     log: str = ""
+    gate: str = ""        # wait: until this file is gone
 
     def settings(self):
         """The variables that are set, but for those that every trial has."""
@@ -49,6 +50,8 @@ class Fault:
             found["INJECT_FROM"] = self.origin
         if self.room >= 0:
             found["INJECT_BYTES"] = str(self.room)
+        if self.gate:
+            found["INJECT_GATE"] = str(self.gate)
         if self.log:
             found["INJECT_LOG"] = str(self.log)
         return found
