@@ -56,6 +56,8 @@ typedef struct sd_tile_wall {
   size_t pieces;           /* straight ones; 0: it is round */
   size_t first, own_first; /* of all pieces of walls, there and here */
   double radius, theta, surface;
+  double arc; /* radius of an arc, 0: it is none; a ring has no ends */
+  bool ring;
 } sd_tile_wall;
 
 /* The last disks of a model, where each part of them can be had by itself: the last packing, in slabs side by side along x, tile after
@@ -116,6 +118,9 @@ typedef struct sd_segment {
   double radius;      /* of an arc; its directions from the centre: of the ends, and between them */
   double first[2], last[2], middle[2];
   bool wide; /* an arc of more than half a turn */
+  /* of its start and end: number of the vertex, which pieces that meet there share, 0: none; ends of other walls are there */
+  uint32_t vertex[2];
+  bool meets[2];
 } sd_segment;
 
 /* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */

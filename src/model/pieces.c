@@ -5,6 +5,7 @@
 
 #include "model/arc.h"
 #include "model/bodies.h"
+#include "model/joints.h"
 
 bool model_moves_surfaces(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
@@ -57,5 +58,5 @@ sd_status model_find_pieces(sd_model *m) {
   assert(at == m->n_segments);
   for (size_t k = 0; k < m->n_segments; k++)
     assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
-  return SD_OK;
+  return joints_number(m);
 }

@@ -9,6 +9,7 @@
 #include "io/deck/deck.h"
 #include "io/deck/deck_parts.h"
 #include "io/deck/deck_result.h"
+#include "model/arc.h"
 #include "model/law_features.h"
 #include "slipdisk/deck.h"
 
@@ -135,6 +136,9 @@ static sd_tile_wall *map_walls(our_walls *ours, const deck_columns *t, sd_tile_w
     wall->known = true;
     wall->wall = w;
     wall->own_first = ours->first_segment[w];
+    const sd_wall *own = &ours->d->model->walls[w];
+    wall->arc = own->kind == SD_WALL_ARC ? own->radius : 0.0;
+    wall->ring = wall->arc > 0.0 && arc_is_ring(own);
     place_wall(ours, t, k, w);
   }
   return walls;
@@ -144,7 +148,15 @@ bool deck_contact_is_kept(const sd_contact_memory *c, const sd_tile_wall *wall) 
   return !wall || (wall->known && (wall->pieces == 0 || c->part - wall->first < wall->pieces));
 }
 
+/* R_b: negative inside a round wall or an arc, 0 of straight pieces and ends. */
+static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile_wall *wall) {
+  if (!wall) return b.radius;
+  if (wall->pieces == 0) return wall->radius;
+  return wall->ring || c->part - wall->first == 1 ? -c->side * wall->arc : 0.0;
+}
+
 void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, const sd_tile_wall *wall) {
+  const double rb = radius_of(c, b, wall);
   double shift = a.radius * a.shift; /* of lambda* */
   const double rolled = a.shift - (wall ? -wall->theta : b.shift);
   if (!wall) {
@@ -157,8 +169,11 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, cons
     shift += wall->radius > 0 ? -wall->surface : wall->surface; /* and a surface at 0 */
   }
   c->record.lambda_ref += shift;
-  if (c->record.rho_ref != 0.0)
-    c->record.rho_ref += law_arm(a.radius, wall ? wall->radius : b.radius) * rolled;
+  if (c->record.rho_ref != 0.0) {
+    c->record.rho_ref += law_arm(a.radius, rb) * rolled;
+    if (wall && rb != 0.0)
+      c->record.rho_ref += (rb > 0.0 ? 1.0 : -1.0) * wall->surface * (a.radius / (a.radius + rb));
+  }
   /* these are of the other run, or follow from the first forces, where a law has them */
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
   c->record.tau = c->record.pull = c->record.rho = c->record.roll = 0.0;

@@ -2,6 +2,7 @@
 #include "physics/system/halo.h"
 #include "physics/contact/evaluate.h"
 
+#include "physics/contact/joints.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/bodies.h"
@@ -32,25 +33,19 @@ static pair_input_w1 round_input(const engine *e, size_t k) {
   return in;
 }
 
-/* lever: at which the tangential force acts. */
-static pair_geometry_w1 present(const engine *e, size_t k, double *lever) {
+static pair_geometry_w1 present(const engine *e, size_t k, nearest_points_w1 *found, pair_input_w1 *in) {
   assert(k < e->work.pairs.count && e->work.pairs.a[k] != PAIR_PADDING);
-  pair_input_w1 in;
-  nearest_points_w1 found;
-  if (pairs_is_segment(&e->work.pairs, k)) {
-    nearest_of_w1(e, k, &in, &found);
-  } else {
-    in = round_input(e, k);
-  }
-  const pair_geometry_w1 g = pair_geometry_of_w1(&in);
-  const bool piece = pairs_is_segment(&e->work.pairs, k);
-  *lever = piece && found.flat[0] > 0.0 ? found.flat[0] : piece || e->work.conservative ? g.lever : 1.0;
-  return g;
+  if (pairs_is_segment(&e->work.pairs, k))
+    nearest_of_w1(e, k, in, found);
+  else
+    *in = round_input(e, k);
+  return pair_geometry_of_w1(in);
 }
 
 contact_geometry contact_geometry_of(const engine *e, size_t k) {
-  double lever;
-  const pair_geometry_w1 g = present(e, k, &lever);
+  nearest_points_w1 found;
+  pair_input_w1 in;
+  const pair_geometry_w1 g = present(e, k, &found, &in);
   return (contact_geometry){g.nx, g.ny, g.reach, g.lambda, g.turned};
 }
 
@@ -76,14 +71,17 @@ static void energies_of_general(const engine *e, size_t k, double delta, double 
 }
 
 /* Rolling displacement, as the passes have it. */
-static double rho_now(const sd_state *s, size_t a, size_t b) {
+static double rho_now(const engine *e, size_t k) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
+  if (pairs_is_segment(p, k)) return walls_rolled(s, a, b, joints_radius(e, k));
   const double ra = s->radius[a], rb = s->radius[b], arc = ra * s->theta[a];
-  return rb == 0.0 ? ra * (s->theta[a] - s->theta[b]) : (rb * arc - ra * body_arc(s, b)) / (ra + rb);
+  return (rb * arc - ra * body_arc(s, b)) / (ra + rb);
 }
 
 contact_energies contact_energies_of(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
-  const sd_state *s = e->state;
   const sd_contact_law *law = &e->model->laws[PAIR(p, k, law)];
   double delta = PAIR(p, k, overlap), zeta = PAIR(p, k, zeta), rho = p->more ? MORE(p, k, rho) : 0.0;
   if (e->model->integrator ==
@@ -91,7 +89,7 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
     const contact_geometry g = contact_geometry_of(e, k);
     delta = g.overlap;
     zeta = g.lambda - PAIR(p, k, lambda_ref);
-    if (p->more) rho = rho_now(s, (size_t)p->a[k], (size_t)p->b[k]) - MORE(p, k, rho_ref);
+    if (p->more) rho = rho_now(e, k) - MORE(p, k, rho_ref);
   }
   contact_energies u = {.normal = law_energy(law, fmax(delta, 0.0)),
                         .tangential = 0.5 * law->k_t * zeta * zeta};
@@ -99,29 +97,47 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
   return u;
 }
 
+/* Lever of tau, as the passes have it: (R_a + R_b)/r, 1 of straight pieces and with the paper's force. */
+static double lever_at(const contact_place *at, const pair_geometry_w1 *g) {
+  if (!at->piece) return at->conservative ? g->lever : 1.0;
+  return at->nearest.flat ? walls_lever(at->piece, &at->nearest, at->ra) : g->lever;
+}
+
+contact_reaction contact_reaction_at(const contact_place *at, double force, double tau, double roll) {
+  const pair_input_w1 in = {.dx = at->dx, .dy = at->dy, .sum = at->rb + at->ra};
+  const pair_geometry_w1 g = pair_geometry_of_w1(&in);
+  const contact_memory_w1 m = {.force = force, .tau = tau};
+  const contact_constants_w1 unused = {.k_t = 0.0};
+  contact_output_w1 out;
+  contact_force_w1(&g, &unused, lever_at(at, &g), LAW_GENERAL, &m, &out);
+  const double rb = at->piece ? walls_radius(at->piece, at->nearest.side) : at->rb;
+  const double couple = roll == 0.0 ? 0.0 : roll * law_arm(at->ra, rb);
+  const double turn = at->piece ? at->arm_x * out.fy - at->arm_y * out.fx - tau * at->ra : tau * at->rb;
+  return (contact_reaction){.nx = g.nx,
+                            .ny = g.ny,
+                            .fx = out.fx,
+                            .fy = out.fy,
+                            .torque_a = tau * at->ra + couple,
+                            .torque_b = turn - couple,
+                            .couple = couple};
+}
+
 contact_reaction contact_reaction_of(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
-  double lever;
-  const pair_geometry_w1 g = present(e, k, &lever);
-  const contact_constants_w1 law = {.k_t = e->work.laws[PAIR(p, k, law)].k_t};
-  const contact_memory_w1 m = {
-      .zeta = PAIR(p, k, zeta), .force = PAIR(p, k, force), .tau = p->more ? MORE(p, k, tau) : 0.0};
-  const double couple = p->more ? MORE(p, k, roll) * law_arm(s->radius[p->a[k]], s->radius[p->b[k]]) : 0.0;
-  contact_output_w1 out;
-  contact_force_w1(&g, &law, lever, e->work.features, &m, &out);
   const int32_t a = p->a[k], b = p->b[k];
-  const double rx = s->x[a] - s->x[b], ry = s->y[a] - s->y[b];
-  return (contact_reaction){.fx = out.fx,
-                            .fy = out.fy,
-                            .torque_a = out.tau * s->radius[a] + couple,
-                            .torque_b =
-                                (pairs_is_segment(p, k) ? rx * out.fy - ry * out.fx - out.tau * s->radius[a]
-                                                        : out.tau * s->radius[b]) -
-                                couple};
-}
-
-void contact_evaluate_again(engine *e, size_t k) {
-  assert(pairs_is_segment(&e->work.pairs, k) && k < e->work.pairs.count);
-  evaluate_segments_w1(e, &e->work.threads[0], k, 0);
+  const bool piece = pairs_is_segment(p, k);
+  nearest_points_w1 found;
+  pair_input_w1 in;
+  present(e, k, &found, &in);
+  contact_place at = {
+      .dx = in.dx, .dy = in.dy, .ra = s->radius[a], .rb = s->radius[b], .conservative = e->work.conservative};
+  if (piece) {
+    at.piece = &e->work.segments[p->part[k]];
+    at.nearest = found.q[0];
+    at.arm_x = s->x[a] - s->x[b];
+    at.arm_y = s->y[a] - s->y[b];
+  }
+  const double tau = p->more ? MORE(p, k, tau) : -(e->work.laws[PAIR(p, k, law)].k_t * PAIR(p, k, zeta));
+  return contact_reaction_at(&at, PAIR(p, k, force), tau, p->more ? MORE(p, k, roll) : 0.0);
 }

@@ -2,7 +2,7 @@
 #ifndef PHYSICS_EVALUATE_H
 #define PHYSICS_EVALUATE_H
 
-#include "physics/system/work.h"
+#include "physics/contact/walls.h"
 
 typedef struct contact_geometry {
   double nx, ny;  /* from a to b's surface */
@@ -12,17 +12,27 @@ typedef struct contact_geometry {
 } contact_geometry;
 
 contact_geometry contact_geometry_of(const engine *e, size_t pair);
-/* Force of a closed contact on b, and the torques about both centres, a wall's about its pivot. */
+/* Force of a closed contact on b, and the torques about both centres, a wall's about its pivot; normal from a to b's surface. The torques
+ * have the couple of rolling resistance: on a, the opposite on b. */
 typedef struct contact_reaction {
-  double fx, fy, torque_a, torque_b;
+  double nx, ny, fx, fy, torque_a, torque_b, couple;
 } contact_reaction;
+/* Where a contact is: what its force depends on beside F_n, tau and the rolling force. */
+typedef struct contact_place {
+  double dx, dy;               /* from a's centre to b's, or to the nearest point of a piece of a wall */
+  double ra, rb;               /* rb: negative inside a round wall, 0 of a piece */
+  double arm_x, arm_y;         /* from a wall's pivot to a's centre; of pieces */
+  const placed_segment *piece; /* NULL: b is round */
+  nearest_point nearest;       /* of the piece */
+  bool conservative;           /* the variant; pieces have the force of their energy in both */
+} contact_place;
+/* The force of a contact for all that is not in the passes: with their text and levers. */
+contact_reaction contact_reaction_at(const contact_place *at, double force, double tau, double roll);
 contact_reaction contact_reaction_of(const engine *e, size_t pair);
 /* Energies stored in closed contact k at the present coordinates. */
 typedef struct contact_energies {
   double normal, tangential, rolling, cohesion;
 } contact_energies;
 contact_energies contact_energies_of(const engine *e, size_t pair);
-/* The contact with a wall segment once more, after its record has changed: history only, no forces on the bodies. */
-void contact_evaluate_again(engine *e, size_t pair);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "physics/system/halo.h"
+#include "physics/contact/joints.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/box.h"
@@ -59,9 +60,9 @@ LANE_INLINE void round_pairs(engine *e, thread_work *mine, pair_block *b, size_t
 /* Whole vectors, as they stand in their blocks: the others' lanes may be another thread's. */
 static __attribute__((noinline)) void segments(engine *e, thread_work *mine, size_t begin, size_t end) {
   size_t at = begin;
-  while (at < end && at % VECTOR_WIDTH) evaluate_segments_w1(e, mine, at++, 1);
-  for (; at + VECTOR_WIDTH <= end; at += VECTOR_WIDTH) LANE(evaluate_segments)(e, mine, at, 1);
-  while (at < end) evaluate_segments_w1(e, mine, at++, 1);
+  while (at < end && at % VECTOR_WIDTH) evaluate_segments_w1(e, mine, at++);
+  for (; at + VECTOR_WIDTH <= end; at += VECTOR_WIDTH) LANE(evaluate_segments)(e, mine, at);
+  while (at < end) evaluate_segments_w1(e, mine, at++);
 }
 
 /* A copy for each kind of pass, so that what it does not do costs nothing. */

@@ -125,9 +125,6 @@ void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed,
   if (!v) return;
   v->dropped = dropped;
   v->was_closed = was_closed;
-  v->before = pairs_record(p, k);
-  v->slide_before = pairs_slide_sign(p, k);
-  v->side_before = p->side[k];
 }
 
 /* --- from one list to the next ------------------------------------------------------------------------------------------ */

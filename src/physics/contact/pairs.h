@@ -63,7 +63,7 @@ void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record);
 event *event_add(event_list *list, uint32_t index);
 /* A contact across the edge of a box that deforms. */
 void crossing_add(crossing_list *list, const crossing *c);
-/* Pair k, with the record of before the pass. */
+/* Pair k. */
 void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped);
 
 #endif

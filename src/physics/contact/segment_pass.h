@@ -45,6 +45,7 @@ LANE_INLINE LANE(mask)
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const int32_t a = p->a[at + l], b = p->b[at + l];
     nearest_point q = walls_nearest(&e->work.segments[p->part[at + l]], s->x[a], s->y[a]);
+    q.active = joints_active(e, at + l, &e->work.segments[p->part[at + l]], &q);
     row[DX][l] = q.dx;
     row[DY][l] = q.dy;
     /* velocity of the wall's material at that point */
@@ -114,18 +115,43 @@ LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(
       event_add_pair(&mine->events, p, at + l, true, 0.0);
 }
 
-/* Displacements of rolling on a wall, from the disk's angle and the wall's. */
-LANE_INLINE void LANE(rolled_on)(const sd_state *s, const pairs *p, size_t at, LANE(pair_geometry) * g) {
+/* Displacements of rolling on a wall, from the disk's angle and the wall's: an arc is a round wall. */
+LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_points) * found,
+                                 LANE(pair_geometry) * g) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
   double rho[LANE_WIDTH], rolls[LANE_WIDTH], arm[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) {
-    const int32_t a = p->a[at + l], b = p->b[at + l];
-    arm[l] = s->radius[a];
-    rho[l] = arm[l] * (s->theta[a] - s->theta[b]);
-    rolls[l] = arm[l] * (s->omega[a] - s->omega[b]);
+    const size_t a = (size_t)p->a[at + l], b = (size_t)p->b[at + l];
+    const double rb = walls_radius(&e->work.segments[p->part[at + l]], found->side[l]);
+    arm[l] = law_arm(s->radius[a], rb);
+    rho[l] = walls_rolled(s, a, b, rb);
+    rolls[l] = walls_rolling(s, a, b, rb);
   }
   g->rho = LANE(load)(rho);
   g->rolls = LANE(load)(rolls);
   g->arm = LANE(load)(arm);
+}
+
+/* Disks that go from one piece of a wall to the next take their contact along; which: lanes in which one may. */
+static __attribute__((noinline, cold)) bool LANE(hand_over)(engine *e, size_t at, unsigned which,
+                                                            unsigned closed) {
+  bool any = false;
+  for (size_t l = 0; l < LANE_WIDTH; l++)
+    if (which >> l & 1u && joints_hand_over(e, at + l, (closed >> l & 1u) != 0)) any = true;
+  return any;
+}
+
+LANE_INLINE LANE(mask) LANE(closed_before)(const pairs *p, size_t at) {
+  double row[LANE_WIDTH];
+  for (size_t l = 0; l < LANE_WIDTH; l++) row[l] = pairs_closed(p, at + l) ? 1.0 : 0.0;
+  return LANE(greater)(LANE(load)(row), LANE(splat)(0.0));
+}
+
+/* Contacts that would last, closed or not. */
+LANE_INLINE LANE(mask) LANE(lasts)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                   LANE(mask) active, const unsigned features) {
+  return LANE(contact_touches)(g, k, LANE(all_lanes)(1), features) & active & LANE(has_direction)(g);
 }
 
 LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(location) here,
@@ -141,26 +167,27 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
   LANE(constants_general)(w, here.b->law + here.l, features, k);
 }
 
-/* Without forces on the bodies: scatter is 0 where a step is evaluated again, with the memory of another segment. */
-LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at, const int scatter) {
+LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at) {
   work *w = &e->work;
   const LANE(location) here = {w->pairs.block + at / PAIR_BLOCK, at % PAIR_BLOCK};
   LANE(pair_input) in;
   LANE(nearest_points) found;
-  const LANE(mask) active = LANE(nearest_of)(e, at, &in, &found);
+  LANE(mask) active = LANE(nearest_of)(e, at, &in, &found);
   const unsigned features = w->features;
   LANE(contact_constants) k;
   LANE(constants_on_wall)(e, at, here, features, &k);
   LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
-  if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);
-  if (features & LAW_ROLLING) LANE(rolled_on)(e->state, &w->pairs, at, &g);
-  double closed_row[LANE_WIDTH];
-  unsigned slides = 0;
-  for (size_t l = 0; l < LANE_WIDTH; l++) {
-    closed_row[l] = pairs_closed(&w->pairs, at + l) ? 1.0 : 0.0;
-    slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
+  LANE(mask) was_closed = LANE(closed_before)(&w->pairs, at);
+  const LANE(mask) changes = was_closed ^ LANE(lasts)(&g, &k, active, features);
+  if (LANE(any)(changes) && LANE(hand_over)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
+    was_closed = LANE(closed_before)(&w->pairs, at);
+    active = LANE(nearest_of)(e, at, &in, &found);
+    g = LANE(pair_geometry_of)(&in);
   }
-  const LANE(mask) was_closed = LANE(greater)(LANE(load)(closed_row), LANE(splat)(0.0));
+  if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);
+  if (features & LAW_ROLLING) LANE(rolled_on)(e, at, &found, &g);
+  unsigned slides = 0;
+  for (size_t l = 0; l < LANE_WIDTH; l++) slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
   const LANE(mask) touching =
       LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
   const LANE(mask) closed = touching & was_closed;
@@ -187,7 +214,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
     LANE(store)(here.b->ex + here.l, m.ex);
     LANE(store)(here.b->ey + here.l, m.ey);
   }
-  if (scatter) LANE(scatter_segments)(e, at, &out);
+  LANE(scatter_segments)(e, at, &out);
   LANE(store_memory)(here, 0, &m, &out);
   if (features & LAW_GENERAL) LANE(store_more)(LANE(more_of)(w, here), here.l, features, &m, &out);
   LANE(store_sides)(&w->pairs, mine, at, touching, closed, &found);

@@ -71,7 +71,9 @@ static placed_segment place(const sd_segment *from, const wall_pose *w) {
                       .backwards = from->length < HUGE_VAL ? 0.0 : -HUGE_VAL,
                       .arc = from->arc,
                       .end_cap = from->end_cap,
-                      .joined = from->next >= 0};
+                      .joined = from->next >= 0,
+                      .shared = from->vertex[0] || from->vertex[1],
+                      .meets = from->meets[0] || from->meets[1]};
   point_of(w, from->start, &g.x, &g.y);
   turn_by(w->c, w->i, from->tangent, &g.tx, &g.ty);
   turn_by(w->c, w->i, from->previous, &g.px, &g.py);

@@ -70,6 +70,35 @@ static inline double walls_lever(const placed_segment *g, const nearest_point *q
   return sum / way;
 }
 
+/* R_b of the piece: of an arc that of a round wall, negative inside; 0: straight pieces and ends. side: of the disk. */
+static inline double walls_radius(const placed_segment *g, double side) {
+  return g->piece == SD_PIECE_CURVE ? -side * g->radius : 0.0;
+}
+
+/* Rolling displacement R_eff (theta_a - theta_b) of disk a on a piece of wall b whose radius is rb, as `rolled` has it. */
+static inline double walls_rolled(const sd_state *s, size_t a, size_t b, double rb) {
+  const double ra = s->radius[a], sum = ra + rb;
+  if (rb == 0.0) return ra * (s->theta[a] - s->theta[b]);
+  double arc = rb * s->theta[b];
+  if (s->n_surfaces > 0) arc += (rb < 0.0 ? -1.0 : 1.0) * s->surface[b - s->n_disks];
+  return (rb * (ra * s->theta[a]) - ra * arc) / (sum == 0.0 ? 1.0 : sum);
+}
+
+/* Its derivative. */
+static inline double walls_rolling(const sd_state *s, size_t a, size_t b, double rb) {
+  const double ra = s->radius[a], sum = ra + rb;
+  if (rb == 0.0) return ra * (s->omega[a] - s->omega[b]);
+  double spin = rb * s->omega[b];
+  if (s->n_surfaces > 0) spin += (rb < 0.0 ? -1.0 : 1.0) * s->surface_speed[b - s->n_disks];
+  return (rb * (ra * s->omega[a]) - ra * spin) / (sum == 0.0 ? 1.0 : sum);
+}
+
+/* Arc length at an end of a piece; end 0: where it starts. */
+static inline double walls_arc_at(const placed_segment *g, int end) {
+  if (g->piece == SD_PIECE_CURVE) return g->arc + (end ? 0.5 : -0.5) * g->length;
+  return g->arc + (end ? g->length : 0.0);
+}
+
 static inline nearest_point walls_nearest(const placed_segment *g, double x, double y) {
   return g->piece == SD_PIECE_STRAIGHT ? walls_nearest_straight(g, x, y) : walls_nearest_arc(g, x, y);
 }

@@ -24,6 +24,13 @@ static bool suits_walls(const sd_model *m) {
   return suits;
 }
 
+/* A joint of two walls is looked at in the pass over pieces. */
+static bool walls_meet(const sd_model *m) {
+  for (size_t k = 0; k < m->n_segments; k++)
+    if (m->segments[k].meets[0] || m->segments[k].meets[1]) return true;
+  return false;
+}
+
 static bool suits_motion(const sd_model *m, const sd_motion *motion) {
   if (motion_is_feedback(motion)) return false;
   for (size_t b = 0; b < motion->n_bodies; b++) {
@@ -44,7 +51,8 @@ bool lanes_suit(const sd_model *m) {
   if (m->n_free < 1 || m->n_free > LANES_FREE || m->n_disks + m->n_walls > LANES_BODIES ||
       count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES || !suits_walls(m) ||
       m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 || m->n_fields > 0 ||
-      m->n_clumps > 0 || model_moves_surfaces(m) || (m->n_segments > 0 && laws_features(m) & LAW_GENERAL) ||
+      m->n_clumps > 0 || model_moves_surfaces(m) || walls_meet(m) ||
+      (m->n_segments > 0 && laws_features(m) & LAW_GENERAL) ||
       (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
     return false;
   bool suits = true;

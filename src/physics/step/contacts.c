@@ -17,6 +17,7 @@
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"
 #include "physics/contact/evaluate.h"
+#include "physics/contact/joints.h"
 #include "physics/contact/losses.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
@@ -66,50 +67,6 @@ static void rebase(engine *e, size_t k) {
   }
 }
 
-/* The event of this step in which the disk's contact with a piece next to k's opened, NULL: none. */
-static event *left_next_piece(engine *e, size_t k) {
-  const pairs *p = &e->work.pairs;
-  const sd_segment *pieces = e->model->segments;
-  int64_t here = p->part[k];
-  const event_list *events = &e->work.threads[0].events;
-  for (size_t n = 0; n < events->count; n++) {
-    event *v = &events->item[n];
-    bool opened = pairs_is_segment(p, v->index) && v->was_closed && !pairs_closed(p, v->index);
-    if (!opened || p->a[v->index] != p->a[k] || v->transferred) continue;
-    int64_t there = p->part[v->index];
-    if (pieces[there].next == here || pieces[here].next == there) return v;
-  }
-  return NULL;
-}
-
-/* The arc length runs on through a vertex, so a disk that passes from one segment to the next keeps lambda*.
- * False: it comes from no other segment. */
-static bool transfer_history(engine *e, size_t k) {
-  pairs *p = &e->work.pairs;
-  event *v = left_next_piece(e, k);
-  assert(pairs_is_segment(p, k));
-  if (!v) return false;
-  assert(v->index != k && !v->transferred && fabs(v->side_before) == 1.0);
-  /* around the joint of a closed polyline the arc length jumps by its whole */
-  const sd_segment *there = &e->model->segments[p->part[v->index]], *here = &e->model->segments[p->part[k]];
-  double jump = 0.0;
-  if (there->next == p->part[k] && here <= there) jump = there->arc + there->length - here->arc;
-  if (here->next == p->part[v->index] && there <= here) jump = -(here->arc + here->length - there->arc);
-  sd_contact_record record = v->before;
-  record.lambda_ref -= v->side_before * jump;
-  record.viscous = record.friction = record.nonconservative_work = record.rolling =
-      0.0; /* these stay with the segment that it left */
-  record.turned = 0.0;
-  pairs_set_record(p, k, &record);
-  pairs_set_flags(p, k, true, v->slide_before);
-  p->side[k] = v->side_before;
-  v->transferred = true;
-  /* the losses of this step are those of one contact, from the segment it left to this one */
-  contact_evaluate_again(e, k);
-  assert(pairs_closed(p, k));
-  return true;
-}
-
 static void book_opening(engine *e, size_t k, double energy) {
   sd_state *s = e->state;
   int32_t a = e->work.pairs.a[k], b = e->work.pairs.b[k];
@@ -142,7 +99,7 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
   if (!pairs_closed(p, k)) {
     assert(PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0 && PAIR(p, k, force) == 0.0);
     losses_end(e, p, k);
-    if (v->was_closed && !v->transferred) book_opening(e, k, v->dropped);
+    if (v->was_closed && !v->unbooked) book_opening(e, k, v->dropped);
     return SD_OK;
   }
   if (v->was_closed && halo_is_ghost(e, (size_t)p->b[k])) {
@@ -150,7 +107,7 @@ static sd_status pair_event(engine *e, const event *v, sd_messages *messages) {
       return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   } else if (v->was_closed)
     rebase(e, k);
-  else if (v->dropped != 0.0 && !v->transferred)
+  else if (v->dropped != 0.0)
     losses_share(e, e->state->loss_bridge, p->a[k], p->b[k], v->dropped);
   return check_overlap(e, k, messages);
 }
@@ -169,7 +126,7 @@ static double wrap_surface(engine *e, uint32_t i) {
 /* The reference of rolling follows the angle of body i, and the surface of a round wall. */
 static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double slid) {
   pairs *p = &e->work.pairs;
-  const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]], arm = law_arm(ra, rb);
+  const double ra = e->state->radius[p->a[k]], rb = joints_radius(e, k), arm = law_arm(ra, rb);
   MORE(p, k, rho_ref) -= (uint32_t)p->a[k] == i ? arm * turn : -(arm * turn);
   if (slid != 0.0 && rb != 0.0) MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
@@ -295,11 +252,6 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
   if (collect(e) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   event_list *events = &w->threads[0].events, *returns = &w->threads[0].returns;
   for (size_t n = 1; n < events->count; n++) assert(events->item[n - 1].at <= events->item[n].at);
-  for (size_t n = 0; n < events->count; n++) {
-    const event *v = &events->item[n];
-    if (pairs_is_segment(&w->pairs, v->index) && !v->was_closed && pairs_closed(&w->pairs, v->index))
-      events->item[n].transferred = transfer_history(e, v->index);
-  }
   for (size_t n = 0; n < events->count; n++) {
     event v = events->item[n];
     sd_status s = pair_event(e, &v, messages);

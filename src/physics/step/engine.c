@@ -384,7 +384,7 @@ static size_t drop_apart(engine *e) {
     for (size_t k = 0; k < w->threads[t].events.count; k++) {
       event *v = &w->threads[t].events.item[k];
       if (pairs_closed(&w->pairs, v->index)) continue;
-      v->transferred = true;
+      v->unbooked = true;
       assert(v->was_closed);
       dropped += halo_counts(e, v->index);
     }

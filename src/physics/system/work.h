@@ -154,6 +154,7 @@ typedef struct placed_segment {
   double backwards; /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
   double arc;
   bool end_cap, joined, wide;
+  bool shared, meets; /* one of its ends is another piece's, too; one of another wall */
   sd_piece piece;
   double c, i;                           /* cosine and sine of the wall's angle; 0, 0: not placed yet */
   double radius, fx, fy, lx, ly, mx, my; /* arc: of its first and last end, and of the middle between */
@@ -166,10 +167,7 @@ typedef struct event {
   uint64_t at;     /* place in the order of events; contacts_events */
   double dropped;  /* energy left in a contact that opened, or lost in a bridge that formed */
   bool was_closed; /* before the pass */
-  int slide_before;
-  sd_contact_record before;
-  double side_before;
-  bool transferred; /* ended: the history went to the next segment of the wall */
+  bool unbooked;   /* ended, but never touched here */
 } event;
 
 typedef struct event_list {
