@@ -11,7 +11,7 @@
 #include "physics/system/bodies.h"
 #include "physics/step/contacts.h"
 #include "physics/step/engine.h"
-#include "physics/contact/walls.h"
+#include "physics/contact/evaluate.h"
 
 /* --- frame -------------------------------------------------------------------------------------------- */
 
@@ -37,14 +37,15 @@ sd_status frame_data_contacts(frame_data *f, size_t n, sd_messages *messages) {
   f->overlap = calloc(n + 1, sizeof *f->overlap);
   f->force = calloc(n + 1, sizeof *f->force);
   f->tau = calloc(n + 1, sizeof *f->tau);
+  f->roll = calloc(n + 1, sizeof *f->roll);
   f->slide = calloc(n + 1, sizeof *f->slide);
-  if (f->a && f->b && f->part && f->overlap && f->force && f->tau && f->slide) return SD_OK;
+  if (f->a && f->b && f->part && f->overlap && f->force && f->tau && f->roll && f->slide) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
 }
 
 void frame_data_free(frame_data *f) {
   void *all[] = {f->position, f->velocity, f->angle,   f->spin,  f->activity, f->image, f->a,
-                 f->b,        f->part,     f->overlap, f->force, f->tau,      f->slide};
+                 f->b,        f->part,     f->overlap, f->force, f->tau,      f->roll,  f->slide};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
   *f = (frame_data){0};
 }
@@ -82,6 +83,7 @@ static void fill_contact(frame_data *f, size_t k, const sd_model *materials, con
   f->force[k] = s->contact_force[k];
   f->tau[k] = configuration_tau_of(materials, s, k, configuration_material(materials, a),
                                    configuration_material(materials, b));
+  f->roll[k] = s->law_columns ? s->contact_roll[k] : 0.0;
   f->slide[k] = s->contact_slide[k];
 }
 
@@ -289,55 +291,49 @@ static placed_segment place(const sd_model *m, uint32_t part) {
   return g;
 }
 
-/* Vector from a's centre to the centre of a round b, or to the nearest point of a straight piece; in `sum` R_a + R_b
- * as the law has it (negative inside a drum); corner: the nearest point is an end of a piece. */
-static void distance_of(const configuration *c, const config_contact *k, double d[2], double *sum,
-                        bool *corner) {
+/* g: the piece of a wall. */
+static contact_place place_of(const configuration *c, const config_contact *k, placed_segment *g) {
   const sd_model *m = c->model;
   const sd_disk *a = &m->disks[k->a];
   const sd_wall *wall = k->b < m->n_disks ? NULL : &m->walls[k->b - m->n_disks];
-  *sum = a->radius;
-  *corner = false;
+  contact_place at = {.ra = a->radius, .conservative = m->variant == SD_CONSERVATIVE};
   if (wall && wall->kind != SD_WALL_CIRCLE) {
-    placed_segment g = place(m, k->part);
-    nearest_point q = walls_nearest(&g, a->position[0], a->position[1]);
-    d[0] = q.dx;
-    d[1] = q.dy;
-    *corner = !q.flat;
-    return;
+    *g = place(m, k->part);
+    at.piece = g;
+    at.nearest = walls_nearest(g, a->position[0], a->position[1]);
+    at.dx = at.nearest.dx;
+    at.dy = at.nearest.dy;
+    at.arm_x = a->position[0] - wall->pivot[0];
+    at.arm_y = a->position[1] - wall->pivot[1];
+    return at;
   }
-  for (int x = 0; x < 2; x++) {
-    double at = wall ? wall->pivot[x] : m->disks[k->b].position[x];
-    d[x] = at - a->position[x];
-  }
+  double d[2];
+  for (int x = 0; x < 2; x++) d[x] = (wall ? wall->pivot[x] : m->disks[k->b].position[x]) - a->position[x];
   configuration_nearest(c, d);
-  *sum += !wall ? m->disks[k->b].radius : wall->inside ? -wall->radius : wall->radius;
+  at.dx = d[0];
+  at.dy = d[1];
+  at.rb = !wall ? m->disks[k->b].radius : wall->inside ? -wall->radius : wall->radius;
+  return at;
 }
 
-/* Directions, branch and force from poses, F_n and tau. */
+/* Directions, branch and force from poses, F_n, tau and the rolling force. */
 static void complete(const configuration *c, config_contact *k) {
   const sd_model *m = c->model;
   const sd_disk *a = &m->disks[k->a];
-  double d[2], sum;
-  bool corner;
-  distance_of(c, k, d, &sum, &corner);
-  double r = hypot(d[0], d[1]);
-  bool straight = k->b >= m->n_disks && m->walls[k->b - m->n_disks].kind != SD_WALL_CIRCLE;
-  /* inside a drum the wall is away from its centre; a centre beyond a straight wall is pushed back through it */
-  double sign = sum < 0.0 || (straight && k->overlap > a->radius) ? -1.0 : 1.0;
-  k->nx = r > 0.0 ? sign * d[0] / r : 0.0;
-  k->ny = r > 0.0 ? sign * d[1] / r : 0.0;
+  placed_segment g;
+  const contact_place at = place_of(c, k, &g);
+  const contact_reaction r = contact_reaction_at(&at, k->force, isfinite(k->tau) ? k->tau : 0.0, k->roll);
+  k->nx = r.nx;
+  k->ny = r.ny;
   bool free = configuration_is_free(c, k->b);
   double to_point = a->radius - (free ? 0.5 : 1.0) * k->overlap;
   k->x = a->position[0] + to_point * k->nx;
   k->y = a->position[1] + to_point * k->ny;
-  k->lx = free ? d[0] : to_point * k->nx;
-  k->ly = free ? d[1] : to_point * k->ny;
-  double tau = isfinite(k->tau) ? k->tau : 0.0;
-  /* at corners of walls the tangential force is that of its energy in both variants (kernel_pairs.c) */
-  if ((corner || (m->variant == SD_CONSERVATIVE && !straight)) && r > 0.0) tau *= fabs(sum) / r;
-  k->fx = k->force * k->nx + tau * k->ny;
-  k->fy = k->force * k->ny - tau * k->nx;
+  k->lx = free ? at.dx : to_point * k->nx;
+  k->ly = free ? at.dy : to_point * k->ny;
+  k->fx = r.fx;
+  k->fy = r.fy;
+  k->couple = r.couple;
   const sd_contact_law *law =
       sd_model_law(m, configuration_material(m, k->a), configuration_material(m, k->b));
   k->mu = law->mu;
@@ -365,6 +361,7 @@ static sd_status take_contacts(configuration *c, const sd_model *from, const fra
                                                     .overlap = f->overlap[k],
                                                     .force = f->force[k],
                                                     .tau = f->tau[k],
+                                                    .roll = f->roll[k],
                                                     .slide = f->slide[k]};
   }
   return SD_OK;

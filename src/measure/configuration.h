@@ -36,6 +36,7 @@ typedef struct frame_data {
   size_t n_contacts;
   uint32_t *a, *b, *part; /* body numbers of the run */
   double *overlap, *force, *tau;
+  double *roll; /* rolling force; 0 where it is not stored */
   int32_t *slide;
 } frame_data;
 
@@ -59,8 +60,9 @@ typedef struct config_contact {
   double x, y; /* the point of contact */
   double fx, fy; /* force on b, without the tangential one where tau is NAN */
   double overlap, force, tau, mu;
-  double k_t;  /* tau = -k_t zeta; 0: it is not */
-  double push; /* normal force without attraction, to which friction is limited */
+  double roll, couple; /* rolling force, and its torque on a, of opposite sign on b */
+  double k_t;          /* tau = -k_t zeta; 0: it is not */
+  double push;         /* normal force without attraction, to which friction is limited */
   int slide;
 } config_contact;
 

@@ -187,8 +187,8 @@ static void add_group_forces(exact_sum *rows, const double (*centre)[2], const p
       absolute(c, p->state, slot_of(p, c, body[x]), at);
       exact_sum_add(&row[FORCE_X], fx);
       exact_sum_add(&row[FORCE_Y], fy);
-      exact_sum_add(&row[TORQUE],
-                    (at[0] - g[0]) * fy - (at[1] - g[1]) * fx + c->model->disks[body[x]].radius * q->tau);
+      const double turn = c->model->disks[body[x]].radius * q->tau - sign * q->couple;
+      exact_sum_add(&row[TORQUE], (at[0] - g[0]) * fy - (at[1] - g[1]) * fx + turn);
     }
   }
 }

@@ -228,6 +228,8 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   };
   for (size_t k = 0; r->status == SD_OK && k < sizeof columns / sizeof *columns; k++)
     r->status = h5_get(r->file, columns[k].path, columns[k].type, n, columns[k].data, r->messages);
+  if (r->status == SD_OK && has_tau && rows_of(r->file, "/state/contact_roll") == n)
+    r->status = h5_get(r->file, "/state/contact_roll", SD_F64, n, f->roll, r->messages);
   for (size_t k = 0; r->status == SD_OK && k < n; k++) {
     if (f->a[k] >= m->n_disks || f->b[k] >= sd_model_bodies(m))
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the contacts of the state are damaged");
