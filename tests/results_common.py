@@ -86,14 +86,16 @@ class Gate:
     step: before the part of the series that follows. It goes on when the gate is opened, or after a signal that it
     handles."""
 
-    def __init__(self, test, below):
+    def __init__(self, test, below, when=0):
+        """when: not there, but before the when-th part that the process writes of whatever point."""
         self.file = tempfile.NamedTemporaryFile(prefix="slipdisk-gate-")
         test.addCleanup(self.file.close)
         last = {}
         for path in pathlib.Path(below).rglob("part-*.h5"):
             last[path.parent.name] = max(last.get(path.parent.name, 0), int(path.stem.split("-")[1]))
         part = "|".join([f"{folder}/part-{n + 2:06d}.h5" for folder, n in last.items()] + ["part-000003.h5"])
-        fault = Fault(call="rename", name=f"*/@({part})", when=1, do="wait", gate=self.file.name)
+        fault = Fault(call="rename", name="*/part-*.h5" if when else f"*/@({part})", when=when or 1, do="wait",
+                      gate=self.file.name)
         self.environment = fault.environment(CALLS, below)
 
     def wait(self, process, count=1):

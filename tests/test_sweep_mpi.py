@@ -127,7 +127,7 @@ class Sweep(unittest.TestCase):
         for path in self.folder.glob("points/*.h5"):  # always enough to do, however fast the machine
             if path.is_file():
                 path.unlink()
-        self.gate = Gate(self, self.folder)
+        self.gate = Gate(self, self.folder, when=2)
         process = self.start(2, *(() if self.lanes else ("--no-lanes",)), env=self.gate.environment)
         ranks = self.ranks_at_work(process, 2)
         how(process.pid, ranks)

@@ -57,7 +57,7 @@ typedef struct LANE(pair_geometry) {
   LANE(real) lambda;        /* from the reference direction */
   LANE(real) turned, sine2; /* angle from e to n, its squared sine */
   LANE(real) lever;         /* (R_a + R_b)/r */
-  LANE(real) slide;         /* dlambda/dt; where dashpots want it */
+  LANE(real) slide;         /* dlambda/dt; where dashpots want it, or a contact begins */
   LANE(real) rho, rolls;    /* R_eff (theta_a - theta_b), its derivative, R_eff: where rolling wants it */
   LANE(real) arm;
 } LANE(pair_geometry);
@@ -258,17 +258,17 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g, const LANE
   LANE(normal_history)(g, k, touching, closed, features, m, out, &limit);
   now = m->overlap;
   m->overlap = was;
-  LANE(tangential_history)(g, k, closed, LANE(max)(now, zero), limit, features, m, out);
+  LANE(tangential_history)(g, k, touching, LANE(max)(now, zero), limit, features, m, out);
   m->overlap = now;
   out->work = paper ? half * (torn + m->tau * m->overlap) * (g->turned - m->turned) : zero;
   m->turned = paper ? g->turned : zero;
   if (!(features & LAW_ROLLING)) return;
-  LANE(rolling_history)(g, k, closed, limit, m, out);
+  LANE(rolling_history)(g, k, touching, limit, m, out);
   out->couple = m->roll * g->arm;
 }
 
-/* History of a step. closed: contacts that have a memory and touch; touching: these, and those that begin. paper: the
- * paper's tangential force, tau instead of tau (R_a + R_b)/r. */
+/* History of a step. touching: contacts with a memory, also those that contact_begin has given one; closed: these without
+ * those. paper: the paper's tangential force, tau instead of tau (R_a + R_b)/r. */
 LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                        LANE(mask) touching, LANE(mask) closed, const int paper,
                                        const unsigned features, LANE(contact_memory) * m,
@@ -288,7 +288,7 @@ LANE_INLINE void LANE(contact_history)(const LANE(pair_geometry) * g, const LANE
                           LANE(max)(elastic - LANE(law_damping)(k, delta, features) * g->approach, zero));
 
   /* tangential displacement, and Amonton's cap */
-  LANE(real) zeta = LANE(mask_zero)(closed, g->lambda - m->lambda_ref), cap = k->cap * force;
+  LANE(real) zeta = LANE(mask_zero)(touching, g->lambda - m->lambda_ref), cap = k->cap * force;
   LANE(real) capped = LANE(max)(LANE(min)(zeta, cap), -cap), slip = zeta - capped;
 
   /* losses */
@@ -324,71 +324,111 @@ LANE_INLINE void LANE(contact_step)(const LANE(pair_geometry) * g, const LANE(co
   LANE(contact_force)(g, k, lever, features, m, out);
 }
 
-/* As contact_begin_end, of what only general laws have. */
-LANE_INLINE void LANE(general_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                         LANE(mask) touching, LANE(mask) closed, LANE(mask) was_closed,
-                                         LANE(real) dt, const unsigned features,
-                                         const LANE(contact_memory) * before, LANE(contact_memory) * m,
-                                         LANE(contact_output) * out) {
-  const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
-  const LANE(real) zero = LANE(splat)(0.0), half = LANE(splat)(0.5);
-  LANE(real)
-  firm = LANE(select)(LANE(greater)(k->mindlin, zero), LANE(sqrt)(LANE(max)(before->overlap, zero)),
-                      LANE(splat)(1.0));
-  LANE(real) left = k->half_k_t * firm * before->zeta * before->zeta; /* in the tangential spring */
-  if (features & LAW_ROLLING) left = left + half * k->k_r * before->rho * before->rho;
-  out->dropped = out->viscous + left;
-  if (features & (LAW_COHESION | LAW_PULLS)) { /* a force that pulls works over the whole way of the step */
-    const LANE(mask) pulls = LANE(greater)(k->cohesion.pull_off, zero) | k->pulls;
-    LANE(real) apart = half * before->force * (g->reach - before->overlap);
-    out->dropped =
-        LANE(select)(pulls, LANE(normal_energy)(k, before->overlap, features) + apart + left, out->dropped);
+/* --- contacts that begin and end ------------------------------------------------------------------------- */
+
+/* Time since the surfaces met, within this step: delta/(-u_n). 0 where they cannot have met in it, as at the start of a
+ * run, or where attraction begins at a gap. */
+LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(real) dt) {
+  const LANE(real) zero = LANE(splat)(0.0), closing = -g->approach;
+  const LANE(real) since = LANE(max)(g->reach, zero) / LANE(max)(closing, LANE(splat)(1e-290));
+  const LANE(mask) within = LANE(greater)(closing, zero) & LANE(greater)(2.0 * dt, since);
+  return LANE(mask_zero)(within, LANE(min)(since, dt));
+}
+
+/* Before the step of contacts that begin: lambda* and rho* are those of the moment of touch, found by going back along the
+ * velocities (physics.md 2). Taken at the end of the step they would lack the way since then. */
+LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g, LANE(mask) begun, LANE(real) dt,
+                                     const unsigned features, LANE(contact_memory) * m) {
+  const LANE(real) since = LANE(since_touch)(g, dt);
+  m->lambda_ref = LANE(select)(begun, g->arc - g->slide * since, m->lambda_ref);
+  if (features & LAW_ROLLING) m->rho_ref = LANE(select)(begun, g->rho - g->rolls * since, m->rho_ref);
+}
+
+/* A spring and its dashpot in the step in which their contact begins or ends. */
+typedef struct LANE(edge_spring) {
+  LANE(real) stiffness, q, force; /* force = -(stiffness q + drag): after a begin, before an end */
+  LANE(real) way;                 /* by which the surfaces move in the whole step */
+} LANE(edge_spring);
+
+/* The trapezoid of its work goes over the whole step, though the contact was there for a part of it. What the spring neither
+ * takes nor stores is lost by sliding; most of it comes back at the other end of the contact. Returns the loss of the dashpot. */
+LANE_INLINE LANE(real)
+    LANE(edge_losses)(const LANE(edge_spring) * s, LANE(mask) begun, LANE(real) * sliding) {
+  const LANE(real) half = LANE(splat)(0.5), pull = s->stiffness * s->q;
+  *sliding = half * pull * (s->way - LANE(mask_zero)(begun, s->q));
+  return -half * (s->force + pull) * s->way;
+}
+
+LANE_INLINE LANE(real) LANE(edge_stored)(const LANE(edge_spring) * s) {
+  return 0.5 * s->stiffness * s->q * s->q;
+}
+
+/* As contact_begin_end, of the tangential spring and of rolling. Adds to the losses of edges; out->dropped: the energy left. */
+LANE_INLINE void LANE(springs_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                         LANE(mask) begun, LANE(mask) edge, LANE(real) dt,
+                                         const unsigned features, const LANE(contact_memory) * before,
+                                         const LANE(contact_memory) * m, LANE(contact_output) * out) {
+  const LANE(real) k_t = k->half_k_t + k->half_k_t;
+  LANE(edge_spring)
+  s = {.stiffness = k_t,
+       .q = LANE(select)(begun, m->zeta, before->zeta),
+       .way = LANE(select)(begun, g->slide * dt, g->lambda - before->lambda_ref - before->zeta)};
+  LANE(real) sliding;
+  if (features & LAW_MINDLIN) {
+    const LANE(real) deep = LANE(max)(LANE(select)(begun, m->overlap, before->overlap), LANE(splat)(0.0));
+    s.stiffness = LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), k_t * LANE(sqrt)(deep), k_t);
   }
-  if (features & LAW_COHESION) {
-    const LANE(mask) pulls = LANE(greater)(k->cohesion.pull_off, zero);
-    const LANE(real) formed = LANE(mask_zero)(begun, LANE(bridge_energy)(&k->cohesion));
-    /* attraction was there from the beginning: the trapezoid has half of it */
-    out->viscous =
-        out->viscous - LANE(mask_zero)(begun & pulls, LANE(cohesion_energy)(&k->cohesion, m->overlap) +
-                                                          formed + half * m->pull * m->overlap);
-    out->bridge = formed;
-  }
-  /* dashpots, likewise, from the beginning */
-  if (features & LAW_DASHPOT)
-    out->viscous = out->viscous - LANE(mask_zero)(begun, half * m->tau * (g->slide * dt));
-  if (features & LAW_ROLLING)
-    out->viscous = out->viscous - LANE(mask_zero)(begun, half * m->roll * (g->rolls * dt));
-  out->rolling = LANE(mask_zero)(closed, out->rolling);
-  m->rho_ref = LANE(mask_zero)(touching, LANE(select)(closed, m->rho_ref, g->rho));
-  m->tau = LANE(mask_zero)(touching, m->tau);
-  m->pull = LANE(mask_zero)(touching, m->pull);
-  m->rho = LANE(mask_zero)(touching, m->rho);
-  m->roll = LANE(mask_zero)(touching, m->roll);
-  out->dropped = LANE(mask_zero)(opened, out->dropped);
+  s.force = features & LAW_GENERAL ? LANE(select)(begun, m->tau, before->tau) : -(s.stiffness * s.q);
+  out->viscous = out->viscous + LANE(mask_zero)(edge, LANE(edge_losses)(&s, begun, &sliding));
+  out->friction = LANE(select)(edge, sliding, out->friction);
+  out->dropped = LANE(edge_stored)(&s);
+  if (!(features & LAW_ROLLING)) return;
+  s = (LANE(edge_spring)){.stiffness = k->k_r,
+                          .q = LANE(select)(begun, m->rho, before->rho),
+                          .force = LANE(select)(begun, m->roll, before->roll),
+                          .way = LANE(select)(begun, g->rolls * dt, g->rho - before->rho_ref - before->rho)};
+  out->viscous = out->viscous + LANE(mask_zero)(edge, LANE(edge_losses)(&s, begun, &sliding));
+  out->rolling = LANE(select)(edge, sliding, out->rolling);
+  out->dropped = out->dropped + LANE(edge_stored)(&s);
 }
 
 /* The rest of a step in which contacts begin or end; before: what they remembered; bent: dt^2/2 times the relative
  * acceleration of the centres along n before the step, by which the way of the step is shorter than u_n dt.
  *
  * The force with which a contact begins works over the whole way of the step, not only over the part of it on which
- * the disks overlap. The energy left in a contact that opens is booked as such. */
+ * the disks overlap, and so does that with which it ends: the losses of both make up for each other, so that the budget of
+ * elastic contacts does not drift. The energy left in the springs of a contact that opens is booked as such. */
 LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                         LANE(mask) touching, LANE(mask) closed, LANE(mask) was_closed,
-                                         LANE(real) dt, LANE(real) bent, const unsigned features,
+                                         LANE(mask) touching, LANE(mask) was_closed, LANE(real) dt,
+                                         LANE(real) bent, const unsigned features,
                                          const LANE(contact_memory) * before, LANE(contact_memory) * m,
                                          LANE(contact_output) * out) {
   const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
-  LANE(real) rise = m->overlap - before->overlap, half = LANE(splat)(0.5);
-  out->dropped = LANE(mask_zero)(opened, out->viscous + k->half_k_t * before->zeta * before->zeta);
-  if (features & LAW_GENERAL)
-    LANE(general_begin_end)(g, k, touching, closed, was_closed, dt, features, before, m, out);
-  LANE(real) way = LANE(mask_zero)(begun, -(g->approach * dt - bent) - rise);
-  out->viscous = LANE(mask_zero)(touching, out->viscous + half * m->force * way);
-  out->friction = LANE(mask_zero)(closed, out->friction);
-  out->work = LANE(mask_zero)(closed, out->work);
-  /* lambda* = lambda and e = n where it begins */
-  m->lambda_ref = LANE(mask_zero)(touching, LANE(select)(closed, m->lambda_ref, g->arc));
-  m->turned = LANE(mask_zero)(closed, m->turned);
+  const LANE(mask) edge = opened | begun;
+  const LANE(real) half = LANE(splat)(0.5), way = bent - g->approach * dt;
+  const LANE(real) overlap = LANE(select)(begun, m->overlap, before->overlap);
+  LANE(real) stored = LANE(law_stored)(k, LANE(max)(overlap, LANE(splat)(0.0)), features);
+  if (features & LAW_COHESION) {
+    out->bridge = LANE(mask_zero)(begun, LANE(bridge_energy)(&k->cohesion));
+    stored = stored + LANE(cohesion_energy)(&k->cohesion, overlap) + out->bridge;
+  }
+  const LANE(real) done =
+      half * LANE(select)(begun, m->force * way, before->force * (before->overlap - g->reach));
+  out->viscous = LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
+  LANE(springs_begin_end)(g, k, begun, edge, dt, features, before, m, out);
+  out->viscous = LANE(mask_zero)(was_closed | touching, out->viscous);
+  out->friction = LANE(mask_zero)(was_closed | touching, out->friction);
+  out->dropped = LANE(mask_zero)(opened, out->dropped);
+  /* e = n where it begins; an open contact remembers nothing */
+  m->lambda_ref = LANE(mask_zero)(touching, m->lambda_ref);
+  m->turned = LANE(mask_zero)(touching, m->turned);
   m->ex = LANE(mask_zero)(touching, LANE(select)(begun, g->nx, before->ex));
   m->ey = LANE(mask_zero)(touching, LANE(select)(begun, g->ny, before->ey));
+  if (!(features & LAW_GENERAL)) return;
+  out->rolling = LANE(mask_zero)(was_closed | touching, out->rolling);
+  m->rho_ref = LANE(mask_zero)(touching, m->rho_ref);
+  m->tau = LANE(mask_zero)(touching, m->tau);
+  m->pull = LANE(mask_zero)(touching, m->pull);
+  m->rho = LANE(mask_zero)(touching, m->rho);
+  m->roll = LANE(mask_zero)(touching, m->roll);
 }

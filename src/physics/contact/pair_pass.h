@@ -267,6 +267,28 @@ LANE_INLINE void LANE(distance)(const work *w, LANE(location) at, const int kind
   if (kind & PASS_GENERAL) d->swing = in.dx * in.dvy - in.dy * in.dvx;
 }
 
+/* R omega of the body in a slot; the rows have it where laws want it in every step, and of ghosts. */
+static inline double LANE(spin_in)(const engine *e, int32_t slot) {
+  if (slot < 0) return 0.0;
+  if (halo_is_ghost(e, (size_t)slot)) return e->work.packed[PACKED_ROW * e->work.row[slot] + PACKED_SPIN];
+  return body_spin(e->state, (size_t)slot);
+}
+
+/* dlambda/dt, where contacts begin. */
+LANE_INLINE LANE(real)
+    LANE(slide_of)(const engine *e, LANE(location) at, const int kind, const LANE(pair_geometry) * g) {
+  const pairs *p = &e->work.pairs;
+  const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l;
+  double a[LANE_WIDTH], b[LANE_WIDTH];
+  LANE(pair_distance) d;
+  LANE(distance)(&e->work, at, kind | PASS_GENERAL, &d);
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    a[l] = LANE(spin_in)(e, p->a[k + l]);
+    b[l] = LANE(spin_in)(e, p->b[k + l]);
+  }
+  return (LANE(load)(b) + LANE(load)(a)) - g->lever * (d.swing * d.inverse_r);
+}
+
 /* dt^2/2 times the relative acceleration along n, of free disks. */
 LANE_INLINE LANE(real) LANE(bent_of)(const engine *e, LANE(location) at, LANE(real) nx, LANE(real) ny) {
   const pairs *p = &e->work.pairs;
@@ -299,8 +321,7 @@ LANE(note_crossings)(const work *w, thread_work *mine, LANE(location) at, const 
 /* A vector of contacts of which some begin, end, turn far or overlap deeply. */
 static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *e, thread_work *mine,
                                                                         LANE(location) at,
-                                                                        const LANE(pair_geometry) * g,
-                                                                        int kind) {
+                                                                        LANE(pair_geometry) * g, int kind) {
   work *w = &e->work;
   pair_block *b = at.b;
   pair_flags *flags = &w->pairs.flags[b - w->pairs.block];
@@ -317,10 +338,12 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   m.ex = LANE(load)(b->ex + at.l);
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
+  g->slide = LANE(slide_of)(e, at, kind, g);
+  LANE(contact_begin)(g, touching & LANE(not )(was_closed), LANE(splat)(w->dt), features, &m);
   LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
   LANE(contact_begin_end)
-  (g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features,
-   &before, &m, &out);
+  (g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features, &before, &m,
+   &out);
 
   LANE(real) of_a[4], of_b[4];
   LANE(gather4)(w->packed, b->packed_a + at.l, of_a);

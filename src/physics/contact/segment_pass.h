@@ -167,6 +167,18 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
   LANE(constants_general)(w, here.b->law + here.l, features, k);
 }
 
+/* dlambda/dt, where contacts begin. */
+static __attribute__((noinline, cold)) LANE(real)
+    LANE(slide_on_walls)(const engine *e, size_t at, const LANE(pair_input) * in,
+                         const LANE(nearest_points) * found) {
+  double dvx[LANE_WIDTH], dvy[LANE_WIDTH], slide[LANE_WIDTH];
+  LANE(store)(dvx, in->dvx);
+  LANE(store)(dvy, in->dvy);
+  for (size_t l = 0; l < LANE_WIDTH; l++)
+    slide[l] = LANE(slide_on)(e, at + l, &found->q[l], found->flat[l], dvx[l], dvy[l]);
+  return LANE(load)(slide);
+}
+
 LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at) {
   work *w = &e->work;
   const LANE(location) here = {w->pairs.block + at / PAIR_BLOCK, at % PAIR_BLOCK};
@@ -201,14 +213,19 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   m.ex = in.ex;
   m.ey = in.ey;
   before = m;
+  const LANE(mask) begun = touching & LANE(not )(was_closed);
+  if (LANE(any)(begun)) {
+    g.slide = LANE(slide_on_walls)(e, at, &in, &found);
+    LANE(contact_begin)(&g, begun, LANE(splat)(w->dt), features, &m);
+  }
   LANE(contact_step)
   (&g, &k, touching, closed, LANE(select)(flat, lever, g.lever), 0, features, &m, &out);
   const LANE(mask) deep = LANE(contact_is_deep)(&g, e->model->max_overlap * in.sum) & touching;
   const LANE(mask) rare = (touching ^ was_closed) | deep;
   if (LANE(any)(rare)) {
     LANE(contact_begin_end)
-    (&g, &k, touching, closed, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features,
-     &before, &m, &out);
+    (&g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features, &before,
+     &m, &out);
     if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
     LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped);
     LANE(store)(here.b->ex + here.l, m.ex);

@@ -217,26 +217,26 @@ LANE_INLINE LANE(real) PASS(pose)(const lanes *l, const PASS(shape) * s, const P
   return which < SD_COORDINATES ? c->q : c->v;
 }
 
-/* Of general laws: as in pair_pass.h. */
+/* As in pair_pass.h: dlambda/dt, and with general laws how the surfaces roll. */
 LANE_INLINE void PASS(turning)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
                                size_t k, const LANE(pair_input) * in) {
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(pair_geometry) *g = &f->geometry[k];
   LANE(pair_distance) d;
-  if (!(s->features & (LAW_DASHPOT | LAW_ROLLING))) return;
   LANE(pair_distance_of)(in, &d);
   LANE(real) ra = PASS(row)(p, PAIR_RA), rb = PASS(row)(p, PAIR_RB);
   LANE(real) spin_a = ra * f->c[a][SD_THETA].v, spin_b = rb * PASS(pose)(l, s, f, b, POSE_VX + SD_THETA, at);
   d.swing = in->dx * in->dvy - in->dy * in->dvx;
   g->slide = (spin_b + spin_a) - g->lever * (d.swing * d.inverse_r);
+  if (!(s->features & LAW_ROLLING)) return;
   LANE(rolled)
   (ra, rb, ra * f->c[a][SD_THETA].q, rb * PASS(pose)(l, s, f, b, POSE_THETA, at), spin_a, spin_b, g);
 }
 
-/* The nearest point of a line or a segment that does not turn: walls_nearest, bit by bit. */
-LANE_INLINE void PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
-                                size_t k, size_t a, size_t b) {
+/* The nearest point of a line or a segment that does not turn: walls_nearest, bit by bit. flat: between the ends. */
+LANE_INLINE LANE(pair_input) PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
+                                            int64_t at, size_t k, size_t a, size_t b, LANE(mask) * flat) {
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const double *w = PASS(straight_rows)(l, k);
   const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
@@ -252,30 +252,24 @@ LANE_INLINE void PASS(straight)(const lanes *l, const PASS(shape) * s, PASS(step
   const LANE(real) here = LANE(select)(LANE(greater)(zero, tx * ry - ty * rx), -one, one), kept = f->side[k];
   const LANE(mask) crossed = LANE(not )(LANE(equal)(kept, zero)) & LANE(not )(LANE(equal)(kept, here));
   const LANE(real) side = LANE(select)(crossed, kept, here);
-  const LANE(pair_input) in = {.dx = on * tx - rx,
-                               .dy = on * ty - ry,
-                               .dvx = PASS(pose)(l, s, f, b, POSE_VX, at) - f->c[a][SD_X].v,
-                               .dvy = PASS(pose)(l, s, f, b, POSE_VY, at) - f->c[a][SD_Y].v,
-                               .sum = PASS(row)(p, PAIR_RA),
-                               .arc = PASS(row)(p, PAIR_RA) * f->c[a][SD_THETA].q + side * on,
-                               .ex = f->m[k].ex,
-                               .ey = f->m[k].ey};
-  f->geometry[k] = LANE(pair_geometry_of)(&in);
-  f->lever[k] = LANE(select)(before | beyond, f->geometry[k].lever, one);
   f->side[k] = side;
   f->crossed[k] = crossed;
   f->arm_x[k] = x - wall_x;
   f->arm_y[k] = y - wall_y;
+  *flat = LANE(not )(before | beyond);
+  return (LANE(pair_input)){.dx = on * tx - rx,
+                            .dy = on * ty - ry,
+                            .dvx = PASS(pose)(l, s, f, b, POSE_VX, at) - f->c[a][SD_X].v,
+                            .dvy = PASS(pose)(l, s, f, b, POSE_VY, at) - f->c[a][SD_Y].v,
+                            .sum = PASS(row)(p, PAIR_RA),
+                            .arc = PASS(row)(p, PAIR_RA) * f->c[a][SD_THETA].q + side * on,
+                            .ex = f->m[k].ex,
+                            .ey = f->m[k].ey};
 }
 
-/* With one free disk pair k is that of slots 0 and k + 1. */
-LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
-                                size_t k) {
-  size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
-  if (PASS(is_straight)(l, k)) {
-    PASS(straight)(l, s, f, at, k, a, b);
-    return;
-  }
+LANE_INLINE LANE(pair_input)
+    PASS(round)(const lanes *l, const PASS(shape) * s, const PASS(step_registers) * f, int64_t at, size_t k,
+                size_t a, size_t b) {
   const double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   LANE(pair_input) in;
   in.dx = PASS(pose)(l, s, f, b, POSE_X, at) - f->c[a][SD_X].q;
@@ -287,8 +281,39 @@ LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step
            PASS(row)(p, PAIR_RB) * PASS(pose)(l, s, f, b, POSE_THETA, at);
   in.ex = f->m[k].ex;
   in.ey = f->m[k].ey;
+  return in;
+}
+
+/* With one free disk pair k is that of slots 0 and k + 1. */
+LANE_INLINE void PASS(geometry)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
+                                size_t k) {
+  size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
+  if (PASS(is_straight)(l, k)) {
+    LANE(mask) flat;
+    const LANE(pair_input) in = PASS(straight)(l, s, f, at, k, a, b, &flat);
+    f->geometry[k] = LANE(pair_geometry_of)(&in);
+    f->lever[k] = LANE(select)(flat, LANE(splat)(1.0), f->geometry[k].lever);
+    return;
+  }
+  const LANE(pair_input) in = PASS(round)(l, s, f, at, k, a, b);
   f->geometry[k] = LANE(pair_geometry_of)(&in);
-  PASS(turning)(l, s, f, at, k, &in);
+  if (s->features & (LAW_DASHPOT | LAW_ROLLING)) PASS(turning)(l, s, f, at, k, &in);
+}
+
+/* dlambda/dt where contacts begin: slide_on of segment_pass.h, or as above. */
+LANE_INLINE void PASS(slide)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
+                             size_t k) {
+  size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
+  if (!PASS(is_straight)(l, k)) {
+    const LANE(pair_input) in = PASS(round)(l, s, f, at, k, a, b);
+    PASS(turning)(l, s, f, at, k, &in);
+    return;
+  }
+  LANE(mask) flat;
+  const LANE(pair_input) in = PASS(straight)(l, s, f, at, k, a, b, &flat);
+  const LANE(real) r = LANE(sqrt)(in.dx * in.dx + in.dy * in.dy), spin = in.sum * f->c[a][SD_THETA].v;
+  const LANE(real) across = (in.dx * in.dvy - in.dy * in.dvx) / r;
+  f->geometry[k].slide = LANE(select)(flat, spin - across, spin - in.sum / r * across);
 }
 
 /* --- contacts ---------------------------------------------------------------------------------------- */
@@ -320,7 +345,8 @@ LANE_INLINE void PASS(contact)(const lanes *l, const PASS(shape) * s, PASS(step_
 
 /* The step of pair k once more, where contacts begin, end, turn far or overlap deeply. */
 LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f,
-                                     size_t k, LANE(mask) was_closed, const LANE(contact_memory) * before) {
+                                     int64_t at, size_t k, LANE(mask) was_closed,
+                                     const LANE(contact_memory) * before) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
@@ -329,20 +355,23 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   LANE(contact_memory) *m = &f->m[k];
   LANE(contact_output) *out = &f->out[k];
   *m = *before;
+  PASS(slide)(l, s, f, at, k);
+  LANE(contact_begin)(g, touching & LANE(not )(was_closed), dt, s->features, m);
   PASS(contact)(l, s, f, k, &c, touching, closed);
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const LANE(real) zero = LANE(splat)(0.0);
   LANE(real) x2 = (s->n_free > 1 && b < s->n_free ? f->c[b][SD_X].q2 : zero) - f->c[a][SD_X].q2;
   LANE(real) y2 = (s->n_free > 1 && b < s->n_free ? f->c[b][SD_Y].q2 : zero) - f->c[a][SD_Y].q2;
   LANE(contact_begin_end)
-  (g, &c, touching, closed, was_closed, dt, g->nx * x2 + g->ny * y2, s->features, before, m, out);
+  (g, &c, touching, was_closed, dt, g->nx * x2 + g->ny * y2, s->features, before, m, out);
   f->closed[k] = touching;
   f->rare[k] = PASS(rare)(l, f, k, was_closed);
   PASS(set_row)(p, PAIR_WAS_CLOSED, LANE(mask_zero)(was_closed, LANE(splat)(1.0)));
   PASS(set_row)(p, PAIR_DROPPED, s->features & LAW_BRIDGE ? out->dropped + out->bridge : out->dropped);
 }
 
-LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, size_t k) {
+LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at,
+                                size_t k) {
   double *p = PASS(rows_at)(l, ROWS_PAIR + k * PAIR_ROWS);
   const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
@@ -354,7 +383,7 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   PASS(contact)(l, s, f, k, &c, touching, touching & was_closed);
   f->closed[k] = touching;
   f->rare[k] = PASS(rare)(l, f, k, was_closed);
-  if (__builtin_expect(LANE(any)(f->rare[k]), 0)) PASS(evaluate_slow)(l, s, f, k, was_closed, &before);
+  if (__builtin_expect(LANE(any)(f->rare[k]), 0)) PASS(evaluate_slow)(l, s, f, at, k, was_closed, &before);
   if (PASS(is_straight)(l, k)) f->side[k] = LANE(mask_zero)(f->closed[k], f->side[k]);
   PASS(add_loss)(p, PAIR_viscous, out->viscous);
   PASS(add_loss)(p, PAIR_friction, out->friction);
@@ -555,7 +584,7 @@ LANE_INLINE void PASS(events)(lanes *l, const PASS(shape) * s, PASS(step_registe
 LANE_INLINE void PASS(step)(lanes *l, const PASS(shape) * s, PASS(step_registers) * f, int64_t at) {
   EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(predict)(l, s, f, i, c)));
   EACH_PAIR(k, s->n_pairs, PASS(geometry)(l, s, f, at, k));
-  EACH_PAIR(k, s->n_pairs, PASS(evaluate)(l, s, f, k));
+  EACH_PAIR(k, s->n_pairs, PASS(evaluate)(l, s, f, at, k));
   EACH_DISK(i, s->n_free, EACH_COORDINATE(c, PASS(correct)(l, s, f, i, c)));
   f->returns = LANE(all_lanes)(0);
   EACH_DISK(i, s->n_free, f->returns = f->returns | PASS(out_of_turn)(f, i) | PASS(too_fast)(l, f, i));

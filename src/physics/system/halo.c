@@ -91,6 +91,7 @@ void halo_start(engine *e) {
     const uint32_t i = h->send_slot[k];
     double *to = h->send + HALO_ROW * k;
     memcpy(to, packed + PACKED_ROW * (size_t)row[i], bytes);
+    to[PACKED_SPIN] = s->radius[i] * s->omega[i]; /* not in the rows of plain laws */
     to[PACKED_ROW] = s->x2[i];
     to[PACKED_ROW + 1] = s->y2[i];
   }
