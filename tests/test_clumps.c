@@ -10,6 +10,7 @@
 
 #include "brief.h"
 #include "deck_runs.h"
+#include "model/clumps.h"
 #include "system.h"
 
 static const sd_clump *clump_of(sd_simulation *s, size_t k) {
@@ -270,6 +271,97 @@ static void edges_of_a_periodic_box_are_not_felt(void **unused) {
   system_end(a);
 }
 
+/* Disks of a body of up to 0.7 of the box, each with its own mass, in any order, anywhere, along either axis. */
+enum { MEMBERS = 4, ORDERS = 24 };
+static const double bodies[][MEMBERS][3] = {{{0.5, 0, 0.2}, {1.7, 0, 0.2}, {2.9, 0, 0.2}, {2.9, 0.3, 0.2}},
+                                            {{0, 0, 0.6}, {0.7, 0.1, 0.3}, {1.4, 0, 0.5}, {2.3, 0.1, 0.4}},
+                                            {{0, 0, 0.8}, {0.9, 0, 0.1}, {-1.6, 0, 0.1}, {-0.5, 0.8, 0.1}}};
+
+/* Element `place` of permutation `order` of four. */
+static int permuted(int order, int place) {
+  int left[MEMBERS] = {0, 1, 2, 3}, n = MEMBERS;
+  for (int k = 0; k < place; k++, n--) {
+    const int of = order % n;
+    order /= n;
+    for (int j = of; j + 1 < n; j++) left[j] = left[j + 1];
+  }
+  return left[order % n];
+}
+
+static sd_model *body_of(int body, int axis, double shift, int order, bool periodic) {
+  sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e3});
+  uint32_t disks[MEMBERS];
+  for (int c = 0; c < 2; c++) {
+    m->periodic[c] = periodic;
+    m->upper[c] = 4;
+  }
+  for (int k = 0; k < MEMBERS; k++) {
+    const int of = permuted(order, k);
+    double at[2];
+    for (int c = 0; c < 2; c++) {
+      at[c] = bodies[body][of][axis ? 1 - c : c] + (c == axis ? shift : 1.3);
+      if (periodic) at[c] -= 4 * floor(at[c] / 4);
+    }
+    disks[k] = system_disk(m, at[0], at[1], bodies[body][of][2], 1 + 0.3 * of);
+  }
+  add_clump(m, MEMBERS, disks, 0.3, 0.2, 1);
+  return m;
+}
+
+static void the_shape_does_not_depend_on_the_order(void **unused) {
+  (void)unused;
+  for (int body = 0; body < 3; body++)
+    for (int axis = 0; axis < 2; axis++) {
+      sd_model *free_one = body_of(body, axis, 0, 0, false);
+      sd_simulation *open = system_start(free_one);
+      const double inertia = free_one->clumps[0].inertia, radius = clumps_grain(free_one, 0, MEMBERS).radius;
+      system_end(open);
+      for (int order = 0; order < ORDERS; order++)
+        for (double shift = 0; shift < 4; shift += 0.75) {
+          sd_model *m = body_of(body, axis, shift, order, true);
+          sd_simulation *s = system_start(m);
+          SYSTEM_NEAR(m->clumps[0].inertia, inertia, 1e-12 * inertia, "body %d, order %d, shift %g", body,
+                      order, shift);
+          SYSTEM_NEAR(clumps_grain(m, 0, MEMBERS).radius, radius, 1e-12, "the circle around it");
+          if (order % 5 == 0) system_advance(s, 100);
+          const sd_state *q = sd_simulation_state(s);
+          for (size_t k = 0; k < MEMBERS; k++) { /* distances within the body, images counted */
+            const int of = permuted(order, (int)q->id[k]), first = permuted(order, (int)q->id[0]);
+            const double dx = q->x[k] + 4 * q->image_x[k] - q->x[0] - 4 * q->image_x[0],
+                         dy = q->y[k] + 4 * q->image_y[k] - q->y[0] - 4 * q->image_y[0];
+            const double *p = bodies[body][of], *o = bodies[body][first];
+            SYSTEM_NEAR(hypot(dx, dy), hypot(p[0] - o[0], p[1] - o[1]), 1e-12, "distance");
+          }
+          system_end(s);
+        }
+    }
+}
+
+/* Disks as far apart around the box as within it have no shape. */
+static void a_body_that_closes_around_the_box_is_refused(void **unused) {
+  (void)unused;
+  for (int axis = 0; axis < 2; axis++)
+    for (int held = 0; held < 2; held++) {
+      sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e3});
+      uint32_t disks[4];
+      for (int c = 0; c < 2; c++) m->periodic[c] = true, m->upper[c] = 4;
+      for (int k = 0; k < 4; k++) disks[k] = system_disk(m, axis ? 1 : 0.3 + k, axis ? 0.3 + k : 1, 0.1, 1);
+      add_clump(m, 4, disks, 0, 0, 0);
+      m->clumps[0].locked[SD_THETA] = held != 0;
+      m->phases = calloc(1, sizeof *m->phases);
+      m->phases[0].steps = m->n_phases = 1;
+      sd_messages *messages = sd_messages_new();
+      assert_int_equal(sd_model_finish(m, messages), held ? SD_OK : SD_ERROR_USER);
+      if (!held)
+        assert_string_equal(
+            sd_messages_text(messages, 0),
+            axis ? "clump 0: it closes around the periodic box in y: expected locked = \"theta\""
+                 : "clump 0: it closes around the periodic box in x: expected locked = \"theta\"");
+      sd_messages_free(messages);
+      sd_model_free(m);
+    }
+}
+
 /* --- prescribed coordinates ------------------------------------------------------------------------------ */
 
 /* A rough plate with mass lies on three disks that stick to the floor, and is pulled along x at a given speed. */
@@ -461,6 +553,8 @@ int main(void) {
       cmocka_unit_test(a_tumbler_rocks),
       cmocka_unit_test(one_disk_as_a_clump_moves_as_the_disk),
       cmocka_unit_test(edges_of_a_periodic_box_are_not_felt),
+      cmocka_unit_test(the_shape_does_not_depend_on_the_order),
+      cmocka_unit_test(a_body_that_closes_around_the_box_is_refused),
       cmocka_unit_test(a_plate_is_dragged),
       cmocka_unit_test(drag_acts_on_each_disk),
       cmocka_unit_test(damping_acts_on_the_whole_clump),

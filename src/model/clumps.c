@@ -38,43 +38,114 @@ static sd_status list_disks(sd_model *m) {
   return SD_OK;
 }
 
-/* From disk a to disk b in the nearest image: a clump may lie across the edge of a periodic box. */
-static double between(const sd_model *m, size_t a, size_t b, int coordinate) {
-  const double length = m->periodic[coordinate] ? m->upper[coordinate] - m->lower[coordinate] : 0.0;
-  const double d = m->disks[b].position[coordinate] - m->disks[a].position[coordinate];
-  return length > 0.0 ? d - length * nearbyint(d / length) : d;
+/* --- shape ----------------------------------------------------------------------------------------------- */
+
+/* A disk of a clump that is being put together in a periodic box. */
+typedef struct member {
+  uint32_t disk;
+  bool placed;
+  size_t beside;   /* the member placed before whose surface is nearest to its own; until then: so far */
+  double gap;      /* from there */
+  double cells[2]; /* by how many periods it is moved to stand beside the first */
+} member;
+
+static double period(const sd_model *m, int coordinate) {
+  return m->periodic[coordinate] ? m->upper[coordinate] - m->lower[coordinate] : 0.0;
 }
 
-clump_grain clumps_grain(const sd_model *m, size_t first, size_t end) {
-  clump_grain grain = {1, m->disks[first].radius};
-  double mass = 0.0, centre[2] = {0.0, 0.0};
-  if (m->disks[first].clump == 0) return grain;
-  while (first + grain.disks < end && clumps_join(m, first, first + grain.disks)) grain.disks++;
-  for (int pass = 0; pass < 2; pass++) { /* the centre, and how far from it the disks reach */
+/* How many periods nearer disk b is to disk a in its nearest image. */
+static double periods(const sd_model *m, uint32_t a, uint32_t b, int coordinate) {
+  const double length = period(m, coordinate);
+  const double d = m->disks[b].position[coordinate] - m->disks[a].position[coordinate];
+  return length > 0.0 ? nearbyint(d / length) : 0.0;
+}
+
+static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
+  const sd_disk *p = &m->disks[a], *q = &m->disks[b];
+  double d[2];
+  for (int c = 0; c < 2; c++) d[c] = q->position[c] - p->position[c] - period(m, c) * periods(m, a, b, c);
+  return hypot(d[0], d[1]) - (p->radius + q->radius);
+}
+
+static void place(const sd_model *m, member *of, size_t n, size_t k) {
+  of[k].placed = true;
+  for (int c = 0; c < 2; c++)
+    of[k].cells[c] = of[of[k].beside].cells[c] - (k ? periods(m, of[of[k].beside].disk, of[k].disk, c) : 0.0);
+  for (size_t j = 0; j < n; j++) {
+    const double gap = of[j].placed ? 0.0 : gap_of(m, of[k].disk, of[j].disk);
+    if (of[j].placed || gap >= of[j].gap) continue;
+    of[j].gap = gap;
+    of[j].beside = k;
+  }
+}
+
+/* A clump may lie across the edges of the box. From its first disk on, always the disk that is nearest to any of those that have their
+ * places gets its own, so that the shape does not depend on the order in which they are listed. */
+static void place_all(const sd_model *m, member *of, size_t n) {
+  for (size_t k = 0; k < n; k++) {
+    of[k].placed = false;
+    of[k].beside = 0;
+    of[k].gap = HUGE_VAL;
+    of[k].cells[0] = of[k].cells[1] = 0.0;
+  }
+  if (!(m->periodic[0] || m->periodic[1])) return;
+  place(m, of, n, 0);
+  for (size_t left = n - 1; left > 0; left--) {
+    size_t next = 0;
+    for (size_t j = 1; j < n; j++)
+      if (!of[j].placed && (of[next].placed || of[j].gap < of[next].gap)) next = j;
+    place(m, of, n, next);
+  }
+}
+
+/* From member a to the next one, b. */
+static double between(const sd_model *m, const member *a, const member *b, int c) {
+  const double d = m->disks[b->disk].position[c] - m->disks[a->disk].position[c];
+  return d - period(m, c) * (a->cells[c] - b->cells[c]);
+}
+
+/* The circle about the centre in which the disks lie. */
+static double radius_of(const sd_model *m, const member *of, size_t n) {
+  double mass = 0.0, centre[2] = {0.0, 0.0}, radius = m->disks[of->disk].radius;
+  for (int pass = 0; pass < 2; pass++) {
     double at[2] = {0.0, 0.0};
-    for (size_t i = first; i < first + grain.disks; i++) {
-      const sd_disk *d = &m->disks[i];
-      for (int q = 0; q < 2; q++) at[q] += i > first ? between(m, i - 1, i, q) : 0.0;
+    for (size_t k = 0; k < n; k++) {
+      const sd_disk *d = &m->disks[of[k].disk];
+      for (int q = 0; q < 2; q++) at[q] += k > 0 ? between(m, &of[k - 1], &of[k], q) : 0.0;
       for (int q = 0; q < 2 && pass == 0; q++) centre[q] += d->mass * at[q];
       if (pass == 0) mass += d->mass;
       if (pass == 1)
-        grain.radius =
-            fmax(grain.radius, hypot(at[0] - centre[0] / mass, at[1] - centre[1] / mass) + d->radius);
+        radius = fmax(radius, hypot(at[0] - centre[0] / mass, at[1] - centre[1] / mass) + d->radius);
     }
   }
+  return radius;
+}
+
+clump_grain clumps_grain(const sd_model *m, size_t first, size_t end) {
+  enum { FEW = 64 };
+  clump_grain grain = {1, m->disks[first].radius};
+  member few[FEW], *of = few;
+  if (m->disks[first].clump == 0) return grain;
+  while (first + grain.disks < end && clumps_join(m, first, first + grain.disks)) grain.disks++;
+  if (grain.disks > FEW) of = malloc(grain.disks * sizeof *of);
+  if (!of) return (clump_grain){grain.disks, HUGE_VAL}; /* fits nowhere */
+  for (size_t k = 0; k < grain.disks; k++) of[k].disk = (uint32_t)(first + k);
+  place_all(m, of, grain.disks);
+  grain.radius = radius_of(m, of, grain.disks);
+  if (of != few) free(of);
   return grain;
 }
 
-/* Offsets of the disks from the centre of mass, each in the image that is nearest to the disk before; centre: from the first.
- * Returns the mass. */
-static double measure(const sd_model *m, const sd_clump *c, double (*offset)[2], double centre[2]) {
+/* Offsets of the disks from the centre of mass; centre: from the first. Returns the mass. */
+static double measure(const sd_model *m, const sd_clump *c, const member *of, double (*offset)[2],
+                      double centre[2]) {
   double mass = 0.0, at[2] = {0.0, 0.0};
   centre[0] = centre[1] = 0.0;
   for (size_t n = 0; n < c->n_disks; n++) {
     const double part = m->disks[c->disks[n]].mass;
     mass += part;
     for (int q = 0; q < 2; q++) {
-      if (n > 0) at[q] += between(m, c->disks[n - 1], c->disks[n], q);
+      if (n > 0) at[q] += between(m, &of[n - 1], &of[n], q);
       offset[n][q] = at[q];
       centre[q] += part * at[q];
     }
@@ -83,6 +154,34 @@ static double measure(const sd_model *m, const sd_clump *c, double (*offset)[2],
   for (size_t n = 0; n < c->n_disks; n++)
     for (int q = 0; q < 2; q++) offset[n][q] -= centre[q];
   return mass;
+}
+
+/* The largest gap on the way from one member to another: from each to the one beside which it was placed. */
+static double widest(const member *of, size_t a, size_t b) {
+  double most = -HUGE_VAL;
+  size_t up_a = 0, up_b = 0;
+  for (size_t k = a; k; k = of[k].beside) up_a++;
+  for (size_t k = b; k; k = of[k].beside) up_b++;
+  while (a != b) {
+    size_t *k = up_a >= up_b ? &a : &b;
+    most = fmax(most, of[*k].gap);
+    *k = of[*k].beside;
+    *(k == &a ? &up_a : &up_b) -= 1;
+  }
+  return most;
+}
+
+/* Two disks are nearest across an edge, and as near as others between them: the clump might as well be open there. Bit 0: x. */
+static unsigned closes_around(const sd_model *m, const member *of, size_t n) {
+  unsigned around = 0;
+  for (size_t a = 0; (m->periodic[0] || m->periodic[1]) && a < n; a++)
+    for (size_t b = a + 1; b < n; b++)
+      for (int c = 0; c < 2; c++) {
+        if (of[a].cells[c] - of[b].cells[c] == periods(m, of[a].disk, of[b].disk, c)) continue;
+        const double near = 1e-9 * (m->disks[of[a].disk].radius + m->disks[of[b].disk].radius);
+        if (gap_of(m, of[a].disk, of[b].disk) <= widest(of, a, b) + near) around |= 1u << c;
+      }
+  return around;
 }
 
 sd_disk clumps_felt(const sd_model *m, size_t disk) {
@@ -100,9 +199,11 @@ sd_disk clumps_felt(const sd_model *m, size_t disk) {
   return d;
 }
 
-static void derive(sd_model *m, sd_clump *c) {
+static void derive(sd_model *m, sd_clump *c, member *of) {
   double(*offset)[2] = m->clump_offsets + (c->disks - m->clump_disks), inertia = 0.0, centre[2];
-  const double mass = measure(m, c, offset, centre);
+  for (size_t n = 0; n < c->n_disks; n++) of[n].disk = c->disks[n];
+  place_all(m, of, c->n_disks);
+  const double mass = measure(m, c, of, offset, centre);
   for (size_t n = 0; n < c->n_disks; n++) {
     const sd_disk *d = &m->disks[c->disks[n]];
     inertia += d->inertia + d->mass * (offset[n][0] * offset[n][0] + offset[n][1] * offset[n][1]);
@@ -137,8 +238,10 @@ static void check_disk(const sd_model *m, const char *clump, uint32_t i, bool wa
 }
 
 /* A clump that spans a periodic box would turn into its own image. */
-static void check_length(const sd_model *m, const sd_clump *c, const char *name, sd_messages *msg) {
+static void check_length(const sd_model *m, const sd_clump *c, const member *of, const char *name,
+                         sd_messages *msg) {
   const double(*offset)[2] = (const double(*)[2])m->clump_offsets + (c->disks - m->clump_disks);
+  const unsigned around = c->locked[SD_THETA] ? 0 : closes_around(m, of, c->n_disks);
   double reach = 0.0;
   for (size_t n = 0; n < c->n_disks; n++)
     reach = fmax(reach, hypot(offset[n][0], offset[n][1]) + m->disks[c->disks[n]].radius);
@@ -146,9 +249,12 @@ static void check_length(const sd_model *m, const sd_clump *c, const char *name,
     if (m->periodic[q] && !c->locked[SD_THETA] && !(2.0 * reach < m->upper[q] - m->lower[q]))
       sd_fail(msg, SD_ERROR_USER, "%s: it is longer than the periodic box in %c: expected locked = \"theta\"",
               name, "xy"[q]);
+    else if (around >> q & 1u)
+      sd_fail(msg, SD_ERROR_USER, "%s: it closes around the periodic box in %c: expected locked = \"theta\"",
+              name, "xy"[q]);
 }
 
-static void check_clump(const sd_model *m, size_t k, sd_messages *msg) {
+static void check_clump(const sd_model *m, size_t k, const member *of, sd_messages *msg) {
   const sd_clump *c = &m->clumps[k];
   char text[96];
   const char *name = name_of(m, k, text);
@@ -163,7 +269,7 @@ static void check_clump(const sd_model *m, size_t k, sd_messages *msg) {
     if (c->locked[q] && c->velocity[q] != 0.0)
       sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity", name);
   }
-  check_length(m, c, name, msg);
+  check_length(m, c, of, name, msg);
 }
 
 static void check_motions(const sd_model *m, sd_messages *msg) {
@@ -184,15 +290,21 @@ sd_status clumps_derive(sd_model *m, sd_messages *msg) {
   if (m->n_clumps == 0) return SD_OK;
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump < 0 || (size_t)m->disks[i].clump > m->n_clumps) m->disks[i].clump = 0;
-  if (list_disks(m) != SD_OK) return sd_fail(msg, SD_ERROR_IO, "out of memory for the clumps");
+  size_t most = 1;
+  const sd_status listed = list_disks(m);
+  for (size_t k = 0; listed == SD_OK && k < m->n_clumps; k++)
+    if (m->clumps[k].n_disks > most) most = m->clumps[k].n_disks;
+  member *of = listed == SD_OK ? malloc(most * sizeof *of) : NULL;
+  if (!of) return sd_fail(msg, SD_ERROR_IO, "out of memory for the clumps");
   for (size_t k = 0; k < m->n_clumps; k++) {
     if (m->clumps[k].n_disks == 0) {
       sd_fail(msg, SD_ERROR_USER, "%s: it has no disk", name_of(m, k, text));
       continue;
     }
-    derive(m, &m->clumps[k]);
-    check_clump(m, k, msg);
+    derive(m, &m->clumps[k], of);
+    check_clump(m, k, of, msg);
   }
+  free(of);
   check_motions(m, msg);
   return sd_messages_errors(msg) > before ? SD_ERROR_USER : SD_OK;
 }
