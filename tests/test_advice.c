@@ -189,6 +189,47 @@ static void watched_contacts_touch(void **unused) {
           "measure.configurations = true without measure.sliding has no effect");
 }
 
+/* Walls that are twice in one point. Where the same motions move two whose ends meet they are one wall there. */
+static void walls_are_touched_once(void **unused) {
+  (void)unused;
+#define WALLS(a, b, x, y)                                                                                    \
+  VERLET LAW "walls = ( { name = \"a\"; " a " }, { name = \"b\"; " b " } );"                                 \
+             "disks = ( { x = " x "; y = " y "; radius = 0.1; mass = 1.0; } ); steps = 9;"
+#define PIECE(from, to) "type = \"segment\"; points = (" from ", " to ");"
+#define MOVE(walls, along)                                                                                   \
+  "motions = ( { wall = " walls "; coordinate = \"" along "\"; type = \"velocity\"; velocity = 0.1; } );"
+#define LEFT PIECE("(-1.0, 0.0)", "(0.0, 0.0)")
+#define RIGHT PIECE("(0.0, 0.0)", "(1.0, 0.0)")
+#define UP PIECE("(0.0, 1.0)", "(0.0, 0.0)")
+#define MEETS "wall \"a\" meets wall \"b\" at (0, 0): they move apart"
+  advised(WALLS(LEFT, RIGHT, "0.5", "0.5"), NULL);
+  advised(WALLS(LEFT, RIGHT, "0.5", "0.5") MOVE("(\"a\", \"b\")", "y"), NULL);
+  advised(WALLS(LEFT, RIGHT, "0.5", "0.5") MOVE("\"a\"", "y"), MEETS);
+  advised(WALLS(RIGHT, UP, "0.5", "0.5") MOVE("\"b\"", "y"), NULL);
+  advised(WALLS(RIGHT, UP, "-0.5", "0.5") MOVE("\"b\"", "y"), MEETS);
+  advised(WALLS(RIGHT, UP, "-0.5", "0.5"), NULL);
+  advised(WALLS(LEFT, RIGHT, "0.5", "0.5") MOVE("\"a\"", "surface"), NULL); /* a belt runs, its wall stays */
+  /* a post on a floor, and one under it */
+#define POST(to) PIECE("(0.2, 0.0)", to)
+#define FLAT "type = \"line\"; points = ((-1.0, 0.0), (1.0, 0.0));"
+#define BENT "type = \"polyline\"; points = ((-1.0, 0.0), (0.2, 0.0), (1.0, -1.0));"
+#define ROUND "type = \"circle\"; center = (0.2, 1.0); radius = 1.0; side = \"inside\";"
+#define BOWL "type = \"arc\"; center = (0.2, 1.0); radius = 1.0; from = -2.0; to = -1.0;"
+#define ENDS "wall \"a\" ends on wall \"b\" at (0.2, 0): a disk on its other side"
+  advised(WALLS(POST("(0.2, 1.0)"), FLAT, "0.5", "0.5"), NULL);
+  advised(WALLS(POST("(0.2, -1.0)"), FLAT, "0.5", "0.5"), ENDS);
+  advised(WALLS(POST("(0.9, 0.0)"), FLAT, "0.5", "0.5"), "\"b\" at (0.2, 0) (and 1 more): a disk on its");
+  advised(WALLS(POST("(0.2, -1.0)"), BENT, "0.5", "0.5"), ENDS);
+  advised(WALLS(POST("(0.2, -1.0)"), ROUND, "0.5", "0.9"), ENDS);
+  advised(WALLS(POST("(0.2, -1.0)"), BOWL, "0.5", "0.9"), ENDS);
+  advised(WALLS(POST("(0.2, 0.4)"), BOWL, "0.5", "0.9"), NULL);
+  advised(WALLS(POST("(0.2, -1.0)"), PIECE("(0.2, 0.0)", "(1.0, 0.0)"), "0.5", "0.5"), NULL);
+#undef WALLS
+#undef MOVE
+#undef LEFT
+#undef RIGHT
+}
+
 /* Walls of all shapes, moved and turned. */
 static void gaps_are_those_between_surfaces(void **unused) {
   (void)unused;
@@ -213,7 +254,7 @@ int main(void) {
       cmocka_unit_test(the_relaxer_wants_verlet),        cmocka_unit_test(goals_can_be_out_of_reach),
       cmocka_unit_test(compression_ends_with_settle),    cmocka_unit_test(boxes_deform_as_they_are_told),
       cmocka_unit_test(deep_overlaps_throw_disks_apart), cmocka_unit_test(watched_contacts_touch),
-      cmocka_unit_test(gaps_are_those_between_surfaces),
+      cmocka_unit_test(walls_are_touched_once),          cmocka_unit_test(gaps_are_those_between_surfaces),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -245,6 +245,11 @@ TABLES = {
         change("`measure.configurations` alone", "time = 2;", "time = 2; measure = { configurations = true; };"),
         changes("a watched wall far away", ('(1, 0)); }', '(1, 0)); },\n  { name = "lid"; type = "line"; points = ((-1, 1), (1, 1)); }'),
                 ("y = 0.1;", "y = 0.02;"), more='measure = { sliding = ( { disk = "ball"; partners = ("floor", "lid"); } ); };\n'),
+        changes("two segments end to end, one of which moves",
+                ('(1, 0)); }', '(1, 0)); },\n  { name = "left"; type = "segment"; points = ((-1, 0.05), (0, 0.05)); },\n'
+                 '  { name = "right"; type = "segment"; points = ((0, 0.05), (1, 0.05)); }'),
+                more='motions = ( { wall = "left"; coordinate = "y"; type = "velocity"; velocity = 0.1; } );\n'),
+        changes("a post under the floor", ('(1, 0)); }', '(1, 0)); },\n  { name = "post"; type = "segment"; points = ((0, 0), (0, -1)); }')),
         changes("a packing that is not there", more='disk_files = ( { file = "rain.h5"; } );\n', rain_cfg=DECK),
     ],
     "The command line": [

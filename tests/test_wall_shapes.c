@@ -176,8 +176,99 @@ static void test_straight_walls(void **unused) {
     }
 }
 
+/* --- corners and rests ------------------------------------------------------------------------------------ */
+
+/* Over a convex corner, into a concave one: a polyline, and segments in any order and way. */
+static void test_corners(void **unused) {
+  (void)unused;
+  const double points[4][2] = {{-3, 0.2}, {0, 0}, {1.5, -0.9}, {5, -0.2}};
+  for (size_t law = 0; law < LAWS; law++) {
+    sd_simulation *s[4];
+    for (int shape = 0; shape < 4; shape++) {
+      sd_model *m = system_new(SD_VERLET, SD_PAPER, 5e-5, laws[law].law);
+      system_disk(m, -1.5, 0.61, 0.5, 0.1);
+      system_velocity(m, 0, 1.6, 0, 0);
+      m->gravity[SD_Y] = -10;
+      for (int k = 0; shape && k < 3; k++) {
+        const int at = shape & 1 ? k : 2 - k, back = shape == 3 ? k % 2 : shape == 2;
+        add_straight(m, points[at + back][0], points[at + back][1], points[at + !back][0],
+                     points[at + !back][1]);
+      }
+      if (!shape) system_straight(m, SD_WALL_POLYLINE, 4, points);
+      s[shape] = system_start(m);
+    }
+    for (int n = 0; n < 40; n++)
+      for (int shape = 0; shape < 4; shape++) {
+        system_advance(s[shape], 1000);
+        if (shape) compare(s[0], s[shape], "segments at corners", laws[law].name, 1e-7);
+      }
+    assert_true(system_at(s[0], 0).x > 0.5);
+    for (int shape = 0; shape < 4; shape++) system_end(s[shape]);
+  }
+}
+
+/* A stadium of two segments and two arcs: a disk that sticks to it runs around it, inside or outside, and always has one contact. */
+static void test_a_stadium(void **unused) {
+  (void)unused;
+  for (int inside = 0; inside < 2; inside++) {
+    const sd_contact_law sticky = {.k_n = 1e4, .cohesion = SD_COHESION_CONSTANT, .pull_off = 2, .range = 0.1};
+    sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-4, sticky);
+    const double v = 2, r = inside ? 0.7 : 1.3, deep = 2e-4;
+    system_disk(m, -0.9, inside ? -r - deep : -r + deep, 0.3, 0.1);
+    system_velocity(m, 0, v, 0, 0);
+    add_straight(m, -1, -1, 1, -1);
+    sd_model_add_wall(
+        m, &(sd_wall){.kind = SD_WALL_ARC, .center = {1, 0}, .radius = 1, .from = -M_PI / 2, .to = M_PI / 2});
+    add_straight(m, -1, 1, 1, 1);
+    sd_model_add_wall(
+        m,
+        &(sd_wall){.kind = SD_WALL_ARC, .center = {-1, 0}, .radius = 1, .from = M_PI / 2, .to = 1.5 * M_PI});
+    sd_simulation *s = system_start(m);
+    const sd_energy start = sd_simulation_energy(s);
+    size_t laps = 0;
+    bool right = false;
+    for (int n = 0; n < 120000; n++) {
+      system_advance(s, 1);
+      assert_true(sd_simulation_state(s)->n_contacts <= 1);
+      if ((system_at(s, 0).x > 1) != right) laps += right, right = !right;
+    }
+    assert_true(laps > 1);
+    const sd_energy e = sd_simulation_energy(s);
+    SYSTEM_NEAR(e.residual, 0, 1e-4 * start.kinetic_translation, "energy");
+    system_end(s);
+  }
+}
+
+/* A disk that lies on a joint is carried once: of two, three walls, also of different materials, level and tilted. */
+static void test_on_a_joint(void **unused) {
+  (void)unused;
+  const sd_contact_law one = {.k_n = 1e4, .gamma_n = 3}, table[] = {one, one, one, one};
+  for (int kind = 0; kind < 6; kind++) {
+    const double angle = kind % 2 ? 0.37 : 0, d[2] = {cos(angle), sin(angle)};
+    sd_model *m = system_new_laws(SD_VERLET, SD_PAPER, 1e-4, 2, table);
+    m->gravity[SD_X] = 10 * d[1];
+    m->gravity[SD_Y] = -10 * d[0];
+    system_disk(m, 0.1 * d[0] - 0.5 * d[1], 0.1 * d[1] + 0.5 * d[0], 0.5, 0.1);
+    if (kind / 2 == 2) {
+      const double points[][2] = {{-d[0], -d[1]}, {0.1 * d[0], 0.1 * d[1]}, {0.3 * d[0], 0.3 * d[1]}};
+      system_straight(m, SD_WALL_POLYLINE, 3, points);
+    } else {
+      add_straight(m, -d[0], -d[1], 0.1 * d[0], 0.1 * d[1]);
+      add_straight(m, 0.1 * d[0], 0.1 * d[1], d[0], d[1]);
+    }
+    if (kind / 2 == 1) add_straight(m, 0.1 * d[0], 0.1 * d[1], 0.5 * d[0] + d[1], 0.5 * d[1] - d[0]);
+    if (kind / 2 < 2) m->walls[1].material = 1;
+    sd_simulation *s = system_start(m);
+    system_advance(s, 20000);
+    assert_int_equal(sd_simulation_state(s)->n_contacts, 1);
+    SYSTEM_NEAR(hypot(system_at(s, 0).force_x, system_at(s, 0).force_y), 1, 1e-6, "weight, case %d", kind);
+    system_end(s);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_round_walls),
-                                     cmocka_unit_test(test_straight_walls)};
+                                     cmocka_unit_test(test_straight_walls), cmocka_unit_test(test_corners),
+                                     cmocka_unit_test(test_a_stadium), cmocka_unit_test(test_on_a_joint)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,6 +10,8 @@
 typedef double advice_check(const sd_model *model, sd_messages *messages);
 /* Of the fields; advice_fields.c. */
 advice_check advice_fields;
+/* Of walls that meet; advice_joints.c. */
+advice_check advice_joints;
 extern advice_check *const advice_checks[];
 extern const size_t advice_count;
 

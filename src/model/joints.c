@@ -51,18 +51,18 @@ wall_end *joints_ends(const sd_model *m, size_t *n) {
   return ends;
 }
 
-/* Within which another end is at the same place: rounding of lengths and of coordinates. */
-static double tolerance(const wall_end *e) {
+/* Rounding of lengths and of coordinates. */
+double joints_tolerance(const wall_end *e) {
   return 1e-9 * e->along + 16.0 * DBL_EPSILON * (fabs(e->at[0]) + fabs(e->at[1]));
 }
 
 bool joints_meet(const wall_end *a, const wall_end *b) {
-  return hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]) <= fmin(tolerance(a), tolerance(b));
+  return hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]) <= fmin(joints_tolerance(a), joints_tolerance(b));
 }
 
 size_t joints_near(const wall_end *ends, size_t n, size_t k) {
   size_t last = k + 1;
-  while (last < n && ends[last].at[0] - ends[k].at[0] <= tolerance(&ends[k])) last++;
+  while (last < n && ends[last].at[0] - ends[k].at[0] <= joints_tolerance(&ends[k])) last++;
   return last;
 }
 

@@ -15,7 +15,9 @@ typedef struct wall_end {
 
 /* All ends, by x; *n: how many. To be freed; NULL: no memory. */
 wall_end *joints_ends(const sd_model *model, size_t *n);
-/* Do two ends stand at one place, within rounding? */
+/* Within which another point is at the same place. */
+double joints_tolerance(const wall_end *end);
+/* Do two ends stand at one place? */
 bool joints_meet(const wall_end *a, const wall_end *b);
 /* The ends after k, in order of x, that may meet it: up to the one returned. */
 size_t joints_near(const wall_end *ends, size_t n, size_t k);
