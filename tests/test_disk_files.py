@@ -187,9 +187,13 @@ class Hdf5(Files):
     def test_matrix(self):
         with h5py.File(self.folder / "p.h5", "w") as file:
             file["plain"] = numpy.c_[self.X, self.Y, self.R]
+            file["short"] = numpy.c_[self.X, self.Y, self.R]
+            file["short"].attrs["columns"] = "x y"
             file["named"] = numpy.c_[self.R, self.Y, self.X, self.Y]
             file["named"].attrs["columns"] = ["radius", "y", "x", "vx"]
-        self.check_disks('dataset = "plain";')
+        deck = OPEN + 'disk_files = ( { file = "p.h5"; dataset = "%s"; mass = 1; } );'
+        self.refuse(deck % "plain", 'without names of its columns; expected an attribute "columns"')
+        self.refuse(deck % "short", '3 columns, and its attribute "columns" 2 names')
         self.check_disks('dataset = "named"; columns = ("x", "y", "radius", "vx");', vx=self.Y)
 
     def test_group(self):

@@ -260,11 +260,17 @@ class Tables(Limits):
         self.refuse(self.deck(), "/t has 240000000 rows; expected at most 200000000")
 
     def test_wide(self):
-        with h5py.File(self.folder / "a.h5", "w") as file:
-            file.create_dataset("t", (1000, 1_000_000), "f8", chunks=(1000, 1000), compression="gzip")
-            file["t"][:, 0] = numpy.arange(1000) * 3
-            file["t"][:, 2] = 1
-        self.accept(self.deck())
+        names = ["x", "y", "radius", *(f"c{k}" for k in range(997))]
+        for width in 1000, 1_000_000:
+            with h5py.File(self.folder / "a.h5", "w") as file:
+                file.create_dataset("t", (1000, width), "f8", chunks=(1000, 1000), compression="gzip")
+                file["t"][:, :1000] = 0
+                file["t"][:, 0] = numpy.arange(1000) * 3
+                file["t"][:, 2] = 1
+                file["t"].attrs["columns"] = numpy.array(names, "S8")
+            if width == 1000:
+                self.accept(self.deck())
+        self.refuse(self.deck(), '1000000 columns, and its attribute "columns" 1000 names')
 
     def test_not_written(self):
         self.columns(x=lambda file, name: file.create_dataset(name, (5_000_000,), "f8", chunks=(1 << 16,)))

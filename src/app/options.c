@@ -14,6 +14,7 @@
 #include "base/guess.h"
 #include "base/text.h"
 #include "io/store/file.h"
+#include "io/store/h5.h"
 
 bool options_number(const char *text, long least, long most, long *out) {
   char *end;
@@ -111,17 +112,7 @@ static bool is_deck(const char *path) {
 }
 
 /* A file of HDF5 that is no export. */
-static bool is_result(const char *path) {
-  static const char signature[8] = "\x89HDF\r\n\x1a\n";
-  char head[sizeof signature] = {0};
-  struct stat what;
-  if (text_ends(path, ".h5md") || stat(path, &what) != 0 || !S_ISREG(what.st_mode)) return false;
-  FILE *in = fopen(path, "rb");
-  bool found =
-      in && fread(head, 1, sizeof head, in) == sizeof head && memcmp(head, signature, sizeof head) == 0;
-  if (in) fclose(in);
-  return found;
-}
+static bool is_result(const char *path) { return !text_ends(path, ".h5md") && h5_is_file(path); }
 
 /* Takes one option with its value; 0, or the exit status of a mistake. */
 static int take(const command_line *line, const option_row *row, const char *value, void *arguments) {

@@ -66,7 +66,8 @@ static const deck_key box_keys[] = {
     {"periodic", CHOICE, "\"none\"", periodic_directions,
      "directions in which the box repeats; its edges are no walls"},
     {"file", TEXT, "-", NULL,
-     "result of a run, or LAMMPS data file, that gives the periodic edges not given here; of the last frame"},
+     "result of a run, H5MD or LAMMPS data file that gives the periodic edges not given here; of the last "
+     "frame"},
 };
 TABLE(deck_box, "box", true, "The periodic box; without this group space is open.", box_keys);
 

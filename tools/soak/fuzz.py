@@ -60,7 +60,10 @@ def sound_files(setup):
         disks["position/value"] = numpy.zeros((2, 3, 2))
         disks["position/step"] = disks["position/time"] = numpy.arange(2)
         disks["velocity/value"] = numpy.zeros((2, 3, 2))
+        disks["velocity/step"], disks["angular_velocity/step"] = disks["position/step"], 1
         disks["angular_velocity/value"] = numpy.zeros((2, 3))
+        disks["id"] = numpy.array([4, 2, -1])
+        disks["box/edges"] = numpy.eye(3)
         disks["radius"] = radius
     return f"{result}:{table}"
 

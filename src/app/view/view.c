@@ -11,6 +11,7 @@
 
 #include "base/text.h"
 #include "io/store/file.h"
+#include "io/store/h5.h"
 
 static const option_row rows[] = {
     {"output", 'o', OPTION_PATH, offsetof(view_options, output), 0, 0, NULL, "PAGE.html",
@@ -45,16 +46,10 @@ const command_line app_view_line = {
 
 /* A result, its folder or a checkpoint; anything else is read as a deck. */
 static bool is_result(const char *name) {
-  static const unsigned char hdf5[8] = "\211HDF\r\n\032\n";
-  unsigned char *bytes = NULL;
-  size_t n = 0;
   char *parts = format_text("%s.parts", name);
-  bool result = text_ends(name, ".h5") || file_is_folder(name) || (parts && file_is_folder(parts));
-  if (!result && file_exists(name) && file_read(name, sizeof hdf5, &bytes, &n, NULL) == SD_OK)
-    result = n == sizeof hdf5 && memcmp(bytes, hdf5, n) == 0;
-  free(bytes);
+  const bool folder = file_is_folder(name) || (parts && file_is_folder(parts));
   free(parts);
-  return result;
+  return folder || text_ends(name, ".h5") || h5_is_file(name);
 }
 
 static bool is_same(const char *a, const char *b) {

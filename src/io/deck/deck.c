@@ -60,8 +60,9 @@ static bool file_edge(deck_group *g, file_edges *from, int c, double edge[2]) {
                   key);
   if (!file || !name) return false;
   if (!from->tried)
-    from->found = deck_file_format(name) == DECK_HDF5 ? deck_result_box(g->d, file, from->lower, from->upper)
-                                                      : deck_lammps_box(g->d, file, from->lower, from->upper);
+    from->found = deck_file_format(g->d, name) == DECK_HDF5
+                      ? deck_result_box(g->d, file, from->lower, from->upper)
+                      : deck_lammps_box(g->d, file, from->lower, from->upper);
   from->tried = true;
   if (!from->found) return false;
   edge[0] = from->lower[c];

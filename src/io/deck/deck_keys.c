@@ -59,9 +59,9 @@ static const deck_shape formats[] = {WORD("csv", DECK_CSV), WORD("hdf5", DECK_HD
 
 static const deck_key file_keys[] = {
     {"file", TEXT, "required", NULL, "file, seen from the deck's folder"},
-    {"format", CHOICE, "(by the file's name)", formats,
+    {"format", CHOICE, "(by the file)", formats,
      "CSV with a line of names at the top, HDF5, or a LAMMPS data file"},
-    {"dataset", TEXT, "(/particles/disks of a result)", NULL, "HDF5: the dataset"},
+    {"dataset", TEXT, "(/particles/disks of a result, the only group of H5MD)", NULL, "HDF5: the dataset"},
     {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,
      "columns to take: \"radius\", or \"radius = name in the file\""},
     {"contacts", BOOL, "false", NULL,

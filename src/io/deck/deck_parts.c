@@ -257,7 +257,7 @@ bool deck_parts_begin(deck *d, size_t entry) {
   const deck_node *file = deck_child(node, "file"), *format = deck_child(node, "format");
   if (!d->leave_tiles || deck_child(d->root, "packings") || !file || file->type != DECK_STRING) return false;
   if (format ? format->type != DECK_STRING || strcmp(format->value.text, "hdf5") != 0
-             : deck_file_format(file->value.text) != DECK_HDF5)
+             : deck_file_format(d, file->value.text) != DECK_HDF5)
     return false;
   for (size_t k = 0; k < entry; k++)
     if (d->file_tables[k].contacts) return false;

@@ -415,25 +415,6 @@ void deck_result_rows(deck_group *g, deck_node *file, const char *path, deck_col
 
 /* --- the box -------------------------------------------------------------------------------------------- */
 
-/* Of H5MD: fixed edges, or those of the last frame; the attribute lower is ours. */
-static bool box_of_particles(const h5_file *file, double lower[2], double upper[2]) {
-  double edges[2] = {0, 0};
-  size_t dims[H5_MAX_RANK];
-  int rank;
-  const char *fixed = RESULT_DISKS "/box/edges", *framed = RESULT_DISKS "/box/edges/value";
-  sd_status status = SD_ERROR_IO;
-  if (h5_exists(file, framed)) {
-    if (h5_shape(file, framed, &rank, dims, NULL) == SD_OK && rank == 2 && dims[0] > 0 && dims[1] == 2)
-      status = h5_get_values(file, framed, SD_F64, dims[0] - 1, 1, 2, edges, NULL);
-  } else {
-    status = h5_get(file, fixed, SD_F64, 2, edges, NULL);
-  }
-  lower[0] = lower[1] = 0;
-  h5_get_attr_f64s(file, RESULT_DISKS "/box", "lower", 2, lower);
-  for (int c = 0; c < 2; c++) upper[c] = lower[c] + edges[c];
-  return status == SD_OK;
-}
-
 /* Of a box that has deformed: its lengths over those before, and the shift of a row of cells. Others have no numbers there. */
 static void cell_of(const h5_file *file, double cell[CELL_COLUMNS]) {
   size_t dims[H5_MAX_RANK] = {0};
@@ -463,6 +444,18 @@ static bool box_of_text(deck *d, const h5_file *file, double lower[2], double up
   return r.boxed;
 }
 
+/* Disks of this file, which are read later, are to be of the same step. */
+static bool box_of_others(deck *d, const h5_file *file, const char *path, double lower[2], double upper[2]) {
+  h5_box box;
+  bool found;
+  if (h5_particles_box(file, &found, &box, d->messages) != SD_OK || !found) return false;
+  memcpy(lower, box.lower, sizeof box.lower);
+  memcpy(upper, box.upper, sizeof box.upper);
+  d->box_path = path;
+  d->box_step = box.step;
+  return true;
+}
+
 bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upper[2]) {
   const char *path = deck_resolve(d, d->path, node->value.text);
   size_t before = sd_messages_errors(d->messages);
@@ -472,7 +465,13 @@ bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upp
     deck_fail(d, node, "cannot be read%s", deck_result_maker(d, path));
     return false;
   }
-  bool found = box_of_text(d, file, lower, upper) || box_of_particles(file, lower, upper);
+  const bool ours = box_of_text(d, file, lower, upper);
+  const bool found = ours || box_of_others(d, file, path, lower, upper);
+  const size_t wrong = sd_messages_errors(d->messages) - before;
+  if (wrong > 0) {
+    d->reported += wrong;
+    deck_fail(d, node, "its box cannot be read");
+  }
   double cell[CELL_COLUMNS];
   cell_of(file, cell);
   if (fabs(cell[CELL_OFFSET]) > 1e-9 * cell[CELL_X])
@@ -482,6 +481,6 @@ bool deck_result_box(deck *d, const deck_node *node, double lower[2], double upp
         "that is not, or was sheared by a whole width",
         cell[CELL_OFFSET] / cell[CELL_X]);
   h5_close(file, NULL);
-  if (!found) deck_fail(d, node, "this file has no edges in " RESULT_DISKS "/box");
+  if (!found && wrong == 0) deck_fail(d, node, "this file has no edges in the box of a group of /particles");
   return found;
 }

@@ -354,40 +354,63 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
 
 /* --- HDF5 ----------------------------------------------------------------------------------------------- */
 
+/* False: reported. */
+static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
+  uint64_t size;
+  char head[8] = "";
+  size_t have = 0, letters = 0;
+  if (h5_is_file(path)) return true;
+  const int there = file_open_quiet(path, &size);
+  if (there < 0) {
+    deck_fail(d, file, "cannot be read: %s%s", file_trouble(errno), deck_result_maker(d, path));
+    return false;
+  }
+  const bool known = file_read_at(there, 0, head, sizeof head, &have);
+  close(there);
+  while (letters < have && (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
+    letters++;
+  if (!known || letters == 0 || letters < have) return true; /* the library says what is wrong */
+  deck_fail(d, file,
+            "it is a text, and its name that of an HDF5 file; expected another name or format = \"csv\"");
+  return false;
+}
+
+/* The group of particles of an H5MD file need not be named where there is one. NULL: reported. */
+static const char *dataset_of(deck_group *g, const char *path) {
+  if (deck_given(g, "dataset")) return deck_text_of(g, "dataset");
+  char *only = h5_only_particles(path);
+  if (!only) {
+    deck_fail_key(g->d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
+    return NULL;
+  }
+  const char *name = deck_copy(g->d, only, strlen(only));
+  free(only);
+  deck_default_text(g, "dataset", name);
+  return name;
+}
+
+/* Disks and the box that were read from one file are of one moment. */
+static void check_moment(deck *d, const deck_node *file, const char *path, int64_t step) {
+  if (!d->box_path || strcmp(d->box_path, path) != 0 || d->box_step < 0 || step < 0 || step == d->box_step)
+    return;
+  deck_fail(d, file, "its disks are read at step %lld, its box at step %lld; expected one moment",
+            (long long)step, (long long)d->box_step);
+}
+
 static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const char *path) {
   deck *d = g->d;
   for (size_t c = 0; c < t->n_columns; c++)
     if (t->column[c] >= COLUMN_NUMBERS)
       deck_fail_key(d, g->node, "columns", "column \"%s\" is a text; a dataset gives numbers only",
                     deck_column_names[t->column[c]]);
-  const char *dataset = deck_text_of(g, "dataset");
-  uint64_t size;
-  int there = file_open_quiet(path, &size);
-  if (there < 0) {
-    deck_fail(d, file, "cannot be read: %s%s", file_trouble(errno), deck_result_maker(d, path));
-    return;
-  }
-  char head[8] = "";
-  size_t have = 0, letters = 0;
-  bool known = file_read_at(there, 0, head, sizeof head, &have);
-  close(there);
-  while (letters < have && (isprint((unsigned char)head[letters]) || isspace((unsigned char)head[letters])))
-    letters++;
-  if (known && letters > 0 && letters == have) {
-    deck_fail(d, file,
-              "it is a text, and its name that of an HDF5 file; expected another name or format = \"csv\"");
-    return;
-  }
-  if (!dataset) {
-    deck_fail_key(d, g->node, "dataset", "missing: expected the path of a dataset in the HDF5 file");
-    return;
-  }
+  const char *dataset = is_hdf5(d, file, path) ? dataset_of(g, path) : NULL;
+  if (!dataset) return;
   static const char *const usual[] = {"x", "y", "radius"};
   for (int k = 0; k < 3 && !deck_given(g, "columns"); k++)
     deck_columns_add(d, t, usual[k], file, file->place);
   double *values = NULL;
   const size_t before = sd_messages_errors(d->messages), first = d->asked.part ? d->asked.first : 0;
-  h5_range rows = {first, d->asked.part ? d->asked.n : SIZE_MAX, 0};
+  h5_range rows = {.first = first, .n = d->asked.part ? d->asked.n : SIZE_MAX, .again = d->asked.again};
   if (h5_read_table(path, dataset, t->n_columns, t->source, &values, &rows, d->messages) != SD_OK) {
     /* the reader has said what; say where the deck asked for it */
     d->reported += sd_messages_errors(d->messages) - before;
@@ -397,9 +420,18 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   }
   const size_t n = rows.n;
   t->all = rows.all;
+  check_moment(d, file, path, rows.step);
   if (n) deck_columns_reserve(d, t, n);
-  for (size_t r = 0; r < n && deck_columns_add_row(d, t, (deck_place){path, -1 - (int)(first + r)}); r++)
-    for (size_t c = 0; c < t->n_columns; c++) t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
+  for (size_t r = 0; r < n; r++) {
+    const size_t row = first + (rows.kept ? rows.kept[r] : r);
+    const deck_place place = {path, -1 - (int)row};
+    if (!deck_columns_add_row(d, t, place)) break;
+    for (size_t c = 0; c < t->n_columns; c++) {
+      const double value = t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
+      if (!isfinite(value)) deck_fail_place(d, place, "%s = %g: expected a number", t->source[c], value);
+    }
+  }
+  free(rows.kept);
   free(values);
 }
 
@@ -432,10 +464,12 @@ static bool ends_in(const char *name, const char *const *endings) {
   return false;
 }
 
-int deck_file_format(const char *name) {
-  static const char *const hdf5[] = {".h5", ".hdf5", NULL}, *const lammps[] = {".data", ".lmp", ".lammps",
-                                                                               NULL};
-  return ends_in(name, hdf5) ? DECK_HDF5 : ends_in(name, lammps) ? DECK_LAMMPS : DECK_CSV;
+int deck_file_format(deck *d, const char *name) {
+  static const char *const hdf5[] = {".h5", ".hdf5", ".h5md", NULL}, *const table[] = {".csv", ".txt", NULL},
+                           *const lammps[] = {".data", ".lmp", ".lammps", NULL};
+  if (ends_in(name, hdf5)) return DECK_HDF5;
+  if (ends_in(name, lammps)) return DECK_LAMMPS;
+  return !ends_in(name, table) && h5_is_file(deck_resolve(d, d->path, name)) ? DECK_HDF5 : DECK_CSV;
 }
 
 void deck_columns_from_file(deck_group *g, deck_columns *t) {
@@ -443,7 +477,7 @@ void deck_columns_from_file(deck_group *g, deck_columns *t) {
   const char *name = deck_text_of(g, "file");
   deck_node *file = deck_get(g, "file");
   if (!name || !file) return;
-  deck_default_text(g, "format", deck_key_find(g->table, "format")->words[deck_file_format(name)].name);
+  deck_default_text(g, "format", deck_key_find(g->table, "format")->words[deck_file_format(d, name)].name);
   int format = deck_choice(g, "format");
   bool contacts = deck_bool(g, "contacts");
   if (format >= 0 && format != DECK_HDF5) {

@@ -68,9 +68,9 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *table);
 /* Edges of the box; false: reported. */
 bool deck_lammps_box(deck *d, const deck_node *file, double lower[2], double upper[2]);
 
-/* Formats in the order of the key's words; by the file's name. */
+/* Formats in the order of the key's words; by the file's name, or because it is an HDF5 file. */
 enum { DECK_CSV, DECK_HDF5, DECK_LAMMPS };
-int deck_file_format(const char *name);
+int deck_file_format(deck *d, const char *name);
 
 /* Two columns of numbers of a CSV file, by name (for tables of motions); 0 rows: reported. */
 size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2], double **a, double **b);

@@ -117,6 +117,8 @@ typedef struct deck {
   struct deck_columns *file_tables; /* one per entry of disk_files, until it is echoed */
   size_t n_file_tables;
   deck_rows_asked asked; /* of the file that is being read */
+  const char *box_path;  /* the H5MD file whose box was read; NULL: none */
+  int64_t box_step;      /* of which step; -1: it does not change */
   bool disks_missing;    /* some could not be read */
   bool leave_tiles; /* the last disks are made by ranks, where they can be had in parts: a sample will do */
   bool readable;    /* no mistake but where bodies stand */

@@ -389,11 +389,13 @@ static const char *kind_of(const char *bytes, size_t n) {
       {"BZh91AY&SY", 10, "it is compressed with bzip2; unpack it first (bunzip2)"},
       {"\x28\xb5\x2f\xfd", 4, "it is compressed with zstd; unpack it first (unzstd)"},
       {"PK\x03\x04", 4, "it is a zip archive or a spreadsheet, not a text; unpack or export it first"},
-      {"\x89HDF", 4, "it is an HDF5 file, not a text"},
       {"\xff\xfe", 2, "it is a text in UTF-16; save it as UTF-8"},
       {"\xfe\xff", 2, "it is a text in UTF-16; save it as UTF-8"}};
   for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
     if (n >= kinds[k].n && memcmp(bytes, kinds[k].head, kinds[k].n) == 0) return kinds[k].kind;
+  /* also behind a user block, as MATLAB writes them */
+  for (size_t at = 0; n >= 8 && at <= n - 8; at = at ? 2 * at : 512)
+    if (memcmp(bytes + at, "\x89HDF\r\n\x1a\n", 8) == 0) return "it is an HDF5 file, not a text";
   return memchr(bytes, 0, n) ? "not a text file (it holds a zero byte)" : NULL;
 }
 

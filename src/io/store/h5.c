@@ -149,6 +149,17 @@ sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_message
   return status;
 }
 
+bool h5_is_file(const char *path) {
+  uint64_t size;
+  const int fd = file_open_quiet(path, &size);
+  char *again = fd < 0 ? NULL : file_again(fd, path);
+  h5_quiet();
+  const bool found = again && H5Fis_hdf5(again) > 0;
+  free(again);
+  if (fd >= 0) close(fd);
+  return found;
+}
+
 /* Of a file that is too large to be read whole: its small data, if it has a sum of them. */
 static sd_status check_small(h5_file *file, const h5_mark *mark, sd_messages *messages) {
   uint64_t sum;

@@ -137,19 +137,37 @@ void h5_put_shares(h5_file *file, size_t n, const int64_t *sums);
 bool h5_has_shares(const h5_file *file);
 
 /* --- tables of particles, for the deck ------------------------------------------------------------ */
-/* Rows of a table: asked for (at most n from `first` on), how many that is, and how many there are. */
+/* Rows of a table: asked for (at most n from `first` on), how many that is, and how many there are; 0: rows cannot be had by
+ * themselves, since some hold no particle. */
 typedef struct h5_range {
   size_t first, n, all;
+  bool again;     /* asked: the file was opened, and checked, before */
+  int64_t step;   /* of an H5MD file; -1: none */
+  uint32_t *kept; /* [n], to be freed: which rows of those asked for; NULL: all of them */
 } h5_range;
 
 /* Reads the named columns as (*values)[row * n_columns + column], to be freed. `dataset` is one of
  * - a compound dataset with these fields,
- * - a 2D dataset whose attribute "columns" names its columns (without it: the columns in the order asked),
+ * - a 2D dataset whose attribute "columns" names its columns,
  * - a group with a 1D dataset per column,
- * - a particles group of an H5MD file, such as "/particles/disks": its last frame. There x, y, vx, vy,
- *   theta, omega stand for the elements position, velocity, angle, angular_velocity.
+ * - a particles group of an H5MD file, such as "/particles/disks", at the last step that all columns have; rows without
+ *   a particle are left out. There x, y, vx, vy, theta, omega stand for the elements position, velocity, angle,
+ *   angular_velocity.
  * Every missing column is one message. SD_ERROR_IO: the file cannot be read; SD_ERROR_USER: the rest. */
 sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns, const char *const *columns,
                         double **values, h5_range *rows, sd_messages *messages);
+
+/* Edges of a box along x and y; equal in directions that are not periodic. step: whose it is, -1 where it does not change. */
+typedef struct h5_box {
+  double lower[2], upper[2];
+  int64_t step;
+} h5_box;
+
+/* The box of the particles of an H5MD file, at the moment of their positions. found: it has one. */
+sd_status h5_particles_box(const h5_file *file, bool *found, h5_box *box, sd_messages *messages);
+/* The only group of particles that has positions; to be freed, NULL: there is none, or are several. */
+char *h5_only_particles(const char *path);
+/* Does the library take it for an HDF5 file, also behind a user block? */
+bool h5_is_file(const char *path);
 
 #endif

@@ -123,6 +123,30 @@ sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type 
 /* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
 bool h5_set_pages(hid_t access, size_t room);
 
+/* --- h5_md.c ---------------------------------------------------------------------------------------- */
+/* An element of a group of particles of an H5MD file, such as "position" or "box/edges". */
+typedef struct h5_element {
+  const char *name;
+  bool framed, stepped; /* it has frames; they have steps */
+  size_t frames, frame; /* number; the one to be read */
+  int64_t *step, interval, offset;
+} h5_element;
+
+/* Finds the frames to be read of these elements, of the last step that all with frames have. step: -1 where there are none.
+ * SD_ERROR_USER: there is no such step. */
+sd_status h5_moment(const h5_file *file, const char *group, h5_element *elements, size_t n, int64_t *step,
+                    sd_messages *messages);
+/* Does the file say by which value, other than 0, rows are filled that were not written? */
+bool h5_is_fill(const h5_file *file, const char *path, double *fill);
+/* The element that tells rows without a particle; NULL: there is none. */
+const char *h5_absence(const h5_file *file, const char *group);
+/* Of n rows of this element: gone[k] where there is no particle. */
+sd_status h5_absent(const h5_file *file, const char *group, const h5_element *element, const double *value,
+                    size_t n, bool *gone, sd_messages *messages);
+/* The texts of an attribute (an array of strings, or one with commas or blanks) as one with a newline after each; NULL:
+ * none. To be freed. */
+char *h5_words(const h5_file *file, const char *path, const char *name);
+
 /* Opens the file behind a descriptor, which stays the caller's. Nothing is checked. */
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages);
 /* Switches the library's own printing off, in this thread, and its clean-up at exit (which writes). */

@@ -284,6 +284,54 @@ char *h5_get_attr_text(const h5_file *file, const char *path, const char *name) 
   return text;
 }
 
+/* Of n strings of this size, or of variable length, one after the other. */
+static char *join_words(const char *raw, size_t n, size_t size, bool variable) {
+  char *text = NULL, *to = NULL;
+  for (int pass = 0; pass < 2; pass++) {
+    size_t total = 1;
+    for (size_t k = 0; k < n; k++) {
+      const char *word = raw + k * size;
+      if (variable) memcpy(&word, raw + k * size, sizeof word);
+      const size_t length = !word ? 0 : variable ? strlen(word) : strnlen(word, size);
+      if (to) {
+        memcpy(to, word, length);
+        to[length] = '\n';
+        to += length + 1;
+      }
+      total += length + 1;
+    }
+    if (!to && !(to = text = calloc(total, 1))) break;
+  }
+  if (!text) shortage_note();
+  return text;
+}
+
+char *h5_words(const h5_file *file, const char *path, const char *name) {
+  if (!h5_has_attr(file, path, name)) return NULL;
+  hid_t attr = H5Aopen_by_name(file->id, path, name, H5P_DEFAULT, H5P_DEFAULT);
+  if (attr < 0) return NULL;
+  hid_t type = H5Aget_type(attr), space = H5Aget_space(attr), memory = H5Tcopy(type);
+  const hssize_t n = H5Sget_simple_extent_npoints(space);
+  const bool variable = H5Tis_variable_str(type) > 0;
+  const size_t size = variable ? sizeof(char *) : H5Tget_size(type);
+  char *text = NULL;
+  if (H5Tget_class(type) == H5T_STRING && n > 0 && n <= LIMIT_COLUMNS && size <= LIMIT_MIB) {
+    char *raw = calloc((size_t)n, size);
+    if (!raw) shortage_note();
+    const bool got = raw && H5Aread(attr, memory, raw) >= 0;
+    if (got) text = join_words(raw, (size_t)n, size, variable);
+    if (got && variable) H5Dvlen_reclaim(memory, space, H5P_DEFAULT, raw);
+    free(raw);
+  }
+  H5Tclose(memory);
+  H5Sclose(space);
+  H5Tclose(type);
+  H5Aclose(attr);
+  for (char *c = text; c && *c; c++)
+    if (*c == ',' || *c == ' ') *c = '\n';
+  return text;
+}
+
 /* --- list ----------------------------------------------------------------------------------------- */
 
 typedef struct walk {

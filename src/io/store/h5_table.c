@@ -1,9 +1,11 @@
 /* h5_table.c: tables of particles for the deck, in four forms; see h5_read_table in h5.h. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/text.h"
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
 
@@ -55,9 +57,33 @@ static void scatter(table *t, size_t column, const double *data) {
   for (size_t k = 0; k < t->rows.n; k++) t->values[k * t->n_columns + column] = data[k];
 }
 
-/* Reads a box of a dataset: count values from `start` on in each of its dimensions (1 beyond them). */
-static bool read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
-                     const hsize_t count[H5_MAX_RANK], double *data) {
+/* Was each of these values written? A chunk that never was would read as zeros. */
+static bool is_written(hid_t set, const hsize_t start[H5_MAX_RANK], const hsize_t count[H5_MAX_RANK]) {
+  hid_t made = H5Dget_create_plist(set);
+  const H5D_layout_t layout = H5Pget_layout(made);
+  hsize_t chunk[H5S_MAX_RANK] = {0}, at[H5S_MAX_RANK] = {0}, size;
+  const int rank = layout == H5D_CHUNKED ? H5Pget_chunk(made, H5S_MAX_RANK, chunk) : 0;
+  bool good = layout == H5D_CHUNKED || H5Dget_storage_size(set) > 0;
+  H5Pclose(made);
+  for (int k = 0; k < rank; k++) at[k] = start[k] / chunk[k] * chunk[k];
+  for (bool more = rank > 0; more && good;) {
+    haddr_t address = HADDR_UNDEF;
+    good = H5Dget_chunk_info_by_coord(set, at, NULL, &address, &size) >= 0 && address != HADDR_UNDEF;
+    int k = rank - 1;
+    for (; k >= 0; k--) {
+      at[k] += chunk[k];
+      if (at[k] < start[k] + count[k]) break;
+      at[k] = start[k] / chunk[k] * chunk[k];
+    }
+    more = k >= 0;
+  }
+  return good;
+}
+
+/* Reads a box of a dataset: count values from `start` on in each of its dimensions (1 beyond them). NULL: good. */
+static const char *read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
+                            const hsize_t count[H5_MAX_RANK], double *data) {
+  if (!is_written(set, start, count)) return "has values that were never written";
   hid_t space = H5Dget_space(set);
   hsize_t total = 1;
   for (int k = 0; k < H5_MAX_RANK; k++) total *= count[k];
@@ -66,7 +92,7 @@ static bool read_box(hid_t set, hid_t type, const hsize_t start[H5_MAX_RANK],
                     H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
   H5Sclose(memory);
   H5Sclose(space);
-  return good;
+  return good ? NULL : "cannot be read as numbers";
 }
 
 /* --- compound ------------------------------------------------------------------------------------- */
@@ -93,9 +119,13 @@ static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
     } else {
       hid_t one = H5Tcreate(H5T_COMPOUND, sizeof(double));
       H5Tinsert(one, t->columns[c], 0, H5T_NATIVE_DOUBLE);
-      if (t->rows.n > 0 && !(line ? read_box(set, one, start, count, data)
-                                  : H5Dread(set, one, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0))
-        status = user_error(t, t->columns[c], "cannot be read");
+      const char *trouble = NULL;
+      if (t->rows.n > 0 && line)
+        trouble = read_box(set, one, start, count, data);
+      else if (t->rows.n > 0 && H5Dread(set, one, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+        trouble = "cannot be read";
+      if (trouble)
+        status = user_error(t, t->columns[c], trouble);
       else
         scatter(t, c, line ? data : data + t->rows.first);
       H5Tclose(one);
@@ -108,45 +138,7 @@ static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
 
 /* --- two-dimensional ------------------------------------------------------------------------------ */
 
-/* The names in attribute "columns" (an array of strings, or one with commas or blanks) as one text with a
- * newline after each name; NULL when there is none. */
-static char *column_names(hid_t set) {
-  if (H5Aexists(set, "columns") <= 0) return NULL;
-  hid_t attr = H5Aopen(set, "columns", H5P_DEFAULT), type = H5Aget_type(attr), space = H5Aget_space(attr);
-  hssize_t n = H5Sget_simple_extent_npoints(space);
-  char *text = NULL;
-  bool variable = H5Tis_variable_str(type) > 0;
-  size_t size = variable ? sizeof(char *) : H5Tget_size(type), total = 1;
-  if (H5Tget_class(type) == H5T_STRING && n > 0 && n <= LIMIT_COLUMNS && size <= LIMIT_MIB) {
-    char *raw = calloc((size_t)n, size);
-    hid_t memory = H5Tcopy(type);
-    if (raw && H5Aread(attr, memory, raw) >= 0) {
-      for (hssize_t k = 0; k < n; k++) {
-        char *word = raw + (size_t)k * size;
-        if (variable) memcpy(&word, raw + (size_t)k * size, sizeof word);
-        total += (variable ? word ? strlen(word) : 0 : size) + 1;
-      }
-      text = calloc(total, 1);
-      for (hssize_t k = 0; text && k < n; k++) {
-        char *word = raw + (size_t)k * size;
-        if (variable) memcpy(&word, raw + (size_t)k * size, sizeof word);
-        if (word) strncat(text, word, variable ? strlen(word) : size);
-        strcat(text, "\n");
-      }
-      if (variable) H5Dvlen_reclaim(memory, space, H5P_DEFAULT, raw);
-    }
-    H5Tclose(memory);
-    free(raw);
-  }
-  H5Sclose(space);
-  H5Tclose(type);
-  H5Aclose(attr);
-  for (char *c = text; c && *c; c++)
-    if (*c == ',' || *c == ' ') *c = '\n';
-  return text;
-}
-
-/* Index of a name in the list of column_names, SIZE_MAX when it is not there. */
+/* Index of a name in the list of h5_words, SIZE_MAX when it is not there. */
 static size_t find_name(const char *names, const char *name) {
   size_t index = 0;
   for (const char *at = names; *at;) {
@@ -161,26 +153,42 @@ static size_t find_name(const char *names, const char *name) {
   return SIZE_MAX;
 }
 
-/* One column of a 2D dataset: however wide it is, there is memory for one. */
-static bool read_wide(const table *t, hid_t set, size_t column, double *data) {
-  const hsize_t start[H5_MAX_RANK] = {t->rows.first, column}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
-  return read_box(set, H5T_NATIVE_DOUBLE, start, count, data);
+static size_t count_names(const char *names) {
+  size_t n = 0;
+  for (const char *at = names; *at; at++) n += *at != '\n' && (at[1] == '\n' || !at[1]);
+  return n;
 }
 
+/* Which column is which only its attribute says. */
+static sd_status check_names(const table *t, const char *names, size_t width) {
+  if (!names)
+    return sd_fail(
+        t->messages, SD_ERROR_USER,
+        "%s: %s is a matrix without names of its columns; expected an attribute \"columns\", such as "
+        "\"x,y,radius\"",
+        t->file->path, t->path);
+  const size_t n = count_names(names);
+  if (n == width) return SD_OK;
+  return sd_fail(t->messages, SD_ERROR_USER,
+                 "%s: %s has %zu columns, and its attribute \"columns\" %zu names", t->file->path, t->path,
+                 width, n);
+}
+
+/* A column at a time: however wide it is, there is memory for one. */
 static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   sd_status status = size_rows(t, "", rows);
   if (status != SD_OK) return status;
   double *data = calloc(t->rows.n + 1, sizeof *data);
   if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  char *names = column_names(set);
-  for (size_t c = 0; status != SD_ERROR_IO && c < t->n_columns; c++) {
-    size_t from = names ? find_name(names, t->columns[c]) : c;
-    if (from >= width)
-      status =
-          user_error(t, t->columns[c],
-                     names ? "is not among the names in attribute \"columns\"" : "the dataset is too narrow");
-    else if (t->rows.n > 0 && !read_wide(t, set, from, data))
-      status = user_error(t, t->columns[c], "cannot be read as numbers");
+  char *names = h5_words(t->file, t->path, "columns");
+  status = check_names(t, names, width);
+  for (size_t c = 0; names && status == SD_OK && c < t->n_columns; c++) {
+    const size_t from = find_name(names, t->columns[c]);
+    const hsize_t start[H5_MAX_RANK] = {t->rows.first, from}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
+    const char *trouble = from >= width ? "is not among the names in attribute \"columns\"" : NULL;
+    if (!trouble && t->rows.n > 0) trouble = read_box(set, H5T_NATIVE_DOUBLE, start, count, data);
+    if (trouble)
+      status = user_error(t, t->columns[c], trouble);
     else
       scatter(t, c, data);
   }
@@ -201,51 +209,13 @@ static const struct alias {
 } aliases[] = {{"x", "position", 0},  {"y", "position", 1},   {"vx", "velocity", 0},
                {"vy", "velocity", 1}, {"theta", "angle", -1}, {"omega", "angular_velocity", -1}};
 
-/* The rows asked for, `width` numbers each; of the last of so many frames. */
-static sd_status read_rows(const table *t, const char *path, size_t frames, size_t width, double *data) {
-  const hsize_t start[] = {frames ? frames - 1 : 0, t->rows.first, 0, 0, 0},
-                count[] = {1, t->rows.n, width, 1, 1};
-  const int skip = frames ? 0 : 1;
-  if (t->rows.n == 0) return SD_OK;
-  hid_t set = h5_open_data(t->file, path, NULL);
-  if (set < 0) return SD_ERROR_IO;
-  const bool good = read_box(set, H5T_NATIVE_DOUBLE, start + skip, count + skip, data);
-  H5Oclose(set);
-  return good ? SD_OK : SD_ERROR_IO;
-}
+enum { MOST_ELEMENTS = 64 };
 
-/* Reads component (or the scalar) of the last frame, or of a fixed element, of shape [N] or [N][D]. */
-static sd_status read_element(table *t, size_t column, const char *path, bool framed, int component) {
-  const char *name = t->columns[column];
-  size_t dims[H5_MAX_RANK];
-  int rank;
-  sd_status status = h5_shape(t->file, path, &rank, dims, t->messages);
-  if (status != SD_OK) return status;
-  const size_t *inner = dims + (framed ? 1 : 0);
-  int inner_rank = rank - (framed ? 1 : 0);
-  if (inner_rank != (component < 0 ? 1 : 2) || (framed && dims[0] == 0) ||
-      (component >= 0 && ((size_t)component >= inner[1] || inner[1] > MOST_COMPONENTS)))
-    return user_error(t, name, "has not the shape of one value per particle");
-  status = size_rows(t, name, inner[0]);
-  if (status != SD_OK) return status;
-  const h5_range *r = &t->rows;
-  const bool shared = h5_shared_set_of(t->file, path) != NULL;
-  const size_t width = component < 0 ? 1 : inner[1], n = (shared ? r->all : r->n) * width;
-  double *data = calloc(n + 1, sizeof *data);
-  if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  if (shared) /* rows of shares come a frame at a time */
-    status = framed ? h5_get_values(t->file, path, SD_F64, dims[0] - 1, 1, n, data, NULL)
-                    : h5_get(t->file, path, SD_F64, n, data, NULL);
-  else if (framed || (status = h5_check(t->file, path, r->all * width, NULL)) == SD_OK)
-    status = read_rows(t, path, framed ? dims[0] : 0, width, data);
-  if (status != SD_OK) status = user_error(t, name, "cannot be read as numbers");
-  const double *first = data + (shared ? r->first * width : 0) + (component < 0 ? 0 : (size_t)component);
-  double *values = t->values;
-  for (size_t k = 0; values && status == SD_OK && k < r->n; k++)
-    values[k * t->n_columns + column] = first[k * width];
-  free(data);
-  return status;
-}
+/* A column of a group: which element, and which of its components. */
+typedef struct source {
+  size_t element;
+  int component;
+} source;
 
 static bool is_set(const h5_file *file, const char *path) {
   if (!h5_exists(file, path)) return false;
@@ -255,26 +225,207 @@ static bool is_set(const h5_file *file, const char *path) {
   return set;
 }
 
-static sd_status read_column(table *t, size_t c) {
-  char path[1024];
-  const char *base = strcmp(t->path, "/") == 0 ? "" : t->path, *element = t->columns[c];
-  int component = -1;
-  /* a dataset of the column's own name goes before an element that holds it */
-  snprintf(path, sizeof path, "%s/%s", base, element);
-  bool linked = h5_is_link(t->file, path);
-  if (!h5_exists(t->file, path))
-    for (size_t k = 0; k < sizeof aliases / sizeof *aliases; k++)
-      if (strcmp(aliases[k].column, t->columns[c]) == 0) {
-        element = aliases[k].element;
-        component = aliases[k].component;
-      }
-  snprintf(path, sizeof path, "%s/%s", base, element);
-  if (is_set(t->file, path)) return read_element(t, c, path, false, component);
-  snprintf(path, sizeof path, "%s/%s/value", base, element);
-  if (is_set(t->file, path)) return read_element(t, c, path, true, component);
-  if (linked || h5_is_link(t->file, path))
-    return user_error(t, t->columns[c], "is a link, which is not followed");
-  return user_error(t, t->columns[c], "there is no such dataset");
+/* "/" and "/group": what names below them begin with. */
+static const char *base_of(const table *t) { return strcmp(t->path, "/") == 0 ? "" : t->path; }
+
+static char *path_of(const table *t, const char *element, bool framed) {
+  return format_text(framed ? "%s/%s/value" : "%s/%s", base_of(t), element);
+}
+
+static size_t add_element(h5_element *elements, size_t *n, const char *name) {
+  size_t k = 0;
+  while (k < *n && strcmp(elements[k].name, name) != 0) k++;
+  if (k == *n) elements[(*n)++] = (h5_element){.name = name};
+  return k;
+}
+
+/* A dataset of the column's own name goes before an element that holds it. */
+static sd_status find_source(const table *t, size_t c, h5_element *elements, size_t *n, source *from) {
+  const char *name = t->columns[c], *element = name;
+  char *path = path_of(t, name, false), *fixed = NULL, *framed = NULL;
+  *from = (source){.component = -1};
+  for (size_t k = 0; path && !h5_exists(t->file, path) && k < sizeof aliases / sizeof *aliases; k++)
+    if (strcmp(aliases[k].column, name) == 0) {
+      element = aliases[k].element;
+      from->component = aliases[k].component;
+    }
+  fixed = path_of(t, element, false);
+  framed = path_of(t, element, true);
+  sd_status status = SD_OK;
+  if (!path || !fixed || !framed)
+    status = sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  else if (is_set(t->file, fixed) || is_set(t->file, framed))
+    from->element = add_element(elements, n, element);
+  else if (h5_is_link(t->file, path) || h5_is_link(t->file, fixed) || h5_is_link(t->file, framed))
+    status = user_error(t, name, "is a link, which is not followed");
+  else
+    status = user_error(t, name, "there is no such dataset");
+  free(path);
+  free(fixed);
+  free(framed);
+  return status;
+}
+
+/* The rows asked for, `width` numbers each, of the element's frame. NULL: good. */
+static const char *read_rows(const table *t, const h5_element *e, const char *path, size_t width,
+                             double *data) {
+  const hsize_t start[] = {e->frame, t->rows.first, 0, 0, 0}, count[] = {1, t->rows.n, width, 1, 1};
+  const int skip = e->framed ? 0 : 1;
+  if (t->rows.n == 0) return NULL;
+  hid_t set = h5_open_data(t->file, path, NULL);
+  if (set < 0) return "cannot be read as numbers";
+  const char *trouble = read_box(set, H5T_NATIVE_DOUBLE, start + skip, count + skip, data);
+  H5Oclose(set);
+  return trouble;
+}
+
+/* What an element holds of the rows asked for, `width` numbers each, to be freed; NULL: reported. component < 0: one. */
+static double *read_values(table *t, const h5_element *e, const char *name, int component, size_t *width) {
+  size_t dims[H5_MAX_RANK];
+  int rank;
+  char *path = path_of(t, e->name, e->framed);
+  double *data = NULL;
+  if (!path || h5_shape(t->file, path, &rank, dims, t->messages) != SD_OK) {
+    free(path);
+    return NULL;
+  }
+  const size_t *inner = dims + e->framed;
+  const char *trouble = NULL;
+  if (rank - e->framed != (component < 0 ? 1 : 2) ||
+      (component >= 0 && ((size_t)component >= inner[1] || inner[1] > MOST_COMPONENTS)))
+    trouble = "has not the shape of one value per particle";
+  if (!trouble && size_rows(t, name, inner[0]) == SD_OK) {
+    const h5_range *r = &t->rows;
+    const bool shared = h5_shared_set_of(t->file, path) != NULL;
+    *width = component < 0 ? 1 : inner[1];
+    const size_t n = (shared ? r->all : r->n) * *width;
+    data = calloc(n + 1, sizeof *data);
+    if (!data) {
+      sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+    } else if (shared) { /* rows of shares come a frame at a time */
+      const sd_status got = e->framed ? h5_get_values(t->file, path, SD_F64, e->frame, 1, n, data, NULL)
+                                      : h5_get(t->file, path, SD_F64, n, data, NULL);
+      if (got != SD_OK) trouble = "cannot be read as numbers";
+      memmove(data, data + r->first * *width, r->n * *width * sizeof *data);
+    } else if (!e->framed && h5_check(t->file, path, r->all * *width, NULL) != SD_OK) {
+      trouble = "cannot be read as numbers";
+    } else {
+      trouble = read_rows(t, e, path, *width, data);
+    }
+  }
+  free(path);
+  if (!trouble) return data;
+  user_error(t, name, trouble);
+  free(data);
+  return NULL;
+}
+
+static bool is_gone(const bool *gone, size_t k) { return gone && gone[k]; }
+
+/* Vectors of three components: all particles stand, or move, in one plane. */
+static sd_status check_plane(const table *t, const h5_element *e, const double *data, size_t width,
+                             const bool *gone) {
+  double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, range[3];
+  for (size_t k = 0; k < t->rows.n; k++)
+    for (size_t c = 0; c < width && !is_gone(gone, k); c++) {
+      least[c] = fmin(least[c], data[k * width + c]);
+      most[c] = fmax(most[c], data[k * width + c]);
+    }
+  if (width < 3 || least[0] > most[0]) return SD_OK;
+  const bool moves = strcmp(e->name, "velocity") == 0;
+  for (int c = 0; c < 3; c++) range[c] = moves ? fmax(-least[c], most[c]) : most[c] - least[c];
+  if (range[2] <= 1e-6 * fmax(range[0], range[1])) return SD_OK;
+  return sd_fail(
+      t->messages, SD_ERROR_USER,
+      "%s: %s: %s has three dimensions, its third component goes from %g to %g; expected particles "
+      "in a plane",
+      t->file->path, t->path, e->name, least[2], most[2]);
+}
+
+/* Rows that were not filled, where nothing else tells of them. */
+static sd_status check_fill(const table *t, const h5_element *e, const double *data, size_t width,
+                            const bool *gone) {
+  double fill;
+  char *path = path_of(t, e->name, e->framed);
+  sd_status status = path ? SD_OK : sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  const bool given = path && h5_is_fill(t->file, path, &fill);
+  free(path);
+  for (size_t k = 0; k < t->rows.n && status == SD_OK; k++) {
+    bool filled = given && !is_gone(gone, k);
+    for (size_t c = 0; c < width && filled; c++)
+      filled = data[k * width + c] == fill || (isnan(fill) && isnan(data[k * width + c]));
+    if (filled)
+      status = sd_fail(t->messages, SD_ERROR_USER,
+                       "%s: %s: row %zu of %s holds the fill value %g: it was not written", t->file->path,
+                       t->path, t->rows.first + k, e->name, fill);
+  }
+  return status;
+}
+
+static sd_status read_column(table *t, size_t c, const source *from, const h5_element *e, const bool *gone) {
+  size_t width = 1;
+  double *data = read_values(t, e, t->columns[c], from->component, &width);
+  if (!data) return SD_ERROR_USER;
+  sd_status status = check_fill(t, e, data, width, gone);
+  if (status == SD_OK && from->component >= 0) status = check_plane(t, e, data, width, gone);
+  const double *first = data + (from->component < 0 ? 0 : (size_t)from->component);
+  for (size_t k = 0; status == SD_OK && k < t->rows.n; k++)
+    t->values[k * t->n_columns + c] = first[k * width];
+  free(data);
+  return status;
+}
+
+/* Which rows hold no particle; *gone is to be freed. */
+static sd_status read_absent(table *t, const h5_element *e, bool **gone) {
+  size_t width = 1;
+  double *data = read_values(t, e, e->name, -1, &width);
+  if (!data) return SD_ERROR_USER;
+  *gone = calloc(t->rows.n + 1, sizeof **gone);
+  const sd_status status = *gone ? h5_absent(t->file, base_of(t), e, data, t->rows.n, *gone, t->messages)
+                                 : sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  free(data);
+  return status;
+}
+
+/* Leaves out rows without a particle. */
+static sd_status leave_out(table *t, const bool *gone) {
+  size_t n = 0;
+  for (size_t k = 0; k < t->rows.n; k++) n += !is_gone(gone, k);
+  if (n == t->rows.n) return SD_OK;
+  t->rows.kept = calloc(n + 1, sizeof *t->rows.kept);
+  if (!t->rows.kept) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  n = 0;
+  for (size_t k = 0; k < t->rows.n; k++) {
+    if (gone[k]) continue;
+    memmove(t->values + n * t->n_columns, t->values + k * t->n_columns, t->n_columns * sizeof *t->values);
+    t->rows.kept[n++] = (uint32_t)k;
+  }
+  t->rows.n = n;
+  t->rows.all = 0;
+  return SD_OK;
+}
+
+/* Every column that is missing or cannot be read gets its message. */
+static sd_status read_group(table *t) {
+  h5_element elements[MOST_ELEMENTS];
+  source from[MOST_ELEMENTS];
+  size_t n = 0, absence = SIZE_MAX;
+  bool *gone = NULL;
+  sd_status status, worst = SD_OK;
+  if (t->n_columns >= MOST_ELEMENTS) return user_error(t, t->columns[MOST_ELEMENTS - 1], "is one too many");
+  for (size_t c = 0; c < t->n_columns; c++)
+    if ((status = find_source(t, c, elements, &n, &from[c])) != SD_OK && worst == SD_OK) worst = status;
+  if (worst != SD_OK) return worst;
+  const char *name = h5_absence(t->file, base_of(t));
+  if (name) absence = add_element(elements, &n, name);
+  worst = h5_moment(t->file, base_of(t), elements, n, &t->rows.step, t->messages);
+  if (worst == SD_OK && name) worst = read_absent(t, &elements[absence], &gone);
+  for (size_t c = 0; (worst == SD_OK || c > 0) && c < t->n_columns && !t->too_long; c++)
+    if ((status = read_column(t, c, &from[c], &elements[from[c].element], gone)) != SD_OK && worst == SD_OK)
+      worst = status;
+  if (worst == SD_OK) worst = leave_out(t, gone);
+  free(gone);
+  return worst;
 }
 
 /* --- which form ----------------------------------------------------------------------------------- */
@@ -303,7 +454,7 @@ sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
                         double **values, h5_range *rows, sd_messages *messages) {
   *values = NULL;
   h5_file *h5;
-  sd_status status = h5_open(file, &h5, messages), worst = status;
+  sd_status status = (rows->again ? h5_open_again : h5_open)(file, &h5, messages);
   if (status != SD_OK) return status;
   table t = {.file = h5,
              .path = dataset && *dataset ? dataset : "/",
@@ -311,23 +462,22 @@ sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
              .columns = columns,
              .rows = *rows,
              .messages = messages};
-  *rows = (h5_range){0};
+  *rows = (h5_range){.step = -1};
+  t.rows.step = -1;
+  t.rows.kept = NULL;
   hid_t object = h5_open_object(h5, t.path, messages);
   if (object < 0)
-    worst = SD_ERROR_USER;
-  else if (H5Iget_type(object) == H5I_DATASET)
-    worst = read_set(&t, object);
+    status = SD_ERROR_USER;
   else
-    /* every missing column gets its message */
-    for (size_t c = 0; c < n_columns && !t.too_long; c++)
-      if ((status = read_column(&t, c)) != SD_OK && worst == SD_OK) worst = status;
+    status = H5Iget_type(object) == H5I_DATASET ? read_set(&t, object) : read_group(&t);
   if (object >= 0) H5Oclose(object);
   h5_close(h5, NULL);
-  if (worst == SD_OK) {
+  if (status == SD_OK) {
     *values = t.values;
     *rows = t.rows;
   } else {
     free(t.values);
+    free(t.rows.kept);
   }
-  return worst;
+  return status;
 }
