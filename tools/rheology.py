@@ -61,14 +61,12 @@ def evaluate(rate, series, area):
 
 def read(path):
     """(rate, series of the measured part, area) of a result of the deck."""
-    import h5py
     import slipdisk
-    series = {name: np.asarray(values) for name, values in slipdisk.Result(path).series.items()}
-    with h5py.File(path) as file:
-        radius = file["particles/disks/radius"][:]
-        text = file["parameters/deck_full"][()].decode()
-        # The last phase only: before it is the way to the steady state.
-        begin = file["summary/phase/steps"][:-1].sum()
+    result = slipdisk.Result(path)
+    series = {name: np.asarray(values) for name, values in result.series.items()}
+    radius, text = result.rows("particles/disks/radius"), result.deck
+    # The last phase only: before it is the way to the steady state.
+    begin = result.phases["steps"][:-1].sum()
     rate = float(re.search(r"\bI = ([-+.\deE]+);", text).group(1))
     series["coordination"] = 2 * series["contacts"] / len(radius)
     measured = {name: values[series["step"] > begin] for name, values in series.items()

@@ -14,7 +14,7 @@
 #include "io/results/record.h"
 
 typedef struct verifier {
-  bool quiet, seal;
+  bool quiet, seal, unsealed;
   size_t first; /* operand */
   size_t files, damaged;
 } verifier;
@@ -23,6 +23,8 @@ static const option_row rows[] = {
     {"quiet", 'q', OPTION_FLAG, offsetof(verifier, quiet), 0, 0, NULL, NULL, "errors only"},
     {"seal", 0, OPTION_FLAG, offsetof(verifier, seal), 0, 0, NULL, NULL,
      "make the checksum of a file anew that was changed on purpose"},
+    {"unsealed", 0, OPTION_FLAG, offsetof(verifier, unsealed), 0, 0, NULL, NULL,
+     "files without a checksum, of older versions, count as sound where they can be read"},
 };
 const command_line app_verify_line = {
     .name = "verify",
@@ -49,7 +51,7 @@ static bool verify_file(verifier *v, const char *path) {
   uint64_t sum = 0;
   sd_status status = v->seal ? h5_reseal(path, why) : SD_OK;
   if (status == SD_OK) status = h5_verify(path, &sealed, &sum, why);
-  if (status == SD_OK && !sealed)
+  if (status == SD_OK && !sealed && !v->unsealed)
     status = sd_fail(
         why, SD_ERROR_IO,
         "%s has no checksum: it was written by an older version or by another program, and whether it is "
@@ -58,6 +60,8 @@ static bool verify_file(verifier *v, const char *path) {
   v->files++;
   if (status != SD_OK)
     tell_damaged(v, path, why);
+  else if (!v->quiet && !sealed)
+    printf("%s: can be read, %.3g MB, without a checksum\n", path, (double)file_size(path) / 1e6);
   else if (!v->quiet)
     printf("%s: sound, %.3g MB, sum %016" PRIx64 "\n", path, (double)file_size(path) / 1e6, sum);
   sd_messages_free(why);

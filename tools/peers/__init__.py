@@ -13,3 +13,7 @@
     law_page.py   their tables
     page.py       Markdown
 """
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "python"))

@@ -15,8 +15,8 @@ import signal
 import subprocess
 import time
 
-import h5py
 import numpy as np
+from slipdisk import sealed
 
 from . import frames, inputs, packing, programs
 
@@ -94,7 +94,7 @@ def write_pair(path, spheres):
 # --- loops: what is left ----------------------------------------------------------------------------------------
 def left_in_slipdisk(result):
     """Stretch of the contact each time round."""
-    with h5py.File(result) as file:
+    with sealed.read(result) as file:
         contacts = file["contacts"]
         steps, counts, stretch = contacts["step"][:], contacts["count"][:], (contacts["zeta"] if "zeta" in contacts else contacts["stretch"])[:]
     if not (counts[1:] == 1).all():

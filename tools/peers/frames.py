@@ -3,8 +3,8 @@
 Contacts are found here, from positions, by one function for all: what a program counts itself is not asked."""
 import dataclasses
 
-import h5py
 import numpy as np
+from slipdisk import sealed
 
 from . import inputs
 
@@ -27,7 +27,7 @@ def floor_at(step):
 
 
 def of_slipdisk(path):
-    with h5py.File(path) as file:
+    with sealed.read(path) as file:
         disks = file["particles/disks"]
         steps = disks["position/step"][:]
         return [Frame(int(step), *disks["position/value"][k].T, *disks["velocity/value"][k].T,

@@ -8,6 +8,7 @@ import os
 
 import h5py
 import numpy as np
+from slipdisk import sealed
 
 from . import inputs, programs
 
@@ -77,7 +78,7 @@ def read(path):
 
 def from_result(path, frame=-1):
     """The packing as a result of slipdisk has it in a frame."""
-    with h5py.File(path) as file:
+    with sealed.read(path) as file:
         disks = file["particles/disks"]
         x, y = disks["position/value"][frame].T
         vx, vy = disks["velocity/value"][frame].T

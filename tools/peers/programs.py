@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 
-import h5py
+from slipdisk import sealed
 
 NAMES = {"lammps": ("lmp", "lammps", "lmp_mpi", "lmp_serial"), "liggghts": ("liggghts",), "lammps_native": ()}
 LOOP = re.compile(r"^Loop time of ([-+.\deE]+) on (\d+) procs for (\d+) steps with (\d+) atoms", re.M)
@@ -67,7 +67,7 @@ def slipdisk(program, deck, result, cores, keys=None, path=None):
 
 
 def step_seconds(result):
-    with h5py.File(result) as file:
+    with sealed.read(result) as file:
         return float(file["parameters"].attrs["step_seconds"])
 
 

@@ -6,8 +6,8 @@ import glob
 import math
 import os
 
-import h5py
 import numpy as np
+from slipdisk import sealed
 
 from . import frames, inputs, programs, timing
 
@@ -112,7 +112,7 @@ class Three:
         # The phase of rest cannot be empty: all of it is one phase of the check, the other a single step.
         programs.slipdisk(self.setup.program, DECK, result, cores,
                           {**keys(self.check_steps, 1), "phases.rest.frames": every})
-        with h5py.File(result) as file:
+        with sealed.read(result) as file:
             disks = file["particles/disks"]
             keep = disks["position/step"][:] % every == 0
             path = np.column_stack([disks["position/value"][:, 0], disks["angular_velocity/value"][:, 0]])

@@ -9,7 +9,8 @@ import sys
 import h5py
 import numpy
 
-from . import faults, inject, kill, results, runs
+from . import damaged, faults, inject, kill, results, runs
+from .damaged import at_random, everywhere, flip  # noqa: F401
 from .inject import Fault
 from .trial import Row
 
@@ -22,53 +23,7 @@ phases = ( { name = "measure"; steps = 2000; } ); output = { series = 500; frame
 measure = { rotation = (); }; checkpoint = 1e-9;
 """
 READERS = (["info"], ["info", "--json"], ["info", "--deck"], ["measure"], ["measure", "--json"], ["measure", "--all"])
-BLOCK = 4096
 BATCH = 200  # files of one call of verify
-
-
-# --- ways to alter ------------------------------------------------------------------------------------------
-
-def flip(data, at):
-    return data[:at] + bytes([data[at] ^ 0xFF]) + data[at + 1:]
-
-
-def zero(data, at):
-    return data[:at] + b"\0" + data[at + 1:]
-
-
-def at_random(data, chance):
-    """(what, bytes); never the same bytes as before"""
-    while True:
-        n = len(data)
-        kind, at = chance.choice(("byte", "bit", "zero", "hole", "length", "swap", "longer")), chance.randrange(n)
-        if kind == "byte":
-            found = data[:at] + bytes([chance.randrange(256)]) + data[at + 1:]
-        elif kind == "bit":
-            found = data[:at] + bytes([data[at] ^ (1 << chance.randrange(8))]) + data[at + 1:]
-        elif kind == "zero":
-            found = zero(data, at)
-        elif kind == "hole":
-            at -= at % BLOCK
-            found = data[:at] + bytes(len(data[at:at + BLOCK])) + data[at + BLOCK:]
-        elif kind == "length":
-            found = data[:at]
-        elif kind == "swap":
-            at, other = sorted(chance.randrange(max(n // BLOCK, 2)) * BLOCK for _ in range(2))
-            found = (data[:at] + data[other:other + BLOCK] + data[at + BLOCK:other] + data[at:at + BLOCK] +
-                     data[other + BLOCK:]) if other > at and other + BLOCK <= n else data
-        else:
-            found = data + bytes(chance.randrange(256) for _ in range(chance.choice((1, 24, 5000))))
-        if found != data:
-            return f"{kind} at {at}", found
-
-
-def everywhere(data, most):
-    """(what, bytes) of every byte inverted and zeroed, and every length; of up to `most` of each, evenly spread"""
-    for at in (k - 1 for k in runs.spread(len(data), most)):
-        yield f"byte {at} inverted", flip(data, at)
-        if data[at]:
-            yield f"byte {at} zeroed", zero(data, at)
-        yield f"cut to {at} bytes", data[:at]
 
 
 # --- verify -------------------------------------------------------------------------------------------------
@@ -271,6 +226,8 @@ def run(setup):
             rows.append(Row("verify", 0, 0, "left out: this program has no such command"))
         rows += _readers(setup, tiny, "a small result", data, setup.pick(60, 2000))
         rows += _readers(setup, tiny, "a larger result", packing, setup.pick(60, 2000))
+        if can_verify:
+            rows += damaged.rows(setup, home, {"a small result": data, "a larger result": packing})
         if template:
             parts = template / "r.h5.parts"
             newest = max(parts.glob("checkpoint-*.h5"), key=lambda p: int(p.stem.split("-")[1]))

@@ -123,6 +123,17 @@ sd_status h5_shared_rows(const h5_file *file, const h5_shared_set *set, sd_type 
 /* Files of this access stand in memory, in at most so many bytes, and take pages where something was written. */
 bool h5_set_pages(hid_t access, size_t room);
 
+/* --- h5_probe.c ------------------------------------------------------------------------------------- */
+/* Reads an open file in another process, which may crash; SD_ERROR_IO: it did. */
+typedef enum h5_probing {
+  H5_PROBE_QUICK, /* names, attributes and, up to a limit, values; values that cannot be read are left to the reader */
+  H5_PROBE_WHOLE, /* everything, and all of it must be readable */
+  H5_PROBE_SMALL  /* the sum of the small data is to be `small` */
+} h5_probing;
+sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_messages *messages);
+/* What keeps the values of a dataset from being read; NULL: they stand in the file, in chunks of a size that can be meant. */
+const char *h5_set_trouble(hid_t set);
+
 /* --- h5_md.c ---------------------------------------------------------------------------------------- */
 /* An element of a group of particles of an H5MD file, such as "position" or "box/edges". */
 typedef struct h5_element {

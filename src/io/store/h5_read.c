@@ -56,8 +56,7 @@ hid_t h5_open_object(const h5_file *file, const char *path, sd_messages *message
   return object;
 }
 
-/* NULL: its values stand in the file, in chunks of a size that can be meant. */
-static const char *set_trouble(hid_t set) {
+const char *h5_set_trouble(hid_t set) {
   hid_t made = H5Dget_create_plist(set), type = H5Dget_type(set);
   const char *trouble = NULL;
   H5D_layout_t layout = H5Pget_layout(made);
@@ -77,7 +76,7 @@ static const char *set_trouble(hid_t set) {
 hid_t h5_open_data(const h5_file *file, const char *path, sd_messages *messages) {
   hid_t set = h5_open_object(file, path, messages);
   if (set < 0) return set;
-  const char *trouble = H5Iget_type(set) != H5I_DATASET ? "it is no dataset" : set_trouble(set);
+  const char *trouble = H5Iget_type(set) != H5I_DATASET ? "it is no dataset" : h5_set_trouble(set);
   if (!trouble) return set;
   sd_fail(messages, SD_ERROR_IO, "%s: %s cannot be read: %s", file->path, path, trouble);
   H5Oclose(set);

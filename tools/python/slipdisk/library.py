@@ -105,6 +105,11 @@ def program():
     return find("SLIPDISK_PROGRAM", ["bin/slipdisk"], "slipdisk", "the program slipdisk")
 
 
+def lines(text):
+    """The program's messages, without the words before them."""
+    return [line.removeprefix("slipdisk: ").removeprefix("error: ") for line in text.splitlines() if line.strip()]
+
+
 # --- structs ------------------------------------------------------------------------------------------------------
 TYPES = [np.dtype("f8"), np.dtype("i8"), np.dtype("i4"), np.dtype("u4")]  # sd_type
 (PER_RUN, PER_BODY, PER_FREE, PER_SURFACE, PER_CONTACT, PER_MOTION, PER_CELL, PER_CELL_DISK, PER_PHASE, PER_ROTATION,

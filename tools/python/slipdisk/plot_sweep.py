@@ -3,7 +3,6 @@ import concurrent.futures
 import os
 import warnings
 
-import h5py
 import matplotlib
 import numpy as np
 
@@ -13,6 +12,7 @@ from .plot_source import Source
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_row
 from .result import Result, plain
+from .sealed import read
 from .sweep import Sweep
 
 PALE = 0.35  # opacity of points whose error bar is not reliable
@@ -37,7 +37,7 @@ def keys(sweep):
 
 def unit(sweep, name):
     """Unit of a column: of keys that are angles rad, of other keys none."""
-    with h5py.File(os.path.join(sweep.folder, "table.h5"), "r") as file:
+    with read(os.path.join(sweep.folder, "table.h5")) as file:
         path = plain(file["parameters"].attrs.get(name, ""))
     return "rad" if path.endswith(("tilt", "phase", "angle")) else sweep.unit(name)
 

@@ -17,16 +17,11 @@ def override_words(overrides):
     return words
 
 
-def lines(text):
-    """The program's messages, without the words before them."""
-    return [line.removeprefix("slipdisk: ").removeprefix("error: ") for line in text.splitlines() if line.strip()]
-
-
 def call(*words, program=None, ok=(lib.OK,)):
     """Calls the program: (exit status, standard output). Raises its messages as an error; those of a run in doubt are
     warnings."""
     done = subprocess.run([program or lib.program(), *map(str, words)], capture_output=True, text=True, check=False)
-    said = lines(done.stderr)
+    said = lib.lines(done.stderr)
     if done.returncode not in (*ok, lib.DOUBTFUL):
         raise lib.error(said or [f"{' '.join(map(str, words))}: status {done.returncode}"], done.returncode)
     lib.warn([line.removeprefix("warning: ") for line in said], 3)

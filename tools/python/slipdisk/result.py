@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 from .library import FileError, Record, unknown
-from .shares import opened
+from .sealed import Verified
 
 FIRST = ("name", "disk", "partner")  # columns of tables that come first
 
@@ -175,17 +175,23 @@ class Contacts(collections.abc.Sequence):
         return self._result.rows("contacts/count") if self._names else np.empty(0, "i8")
 
 
+class NotYet(FileError):
+    """There is neither a result nor a checkpoint yet."""
+
+
 class Result:
     """What a run has found, finished or not.
 
-    path   the result NAME.h5, whether it is there or still NAME.h5.parts; or a checkpoint
+    path     the result NAME.h5, whether it is there or still NAME.h5.parts; or a checkpoint
+    verify   compare all bytes of its files with their checksums before they are read, by `slipdisk verify`: a damaged one is a
+             FileError. False: read what is there, which may be other numbers than those written, or end the interpreter
 
     Of an unfinished run it is what the newest checkpoint has; `refresh()` looks again. Arrays are read when they are asked
-    for. Checksums are compared by `slipdisk verify`."""
+    for."""
 
-    def __init__(self, path):
+    def __init__(self, path, *, verify=True):
         self.path = re.sub(r"\.parts/?$", "", os.fspath(path))
-        self._open = None
+        self._files = Verified(verify)
         self.refresh()
 
     def refresh(self):
@@ -193,7 +199,7 @@ class Result:
         for _ in range(5):  # checkpoints go while they are looked for, and the folder when the run is finished
             if self._look():
                 return self
-        raise FileError(f"{self.path}: no result, and no checkpoint in {self.path}.parts yet")
+        raise NotYet(f"{self.path}: no result, and no checkpoint in {self.path}.parts yet")
 
     def _look(self):
         folder = self.path + ".parts"
@@ -203,7 +209,7 @@ class Result:
             try:
                 names = os.listdir(folder)
             except OSError:
-                raise FileError(f"{self.path}: no such result, nor {folder}") from None
+                raise NotYet(f"{self.path}: no such result, nor {folder}") from None
             found = [(int(m[1]), name) for name in names if (m := re.fullmatch(r"checkpoint-(\d+)\.h5", name))]
             if not found:
                 return False
@@ -225,8 +231,8 @@ class Result:
     @contextlib.contextmanager
     def _file(self, path):
         try:
-            file = opened(path)
-        except FileNotFoundError:
+            file = self._files.opened(path, self._parts if path in self._parts else ())
+        except (FileNotFoundError, FileError):
             raise
         except OSError as error:
             raise FileError(f"{path}: {error}") from None

@@ -3,11 +3,11 @@ import collections.abc
 import csv
 import os
 
-import h5py
 import numpy as np
 
 from .library import FileError, unknown
-from .result import Result, plain, structured, to_pandas
+from .result import NotYet, Result, plain, structured, to_pandas
+from .sealed import read
 
 
 class Sweep(collections.abc.Sequence):
@@ -16,9 +16,10 @@ class Sweep(collections.abc.Sequence):
     sweep["upper.omega"]   a column of the table
     sweep[17]              the Result of point 17; also by its name, "tilt=0.04pi"
 
-    The table is the one that `slipdisk sweep` wrote last (every 15 s, and at the end); `refresh()` reads it again."""
+    verify=False reads tables and results without comparing checksums. The table is the one that `slipdisk sweep` wrote last (every 15 s, and at the end); `refresh()` reads it again."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, *, verify=True):
+        self._verify = verify
         self.folder = os.fspath(folder).rstrip("/")
         if not os.path.isdir(os.path.join(self.folder, "points")):
             raise FileError(f"{self.folder}: not the folder of a sweep (no {self.folder}/points)")
@@ -30,9 +31,11 @@ class Sweep(collections.abc.Sequence):
         self._units, self._columns, self._means = {}, {}, {}
         if os.path.exists(path):
             try:
-                with h5py.File(path, "r") as file:
+                with read(path, self._verify) as file:
                     self._columns = self._read(file, "points", "table.csv")
                     self._means = self._read(file, "means", "means.csv")
+            except FileError:
+                raise
             except OSError as error:
                 raise FileError(f"{path}: {error}") from None
         return self
@@ -90,6 +93,9 @@ class Sweep(collections.abc.Sequence):
         """Path of the result of a point."""
         return os.path.join(self.folder, "points", name + ".h5")
 
+    def _result(self, name):
+        return Result(self.path(name), verify=self._verify)
+
     def __len__(self):
         return len(self.names)
 
@@ -98,19 +104,19 @@ class Sweep(collections.abc.Sequence):
             if which in self._columns:
                 return self._columns[which]
             if which in self.names:
-                return Result(self.path(which))
+                return self._result(which)
             raise unknown(which, [*self._columns, *self.names], f"the table of {self.folder}")
         if isinstance(which, slice):
             return [self[k] for k in range(*which.indices(len(self)))]
-        return Result(self.path(self.names[which]))
+        return self._result(self.names[which])
 
     def results(self):
         """(name, Result) of all points that have any result."""
         for name in self.names:
             if os.path.exists(self.path(name)) or os.path.exists(self.path(name) + ".parts"):
                 try:
-                    yield name, Result(self.path(name))
-                except FileError:
+                    yield name, self._result(name)
+                except NotYet:
                     continue  # begun, without a checkpoint
 
     def __repr__(self):

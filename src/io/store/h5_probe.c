@@ -1,0 +1,234 @@
+/* h5_probe.c: files whose bytes no checksum vouches for are read by another process first.
+ *
+ * The HDF5 library crashes with some damaged files. A child process opens such a file and reads what is in it; only when it
+ * has come to an end does this process open it, too.
+ */
+#include <errno.h>
+#include <fcntl.h>
+#include <malloc.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/limits.h"
+#include "base/shortage.h"
+#include "io/store/h5_private.h"
+
+/* Exit statuses of the child. */
+enum { GOOD, UNREADABLE, BROKEN, OTHER_SUM };
+
+/* A piece of a dataset; in all, beyond which one piece of each is read; seconds of processor time. */
+enum { PIECE = 8 << 20, SECONDS = 60 };
+static const uint64_t MOST = UINT64_C(256) << 20;
+
+typedef struct reading {
+  bool whole; /* all pieces of all datasets */
+  uint64_t bytes;
+  size_t listed;
+  int depth;
+  bool failed, broken; /* values, or names and shapes, cannot be read */
+} reading;
+
+/* --- the child -------------------------------------------------------------------------------------------- */
+
+/* Memory of variable length is given back by the library. */
+static void read_attr(reading *r, hid_t attr) {
+  hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
+  const hssize_t n = H5Sget_simple_extent_npoints(space);
+  const size_t size = H5Tget_size(type);
+  unsigned char *data = n > 0 && size > 0 && (uint64_t)n <= PIECE / size ? calloc((size_t)n, size) : NULL;
+  if (data && H5Aread(attr, type, data) >= 0)
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, data);
+  else
+    r->failed |= data != NULL;
+  free(data);
+  H5Sclose(space);
+  H5Tclose(type);
+}
+
+static herr_t take_attr(hid_t object, const char *name, const H5A_info_t *info, void *user) {
+  (void)info;
+  reading *r = user;
+  hid_t attr = H5Aopen(object, name, H5P_DEFAULT);
+  r->broken |= attr < 0;
+  if (attr < 0) return 0;
+  read_attr(r, attr);
+  H5Aclose(attr);
+  return 0;
+}
+
+/* Sides of the boxes in which a dataset is read: its chunks, or pieces. Returns the bytes of one. */
+static size_t choose_box(hid_t set, size_t size, int rank, const hsize_t *dims, hsize_t *box) {
+  hid_t made = H5Dget_create_plist(set);
+  const bool chunked = H5Pget_layout(made) == H5D_CHUNKED;
+  double bytes = (double)size;
+  if (chunked) H5Pget_chunk(made, rank, box);
+  for (int k = 0; k < rank; k++) {
+    if (!chunked || box[k] > dims[k]) box[k] = dims[k];
+    bytes *= (double)box[k];
+  }
+  for (int k = 0; k < rank && !chunked && bytes > PIECE; k++) {
+    const double others = bytes / (double)box[k];
+    box[k] = others < PIECE ? (hsize_t)(PIECE / others) : 1;
+    bytes = others * (double)box[k];
+  }
+  H5Pclose(made);
+  return (size_t)bytes;
+}
+
+static bool read_box(hid_t set, hid_t type, hid_t space, int rank, const hsize_t *start, const hsize_t *count,
+                     unsigned char *data) {
+  hid_t memory = H5Screate_simple(rank, count, NULL);
+  const bool good = H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >= 0 &&
+                    H5Dread(set, type, memory, space, H5P_DEFAULT, data) >= 0;
+  if (good) H5Dvlen_reclaim(type, memory, H5P_DEFAULT, data);
+  H5Sclose(memory);
+  return good;
+}
+
+/* Boxes one after the other. Small ones count as pages, since each costs time. */
+static bool read_boxes(reading *r, hid_t set, hid_t type, hid_t space, int rank, const hsize_t *dims,
+                       const hsize_t *box, size_t bytes, unsigned char *data) {
+  enum { PAGE = 4096 };
+  hsize_t at[H5S_MAX_RANK] = {0}, count[H5S_MAX_RANK];
+  for (int k = 0; k >= 0;) {
+    for (int c = 0; c < rank; c++) count[c] = dims[c] - at[c] < box[c] ? dims[c] - at[c] : box[c];
+    if (!read_box(set, type, space, rank, at, count, data)) return false;
+    r->bytes += bytes > PAGE ? bytes : PAGE;
+    if (!r->whole && r->bytes > MOST) return true;
+    for (k = rank - 1; k >= 0 && (at[k] += box[k]) >= dims[k]; k--) at[k] = 0;
+  }
+  return true;
+}
+
+static void read_set(reading *r, hid_t set) {
+  hid_t type = H5Dget_type(set), space = H5Dget_space(set);
+  hsize_t dims[H5S_MAX_RANK] = {0}, box[H5S_MAX_RANK] = {0};
+  const int rank = H5Sget_simple_extent_dims(space, dims, NULL);
+  const size_t size = H5Tget_size(type), bytes = rank > 0 ? choose_box(set, size, rank, dims, box) : size;
+  unsigned char *data =
+      rank >= 0 && bytes > 0 && bytes <= (size_t)LIMIT_CHUNK * LIMIT_MIB ? calloc(1, bytes) : NULL;
+  bool good = true;
+  if (data && rank == 0) {
+    good = H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
+    if (good) H5Dvlen_reclaim(type, space, H5P_DEFAULT, data);
+  } else if (data && H5Dget_storage_size(set) > 0) {
+    good = read_boxes(r, set, type, space, rank, dims, box, bytes, data);
+  }
+  r->failed |= !good;
+  free(data);
+  H5Sclose(space);
+  H5Tclose(type);
+}
+
+static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {
+  reading *r = user;
+  if (info->type != H5L_TYPE_HARD) return 0;
+  if (++r->listed > LIMIT_LINKS || r->depth > LIMIT_GROUPS) return 1; /* the reader has these limits, too */
+  hid_t object = H5Oopen(group, name, H5P_DEFAULT);
+  r->broken |= object < 0;
+  if (object < 0) return 0;
+  r->broken |= H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, take_attr, r) < 0;
+  r->depth++;
+  herr_t result = 0;
+  if (H5Iget_type(object) == H5I_GROUP)
+    result = H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, NULL, take_link, r);
+  else if (H5Iget_type(object) == H5I_DATASET && !h5_set_trouble(object))
+    read_set(r, object);
+  r->depth--;
+  H5Oclose(object);
+  return result;
+}
+
+static int read_all(int fd, const char *path, bool whole) {
+  h5_file *file;
+  reading r = {.whole = whole};
+  if (h5_open_descriptor(fd, path, &file, NULL) != SD_OK) return UNREADABLE;
+  r.broken |= H5Aiterate2(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, take_attr, &r) < 0;
+  r.broken |= H5Literate(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, take_link, &r) < 0;
+  h5_close(file, NULL);
+  return r.broken ? BROKEN : r.failed ? UNREADABLE : GOOD;
+}
+
+static int compare_small(int fd, const char *path, uint64_t small) {
+  h5_file *file;
+  uint64_t sum = 0;
+  if (h5_open_descriptor(fd, path, &file, NULL) != SD_OK) return UNREADABLE;
+  const sd_status status = h5_small_sum(file, &sum, NULL);
+  h5_close(file, NULL);
+  return status != SD_OK ? UNREADABLE : sum == small ? GOOD : OTHER_SUM;
+}
+
+/* Says nothing, leaves no core, and comes to an end. Memory that was not written holds no zeros: a library that reads it
+ * then crashes here, and not later by chance. */
+static void be_quiet(uint64_t bytes) {
+  mallopt(M_PERTURB, 0xa5);
+  const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+  if (nothing >= 0) {
+    dup2(nothing, STDOUT_FILENO);
+    dup2(nothing, STDERR_FILENO);
+  }
+  setrlimit(RLIMIT_CORE, &(struct rlimit){0, 0});
+  const rlim_t most = SECONDS + bytes / PIECE;
+  setrlimit(RLIMIT_CPU, &(struct rlimit){most, most});
+}
+
+/* --- the parent ------------------------------------------------------------------------------------------- */
+
+/* Exit status of the child; negative: it crashed, or there is none. */
+static int status_of(pid_t child) {
+  int how = 0;
+  pid_t got;
+  do got = waitpid(child, &how, 0);
+  while (got < 0 && errno == EINTR);
+  /* who ignores SIGCHLD has no statuses */
+  if (got < 0) return errno == ECHILD ? GOOD : -1;
+  return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
+}
+
+static bool is_same(const struct stat *a, const struct stat *b) {
+  return a->st_ino == b->st_ino && a->st_dev == b->st_dev && a->st_size == b->st_size &&
+         a->st_mtim.tv_sec == b->st_mtim.tv_sec && a->st_mtim.tv_nsec == b->st_mtim.tv_nsec;
+}
+
+static sd_status fail(const char *path, const char *what, sd_messages *messages) {
+  return sd_fail(messages, SD_ERROR_IO, "%s is damaged%s", path, what);
+}
+
+sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_messages *messages) {
+  static _Thread_local struct stat sound; /* the last file that was looked at, and good */
+  struct stat facts;
+  if (fstat(fd, &facts) != 0) return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);
+  if (how == H5_PROBE_QUICK && is_same(&facts, &sound)) return SD_OK;
+  fflush(NULL);
+  const pid_t child = fork();
+  if (child == 0) {
+    be_quiet((uint64_t)facts.st_size);
+    _exit(how == H5_PROBE_SMALL ? compare_small(fd, path, small) : read_all(fd, path, how == H5_PROBE_WHOLE));
+  }
+  if (child < 0) {
+    shortage_note();
+    return sd_fail(messages, SD_ERROR_IO, "no process to look at %s: %s", path, strerror(errno));
+  }
+  const int status = status_of(child);
+  if (how == H5_PROBE_QUICK && (status == GOOD || status == UNREADABLE)) {
+    sound = facts; /* what cannot be read is told by those that need it */
+    return SD_OK;
+  }
+  switch (status) {
+    case GOOD: return SD_OK;
+    case BROKEN: return fail(path, ": its structure cannot be read", messages);
+    case UNREADABLE:
+      return fail(path,
+                  how == H5_PROBE_SMALL ? ": its small data cannot be read" : ": its data cannot be read",
+                  messages);
+    case OTHER_SUM:
+      return fail(path, ", or was changed by another program: the sum of its small data does not fit",
+                  messages);
+    default: return fail(path, ": the HDF5 library ends when it reads it", messages);
+  }
+}
