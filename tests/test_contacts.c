@@ -146,8 +146,9 @@ static void ten_thousand_radians_against_a_support(void **unused) {
 
 /* --- beginning, opening, freedom --------------------------------------------------------------------- */
 
-/* A spinning disk is pressed on a wall and lifted, again and again. */
-static void new_contact_starts_without_stretch(void **unused) {
+/* A spinning disk is pressed on a wall and lifted, again and again: the stretch is that since the moment of touch, at
+ * which 0.001 + 0.01 sin(20 t) = 0. */
+static void new_contact_starts_at_the_moment_of_touch(void **unused) {
   (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int round = 0; round < 2; round++) {
@@ -167,21 +168,26 @@ static void new_contact_starts_without_stretch(void **unused) {
       bool was = false;
       int begun = 0;
       long double from = 0;
-      double dropped = 0, stretch = 0;
+      double dropped = 0, stretch = 0, first = 0;
       for (int k = 0; k < 20000; k++) {
         system_advance(s, 1);
         system_contact c = system_touch(s, 0, 1);
         long double theta = system_at(s, 0).theta;
-        if (c.closed && !was) from = theta, begun++;
+        if (c.closed && !was) {
+          const double touch = ((2 * begun + 1) * M_PI + asin(0.1)) / 20;
+          from = theta, first = c.stretch, begun++;
+          /* of second order: a dt^2/2 over u_n, times the speed of the surface */
+          SYSTEM_NEAR(first, radius * spin * ((k + 1) * dt - touch), 2e-8, "stretch at the first evaluation");
+        }
         if (was && !c.closed) dropped += 0.5 * 1e3 * stretch * stretch;
         stretch = c.stretch;
-        if (c.closed) SYSTEM_NEAR(c.stretch, (double)(radius * (theta - from)), 1e-14, "stretch");
+        if (c.closed) SYSTEM_NEAR(c.stretch, first + (double)(radius * (theta - from)), 1e-14, "stretch");
         was = c.closed;
       }
       assert_in_range(begun, 6, 7);
       sd_energy e = sd_simulation_energy(s);
       SYSTEM_NEAR(e.opening, dropped, 1e-12 * dropped, "what the skin still held when it opened");
-      assert_true(dropped > 0 && e.friction == 0);
+      assert_true(dropped > 0 && fabs(e.friction) < 0.01 * dropped); /* steps of touch and of separation */
       system_end(s);
     }
 }
@@ -299,7 +305,7 @@ int main(void) {
       cmocka_unit_test(pair_revolves_in_a_drum),
       cmocka_unit_test(pair_revolves_ten_turns_stuck),
       cmocka_unit_test(ten_thousand_radians_against_a_support),
-      cmocka_unit_test(new_contact_starts_without_stretch),
+      cmocka_unit_test(new_contact_starts_at_the_moment_of_touch),
       cmocka_unit_test(skin_is_free_where_nothing_presses),
       cmocka_unit_test(pairs_of_materials_have_their_own_constants),
   };

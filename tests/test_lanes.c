@@ -99,7 +99,7 @@ static void compare_text(const char *deck, const char *what, int64_t steps) {
     const sd_energy e = sd_simulation_energy(sim[0]);
     print_message("  %s, %s: friction %.2g, opening %.2g, viscous %.2g\n", what, integrators[i], e.friction,
                   e.opening, e.viscous);
-    assert_true(e.friction > 0 && e.opening > 0 && e.viscous > 0);
+    assert_true(e.friction > 0 && e.viscous > 0);
     for (int k = 0; k < 2; k++) {
       sd_simulation_free(sim[k]);
       sd_model_free(model[k]);
