@@ -216,6 +216,7 @@ static void one_disk_as_a_clump_moves_as_the_disk(void **unused) {
     assert_true(turned > 4); /* angles have returned into their range */
     SYSTEM_NEAR(f.kinetic_translation, e.kinetic_translation, 1e-13, "kinetic energy");
     SYSTEM_NEAR(f.external, e.external, 1e-12, "potential");
+    SYSTEM_NEAR(f.viscous, e.viscous, 1e-12, "lost to viscosity"); /* also in the steps of touch */
     system_end(a);
     system_end(b);
   }
@@ -396,6 +397,49 @@ static void a_plate_is_dragged(void **unused) {
 
 /* --- fields ------------------------------------------------------------------------------------------------ */
 
+static sd_simulation *dimer_in(const char *acting, const char *motion) {
+  text deck = {0};
+  text_add(
+      &deck,
+      "integrator = \"verlet\"; dt = 1e-3; time = 200; materials = ( { name = \"m\"; k_n = 1; } );\n"
+      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), (0.8, 0)); } "
+      ");\nclumps = ( { disk = (0, 1); %s } );\nfields = ( %s );\n",
+      motion, acting);
+  sd_model *m = model_of(deck.s);
+  free(deck.s);
+  return begin_run(m, 1);
+}
+
+static void free_both(sd_simulation *s) {
+  sd_model *m = (sd_model *)(uintptr_t)sd_simulation_model(s);
+  sd_simulation_free(s);
+  sd_model_free(m);
+}
+
+/* The velocity in drag and in the Coriolis force is the corrected one of the clump: strong drag is stable, Coriolis forces do no
+ * work. The central field takes the centrifugal force away. */
+static void fields_take_the_corrected_velocity_of_a_clump(void **unused) {
+  (void)unused;
+  sd_simulation *s =
+      dimer_in("{ type = \"drag\"; gamma = 3e3; gamma_rotation = 1e3; flow = (0.3, -0.2); swirl = 0.5; }",
+               "velocity = (3, -1); omega = 2;");
+  advance(s, 50);
+  const sd_state *q = sd_simulation_state(s);
+  SYSTEM_NEAR(q->clump_vx[0], 0.3 - 0.5 * q->clump_y[0], 1e-3, "velocity of the stream");
+  SYSTEM_NEAR(q->clump_vy[0], -0.2 + 0.5 * q->clump_x[0], 1e-3, "velocity of the stream");
+  SYSTEM_NEAR(q->clump_omega[0], 0.5, 1e-3, "spin of the stream");
+  free_both(s);
+  s = dimer_in("{ type = \"rotation\"; omega = 3; }, { type = \"central\"; strength = 9; per = \"mass\"; }",
+               "velocity = (0.6, -0.8); omega = 2;");
+  advance(s, 100000);
+  q = sd_simulation_state(s);
+  SYSTEM_NEAR(hypot(q->clump_vx[0], q->clump_vy[0]), 1, 1e-10, "speed under the Coriolis force");
+  SYSTEM_NEAR(q->clump_omega[0], 2, 1e-10, "spin under the Coriolis force");
+  const sd_energy e = sd_simulation_energy(s);
+  SYSTEM_NEAR(e.residual, 0, 1e-9 * e.scale, "energy");
+  free_both(s);
+}
+
 /* Drag f v on each of two disks, f_r omega about each: the clump slows down with 2 f/M and turns slower with (2 f d^2 + 2 f_r)/I. */
 static void drag_acts_on_each_disk(void **unused) {
   (void)unused;
@@ -557,6 +601,7 @@ int main(void) {
       cmocka_unit_test(a_body_that_closes_around_the_box_is_refused),
       cmocka_unit_test(a_plate_is_dragged),
       cmocka_unit_test(drag_acts_on_each_disk),
+      cmocka_unit_test(fields_take_the_corrected_velocity_of_a_clump),
       cmocka_unit_test(damping_acts_on_the_whole_clump),
       cmocka_unit_test(fields_of_programs_have_levers),
       cmocka_unit_test(a_packing_closes_its_budget),

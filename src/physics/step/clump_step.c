@@ -3,12 +3,15 @@
 
 #include <assert.h>
 
+#include "model/field_kinds.h"
 #include "physics/contact/pairs.h"
 #include "physics/motion/motion.h"
+#include "physics/system/body_forces.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
 #include "physics/step/integrate_pass.h"
+#include "physics/step/field_pass.h"
 
 static void share_of(const engine *e, const team *t, size_t *begin, size_t *end) {
   team_share(t, e->work.clumps.count, begin, end);
@@ -45,6 +48,97 @@ static bool out_of(const work *w, double x, double y, double theta) {
          y >= w->upper[1];
 }
 
+/* --- fields ------------------------------------------------------------------------------------------ */
+
+/* What the corrected velocity u of a clump obeys: u + gain * sum of what fields take from its disks = r. */
+typedef struct field_system {
+  double a[SD_COORDINATES][SD_COORDINATES], r[SD_COORDINATES];
+} field_system;
+
+/* Drag f and f_r, Coriolis force b of the disk at arm (x, y), which moves with V + Omega x arm. */
+static void add_disk(field_system *m, const double gain[SD_COORDINATES], const field_sum_w1 *s, double x,
+                     double y) {
+  const double f = s->drag[0], b = s->turn;
+  const double taken[SD_COORDINATES][SD_COORDINATES] = {
+      {f, -b, -(f * y + b * x)},
+      {b, f, f * x - b * y},
+      {b * x - f * y, f * x + b * y, s->drag[1] + f * (x * x + y * y)}};
+  for (int q = 0; q < SD_COORDINATES; q++)
+    for (int c = 0; c < SD_COORDINATES; c++) m->a[q][c] += gain[q] * taken[q][c];
+}
+
+/* Elimination without exchange of rows: the diagonal is at least 1, and what is added to 1 is dissipative or turns. */
+static void solve(field_system *m) {
+  for (int q = 0; q < SD_COORDINATES; q++)
+    for (int below = q + 1; below < SD_COORDINATES; below++) {
+      const double share = m->a[below][q] / m->a[q][q];
+      for (int c = q; c < SD_COORDINATES; c++) m->a[below][c] -= share * m->a[q][c];
+      m->r[below] -= share * m->r[q];
+    }
+  for (int q = SD_COORDINATES - 1; q >= 0; q--) {
+    for (int c = q + 1; c < SD_COORDINATES; c++) m->r[q] -= m->a[q][c] * m->r[c];
+    m->r[q] /= m->a[q][q];
+  }
+}
+
+/* Velocity of clump k to which the corrector will take it, without damping, as field_forces has it for single disks. */
+static void field_speed(const engine *e, const view *v, size_t k, double u[SD_COORDINATES]) {
+  const work *w = &e->work;
+  const clumps *c = &w->clumps;
+  const body_forces *f = w->body_forces;
+  const double kappa = e->model->integrator == SD_GEAR5 ? GEAR1 * w->per_dt : w->per_dt;
+  double gain[SD_COORDINATES], load[SD_COORDINATES];
+  field_system m = {.a = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+  for (int q = 0; q < SD_COORDINATES; q++) {
+    gain[q] = c->columns[q].inverse[k] * (kappa * w->half_dt2);
+    load[q] = c->columns[q].force[k] + c->columns[q].constant[k];
+  }
+  for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {
+    const uint32_t i = c->member[n];
+    field_sum_w1 s = {0};
+    field_sums_w1(f, v, i, &s);
+    const double x = c->arm_x[n], y = c->arm_y[n];
+    const double fx = f->base[SD_X][i] + (s.place[0] + s.flow[SD_X]);
+    const double fy = f->base[SD_Y][i] + (s.place[1] + s.flow[SD_Y]);
+    load[SD_X] += fx;
+    load[SD_Y] += fy;
+    load[SD_THETA] += f->base[SD_THETA][i] + s.flow[SD_THETA] + (x * fy - y * fx);
+    add_disk(&m, gain, &s, x, y);
+  }
+  for (int q = 0; q < SD_COORDINATES; q++)
+    m.r[q] = c->columns[q].v[k] + (gain[q] * load[q] - kappa * c->columns[q].q2[k]);
+  solve(&m);
+  for (int q = 0; q < SD_COORDINATES; q++) u[q] = m.r[q];
+}
+
+/* The corrector of the disks took the fields at the predicted velocities: forces and powers anew, at those of the clump. */
+static void correct_fields(engine *e, size_t k) {
+  const work *w = &e->work;
+  const clumps *c = &w->clumps;
+  const body_forces *f = w->body_forces;
+  sd_state *s = e->state;
+  const view v = view_of(e, 0);
+  double u[SD_COORDINATES];
+  field_speed(e, &v, k, u);
+  for (size_t n = c->start[k]; n < c->start[k + 1]; n++) {
+    const uint32_t i = c->member[n];
+    const double sum[] = {s->force_x[i], s->force_y[i], s->torque[i]};
+    const double speed[] = {u[SD_X] - u[SD_THETA] * c->arm_y[n], u[SD_Y] + u[SD_THETA] * c->arm_x[n],
+                            u[SD_THETA]};
+    double before[FIELD_POWERS];
+    field_force_w1 of;
+    s->vx[i] = speed[SD_X];
+    s->vy[i] = speed[SD_Y];
+    s->omega[i] = speed[SD_THETA];
+    for (int p = 0; p < FIELD_POWERS; p++) before[p] = f->power[p][i];
+    field_forces_w1(f, &v, i, 0.0, sum, &of);
+    field_book_w1(f, &v, i, 0.0, &of, speed);
+    for (int p = 0; p < FIELD_POWERS; p++) f->sum[p][i] += 0.5 * w->dt * (f->power[p][i] - before[p]);
+  }
+}
+
+/* --- corrector --------------------------------------------------------------------------------------- */
+
 /* Returns the damping that acted. */
 static clump_load correct(const engine *e, size_t k) {
   const work *w = &e->work;
@@ -79,6 +173,7 @@ void clumps_correct(engine *e, const team *t) {
   share_of(e, t, &begin, &end);
   for (size_t k = begin; k < end; k++) {
     clump_sum(e, k);
+    if (w->body_forces) correct_fields(e, k);
     const double booked = clump_field_booked(e, k);
     const clump_load damped = correct(e, k);
     clump_place(e, k);

@@ -188,6 +188,17 @@ void clump_place(engine *e, size_t k) {
   }
 }
 
+double clump_second(const engine *e, size_t slot, int c) {
+  const clumps *all = &e->work.clumps;
+  const size_t k = (size_t)all->of[slot];
+  size_t n = all->start[k];
+  while (all->member[n] != slot) n++;
+  const double turned = e->work.dt * e->state->clump_omega[k], towards = 0.5 * turned * turned;
+  const double second = all->columns[SD_THETA].q2[k];
+  return c == SD_X ? all->columns[SD_X].q2[k] - second * all->arm_y[n] - towards * all->arm_x[n]
+                   : all->columns[SD_Y].q2[k] + second * all->arm_x[n] - towards * all->arm_y[n];
+}
+
 void clump_set_out(engine *e, size_t k, double x, double y, double vy) {
   sd_state *s = e->state;
   const work *w = &e->work;

@@ -23,6 +23,9 @@ void clumps_place_all(engine *e);
 /* It waited, and begins here; its disks stand in the box, whichever way it came there. */
 void clump_set_out(engine *e, size_t k, double x, double y, double vy);
 
+/* dt^2/2 times the acceleration along c of the disk in this slot, which belongs to a clump; physics.md 8. */
+double clump_second(const engine *e, size_t slot, int c);
+
 /* Force and torque about the centre, of what is given per slot of a free disk; in the order of the disks' numbers. */
 typedef struct clump_load {
   double on[SD_COORDINATES];

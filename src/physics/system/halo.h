@@ -13,6 +13,7 @@
 #define PHYSICS_HALO_H
 
 #include "base/comm_data.h"
+#include "physics/system/clumps.h"
 #include "physics/system/work.h"
 
 /* A packed body, and its acceleration. */
@@ -80,10 +81,11 @@ static inline bool halo_counts(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   return !e->halo || !halo_is_ghost(e, (size_t)p->b[k]) || e->halo->order[p->a[k]] < e->halo->order[p->b[k]];
 }
-/* Columns x2, y2 of a disk here or on another rank; 0 of prescribed bodies and of padding. */
+/* dt^2/2 times the acceleration of a disk here or on another rank; 0 of prescribed bodies and of padding. */
 static inline double halo_second(const engine *e, int32_t slot, int c) {
   const sd_state *s = e->state;
   if (slot < 0 || !halo_is_free(e, (size_t)slot)) return 0.0;
+  if (clumps_same(e, (size_t)slot, (size_t)slot)) return clump_second(e, (size_t)slot, c);
   if ((size_t)slot < s->n_free) return (c == SD_X ? s->x2 : s->y2)[slot];
   return (c == SD_X ? e->halo->x2 : e->halo->y2)[(size_t)slot - s->n_free];
 }
