@@ -250,6 +250,7 @@ static sd_status prepare(session *s, char **there, sd_messages *messages) {
   else if (!s->options.force && **there && !file_exists(parts))
     status = refuse_existing(s, *there, messages);
   if (status == SD_OK) status = folder_open(parts, false, &s->parts_folder, messages);
+  if (status == SD_OK) file_keep_mode(s->parts_folder.at, -1, s->result); /* parts are as private */
   if (status == SD_OK) status = record_new(&s->rows, s->model, false, messages);
   if (status == SD_OK) status = record_new(&s->shared, s->model, true, messages);
   free(parts);

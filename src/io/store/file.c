@@ -27,12 +27,14 @@ static sd_status fail(sd_messages *messages, const char *what, const char *path)
 
 /* --- system calls that a signal may cut short ----------------------------------------------------- */
 
-int file_open_at(int folder, const char *name, int flags) {
+static int open_again(int folder, const char *name, int flags, mode_t mode) {
   int fd;
-  do fd = openat(folder, name, flags | O_CLOEXEC, 0666);
+  do fd = openat(folder, name, flags | O_CLOEXEC, mode);
   while (fd < 0 && errno == EINTR);
   return fd;
 }
+
+int file_open_at(int folder, const char *name, int flags) { return open_again(folder, name, flags, 0666); }
 
 static bool sync_again(int fd) {
   int result;
@@ -165,6 +167,24 @@ bool file_is_draft(const char *name) {
   return length > tail && strcmp(name + length - tail, draft_ending) == 0;
 }
 
+/* Does a file stand there, or does a link lead to one? Its mode: who may read it may read what takes its place. */
+static bool mode_of(int base, const char *name, mode_t *mode) {
+  struct stat facts;
+  if (fstatat(base, name, &facts, 0) != 0 || !S_ISREG(facts.st_mode)) return false;
+  *mode = facts.st_mode & 0777;
+  return true;
+}
+
+void file_keep_mode(int fd, int folder, const char *path) {
+  const char *name;
+  struct stat facts;
+  mode_t mode;
+  const int base = base_of(folder, path, &name);
+  if (!mode_of(base, name, &mode) || fstat(fd, &facts) != 0) return;
+  if (S_ISDIR(facts.st_mode)) mode |= 0700 | (mode & 0444) >> 2; /* who may read may also enter */
+  (void)!fchmod(fd, mode);                                       /* some file systems have no modes */
+}
+
 /* "NAME.h5.0123456789abcdef.tmp": an ending that cannot be foreseen, so that nothing can lie in wait there. */
 static char *draft_name(const char *name) {
   uint64_t bits;
@@ -184,6 +204,10 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
   out->folder =
       folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
   sd_status status = out->folder < 0 ? fail(messages, "write to folder", above) : SD_OK;
+  const char *last;
+  mode_t mode;
+  const int base = base_of(folder, path, &last);
+  const bool replaces = mode_of(base, last, &mode); /* then others do not see it before it has its mode */
   for (int attempt = 0; status == SD_OK && out->fd < 0; attempt++) {
     free(out->name);
     free(out->path);
@@ -191,10 +215,12 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
     out->path = out->name ? format_text("%s/%s", above, out->name) : NULL;
     if (!out->path)
       status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-    else if ((out->fd = file_open_at(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW)) < 0 &&
+    else if ((out->fd = open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW,
+                                   replaces ? 0600 : 0666)) < 0 &&
              (errno != EEXIST || attempt > 8))
       status = fail(messages, "create", out->path);
   }
+  if (out->fd >= 0 && replaces) file_keep_mode(out->fd, folder, path);
   free(above);
   return status;
 }
@@ -255,6 +281,7 @@ sd_status file_draft_publish(file_draft *draft, int folder, const char *path, fi
   int base = base_of(folder, path, &name);
   sd_status status = SD_OK;
   struct stat facts;
+  if (how == FILE_REPLACE) file_keep_mode(draft->fd, folder, path);
   /* A rename would put a file in the place of a device or a pipe, and /dev/null is shared by all processes. */
   if (fstatat(base, name, &facts, AT_SYMLINK_NOFOLLOW) == 0 && is_special(facts.st_mode))
     status = sd_fail(messages, SD_ERROR_IO, "cannot write %s: it is a device or a pipe", path);

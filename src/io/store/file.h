@@ -69,6 +69,8 @@ sd_status file_folder_end(const file_folder *f, FILE *out, sd_status status, sd_
 sd_status file_folder_close(file_folder *f, sd_status status, sd_messages *messages);
 /* openat, closed on exec, again where a signal comes; folder may be AT_FDCWD. */
 int file_open_at(int folder, const char *name, int flags);
+/* Gives an open file the mode of the one at path, whose place it will take, and a folder one for such files; without one: nothing. */
+void file_keep_mode(int fd, int folder, const char *path);
 /* All of it, through short writes and signals; false with errno set when it cannot be. */
 bool file_write_all(int fd, const void *bytes, size_t size);
 /* All pieces, of which all but the last are whole words; sum: file_sum of them all. False with errno set. */

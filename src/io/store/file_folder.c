@@ -25,8 +25,11 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
   while (length > 1 && path[length - 1] == '/') length--;
   f->path = format_text("%.*s", (int)length, path);
   if (!f->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-  /* an empty folder of this name gives way to the new one */
-  if (file_exists(f->path) && (rmdir(f->path) != 0 || mkdir(f->path, 0777) != 0))
+  /* an empty folder of this name gives way to the new one, which has its mode */
+  struct stat facts;
+  const bool there = stat(f->path, &facts) == 0 && S_ISDIR(facts.st_mode);
+  const mode_t mode = there ? facts.st_mode & 0777 : 0777;
+  if (file_exists(f->path) && (rmdir(f->path) != 0 || mkdir(f->path, mode) != 0))
     return sd_fail(messages, SD_ERROR_USER, "%s is there already: remove it, or name another", f->path);
   sd_status status = SD_ERROR_IO;
   for (int attempt = 0;; attempt++) {
@@ -35,7 +38,10 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
     (void)got; /* without it the process number has to do */
     f->draft = format_text("%s.%016" PRIx64 ".tmp", f->path, bits);
     if (!f->draft) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-    if (mkdir(f->draft, 0777) == 0) return SD_OK;
+    if (mkdir(f->draft, mode) == 0) {
+      if (there) (void)!chmod(f->draft, mode);
+      return SD_OK;
+    }
     bool taken = errno == EEXIST && attempt < 8;
     if (!taken) status = file_make_folder(f->draft, messages); /* says why it cannot be made */
     if (status == SD_OK) return SD_OK;

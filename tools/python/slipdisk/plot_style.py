@@ -113,12 +113,18 @@ def figure(width, height):
 
 @contextlib.contextmanager
 def written(path):
-    """A name to write to; the file gets its own name when all is well, else there is none."""
+    """A name to write to; the file gets its own name when all is well, else there is none. It has the mode of the one that it replaces."""
     folder, name = os.path.split(os.fspath(path))
     stem, ending = os.path.splitext(name)
     part = os.path.join(folder, f".{stem}.{os.getpid()}.part{ending}")
     try:
+        with contextlib.suppress(FileNotFoundError):
+            mode = os.stat(path).st_mode & 0o777
+            os.close(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW, 0o600))
+            os.chmod(part, mode | 0o200)  # while it is written
         yield part
+        with contextlib.suppress(FileNotFoundError):
+            os.chmod(part, os.stat(path).st_mode & 0o777)
         os.replace(part, path)
     except FileError:
         raise
