@@ -144,12 +144,15 @@ static char *package_folder(const char *program) {
 static const char *const modules[] = {"numpy", "h5py", "matplotlib", "slipdisk"};
 enum { MODULES = sizeof modules / sizeof *modules, FOUND = 64 };
 
+/* Modules of the current folder are not meant: an empty element of the path stands for it. */
+#define SAFE_PATH "import sys\nsys.path[:] = [folder for folder in sys.path if folder]\n"
+
 /* Which modules this interpreter lacks, a bit each; -1: it does not run. */
 static int modules_missing(const char *python) {
   static const char look[] =
-      "import sys, importlib.util as u\n"
-      "names = 'numpy', 'h5py', 'matplotlib', 'slipdisk'\n"
-      "sys.exit(64 + sum(1 << k for k, name in enumerate(names) if u.find_spec(name) is None))\n";
+      SAFE_PATH "import importlib.util as u\n"
+                "names = 'numpy', 'h5py', 'matplotlib', 'slipdisk'\n"
+                "sys.exit(64 + sum(1 << k for k, name in enumerate(names) if u.find_spec(name) is None))\n";
   fflush(NULL);
   pid_t child = fork();
   if (child == 0) {
@@ -245,8 +248,10 @@ static int become_python(const char *command, const arguments *a) {
   word_list list = {0, calloc(MOST + a->kinds.n, sizeof *list.word)};
   if (!list.word) return app_no_memory();
   list.word[list.n++] = format_text("%s", python);
-  list.word[list.n++] = format_text("-m");
-  list.word[list.n++] = format_text("slipdisk.%s", command);
+  list.word[list.n++] = format_text("-c");
+  list.word[list.n++] = format_text(
+      SAFE_PATH "import runpy\nrunpy.run_module('slipdisk.%s', run_name='__main__', alter_sys=True)",
+      command);
   add_all(&list, a);
   list.word[list.n++] = format_text("--");
   list.word[list.n++] = format_text("%s", a->file);
