@@ -380,7 +380,7 @@ static void error_bars_cover(void **unused) {
     s->measured = (SD_MEAN_BINS - 1) * 64;
     s->mean_bin_steps = 1; /* Omega in bins */
     s->mean_bins = SD_MEAN_BINS - 1;
-    double one = 0, two = 0, beyond = 0, reliable = 0, error = 0, chi = 0;
+    double one = 0, two = 0, beyond = 0, reliable = 0, error = 0, chi = 0, good_one = 0, good_two = 0;
     sd_disk_mean *d = calloc(DISKS, sizeof *d);
     assert_non_null(d);
     for (size_t i = 0; i < DISKS; i++) {
@@ -389,17 +389,25 @@ static void error_bars_cover(void **unused) {
       d[i] = sd_disk_mean_of(m, s, i);
       double off = fabs(d[i].omega - omega) / d[i].error;
       one += off < 1, two += off<2, beyond += off> 3, reliable += d[i].converged;
+      good_one += d[i].converged && off < 1, good_two += d[i].converged && off < 2;
       error += d[i].error, chi += fmin(off, 10) * fmin(off, 10);
     }
     double n = SD_MEAN_BINS - 1, tau = cases[c].tau;
     double expected = sqrt(2 * tau * (n - tau * (1 - exp(-n / tau)))) / n;
     print_message(
         "  tau %.2f bins: error/true %.3f, within one %.3f, two %.3f, beyond three %.4f, chi^2 %.2f, "
-        "reliable %.2f\n",
+        "reliable %.2f, of them within one %.3f, two %.3f\n",
         tau, error / DISKS / expected, one / DISKS, two / DISKS, beyond / DISKS, chi / DISKS,
-        reliable / DISKS);
-    between(one / DISKS, 0.683 - cases[c].one, 0.683 + cases[c].one, "coverage of one error");
-    between(two / DISKS, 0.954 - cases[c].two, 0.954 + cases[c].two, "coverage of two errors");
+        reliable / DISKS, good_one / reliable, good_two / reliable);
+    /* bars of records that are too short hold their drift: rather too large */
+    between(one / DISKS, 0.683 - cases[c].one, 0.8, "coverage of one error");
+    between(two / DISKS, 0.954 - cases[c].two, 1, "coverage of two errors");
+    if (reliable > DISKS / 2.0) {
+      between(good_one / reliable, 0.683 - cases[c].one, 0.683 + cases[c].one,
+              "coverage of one reliable error");
+      between(good_two / reliable, 0.954 - cases[c].two, 0.954 + cases[c].two,
+              "coverage of two reliable errors");
+    }
     free(d);
     sd_state_free(s);
   }

@@ -44,17 +44,18 @@ typedef struct coverage {
   size_t n;
   double rho;
   bool transient;
-  double low, high; /* allowed mean of error/true error */
+  double low, high; /* allowed mean of error/true error, of the records that are called converged */
+  double least;     /* part that is to be */
 } coverage;
 
 static void error_bars_cover(void **unused) {
   (void)unused;
   enum { SEEDS = 400 };
   const coverage cases[] = {
-      {N, 0, false, 0.95, 1.05},   {N, 0, true, 0.95, 1.05},     {N, 0.6, true, 0.93, 1.07},
-      {N, 0.9, false, 0.93, 1.07}, {N, 0.9, true, 0.92, 1.07},   {N, 0.97, true, 0.90, 1.1},
-      {N, -0.6, true, 0.95, 1.15}, {1024, 0.6, true, 0.90, 1.1}, {2048, 0.9, false, 0.90, 1.1},
-      {256, 0, false, 0.92, 1.08},
+      {N, 0, false, 0.95, 1.05, 0.9},   {N, 0, true, 0.95, 1.05, 0.9},     {N, 0.6, true, 0.93, 1.07, 0.9},
+      {N, 0.9, false, 0.93, 1.07, 0.9}, {N, 0.9, true, 0.92, 1.07, 0.9},   {N, 0.97, true, 0.90, 1.1, 0.4},
+      {N, -0.6, true, 0.95, 1.15, 0.9}, {1024, 0.6, true, 0.90, 1.1, 0.9}, {2048, 0.9, false, 0.90, 1.1, 0.9},
+      {256, 0, false, 0.92, 1.08, 0.9},
   };
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c += BRIEF(1, 4)) {
@@ -63,18 +64,20 @@ static void error_bars_cover(void **unused) {
     for (int seed = 0; seed < SEEDS; seed++) {
       autoregressive(random, cases[c].n, cases[c].rho);
       sd_mean mean = sd_mean_of(x, cases[c].n, cases[c].transient);
-      sum += mean.error / expected / SEEDS;
-      within += (fabs(mean.mean - 5) < mean.error) / (double)SEEDS;
       correlation += mean.correlation / SEEDS;
-      converged += mean.converged;
+      if (!mean.converged) continue;
+      sum += mean.error / expected;
+      within += fabs(mean.mean - 5) < mean.error;
+      converged++;
     }
+    sum /= converged, within /= converged;
     double tau = (1 + cases[c].rho) / (1 - cases[c].rho) / 2;
     print_message("  n %4zu rho %5.2f: error/true %.3f, within one error %.3f, correlation %.2f (%.2f)\n",
                   cases[c].n, cases[c].rho, sum, within, correlation, tau);
     between(sum, cases[c].low, cases[c].high, "error/true error");
     between(within, 0.60, 0.76, "coverage of one error"); /* 0.683 +- 0.023 from 400 seeds */
     between(correlation / tau, 0.85, 1.3, "correlation time");
-    assert_true(converged > 9 * SEEDS / 10);
+    assert_true(converged > cases[c].least * SEEDS);
   }
   gsl_rng_free(random);
 }
@@ -187,17 +190,19 @@ static void transients_are_found(void **unused) {
   (void)unused;
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   double within = 0;
+  int converged = 0;
   for (int seed = 0; seed < 200; seed++) {
     autoregressive(random, N, 0.6);
     for (size_t k = 0; k < N; k++) x[k] += 10 * exp(-(double)k / 150);
     sd_mean mean = sd_mean_of(x, N, true);
     between((double)mean.discarded, 300, 1800, "discarded");
     assert_int_equal(mean.discarded + mean.used, N);
-    assert_true(mean.converged);
+    converged += mean.converged;
     within += (fabs(mean.mean - 5) < 2 * mean.error) / 200.0;
     assert_true(fabs(sd_mean_of(x, N, false).mean - 5) > 0.2);
   }
   between(within, 0.88, 1, "within two errors");
+  assert_true(converged > 180);
   gsl_rng_free(random);
 
   /* no noise at all: the relaxation never ends, but is soon small */

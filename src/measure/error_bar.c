@@ -15,7 +15,10 @@
  * fall out of their means, so there the error is the least that blocks give behind the largest, 16 of them or more,
  * with one standard deviation put back, as what is picked for being low is low by chance as well.
  *
- * The error can be trusted (`reliable`) when the record is at least 64 integrated correlation times long.
+ * The error can be trusted (`reliable`) when the record is at least LONG integrated correlation times long, and its lowest
+ * frequencies tell the density at zero (slow.h). A period must repeat there as well. Records of 100 to 200 tau are called
+ * long enough partly by chance, those whose error came out small: so the error of a reliable one is larger by
+ * (CHANCE tau/n)^2 of itself, which noise of known tau has told (tests/test_converged.c).
  */
 #include "measure/error_bar.h"
 
@@ -23,9 +26,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "measure/slow.h"
 #include "measure/sums.h"
 
-enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64 };
+enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64, CHANCE = 50 };
 static const double foretold = 1e-3; /* of the variance: what is left then is no noise */
 
 /* Means of whole blocks of b up to the record's end; their number. */
@@ -136,7 +140,7 @@ static bool is_constant(const double *x, size_t n) {
 }
 
 error_bar error_bar_of(const double *x, size_t n) {
-  if (n < SHORTEST) return (error_bar){.error = NAN, .correlation = NAN, .reliable = false};
+  if (n < SHORTEST) return (error_bar){.error = NAN, .correlation = NAN, .slow = true};
   double y[BLOCKS] = {0}, half[BLOCKS];
   size_t blocks = block_means(x, n, (n + BLOCKS - 1) / BLOCKS, y);
   if (is_constant(y, blocks)) return (error_bar){.error = 0, .correlation = 0.5, .reliable = true};
@@ -144,7 +148,16 @@ error_bar error_bar_of(const double *x, size_t n) {
   double square =
       halves ? spectrum_at_zero(half, halves) / (double)halves : spectrum_at_zero(y, blocks) / (double)blocks;
   bool noise = !isnan(square), period = !noise && periodic_variance(y, blocks, &square);
-  double tau = square / sums_variance(x, n) * (double)n / 2;
-  bool reliable = noise ? (double)n >= LONG * tau : period;
-  return (error_bar){.error = sqrt(square), .correlation = tau, .reliable = reliable};
+  double all = (double)n, tau = square / sums_variance(x, n) * all / 2;
+  error_bar found = {.error = sqrt(square), .correlation = tau};
+  if (noise) {
+    const slow seen = slow_of(y, blocks, square * (double)blocks);
+    found.slow = seen == SLOW_PARTS || all < LONG * tau;
+    found.reliable = seen == SLOW_RESOLVED && !found.slow;
+    if (found.reliable) found.error *= 1 + pow(CHANCE * tau / all, 2);
+  } else {
+    found.reliable = period && slow_repeats(y, blocks);
+    found.slow = !found.reliable;
+  }
+  return found;
 }

@@ -9,6 +9,7 @@ typedef struct error_bar {
   double error;       /* of the mean; NAN when it cannot be told */
   double correlation; /* integrated correlation time, samples */
   bool reliable;      /* the record is long enough for it */
+  bool slow;          /* it is too short for slow parts that are in it: a drift may be one of them */
 } error_bar;
 
 /* Standard error of the mean of x[0..n) as a stationary record. */

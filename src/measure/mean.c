@@ -13,10 +13,10 @@
 
 /* Systematic error of a drift. Without noise: exp(-t/T) has a mean of half the difference of its halves times
  * (1 + u)/(1 - u), u the ratio of the differences of quarters. */
-static double systematic(drift left, bool reliable, bool quiet) {
+static double systematic(drift left, error_bar error, bool quiet) {
   double u = fmin(left.ratio, 0.75);
-  if (quiet && !reliable) return left.half * (1 + u) / (1 - u);
-  return reliable && !(left.sigmas > DRIFT_SEEN) ? 0 : left.half;
+  if (quiet && !error.reliable) return left.half * (1 + u) / (1 - u);
+  return !error.slow && !(left.sigmas > DRIFT_SEEN) ? 0 : left.half;
 }
 
 sd_mean sd_mean_of(const double *x, size_t n, bool look) {
@@ -29,7 +29,7 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.used = n - start.length;
   mean.mean = sums_mean(x + start.length, mean.used);
   mean.correlation = error.correlation;
-  mean.error = hypot(error.error, hypot(start.tail, systematic(left, error.reliable, start.quiet)));
+  mean.error = hypot(error.error, hypot(start.tail, systematic(left, error, start.quiet)));
   /* a relaxation without noise has no noise, and needs none once little of it is left */
   bool over = (error.reliable && !(left.sigmas > DRIFT_CERTAIN)) || (start.quiet && left.ratio < 0.5);
   mean.converged = start.inside && isfinite(error.error) && over;
