@@ -12,7 +12,7 @@
  * - agreeing: the mean of the lowest AGREE of I_k is not far from the density that the error bar has.
  * - enough events: a variance made of N rare events is known to 1/sqrt(N); the fourth moment tells N.
  *
- * All of them together refuse three records of white noise in a hundred.
+ * All of them together refuse two records of white noise in a hundred.
  */
 #include "measure/slow.h"
 
@@ -22,7 +22,7 @@
 
 enum { FEWEST = 32, LOWEST = 32, SLOWEST = 16, AGREE = 4, EVENTS = 16 };
 static const double level = 1.75, most_slow = 0.5;
-static const double least = 0.3, most = 2.6; /* chi^2 of 8 degrees below 2.4, above 20.8 */
+static const double least = 0.2, most = 2.6; /* chi^2 of 8 degrees below 1.6, above 20.8 */
 
 /* Periodogram of y[0..n) - mean at k/n, k = 1 .. LOWEST (Goertzel, Am. Math. Mon. 65, 34 (1958)). */
 static void periodogram(const double *y, size_t n, double found[LOWEST]) {
