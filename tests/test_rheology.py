@@ -76,6 +76,58 @@ class Numbers(unittest.TestCase):
         self.assertIsNone(rheology.fits(rows()[-2:]))
 
 
+class Cases(unittest.TestCase):
+    def test_restitution(self):
+        """A damped contact, integrated until its force ends: the closed forms, and their inverse."""
+        for damping in (0.03, 0.26, 0.59, 0.9):
+            for clipped in (True, False):
+                x, v, dt = 0.0, 1.0, 1e-4                   # overlap and its rate; stiffness and mass 1
+                for _ in range(200000):
+                    force = x + 2 * damping * v
+                    if (force <= 0 if clipped else x < 0) and v < 0:
+                        break
+                    v -= dt * force
+                    x += dt * v
+                found = rheology.cases.restitution(damping, clipped)
+                self.assertAlmostEqual(found, -v, delta=2e-3)
+                self.assertAlmostEqual(rheology.cases.damping_of(found, clipped), damping, places=9)
+        self.assertAlmostEqual(rheology.cases.restitution(0.59, True), 0.25, delta=0.01)     # as the page says
+        self.assertAlmostEqual(rheology.cases.restitution(0.59, False), 0.1, delta=0.01)
+
+    def test_settings(self):
+        """Every case but the first differs from the deck in what it says, and in what follows from that; names are apart."""
+        base = rheology.cases.settings(rheology.cases.CASES[0], 1)
+        self.assertAlmostEqual(base["dt"], 3.3e-3)
+        self.assertAlmostEqual(base["materials[0].gamma_n"], 1.18 * math.sqrt(500))
+        self.assertEqual((base["packings[0].lower"], base["packings[0].upper"]), (0.4, 0.6))
+        self.assertEqual(len({rheology.cases.name_of(case) for case in rheology.cases.CASES}), len(rheology.cases.CASES))
+        for case in rheology.cases.CASES[1:]:
+            self.assertNotEqual(rheology.cases.settings(case, 1), base, case)
+            self.assertLessEqual(set(case.keys), set(rheology.cases.BASE))
+        paths = [path for path, _ in rheology.cases.runs("f")]
+        self.assertEqual(len(set(paths)), sum(case.seeds for case in rheology.cases.CASES))
+
+    def test_row(self):
+        """Means over runs in every way, and errors from blocks: made-up series."""
+        n, rng = 4000, numpy.random.default_rng(2)
+        found = []
+        for _ in range(4):
+            noise = rng.normal(size=n)
+            series = {"stress_xy": -0.4 - 0.1 * noise, "stress_yx": -0.4 - 0.1 * noise, "kinetic_xy": numpy.full(n, 0.02),
+                      "stress_yy": 1 + 0.1 * rng.normal(size=n), "kinetic_yy": numpy.zeros(n),
+                      "stress_xx": numpy.full(n, 3.0), "kinetic_xx": numpy.zeros(n), "width": numpy.full(n, 2.0),
+                      "height": 3 + 0.1 * rng.normal(size=n)}
+            found.append(({"strain": 8, "I": 0.1, "phi": 0.8, "xx_over_yy": 3, "contacts": 2}, series))
+        row = rheology.cases.row_of(rheology.cases.CASES[0], found)
+        self.assertAlmostEqual(row["mu_means"], 0.38, delta=2e-3)
+        self.assertAlmostEqual(row["mu"], 0.38 * 1.0103, delta=2e-3)         # mean of 1/x is larger than 1/mean
+        self.assertAlmostEqual(row["mu_pressure"], 0.19, delta=2e-3)
+        self.assertAlmostEqual(row["mu_contacts"], 0.4 * 1.0103, delta=2e-3)
+        self.assertAlmostEqual(row["mu_error"], 0.107 / math.sqrt(4 * n), delta=4e-4)
+        self.assertEqual((row["seeds"], row["strain"], row["phi"]), (4, 32, 0.8))
+        self.assertEqual(set(row), set(rheology.cases.COLUMNS))
+
+
 class Page(unittest.TestCase):
     def test_round_trip(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -98,11 +150,12 @@ class Page(unittest.TestCase):
             docs = pathlib.Path(folder)
             (docs / "figures").mkdir()
             shutil.copy(ROOT / "docs/rheology.md", docs)
-            subprocess.run([sys.executable, "-B", str(ROOT / "tools/rheology.py"), "--draw", "--keep", folder, "-o",
-                            str(docs / "none"),
-                            "--program", "/nonexistent"], check=True, stdout=subprocess.DEVNULL)
+            for more in ([], ["--cases"]):
+                subprocess.run([sys.executable, "-B", str(ROOT / "tools/rheology.py"), "--draw", "--keep", folder, "-o",
+                                str(docs / "none"),
+                                "--program", "/nonexistent", *more], check=True, stdout=subprocess.DEVNULL)
             self.assertEqual((docs / "rheology.md").read_text(), (ROOT / "docs/rheology.md").read_text())
-            for name in ("rheology.png", "rheology-series.png"):
+            for name in ("rheology.png", "rheology-series.png", "rheology-cases.png"):
                 self.assertGreater((docs / "figures" / name).stat().st_size, 10000)
 
 

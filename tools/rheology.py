@@ -5,6 +5,7 @@
     tools/rheology.py --points 0.1,0.3      only these
     tools/rheology.py --quick               512 disks and little strain: a minute, and large errors
     tools/rheology.py --draw --keep docs    runs nothing; without results from docs/data/shear alone
+    tools/rheology.py --cases --keep docs   what mu(0.1) depends on: one thing changed at a time, half an hour of one core
 
 Results go to build/rheology; what is finished is not run again. --keep DIR writes DIR/data/shear/rheology.csv and
 rheology-series.csv, the figures DIR/figures/rheology*.png and the tables of DIR/rheology.md anew."""
@@ -20,6 +21,7 @@ import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path[:0] = [os.path.join(ROOT, "tools"), os.path.join(ROOT, "tools", "python")]
+import rheology_cases as cases  # noqa: E402
 
 DECK = os.path.join(ROOT, "inputs", "shear", "rheology.cfg")
 POINTS = (1e-4, 3e-4, 1e-3, 3e-3, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3)
@@ -117,7 +119,7 @@ def write_csv(path, head, columns, rows):
 
 def read_csv(path):
     with open(path, newline="") as file:
-        return [{name: float(value) for name, value in row.items()}
+        return [{name: value if name in cases.TEXT else float(value) for name, value in row.items()}
                 for row in csv.DictReader(line for line in file if not line.startswith("#"))]
 
 
@@ -184,12 +186,13 @@ def table(columns, rows):
             *("| " + " | ".join(row) + " |" for row in rows)]
 
 
-def pm(value, error):
-    """A value with digits that its error allows."""
+def pm(value, error, sign=False):
+    """A value with digits that its error allows; sign: a + before positive ones."""
+    plus = "+" if sign else ""
     if not error or not math.isfinite(error):
-        return f"{value:.4g}"
+        return f"{value:{plus}.4g}"
     digits = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:.{digits}f} ± {error:.{digits}f}"
+    return f"{value:{plus}.{digits}f} ± {error:.{digits}f}"
 
 
 def page(rows):
@@ -211,12 +214,12 @@ def page(rows):
                         for name, ours, error, theirs, allowed, holds in verdict(found)])
 
 
-def fill(path, lines):
+def fill(path, lines, name="rheology"):
     with open(path) as file:
         text = file.read()
-    mark = re.compile(r"(<!-- rheology -->\n).*?(<!-- end of rheology -->)", re.S)
+    mark = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end of {name} -->)", re.S)
     if not mark.search(text):
-        raise ValueError(f"{path}: no <!-- rheology --> ... <!-- end of rheology -->")
+        raise ValueError(f"{path}: no <!-- {name} --> ... <!-- end of {name} -->")
     with open(path + ".new", "w") as file:
         file.write(mark.sub(lambda it: it.group(1) + "\n".join(lines) + "\n" + it.group(2), text))
     os.replace(path + ".new", path)
@@ -224,16 +227,19 @@ def fill(path, lines):
 
 # --- runs -------------------------------------------------------------------------------------------------------------
 def run(args):
-    keys = dict(QUICK) if args.quick else {}
-    for rate in args.points:
-        path = os.path.join(args.folder, f"I{rate:g}.h5")
+    if args.cases:
+        todo = cases.runs(args.folder)
+        os.makedirs(os.path.join(args.folder, "cases"), exist_ok=True)
+    else:
+        keys = dict(QUICK) if args.quick else {}
+        todo = [(os.path.join(args.folder, f"I{rate:g}.h5"), {"constants.I": rate, **keys}) for rate in args.points]
+    for path, keys in todo:
         if os.path.exists(path) and not os.path.isdir(path + ".parts"):
             continue
-        words = [args.program, "run", args.deck, "-o", path, "--quiet", "--threads", str(args.threads), "-D",
-                 f"constants.I={rate!r}"]
+        words = [args.program, "run", args.deck, "-o", path, "--quiet", "--threads", str(args.threads)]
         for key, value in keys.items():
             words += ["-D", f"{key}={value}"]
-        print(f"I = {rate:g}", file=sys.stderr, flush=True)
+        print(os.path.basename(path), file=sys.stderr, flush=True)
         if subprocess.run(words, check=False).returncode not in (0, 5):
             sys.exit(f"failed: {' '.join(words)}")
 
@@ -242,20 +248,49 @@ def numbers(rate):
     return [float(word) for word in rate.split(",")]
 
 
-def main():
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--points", type=numbers, default=list(POINTS), metavar="I,I", help="inertial numbers")
     parser.add_argument("--quick", action="store_true", help="512 disks and a strain of 1")
+    parser.add_argument("--cases", action="store_true", help="what mu(0.1) depends on: one thing changed at a time")
     parser.add_argument("--draw", action="store_true", help="run nothing")
     parser.add_argument("--threads", type=int, default=1, metavar="N")
     parser.add_argument("-o", dest="folder", default=os.path.join(ROOT, "build", "rheology"), metavar="DIR")
     parser.add_argument("--program", default=os.path.join(ROOT, "build", "release", "slipdisk"), metavar="FILE")
     parser.add_argument("--deck", default=DECK, metavar="FILE", help="another one with the same names")
     parser.add_argument("--keep", metavar="DIR", help="renew DIR/rheology.md, its numbers and figures (docs)")
-    args = parser.parse_args()
+    return parser.parse_args()
+
+
+def version(args):
+    return subprocess.run([args.program, "version"], capture_output=True, text=True, check=False).stdout.splitlines()[:1]
+
+
+def show_cases(args):
+    """Table and figure of the cases, from results or kept numbers."""
+    rows = cases.collect(args.folder, read, evaluate)
+    kept = os.path.join("data", "shear", "rheology-cases.csv")
+    if rows and args.keep:
+        write_csv(os.path.join(args.keep, kept), ["Simple shear at I = 0.1 with one thing changed at a time: "
+                                                  "tools/rheology.py --cases, inputs/shear/rheology.cfg", *version(args),
+                                                  "a row per case; means over runs, errors from blocks of their strain"],
+                  cases.COLUMNS, rows)
+    rows = rows or read_csv(os.path.join(ROOT, "docs", kept))
+    lines = cases.table(rows, pm)
+    print("\n".join(lines))
+    cases.draw(rows, os.path.join(args.keep, "figures") if args.keep else args.folder)
+    if args.keep:
+        fill(os.path.join(args.keep, "rheology.md"), lines, "cases")
+
+
+def main():
+    args = arguments()
     os.makedirs(args.folder, exist_ok=True)
     if not args.draw:
         run(args)
+    if args.cases:
+        show_cases(args)
+        return
     paths = sorted(os.path.join(args.folder, name) for name in os.listdir(args.folder)
                    if re.fullmatch(r"I.*\.h5", name))
     kept = os.path.join(ROOT, "docs", "data", "shear")
@@ -270,10 +305,8 @@ def main():
     print("\n".join(lines))
     if args.keep:
         if paths:
-            version = subprocess.run([args.program, "version"], capture_output=True, text=True,
-                                     check=False).stdout.splitlines()[:1]
             head = ["Simple shear of 4096 disks at constant pressure: tools/rheology.py, inputs/shear/rheology.cfg",
-                    *version]
+                    *version(args)]
             folder = os.path.join(args.keep, "data", "shear")
             write_csv(os.path.join(folder, "rheology.csv"), [*head, "a row per inertial number; errors from 10 blocks"],
                       COLUMNS, rows)
