@@ -1,5 +1,6 @@
-/* test_converged.c: which records are called converged, and how often the error bars of those that are cover the true
- * mean: processes whose mean is known, short and long ones, and three disks at weak and strong vibration. */
+/* test_converged.c: records that are called converged, and how often their error bars cover the true
+ * mean: processes whose mean is known, short and long ones, and three disks at weak and strong
+ * vibration. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -162,8 +163,8 @@ static void records_called_converged_are_covered(void **unused) {
 
 /* --- three disks ----------------------------------------------------------------------------------------- */
 
-/* The upper disk over a measured time. At weak vibration it sticks most of the time, and its rate is nearly all elastic
- * noise; after 1.5 time units such bars were 1.9 to 2.6 times too large, and all called converged. */
+/* The upper disk over a measured time. At weak vibration it sticks most of the time, and its rate is
+ * nearly all elastic noise: the bars of 1.5 time units are 2 to 2.5 times too large. */
 static void three_disks_are_covered(void **unused) {
   (void)unused;
   enum { RUNS = BRIEF(100, 4) };

@@ -1,16 +1,18 @@
 /* slow.c: can a record tell its own spectral density at frequency zero?
  *
- * An error bar extrapolates the spectrum to zero. Its correlation time does not say whether that is possible: the rate of
- * a disk that sticks is nearly all elastic noise, whose spectrum has a dip at zero; the integrated correlation time is
- * small, and becomes smaller the less of the dip is resolved. So the lowest LOWEST frequencies of the record, 1/n to
- * LOWEST/n, are looked at themselves. I_k: periodogram, exponentially distributed about the spectral density.
+ * An error bar extrapolates the spectrum to zero. Its correlation time does not say whether that is
+ * possible: the rate of a disk that sticks is nearly all elastic noise, whose spectrum has a dip at
+ * zero; the integrated correlation time is small, and the smaller the less of the dip is resolved.
+ * So the lowest LOWEST frequencies, 1/n to LOWEST/n, are tested themselves. I_k: periodogram,
+ * exponentially distributed about the spectral density.
  *
- * - level: a parabola of k through the logarithms of means of pairs of I_k (Heidelberger & Welch, Commun. ACM 24, 233
- *   (1981)) changes by less than `level` over that range. Noise of one correlation time tau, 1/(1 + (2 pi tau k/n)^2), wants
- *   some 110 tau; a dip must be as wide.
- * - repeating: frequencies up to SLOWEST/n hold less than half of the variance, so that a slow period comes SLOWEST times.
- * - agreeing: the mean of the lowest AGREE of I_k is not far from the density that the error bar has.
- * - enough events: a variance made of N rare events is known to 1/sqrt(N); the fourth moment tells N.
+ * - Level: a parabola of k through the logarithms of means of pairs of I_k (Heidelberger & Welch,
+ *   Commun. ACM 24, 233 (1981)) changes by less than `level` over that range. Noise of one
+ *   correlation time tau, 1/(1 + (2 pi tau k/n)^2), needs some 110 tau; a dip must be as wide.
+ * - Periods: frequencies up to SLOWEST/n hold less than half of the variance, so that a slow period
+ *   comes SLOWEST times.
+ * - Agreement: the mean of the lowest AGREE of I_k is near the density that the error bar has.
+ * - Events: a variance made of N rare events is known to 1/sqrt(N); the fourth moment tells N.
  *
  * All of them together refuse two records of white noise in a hundred.
  */
@@ -24,7 +26,8 @@ enum { FEWEST = 32, LOWEST = 32, SLOWEST = 16, AGREE = 4, EVENTS = 16 };
 static const double level = 1.75, most_slow = 0.5;
 static const double least = 0.2, most = 2.6; /* chi^2 of 8 degrees below 1.6, above 20.8 */
 
-/* Periodogram of y[0..n) - mean at k/n, k = 1 .. LOWEST (Goertzel, Am. Math. Mon. 65, 34 (1958)). */
+/* Periodogram of y[0..n) less its mean at k/n, k = 1 .. LOWEST
+ * (Goertzel, Am. Math. Mon. 65, 34 (1958)). */
 static void periodogram(const double *y, size_t n, double found[LOWEST]) {
   double twice[LOWEST], last[LOWEST] = {0}, before[LOWEST] = {0};
   const double mean = sums_mean(y, n);

@@ -7,11 +7,12 @@
 
 typedef enum slow {
   SLOW_RESOLVED, /* the record tells its spectral density at frequency zero */
-  SLOW_DIP,      /* it does not: what an extrapolation has is rather too large */
-  SLOW_PARTS     /* it does not: slow parts are seen that an extrapolation may miss */
+  SLOW_DIP,      /* it does not: the extrapolated density is rather too large */
+  SLOW_PARTS     /* it does not: the extrapolated density may miss slow parts */
 } slow;
 
-/* y[0..n): means of the blocks of a record. spectrum: what was extrapolated; white noise has its variance. */
+/* y[0..n): means of the blocks of a record. spectrum: the extrapolated density, in units in which
+ * white noise has its variance. */
 slow slow_of(const double *y, size_t n, double spectrum);
 /* Is most of the variance faster than a sixteenth of the record? */
 bool slow_repeats(const double *y, size_t n);
