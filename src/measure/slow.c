@@ -44,7 +44,9 @@ static void periodogram(const double *y, size_t n, double found[LOWEST]) {
 
 /* Change of the parabola through the logarithms of pairs, from frequency zero to the last. */
 static double change_of(const double *power, size_t frequencies) {
-  double x = 0, y = 0, xx = 0, xy = 0, pairs = (double)(frequencies / 2);
+  const size_t count = frequencies / 2;
+  const double pairs = (double)count;
+  double x = 0, y = 0, xx = 0, xy = 0;
   for (size_t k = 0; k + 1 < frequencies; k += 2) {
     const double at = pow((double)k + 1.5, 2), value = log((power[k] + power[k + 1]) / 2);
     x += at / pairs;
