@@ -48,6 +48,24 @@ fields = ( {{ name = "fluid"; type = "drag"; gamma = 2; gamma_rotation = 4; per 
 phases = ( {{ steps = 6000; series = 100; frames = 100; contacts = 100; }} );
 """
 
+# Walls that move, turn and lie across the edges of the box: disks touch their images, and go round them.
+IMAGES = f"""
+title = "images"; integrator = "verlet"; dt = 1e-3; seed = 5;
+{GRAIN}
+box = {{ x = (0, 20); y = (0, 20); periodic = "xy"; }};
+walls = ( {{ name = "post"; type = "line"; points = ((0.3, 0), (0.3, 1)); }},
+          {{ name = "saw"; type = "polyline"; points = ((3, 19.8), (13, 20.4), (23, 19.8)); }},
+          {{ name = "paddle"; type = "segment"; points = ((9, 10), (13, 10)); }},
+          {{ name = "bowl"; type = "arc"; center = (19.8, 10); radius = 2; from = 3.3; to = 6.1; }} );
+{LATTICE % (150, "1, 19.4", "1.2, 19")}
+motions = ( {{ wall = ("post", "bowl"); coordinate = "x"; type = "velocity"; velocity = 1.5; ramp = 0.5; }},
+            {{ wall = "paddle"; coordinate = "theta"; type = "velocity"; velocity = 3; ramp = 0.5; }},
+            {{ wall = "paddle"; coordinate = ("x", "y"); type = "velocity"; velocity = 2; ramp = 0.5; }} );
+phases = ( {{ steps = 3000; series = 100; frames = 500; contacts = 500; measure = true; }} );
+measure = {{ walls = true; stress = true; disks = true; }};
+max_overlap = 1;
+"""
+
 # So few disks in the channel that ranks have none, and get some.
 FEW = CHANNEL.replace("count = 180;", "count = 7;").replace("steps = 3000;", "steps = 8000;").replace("disks = true;", "disks = true; rotation = (); sliding = ();")
 
@@ -286,7 +304,7 @@ measure = { groups = true; walls = true; };
 # In a longer box those at its ends lose their partners.
 WIDER = KNOWN.replace("x = (0, 200)", "x = (0, 201)")
 
-DECKS = {"bed": BED, "known": KNOWN, "wider": WIDER, "slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
+DECKS = {"bed": BED, "known": KNOWN, "wider": WIDER, "slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "images": IMAGES, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
          "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 

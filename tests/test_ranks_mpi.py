@@ -54,6 +54,10 @@ class Ranks(Folder):
         for ranks in brief((1, 2, 3, 4, 7), (2,)):
             self.same("laws", ranks, threads=2)
 
+    def test_images_of_walls(self):
+        for ranks in brief((2, 4), (3,)):
+            self.same("images", ranks)
+
     def test_channel(self):
         for ranks in brief((2, 3, 4), (3,)):
             self.same("channel", ranks)

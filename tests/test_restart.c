@@ -10,7 +10,7 @@
 
 #include "deck_runs.h"
 
-enum { DECKS = 7, MOST = 2600 };
+enum { DECKS = 8, MOST = 2600 };
 
 #define MATERIAL                                                                                             \
   "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; }, { name = \"b\"; k_n = "     \
@@ -180,9 +180,32 @@ static void dimers(text *t) {
       "measure = { rotation = (0, 3, 7); disks = true; };\n");
 }
 
-static void (*const decks[DECKS])(text *t) = {supports, gas, packing, hills, carpet, belts, dimers};
+/* Walls across the edges of a box, which move, turn, and meet their own images: disks touch their images. */
+static void images(text *t) {
+  text_add(t, "dt = 2e-5; box = { x = (0, 1); y = (0, 1); periodic = \"xy\"; };\n" MATERIAL
+              "walls = ( { name = \"bar\"; type = \"segment\"; material = \"b\"; points = ((0.9, 0.5), (1.3, "
+              "0.55)); },\n"
+              "{ name = \"post\"; type = \"line\"; material = \"b\"; points = ((0.01, 0), (0.01, 1)); },\n"
+              "{ name = \"saw\"; type = \"polyline\"; material = \"b\"; points = ((0.2, 0), (0.7, 0.03), "
+              "(1.2, 0)); },\n"
+              "{ name = \"bowl\"; type = \"arc\"; material = \"b\"; center = (0.5, 1.02); radius = 0.1; from "
+              "= 3.3; to = 6.1; } );\n"
+              "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\"); density = 3.57; "
+              "material = \"a\"; rows = (");
+  uint64_t seed = 5;
+  for (int k = 0; k < 35; k++)
+    text_add(t, "%s(%.4f, %.4f, 0.035, %.3f, %.3f)", k ? ", " : "", 0.1 + 0.13 * (k % 7),
+             0.12 + 0.16 * (k / 7), 4 * next_uniform(&seed) - 2, 4 * next_uniform(&seed) - 2);
+  text_add(t, "); } );\nmotions = ( { wall = (\"bar\", \"bowl\"); coordinate = \"theta\"; type = "
+              "\"harmonic\"; amplitude = 1; "
+              "frequency = 8; },\n"
+              "{ wall = (\"post\", \"bar\"); coordinate = \"x\"; type = \"velocity\"; velocity = -2; } );\n"
+              "phases = ( { steps = 100000; measure = true; } ); max_overlap = 1;\n");
+}
+
+static void (*const decks[DECKS])(text *t) = {supports, gas, packing, hills, carpet, belts, dimers, images};
 static const char *const deck_names[DECKS] = {"supports", "gas",   "packing", "hills",
-                                              "carpet",   "belts", "dimers"};
+                                              "carpet",   "belts", "dimers",  "images"};
 
 static sd_model *deck(int d, int integrator, const char *more) {
   text t = {0};

@@ -204,9 +204,8 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
 }
 
 /* By the tangent at the nearest point of the arc. */
-static void cut_arc(const sd_segment *g, const double *pivot, const double *at, polygon *p) {
-  const placed_segment placed = walls_place(g, pivot[0], pivot[1], 1.0, 0.0, 1.0);
-  const nearest_point q = walls_nearest(&placed, at[0], at[1]);
+static void cut_arc(const placed_segment *g, const double *at, polygon *p) {
+  const nearest_point q = walls_nearest(g, at[0], at[1]);
   const double r = hypot(q.dx, q.dy);
   if (q.active && q.flat && r > 0.0) polygon_cut(p, q.dx / r, q.dy / r, r, 0.0, BY_WALL);
 }
@@ -218,11 +217,14 @@ static void cut_walls(const cutter *q, size_t i, polygon *p) {
   for (size_t k = 0; k < m->n_segments; k++) {
     const sd_segment *g = &m->segments[k];
     const double *pivot = m->walls[g->body - m->n_disks].pivot;
+    const placed_segment placed = walls_place(g, pivot[0], pivot[1], 1.0, 0.0, 1.0);
+    placed_segment image;
+    const placed_segment *nearest = walls_image(q->c->length, &placed, at[0], at[1], &image);
     if (g->piece != SD_PIECE_STRAIGHT) {
-      cut_arc(g, pivot, at, p);
+      cut_arc(nearest, at, p);
       continue;
     }
-    double rx = pivot[0] + g->start[0] - at[0], ry = pivot[1] + g->start[1] - at[1];
+    double rx = nearest->x - at[0], ry = nearest->y - at[1];
     double u = -(rx * g->tangent[0] + ry * g->tangent[1]);
     if (g->length < HUGE_VAL && (u < 0.0 || u > g->length)) continue;
     double nx = g->tangent[1], ny = -g->tangent[0], d = nx * rx + ny * ry;

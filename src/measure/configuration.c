@@ -279,7 +279,9 @@ static sd_status fill_bodies(configuration *c, const sd_model *from, const frame
 
 /* --- contacts ----------------------------------------------------------------------------------------- */
 
-static placed_segment place(const sd_model *m, uint32_t part) {
+/* The image of a piece that is nearest to `at`. */
+static placed_segment place(const configuration *c, uint32_t part, const double at[2]) {
+  const sd_model *m = c->model;
   const sd_segment *s = &m->segments[part];
   const double *pivot = m->walls[s->body - m->n_disks].pivot;
   placed_segment g = walls_place(s, pivot[0], pivot[1], 1.0, 0.0, 1.0);
@@ -288,7 +290,8 @@ static placed_segment place(const sd_model *m, uint32_t part) {
     g.end_x = pivot[0] + next->start[0];
     g.end_y = pivot[1] + next->start[1];
   }
-  return g;
+  placed_segment image;
+  return *walls_image(c->length, &g, at[0], at[1], &image);
 }
 
 /* g: the piece of a wall. */
@@ -298,13 +301,13 @@ static contact_place place_of(const configuration *c, const config_contact *k, p
   const sd_wall *wall = k->b < m->n_disks ? NULL : &m->walls[k->b - m->n_disks];
   contact_place at = {.ra = a->radius, .conservative = m->variant == SD_CONSERVATIVE};
   if (wall && wall->kind != SD_WALL_CIRCLE) {
-    *g = place(m, k->part);
+    *g = place(c, k->part, a->position);
     at.piece = g;
     at.nearest = walls_nearest(g, a->position[0], a->position[1]);
     at.dx = at.nearest.dx;
     at.dy = at.nearest.dy;
-    at.arm_x = a->position[0] - wall->pivot[0];
-    at.arm_y = a->position[1] - wall->pivot[1];
+    at.arm_x = a->position[0] - (wall->pivot[0] + g->shift_x);
+    at.arm_y = a->position[1] - (wall->pivot[1] + g->shift_y);
     return at;
   }
   double d[2];

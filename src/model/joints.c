@@ -35,6 +35,18 @@ static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
   return e;
 }
 
+/* Ends that meet across an edge of the box stand at one place there, but for rounding: at an edge all are at the lower one. */
+static void into_box(const sd_model *m, wall_end *e) {
+  for (int c = 0; c < 2; c++) {
+    const double length = m->upper[c] - m->lower[c];
+    if (!m->periodic[c] || !(length > 0.0)) continue;
+    const double n = floor((e->at[c] - m->lower[c]) / length + 1e-6);
+    if (!(fabs(n) < 1e9)) continue;
+    e->at[c] -= length * n;
+    e->cells[c] = -(int)n;
+  }
+}
+
 static int by_x(const void *one, const void *two) {
   const wall_end *a = one, *b = two;
   if (a->at[0] != b->at[0]) return a->at[0] < b->at[0] ? -1 : 1;
@@ -45,8 +57,10 @@ wall_end *joints_ends(const sd_model *m, size_t *n) {
   wall_end *ends = calloc(2 * m->n_walls + 1, sizeof *ends);
   *n = 0;
   for (size_t w = 0; ends && w < m->n_walls; w++)
-    for (int end = 0; has_ends(&m->walls[w]) && end < 2; end++)
-      ends[(*n)++] = end_of(&m->walls[w], (uint32_t)w, end);
+    for (int end = 0; has_ends(&m->walls[w]) && end < 2; end++) {
+      ends[*n] = end_of(&m->walls[w], (uint32_t)w, end);
+      into_box(m, &ends[(*n)++]);
+    }
   if (*n > 1) qsort(ends, *n, sizeof *ends, by_x);
   return ends;
 }
@@ -74,7 +88,7 @@ static bool moves(const sd_motion *q, uint32_t body) {
   return false;
 }
 
-bool joints_rigid(const sd_model *m, uint32_t a, uint32_t b) {
+bool joints_rigid(const sd_model *m, uint32_t a, uint32_t b, bool image) {
   const sd_wall *p = &m->walls[a], *q = &m->walls[b];
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
@@ -82,7 +96,7 @@ bool joints_rigid(const sd_model *m, uint32_t a, uint32_t b) {
                second = moves(motion, (uint32_t)m->n_disks + b);
     if (motion->coordinate == SD_SURFACE || !(first || second)) continue; /* a surface runs, its wall stays */
     if (first != second || motion_is_feedback(motion)) return false;
-    if (motion->coordinate == SD_THETA && (p->pivot[0] != q->pivot[0] || p->pivot[1] != q->pivot[1]))
+    if (motion->coordinate == SD_THETA && (image || p->pivot[0] != q->pivot[0] || p->pivot[1] != q->pivot[1]))
       return false;
   }
   return true;
@@ -133,7 +147,8 @@ static void join(const sd_model *m, const size_t *first, const wall_end *ends, s
                  bool *meets) {
   for (size_t k = 0; k < n; k++)
     for (size_t j = k + 1, end = joints_near(ends, n, k); j < end; j++) {
-      if (!joints_meet(&ends[k], &ends[j]) || !joints_rigid(m, ends[k].wall, ends[j].wall)) continue;
+      const bool image = ends[k].cells[0] != ends[j].cells[0] || ends[k].cells[1] != ends[j].cells[1];
+      if (!joints_meet(&ends[k], &ends[j]) || !joints_rigid(m, ends[k].wall, ends[j].wall, image)) continue;
       const uint32_t p = first_of(same, vertex_at(m, first, &ends[k])),
                      q = first_of(same, vertex_at(m, first, &ends[j]));
       meets[vertex_at(m, first, &ends[k])] = meets[vertex_at(m, first, &ends[j])] = true;

@@ -8,7 +8,8 @@
 typedef struct wall_end {
   uint32_t wall;
   int end;       /* 0: where the wall begins, 1: where it ends */
-  double at[2];  /* its place at the start of the run */
+  double at[2];  /* its place at the start of the run; in a periodic box that of its image in there */
+  int cells[2];  /* how many periods away the image is */
   double along;  /* length of the piece that ends there */
   double way[2]; /* unit vector from there along the wall */
 } wall_end;
@@ -21,8 +22,8 @@ double joints_tolerance(const wall_end *end);
 bool joints_meet(const wall_end *a, const wall_end *b);
 /* The ends after k, in order of x, that may meet it: up to the one returned. */
 size_t joints_near(const wall_end *ends, size_t n, size_t k);
-/* Do two walls keep their places to one another in all motions? */
-bool joints_rigid(const sd_model *model, uint32_t a, uint32_t b);
+/* Do two walls keep their places to one another in all motions? image: one to the other's image. */
+bool joints_rigid(const sd_model *model, uint32_t a, uint32_t b, bool image);
 /* Numbers the vertices of all pieces; model->segments are there. */
 sd_status joints_number(sd_model *model);
 

@@ -17,6 +17,8 @@
 #include "model/normal_laws.h"
 #include "model/loads.h"
 #include "model/motion_kinds.h"
+#include "model/wall_images.h"
+#include "model/wall_images.h"
 #include "slipdisk/deck.h"
 
 sd_model *sd_model_new(void) {
@@ -555,6 +557,8 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   check_watches(m, own);
   check_until(m, own);
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
+  if (status == SD_OK) wall_images_check(m, own);
+  if (sd_messages_errors(own) > before) status = SD_ERROR_USER;
   if (status == SD_OK && (model_find_driven(m) != SD_OK || model_find_pieces(m) != SD_OK))
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
   if (status == SD_OK) derive_numbers(m);

@@ -121,6 +121,11 @@ typedef struct sd_segment {
   /* of its start and end: number of the vertex, which pieces that meet there share, 0: none; ends of other walls are there */
   uint32_t vertex[2];
   bool meets[2];
+  /* In a periodic box: directions in which it has images; its middle, from the start; how many periods away the piece that follows
+   * starts, where the wall goes on in its own image. */
+  bool image[2];
+  double center[2];
+  int cells[2];
 } sd_segment;
 
 /* Beyond these a finished run is in doubt (exit status 5); 0: not looked at. */

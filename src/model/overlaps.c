@@ -13,6 +13,7 @@
 #include "model/arc.h"
 #include "model/bodies.h"
 #include "model/clumps.h"
+#include "model/wall_images.h"
 
 #define NONE UINT32_MAX
 
@@ -283,8 +284,9 @@ static double nearest_segment(const wall_tree *t, size_t node, const double *p, 
                                            w->kind == SD_WALL_LINE));
 }
 
-/* How deep a disk at p sits in a wall; of a wall with segments no less than minus its radius. 0 or less: it does not. */
-static double depth_in_wall(const wall_tree *t, const double *p, double radius) {
+/* How deep a disk at p sits in a wall, without images; of a wall with segments no less than minus its radius. 0 or less: it does
+ * not. */
+static double depth_in_one(const wall_tree *t, const double *p, double radius) {
   const sd_wall *wall = t->wall;
   if (wall->kind == SD_WALL_CIRCLE) {
     double r = hypot(p[0] - wall->pivot[0], p[1] - wall->pivot[1]);
@@ -294,6 +296,18 @@ static double depth_in_wall(const wall_tree *t, const double *p, double radius) 
   return t->n ? radius - nearest_segment(t, 1, p, radius) : 0;
 }
 
+/* In the nearest image. */
+static double depth_in_wall(const sd_model *m, const wall_tree *t, const double *p, double radius) {
+  const wall_range r = wall_range_of(m, t->wall, p, radius);
+  double deepest = -HUGE_VAL;
+  for (double v = r.first[1]; v <= r.last[1]; v++)
+    for (double u = r.first[0]; u <= r.last[0]; u++) {
+      const double at[2] = {p[0] + u * r.length[0], p[1] + v * r.length[1]};
+      deepest = fmax(deepest, depth_in_one(t, at, radius));
+    }
+  return deepest;
+}
+
 sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) {
   for (uint32_t w = 0; w < m->n_walls; w++) {
     wall_tree tree = make_tree(&m->walls[w]);
@@ -301,8 +315,8 @@ sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *u
     for (uint32_t i = 0; made && i < m->n_disks; i++) {
       const sd_disk *disk = &m->disks[i];
       if (!sound(disk) || disk->waiting || disk->driven) continue;
-      const overlap found = {i, (uint32_t)m->n_disks + w, depth_in_wall(&tree, disk->position, disk->radius),
-                             false};
+      const overlap found = {i, (uint32_t)m->n_disks + w,
+                             depth_in_wall(m, &tree, disk->position, disk->radius), false};
       if (found.depth > 0) visit(user, &found);
     }
     free(tree.low);
@@ -327,19 +341,36 @@ static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   return nearest - radius;
 }
 
+/* How many periods along a direction an image may be away from that whose pivot is nearest; 0 of lines along it, and of round
+ * walls. */
+static int images_of(const sd_wall *w, double length) {
+  double farthest = 0;
+  if (!(length > 0) || w->kind == SD_WALL_CIRCLE) return 0;
+  for (size_t k = 0; w->kind != SD_WALL_LINE && k < w->n_points; k++)
+    farthest = fmax(farthest, hypot(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
+  return 1 + (int)fmin(farthest / length, 1e3);
+}
+
 /* The wall is left where it was: the disk is turned and moved into its frame. */
 double overlaps_gap(const sd_model *m, uint32_t disk, const double x[2], uint32_t body,
                     const double pose[3]) {
-  double d[2], c = cos(pose[2]), s = sin(pose[2]), radius = m->disks[disk].radius;
+  double d[2], length[2], c = cos(pose[2]), s = sin(pose[2]), radius = m->disks[disk].radius;
   for (int k = 0; k < 2; k++) {
-    double length = m->periodic[k] ? m->upper[k] - m->lower[k] : 0;
+    length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0;
     d[k] = x[k] - pose[k];
-    if (length > 0) d[k] -= length * rint(d[k] / length);
+    if (length[k] > 0) d[k] -= length[k] * rint(d[k] / length[k]);
   }
   if (body < m->n_disks) return hypot(d[0], d[1]) - radius - m->disks[body].radius;
   const sd_wall *w = &m->walls[body - m->n_disks];
-  const double p[2] = {w->pivot[0] + c * d[0] + s * d[1], w->pivot[1] - s * d[0] + c * d[1]};
-  return gap_to_wall(w, p, radius);
+  const int most[2] = {images_of(w, length[0]), images_of(w, length[1])};
+  double nearest = HUGE_VAL;
+  for (int v = -most[1]; v <= most[1]; v++)
+    for (int u = -most[0]; u <= most[0]; u++) {
+      const double dx = d[0] + u * length[0], dy = d[1] + v * length[1];
+      const double p[2] = {w->pivot[0] + c * dx + s * dy, w->pivot[1] - s * dx + c * dy};
+      nearest = fmin(nearest, gap_to_wall(w, p, radius));
+    }
+  return nearest;
 }
 
 double overlaps_first_gap(const sd_model *m, uint32_t disk, uint32_t body) {

@@ -6,6 +6,7 @@
 #include "model/arc.h"
 #include "model/bodies.h"
 #include "model/joints.h"
+#include "model/wall_images.h"
 
 bool model_moves_surfaces(const sd_model *m) {
   for (size_t k = 0; k < m->n_motions; k++)
@@ -13,26 +14,39 @@ bool model_moves_surfaces(const sd_model *m) {
   return false;
 }
 
-static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size_t number) {
-  size_t n = wall_segments(w);
-  double arc = 0.0;
-  for (size_t k = 0; k < n; k++) {
-    sd_segment *s = &first[k];
-    const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
-    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
-    *s = (sd_segment){.body = body,
-                      .start = {p[0] - w->pivot[0], p[1] - w->pivot[1]},
-                      .tangent = {dx / length, dy / length},
-                      .length = w->kind == SD_WALL_LINE ? HUGE_VAL : length,
-                      .arc = arc,
-                      .next = -1};
-    arc += length;
+/* Of side k of a wall the pieces into which it is cut; *arc: the length of the wall so far. Returns how many there are. */
+static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body, sd_segment *first,
+                          double *arc) {
+  const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+  const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+  const bool line = w->kind == SD_WALL_LINE;
+  const size_t n = wall_cuts(m, w, k);
+  for (size_t j = 0; j < n; j++) {
+    const double part = (double)j / (double)n;
+    first[j] = (sd_segment){.body = body,
+                            .start = {p[0] + part * dx - w->pivot[0], p[1] + part * dy - w->pivot[1]},
+                            .tangent = {dx / length, dy / length},
+                            .length = line ? HUGE_VAL : length / (double)n,
+                            .arc = *arc,
+                            .next = -1};
+    *arc += length / (double)n;
   }
+  return n;
+}
+
+static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segment *first, size_t number) {
+  const sd_wall *w = &m->walls[wall];
+  size_t n = 0;
+  double arc = 0.0;
+  int cells[2];
+  for (size_t k = 0; k < wall_segments(w); k++) n += derive_side(m, w, k, body, first + n, &arc);
+  const bool repeats = wall_meets_image(m, wall, cells), around = w->closed || repeats;
   for (size_t k = 0; k < n; k++) {
-    bool last = k + 1 == n, joined = !last || w->closed;
+    bool last = k + 1 == n, joined = !last || around;
     first[k].end_cap = !joined;
     first[k].next = joined ? (int64_t)(number + (k + 1) % n) : -1;
-    bool has_previous = k > 0 || w->closed;
+    for (int c = 0; last && repeats && c < 2; c++) first[k].cells[c] = cells[c];
+    bool has_previous = k > 0 || around;
     const sd_segment *before = &first[(k + n - 1) % n];
     for (int c = 0; c < 2; c++)
       first[k].previous[c] = has_previous ? before->tangent[c] : -first[k].tangent[c];
@@ -42,7 +56,7 @@ static void derive_wall(const sd_wall *w, uint32_t body, sd_segment *first, size
 sd_status model_find_pieces(sd_model *m) {
   free(m->segments);
   m->n_segments = 0;
-  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_segments(&m->walls[w]);
+  for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_pieces(m, &m->walls[w]);
   m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
   if (!m->segments) return SD_ERROR_IO;
   size_t at = 0;
@@ -52,8 +66,10 @@ sd_status model_find_pieces(sd_model *m) {
     if (wall->kind == SD_WALL_ARC)
       arc_pieces(wall, body, m->segments + at, (int64_t)at);
     else
-      derive_wall(wall, body, m->segments + at, at);
-    at += wall_segments(&m->walls[w]);
+      derive_wall(m, w, body, m->segments + at, at);
+    const size_t n = wall_pieces(m, wall);
+    for (size_t k = at; k < at + n; k++) wall_piece_images(m, wall->kind == SD_WALL_LINE, &m->segments[k]);
+    at += n;
   }
   assert(at == m->n_segments);
   for (size_t k = 0; k < m->n_segments; k++)

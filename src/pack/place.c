@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "model/arc.h"
+#include "model/wall_images.h"
 
 /* --- the inside of a container ---------------------------------------------------------------------------- */
 
@@ -207,10 +208,10 @@ static bool beyond(double x, double a, double b, double within) {
   return (a - x >= within && b - x >= within) || (x - a >= within && x - b >= within);
 }
 
-/* Distance from the wall's surface, not looking at images of straight walls; < 0: in it. Segments farther than `within` do not count. */
-static double from_wall(const place_space *s, const sd_wall *wall, double x, double y, double within) {
+/* Distance from the wall's surface, not looking at its images; < 0: in it. Segments farther than `within` do not count. */
+static double from_wall(const sd_wall *wall, double x, double y, double within) {
   if (wall->kind == SD_WALL_CIRCLE) {
-    double r = hypot(place_apart(s, x, wall->pivot[0], 0), place_apart(s, y, wall->pivot[1], 1));
+    double r = hypot(x - wall->pivot[0], y - wall->pivot[1]);
     return wall->inside ? wall->radius - r : r - wall->radius;
   }
   double nearest = HUGE_VAL;
@@ -224,16 +225,14 @@ static double from_wall(const place_space *s, const sd_wall *wall, double x, dou
   return nearest;
 }
 
-/* Lines have images across the box, as in the forces. */
+/* Walls have images across the box, as in the forces. */
 static bool clear_of_walls(const place_space *s, double x, double y, double radius) {
   for (size_t w = 0; w < s->model->n_walls; w++) {
     const sd_wall *wall = &s->model->walls[w];
-    bool images = wall->kind == SD_WALL_LINE;
-    int p_most = images && s->period[0] > 0, q_most = images && s->period[1] > 0;
-    for (int p = -p_most; p <= p_most; p++)
-      for (int q = -q_most; q <= q_most; q++)
-        if (from_wall(s, wall, x + p * s->period[0], y + q * s->period[1], radius) <
-            radius * (1 - PLACE_SLACK))
+    const wall_range r = wall_range_of(s->model, wall, (const double[2]){x, y}, radius);
+    for (double p = r.first[0]; p <= r.last[0]; p++)
+      for (double q = r.first[1]; q <= r.last[1]; q++)
+        if (from_wall(wall, x + p * r.length[0], y + q * r.length[1], radius) < radius * (1 - PLACE_SLACK))
           return false;
   }
   return true;

@@ -94,9 +94,11 @@ static const char *obstacle(const engine *e, double x, double y, double radius, 
                             size_t size) {
   const sd_model *m = e->model;
   const sd_state *s = e->state;
-  for (size_t k = 0; k < m->n_segments; k++)
-    if (segment_blocks(engine_segment(e, k), x, y, radius, low))
-      return sd_model_body_name(m, m->segments[k].body, text, size);
+  for (size_t k = 0; k < m->n_segments; k++) {
+    placed_segment image;
+    const placed_segment *g = walls_image(engine_periods(e), engine_segment(e, k), x, y, &image);
+    if (segment_blocks(g, x, y, radius, low)) return sd_model_body_name(m, m->segments[k].body, text, size);
+  }
   for (size_t slot = s->n_disks; slot < s->n_bodies; slot++)
     if (s->radius[slot] != 0.0 && circle_blocks(e, slot, x, y, radius))
       return sd_model_body_name(m, s->id[slot], text, size);

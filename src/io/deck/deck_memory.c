@@ -33,7 +33,7 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
     const result_wall *own = &ours->walls[w];
     bool named = *own->name && *theirs->name;
     bool meant = named ? strcmp(own->name, theirs->name) == 0 : w == k && r->n_walls == ours->n;
-    if (meant && strcmp(own->text, theirs->text) == 0) return w;
+    if (meant && own->segments == theirs->segments && strcmp(own->text, theirs->text) == 0) return w;
   }
   return NOWHERE;
 }

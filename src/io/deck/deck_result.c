@@ -15,8 +15,8 @@
 
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
-#include "model/bodies.h"
 #include "model/cell.h"
+#include "model/wall_images.h"
 
 /* Those of a deck and of its container. */
 enum { MOST_WALLS = LIMIT_ENTRIES + 16 };
@@ -39,7 +39,7 @@ result_wall *deck_result_walls(deck *d) {
                     w->pivot[0], w->pivot[1]));
     for (size_t n = 0; n < w->n_points; n++)
       put(d, &out, deck_format(d, " %.17g %.17g", w->points[n][0], w->points[n][1]));
-    walls[k] = (result_wall){clean(w->name), out.bytes, wall_segments(w), 0, 1};
+    walls[k] = (result_wall){clean(w->name), out.bytes, wall_pieces(m, w), 0, 1};
   }
   return walls;
 }

@@ -135,8 +135,8 @@ contact_reaction contact_reaction_of(const engine *e, size_t k) {
   if (piece) {
     at.piece = &e->work.segments[p->part[k]];
     at.nearest = found.q[0];
-    at.arm_x = s->x[a] - s->x[b];
-    at.arm_y = s->y[a] - s->y[b];
+    at.arm_x = s->x[a] - (s->x[b] + found.shift_x[0]);
+    at.arm_y = s->y[a] - (s->y[b] + found.shift_y[0]);
   }
   const double tau = p->more ? MORE(p, k, tau) : -(e->work.laws[PAIR(p, k, law)].k_t * PAIR(p, k, zeta));
   return contact_reaction_at(&at, PAIR(p, k, force), tau, p->more ? MORE(p, k, roll) : 0.0);

@@ -18,7 +18,9 @@ static const placed_segment *placed(const engine *e, size_t k) {
 
 static nearest_point nearest_on(const engine *e, size_t k) {
   const int32_t a = e->work.pairs.a[k];
-  return walls_nearest(placed(e, k), e->state->x[a], e->state->y[a]);
+  const double x = e->state->x[a], y = e->state->y[a];
+  placed_segment image;
+  return walls_nearest(walls_image(e->work.length, placed(e, k), x, y, &image), x, y);
 }
 
 /* The end of a piece at a vertex, -1: none. */
@@ -59,7 +61,8 @@ static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
     const int other = p->vertex[end] ? end_at(q, p->vertex[end]) : -1;
     if (other < 0) continue;
     const joint here = {placed(e, from), placed(e, to), end, other};
-    vertex_point(here.from, end, at);
+    placed_segment image;
+    vertex_point(walls_image(e->work.length, here.from, x, y, &image), end, at);
     const double distance = hypot(at[0] - x, at[1] - y);
     if (distance < nearest) *found = here;
     nearest = fmin(nearest, distance);

@@ -8,8 +8,9 @@ typedef struct LANE(nearest_points) {
   double flat
       [LANE_WIDTH]; /* lever of the tangential force where the point lies between the ends: 1 of straight pieces; else 0 */
   double side[LANE_WIDTH];
-  double slide[LANE_WIDTH]; /* dlambda/dt; 0 without tangential dashpots */
-  bool crossed;             /* any */
+  double slide[LANE_WIDTH];                        /* dlambda/dt; 0 without tangential dashpots */
+  double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH]; /* of the nearest image of the wall */
+  bool crossed;                                    /* any */
 } LANE(nearest_points);
 
 /* dlambda/dt of pair k at the lever of its piece, 0 at an end. dvx, dvy: of the wall's material at the nearest point, against
@@ -44,12 +45,17 @@ LANE_INLINE LANE(mask)
   found->crossed = false;
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const int32_t a = p->a[at + l], b = p->b[at + l];
-    nearest_point q = walls_nearest(&e->work.segments[p->part[at + l]], s->x[a], s->y[a]);
-    q.active = joints_active(e, at + l, &e->work.segments[p->part[at + l]], &q);
+    placed_segment image;
+    const placed_segment *g =
+        walls_image(e->work.length, &e->work.segments[p->part[at + l]], s->x[a], s->y[a], &image);
+    nearest_point q = walls_nearest(g, s->x[a], s->y[a]);
+    q.active = joints_active(e, at + l, g, &q);
+    found->shift_x[l] = g->shift_x;
+    found->shift_y[l] = g->shift_y;
     row[DX][l] = q.dx;
     row[DY][l] = q.dy;
     /* velocity of the wall's material at that point */
-    double lx = s->x[a] + q.dx - s->x[b], ly = s->y[a] + q.dy - s->y[b];
+    double lx = s->x[a] + q.dx - (s->x[b] + g->shift_x), ly = s->y[a] + q.dy - (s->y[b] + g->shift_y);
     row[DVX][l] = (s->vx[b] - s->omega[b] * ly) - s->vx[a];
     row[DVY][l] = (s->vy[b] + s->omega[b] * lx) - s->vy[a];
     row[SUM][l] = s->radius[a];
@@ -60,7 +66,7 @@ LANE_INLINE LANE(mask)
     row[ARC][l] = s->radius[a] * s->theta[a] + q.side * q.arc;
     if (s->n_surfaces > 0) row[ARC][l] -= body_surface(s, (size_t)b);
     found->side[l] = q.side;
-    found->flat[l] = q.flat ? walls_lever(&e->work.segments[p->part[at + l]], &q, s->radius[a]) : 0.0;
+    found->flat[l] = q.flat ? walls_lever(g, &q, s->radius[a]) : 0.0;
     found->slide[l] = 0.0;
     if (e->work.features & LAW_DASHPOT)
       found->slide[l] = LANE(slide_on)(e, at + l, &q, found->flat[l], row[DVX][l], row[DVY][l]);
@@ -80,7 +86,8 @@ LANE_INLINE LANE(mask)
 }
 
 /* The wall feels the torque about its pivot: -tau R_a, and the arm from there to the disk's centre. */
-LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(contact_output) * out) {
+LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest_points) * found,
+                                        const LANE(contact_output) * out) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const unsigned features = e->work.features;
@@ -91,7 +98,7 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(contact
   LANE(store)(tau, out->tau);
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const int32_t a = p->a[at + l], b = p->b[at + l];
-    double rx = s->x[a] - s->x[b], ry = s->y[a] - s->y[b];
+    double rx = s->x[a] - (s->x[b] + found->shift_x[l]), ry = s->y[a] - (s->y[b] + found->shift_y[l]);
     double turn = rx * fy[l] - ry * fx[l] - tau[l] * s->radius[a];
     if (features & LAW_ROLLING) turn -= couple[l];
     double *on_a = row + PAIR(p, at + l, sum_a), *on_b = row + PAIR(p, at + l, sum_b);
@@ -231,7 +238,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
     LANE(store)(here.b->ex + here.l, m.ex);
     LANE(store)(here.b->ey + here.l, m.ey);
   }
-  LANE(scatter_segments)(e, at, &out);
+  LANE(scatter_segments)(e, at, &found, &out);
   LANE(store_memory)(here, 0, &m, &out);
   if (features & LAW_GENERAL) LANE(store_more)(LANE(more_of)(w, here), here.l, features, &m, &out);
   LANE(store_sides)(&w->pairs, mine, at, touching, closed, &found);

@@ -72,11 +72,14 @@ static placed_segment place(const sd_segment *from, const wall_pose *w) {
                       .arc = from->arc,
                       .end_cap = from->end_cap,
                       .joined = from->next >= 0,
+                      .image = {from->image[0], from->image[1]},
+                      .cells = {from->cells[0], from->cells[1]},
                       .shared = from->vertex[0] || from->vertex[1],
                       .meets = from->meets[0] || from->meets[1]};
   point_of(w, from->start, &g.x, &g.y);
   turn_by(w->c, w->i, from->tangent, &g.tx, &g.ty);
   turn_by(w->c, w->i, from->previous, &g.px, &g.py);
+  turn_by(w->c, w->i, from->center, &g.middle_x, &g.middle_y);
   if (from->piece != SD_PIECE_STRAIGHT) place_arc(from, w->c, w->i, &g);
   return g;
 }

@@ -103,6 +103,36 @@ static inline nearest_point walls_nearest(const placed_segment *g, double x, dou
   return g->piece == SD_PIECE_STRAIGHT ? walls_nearest_straight(g, x, y) : walls_nearest_arc(g, x, y);
 }
 
+/* The image of a piece that is nx, ny periods away. */
+static inline void walls_shift(const double length[2], double nx, double ny, placed_segment *g) {
+  g->shift_x = length[0] * nx;
+  g->shift_y = length[1] * ny;
+  g->x += g->shift_x;
+  g->y += g->shift_y;
+  /* as the start of that piece's own image, to the last digit: no point belongs to both, or to none */
+  g->end_x += length[0] * (nx + g->cells[0]);
+  g->end_y += length[1] * (ny + g->cells[1]);
+}
+
+/* How many periods away the image is whose middle is nearest to (x, y). length: of the periodic box. */
+static inline void walls_periods(const double length[2], const placed_segment *g, double x, double y,
+                                 double n[2]) {
+  n[0] = g->image[0] ? nearbyint((x - (g->x + g->middle_x)) / length[0]) : 0.0;
+  n[1] = g->image[1] ? nearbyint((y - (g->y + g->middle_y)) / length[1]) : 0.0;
+}
+
+/* The nearest image of a piece: that whose middle is nearest to (x, y), since pieces are short (wall_images.h). Returns g itself
+ * where it has no images, else `image`. */
+static inline const placed_segment *walls_image(const double length[2], const placed_segment *g, double x,
+                                                double y, placed_segment *image) {
+  if (!(g->image[0] || g->image[1])) return g;
+  double n[2];
+  walls_periods(length, g, x, y, n);
+  *image = *g;
+  walls_shift(length, n[0], n[1], image);
+  return image;
+}
+
 /* The box around a piece; infinite for a line. */
 void walls_bounds(const placed_segment *g, double lower[2], double upper[2]);
 

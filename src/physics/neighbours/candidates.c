@@ -40,9 +40,24 @@ static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
   return sum - r > -largest_margin(e);
 }
 
-static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
+static bool near_image(const engine *e, uint32_t i, const placed_segment *g) {
   nearest_point q = walls_nearest(g, e->state->x[i], e->state->y[i]);
   return hypot(q.dx, q.dy) < e->state->radius[i] + largest_margin(e);
+}
+
+/* Any image: while the list stands the disk may come to touch another one than the nearest by now. */
+static bool near_piece(const engine *e, uint32_t i, const placed_segment *g) {
+  if (!(g->image[0] || g->image[1])) return near_image(e, i, g);
+  bool near = false;
+  double n[2];
+  walls_periods(e->work.length, g, e->state->x[i], e->state->y[i], n);
+  for (int v = -g->image[1]; v <= g->image[1] && !near; v++)
+    for (int u = -g->image[0]; u <= g->image[0] && !near; u++) {
+      placed_segment image = *g;
+      walls_shift(e->work.length, n[0] + u, n[1] + v, &image);
+      near = near_image(e, i, &image);
+    }
+  return near;
 }
 
 /* --- numbers of bodies ------------------------------------------------------------------------------- */
@@ -154,23 +169,52 @@ static grid_line line_along(const placed_segment *p, double *beside) {
   return (grid_line){lower[0], 0.5 * (lower[1] + upper[1]), 1.0, 0.0, 0.0, upper[0] - lower[0]};
 }
 
+/* Disks near one image of piece m; with several images a disk may be found again. */
+static sd_status find_image(const engine *e, const grid *g, uint32_t m, const placed_segment *image,
+                            grid_runs *runs, wall_lists *l) {
+  double beside;
+  const grid_line line = line_along(image, &beside);
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < g->count && status == SD_OK; k++) {
+    const grid_level *level = &g->level[k];
+    status = grid_along(level, &line, level->largest + largest_margin(e) + beside, runs);
+    for (size_t r = 0; r < runs->count && status == SD_OK; r++)
+      for (uint32_t n = runs->run[r].from; n < runs->run[r].to && status == SD_OK; n++) {
+        const uint32_t i = level->disks[n];
+        if (i < e->state->n_free && near_piece(e, i, &e->work.segments[m])) status = add_wall(l, i, m);
+      }
+  }
+  return status;
+}
+
+/* The images of a piece that may be near a disk: first to last along direction c. */
+static void find_range(const engine *e, const grid *g, const placed_segment *p, int c, double *first,
+                       double *last) {
+  const work *w = &e->work;
+  double lower[2], upper[2];
+  *first = *last = 0.0;
+  if (!p->image[c] || g->count == 0) return;
+  walls_bounds(p, lower, upper);
+  if (!isfinite(lower[c])) lower[c] = upper[c] = c == 0 ? p->x : p->y; /* a line across the direction */
+  const double reach = g->level[0].largest + largest_margin(e) + g->overhang;
+  *first = ceil((w->lower[c] - reach - upper[c]) / w->length[c]);
+  *last = floor((w->upper[c] + reach - lower[c]) / w->length[c]);
+}
+
 static sd_status find_segments(const engine *e, const grid *g, wall_lists *l) {
   const sd_state *s = e->state;
   grid_runs runs = {0};
   sd_status status = SD_OK;
   for (uint32_t m = 0; m < e->model->n_segments && status == SD_OK; m++) {
     const placed_segment *p = &e->work.segments[m];
-    double beside;
-    const grid_line line = line_along(p, &beside);
-    for (size_t k = 0; k < g->count && status == SD_OK; k++) {
-      const grid_level *level = &g->level[k];
-      status = grid_along(level, &line, level->largest + largest_margin(e) + beside, &runs);
-      for (size_t r = 0; r < runs.count && status == SD_OK; r++)
-        for (uint32_t n = runs.run[r].from; n < runs.run[r].to && status == SD_OK; n++) {
-          const uint32_t i = level->disks[n];
-          if (i < s->n_free && near_piece(e, i, p)) status = add_wall(l, i, m);
-        }
-    }
+    double first[2], last[2];
+    for (int c = 0; c < 2; c++) find_range(e, g, p, c, &first[c], &last[c]);
+    for (double v = first[1]; v <= last[1] && status == SD_OK; v++)
+      for (double u = first[0]; u <= last[0] && status == SD_OK; u++) {
+        placed_segment image = *p;
+        walls_shift(e->work.length, u, v, &image);
+        status = find_image(e, g, m, &image, &runs, l);
+      }
   }
   free(runs.run);
   return status == SD_OK ? by_disks(l, s->n_free) : status;
@@ -235,7 +279,8 @@ static sd_status add_closed_segments(const engine *e, const closed_before *c, ui
 static sd_status add_walls(const wall_lists *l, uint32_t i, numbers *found) {
   sd_status status = SD_OK;
   for (uint32_t k = l->start ? l->start[i] : 0; l->start && k < l->start[i + 1] && status == SD_OK; k++)
-    status = add(found, l->of[k]);
+    if (k == l->start[i] || l->of[k] != l->of[k - 1])
+      status = add(found, l->of[k]); /* found once or several times */
   return status;
 }
 

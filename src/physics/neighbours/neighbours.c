@@ -120,7 +120,9 @@ static void note_reaches(const engine *e, const double low[2], const double high
   for (size_t b = s->n_disks; b < s->n_bodies; b++) {
     const double pivot[2] = {s->x[b], s->y[b]};
     double *reach = &w->reach[b - s->n_disks];
-    *reach = fmin(*reach, farthest_disk(e, pivot, low, high));
+    /* a disk may be beside an image that is far from it */
+    const bool images = w->periodic[0] || w->periodic[1];
+    if (!images || !isfinite(*reach)) *reach = fmin(*reach, farthest_disk(e, pivot, low, high));
   }
 }
 

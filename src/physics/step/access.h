@@ -47,6 +47,7 @@ static inline void engine_accelerate(const engine *e, int c, size_t slot, double
 void engine_pose_walls(engine *e);
 /* Piece k of the walls, where it is after engine_pose_walls. */
 static inline const placed_segment *engine_segment(const engine *e, size_t k) { return &e->work.segments[k]; }
+static inline const double *engine_periods(const engine *e) { return e->work.length; }
 
 /* --- contacts ------------------------------------------------------------------------------------------- */
 

@@ -27,6 +27,14 @@
 
 /* --- rare events ------------------------------------------------------------------------------------- */
 
+/* Of the disk's pair k with a piece of a wall, on its nearest image. */
+static nearest_point nearest_on_piece(const engine *e, size_t k) {
+  const work *w = &e->work;
+  const double x = e->state->x[w->pairs.a[k]], y = e->state->y[w->pairs.a[k]];
+  placed_segment image;
+  return walls_nearest(walls_image(w->length, &w->segments[w->pairs.part[k]], x, y, &image), x, y);
+}
+
 /* Unit vector from a to b's surface, as the law has it. */
 static void normal(const engine *e, size_t k, double *nx, double *ny) {
   const sd_state *s = e->state;
@@ -39,7 +47,7 @@ static void normal(const engine *e, size_t k, double *nx, double *ny) {
     box_nearest(w, &dx, &dy);
     if (s->radius[a] + s->radius[b] < 0.0) sign = -1.0;
   } else {
-    nearest_point q = walls_nearest(&w->segments[w->pairs.part[k]], s->x[a], s->y[a]);
+    const nearest_point q = nearest_on_piece(e, k);
     dx = q.dx;
     dy = q.dy;
   }
@@ -60,7 +68,7 @@ static void rebase(engine *e, size_t k) {
   normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
   assert(!(fabs(hypot(PAIR(p, k, ex), PAIR(p, k, ey)) - 1.0) > 1e-9));
   if (!pairs_is_segment(p, k)) return;
-  nearest_point q = walls_nearest(&e->work.segments[p->part[k]], s->x[p->a[k]], s->y[p->a[k]]);
+  const nearest_point q = nearest_on_piece(e, k);
   if (!q.flat && q.side != p->side[k]) {
     PAIR(p, k, lambda_ref) += (q.side - p->side[k]) * q.arc;
     p->side[k] = q.side;
@@ -174,10 +182,10 @@ static void wrap(engine *e, uint32_t i) {
     PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
     if (slid != 0.0) PAIR(p, k, lambda_ref) -= (s->radius[i] > 0.0 ? 1.0 : -1.0) * slid;
     if (p->more) wrap_rolling(e, k, i, turn, slid);
-    if (pairs_is_segment(
-            p, k)) { /* the arc length of the nearest point changes, with the disk or with the wall */
+    if (pairs_is_segment(p, k)) {
+      /* the arc length of the nearest point changes, with the disk or with the wall; that on an image does not */
       const placed_segment *g = &w->segments[p->part[k]];
-      double way = shift[0] * g->tx + shift[1] * g->ty;
+      double way = (g->image[0] ? 0.0 : shift[0] * g->tx) + (g->image[1] ? 0.0 : shift[1] * g->ty);
       PAIR(p, k, lambda_ref) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
     }
   }

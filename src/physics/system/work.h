@@ -154,7 +154,11 @@ typedef struct placed_segment {
   double backwards; /* -length of what extends before the start: -HUGE_VAL for a line, else 0 */
   double arc;
   bool end_cap, joined, wide;
-  bool shared, meets; /* one of its ends is another piece's, too; one of another wall */
+  bool shared, meets;        /* one of its ends is another piece's, too; one of another wall */
+  bool image[2];             /* along these directions it has periodic images */
+  int cells[2];              /* the piece that follows starts so many periods from (end_x, end_y) */
+  double middle_x, middle_y; /* of the piece, from (x, y) */
+  double shift_x, shift_y;   /* of an image, from the piece itself */
   sd_piece piece;
   double c, i;                           /* cosine and sine of the wall's angle; 0, 0: not placed yet */
   double radius, fx, fy, lx, ly, mx, my; /* arc: of its first and last end, and of the middle between */

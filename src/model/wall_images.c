@@ -1,0 +1,306 @@
+/* wall_images.c: see wall_images.h. */
+#include "model/wall_images.h"
+
+#include <math.h>
+
+#include "model/arc.h"
+#include "model/bodies.h"
+#include "model/cell.h"
+
+/* A joint of an image, directions along an axis: relative. */
+static const double NEARLY = 1e-9;
+/* Pieces up to half a period stay whole: disks are smaller than what is left between a piece and its image (check_width). Others are
+ * cut into thirds of a period. So are walls that meet their images: of three pieces it is known which one follows which. */
+static const double WHOLE = 0.5, CUTS_PER_PERIOD = 3.0;
+static const double MOST_PIECES = 1e7;
+
+static double period_of(const sd_model *m, int c) {
+  const double length = m->upper[c] - m->lower[c];
+  return m->periodic[c] && length > 0.0 ? length : 0.0;
+}
+
+static double shortest_period(const sd_model *m) {
+  const double x = period_of(m, 0), y = period_of(m, 1);
+  return x > 0.0 && y > 0.0 ? fmin(x, y) : fmax(x, y);
+}
+
+/* --- pieces ------------------------------------------------------------------------------------------- */
+
+static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
+  if ((w->kind != SD_WALL_SEGMENT && w->kind != SD_WALL_POLYLINE) || w->closed || w->n_points < 2)
+    return false;
+  cells[0] = cells[1] = 0;
+  for (int c = 0; c < 2; c++) {
+    const double way = w->points[w->n_points - 1][c] - w->points[0][c], period = period_of(m, c);
+    const double n = period > 0.0 ? nearbyint(way / period) : 0.0, near = NEARLY * shortest_period(m);
+    if (!(fabs(n) < 1e6) || !(fabs(way - n * period) <= near)) return false;
+    cells[c] = (int)n;
+  }
+  return cells[0] != 0 || cells[1] != 0;
+}
+
+static double side_of(const sd_wall *w, size_t k) {
+  const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
+  return hypot(q[0] - p[0], q[1] - p[1]);
+}
+
+static double cuts_of(const sd_model *m, const sd_wall *w, size_t k) {
+  int cells[2];
+  const double shortest = shortest_period(m);
+  if (!(shortest > 0.0) || w->kind == SD_WALL_LINE || w->kind == SD_WALL_ARC) return 1.0;
+  const double periods = side_of(w, k) / shortest;
+  if (periods <= WHOLE + NEARLY && !ends_on_image(m, w, cells)) return 1.0;
+  return fmax(ceil(CUTS_PER_PERIOD * periods - NEARLY), 1.0);
+}
+
+size_t wall_cuts(const sd_model *m, const sd_wall *w, size_t k) { return (size_t)cuts_of(m, w, k); }
+
+static double count_pieces(const sd_model *m, const sd_wall *w) {
+  double n = 0.0;
+  for (size_t k = 0; k < wall_segments(w); k++) n += cuts_of(m, w, k);
+  return n;
+}
+
+size_t wall_pieces(const sd_model *m, const sd_wall *w) { return (size_t)count_pieces(m, w); }
+
+/* The motion that turns a wall; n_motions: none. */
+static size_t turned_by(const sd_model *m, size_t w) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; m->motions[k].coordinate == SD_THETA && b < m->motions[k].n_bodies; b++)
+      if (m->motions[k].bodies[b] == m->n_disks + w) return k;
+  return m->n_motions;
+}
+
+bool wall_meets_image(const sd_model *m, size_t w, int cells[2]) {
+  return ends_on_image(m, &m->walls[w], cells) && turned_by(m, w) == m->n_motions;
+}
+
+void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
+  for (int c = 0; c < 2; c++) {
+    /* a line along c is its own image */
+    s->image[c] = period_of(m, c) > 0.0 && (!endless || fabs(s->tangent[c]) <= NEARLY);
+    switch (s->piece) {
+      case SD_PIECE_STRAIGHT: s->center[c] = endless ? 0.0 : 0.5 * s->length * s->tangent[c]; break;
+      case SD_PIECE_CURVE: s->center[c] = s->wide ? 0.0 : 0.5 * s->radius * (s->first[c] + s->last[c]); break;
+      case SD_PIECE_FIRST_END: s->center[c] = s->radius * s->first[c]; break;
+      case SD_PIECE_LAST_END: s->center[c] = s->radius * s->last[c]; break;
+    }
+  }
+}
+
+/* --- checks ------------------------------------------------------------------------------------------- */
+
+/* Of the circle around the longest piece. */
+static double width_of(const sd_model *m, const sd_wall *w) {
+  const double part = arc_is_ring(w) ? 2.0 * M_PI / 3.0 : w->to - w->from;
+  if (w->kind == SD_WALL_ARC) return 2.0 * w->radius * (part > M_PI ? 1.0 : sin(0.5 * part));
+  double longest = 0.0;
+  for (size_t k = 0; w->kind != SD_WALL_LINE && k < wall_segments(w); k++)
+    longest = fmax(longest, side_of(w, k) / cuts_of(m, w, k));
+  return longest;
+}
+
+static double span_of(const sd_wall *w, int c) {
+  double lower = HUGE_VAL, upper = -HUGE_VAL;
+  for (size_t k = 0; k < w->n_points; k++) {
+    lower = fmin(lower, w->points[k][c]);
+    upper = fmax(upper, w->points[k][c]);
+  }
+  return upper - lower;
+}
+
+static const char *periodic_in(const sd_model *m) {
+  return m->periodic[0] && m->periodic[1] ? "x and y" : m->periodic[0] ? "x" : "y";
+}
+
+static void check_line(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+  const sd_wall *wall = &m->walls[w];
+  const double dx = wall->points[1][0] - wall->points[0][0], dy = wall->points[1][1] - wall->points[0][1];
+  const size_t turned = turned_by(m, w);
+  char motion[96];
+  if (fmin(fabs(dx), fabs(dy)) > NEARLY * hypot(dx, dy))
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: a line along (%g, %g) does not fit to its images in a box that is periodic in %s; expected "
+            "a line "
+            "along x or y, or a segment or polyline",
+            name, dx, dy, periodic_in(m));
+  else if (turned < m->n_motions)
+    sd_fail(
+        msg, SD_ERROR_USER,
+        "%s: %s turns a line, which does not fit to its images in a box that is periodic in %s; expected a "
+        "segment or polyline, which has ends",
+        name, model_motion_name(m, turned, motion, sizeof motion), periodic_in(m));
+}
+
+/* A disk touches one image of a piece at a time, and it is that whose middle is nearest. */
+static void check_width(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+  const sd_wall *wall = &m->walls[w];
+  double gap;
+  const double least = cell_least_length(m, &gap), largest = (least - 2.0 * gap) / 4.8;
+  const double width = width_of(m, wall);
+  for (int c = 0; c < 2; c++) {
+    const double period = period_of(m, c);
+    const double room = period - 2.0 * (largest + gap);
+    if (!(period > 0.0) || width < room) continue;
+    if (wall->kind == SD_WALL_ARC)
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: the arc, %g wide, and its image in %c can touch a disk at the same time; expected less "
+              "than %g, or "
+              "several arcs",
+              name, width, "xy"[c], room);
+    else
+      sd_fail(msg, SD_ERROR_USER,
+              "%s: the wall and its image in %c can touch a disk at the same time: box.%c has the length %g; "
+              "expected "
+              "more than %g",
+              name, "xy"[c], "xy"[c], period, width + 2.0 * (largest + gap));
+  }
+}
+
+/* Do side k and another, shifted by V, lie on each other for a while, not farther apart than `near`? */
+static bool lie_together(const sd_wall *w, size_t k, size_t other, const double v[2], double near) {
+  const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points], length = side_of(w, k);
+  const double t[2] = {(q[0] - p[0]) / length, (q[1] - p[1]) / length};
+  double along[2], across[2];
+  for (size_t end = 0; end < 2; end++) {
+    const double *at = w->points[(other + end) % w->n_points];
+    const double dx = at[0] + v[0] - p[0], dy = at[1] + v[1] - p[1];
+    along[end] = dx * t[0] + dy * t[1];
+    across[end] = fabs(dx * t[1] - dy * t[0]);
+  }
+  const double from = fmax(0.0, fmin(along[0], along[1])), to = fmin(length, fmax(along[0], along[1]));
+  return fmax(across[0], across[1]) < near && to - from > NEARLY * length;
+}
+
+/* Does the wall, as it stands, cover an image of itself? near: of one side. */
+static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
+  const double x = period_of(m, 0), y = period_of(m, 1);
+  const double wide[2] = {span_of(w, 0), span_of(w, 1)}, slight = NEARLY * shortest_period(m);
+  const double most[2] = {x > 0.0 ? floor((wide[0] + slight) / x) : 0.0,
+                          y > 0.0 ? floor((wide[1] + slight) / y) : 0.0};
+  const size_t n = wall_segments(w);
+  for (double v = -most[1]; v <= most[1]; v++)
+    for (double u = -most[0]; u <= most[0]; u++)
+      for (size_t k = 0; k < n && (u != 0.0 || v != 0.0); k++)
+        for (size_t j = 0; j < n; j++)
+          if (lie_together(w, k, j, (const double[2]){u * x, v * y}, j == k ? near : slight)) return true;
+  return false;
+}
+
+/* A wall that is longer than the box may lie on its own image, and push twice. */
+static void check_length(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+  enum { MOST_SIDES = 2000 };
+  const sd_wall *wall = &m->walls[w];
+  const size_t turned = turned_by(m, w);
+  const double wide[2] = {span_of(wall, 0), span_of(wall, 1)}, slight = NEARLY * shortest_period(m);
+  char motion[96];
+  double gap;
+  const double least = cell_least_length(m, &gap), near = 2.0 * ((least - 2.0 * gap) / 4.8 + gap);
+  bool longer = false;
+  for (int c = 0; c < 2; c++) longer = longer || (m->periodic[c] && wide[c] > period_of(m, c) - slight);
+  if (wall->kind == SD_WALL_LINE || wall->kind == SD_WALL_ARC) return;
+  if (turned < m->n_motions && hypot(wide[0], wide[1]) > shortest_period(m) - slight)
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: %s turns a wall of size %g, which may come to lie on its own image; expected less than the "
+            "length %g of "
+            "the periodic box",
+            name, model_motion_name(m, turned, motion, sizeof motion), hypot(wide[0], wide[1]),
+            shortest_period(m));
+  else if (longer && (wall_segments(wall) > MOST_SIDES || covers_image(m, wall, near)))
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: longer than the periodic box, it lies on or too near to its own image, which would push as "
+            "well; expected "
+            "a line, or a wall whose last point is the image of its first",
+            name);
+}
+
+/* Is wall b a periodic image of a, put there by hand? */
+static bool is_copy(const sd_model *m, const sd_wall *a, const sd_wall *b) {
+  const bool line = a->kind == SD_WALL_LINE, arc = a->kind == SD_WALL_ARC;
+  const double near = NEARLY * shortest_period(m);
+  bool shifted = false;
+  if (a->kind != b->kind || a->n_points != b->n_points || a->closed != b->closed) return false;
+  if (arc && (fabs(a->radius - b->radius) > near || fabs(a->from - b->from) > NEARLY ||
+              fabs(a->to - b->to) > NEARLY))
+    return false;
+  for (int c = 0; c < 2; c++) {
+    const bool along = line && span_of(a, c) > near;
+    const double period = period_of(m, c);
+    const double first = arc ? b->center[c] - a->center[c] : b->points[0][c] - a->points[0][c];
+    const double n = period > 0.0 ? nearbyint(first / period) : 0.0;
+    if (along && !(span_of(b, c) > near)) return false;
+    shifted = shifted || (!along && n != 0.0);
+    for (size_t k = 0; !along && !arc && k < a->n_points; k++)
+      if (fabs(b->points[k][c] - a->points[k][c] - n * period) > near) return false;
+    if (arc && fabs(first - n * period) > near) return false;
+  }
+  return shifted;
+}
+
+static void check_copies(const sd_model *m, size_t w, const char *name, sd_messages *msg) {
+  enum { MOST_WALLS = 1000 }; /* each is compared with all before it */
+  char other[96];
+  for (size_t k = 0; k < w && w < MOST_WALLS; k++) {
+    if (!is_copy(m, &m->walls[k], &m->walls[w])) continue;
+    sd_model_body_name(m, (uint32_t)(m->n_disks + k), other, sizeof other);
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: it stands where an image of %s is, which pushes as well; expected one of them", name, other);
+    return;
+  }
+}
+
+void wall_images_check(const sd_model *m, sd_messages *msg) {
+  char name[96];
+  double pieces = 0.0;
+  if (!(shortest_period(m) > 0.0)) return;
+  for (size_t w = 0; w < m->n_walls; w++) {
+    const sd_wall *wall = &m->walls[w];
+    if (wall->kind == SD_WALL_CIRCLE) continue;
+    sd_model_body_name(m, (uint32_t)(m->n_disks + w), name, sizeof name);
+    if (wall->kind == SD_WALL_LINE) check_line(m, w, name, msg);
+    check_width(m, w, name, msg);
+    check_length(m, w, name, msg);
+    check_copies(m, w, name, msg);
+    pieces += count_pieces(m, wall);
+    if (pieces <= MOST_PIECES) continue;
+    sd_fail(msg, SD_ERROR_USER,
+            "%s: too long for a box of length %g: it would be cut into more than %g pieces; expected a line, "
+            "or a "
+            "shorter wall",
+            name, shortest_period(m), MOST_PIECES);
+    return;
+  }
+}
+
+/* --- where a wall is near ------------------------------------------------------------------------------ */
+
+static void bounds_of(const sd_wall *w, int c, double *lower, double *upper) {
+  const bool round = w->kind == SD_WALL_CIRCLE || w->kind == SD_WALL_ARC;
+  const double middle = w->kind == SD_WALL_ARC ? w->center[c] : w->pivot[c];
+  *lower = round ? middle - w->radius : HUGE_VAL;
+  *upper = round ? middle + w->radius : -HUGE_VAL;
+  for (size_t k = 0; !round && k < w->n_points; k++) {
+    *lower = fmin(*lower, w->points[k][c]);
+    *upper = fmax(*upper, w->points[k][c]);
+  }
+}
+
+wall_range wall_range_of(const sd_model *m, const sd_wall *w, const double at[2], double reach) {
+  wall_range r = {0};
+  for (int c = 0; c < 2; c++) {
+    double lower, upper;
+    const double period = period_of(m, c);
+    bounds_of(w, c, &lower, &upper);
+    /* along a line there are none; in a drum there is a disk once only */
+    const bool along = w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0);
+    if (!(period > 0.0) || along || !(lower <= upper)) continue;
+    r.length[c] = period;
+    if (w->kind == SD_WALL_CIRCLE && w->inside) {
+      r.first[c] = r.last[c] = nearbyint((0.5 * (lower + upper) - at[c]) / period);
+      continue;
+    }
+    r.first[c] = ceil((lower - reach - at[c]) / period);
+    r.last[c] = floor((upper + reach - at[c]) / period);
+  }
+  return r;
+}
