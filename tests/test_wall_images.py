@@ -209,6 +209,14 @@ phases = ( { steps = 8000; series = 10; frames = 8000; } ); measure = { walls = 
                 self.assertIn("deck.cfg:8: ", err)
                 self.assertIn(expected, err)
 
+    def test_a_pressure_has_no_side(self):
+        """Along a periodic direction disks are on both sides of a wall."""
+        path = self.folder / "deck.cfg"
+        path.write_text(deck("line", '{ wall = "w"; coordinate = "x"; type = "servo"; pressure = 1; speed = 1; length = 1; }'))
+        status, _, err = run("check", path)
+        self.assertEqual(status, 2)
+        self.assertIn("motions[0].pressure = 1: this wall does not press along x; expected force", err)
+
     def test_what_is_not(self):
         """The same in open space, a wall of the other direction, a wall that turns and is shorter."""
         turn = '{ wall = "w"; coordinate = "theta"; type = "harmonic"; amplitude = 0.1; frequency = 1; }'

@@ -336,7 +336,8 @@ SD_API const char *sd_model_body_name(const sd_model *model, uint32_t body, char
 /* Steps of all phases; with `until` it is the most that there can be. */
 SD_API int64_t sd_model_steps(const sd_model *model);
 /* On which side of a wall along x or y the disks are at the start: +1, -1; 0 where the wall surrounds them or
- * moves along itself, or is none. The middle of the free disks in play decides, that of the region where there are none. */
+ * moves along itself, or is none, and along a periodic direction. The middle of the free disks in play decides, that of the
+ * region where there are none. */
 SD_API int sd_model_side(const sd_model *model, uint32_t wall_body, int coordinate);
 /* Two motions of one phase, the first a load or a servo, on the same coordinate of one wall; false: none. */
 SD_API bool sd_model_clash(const sd_model *model, size_t phase, size_t motion[2]);

@@ -29,6 +29,7 @@ static bool is_wall(const sd_model *m, uint32_t body) {
 
 int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
   if (!is_wall(m, body) || (coordinate != SD_X && coordinate != SD_Y)) return 0;
+  if (m->periodic[coordinate]) return 0; /* the wall's images are on the other side of them */
   const sd_wall *w = &m->walls[body - m->n_disks];
   double disks[2], at = w->pivot[coordinate];
   middle(m, disks);
