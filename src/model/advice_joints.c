@@ -46,7 +46,7 @@ static void look_at_ends(const sd_model *m, const wall_end *ends, size_t n, twic
   for (size_t k = 0; k < n; k++)
     for (size_t j = k + 1, last = joints_near(ends, n, k); j < last; j++) {
       const wall_end *two[2] = {&ends[k], &ends[j]};
-      if (joints_meet(two[0], two[1]) && !joints_rigid(m, ends[k].wall, ends[j].wall) &&
+      if (joints_meet(two[0], two[1]) && !joints_rigid(m, two[0], two[1]) &&
           any_disk(m, is_beyond_corner, two))
         note(found, ends[k].wall, ends[j].wall, ends[k].at);
     }

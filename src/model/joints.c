@@ -88,7 +88,9 @@ static bool moves(const sd_motion *q, uint32_t body) {
   return false;
 }
 
-bool joints_rigid(const sd_model *m, uint32_t a, uint32_t b, bool image) {
+bool joints_rigid(const sd_model *m, const wall_end *one, const wall_end *two) {
+  const uint32_t a = one->wall, b = two->wall;
+  const bool image = one->cells[0] != two->cells[0] || one->cells[1] != two->cells[1];
   const sd_wall *p = &m->walls[a], *q = &m->walls[b];
   for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *motion = &m->motions[k];
@@ -147,8 +149,7 @@ static void join(const sd_model *m, const size_t *first, const wall_end *ends, s
                  bool *meets) {
   for (size_t k = 0; k < n; k++)
     for (size_t j = k + 1, end = joints_near(ends, n, k); j < end; j++) {
-      const bool image = ends[k].cells[0] != ends[j].cells[0] || ends[k].cells[1] != ends[j].cells[1];
-      if (!joints_meet(&ends[k], &ends[j]) || !joints_rigid(m, ends[k].wall, ends[j].wall, image)) continue;
+      if (!joints_meet(&ends[k], &ends[j]) || !joints_rigid(m, &ends[k], &ends[j])) continue;
       const uint32_t p = first_of(same, vertex_at(m, first, &ends[k])),
                      q = first_of(same, vertex_at(m, first, &ends[j]));
       meets[vertex_at(m, first, &ends[k])] = meets[vertex_at(m, first, &ends[j])] = true;

@@ -22,8 +22,8 @@ double joints_tolerance(const wall_end *end);
 bool joints_meet(const wall_end *a, const wall_end *b);
 /* The ends after k, in order of x, that may meet it: up to the one returned. */
 size_t joints_near(const wall_end *ends, size_t n, size_t k);
-/* Do two walls keep their places to one another in all motions? image: one to the other's image. */
-bool joints_rigid(const sd_model *model, uint32_t a, uint32_t b, bool image);
+/* Do the walls of two ends keep their places to one another in all motions? */
+bool joints_rigid(const sd_model *model, const wall_end *a, const wall_end *b);
 /* Numbers the vertices of all pieces; model->segments are there. */
 sd_status joints_number(sd_model *model);
 
