@@ -262,6 +262,8 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g, const LANE
   m->overlap = now;
   out->work = paper ? half * (torn + m->tau * m->overlap) * (g->turned - m->turned) : zero;
   m->turned = paper ? g->turned : zero;
+  /* at a gap nothing slides: what has slid is for surfaces that touch (mu_kinetic) */
+  if (features & LAW_COHESION) out->slip = LANE(mask_zero)(LANE(greater)(now, zero), out->slip);
   if (!(features & LAW_ROLLING)) return;
   LANE(rolling_history)(g, k, touching, limit, m, out);
   out->couple = m->roll * g->arm;
@@ -335,13 +337,23 @@ LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(rea
   return LANE(mask_zero)(within, LANE(min)(since, dt));
 }
 
-/* Before the step of contacts that begin: lambda* and rho* are those of the moment of touch, found by going back along the
- * velocities (physics.md 2). Taken at the end of the step they would lack the way since then. */
-LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g, LANE(mask) begun, LANE(real) dt,
+/* Contacts that begin, and those whose surfaces meet in this step after attraction closed them at a gap. was: overlap before. */
+LANE_INLINE LANE(mask) LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(real) was, LANE(mask) touching,
+                                           LANE(mask) was_closed, const unsigned features) {
+  const LANE(mask) begun = touching & LANE(not )(was_closed);
+  if (!(features & LAW_COHESION)) return begun;
+  const LANE(real) zero = LANE(splat)(0.0);
+  return begun |
+         (touching & was_closed & LANE(not )(LANE(greater)(was, zero)) & LANE(greater)(g->reach, zero));
+}
+
+/* Before the step of contacts whose surfaces meet: lambda* and rho* are those of the moment of touch, found by going back
+ * along the velocities (physics.md 2). Taken at the end of the step they would lack the way since then. */
+LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g, LANE(mask) meet, LANE(real) dt,
                                      const unsigned features, LANE(contact_memory) * m) {
   const LANE(real) since = LANE(since_touch)(g, dt);
-  m->lambda_ref = LANE(select)(begun, g->arc - g->slide * since, m->lambda_ref);
-  if (features & LAW_ROLLING) m->rho_ref = LANE(select)(begun, g->rho - g->rolls * since, m->rho_ref);
+  m->lambda_ref = LANE(select)(meet, g->lambda - g->slide * since, m->lambda_ref);
+  if (features & LAW_ROLLING) m->rho_ref = LANE(select)(meet, g->rho - g->rolls * since, m->rho_ref);
 }
 
 /* A spring and its dashpot in the step in which their contact begins or ends. */
@@ -404,7 +416,7 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LA
                                          const LANE(contact_memory) * before, LANE(contact_memory) * m,
                                          LANE(contact_output) * out) {
   const LANE(mask) opened = was_closed & LANE(not )(touching), begun = LANE(not )(was_closed) & touching;
-  const LANE(mask) edge = opened | begun;
+  const LANE(mask) meet = LANE(surfaces_meet)(g, before->overlap, touching, was_closed, features);
   const LANE(real) half = LANE(splat)(0.5), way = bent - g->approach * dt;
   const LANE(real) overlap = LANE(select)(begun, m->overlap, before->overlap);
   LANE(real) stored = LANE(law_stored)(k, LANE(max)(overlap, LANE(splat)(0.0)), features);
@@ -415,7 +427,12 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g, const LA
   const LANE(real) done =
       half * LANE(select)(begun, m->force * way, before->force * (before->overlap - g->reach));
   out->viscous = LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
-  LANE(springs_begin_end)(g, k, begun, edge, dt, features, before, m, out);
+  if (features & LAW_COHESION) { /* without what the springs have added */
+    const LANE(real) met = half * (before->force + m->force) * (m->overlap - before->overlap) -
+                           (LANE(normal_energy)(k, m->overlap, features) - stored);
+    out->viscous = LANE(select)(meet & was_closed, met, out->viscous);
+  }
+  LANE(springs_begin_end)(g, k, meet, meet | opened, dt, features, before, m, out);
   out->viscous = LANE(mask_zero)(was_closed | touching, out->viscous);
   out->friction = LANE(mask_zero)(was_closed | touching, out->friction);
   out->dropped = LANE(mask_zero)(opened, out->dropped);

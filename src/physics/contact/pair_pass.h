@@ -339,7 +339,8 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
   g->slide = LANE(slide_of)(e, at, kind, g);
-  LANE(contact_begin)(g, touching & LANE(not )(was_closed), LANE(splat)(w->dt), features, &m);
+  LANE(contact_begin)
+  (g, LANE(surfaces_meet)(g, m.overlap, touching, was_closed, features), LANE(splat)(w->dt), features, &m);
   LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
   LANE(contact_begin_end)
   (g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features, &before, &m,
@@ -393,8 +394,11 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
   const LANE(mask) touching = kind & PASS_GENERAL
                                   ? LANE(contact_touches)(&g, &k, LANE(mask_of)(closed), features)
                                   : LANE(greater)(g.reach, LANE(splat)(0.0));
-  if (__builtin_expect(
-          LANE(bits_of)(touching) != closed || LANE(any)(LANE(contact_is_deep)(&g, constants->limit)), 0)) {
+  LANE(mask) rare = LANE(contact_is_deep)(&g, constants->limit);
+  if (kind & PASS_GENERAL && features & LAW_COHESION)
+    rare = rare | LANE(surfaces_meet)(&g, LANE(load)(at.b->overlap + at.l), touching, LANE(mask_of)(closed),
+                                      features);
+  if (__builtin_expect(LANE(bits_of)(touching) != closed || LANE(any)(rare), 0)) {
     LANE(contact_evaluate_slow)(e, mine, at, &g, kind);
     LANE(distance)(w, next, kind, d);
     return;

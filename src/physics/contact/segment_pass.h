@@ -220,16 +220,16 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   m.ex = in.ex;
   m.ey = in.ey;
   before = m;
-  const LANE(mask) begun = touching & LANE(not )(was_closed);
-  if (LANE(any)(begun)) {
+  const LANE(mask) meet = LANE(surfaces_meet)(&g, m.overlap, touching, was_closed, features);
+  if (LANE(any)(meet)) {
     g.slide = LANE(slide_on_walls)(e, at, &in, &found);
-    LANE(contact_begin)(&g, begun, LANE(splat)(w->dt), features, &m);
+    LANE(contact_begin)(&g, meet, LANE(splat)(w->dt), features, &m);
   }
   LANE(contact_step)
   (&g, &k, touching, closed, LANE(select)(flat, lever, g.lever), 0, features, &m, &out);
   const LANE(mask) deep = LANE(contact_is_deep)(&g, e->model->max_overlap * in.sum) & touching;
   const LANE(mask) rare = (touching ^ was_closed) | deep;
-  if (LANE(any)(rare)) {
+  if (LANE(any)(rare | meet)) {
     LANE(contact_begin_end)
     (&g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features, &before,
      &m, &out);

@@ -356,7 +356,8 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   LANE(contact_output) *out = &f->out[k];
   *m = *before;
   PASS(slide)(l, s, f, at, k);
-  LANE(contact_begin)(g, touching & LANE(not )(was_closed), dt, s->features, m);
+  LANE(contact_begin)
+  (g, LANE(surfaces_meet)(g, m->overlap, touching, was_closed, s->features), dt, s->features, m);
   PASS(contact)(l, s, f, k, &c, touching, closed);
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const LANE(real) zero = LANE(splat)(0.0);
@@ -383,7 +384,10 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   PASS(contact)(l, s, f, k, &c, touching, touching & was_closed);
   f->closed[k] = touching;
   f->rare[k] = PASS(rare)(l, f, k, was_closed);
-  if (__builtin_expect(LANE(any)(f->rare[k]), 0)) PASS(evaluate_slow)(l, s, f, at, k, was_closed, &before);
+  LANE(mask) rare = f->rare[k];
+  if (s->features & LAW_COHESION)
+    rare = rare | LANE(surfaces_meet)(g, before.overlap, touching, was_closed, s->features);
+  if (__builtin_expect(LANE(any)(rare), 0)) PASS(evaluate_slow)(l, s, f, at, k, was_closed, &before);
   if (PASS(is_straight)(l, k)) f->side[k] = LANE(mask_zero)(f->closed[k], f->side[k]);
   PASS(add_loss)(p, PAIR_viscous, out->viscous);
   PASS(add_loss)(p, PAIR_friction, out->friction);
