@@ -99,7 +99,7 @@ class Columns(collections.abc.Mapping):
 
 class Frames(collections.abc.Sequence):
     """Stored frames: frames[k]["position"] is [disk][2] of frame k, frames["position"] is [frame][disk][2] of all;
-    `time` and `step` of each."""
+    `time`, `step`, `box` and `box_offset` of each."""
 
     def __init__(self, result, group):
         self._result, self._group = result, group
@@ -132,6 +132,25 @@ class Frames(collections.abc.Sequence):
     def time(self):
         """Time of each frame."""
         return self._result.rows(f"{self._group}/{self._names[0]}/time") if self._names else np.empty(0)
+
+
+    def _edges(self):
+        """[frame][2][2]: edge vectors of the box, in rows."""
+        framed = "edges" in self._result.groups(f"{self._group}/box")
+        edges = np.asarray(self._result.rows(f"{self._group}/box/edges" + ("/value" if framed else "")), float)
+        if not framed:
+            edges = np.repeat(edges[np.newaxis], len(self), axis=0)
+        return edges if edges.ndim == 3 else edges[:, :, np.newaxis] * np.eye(2)
+
+    @property
+    def box(self):
+        """Lengths of the periodic box in each frame, [frame][2]; 0 where it is open."""
+        return self._edges().diagonal(axis1=1, axis2=2)
+
+    @property
+    def box_offset(self):
+        """By how much a row of periodic images is shifted along x against the one below, in each frame."""
+        return self._edges()[:, 1, 0]
 
 
 class Contacts(collections.abc.Sequence):
@@ -411,15 +430,30 @@ class Result:
         columns = {name[len("contact_"):]: state[name] for name in state if name.startswith("contact_")}
         return structured({name: column for name, column in columns.items() if len(column) == len(columns["a"])})
 
-    @property
-    def box(self):
-        """Lengths of the periodic box at the end, 0 where it is open."""
+    def _deck_box(self):
+        """Lengths of the periodic box of the deck, 0 where it is open."""
         for line in self.rows("parameters/deck_bodies").split("\n"):
             kind, *numbers = line.split()
             if kind == "box":
                 periodic, x, y = np.array(numbers, float).reshape(3, 2)
-                return np.where(periodic > 0, [x[1] - x[0], y[1] - y[0]], 0.0) * self.state["box_scale"]
+                return np.where(periodic > 0, [x[1] - x[0], y[1] - y[0]], 0.0)
         raise FileError(f"{self.path}: it does not say what its box is")
+
+    def _cell(self):
+        """How a box that deforms stands: its lengths over those before, and its offset over its width before."""
+        state = self.state
+        cell = state["cell"] if "cell" in state else ()
+        return np.array([*cell[:3]]) if len(cell) else np.array([1.0, 1.0, 0.0])
+
+    @property
+    def box(self):
+        """Lengths of the periodic box at the end, compressed or deformed, 0 where it is open."""
+        return self._deck_box() * self.state["box_scale"] * self._cell()[:2]
+
+    @property
+    def box_offset(self):
+        """By how much a row of periodic images is shifted along x against the one below at the end: a box that was sheared."""
+        return float(self._deck_box()[0] * np.ravel(self.state["box_scale"])[0] * self._cell()[2])
 
     @property
     def names(self):
