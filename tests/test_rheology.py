@@ -163,14 +163,14 @@ class Deck(unittest.TestCase):
     def test_small(self):
         """A hundred disks that flow fast: pressure held, friction and density between wide bounds."""
         with tempfile.TemporaryDirectory() as folder:
-            keys = {"packings[0].count": 128, "container.width": 15.6, "container.height": 15.6, "constants.strain": 2}
+            keys = {"packings[0].count": 128, "container.width": 15.6, "container.height": 15.6, "constants.strain": 8}
             words = [PROGRAM, "run", str(ROOT / "inputs/shear/rheology.cfg"), "-o", os.path.join(folder, "small.h5"),
                      "--quiet", "-D",
                      "constants.I=0.2"] + [word for key, value in keys.items() for word in ("-D", f"{key}={value}")]
             self.assertIn(subprocess.run(words, check=False).returncode, (0, 5))
             found = rheology.evaluate(*rheology.read(os.path.join(folder, "small.h5")))
         self.assertAlmostEqual(found["I_set"], 0.2)
-        self.assertAlmostEqual(found["strain"], 2, delta=0.02)
+        self.assertAlmostEqual(found["strain"], 8, delta=0.02)
         self.assertAlmostEqual(found["pressure"], 1, delta=0.1)
         self.assertTrue(0.3 < found["mu"] < 0.6, found)
         self.assertTrue(0.65 < found["phi"] < 0.82, found)
