@@ -52,11 +52,25 @@ class WallRuns(unittest.TestCase):
             for other in state[1:]:
                 self.assertEqual([name for name in state[0] if other[name] != state[0][name]], [], deck)
 
+    def both_runs(self, law=""):
+        for name, text in ("first", FIRST), ("second", SECOND):
+            if law:  # the surface of a round wall with rolling resistance is refused
+                text = text.replace("mu = 0.4;", "mu = 0.4;" + law).replace('"bowl", "roller")', '"bowl")')
+            (self.folder / f"{name}.cfg").write_text(text)
+            self.slipdisk("run", self.folder / f"{name}.cfg", "-q", "--force", "-o", self.folder / f"{name}.h5")
+
+    def test_rolling_goes_on(self):
+        """So does the rolling displacement, with the R_eff of each wall."""
+        self.both_runs(" k_r = 2e3; mu_r = 0.3;")
+        with h5py.File(self.folder / "first.h5") as one, h5py.File(self.folder / "second.h5") as two:
+            before, after = (file["state/contact_rho"][()] for file in (one, two))
+            self.assertLessEqual({7, 8, 9}, set(one["state/contact_b"][()]))
+            numpy.testing.assert_allclose(after, before, atol=5e-7)
+            self.assertGreater(abs(before).max(), 2e-6)
+
     def test_a_packing_goes_on(self):
         """Arcs stand as they were turned, and surfaces begin anew: no stretch of a contact changes by more than a step can."""
-        for name, text in ("first", FIRST), ("second", SECOND):
-            (self.folder / f"{name}.cfg").write_text(text)
-            self.slipdisk("run", self.folder / f"{name}.cfg", "-q", "-o", self.folder / f"{name}.h5")
+        self.both_runs()
         with h5py.File(self.folder / "first.h5") as one, h5py.File(self.folder / "second.h5") as two:
             self.assertGreater(abs(one["state/surface"][()]).min(), 5e-4)
             self.assertGreater(abs(one["state/theta"][-2]), 0.04)

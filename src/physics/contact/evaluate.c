@@ -75,7 +75,8 @@ static double rho_now(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
-  if (pairs_is_segment(p, k)) return walls_rolled(s, a, b, joints_radius(e, k));
+  if (pairs_is_segment(p, k))
+    return walls_arm(s->radius[a], joints_radius(e, k)) * (s->theta[a] - s->theta[b]);
   const double ra = s->radius[a], rb = s->radius[b], arc = ra * s->theta[a];
   return (rb * arc - ra * body_arc(s, b)) / (ra + rb);
 }
@@ -111,7 +112,7 @@ contact_reaction contact_reaction_at(const contact_place *at, double force, doub
   contact_output_w1 out;
   contact_force_w1(&g, &unused, lever_at(at, &g), LAW_GENERAL, &m, &out);
   const double rb = at->piece ? walls_radius(at->piece, at->nearest.side) : at->rb;
-  const double couple = roll == 0.0 ? 0.0 : roll * law_arm(at->ra, rb);
+  const double couple = roll == 0.0 ? 0.0 : roll * walls_arm(at->ra, rb);
   const double turn = at->piece ? at->arm_x * out.fy - at->arm_y * out.fx - tau * at->ra : tau * at->rb;
   return (contact_reaction){.nx = g.nx,
                             .ny = g.ny,

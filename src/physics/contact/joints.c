@@ -144,7 +144,7 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   const size_t a = (size_t)p->a[from], b = (size_t)p->b[from], c = (size_t)p->b[to];
   assert(pairs_closed(p, from) && !pairs_closed(p, to) && fabs(p->side[from]) == 1.0);
   sd_contact_record record = pairs_record(p, from);
-  const double before = walls_rolled(s, a, b, joints_radius(e, from));
+  const double arm = walls_arm(s->radius[a], joints_radius(e, from));
   /* an end of an arc goes on in the arc's own way */
   const bool ahead = j->from_end != j->to_end || (b == c && j->from->piece != j->to->piece);
   const double side = ahead ? p->side[from] : -p->side[from];
@@ -152,7 +152,9 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
       side * walls_arc_at(j->to, j->to_end) - p->side[from] * walls_arc_at(j->from, j->from_end);
   record.lambda_ref -= body_surface(s, c) - body_surface(s, b);
   p->side[to] = side;
-  if (p->more) record.rho_ref += walls_rolled(s, a, c, joints_radius(e, to)) - before;
+  if (p->more)
+    record.rho_ref += walls_arm(s->radius[a], joints_radius(e, to)) * (s->theta[a] - s->theta[c]) -
+                      arm * (s->theta[a] - s->theta[b]);
   pairs_set_record(p, to, &record);
   pairs_set_flags(p, to, true, pairs_slide_sign(p, from));
   pairs_set_record(p, from, &(sd_contact_record){0});

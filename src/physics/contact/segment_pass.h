@@ -130,10 +130,9 @@ LANE_INLINE void LANE(rolled_on)(const engine *e, size_t at, const LANE(nearest_
   double rho[LANE_WIDTH], rolls[LANE_WIDTH], arm[LANE_WIDTH];
   for (size_t l = 0; l < LANE_WIDTH; l++) {
     const size_t a = (size_t)p->a[at + l], b = (size_t)p->b[at + l];
-    const double rb = walls_radius(&e->work.segments[p->part[at + l]], found->side[l]);
-    arm[l] = law_arm(s->radius[a], rb);
-    rho[l] = walls_rolled(s, a, b, rb);
-    rolls[l] = walls_rolling(s, a, b, rb);
+    arm[l] = walls_arm(s->radius[a], walls_radius(&e->work.segments[p->part[at + l]], found->side[l]));
+    rho[l] = arm[l] * (s->theta[a] - s->theta[b]);
+    rolls[l] = arm[l] * (s->omega[a] - s->omega[b]);
   }
   g->rho = LANE(load)(rho);
   g->rolls = LANE(load)(rolls);

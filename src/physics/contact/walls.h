@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "model/law_features.h"
 #include "physics/system/work.h"
 
 typedef struct nearest_point {
@@ -75,22 +76,9 @@ static inline double walls_radius(const placed_segment *g, double side) {
   return g->piece == SD_PIECE_CURVE ? -side * g->radius : 0.0;
 }
 
-/* Rolling displacement R_eff (theta_a - theta_b) of disk a on a piece of wall b whose radius is rb, as `rolled` has it. */
-static inline double walls_rolled(const sd_state *s, size_t a, size_t b, double rb) {
-  const double ra = s->radius[a], sum = ra + rb;
-  if (rb == 0.0) return ra * (s->theta[a] - s->theta[b]);
-  double arc = rb * s->theta[b];
-  if (s->n_surfaces > 0) arc += (rb < 0.0 ? -1.0 : 1.0) * s->surface[b - s->n_disks];
-  return (rb * (ra * s->theta[a]) - ra * arc) / (sum == 0.0 ? 1.0 : sum);
-}
-
-/* Its derivative. */
-static inline double walls_rolling(const sd_state *s, size_t a, size_t b, double rb) {
-  const double ra = s->radius[a], sum = ra + rb;
-  if (rb == 0.0) return ra * (s->omega[a] - s->omega[b]);
-  double spin = rb * s->omega[b];
-  if (s->n_surfaces > 0) spin += (rb < 0.0 ? -1.0 : 1.0) * s->surface_speed[b - s->n_disks];
-  return (rb * (ra * s->omega[a]) - ra * spin) / (sum == 0.0 ? 1.0 : sum);
+/* R_eff of a disk's rolling on a piece whose radius is rb, as `rolled` has it. */
+static inline double walls_arm(double ra, double rb) {
+  return rb != 0.0 && ra + rb == 0.0 ? ra * rb : law_arm(ra, rb);
 }
 
 /* Arc length at an end of a piece; end 0: where it starts. */

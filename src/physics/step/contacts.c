@@ -134,7 +134,8 @@ static double wrap_surface(engine *e, uint32_t i) {
 /* The reference of rolling follows the angle of body i, and the surface of a round wall. */
 static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double slid) {
   pairs *p = &e->work.pairs;
-  const double ra = e->state->radius[p->a[k]], rb = joints_radius(e, k), arm = law_arm(ra, rb);
+  const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]],
+               arm = walls_arm(ra, joints_radius(e, k));
   MORE(p, k, rho_ref) -= (uint32_t)p->a[k] == i ? arm * turn : -(arm * turn);
   if (slid != 0.0 && rb != 0.0) MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
 }
