@@ -185,6 +185,15 @@ static __attribute__((noinline, cold)) LANE(real)
   return LANE(load)(slide);
 }
 
+LANE_INLINE void LANE(store_flags_on_walls)(pairs *p, size_t at, LANE(mask) touching, LANE(real) slips) {
+  double slip[LANE_WIDTH];
+  LANE(store)(slip, slips);
+  for (size_t l = 0; l < LANE_WIDTH; l++)
+    p->flags[pairs_flags_at(p, at + l)] =
+        (pair_flags){.closed = LANE(lane_is)(touching, (int)l) != 0,
+                     .slides_positive = slip[l]<0.0, .slides_negative = slip[l]> 0.0};
+}
+
 LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at) {
   work *w = &e->work;
   const LANE(location) here = {w->pairs.block + at / PAIR_BLOCK, at % PAIR_BLOCK};
@@ -241,11 +250,5 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(store_memory)(here, 0, &m, &out);
   if (features & LAW_GENERAL) LANE(store_more)(LANE(more_of)(w, here), here.l, features, &m, &out);
   LANE(store_sides)(&w->pairs, mine, at, touching, closed, &found);
-  for (size_t l = 0; l < LANE_WIDTH; l++) {
-    pair_flags *flags = &w->pairs.flags[pairs_flags_at(&w->pairs, at + l)];
-    double slip[LANE_WIDTH];
-    LANE(store)(slip, out.slip);
-    *flags = (pair_flags){.closed = LANE(lane_is)(touching, (int)l) != 0,
-                          .slides_positive = slip[l]<0.0, .slides_negative = slip[l]> 0.0};
-  }
+  LANE(store_flags_on_walls)(&w->pairs, at, touching, out.slip);
 }
