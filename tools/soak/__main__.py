@@ -22,6 +22,7 @@ MODES = {
     "power": "power cuts on a file system of its own; then the same command again",
     "altered": "files with other bytes than those that were written, and files of other versions",
     "fuzz": "damaged decks, -D, CSV, LAMMPS and HDF5 under sanitizers (needs clang)",
+    "relations": "decks at random: mirrors, turns, shifts, frames, orders, restarts, shapes of a wall, balance of forces",
     "coverage": "lines and branches of src/ that tests and faults reach, room by room",
 }
 

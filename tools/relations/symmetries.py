@@ -1,0 +1,214 @@
+"""What changes nothing: mirrors, turns, shifts, other orders, divisions of the run, features of size zero, another frame."""
+import copy
+
+import numpy as np
+
+from . import decks, maps, watch
+
+EVERY = 30
+NEAR = 1e-8   # after 300 steps; two runs differ by rounding, which collisions make larger
+CONTACT = ("normal", "damping", "friction", "rolling", "cohesion")
+
+
+def without(dimension, *names):
+    return {dimension: [name for name in decks.FEATURES[dimension] if name not in names]}
+
+
+def relate(deck, m, steps=300):
+    """The map of the deck does the map of what the deck does."""
+    one = [watch.mapped_look(m, seen) for seen in watch.follow(deck, steps, EVERY)]
+    other = watch.follow(maps.mapped(m, deck), steps, EVERY)
+    watch.same(one, other, NEAR, every=EVERY)
+
+
+def mirror(seed):
+    """x -> -x, or y -> -y where x is driven by random numbers, which have no sign."""
+    deck = decks.make(seed).deck
+    driven = [m["coordinate"] for m in deck.get("motions", ()) if m["type"] == "random"]
+    relate(deck, maps.UPSIDE_DOWN if "x" in driven or (seed % 2 and "y" not in driven) else maps.MIRROR)
+
+
+def quarter(seed):
+    """A quarter turn. Random streams and a square's corner belong to a coordinate."""
+    relate(decks.make(seed, without("motion", "random")).deck, maps.QUARTER)
+
+
+def shift(seed):
+    """Everything elsewhere, the box too."""
+    relate(decks.make(seed).deck, maps.shifted(0.375, -1.25))
+
+
+def images(seed):
+    """Everything elsewhere but the box: what is beyond its edges is taken back."""
+    deck = decks.make(seed, {"box": ("x", "y", "xy"), **without("field", "drag", "central", "rotation"),
+                             **without("walls", "drum", "ring", "bowl", "pillar", "hump")}).deck
+    edges = watch.edges_of(deck)
+    m = maps.shifted(0.53 * edges[0], 0.41 * edges[1])
+    other = maps.mapped(m, deck)
+    other["box"] = copy.deepcopy(deck["box"])
+    other = maps.into_box(other)
+    n, looks = len(deck["disks"]), []
+    for which in deck, other:
+        looks.append(watch.follow(which, 300, EVERY))
+        for look in looks[-1]:
+            look["torque"] = look["torque"][:n]  # that on a wall is about its pivot, wherever the image
+    watch.same(*looks, NEAR, watch.FREE, EVERY)
+
+
+def order(seed):
+    """Disks in another order, and walls: sums are rounded otherwise."""
+    made = decks.make(seed, without("motion", "random"))
+    deck, n, walls = made.deck, len(made.deck["disks"]), len(made.deck.get("walls", ()))
+    other = copy.deepcopy(deck)
+    other["disks"].reverse()
+    if walls:
+        other["walls"].reverse()
+    back = np.r_[np.arange(n)[::-1], n + np.arange(walls)[::-1]].astype(int)
+    seen = watch.follow(deck, 300, EVERY)
+    found = watch.follow(other, 300, EVERY)
+    watch.same(seen, [{kind: v if kind == "energy" else v[back] for kind, v in look.items()} for look in found], NEAR, every=EVERY)
+
+
+def phases(seed):
+    """A phase in three parts: the same bits."""
+    deck = decks.make(seed, without("motion", "switched")).deck
+    other = copy.deepcopy(deck)
+    other["phases"] = [{"steps": 100}, {"steps": 77}, {"steps": 123}]
+    watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), 0.0, every=EVERY)
+
+
+# --- features of size zero --------------------------------------------------------------------------------------------
+# (rows without which the deck is made, what is added to all laws or to the deck)
+
+TINY = 1e-60
+ZEROS = {
+    "friction of 0": ({"friction": ("smooth",)}, {"k_t": 1e3, "mu": 0.0}),
+    "no tangential spring": ({"friction": ("smooth",)}, {"mu": 0.5}),
+    "no rolling friction": ({"rolling": ("none",)}, {"k_r": 500.0, "mu_r": 0.0}),
+    "tiny rolling": ({"rolling": ("none",)}, {"k_r": TINY, "gamma_r": TINY, "mu_r": 0.5}),
+    "tiny tangential dashpot": ({"friction": ("spring", "stuck", "mindlin", "kinetic")}, {"gamma_t": TINY}),
+    "tiny viscosity": ({"damping": ("elastic", "restitution", "pulls")}, {"gamma_n": TINY}),
+    "restitution of 1": ({"damping": ("elastic", "viscous")}, {"restitution": 1.0}),
+    "kinetic friction as static": ({"friction": ("spring", "stuck", "dashpot", "mindlin")}, {"mu_kinetic": "mu"}),
+}
+ATTRACTIONS = {
+    "tiny cohesion": ({"cohesion": ("none",)}, {"cohesion": "constant", "pull_off": TINY, "range": 3e-3}),
+    "tiny bridge": ({"cohesion": ("none",)}, {"cohesion": "bridge", "pull_off": TINY, "range": 3e-3, "rupture": 6e-3}),
+}
+
+
+def zero(seed, cases=None):
+    """Parts of a law that are zero, or all but zero, and no such parts."""
+    only, keys = list((cases or ZEROS).values())[seed % len(cases or ZEROS)]
+    deck = decks.make(seed, only).deck
+    other = copy.deepcopy(deck)
+    for law in other["materials"] + other.get("material_pairs", []):
+        law.update({key: law[value] if isinstance(value, str) and value in law else value for key, value in keys.items()})
+    watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), NEAR, every=EVERY)
+
+
+def attraction(seed):
+    """All but no attraction, and none: touch of pairs that are closed before is touch."""
+    zero(seed, ATTRACTIONS)
+
+
+def idle(seed):
+    """Things without effect beside a deck without them: fields, gravity, motions, forces of 0, what stands far away."""
+    deck = decks.make(seed, {"field": ("none",), "gravity": ("none",), "box": ("open",),
+                             "motion": ("none", "push", "spin", "wave", "belt", "lead", "load", "servo", "table")}).deck
+    other = copy.deepcopy(deck)
+    still = [d["name"] for d in other["disks"] if d.get("fixed")]
+    material = {} if len(other["materials"]) == 1 else {"material": "steel"}
+    additions = {
+        "drag": lambda: other.update(fields=[{"type": "drag", "gamma": 0.0}]),
+        "damping": lambda: other.update(fields=[{"type": "damping", "alpha": 0.0}]),
+        "central": lambda: other.update(fields=[{"type": "central", "strength": 0.0}]),
+        "rotation": lambda: other.update(fields=[{"type": "rotation", "omega": 0.0}]),
+        "gravity": lambda: other.update(gravity={"g": 0.0, "tilt": 0.3}),
+        "forces": lambda: other.update(forces=[{"disk": "disk0", "force": [0.0, 0.0], "torque": 0.0}]),
+        "wall": lambda: other.setdefault("walls", []).append({"type": "segment", "points": [[5.0, 5.0], [6.0, 5.0]], **material}),
+        "box": lambda: other.update(box={"x": [-3.0, 3.0], "y": [-4.0, 4.0], "periodic": "xy"}),
+        "still": lambda: [other.setdefault("motions", []).append({"disk": name, "coordinate": c, "type": "velocity", "velocity": 0.0})
+                          for name in still for c in ("x", "theta")],
+    }
+    names = list(additions)
+    additions[names[seed % len(names)]]()
+    n = len(deck["disks"]) + len(deck.get("walls", ()))
+    found = [{kind: v if kind == "energy" else v[:n] for kind, v in look.items()} for look in watch.follow(other, 300, EVERY)]
+    watch.same(watch.follow(deck, 300, EVERY), found, NEAR, every=EVERY)
+
+
+# --- another frame, backwards -----------------------------------------------------------------------------------------
+
+BOOST = np.array([0.71, -0.43])
+INNER = [watch.ENERGIES.index(name) for name in watch.ENERGIES if not name.startswith(("kinetic", "work"))]
+
+
+def boosted(deck):
+    other = copy.deepcopy(deck)
+    held = [("wall", w["name"]) for w in other.get("walls", ())] + [("disk", d["name"]) for d in other["disks"] if d.get("fixed")]
+    for disk in other["disks"]:
+        for name, value in zip(("vx", "vy"), BOOST):
+            if name in disk:
+                disk[name] += float(value)
+    members = {name for clump in other.get("clumps", ()) for name in clump["disk"]}
+    led = {(kind, m[kind], m["coordinate"]) for m in other.get("motions", ()) for kind in ("disk", "clump", "wall") if kind in m}
+    for clump in other.get("clumps", ()):
+        clump["velocity"] = [float(v if ("clump", clump["name"], c) in led else v + u)
+                             for c, v, u in zip("xy", clump["velocity"], BOOST)]
+    motions = other.setdefault("motions", [])
+    wanted = {(kind, name, c) for kind, name in held for c in "xy"} | {key for key in led if key[2] in "xy"}
+    for k, (kind, name, c) in enumerate(sorted(wanted)):
+        motions.append({"name": f"boost{k}", kind: name, "coordinate": c, "type": "velocity", "velocity": float(BOOST["xy".index(c)])})
+    assert not members & {d["name"] for d in other["disks"] if d.get("fixed")}
+    for phase in other["phases"]:
+        if "motions" in phase:
+            phase["motions"] = phase["motions"] + [f"boost{k}" for k in range(len(wanted))]
+    return other
+
+
+def boost(seed):
+    """All that happens in a frame that moves steadily."""
+    walls = without("walls", "side")["walls"] if seed % 2 else ("none",)
+    deck = decks.make(seed, {"field": ("none",), "walls": walls, "box": ("open",) if seed % 2 else ("open", "x", "y", "xy"),
+                             "bodies": ("free", "held", "inertia", "forces", "clumps"),
+                             **without("motion", "load", "servo")}).deck
+    if "motions" in deck or "walls" in deck or any("fixed" in d for d in deck["disks"]):
+        for disk in deck["disks"]:  # prescribed bodies have no velocity at step 0 yet: nothing touches them then
+            disk["radius"] *= 0.92
+    seen, found = watch.follow(deck, 300, EVERY), watch.follow(boosted(deck), 300, EVERY)
+    for k, look in enumerate(found):
+        look["place"] = look["place"] - BOOST * (k * EVERY * decks.DT)
+        look["velocity"] = look["velocity"] - BOOST
+    for look in seen + found:
+        look["energy"] = look["energy"][INNER]
+    watch.same(seen[1:], found[1:], NEAR, every=EVERY)  # motions begin after step 0
+
+
+def reverse(seed):
+    """Without losses and with velocity Verlet the way back is the way there."""
+    made = decks.make(seed, {"damping": ("elastic",), "friction": ("smooth",), "rolling": ("none",), "cohesion": ("none", "constant"),
+                             "motion": ("none",), "field": ("none", "central"), "integrator": ("verlet",)})
+    deck = made.deck
+    sim = watch.simulation(deck)
+    start = watch.look(sim, deck)
+    watch.advance(sim, 300)
+    back = copy.deepcopy(deck)
+    state, columns = sim.disks, sim.columns
+    members = {name for clump in deck.get("clumps", ()) for name in clump["disk"]}
+    for k, disk in enumerate(back["disks"]):
+        disk.update({name: float(state[name][k]) for name in "xy"}, theta=float(state["angle"][k]))
+        for name in ("vx", "vy", "omega") if disk["name"] not in members else ():
+            if name in disk:
+                disk[name] = -float(state[name][k])
+    for k, clump in enumerate(back.get("clumps", ())):
+        clump.update(velocity=[-float(columns["clump_vx"][k]), -float(columns["clump_vy"][k])], omega=-float(columns["clump_omega"][k]))
+    sim = watch.simulation(back)
+    watch.advance(sim, 300)
+    end = watch.look(sim, back)
+    for name in "velocity", "spin":
+        end[name] = -end[name]
+    edges = watch.edges_of(deck)
+    way = end["place"] - start["place"]
+    end["place"] = start["place"] + way - np.where(edges > 0, edges * np.round(way / np.where(edges > 0, edges, 1.0)), 0.0)
+    watch.same([start], [end], 10 * NEAR, ("place", "velocity", "angle", "spin", "force"))
