@@ -300,8 +300,8 @@ def periodic(b):
             x = b.walls[0]["points"][0][0]
             ends = [(x, x), *((low, high) for low, high in ends if min(abs(low - x), abs(high - x)) > 2 * WALL)]
         low, high = min(e[0] for e in ends), max(e[1] for e in ends)
-        if b.has["walls"] in ("drum", "ring", "box"):
-            low, high = low - 0.03, high + 0.03
+        margin = {"drum": 0.03, "box": 0.03, "ring": 0.06, "bowl": 0.06}.get(b.has["walls"], 0.0)  # no disk touches two images
+        low, high = low - margin, high + margin
         space["xy"[axis]] = [low, high + b.random.uniform(-WALL / 2, WALL)]
     b.top["box"] = space
 
