@@ -96,13 +96,14 @@ def joined_walls(seed):
 
 
 def round_walls(seed):
-    """Circles, inside and outside, arcs of a whole turn, a held disk."""
+    """Circles, inside and outside, arcs of a whole turn, a held disk. A belt around an arc runs back on its outer side, that of a
+    round wall does not."""
     walls = ("drum", "pillar")[seed % 2]
     deck = decks.make(seed, {"walls": (walls,), "variant": ("conservative",), "box": ("open", "x") if walls == "pillar" else ("open",),
-                             **without("motion", "load", "servo", "random")}).deck
+                             **without("motion", "load", "servo", "random", *(("belt",) if walls == "pillar" else ()))}).deck
     wall = deck["walls"][0]
     keys = {"material": wall["material"]} if "material" in wall else {}
     shapes = {name: with_walls(deck, made) for name, made in round_shapes(wall, keys).items()}
-    if walls == "pillar" and not any(m["coordinate"] == "surface" for m in deck.get("motions", ())):
+    if walls == "pillar":
         shapes["disk"] = with_disk(deck, wall)
     agree(shapes, len(deck["disks"]))

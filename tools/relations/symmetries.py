@@ -97,19 +97,20 @@ ATTRACTIONS = {
 }
 
 
-def zero(seed, cases=None):
+def zero(seed, cases=None, kinds=tuple(watch.SCALES)):
     """Parts of a law that are zero, or all but zero, and no such parts."""
     only, keys = list((cases or ZEROS).values())[seed % len(cases or ZEROS)]
     deck = decks.make(seed, only).deck
     other = copy.deepcopy(deck)
     for law in other["materials"] + other.get("material_pairs", []):
         law.update({key: law[value] if isinstance(value, str) and value in law else value for key, value in keys.items()})
-    watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), NEAR, every=EVERY)
+    watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), NEAR, kinds, every=EVERY)
 
 
 def attraction(seed):
-    """All but no attraction, and none: touch of pairs that are closed before is touch."""
-    zero(seed, ATTRACTIONS)
+    """All but no attraction, and none: touch of pairs that are closed before is touch. Their losses differ by an order of dt, since the
+    way of the step of touch is known where there was a contact before."""
+    zero(seed, ATTRACTIONS, [kind for kind in watch.SCALES if kind != "energy"])
 
 
 def idle(seed):
