@@ -348,11 +348,15 @@ LANE_INLINE LANE(mask) LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(r
 }
 
 /* Before the step of contacts whose surfaces meet: lambda* and rho* are those of the moment of touch, found by going back
- * along the velocities (physics.md 2). Taken at the end of the step they would lack the way since then. */
-LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g, LANE(mask) meet, LANE(real) dt,
-                                     const unsigned features, LANE(contact_memory) * m) {
+ * along the velocities (physics.md 2). Taken at the end of the step they would lack the way since then. Mindlin's stiffness
+ * has grown as sqrt(t) meanwhile: sqrt(K) zeta is 4/5 of its last value times the way, and the trapezoid takes 1/2. */
+LANE_INLINE void LANE(contact_begin)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                                     LANE(mask) meet, LANE(real) dt, const unsigned features,
+                                     LANE(contact_memory) * m) {
   const LANE(real) since = LANE(since_touch)(g, dt);
-  m->lambda_ref = LANE(select)(meet, g->lambda - g->slide * since, m->lambda_ref);
+  LANE(real) way = g->slide * since;
+  if (features & LAW_MINDLIN) way = LANE(select)(LANE(greater)(k->mindlin, LANE(splat)(0.0)), 1.6 * way, way);
+  m->lambda_ref = LANE(select)(meet, g->lambda - way, m->lambda_ref);
   if (features & LAW_ROLLING) m->rho_ref = LANE(select)(meet, g->rho - g->rolls * since, m->rho_ref);
 }
 

@@ -340,7 +340,8 @@ static __attribute__((noinline, cold)) void LANE(contact_evaluate_slow)(engine *
   before = m;
   g->slide = LANE(slide_of)(e, at, kind, g);
   LANE(contact_begin)
-  (g, LANE(surfaces_meet)(g, m.overlap, touching, was_closed, features), LANE(splat)(w->dt), features, &m);
+  (g, &k, LANE(surfaces_meet)(g, m.overlap, touching, was_closed, features), LANE(splat)(w->dt), features,
+   &m);
   LANE(contact_step)(g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
   LANE(contact_begin_end)
   (g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features, &before, &m,

@@ -231,7 +231,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   const LANE(mask) meet = LANE(surfaces_meet)(&g, m.overlap, touching, was_closed, features);
   if (LANE(any)(meet)) {
     g.slide = LANE(slide_on_walls)(e, at, &in, &found);
-    LANE(contact_begin)(&g, meet, LANE(splat)(w->dt), features, &m);
+    LANE(contact_begin)(&g, &k, meet, LANE(splat)(w->dt), features, &m);
   }
   LANE(contact_step)
   (&g, &k, touching, closed, LANE(select)(flat, lever, g.lever), 0, features, &m, &out);

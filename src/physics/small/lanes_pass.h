@@ -243,7 +243,7 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s, PASS
   *m = *before;
   PASS(slide)(l, s, f, at, k);
   LANE(contact_begin)
-  (g, LANE(surfaces_meet)(g, m->overlap, touching, was_closed, s->features), dt, s->features, m);
+  (g, &c, LANE(surfaces_meet)(g, m->overlap, touching, was_closed, s->features), dt, s->features, m);
   PASS(contact)(l, s, f, k, &c, touching, closed);
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
   const LANE(real) zero = LANE(splat)(0.0);
