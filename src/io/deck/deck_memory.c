@@ -169,10 +169,11 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, cons
     shift += wall->radius > 0 ? -wall->surface : wall->surface; /* and a surface at 0 */
   }
   c->record.lambda_ref += shift;
-  if (c->record.rho_ref != 0.0) c->record.rho_ref += law_arm(a.radius, rb) * rolled;
-  /* these are of the other run, or follow from the first forces, where a law has them */
+  c->record.rho_ref += law_arm(a.radius, rb) * rolled;
+  /* these are of the other run, or follow from the first forces; tau and pull say what limit friction had */
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
-  c->record.tau = c->record.pull = c->record.rho = c->record.roll = 0.0;
+  c->record.rho = c->record.roll = 0.0;
+  if (c->slide == 0) c->record.tau = c->record.pull = 0.0;
 }
 
 /* Contacts whose partner is no body of this deck. */

@@ -484,3 +484,33 @@ void contacts_load(engine *e) {
     c++;
   }
 }
+
+/* The file says that contact k slid in its last step. It did so against mu_kinetic if its force fits that limit, else it was
+ * the first step in which it slid. */
+static bool slid_before(const engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  const law_row *l = &e->work.laws[PAIR(p, k, law)];
+  const double limit = fmax(PAIR(p, k, force) + MORE(p, k, pull), 0.0);
+  return fabs(MORE(p, k, tau)) <= (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
+}
+
+sd_status contacts_recall(engine *e, int8_t **slid) {
+  pairs *p = &e->work.pairs;
+  *slid = NULL;
+  if (!p->more) return SD_OK;
+  *slid = calloc(p->count + 1, sizeof **slid);
+  if (!*slid) return SD_ERROR_IO;
+  for (size_t k = 0; k < p->count; k++) {
+    if (!pairs_closed(p, k)) continue;
+    (*slid)[k] = (int8_t)pairs_slide_sign(p, k);
+    if ((*slid)[k] != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
+  }
+  return SD_OK;
+}
+
+void contacts_remember(engine *e, int8_t *slid) {
+  pairs *p = &e->work.pairs;
+  for (size_t k = 0; slid && k < p->count; k++)
+    if (slid[k] != 0 && pairs_closed(p, k)) pairs_set_flags(p, k, true, slid[k]);
+  free(slid);
+}

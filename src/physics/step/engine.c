@@ -404,7 +404,10 @@ sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages) {
   assert(s->step == 0);
   *kept = contacts_count(e);
   clumps_place_all(e);
+  int8_t *slid;
+  if (contacts_recall(e, &slid) != SD_OK) return SD_ERROR_IO;
   sweep_forces(e);
+  contacts_remember(e, slid);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);

@@ -1,0 +1,65 @@
+"""Disks and contacts from the result of another run, by law and body: the run goes on as if it had not ended."""
+import unittest
+
+import h5py
+import numpy
+
+from test_disk_files import Files, contacts
+
+
+class Laws(Files):
+    """Six disks over three bodies, in the middle of an impact: what goes on is the run that was not interrupted."""
+    LAWS = {"linear": "mu = 0.5;", "slides": "mu = 0.1; mu_kinetic = 0.05;",
+            "mindlin": 'law = "hertz"; tangential = "mindlin"; mu = 0.1; mu_kinetic = 0.05;',
+            "range": 'mu = 0.1; mu_kinetic = 0.05; cohesion = "constant"; pull_off = 0.5; range = 1e-4;',
+            "bridge": 'mu = 0.1; mu_kinetic = 0.05; cohesion = "bridge"; pull_off = 0.5; range = 1e-3; rupture = 2e-3;',
+            "rolls": "mu = 0.5; k_r = 2e3; mu_r = 0.1;", "rolls_stuck": "mu = 0.5; k_r = 2e3; mu_r = 5;"}
+    BODIES = {"polyline": 'walls = ( { name = "w"; type = "polyline"; points = ( (-0.2, 0), (0, 0), (0.2, 0) ); } );',
+              "turning line": 'walls = ( { name = "w"; type = "line"; points = ( (-0.2, 0), (0.2, 0) ); } );'
+                              ' motions = ( { wall = "w"; coordinate = "theta"; type = "velocity"; velocity = 0.1; } );',
+              "turning circle": 'walls = ( { name = "w"; type = "circle"; center = (0, -0.3); radius = 0.3;'
+                                ' side = "outside"; } );'
+                                ' motions = ( { wall = "w"; coordinate = "theta"; type = "velocity"; velocity = 0.5; } );',
+              "fixed disks": ""}
+
+    def rows(self, result, moment):
+        found = contacts(result, moment)
+        return {key: (found["force"][k], found["tau"][k])
+                for k, key in enumerate(zip(found["a"], found["b"], found["part"]))}
+
+    def test_goes_on_over_laws_and_bodies(self):
+        for law, keys in self.LAWS.items():
+            for body, walls in self.BODIES.items():
+                if body != "polyline" and law not in ("slides", "rolls_stuck"):
+                    continue
+                stiffness = 5e4 if "hertz" in keys else 5e3
+                head = ('integrator = "verlet"; dt = 2e-5; gravity = { g = 9.81; tilt = 0.2; }; materials = ( { name = "m";'
+                        f" k_n = 1e4; k_t = {stiffness}; {keys} }} ); {walls}")
+                at = ((-0.0405, 0.0198, 0), (0, 0.0199, 3.9985), (0.0403, 0.0205, 1e5), (-0.02, 0.0545, -2),
+                      (0.0203, 0.0544, 7), (0, 0.0887, 0.3))
+                rows = []
+                for k, (x, y, theta) in enumerate(at):
+                    fixed = body == "fixed disks" and k < 3
+                    y += (0.09 - x * x) ** 0.5 - 0.3 if "circle" in body else 0
+                    rows.append(f"({x}, {y}, 0.02, {theta}, {int(fixed)}, {0 if fixed else 3 + k})")
+                disks = ('disk_rows = ( { columns = ("x", "y", "radius", "theta", "fixed", "omega"); density = 3.57;'
+                         f' rows = ({", ".join(rows)}); }} );')
+                self.run_deck(f"{head} {disks} steps = 30;", name="one")
+                whole = self.run_deck(f"{head} {disks} phases = ( {{ steps = 30; }}, {{ steps = 10; contacts = 1; }} );",
+                                      name="whole")
+                again = self.run_deck(f'{head} disk_files = ( {{ file = "one.h5"; contacts = true; }} );'
+                                      " phases = ( { steps = 10; contacts = 1; } );", name="again")
+                with h5py.File(whole) as f, h5py.File(again) as g:
+                    first, n = list(f["contacts/step"][()]).index(31), list(g["contacts/step"][()]).index(1)
+                for step in range(10):
+                    a, b = self.rows(whole, first + step), self.rows(again, n + step)
+                    self.assertEqual(a.keys(), b.keys(), (law, body, step))
+                    self.assertGreaterEqual(len(a), 2 if step == 0 else 1, (law, body, step))
+                    most = max(force for force, _ in a.values())
+                    for key in a:
+                        self.assertLess(numpy.abs(numpy.subtract(a[key], b[key])).max(), 1e-9 * most,
+                                        (law, body, step, key))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
