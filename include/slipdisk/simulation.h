@@ -1,8 +1,23 @@
 /* simulation.h: a running system: it is stepped, read without copying, extended, saved, cloned.
  *
  * Between two calls the same model gives the same bits, however the steps are divided into calls and with any number of
- * threads; observers, columns and saving only read. A simulation is used by one thread of the program at a time. Pointers are not NULL
- * where nothing says that they may be.
+ * threads; observers, columns and saving only read. Pointers are not NULL where nothing says that they may be.
+ *
+ * A simulation serves one call at a time. A call is refused (SD_ERROR_USER, with a message that says why; nothing is changed)
+ * while another thread is in a call of it, and within its own callbacks:
+ *
+ *                                                                      observer   force field   other thread
+ *   numbers: _model, _step, _time, _finished, _stage, _goal, _threads,
+ *   _path, _slot, _angle                                                served     served        refused
+ *   state: _state, _column, _column_at, _energy, _save, _save_memory,
+ *   _clone, _rebuild                                                    served     refused       refused
+ *   changes: _advance, _observe, _add_force_field, _add_disks,
+ *   _remove_disks                                                       refused    refused       refused
+ *
+ * Functions without a status return when refused: NULL, "" (path), false, -1 (step, stage, threads), UINT32_MAX (slot), NAN (the
+ * rest). sd_simulation_free waits for the call that is under way: it is freed when that returns. Threads stay in the parent of a
+ * fork: a child starts threads of its own at its next step. A child that was forked within a force field cannot end the step: then all
+ * but sd_simulation_free is refused.
  */
 #ifndef SLIPDISK_SIMULATION_H
 #define SLIPDISK_SIMULATION_H
@@ -30,7 +45,8 @@ SD_API sd_status sd_simulation_resume(const sd_model *model, sd_state *state, in
 /* Another one at the same step, which goes on with the same bits. It owns a copy of the model. Observers and force fields are
  * not copied: they may hold on to the first one. */
 SD_API sd_status sd_simulation_clone(sd_simulation *simulation, sd_simulation **out, sd_messages *messages);
-SD_API void sd_simulation_free(sd_simulation *simulation); /* NULL is allowed */
+/* NULL is allowed. Within a call it is freed when the call returns. */
+SD_API void sd_simulation_free(sd_simulation *simulation);
 
 /* --- stepping -------------------------------------------------------------------------------------- */
 
@@ -71,9 +87,10 @@ SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_for
                                                sd_messages *messages);
 
 /* Adds n free disks, in no group, between two steps. They get the next disk numbers, from *first (may be NULL); numbers of
- * walls move up by n: find them by name, or say SD_WALL(w). The energy that they bring is no error of the budget, that of overlaps is. The
- * simulation goes on with a model of its own. SD_ERROR_USER: nothing is changed; while means of every disk are measured no
- * disks are added. SD_ERROR_IO: no memory, the simulation can only be freed. */
+ * walls move up by n: find them by name, or say SD_WALL(w). The energy that they bring is no error of the budget, that of
+ * overlaps is. Overlaps beyond max_overlap and equal centres are refused, as decks refuse them. The simulation goes on with a
+ * model of its own. SD_ERROR_USER: nothing is changed; while means of every disk are measured no disks are added.
+ * SD_ERROR_IO: no memory, the simulation can only be freed. */
 SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, const sd_disk *disks,
                                          uint32_t *first, sd_messages *messages);
 /* Takes free disks out between two steps: they touch nothing any more, and keep numbers and columns (activity SD_REMOVED). */

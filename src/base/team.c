@@ -26,7 +26,9 @@ typedef struct member {
 
 struct pool {
   int size, started;
-  bool helping; /* the others wait for tasks; of the leader */
+  unsigned forks; /* of the process that has its threads */
+  bool helping;   /* the others wait for tasks; of the leader */
+  int depth;      /* of tasks within each other */
   team_task *task;
   void *with;
   pthread_t *thread; /* [started] ranks 1, 2, ... */
@@ -38,6 +40,18 @@ struct pool {
   alignas(LINE) atomic_uint round;
   atomic_int sleepers;
 };
+
+/* --- fork ------------------------------------------------------------------------------------------------ */
+
+/* Counted in each child: a number that differs from a pool's says that its threads stayed in the parent. */
+static atomic_uint forks;
+static pthread_once_t counting = PTHREAD_ONCE_INIT;
+static void count_fork(void) { atomic_fetch_add(&forks, 1); }
+static void count_forks(void) { pthread_atfork(NULL, NULL, count_fork); }
+
+bool pool_forked(const pool *c) {
+  return c && c->size > 1 && c->forks != atomic_load_explicit(&forks, memory_order_relaxed);
+}
 
 /* --- waiting -------------------------------------------------------------------------------------------- */
 
@@ -76,6 +90,7 @@ void team_wait_all(const team *t) {
   pool *c = t->pool;
   const unsigned round = atomic_load_explicit(&c->round, memory_order_relaxed);
   assert(t->size == c->size);
+  if (pool_forked(c)) return; /* within a task: there are no others to wait for, and its result is not used */
   if (atomic_fetch_add_explicit(&c->arrived, 1, memory_order_acq_rel) + 1 == c->size) {
     atomic_store_explicit(&c->arrived, 0, memory_order_relaxed);
     atomic_store(&c->round, round + 1);
@@ -116,17 +131,22 @@ void team_release(const team *t) {
   team_wait(t);
 }
 
+static void start_threads(pool *c, int threads);
+
 void pool_run(pool *c, team_task *task, void *with) {
-  if (!c || !c->helping || c->size == 1) {
+  if (pool_forked(c) && c->depth == 0) start_threads(c, c->size);
+  if (pool_forked(c) || !c || !c->helping || c->size == 1) {
     task(&(team){.size = 1}, with);
     return;
   }
   c->helping = false;
+  c->depth++;
   c->task = task;
   c->with = with;
   team_wait(&c->member[0].team);
   task(&c->member[0].team, with);
   team_wait(&c->member[0].team);
+  c->depth--;
   c->helping = true;
 }
 
@@ -147,18 +167,13 @@ static member *new_members(int n) {
   return m;
 }
 
-pool *pool_new(int threads) {
-  assert(threads > 0);
-  pool *c = aligned_alloc(LINE, (sizeof *c + LINE - 1) / LINE * LINE);
-  if (!c) return NULL;
-  *c = (pool){
-      .thread = calloc((size_t)threads, sizeof *c->thread), .member = new_members(threads), .helping = true};
-  if (!c->thread || !c->member) {
-    free(c->thread);
-    free(c->member);
-    free(c);
-    return NULL;
-  }
+/* As many as the system gives. */
+static void start_threads(pool *c, int threads) {
+  pthread_once(&counting, count_forks);
+  c->forks = atomic_load(&forks);
+  c->started = 0;
+  atomic_store(&c->arrived, 0);
+  atomic_store(&c->sleepers, 0);
   pthread_mutex_init(&c->lock, NULL);
   pthread_cond_init(&c->woken, NULL);
   pthread_mutex_lock(&c->lock);
@@ -172,16 +187,34 @@ pool *pool_new(int threads) {
   c->member[0].team.pool = c;
   for (int k = 0; k < c->size; k++) c->member[k].team.size = c->size;
   pthread_mutex_unlock(&c->lock);
+}
+
+pool *pool_new(int threads) {
+  assert(threads > 0);
+  pool *c = aligned_alloc(LINE, (sizeof *c + LINE - 1) / LINE * LINE);
+  if (!c) return NULL;
+  *c = (pool){
+      .thread = calloc((size_t)threads, sizeof *c->thread), .member = new_members(threads), .helping = true};
+  if (!c->thread || !c->member) {
+    free(c->thread);
+    free(c->member);
+    free(c);
+    return NULL;
+  }
+  start_threads(c, threads);
   return c;
 }
 
 void pool_free(pool *c) {
   if (!c) return;
-  assert(c->helping && c->thread && c->member);
-  if (c->size > 1) team_release(&c->member[0].team);
-  for (int k = 0; k < c->started; k++) pthread_join(c->thread[k], NULL);
-  pthread_mutex_destroy(&c->lock);
-  pthread_cond_destroy(&c->woken);
+  assert(c->thread && c->member);
+  if (!pool_forked(c)) {
+    assert(c->helping);
+    if (c->size > 1) team_release(&c->member[0].team);
+    for (int k = 0; k < c->started; k++) pthread_join(c->thread[k], NULL);
+    pthread_mutex_destroy(&c->lock);
+    pthread_cond_destroy(&c->woken);
+  }
   free(c->thread);
   free(c->member);
   free(c);

@@ -13,6 +13,7 @@
 #ifndef BASE_TEAM_H
 #define BASE_TEAM_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct pool pool;
@@ -26,11 +27,13 @@ typedef void team_task(const team *t, void *with);
 
 /* As many threads, with the one that calls; or fewer where the system gives no more. NULL without memory. */
 pool *pool_new(int threads);
-/* Waits until the threads have ended. */
+/* Waits until the threads have ended. A child of fork has none to wait for. */
 void pool_free(pool *c);
 /* All threads do the task, each with its rank; returns when all are through. Without a pool, or while its threads are at work
  * on another task, the caller does it alone. */
 void pool_run(pool *c, team_task *task, void *with);
+/* True: this process was forked from the one that made its threads, and they are not here. pool_run then starts them anew. */
+bool pool_forked(const pool *c);
 /* How many threads this process may use at once: OMP_NUM_THREADS, else its cores. */
 int pool_most(void);
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/guess.h"
+#include "base/limits.h"
 #include "model/arc.h"
 #include "model/keys.h"
 #include "model/model.h"
@@ -132,15 +133,15 @@ void sd_model_set_text(sd_model *m, const char *path, const char *value) {
 
 void sd_model_set_gravity(sd_model *m, double x, double y) {
   m->finished = false;
-  if (!isfinite(x) || !isfinite(y))
-    sd_fail(mistakes(m), SD_ERROR_USER, "gravity (%g, %g): expected finite numbers", x, y);
+  if (!(fabs(x) <= LIMIT_NUMBER) || !(fabs(y) <= LIMIT_NUMBER))
+    sd_fail(mistakes(m), SD_ERROR_USER, "gravity (%g, %g): expected finite numbers, at most 1e100", x, y);
   m->gravity[SD_X] = x;
   m->gravity[SD_Y] = y;
 }
 
 /* False: a mistake, which is kept. */
 static bool has_extent(sd_model *m, const char *what, double lower, double upper) {
-  if (upper > lower && isfinite(upper - lower)) return true;
+  if (upper > lower && fabs(upper) <= LIMIT_NUMBER && fabs(lower) <= LIMIT_NUMBER) return true;
   sd_fail(mistakes(m), SD_ERROR_USER, "%s from %g to %g: expected finite edges, the lower one first", what,
           lower, upper);
   return false;
@@ -235,6 +236,12 @@ static void put_disk(sd_model *m, sd_disk *to, const sd_disk *from) {
 
 uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
   const size_t first = m->n_disks;
+  if (n == 0) return (uint32_t)first;
+  if (!disks || n > LIMIT_DISKS - first) {
+    sd_fail(mistakes(m), SD_ERROR_USER, "%zu disks%s: expected at most %d", n, disks ? "" : ", NULL",
+            LIMIT_DISKS);
+    return (uint32_t)first;
+  }
   sd_disk *grown = grow(m, m->disks, first, n, sizeof *grown, "disks");
   if (!grown) return (uint32_t)first;
   m->disks = grown;

@@ -1,4 +1,5 @@
 /* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
+#include "base/limits.h"
 #include "model/cell.h"
 #include "model/model.h"
 
@@ -160,38 +161,48 @@ static void check_run(const sd_model *m, sd_messages *msg) {
     if (m->phases[k].steps < 1) sd_fail(msg, SD_ERROR_USER, "phases[%zu]: expected at least one step", k);
 }
 
+/* Numbers beyond LIMIT_NUMBER, the limit of decks, are as bad as those that are not finite. */
+static void check_number(const sd_model *m, uint32_t body, const char *key, double value, double least,
+                         bool open, sd_messages *msg) {
+  char name[96];
+  const bool large = value >= least && !(value <= LIMIT_NUMBER), good = open ? value > least : value >= least;
+  if (good && !large) return;
+  sd_model_body_name(m, body, name, sizeof name);
+  if (large || least < 0.0)
+    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number of at most 1e100", name, key, value);
+  else
+    sd_fail(msg, SD_ERROR_USER, "%s: %s = %g: expected a number %s 0", name, key, value, open ? ">" : ">=");
+}
+
 static void check_disks(const sd_model *m, sd_messages *msg) {
+  static const char *const keys[3][3] = {
+      {"x", "y", "theta"}, {"vx", "vy", "omega"}, {"force x", "force y", "torque"}};
   char name[96];
   for (uint32_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
+    const double *const numbers[3] = {d->position, d->velocity, d->force};
     for (int c = 0; c < 3; c++) {
-      if (!isfinite(d->position[c]) || !isfinite(d->velocity[c]) || !isfinite(d->force[c]))
-        sd_fail(msg, SD_ERROR_USER, "%s: position, velocity and force must be finite",
-                sd_model_body_name(m, i, name, sizeof name));
+      for (int k = 0; k < 3; k++) check_number(m, i, keys[k][c], numbers[k][c], -LIMIT_NUMBER, false, msg);
       if (d->locked[c] && d->velocity[c] != 0.0)
         sd_fail(msg, SD_ERROR_USER, "%s: a locked coordinate cannot have a velocity",
                 sd_model_body_name(m, i, name, sizeof name));
     }
-    if (!(d->radius > 0.0) || !isfinite(d->radius))
-      sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0",
-              sd_model_body_name(m, i, name, sizeof name), d->radius);
-    if (!(d->mass > 0.0) || !isfinite(d->mass))
-      sd_fail(msg, SD_ERROR_USER, "%s: mass = %g: expected a number > 0",
-              sd_model_body_name(m, i, name, sizeof name), d->mass);
-    if (!(d->inertia >= 0.0) || !isfinite(d->inertia))
-      sd_fail(msg, SD_ERROR_USER, "%s: inertia = %g: expected a number >= 0",
-              sd_model_body_name(m, i, name, sizeof name), d->inertia);
+    check_number(m, i, "radius", d->radius, 0.0, true, msg);
+    check_number(m, i, "mass", d->mass, 0.0, true, msg);
+    check_number(m, i, "inertia", d->inertia, 0.0, false, msg);
     if (d->material < 0 || (size_t)d->material >= m->n_materials)
-      sd_fail(msg, SD_ERROR_USER, "%s: material: no such material",
-              sd_model_body_name(m, i, name, sizeof name));
+      sd_fail(msg, SD_ERROR_USER, "%s: material %d: expected one of the %zu that there are",
+              sd_model_body_name(m, i, name, sizeof name), d->material, m->n_materials);
   }
 }
 
+static bool has_size(double x) { return fabs(x) <= LIMIT_NUMBER; }
+
 static bool wall_is_finite(const sd_wall *w) {
-  bool good = isfinite(w->pivot[0]) && isfinite(w->pivot[1]) && isfinite(w->radius) &&
-              isfinite(w->center[0]) && isfinite(w->center[1]) && isfinite(w->from) && isfinite(w->to);
+  bool good = has_size(w->pivot[0]) && has_size(w->pivot[1]) && has_size(w->radius) &&
+              has_size(w->center[0]) && has_size(w->center[1]) && has_size(w->from) && has_size(w->to);
   for (size_t k = 0; k < w->n_points; k++)
-    good = good && isfinite(w->points[k][0]) && isfinite(w->points[k][1]);
+    good = good && has_size(w->points[k][0]) && has_size(w->points[k][1]);
   return good;
 }
 
@@ -205,7 +216,7 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
     if ((unsigned)wall->kind >= SD_WALL_KINDS)
       sd_fail(msg, SD_ERROR_USER, "%s: kind %d: expected SD_WALL_LINE ...", name, (int)wall->kind);
     if (!wall_is_finite(wall))
-      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite", name);
+      sd_fail(msg, SD_ERROR_USER, "%s: points, pivot and radius must be finite, at most 1e100", name);
     const bool arc = wall->kind == SD_WALL_ARC;
     if ((arc || wall->kind == SD_WALL_CIRCLE) && !(wall->radius > 0.0))
       sd_fail(msg, SD_ERROR_USER, "%s: radius = %g: expected a number > 0", name, wall->radius);
@@ -255,8 +266,9 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
                 "%s: the surface of a round wall with rolling resistance (k_r); turn the wall "
                 "(theta) instead",
                 name);
-    if (!isfinite(q->amplitude) || !isfinite(q->omega) || !isfinite(q->phase) || !isfinite(q->velocity))
-      sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite", name);
+    if (!has_size(q->amplitude) || !has_size(q->omega) || !has_size(q->phase) || !has_size(q->velocity))
+      sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite, at most 1e100",
+              name);
     if (!(q->ramp >= 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
     if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, q->name ? q->name : "?", msg);
   }

@@ -188,8 +188,7 @@ sd_status sd_simulation_resume(const sd_model *model, sd_state *state, int threa
   return simulation_resume(model, state, threads, SIMULATION_SUITABLE, NULL, out, messages);
 }
 
-void sd_simulation_free(sd_simulation *sim) {
-  if (!sim) return;
+void simulation_free(sd_simulation *sim) {
   ranks_free(sim->ranks);
   release(&sim->engine);
   fields_free(&sim->engine);
@@ -367,8 +366,12 @@ static sd_status advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
     sim->told_phase = e->state->phase;
   }
   const sd_status status = sim->ranks ? ranks_center(sim->ranks, e, messages) : SD_OK;
-  if (status == SD_OK) advance_team(e, n, phase_measures(e));
-  return status;
+  if (status != SD_OK) return status;
+  advance_team(e, n, phase_measures(e));
+  sim->door.broken = pool_forked(e->pool);
+  return sim->door.broken ? sd_fail(messages, SD_ERROR_USER,
+                                    "the process was forked within a force field: its step was not ended")
+                          : SD_OK;
 }
 
 /* Disks that leave the bounds, or come back, while the disks are spread. True: the run is to stop, for which they are needed together. */
@@ -411,11 +414,15 @@ settle_measure simulation_rest(sd_simulation *sim) {
   return simulation_is_spread(sim) ? ranks_rest(sim->ranks, &sim->engine) : settle_look(&sim->engine);
 }
 
-sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
+bool simulation_finished(const sd_simulation *sim) {
+  return sim->engine.state->phase >= (int64_t)sim->engine.model->n_phases;
+}
+
+static sd_status advance_all(sd_simulation *sim, int64_t n, sd_messages *messages) {
   engine *e = &sim->engine;
   if (!e->fields) e->state->field_power = 0.0;
   engine_ready(e, messages);
-  while (n > 0 && !sd_simulation_finished(sim)) {
+  while (n > 0 && !simulation_finished(sim)) {
     int64_t left = observers_room(sim, simulation_room(e)), from = e->state->step;
     sd_status status = advance(sim, n < left ? n : left, messages);
     const int64_t done = e->state->step - from;
@@ -433,82 +440,23 @@ sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *mess
   return simulation_is_spread(sim) ? SD_OK : neighbours_check_finite(e, e->state->step, messages);
 }
 
-const sd_model *sd_simulation_model(const sd_simulation *sim) { return sim->engine.model; }
-
-const sd_state *sd_simulation_state(sd_simulation *sim) {
-  if (simulation_is_spread(sim))
-    return ranks_collect(sim->ranks, &sim->engine) == SD_OK ? sim->engine.state : NULL;
-  motion_store(&sim->engine);
-  return contacts_store(&sim->engine) == SD_OK ? sim->engine.state : NULL;
-}
-
-const sd_state *simulation_row_state(sd_simulation *sim) {
-  assert(!simulation_is_spread(sim));
-  motion_store(&sim->engine);
-  return contacts_store_rows(&sim->engine) == SD_OK ? sim->engine.state : NULL;
-}
-
-int64_t sd_simulation_step(const sd_simulation *sim) { return sim->engine.state->step; }
-
-bool sd_simulation_column_at(sd_simulation *sim, size_t k, sd_column *out) {
-  if (k >= sd_field_count || !sd_simulation_state(sim)) return false;
-  const sd_field *f = &sd_fields[k];
-  *out = (sd_column){.name = f->name,
-                     .unit = f->unit,
-                     .meaning = f->meaning,
-                     .type = f->type,
-                     .extent = f->extent,
-                     .n = sd_extent_size(sim->engine.state, f->extent),
-                     .data = sd_field_data(sim->engine.state, f)};
-  return true;
-}
-
-bool sd_simulation_column(sd_simulation *sim, const char *name, sd_column *out) {
-  for (size_t k = 0; k < sd_field_count; k++)
-    if (strcmp(sd_fields[k].name, name) == 0) return sd_simulation_column_at(sim, k, out);
-  return false;
-}
-
-double sd_simulation_time(const sd_simulation *sim) {
-  return (double)sim->engine.state->step * sim->engine.model->dt;
-}
-
-bool sd_simulation_finished(const sd_simulation *sim) {
-  return sim->engine.state->phase >= (int64_t)sim->engine.model->n_phases;
-}
-
-sd_stage sd_simulation_stage(const sd_simulation *sim) {
-  const sd_state *s = sim->engine.state;
-  return (sd_stage){.step = s->step,
-                    .phase = s->phase,
-                    .phase_step = s->phase_step,
-                    .before = s->phase > 0 ? s->phase_steps[s->phase - 1] : 0};
-}
-
-sd_goal sd_simulation_goal(const sd_simulation *sim) {
-  return sd_goal_of(sim->engine.model, sim->engine.state);
-}
-
-sd_energy sd_simulation_energy(sd_simulation *sim) {
-  return simulation_is_spread(sim) ? ranks_energy(sim->ranks) : energy_of(&sim->engine);
-}
-
-uint32_t sd_simulation_slot(const sd_simulation *sim, uint32_t body) {
-  const sd_model *m = sim->engine.model;
-  if (body >= SD_WALL(0) && body - SD_WALL(0) < m->n_walls) body = body - SD_WALL(0) + (uint32_t)m->n_disks;
-  return body < sd_model_bodies(m) ? engine_slot(&sim->engine, body) : UINT32_MAX;
-}
-
-double sd_simulation_angle(const sd_simulation *sim, uint32_t body) {
-  uint32_t slot = sd_simulation_slot(sim, body);
-  if (slot == UINT32_MAX) return NAN;
-  return sim->engine.state->turn[slot] + sim->engine.state->theta[slot];
+sd_status sd_simulation_advance(sd_simulation *sim, int64_t n, sd_messages *messages) {
+  bool outer;
+  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_advance", &outer, messages)) return SD_ERROR_USER;
+  const sd_status status =
+      n < 0 ? sd_fail(messages, SD_ERROR_USER, "sd_simulation_advance: %lld steps: expected 0 or more",
+                      (long long)n)
+            : advance_all(sim, n, messages);
+  simulation_leave(sim, outer);
+  return status;
 }
 
 sd_status sd_simulation_rebuild(sd_simulation *sim, sd_messages *messages) {
-  if (!sd_simulation_state(sim)) return sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
-  return simulation_rebuild(&sim->engine, engine_lanes(&sim->engine), messages);
+  bool outer;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_rebuild", &outer, messages)) return SD_ERROR_USER;
+  const sd_status status = simulation_state(sim)
+                               ? simulation_rebuild(&sim->engine, engine_lanes(&sim->engine), messages)
+                               : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  simulation_leave(sim, outer);
+  return status;
 }
-
-int sd_simulation_threads(const sd_simulation *sim) { return engine_threads(&sim->engine); }
-const char *sd_simulation_path(const sd_simulation *sim) { return engine_kernels(&sim->engine)->name; }

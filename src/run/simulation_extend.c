@@ -1,8 +1,11 @@
 /* simulation_extend.c: what a program adds to a running system: observers, force fields, disks. See slipdisk/simulation.h. */
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/limits.h"
+#include "model/overlaps.h"
 #include "model/state.h"
 #include "physics/contact/energy.h"
 #include "physics/contact/evaluate.h"
@@ -19,12 +22,16 @@
 /* --- observers and force fields ----------------------------------------------------------------------- */
 
 sd_status sd_simulation_observe(sd_simulation *sim, int64_t every, sd_observer *observer, void *user) {
-  if (every < 1 || !observer) return SD_ERROR_USER;
+  bool outer;
+  if (every < 1 || !observer || !simulation_enter(sim, NEED_CHANGE, "sd_simulation_observe", &outer, NULL))
+    return SD_ERROR_USER;
   simulation_observer *more = realloc(sim->observers, (sim->n_observers + 1) * sizeof *more);
-  if (!more) return SD_ERROR_IO;
-  sim->observers = more;
-  more[sim->n_observers++] = (simulation_observer){every, observer, user};
-  return SD_OK;
+  if (more) {
+    sim->observers = more;
+    more[sim->n_observers++] = (simulation_observer){every, observer, user};
+  }
+  simulation_leave(sim, outer);
+  return more ? SD_OK : SD_ERROR_IO;
 }
 
 int64_t observers_room(const sd_simulation *sim, int64_t most) {
@@ -43,7 +50,9 @@ sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
   for (size_t k = 0; k < sim->n_observers; k++) {
     const simulation_observer *o = &sim->observers[k];
     if (step % o->every != 0) continue;
+    sim->door.observed = true;
     const sd_status status = o->call(sim, o->user);
+    sim->door.observed = false;
     if (worst == SD_OK) worst = status;
     if (status != SD_OK && status != SD_INTERRUPTED)
       sd_fail(messages, status, "step %lld: an observer ended the run with status %d", (long long)step,
@@ -54,11 +63,11 @@ sd_status observers_call(sd_simulation *sim, sd_messages *messages) {
 
 /* Contacts and motions go into the state, from which the work can be built anew. */
 static sd_status store(sd_simulation *sim, sd_messages *messages) {
-  return sd_simulation_state(sim) ? SD_OK : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
+  return simulation_state(sim) ? SD_OK : sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
 }
 
-sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *field, void *user,
-                                        sd_messages *messages) {
+static sd_status add_force_field(sd_simulation *sim, sd_force_field *field, void *user,
+                                 sd_messages *messages) {
   engine *e = &sim->engine;
   sd_status status = SD_OK;
   if (!field) return sd_fail(messages, SD_ERROR_USER, "force field: expected a function, not NULL");
@@ -68,6 +77,16 @@ sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *fiel
   }
   if (status == SD_OK && fields_add(e, field, user) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
+  return status;
+}
+
+sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *field, void *user,
+                                        sd_messages *messages) {
+  bool outer;
+  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_add_force_field", &outer, messages))
+    return SD_ERROR_USER;
+  const sd_status status = add_force_field(sim, field, user, messages);
+  simulation_leave(sim, outer);
   return status;
 }
 
@@ -114,25 +133,32 @@ static void drop_contacts_of_removed(sd_state *s, const engine *e) {
   s->n_contacts = kept;
 }
 
-sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_t *disks,
-                                     sd_messages *messages) {
-  engine *e = &sim->engine;
-  sd_state *s = e->state;
+static sd_status check_removable(const engine *e, size_t n, const uint32_t *disks, sd_messages *messages) {
   char name[96];
+  if (!disks && n) return sd_fail(messages, SD_ERROR_USER, "remove_disks: expected %zu numbers, not NULL", n);
   for (size_t k = 0; k < n; k++) {
-    const bool exists = disks[k] < e->model->n_disks;
-    if (!exists || engine_slot(e, disks[k]) >= s->n_free)
+    if (disks[k] >= e->model->n_disks)
+      return sd_fail(messages, SD_ERROR_USER,
+                     "disk %u cannot be taken out: expected a free disk, of %zu disks", disks[k],
+                     e->model->n_disks);
+    if (engine_slot(e, disks[k]) >= e->state->n_free)
       return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: expected a free disk",
-                     exists ? sd_model_body_name(e->model, disks[k], name, sizeof name)
-                            : "a disk that is none");
+                     sd_model_body_name(e->model, disks[k], name, sizeof name));
     if (e->model->disks[disks[k]].clump > 0)
       return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: it belongs to a clump",
                      sd_model_body_name(e->model, disks[k], name, sizeof name));
-    if (!body_in_play(s, engine_slot(e, disks[k])))
+    if (!body_in_play(e->state, engine_slot(e, disks[k])))
       return sd_fail(messages, SD_ERROR_USER, "%s cannot be taken out: it is not in play",
                      sd_model_body_name(e->model, disks[k], name, sizeof name));
   }
-  sd_status status = store(sim, messages);
+  return SD_OK;
+}
+
+static sd_status remove_disks(sd_simulation *sim, size_t n, const uint32_t *disks, sd_messages *messages) {
+  engine *e = &sim->engine;
+  sd_state *s = e->state;
+  sd_status status = check_removable(e, n, disks, messages);
+  if (status == SD_OK) status = store(sim, messages);
   if (status != SD_OK || n == 0) return status;
   const double residual = energy_of(e).residual;
   for (size_t k = 0; k < n; k++) s->activity[engine_slot(e, disks[k])] = SD_REMOVED;
@@ -148,6 +174,16 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   status = simulation_rebuild(e, false, messages);
   if (status == SD_OK) cell_renew(e);
   if (status == SD_OK) keep_residual(e, residual);
+  return status;
+}
+
+sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_t *disks,
+                                     sd_messages *messages) {
+  bool outer;
+  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_remove_disks", &outer, messages))
+    return SD_ERROR_USER;
+  const sd_status status = remove_disks(sim, n, disks, messages);
+  simulation_leave(sim, outer);
   return status;
 }
 
@@ -230,14 +266,79 @@ static sd_status check_box(const engine *e, size_t n, const sd_disk *disks, sd_m
   return status;
 }
 
-sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
-                                  sd_messages *messages) {
+/* Does a new disk overlap another body too much, as a deck would not allow? */
+typedef struct overlap_check {
+  const sd_model *m; /* bodies where they are now */
+  size_t first;      /* new disk */
+  sd_status status;
+  sd_messages *messages;
+} overlap_check;
+
+static bool check_overlap(void *user, const overlap *o) {
+  overlap_check *c = user;
+  const sd_model *m = c->m;
+  const double smaller = m->disks[o->a].radius; /* a wall has none */
+  if (o->a < c->first && o->b < c->first) return false;
+  if (!o->coincident && o->depth <= m->max_overlap * smaller) return false;
+  char one[96], two[96];
+  const bool later = o->b < m->n_disks && o->b > o->a;
+  sd_model_body_name(m, later ? o->b : o->a, one, sizeof one);
+  sd_model_body_name(m, later ? o->a : o->b, two, sizeof two);
+  c->status = o->coincident
+                  ? sd_fail(c->messages, SD_ERROR_USER, "%s and %s have the same centre", one, two)
+                  : sd_fail(c->messages, SD_ERROR_USER,
+                            "%s and %s overlap by %g, more than max_overlap = %g of the %sradius %g", one,
+                            two, o->depth, m->max_overlap, o->b < m->n_disks ? "smaller " : "", smaller);
+  return true;
+}
+
+/* new_model: with the new disks, everything else as at the start. */
+static sd_status check_overlaps(const engine *e, const sd_model *new_model, sd_messages *messages) {
+  const sd_state *s = e->state;
+  const size_t first = e->model->n_disks;
+  sd_model now = *new_model;
+  overlap_check check = {&now, first, SD_OK, messages};
+  if (!(now.max_overlap > 0.0)) return SD_OK;
+  now.disks = malloc(now.n_disks * sizeof *now.disks);
+  if (!now.disks) return sd_fail(messages, SD_ERROR_IO, "out of memory for the disks");
+  memcpy(now.disks, new_model->disks, now.n_disks * sizeof *now.disks);
+  for (size_t i = 0; i < first; i++) {
+    const uint32_t slot = engine_slot(e, (uint32_t)i);
+    const bool here = slot >= s->n_free || body_in_play(s, slot);
+    now.disks[i].position[SD_X] = here ? s->x[slot] : NAN; /* those out of play are nowhere */
+    now.disks[i].position[SD_Y] = here ? s->y[slot] : NAN;
+  }
+  for (int c = 0; c < 2; c++)
+    if (now.periodic[c]) {
+      now.lower[c] = engine_lower(e, c);
+      now.upper[c] = now.lower[c] + engine_length(e, c);
+    }
+  if (overlaps_of_disks(&now, check_overlap, &check) != SD_OK)
+    check.status = sd_fail(messages, SD_ERROR_IO, "out of memory for the overlaps");
+  for (uint32_t i = (uint32_t)first; check.status == SD_OK && i < now.n_disks; i++)
+    for (uint32_t w = 0; check.status == SD_OK && w < now.n_walls; w++) {
+      const uint32_t slot = engine_slot(e, (uint32_t)first + w);
+      const double pose[3] = {s->x[slot], s->y[slot], s->turn[slot] + s->theta[slot]};
+      const uint32_t wall = (uint32_t)now.n_disks + w;
+      check_overlap(&check,
+                    &(overlap){i, wall, -overlaps_gap(&now, i, now.disks[i].position, wall, pose), false});
+    }
+  free(now.disks);
+  return check.status;
+}
+
+static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
+                           sd_messages *messages) {
   engine *e = &sim->engine;
   const uint32_t number = (uint32_t)e->model->n_disks;
   sd_model *model;
   sd_state *state;
   if (first) *first = number;
   if (n == 0) return SD_OK;
+  if (!disks) return sd_fail(messages, SD_ERROR_USER, "add_disks: expected %zu disks, not NULL", n);
+  if (n > LIMIT_DISKS - e->model->n_disks)
+    return sd_fail(messages, SD_ERROR_USER, "add_disks: %zu disks: expected at most %d in all", n,
+                   LIMIT_DISKS);
   if (e->model->measure_disks)
     return sd_fail(messages, SD_ERROR_USER,
                    "disks cannot be added while means of every disk are measured (measure.disks)");
@@ -245,6 +346,11 @@ sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *d
   if (status == SD_OK) status = store(sim, messages);
   if (status == SD_OK) status = larger_model(e->model, n, disks, &model, messages);
   if (status != SD_OK) return status;
+  status = check_overlaps(e, model, messages);
+  if (status != SD_OK) {
+    sd_model_free(model);
+    return status;
+  }
   if (larger_state(model, e->state, n, &state) != SD_OK) {
     sd_model_free(model);
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
@@ -267,4 +373,13 @@ sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *d
     for (int c = 0; c < SD_COORDINATES; c++) engine_accelerate(e, c, engine_slot(e, number + k), 0.0);
   keep_residual(e, residual);
   return SD_OK;
+}
+
+sd_status sd_simulation_add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, uint32_t *first,
+                                  sd_messages *messages) {
+  bool outer;
+  if (!simulation_enter(sim, NEED_CHANGE, "sd_simulation_add_disks", &outer, messages)) return SD_ERROR_USER;
+  const sd_status status = add_disks(sim, n, disks, first, messages);
+  simulation_leave(sim, outer);
+  return status;
 }

@@ -7,6 +7,7 @@
 #include "slipdisk/simulation.h"
 #include "pack/settle.h"
 #include "run/ranks.h"
+#include "run/simulation_door.h"
 
 /* Which step a simulation takes; both give the same bits. */
 typedef enum simulation_step {
@@ -22,6 +23,7 @@ typedef struct simulation_observer {
 
 struct sd_simulation {
   engine engine;
+  simulation_door door;
   sd_model *owned;  /* model of its own; NULL: the caller's */
   ranks *ranks;     /* that share its steps; NULL: this process alone */
   const char *told; /* why they do not, as the user was told of this phase */
@@ -36,6 +38,11 @@ sd_status simulation_new(const sd_model *model, int threads, simulation_step ste
                          volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages);
 sd_status simulation_resume(const sd_model *model, sd_state *state, int threads, simulation_step step,
                             volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages);
+/* sd_simulation_free while no call is under way. */
+void simulation_free(sd_simulation *simulation);
+/* sd_simulation_state and sd_simulation_finished within a call. */
+const sd_state *simulation_state(sd_simulation *simulation);
+bool simulation_finished(const sd_simulation *simulation);
 /* True: its disks are on other ranks, too, and its engine knows only their state, as it was. */
 bool simulation_is_spread(const sd_simulation *simulation);
 /* How near its disks are to rest, also of a spread one. */

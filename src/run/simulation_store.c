@@ -13,6 +13,7 @@
 #include "io/results/checkpoint.h"
 #include "model/image.h"
 #include "model/state.h"
+#include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "run/simulation_private.h"
 #include "slipdisk/deck.h"
@@ -39,12 +40,13 @@ static void put_image(h5_file *file, const sd_model *model) {
 static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *state,
                              sd_messages *messages) {
   const sd_model *model = sim->engine.model;
-  const sd_energy energy = sd_simulation_energy(sim);
+  const sd_energy energy = energy_of(&sim->engine);
   summary found = {0};
   provenance origin = {0};
   sd_status status = provenance_new(&origin, model, messages);
   if (status == SD_OK)
-    status = provenance_refresh(&origin, 1, engine_threads(&sim->engine), sd_simulation_path(sim), messages);
+    status = provenance_refresh(&origin, 1, engine_threads(&sim->engine), engine_kernels(&sim->engine)->name,
+                                messages);
   if (status == SD_OK) status = summary_collect(&found, model, state, NULL, NULL, &energy, NAN, messages);
   if (status == SD_OK)
     status = summary_disks_collect(&found.packing, model, state, engine_threads(&sim->engine), messages);
@@ -60,7 +62,7 @@ static sd_status put_summary(h5_file *file, sd_simulation *sim, const sd_state *
 /* All that is to be saved; NULL: reported. */
 static h5_file *file_of(sd_simulation *sim, sd_messages *messages) {
   h5_file *file = NULL;
-  const sd_state *state = sd_simulation_state(sim);
+  const sd_state *state = simulation_state(sim);
   if (!state) {
     sd_fail(messages, SD_ERROR_IO, "out of memory for the contacts");
     return NULL;
@@ -76,14 +78,22 @@ static h5_file *file_of(sd_simulation *sim, sd_messages *messages) {
 }
 
 sd_status sd_simulation_save(sd_simulation *sim, const char *path, sd_messages *messages) {
+  bool outer;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_save", &outer, messages)) return SD_ERROR_USER;
   h5_file *file = file_of(sim, messages);
-  return file ? h5_save(file, -1, path, NULL, messages) : SD_ERROR_IO;
+  const sd_status status = file ? h5_save(file, -1, path, NULL, messages) : SD_ERROR_IO;
+  simulation_leave(sim, outer);
+  return status;
 }
 
 sd_status sd_simulation_save_memory(sd_simulation *sim, void **data, size_t *size, sd_messages *messages) {
+  bool outer;
   *data = NULL;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_save_memory", &outer, messages)) return SD_ERROR_USER;
   h5_file *file = file_of(sim, messages);
-  return file ? h5_save_memory(file, data, size, messages) : SD_ERROR_IO;
+  const sd_status status = file ? h5_save_memory(file, data, size, messages) : SD_ERROR_IO;
+  simulation_leave(sim, outer);
+  return status;
 }
 
 /* --- loading ------------------------------------------------------------------------------------------- */
@@ -189,9 +199,8 @@ static sd_state *state_clone(const sd_model *model, const sd_state *state) {
   return copy;
 }
 
-sd_status sd_simulation_clone(sd_simulation *sim, sd_simulation **out, sd_messages *messages) {
-  *out = NULL;
-  const sd_state *state = sd_simulation_state(sim);
+static sd_status clone(sd_simulation *sim, sd_simulation **out, sd_messages *messages) {
+  const sd_state *state = simulation_state(sim);
   sd_model *model = state ? sd_model_clone(sim->engine.model) : NULL;
   sd_state *copy = model ? state_clone(model, state) : NULL;
   if (!copy) {
@@ -203,5 +212,14 @@ sd_status sd_simulation_clone(sd_simulation *sim, sd_simulation **out, sd_messag
     (*out)->owned = model;
   else
     sd_model_free(model);
+  return status;
+}
+
+sd_status sd_simulation_clone(sd_simulation *sim, sd_simulation **out, sd_messages *messages) {
+  bool outer;
+  *out = NULL;
+  if (!simulation_enter(sim, NEED_STATE, "sd_simulation_clone", &outer, messages)) return SD_ERROR_USER;
+  const sd_status status = clone(sim, out, messages);
+  simulation_leave(sim, outer);
   return status;
 }

@@ -21,6 +21,7 @@ static inline uint32_t engine_slot(const engine *e, uint32_t body) { return e->w
 static inline const uint32_t *engine_slots(const engine *e) { return e->work.slot; } /* of all bodies */
 /* Of the periodic box as it is now; 0 where it is open. */
 static inline double engine_length(const engine *e, int c) { return e->work.length[c]; }
+static inline double engine_lower(const engine *e, int c) { return e->work.lower[c]; }
 static inline bool engine_beyond(const engine *e, int c, double x) {
   return x < e->work.lower[c] || x >= e->work.upper[c];
 }

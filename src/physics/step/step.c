@@ -152,6 +152,7 @@ void step_once(engine *e, const team *t) {
     pairs_clear_single(e);
   }
   team_wait(t);
+  if (w->status != SD_OK) return; /* of a force field */
   if (w->stale) {
     renew_together(e, t);
     if (w->status != SD_OK) return;

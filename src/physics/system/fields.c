@@ -52,7 +52,10 @@ static void evaluate(engine *e, int64_t step) {
                                     .force_x = f->force[SD_X],
                                     .force_y = f->force[SD_Y],
                                     .torque = f->force[SD_THETA]};
+  f->calling = true;
   for (size_t k = 0; k < f->n; k++) f->item[k].call(&present, f->item[k].user);
+  f->calling = false;
+  if (pool_forked(e->pool)) e->work.status = SD_ERROR_USER; /* threads of the step stayed in the parent */
   sum_up(e);
 }
 

@@ -8,6 +8,7 @@
 
 typedef struct fields {
   size_t n;
+  bool calling; /* one of them is being called */
   struct {
     sd_force_field *call;
     void *user;
