@@ -1,8 +1,10 @@
 """The shared library: where it is, its functions and structs, its messages as exceptions and warnings."""
 import ctypes
 import difflib
+import operator
 import os
 import pathlib
+import threading
 import warnings
 from ctypes import (POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_uint32,
                     c_uint64, c_void_p)
@@ -298,6 +300,65 @@ class Messages:
         warn(warned, level + 1)
         if status != OK:
             raise error(errors, status)
+
+
+class Threads(threading.local):
+    messages = None
+
+
+THREADS = Threads()
+
+
+def thread_messages():
+    """A list of messages of this thread."""
+    if THREADS.messages is None:
+        THREADS.messages = Messages()
+    return THREADS.messages
+
+
+# --- arguments: ctypes takes numbers modulo 2^32, and texts up to their first null byte --------------------------
+MOST_INT, MOST_STEPS = 2**31 - 1, 2**62
+
+
+def whole(value, what, least, most=MOST_STEPS):
+    """A whole number in a range."""
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise UserError(f"{what} = {value!r:.80}: expected a whole number") from None
+    if not least <= number <= most:
+        raise UserError(f"{what} = {number}: expected {least} " + (f"... {most}" if most < MOST_STEPS else "or more"))
+    return number
+
+
+def octets(value, what):
+    """Bytes, of anything that holds some."""
+    try:
+        return bytes(memoryview(value))
+    except TypeError:
+        raise UserError(f"{what}: {type(value).__name__}: expected bytes") from None
+
+
+def text(value, what):
+    """A text for C, in UTF-8."""
+    if not isinstance(value, str):
+        raise UserError(f"{what}: {value!r:.80}: expected a text")
+    if "\0" in value:
+        raise UserError(f"{what}: {value!r:.80}: a null byte in a text")
+    return value.encode("utf-8", "surrogateescape")
+
+
+def path(value):
+    """The name of a file for C."""
+    try:
+        name = os.fsencode(value)
+    except TypeError:
+        raise UserError(f"{value!r:.80}: expected the path of a file") from None
+    if b"\0" in name:
+        raise UserError(f"{name.decode('utf-8', 'replace')!r:.80}: a null byte in the path of a file")
+    return name
 
 
 def structured(items, kind):

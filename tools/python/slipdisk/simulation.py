@@ -5,6 +5,8 @@ import functools
 import operator
 import os
 import re
+import sys
+import threading
 import time as clock
 import weakref
 from ctypes import byref
@@ -34,6 +36,49 @@ class Handle:
     def __del__(self):
         self.library.sd_simulation_free(self.pointer)
         self.library.sd_model_free(self.model)
+
+
+class Entry:
+    """While a simulation with functions of its user is stepped: what is raised before such a function has begun, Ctrl-C for one, would be
+    printed and lost by ctypes (it goes to sys.unraisablehook). Here it is kept, and `advance` raises it."""
+    depth, before, lock = 0, None, threading.RLock()
+
+    def __init__(self, simulation):
+        self.simulation = simulation
+
+    def __enter__(self):
+        stack = entered()
+        stack.append(self.simulation)
+        with Entry.lock:
+            Entry.depth += 1
+            if sys.unraisablehook is not keep_unraised:
+                Entry.before, sys.unraisablehook = sys.unraisablehook, keep_unraised
+
+    def __exit__(self, *_):
+        entered().pop()
+        with Entry.lock:
+            Entry.depth -= 1
+            if Entry.depth == 0 and sys.unraisablehook is keep_unraised:
+                sys.unraisablehook = Entry.before
+
+
+STACKS = threading.local()
+
+
+def entered():
+    """The simulations that this thread is stepping, the innermost last."""
+    if not hasattr(STACKS, "stack"):
+        STACKS.stack = []
+    return STACKS.stack
+
+
+def keep_unraised(what):
+    """Hook of Entry: `object` or `err_msg` tells a callback of ctypes, by the version of Python."""
+    stack = entered()
+    if stack and "ctypes callback" in (what.err_msg or ""):
+        stack[-1]._keep(what.exc_value if what.exc_value is not None else what.exc_type())
+    else:
+        Entry.before(what)
 
 
 class Memory:
@@ -139,7 +184,10 @@ class ForceColumns:
         for name, _ in struct._fields_[4:]:
             written = name in ("force_x", "force_y", "torque")
             n = self.n_free if written or name == "activity" else self.n_bodies
-            setattr(self, name, view(handle, getattr(struct, name), n, np.dtype(self.KINDS.get(name, "f8")), written))
+            array = view(handle, getattr(struct, name), n, np.dtype(self.KINDS.get(name, "f8")), written)
+            if array.base is not None:
+                handle.views.add(array.base)  # one that is kept outlives the call
+            setattr(self, name, array)
 
 
 def often(simulation, steps):
@@ -147,12 +195,12 @@ def often(simulation, steps):
     stands around it costs as much as twenty steps of three disks. Every 256th call looks for warnings."""
     handle, me = simulation._handle, weakref.ref(simulation)
     call, pointer, n, messages = handle.library.advance, handle.pointer, ctypes.c_int64(steps), simulation._list
-    left = 255
+    left, thread, now = 255, threading.get_ident(), threading.get_ident
 
     @functools.wraps(Simulation.advance)
     def advance(given=None, *, time=None):
         nonlocal left
-        if given is steps and left and time is None:
+        if given is steps and left and time is None and now() == thread:
             left -= 1
             status = call(pointer, n, messages)
             if status:
@@ -176,10 +224,14 @@ class Simulation:
                `disks` in decks, each an array or one value for all. Their numbers follow those of the deck's own disks.
     threads    0: chosen from the number of disks. Results do not depend on it.
 
-    A simulation is used by one thread at a time."""
+    A simulation serves one call at a time: others, of another thread or of its own observers and forces, are refused (UserError) where
+    they would change what is being used. After a fork the child starts threads of its own."""
 
     def __init__(self, deck, overrides=None, *, disks=None, threads=0):
+        if "_handle" in self.__dict__:
+            raise UserError("__init__: this simulation has been made; make another one")
         messages = Messages()
+        threads = lib.whole(threads, "threads", 0, lib.MOST_INT)
         arrays, path = None, None
         if disks is not None:
             arrays = DiskArrays(disks)
@@ -190,7 +242,7 @@ class Simulation:
         else:
             path = deck_path(deck)
             text = arrays and read(path) + "\n" + deck_text({"disk_files": [arrays.group]})
-        words = [f"{key}={value if isinstance(value, str) else value_text(value, key)}".encode()
+        words = [lib.text(f"{key}={value if isinstance(value, str) else value_text(value, key)}", "overrides")
                  for key, value in (overrides or {}).items()]
         words = (ctypes.c_char_p * len(words))(*words)
 
@@ -200,9 +252,9 @@ class Simulation:
 
         model, at = lib.out()
         if text is None:
-            status = library().sd_deck_load(os.fsencode(path), len(words), words, at, messages.pointer)
+            status = library().sd_deck_load(lib.path(path), len(words), words, at, messages.pointer)
         else:
-            status = library().sd_deck_load_text(text.encode(), os.fsencode(path or "deck"), len(words), words, at,
+            status = library().sd_deck_load_text(lib.text(text, "deck"), lib.path(path or "deck"), len(words), words, at,
                                                  messages.pointer)
         if status == lib.OK:
             library().sd_model_advise(model, messages.pointer)
@@ -219,9 +271,18 @@ class Simulation:
 
     def _begin(self, handle):
         self._handle, self._pointer, self._library = handle, handle.pointer, library()
-        self._messages, self._list = handle.messages, ctypes.c_void_p(handle.messages.pointer)
+        self._made_by = threading.get_ident()
         self._piece = max(1, 1_000_000 // max(1000, self.n_disks))  # steps in a call of the library
         self._again, self._raised, self._watched, self._forces = None, None, False, (None, None)
+
+    @property
+    def _messages(self):
+        """A thread that is refused while another one steps has a list of its own."""
+        return self._handle.messages if threading.get_ident() == self._made_by else lib.thread_messages()
+
+    @property
+    def _list(self):
+        return ctypes.c_void_p(self._messages.pointer)
 
     @classmethod
     def _made(cls, pointer, messages):
@@ -233,22 +294,24 @@ class Simulation:
     def _load(cls, function, *arguments, threads):
         messages = Messages()
         pointer, at = lib.out()
+        threads = lib.whole(threads, "threads", 0, lib.MOST_INT)
         messages.check(function(*arguments, threads, at, messages.pointer), level=3)
         return cls._made(pointer, messages)
 
     @classmethod
     def load(cls, path, threads=0):
         """What `save` has written, or a checkpoint of `slipdisk run`. Observers and forces are added again."""
-        return cls._load(library().sd_simulation_load, os.fsencode(path), threads=threads)
+        return cls._load(library().sd_simulation_load, lib.path(path), threads=threads)
 
     @classmethod
     def from_bytes(cls, data, threads=0):
         """What `to_bytes` has made."""
+        data = lib.octets(data, "from_bytes")
         return cls._load(library().sd_simulation_load_memory, data, len(data), threads=threads)
 
     def save(self, path):
         """Writes the whole system into a file; what is loaded from it goes on with the same bits."""
-        self._messages.check(self._library.sd_simulation_save(self._pointer, os.fsencode(path), self._list))
+        self._messages.check(self._library.sd_simulation_save(self._pointer, lib.path(path), self._list))
 
     def to_bytes(self):
         """The whole system as bytes: to be kept, or sent to another process (pickle does this)."""
@@ -281,19 +344,28 @@ class Simulation:
         if time is not None:
             if steps is not None:
                 raise UserError("advance: expected steps or time, not both")
+            if not 0 <= time <= 1e100:
+                raise UserError(f"advance: time = {time}: expected a number from 0 to 1e100")
             steps = round(time / self.dt)
         if isinstance(steps, float) and steps.is_integer():
             steps = int(steps)  # 1e6
         if isinstance(steps, float):
             raise UserError(f"advance: {steps} steps: expected a whole number; time=... takes a time")
-        steps = 2**62 if steps is None else operator.index(steps)
-        if steps < 0:
-            raise UserError(f"advance: {steps} steps: expected 0 or more")
+        steps = 2**62 if steps is None else lib.whole(steps, "advance: steps", 0)
+        if not self._handle.kept:
+            self._advance(steps)
+            return
+        with Entry(self):
+            self._advance(steps)
+
+    def _advance(self, steps):
         asked, took = steps, 0.0
+        if steps == 0:  # refused where any other number is
+            self._messages.check(self._library.sd_simulation_advance(self._pointer, 0, self._list), level=4)
         while steps > 0 and not self.finished:
             piece, begin = min(steps, self._piece), clock.perf_counter()
             status = self._library.sd_simulation_advance(self._pointer, piece, self._list)
-            if (status or self._library.sd_messages_count(self._list)) and self._end(status):
+            if (status or self._raised is not None or self._library.sd_messages_count(self._list)) and self._end(status):
                 return
             steps -= piece
             took = clock.perf_counter() - begin
@@ -301,11 +373,14 @@ class Simulation:
                 self._piece *= 2
             elif took > 2 * PIECE_SECONDS and self._piece > 1:
                 self._piece //= 2
-        if 0 < took < OFTEN_SECONDS and asked <= self._piece and asked is not self._again and type(self).advance is Simulation.advance:
+        if (0 < took < OFTEN_SECONDS and asked <= self._piece and asked is not self._again and not self._handle.kept
+                and type(self).advance is Simulation.advance):
             self._again, self.advance = asked, often(self, asked)
 
     def _end(self, status):
         """After a piece with a status or messages; True: an observer stopped it."""
+        if status == lib.USER:  # refused: what a callback has raised is for the call that goes on
+            self._messages.check(status, level=4)
         raised, self._raised = self._raised, None
         if raised is not None:
             self._messages.take()
@@ -313,7 +388,7 @@ class Simulation:
         if status == lib.INTERRUPTED:
             self._messages.take()
             return True
-        self._messages.check(status, level=3)
+        self._messages.check(status, level=4)
         return False
 
     def _keep(self, error):
@@ -325,13 +400,13 @@ class Simulation:
         `advance` stops there. Without a function it is a decorator: @simulation.observe(1000)."""
         if function is None:
             return lambda function: self.observe(every, function) or function
-        if operator.index(every) < 1:
-            raise UserError(f"observe: every = {every}: expected 1 or more steps")
+        every = lib.whole(every, "observe: every", 1)
+        callable_or_refused(function, "observe")
         me = weakref.ref(self)
 
         def call(_pointer, _user):
             simulation = me()
-            if simulation is None:
+            if simulation is None or simulation._raised is not None:
                 return lib.INTERRUPTED
             try:
                 return lib.INTERRUPTED if function(simulation) is True else lib.OK
@@ -343,13 +418,22 @@ class Simulation:
 
     def _observe(self, every, call):
         kept = lib.OBSERVER(call)
-        if self._library.sd_simulation_observe(self._pointer, every, kept, None) != lib.OK:
+        status = self._library.sd_simulation_observe(self._pointer, every, kept, None)
+        if status == lib.USER:
+            raise busy("observe")
+        if status != lib.OK:
             raise MemoryError
+        self._keep_function(kept)
+
+    def _keep_function(self, kept):
         self._handle.kept.append(kept)
+        self.__dict__.pop("advance", None)  # the short way knows no functions
+        self._again = None
 
     def add_force(self, function):
         """Adds a force on the free disks: function(columns) is called in every step and adds to columns.force_x,
         .force_y, .torque (ForceColumns). It should be a function of the columns and of constants. Can be a decorator."""
+        callable_or_refused(function, "add_force")
         me, failed = weakref.ref(self), False
         same = lib.ForceColumns.n_free.offset  # what comes behind step and time changes seldom
         size = ctypes.sizeof(lib.ForceColumns)
@@ -369,8 +453,11 @@ class Simulation:
                 simulation._keep(error)
 
         kept = lib.FORCE_FIELD(call)
-        self._handle.kept.append(kept)
-        self._messages.check(self._library.sd_simulation_add_force_field(self._pointer, kept, None, self._list))
+        with Entry(self):
+            status = self._library.sd_simulation_add_force_field(self._pointer, kept, None, self._list)
+        if status == lib.OK:
+            self._keep_function(kept)
+        self._messages.check(status)
         if self._raised is not None:  # at step 0: as if it had not been added
             failed = True
             self._end(lib.INTERRUPTED)
@@ -387,47 +474,69 @@ class Simulation:
         if (mass is None) == (density is None):
             raise UserError("add_disks: expected mass or density")
         given = dict(x=x, y=y, radius=radius, **columns)
-        given["mass"] = mass if mass is not None else density * np.pi * np.square(radius)
         places = {"x": ("position", 0), "y": ("position", 1), "theta": ("position", 2), "vx": ("velocity", 0),
                   "vy": ("velocity", 1), "omega": ("velocity", 2), "force_x": ("force", 0), "force_y": ("force", 1),
                   "torque": ("force", 2)}
-        arrays = np.broadcast_arrays(*map(np.atleast_1d, given.values()))
-        rows = np.zeros(arrays[0].shape[0], lib.DISK)
-        rows["group"] = -1
-        for key, array in zip(given, arrays):
-            name, k = places.get(key, (key, None))
-            if key not in places and key not in ("radius", "mass", "inertia", "material"):
+        for key in given:
+            if key not in places and key not in ("radius", "inertia", "material"):
                 raise UserError(f"add_disks: {key}: expected one of {', '.join([*places, 'radius, mass, density, inertia, material'])}")
+        given["mass" if density is None else "density"] = mass if density is None else density
+        given = {key: numbers(value, f"add_disks: {key}") for key, value in given.items()}
+        n = max(map(len, given.values()))
+        for key, array in given.items():
+            if len(array) not in (1, n):
+                raise UserError(f"add_disks: {key}: {len(array)} values: expected one, or {n}")
+        if not all(map(len, given.values())):
+            n = 0
+        if density is not None:
+            with np.errstate(over="ignore"):
+                given["mass"] = given.pop("density") * np.pi * np.square(given["radius"])
+        material = given.get("material", np.zeros(1))
+        wrong = material[~((material == np.floor(material)) & (material >= 0) & (material < 2**31))]
+        if len(wrong):
+            raise UserError(f"add_disks: material = {wrong[0]:g}: expected the number of a material")
+        rows = np.zeros(n, lib.DISK)
+        rows["group"] = -1
+        for key, array in given.items():
+            name, k = places.get(key, (key, None))
             if k is None:
                 rows[name] = array
             else:
                 rows[name][:, k] = array
+        # refused in callbacks, whose arrays count as views
+        self._messages.check(self._library.sd_simulation_add_disks(self._pointer, 0, None, None, self._list))
+        self._forces = None, None
         if len(self._handle.views):
             raise BufferError("add_disks: views of columns are still in use; delete them, or keep copies")
         first, at = lib.out(ctypes.c_uint32)
-        self._messages.check(self._library.sd_simulation_add_disks(self._pointer, len(rows), rows.ctypes.data, at, self._list))
-        return np.arange(first.value, first.value + len(rows))
+        self._messages.check(self._library.sd_simulation_add_disks(self._pointer, n, rows.ctypes.data, at, self._list))
+        return np.arange(first.value, first.value + n)
 
     def remove_disks(self, disks):
         """Takes disks (numbers or names) out between two steps; they keep their numbers, with activity 2."""
-        numbers = [self.find(d) if isinstance(d, str) else d for d in np.atleast_1d(disks).tolist()]
-        numbers = np.array(numbers, np.uint32)
-        self._messages.check(self._library.sd_simulation_remove_disks(self._pointer, len(numbers), numbers.ctypes.data, self._list))
+        listed = np.atleast_1d(disks)
+        if listed.ndim > 1:
+            raise UserError(f"remove_disks: an array of {listed.ndim} dimensions: expected numbers or names in a row")
+        found = [self.find(d) if isinstance(d, str) else lib.whole(d, "remove_disks: disk", 0, self.n_disks - 1) for d in listed.tolist()]
+        found = np.array(found, np.uint32)
+        self._messages.check(self._library.sd_simulation_remove_disks(self._pointer, len(found), found.ctypes.data, self._list))
 
     # --- reading --------------------------------------------------------------------------------------------------
     @property
     def _model(self):
-        return self._library.sd_simulation_model(self._pointer)
+        return self._library.sd_simulation_model(self._pointer) or refused("reading")
 
     @property
     def step(self):
         """Steps made so far."""
-        return self._library.sd_simulation_step(self._pointer)
+        step = self._library.sd_simulation_step(self._pointer)
+        return step if step >= 0 else refused("step")
 
     @property
     def time(self):
         """step * dt"""
-        return self._library.sd_simulation_time(self._pointer)
+        time = self._library.sd_simulation_time(self._pointer)
+        return time if time == time else refused("time")
 
     @property
     def dt(self):
@@ -442,12 +551,13 @@ class Simulation:
     @property
     def finished(self):
         """True at the end of the last phase."""
-        return self._library.sd_simulation_finished(self._pointer)
+        return self._library.sd_simulation_finished(self._pointer) or self.step < 0
 
     @property
     def stage(self):
         """step, phase, phase_step; before: steps of the phase before this one."""
-        return record(self._library.sd_simulation_stage(self._pointer))
+        stage = record(self._library.sd_simulation_stage(self._pointer))
+        return stage if stage.step >= 0 else refused("stage")
 
     @property
     def n_disks(self):
@@ -461,7 +571,7 @@ class Simulation:
 
     def find(self, name):
         """Number of the disk or wall of this name."""
-        number = self._library.sd_model_find(self._model, name.encode())
+        number = self._library.sd_model_find(self._model, lib.text(name, "find"))
         if number == NO_BODY:
             names = [self.name(k) for k in range(min(self.n_disks + self.n_walls, 100))]
             raise lib.unknown(name, names, "the names of bodies")
@@ -469,6 +579,7 @@ class Simulation:
 
     def name(self, number):
         """Name of a body: its own, else "disk 17", "wall 3"."""
+        number = lib.whole(number, "body", -lib.MOST_STEPS)
         if not 0 <= number < self.n_disks + self.n_walls:
             raise UserError(f"body {number}: expected 0 ... {self.n_disks + self.n_walls - 1}")
         room = ctypes.create_string_buffer(256)
@@ -503,12 +614,13 @@ class Simulation:
     @property
     def energy(self):
         """The energy budget since step 0 (kinetic_translation, ..., work, viscous, friction, residual, scale)."""
-        return record(self._library.sd_simulation_energy(self._pointer))
+        energy = record(self._library.sd_simulation_energy(self._pointer))
+        return energy if energy.start == energy.start else refused("energy")
 
     def _state(self):
         state = self._library.sd_simulation_state(self._pointer)
         if not state:
-            raise MemoryError
+            raise busy("reading the state")
         return state
 
     def _measured(self, kind, function, extent):
@@ -547,7 +659,8 @@ class Simulation:
     @property
     def threads(self):
         """Threads that it is stepped with."""
-        return self._library.sd_simulation_threads(self._pointer)
+        threads = self._library.sd_simulation_threads(self._pointer)
+        return threads if threads > 0 else refused("threads")
 
     def hash(self):
         """A number for all bits of the state: equal systems have equal ones."""
@@ -556,6 +669,33 @@ class Simulation:
     def __repr__(self):
         return (f"<slipdisk.Simulation: {self.n_disks} disks, {self.n_walls} walls, step {self.step}, time {self.time:g}"
                 f"{', finished' if self.finished else ''}>")
+
+
+def busy(call):
+    return UserError(f"{call}: not now: within a force, an observer that only reads, or while another thread is in a call")
+
+
+def refused(call):
+    raise busy(call)
+
+
+def callable_or_refused(function, call):
+    if not callable(function):
+        raise UserError(f"{call}: {function!r}: expected a function")
+
+
+def numbers(value, what):
+    """One-dimensional floats."""
+    try:
+        array = np.atleast_1d(np.asarray(value))
+        if array.dtype.kind not in "biuf":
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError):
+        raise UserError(f"{what} = {value!r:.80}: expected numbers") from None
+    if array.ndim != 1:
+        raise UserError(f"{what}: an array of {array.ndim} dimensions: expected one value, or a row")
+    return array
 
 
 def deck_path(deck):
