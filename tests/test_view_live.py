@@ -7,6 +7,7 @@ import re
 import signal
 import socket
 import subprocess
+import threading
 import time
 import unittest
 
@@ -239,6 +240,35 @@ class Safety(Live):
         for connection in many:
             connection.close()
         self.assertIsNone(self.process.poll())
+
+
+    def test_half_open_connections_do_not_keep_others_out(self):
+        """200 that send half a request, or nothing, or trickle, from one address or several: who has the key is answered."""
+        self.serve("view", *ENDLESS, "--live")
+        for half in (b"", b"GET / HTTP/1.1\r\nHost: loc", b"POST /x HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\n"):
+            many, over = [], threading.Event()
+
+            def trickle():
+                while not over.wait(0.2):
+                    for one in many:
+                        try:
+                            one.send(b"x")
+                        except OSError:
+                            pass
+
+            for k in range(200):
+                many.append(socket.create_connection(("127.0.0.1", self.port), timeout=20, source_address=(f"127.0.0.{1 + k % 3}", 0)))
+                many[-1].sendall(half)
+            sender = threading.Thread(target=trickle)
+            sender.start()
+            try:
+                for _ in range(20):
+                    self.assertEqual(self.ask("status")[0], 200)
+            finally:
+                over.set()
+                sender.join()
+                for one in many:
+                    one.close()
 
     def test_another_server_has_another_token(self):
         first = self.token

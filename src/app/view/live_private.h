@@ -30,6 +30,8 @@ struct live {
   double *first;
   char token[LIVE_TOKEN + 1], address[96];
   struct live_server *server;
+  struct stranger *oldest, *newest; /* connections that have not shown the key; of the server's thread */
+  size_t strangers;
 
   atomic_bool wanted;   /* a newer frame */
   _Atomic double asked; /* when something was last asked for; clock_seconds */

@@ -130,6 +130,61 @@ static const struct resource {
 } resources[] = {{"", get_page},         {"meta", get_meta},   {"static", get_static},
                  {"series", get_series}, {"frame", get_frame}, {"status", get_status}};
 
+/* --- connections that have not shown the key ---------------------------------------------------------- */
+
+/* So many may wait with half a request, for so many seconds. A further one takes the place of the oldest, so that they
+ * never keep out who has the key. With it a connection may rest for longer. */
+enum { STRANGERS = 16, CONNECTIONS = 64, SECONDS_WITHOUT = 2, SECONDS_WITH = 10 };
+
+typedef struct stranger {
+  struct stranger *older, *newer;
+  int socket;
+  bool listed;
+} stranger;
+
+static void unlist(live *l, stranger *s) {
+  if (!s->listed) return;
+  *(s->older ? &s->older->newer : &l->oldest) = s->newer;
+  *(s->newer ? &s->newer->older : &l->newest) = s->older;
+  s->listed = false;
+  l->strangers--;
+}
+
+static void list(live *l, stranger *s) {
+  s->older = l->newest;
+  *(l->newest ? &l->newest->newer : &l->oldest) = s;
+  l->newest = s;
+  s->listed = true;
+  if (++l->strangers <= STRANGERS) return;
+  shutdown(l->oldest->socket, SHUT_RDWR); /* the server sees its end, and closes it */
+  unlist(l, l->oldest);
+}
+
+static void connection_notice(void *user, connection *c, void **context,
+                              enum MHD_ConnectionNotificationCode what) {
+  live *l = user;
+  if (what == MHD_CONNECTION_NOTIFY_STARTED) {
+    const union MHD_ConnectionInfo *info = MHD_get_connection_info(c, MHD_CONNECTION_INFO_CONNECTION_FD);
+    stranger *s = info ? calloc(1, sizeof *s) : NULL;
+    *context = s;
+    if (!s) return;
+    s->socket = info->connect_fd;
+    list(l, s);
+  } else if (*context) {
+    unlist(l, *context);
+    free(*context);
+    *context = NULL;
+  }
+}
+
+static void key_was_shown(live *l, connection *c) {
+  const union MHD_ConnectionInfo *info = MHD_get_connection_info(c, MHD_CONNECTION_INFO_SOCKET_CONTEXT);
+  stranger *s = info ? info->socket_context : NULL;
+  if (!s || !s->listed) return;
+  unlist(l, s);
+  MHD_set_connection_option(c, MHD_CONNECTION_OPTION_TIMEOUT, (unsigned)SECONDS_WITH);
+}
+
 /* --- who asks --------------------------------------------------------------------------------------- */
 
 /* A name that is not this machine's own leads here only by a trick (DNS rebinding). Another port is that of a tunnel. */
@@ -190,6 +245,7 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
     return send_answer(c, (answer){.status = MHD_HTTP_FORBIDDEN});
   const struct resource *one = find(l, url);
   if (!one) return send_answer(c, (answer){.status = MHD_HTTP_NOT_FOUND});
+  key_was_shown(l, c);
   if (strcmp(method, "GET") != 0) return send_answer(c, (answer){.status = MHD_HTTP_METHOD_NOT_ALLOWED});
   atomic_store(&l->asked, clock_seconds());
   return send_answer(c, one->get(l, c));
@@ -213,11 +269,11 @@ static struct MHD_Daemon *start(live *l, const struct sockaddr_in *at) {
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  struct MHD_Daemon *d =
-      MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL, 0, NULL, NULL, serve, l,
-                       MHD_OPTION_SOCK_ADDR, at, MHD_OPTION_CONNECTION_LIMIT, 32u,
-                       MHD_OPTION_CONNECTION_TIMEOUT, 10u, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)32768,
-                       MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
+  struct MHD_Daemon *d = MHD_start_daemon(
+      MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_POLL, 0, NULL, NULL, serve, l, MHD_OPTION_SOCK_ADDR, at,
+      MHD_OPTION_CONNECTION_LIMIT, (unsigned)CONNECTIONS, MHD_OPTION_NOTIFY_CONNECTION, connection_notice, l,
+      MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)SECONDS_WITHOUT, MHD_OPTION_CONNECTION_MEMORY_LIMIT,
+      (size_t)32768, MHD_OPTION_SIGPIPE_HANDLED_BY_APP, 1, MHD_OPTION_END);
   int trouble = errno;
   pthread_sigmask(SIG_SETMASK, &before, NULL);
   errno = trouble;
