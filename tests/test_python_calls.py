@@ -6,6 +6,7 @@ import signal
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -35,6 +36,21 @@ def none(_):
     pass
 
 
+def signal_within(s, number, later):
+    """A thread that sends a signal once `advance` is under way: then numbers are refused to other threads."""
+    def send():
+        try:
+            while s.step >= 0:
+                time.sleep(0.001)
+        except slipdisk.UserError:
+            time.sleep(later)
+        os.kill(os.getpid(), number)
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    return thread
+
+
 class Signals(unittest.TestCase):
     def test_ctrl_c_arrives(self):
         """KeyboardInterrupt comes out of `advance`, whatever is called in each step; the system is good, and goes on."""
@@ -55,11 +71,10 @@ class Signals(unittest.TestCase):
             for k in range(10):
                 s = made()
                 kind(s)
-                timer = threading.Timer(0.01 + 0.001 * k, lambda: os.kill(os.getpid(), signal.SIGINT))
-                timer.start()
+                sender = signal_within(s, signal.SIGINT, 0.001 * k)
                 with self.assertRaises(KeyboardInterrupt):
                     s.advance()
-                timer.join()
+                sender.join()
                 step = s.step
                 s.advance(10)
                 self.assertEqual(s.step, step + 10)
@@ -85,9 +100,10 @@ class Signals(unittest.TestCase):
             for k in range(10):
                 s = made()
                 s.observe(1, lambda s: Broken() and None if s.step == 3 else None)
-                signal.setitimer(signal.ITIMER_REAL, 0.01 + 0.001 * k)
+                sender = signal_within(s, signal.SIGALRM, 0.001 * k)
                 with self.assertRaises(TimeoutError):
                     s.advance()
+                sender.join()
             self.assertEqual(seen, [ValueError] * 10)
             self.assertEqual(sys.unraisablehook.__name__, "<lambda>")
         finally:
