@@ -3,6 +3,7 @@
 
 #include <assert.h>
 
+#include "model/law_features.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/bodies.h"
 
@@ -152,7 +153,7 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
       side * walls_arc_at(j->to, j->to_end) - p->side[from] * walls_arc_at(j->from, j->from_end);
   record.lambda_ref -= body_surface(s, c) - body_surface(s, b);
   p->side[to] = side;
-  if (p->more)
+  if (e->work.features & LAW_ROLLING)
     record.rho_ref += walls_arm(s->radius[a], joints_radius(e, to)) * (s->theta[a] - s->theta[c]) -
                       arm * (s->theta[a] - s->theta[b]);
   pairs_set_record(p, to, &record);

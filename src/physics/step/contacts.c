@@ -133,6 +133,7 @@ static double wrap_surface(engine *e, uint32_t i) {
 
 /* The reference of rolling follows the angle of body i, and the surface of a round wall. */
 static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double slid) {
+  if (!(e->work.features & LAW_ROLLING)) return;
   pairs *p = &e->work.pairs;
   const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]],
                arm = walls_arm(ra, joints_radius(e, k));
@@ -504,6 +505,9 @@ sd_status contacts_recall(engine *e, int8_t **slid) {
     if (!pairs_closed(p, k)) continue;
     (*slid)[k] = (int8_t)pairs_slide_sign(p, k);
     if ((*slid)[k] != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
+    /* these follow from the first forces; what no law of this deck has stays 0 */
+    MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
+    if (!(e->work.features & LAW_ROLLING)) MORE(p, k, rho_ref) = 0.0;
   }
   return SD_OK;
 }
