@@ -81,7 +81,7 @@ class Decks(unittest.TestCase):
         deck.write_text(USED.format(width=WIDTH, file=made))
         with self.run_ok(deck, self.folder / f"{name}_used.h5") as file:
             kinetic = sum(file[f"observables/kinetic_{part}/value"][:] for part in ("translation", "rotation"))
-            self.assertLess(kinetic.max(), 1e-8 * GRAINS)
+            self.assertLess(kinetic.max(), 2e-7 * GRAINS)  # single disks creep on
 
     def test_jamming(self):
         edge = 152.4 * (JAMMED / 10000) ** 0.5

@@ -129,6 +129,7 @@ class Lanes(ReferenceTest):
         os.kill(first, signal.SIGKILL)
         wait_for(lambda: (children(process.pid) or [first]) != [first])
         os.kill(children(process.pid)[0], signal.SIGKILL)
+        self.gate.open()
         _, err = process.communicate(timeout=LONG)
         self.assertEqual(process.returncode, 3, err)
         self.assertIn(f"{n - 1} of {n} points done, 1 failed", err)
@@ -227,10 +228,11 @@ class Different(SweepTest):
     def test_error_bar(self):
         """Runs end when it is small enough, or are given up."""
         self.compare(f"""@include "{DECK}"
-            until = {{ error = 1; max_time = 1; }};
+            until = {{ error = 1; max_time = 6; }};
             sweep = {{ parameters = ( {{ path = "phases.measure.steps"; name = "least"; values = (100000); }},
               {{ path = "phases.settle.steps"; name = "settle"; values = (1000, 30000); }},
-              {{ path = "until.error"; name = "wanted"; values = (5e-3, 2e-3, 1e-30); }} ); }};""", n=6)
+              {{ path = "motions[*].amplitude"; name = "drive"; values = (6e-4); }},
+              {{ path = "until.error"; name = "wanted"; values = (0.1, 0.02, 1e-30); }} ); }};""", n=6)
         self.assertGreater(len(set(column(self.out, "steps"))), 3, column(self.out, "steps"))
         self.assertEqual(column(self.out, "goal").count("0"), 2)
 
