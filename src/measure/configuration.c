@@ -1,6 +1,7 @@
 /* configuration.c: see configuration.h. */
 #include "measure/configuration.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -283,6 +284,7 @@ static sd_status fill_bodies(configuration *c, const sd_model *from, const frame
 static placed_segment place(const configuration *c, uint32_t part, const double at[2]) {
   const sd_model *m = c->model;
   const sd_segment *s = &m->segments[part];
+  assert(m->walls && s->body >= m->n_disks);
   const double *pivot = m->walls[s->body - m->n_disks].pivot;
   placed_segment g = walls_place(s, pivot[0], pivot[1], 1.0, 0.0, 1.0);
   if (g.joined) {

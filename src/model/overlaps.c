@@ -300,9 +300,9 @@ static double depth_in_one(const wall_tree *t, const double *p, double radius) {
 static double depth_in_wall(const sd_model *m, const wall_tree *t, const double *p, double radius) {
   const wall_range r = wall_range_of(m, t->wall, p, radius);
   double deepest = -HUGE_VAL;
-  for (double v = r.first[1]; v <= r.last[1]; v++)
-    for (double u = r.first[0]; u <= r.last[0]; u++) {
-      const double at[2] = {p[0] + u * r.length[0], p[1] + v * r.length[1]};
+  for (int64_t v = (int64_t)r.first[1]; v <= (int64_t)r.last[1]; v++)
+    for (int64_t u = (int64_t)r.first[0]; u <= (int64_t)r.last[0]; u++) {
+      const double at[2] = {p[0] + (double)u * r.length[0], p[1] + (double)v * r.length[1]};
       deepest = fmax(deepest, depth_in_one(t, at, radius));
     }
   return deepest;

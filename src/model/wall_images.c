@@ -176,14 +176,15 @@ static bool lie_together(const sd_wall *w, size_t k, size_t other, const double 
 static bool covers_image(const sd_model *m, const sd_wall *w, double near) {
   const double x = period_of(m, 0), y = period_of(m, 1);
   const double wide[2] = {span_of(w, 0), span_of(w, 1)}, slight = NEARLY * shortest_period(m);
-  const double most[2] = {x > 0.0 ? floor((wide[0] + slight) / x) : 0.0,
-                          y > 0.0 ? floor((wide[1] + slight) / y) : 0.0};
+  const int64_t most[2] = {x > 0.0 ? (int64_t)((wide[0] + slight) / x) : 0,
+                           y > 0.0 ? (int64_t)((wide[1] + slight) / y) : 0};
   const size_t n = wall_segments(w);
-  for (double v = -most[1]; v <= most[1]; v++)
-    for (double u = -most[0]; u <= most[0]; u++)
-      for (size_t k = 0; k < n && (u != 0.0 || v != 0.0); k++)
+  for (int64_t v = -most[1]; v <= most[1]; v++)
+    for (int64_t u = -most[0]; u <= most[0]; u++)
+      for (size_t k = 0; k < n && (u != 0 || v != 0); k++)
         for (size_t j = 0; j < n; j++)
-          if (lie_together(w, k, j, (const double[2]){u * x, v * y}, j == k ? near : slight)) return true;
+          if (lie_together(w, k, j, (const double[2]){(double)u * x, (double)v * y}, j == k ? near : slight))
+            return true;
   return false;
 }
 

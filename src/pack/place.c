@@ -230,9 +230,10 @@ static bool clear_of_walls(const place_space *s, double x, double y, double radi
   for (size_t w = 0; w < s->model->n_walls; w++) {
     const sd_wall *wall = &s->model->walls[w];
     const wall_range r = wall_range_of(s->model, wall, (const double[2]){x, y}, radius);
-    for (double p = r.first[0]; p <= r.last[0]; p++)
-      for (double q = r.first[1]; q <= r.last[1]; q++)
-        if (from_wall(wall, x + p * r.length[0], y + q * r.length[1], radius) < radius * (1 - PLACE_SLACK))
+    for (int64_t p = (int64_t)r.first[0]; p <= (int64_t)r.last[0]; p++)
+      for (int64_t q = (int64_t)r.first[1]; q <= (int64_t)r.last[1]; q++)
+        if (from_wall(wall, x + (double)p * r.length[0], y + (double)q * r.length[1], radius) <
+            radius * (1 - PLACE_SLACK))
           return false;
   }
   return true;

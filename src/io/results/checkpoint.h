@@ -14,7 +14,7 @@
  * not by the number of the partner; 4: columns fast_*; 5: columns of contacts named as in slipdisk/contact.h, history of the
  * evaluation whose forces act, names of results as in io/store/members.c; 6: field_power; 7: visit_*. A packing takes bodies and contacts in any order, and
  * no fast_*, so that it reads 2 and 3 as well. */
-enum { CHECKPOINT_FORMAT = 8, CHECKPOINT_OF_PACKING = 2 };
+enum { CHECKPOINT_FORMAT = 9, CHECKPOINT_OF_PACKING = 2 };
 /* Name below /state of a column of sd_fields in the file's format. */
 const char *checkpoint_column(const h5_file *file, const char *name);
 

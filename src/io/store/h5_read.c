@@ -293,7 +293,7 @@ static char *join_words(const char *raw, size_t n, size_t size, bool variable) {
       if (variable) memcpy(&word, raw + k * size, sizeof word);
       const size_t length = !word ? 0 : variable ? strlen(word) : strnlen(word, size);
       if (to) {
-        memcpy(to, word, length);
+        if (word) memcpy(to, word, length);
         to[length] = '\n';
         to += length + 1;
       }

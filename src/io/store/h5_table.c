@@ -327,7 +327,7 @@ static sd_status check_plane(const table *t, const h5_element *e, const double *
                              const bool *gone) {
   double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, range[3];
   for (size_t k = 0; k < t->rows.n; k++)
-    for (size_t c = 0; c < width && !is_gone(gone, k); c++) {
+    for (size_t c = 0; c < width && c < 3 && !is_gone(gone, k); c++) {
       least[c] = fmin(least[c], data[k * width + c]);
       most[c] = fmax(most[c], data[k * width + c]);
     }
@@ -408,7 +408,7 @@ static sd_status leave_out(table *t, const bool *gone) {
 /* Every column that is missing or cannot be read gets its message. */
 static sd_status read_group(table *t) {
   h5_element elements[MOST_ELEMENTS];
-  source from[MOST_ELEMENTS];
+  source from[MOST_ELEMENTS] = {0};
   size_t n = 0, absence = SIZE_MAX;
   bool *gone = NULL;
   sd_status status, worst = SD_OK;

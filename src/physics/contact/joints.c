@@ -166,7 +166,7 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
 bool joints_hand_over(engine *e, size_t k, bool closed) {
   const pairs *p = &e->work.pairs;
   size_t begin, end;
-  joint found;
+  joint found = {0};
   if (!placed(e, k)->shared || pairs_closed(p, k) != closed) return false; /* it has been handed over */
   pairs_beside(p, k, &begin, &end);
   for (size_t j = begin; j < end; j++) {
