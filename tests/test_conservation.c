@@ -39,7 +39,7 @@ static void closed_ratchet_loop(void **unused) {
                                  (sd_contact_law){.k_n = 1e4, .k_t = loop_k_t, .gamma_n = 0, .mu = 1e9});
         system_disk(m, 0, 0, 1, 1);
         system_disk(m, 1.99, 0, 1, 1);
-        m->disks[0].inertia = 1e250;
+        m->disks[0].inertia = 1e90;
         m->disks[0].locked[SD_X] = m->disks[0].locked[SD_Y] = true;
         m->disks[1].driven = true;
         system_shake(m, 1, SD_X, loop_in * sense, 2 * omega, 0);

@@ -169,7 +169,7 @@ class Data(unittest.TestCase):
         line = max(plot.gr(source, figure().subplots()).lines, key=lambda line: len(line.get_xdata()))
         diameter = 2 * source.radius[source.in_play(k) & ~source.driven].mean()
         step = float(np.diff(line.get_xdata())[0])
-        self.assertTrue(0.035 < step < 0.065, step)  # so that the peak of contacts is seen
+        self.assertTrue(0.035 < step < 0.08, step)  # so that the peak of contacts is seen
         pairs = source.pairs(k, 0.05 * diameter)
         m = round(step * diameter / (2 * pairs["r"][0]))
         n = len(pairs["r"]) // m * m

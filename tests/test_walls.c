@@ -154,7 +154,7 @@ static void go_round(const round_trip *trip, sd_integrator integrator, const cha
   sd_model *m = system_new(integrator, SD_PAPER, dt,
                            (sd_contact_law){.k_n = 1e4, .k_t = trip->k_t, .gamma_n = 0, .mu = 1e12});
   system_disk(m, 0, 0, radius, 1);
-  m->disks[0].inertia = 1e250;
+  m->disks[0].inertia = 1e90;
   lead(m, trip, radius - overlap);
   size_t w = system_straight(m, trip->closed ? SD_WALL_POLYLINE : SD_WALL_SEGMENT, trip->n, trip->corner);
   m->walls[w].closed = trip->closed;
