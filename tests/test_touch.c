@@ -10,6 +10,7 @@
 #include <math.h>
 
 #include "brief.h"
+#include "brief.h"
 #include "slipdisk/deck.h"
 #include "system.h"
 
@@ -121,8 +122,8 @@ static void elastic_contacts_lose_nothing(void **unused) {
                "radius = 0.1; mass = 1; } ); "
                "walls = ( { type = \"line\"; points = ((0, 0), (0, 1)); }, { type = \"line\"; points = ((1, "
                "0), (1, 1)); } ); "
-               "materials = ( { name = \"m\"; %s } ); time = 830;",
-               M_PI / sqrt(stiffness) / 50, integrator ? "verlet" : "gear5", elastic[k]);
+               "materials = ( { name = \"m\"; %s } ); time = %d;",
+               M_PI / sqrt(stiffness) / 50, integrator ? "verlet" : "gear5", elastic[k], BRIEF(830, 40));
       sd_simulation *s;
       sd_model *model;
       start(deck, &s, &model);

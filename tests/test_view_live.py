@@ -241,10 +241,8 @@ class Safety(Live):
             connection.close()
         self.assertIsNone(self.process.poll())
 
-
     def test_half_open_connections_do_not_keep_others_out(self):
         """200 that send half a request, or nothing, or trickle, from one address or several: who has the key is answered."""
-        self.serve("view", *ENDLESS, "--live")
         for half in (b"", b"GET / HTTP/1.1\r\nHost: loc", b"POST /x HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\n"):
             many, over = [], threading.Event()
 
