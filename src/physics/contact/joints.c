@@ -144,6 +144,7 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   pairs *p = &e->work.pairs;
   const size_t a = (size_t)p->a[from], b = (size_t)p->b[from], c = (size_t)p->b[to];
   assert(pairs_closed(p, from) && !pairs_closed(p, to) && fabs(p->side[from]) == 1.0);
+  assert(j->from && j->to);
   sd_contact_record record = pairs_record(p, from);
   const double arm = walls_arm(s->radius[a], joints_radius(e, from));
   /* an end of an arc goes on in the arc's own way */
