@@ -22,12 +22,16 @@ static sd_model *packing(int n, int wide, const char *integrator, bool periodic)
   text_add(&t, "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 1; mu = 0.5; } );\n"
                "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
   add_lattice(&t, n, wide, 0.03, 0.028, 0.0405, 0.02, 21);
+  text_add(&t, "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; points = (");
+  if (periodic)
+    text_add(&t, "(0, 0), (%g, 0)", width);
+  else
+    text_add(&t, "(0, 4), (0, 0), (%g, 0), (%g, 4)", width, width);
   text_add(
       &t,
-      "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; points = ((0, 4), (0, 0), (%g, 0), (%g, "
-      "4)); },\n"
+      "); },\n"
       "{ name = \"knob\"; type = \"circle\"; center = (%g, -0.02); radius = 0.03; side = \"outside\"; } );\n",
-      width, width, 0.5 * width);
+      0.5 * width);
   text_add(&t,
            "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
            "frequency = 80; },\n"
