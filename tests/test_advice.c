@@ -230,6 +230,55 @@ static void walls_are_touched_once(void **unused) {
 #undef RIGHT
 }
 
+/* Motions that begin with a jump, go far in a step, or are too fast for it; u(0) = 0, a ramp, and surfaces are the usual. */
+static void motions_suit_the_step(void **unused) {
+  (void)unused;
+#define MOVED(what)                                                                                          \
+  VERLET LAW GRAVITY FLOOR DISK "steps = 9; motions = ( { name = \"m\"; wall = \"floor\"; " what " } );"
+#define WAVE(type, more) "coordinate = \"y\"; type = \"" type "\"; amplitude = 0.05; omega = 6.0; " more
+#define JUMPS "motion \"m\" begins with a jump by 0.05 radii of the smallest disk"
+  advised(MOVED(WAVE("harmonic", "")), NULL);
+  advised(MOVED(WAVE("harmonic", "phase = \"pi\";")), NULL);
+  advised(MOVED(WAVE("harmonic", "phase = \"0.5 pi\";")), JUMPS);
+  advised(MOVED(WAVE("harmonic", "phase = \"0.5 pi\"; ramp = 1.0;")), NULL);
+  advised(MOVED(WAVE("parabolic", "phase = \"0.5 pi\";")), JUMPS);
+  advised(MOVED(WAVE("triangle", "phase = \"-0.5 pi\";")), JUMPS);
+  advised(MOVED(WAVE("square", "rise = 0.1; phase = \"0.5 pi\";")), JUMPS);
+  advised(MOVED(WAVE("square", "rise = 0.1;")), NULL);
+  advised(MOVED(WAVE("random", "")), "begins with a jump by up to 0.15 radii");
+  advised(MOVED(WAVE("random", "ramp = 1.0;")), NULL);
+  advised(MOVED("coordinate = \"surface\"; type = \"harmonic\"; amplitude = 0.05; omega = 6.0; phase = \"0.5 "
+                "pi\";"),
+          NULL);
+#define TABLE(times, values)                                                                                 \
+  "coordinate = \"y\"; type = \"table\"; times = (" times "); values = (" values ");"
+  advised(MOVED(TABLE("0.0, 1.0, 2.0", "0.0, 0.05, 0.0")), NULL);
+  advised(MOVED(TABLE("0.0, 1.0, 2.0", "0.05, 0.0, 0.0")), JUMPS);
+  advised(MOVED(TABLE("-1.0, 1.0, 2.0", "0.1, 0.0, 0.0")), JUMPS);
+  advised(MOVED(TABLE("1.0, 1.0001, 2.0", "0.0, 0.5, 0.5")),
+          "moves by up to 0.5 radii of the smallest disk in a step");
+  advised(MOVED("coordinate = \"y\"; type = \"velocity\"; velocity = 90.0;"), NULL);
+  advised(MOVED("coordinate = \"y\"; type = \"velocity\"; velocity = -4000.0;"),
+          "motion \"m\": wall \"floor\" moves by up to 4 radii of the smallest disk in a step");
+#undef MOVED
+#define MOVED(what)                                                                                          \
+  VERLET LAW GRAVITY FLOOR DISK                                                                              \
+      "steps = 9; limits = { displacement = 0; }; motions = ( { name = \"m\"; wall = \"floor\"; " what       \
+      " } );"
+  advised(MOVED("coordinate = \"y\"; type = \"velocity\"; velocity = -4000.0;"), NULL);
+#undef MOVED
+#define MOVED(what)                                                                                          \
+  VERLET LAW GRAVITY FLOOR DISK "steps = 9; motions = ( { name = \"m\"; wall = \"floor\"; " what " } );"
+  advised(MOVED("coordinate = \"y\"; type = \"servo\"; force = 1.0; speed = 200.0;"),
+          "moves by up to 0.2 radii");
+  advised(MOVED("coordinate = \"theta\"; type = \"velocity\"; velocity = 500.0;"),
+          "moves by up to 0.25 radii");
+  advised(MOVED("coordinate = \"surface\"; type = \"velocity\"; velocity = 500.0;"), NULL);
+  advised(MOVED("coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; frequency = 100.0;"),
+          "a cycle takes 10 steps");
+#undef MOVED
+}
+
 /* Walls of all shapes, moved and turned. */
 static void gaps_are_those_between_surfaces(void **unused) {
   (void)unused;
@@ -255,6 +304,7 @@ int main(void) {
       cmocka_unit_test(compression_ends_with_settle),    cmocka_unit_test(boxes_deform_as_they_are_told),
       cmocka_unit_test(deep_overlaps_throw_disks_apart), cmocka_unit_test(watched_contacts_touch),
       cmocka_unit_test(walls_are_touched_once),          cmocka_unit_test(gaps_are_those_between_surfaces),
+      cmocka_unit_test(motions_suit_the_step),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

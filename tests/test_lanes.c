@@ -138,7 +138,8 @@ static void straight_walls(void **state) {
       "{ name = \"slope\"; type = \"line\"; points = ((0, -0.3), (1, 0.1)); } );\n"
       "motions = ( { wall = \"drum\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 4; }, { wall = "
       "\"slope\"; coordinate = "
-      "\"y\"; type = \"random\"; amplitude = 2e-3; frequency = 20; } );\n";
+      "\"y\"; type = \"random\"; amplitude = 2e-3; frequency = 20; } );\n"
+      "limits = { displacement = 0; };\n";
   static const char *const decks[] = {off_the_end, company}, *const laws[] = {MATERIAL, HERTZ};
   for (int d = 0; d < 2; d++)
     for (int law = 0; law < 2; law++)

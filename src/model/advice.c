@@ -59,10 +59,13 @@ char *advice_unstable(const sd_model *m) {
 /* Of the limit: a disk in a packing may blow up at a third of it. */
 static const double NEAR_LIMIT = 0.25;
 
+sd_step_limit advice_step_limit(const sd_model *m) {
+  return m->limit_told > 0.0 ? (sd_step_limit){.dt = m->limit_told, .bound = m->bound_told}
+                             : sd_model_step_limit(m);
+}
+
 const char *advice_of_failure(const sd_model *m, const char *otherwise, char *text, size_t size) {
-  const sd_step_limit limit = m->limit_told > 0.0
-                                  ? (sd_step_limit){.dt = m->limit_told, .bound = m->bound_told}
-                                  : sd_model_step_limit(m);
+  const sd_step_limit limit = advice_step_limit(m);
   if (m->dt > NEAR_LIMIT * limit.dt)
     snprintf(text, size,
              "dt = %g is too large: %.2g of the limit of stability (%s, %s), which many contacts lower to a "
@@ -470,7 +473,7 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
 
 advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,   check_settle,
                                        check_compress,  check_overlap,  check_watches, check_cells,
-                                       advice_fields,   advice_joints};
+                                       advice_fields,   advice_joints,  advice_motions};
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
 void sd_model_advise(const sd_model *m, sd_messages *messages) {

@@ -10,6 +10,8 @@
 typedef double advice_check(const sd_model *model, sd_messages *messages);
 /* Of the fields; advice_fields.c. */
 advice_check advice_fields;
+/* Of motions; advice_motions.c. */
+advice_check advice_motions;
 /* Of walls that meet; advice_joints.c. */
 advice_check advice_joints;
 extern advice_check *const advice_checks[];
@@ -18,6 +20,12 @@ extern const size_t advice_count;
 /* The text of the mistake, to be freed, when dt is beyond the limit of stability and the model does not ask for it; else
  * NULL. */
 char *advice_unstable(const sd_model *model);
+
+/* The first motion that begins with a jump, and what to do, to be freed; NULL: none does. */
+char *advice_first_jump(const sd_model *model);
+
+/* The limit of stability, of the whole deck where only a sample of its disks is here. */
+sd_step_limit advice_step_limit(const sd_model *model);
 
 /* Why a run may have failed: dt near its limit, or else as asked, "is k_n too small?"; in text[size]. */
 const char *advice_of_failure(const sd_model *model, const char *otherwise, char *text, size_t size);

@@ -89,7 +89,7 @@ static const deck_key limits_keys[] = {
      "of the fraction of the measured time in which a watched contact is open; 0: none",
      SETS(sd_limits, open)},
     {"displacement", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.1", NULL,
-     "of the displacement of a free disk in one step, over its radius; 0: none",
+     "of what a disk or a wall moves by in one step, over the radius; 0: none",
      SETS(sd_limits, displacement)},
     {"unstable_step", BOOL, "(false)", NULL,
      "dt may be beyond the limit of stability (`slipdisk check` prints it)", SETS(sd_limits, unstable_step)},

@@ -18,6 +18,7 @@
 #include "model/normal_laws.h"
 #include "model/loads.h"
 #include "model/motion_kinds.h"
+#include "model/rounding.h"
 #include "model/wall_images.h"
 #include "model/wall_images.h"
 #include "slipdisk/deck.h"
@@ -270,7 +271,7 @@ static void check_motions(const sd_model *m, sd_messages *msg) {
       sd_fail(msg, SD_ERROR_USER, "%s: amplitude, omega, phase and velocity must be finite, at most 1e100",
               name);
     if (!(q->ramp >= 0.0)) sd_fail(msg, SD_ERROR_USER, "%s: ramp = %g: expected >= 0", name, q->ramp);
-    if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, m->dt, q->name ? q->name : "?", msg);
+    motion_check(q, m->dt, name, msg);
   }
 }
 
@@ -526,13 +527,16 @@ sd_status model_find_driven(sd_model *m) {
 static void derive_numbers(sd_model *m) {
   double inverse = 0.0;
   m->largest_radius = 0.0;
+  m->smallest_radius = HUGE_VAL;
   for (size_t k = 0; k < m->n_motions; k++)
     if (m->motions[k].interval < 1) m->motions[k].interval = 1;
   for (size_t i = 0; i < m->n_disks; i++) {
     sd_disk *d = &m->disks[i];
     if (d->inertia == 0.0) d->inertia = 0.5 * d->mass * d->radius * d->radius;
     inverse += 1.0 / d->radius;
-    if (!d->driven) m->largest_radius = fmax(m->largest_radius, d->radius);
+    if (d->driven) continue;
+    m->largest_radius = fmax(m->largest_radius, d->radius);
+    m->smallest_radius = fmin(m->smallest_radius, d->radius);
   }
   m->mean_radius = (double)m->n_disks / inverse;
 }
@@ -574,6 +578,7 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   if (status == SD_OK && (model_find_driven(m) != SD_OK || model_find_pieces(m) != SD_OK))
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
   if (status == SD_OK) derive_numbers(m);
+  if (status == SD_OK) rounding_check(m, own);
   if (status == SD_OK) status = clumps_derive(m, own);
   if (status == SD_OK) status = check_laws(m, own);
   if (status == SD_OK) check_round_walls(m, own);

@@ -207,6 +207,7 @@ struct sd_model {
   size_t n_free;          /* disks that are not driven */
   double mean_radius;     /* harmonic mean of all disks */
   double largest_radius;  /* of a free disk */
+  double smallest_radius; /* of a free disk; infinite without any */
   double shortest_period; /* as sd_model_shortest_period; where there are servos */
   uint32_t *clump_disks;  /* of all clumps, one after the other, by number: what sd_clump.disks points to */
   double (*clump_offsets)[2]; /* of each of these from its clump's centre, at the start */

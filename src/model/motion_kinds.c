@@ -3,6 +3,11 @@
 
 #include <assert.h>
 
+#define LANE_WIDTH 1
+#include "base/lane.h"
+
+#include "model/waveforms.h"
+
 static void check_random(const sd_motion *q, double dt, const char *name, sd_messages *msg) {
   (void)dt;
   if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)
@@ -37,6 +42,19 @@ double motion_period(const sd_motion *q) {
                                                          : 0;
 }
 
+/* Steps per cycle of a wave below which its values at the steps are those of another wave. */
+static const double FEWEST_STEPS = 4;
+
+void motion_check(const sd_motion *q, double dt, const char *name, sd_messages *messages) {
+  const bool swings = motion_is_wave(q) && q->amplitude != 0 && dt > 0;
+  const double steps = swings ? motion_period(q) / dt : HUGE_VAL;
+  if (steps < FEWEST_STEPS)
+    sd_fail(messages, SD_ERROR_USER,
+            "%s: a cycle takes %.3g steps: expected %g or more: a lower frequency or a smaller dt", name,
+            steps, FEWEST_STEPS);
+  if (motion_kinds[q->kind].check) motion_kinds[q->kind].check(q, dt, q->name ? q->name : "?", messages);
+}
+
 double motion_reach(const sd_motion *q) {
   return motion_is_wave(q) || motion_source(q) == SIGNAL_RANDOM ? fabs(q->amplitude) : HUGE_VAL;
 }
@@ -49,4 +67,57 @@ void motion_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
     default: assert(!"a wave");
   }
 #undef SHAPE_CASE
+}
+
+/* Straight between its rows. */
+static double table_at(const sd_motion *q, double t) {
+  const size_t last = q->n_table - 1;
+  const double from = q->table_time[0], to = q->table_time[last];
+  if (q->periodic) t -= (to - from) * floor((t - from) / (to - from));
+  if (!(t > from)) return q->amplitude * q->table_value[0];
+  if (!(t < to)) return q->amplitude * q->table_value[last];
+  size_t low = 0, high = last;
+  while (high - low > 1) {
+    const size_t middle = low + (high - low) / 2;
+    *(q->table_time[middle] <= t ? &low : &high) = middle;
+  }
+  const double part = (t - q->table_time[low]) / (q->table_time[high] - q->table_time[low]);
+  return q->amplitude * (q->table_value[low] + part * (q->table_value[high] - q->table_value[low]));
+}
+
+double motion_first(const sd_motion *q) {
+  double shape[WAVE_SHAPE] = {0}, u = 0, v;
+  if (q->ramp > 0) return 0;
+  if (motion_source(q) == SIGNAL_TABLE) return table_at(q, 0);
+  if (motion_source(q) == SIGNAL_RANDOM) return 3 * q->amplitude;
+  if (!motion_is_wave(q)) return 0;
+  if (q->kind == SD_MOTION_HARMONIC) return q->amplitude * sin(q->phase);
+  motion_shape(q, shape);
+  wave_at_w1(q->kind, q->phase / (2 * M_PI), shape, &u, &v);
+  return u;
+}
+
+/* Beside each row, to either side. */
+static double table_stride(const sd_motion *q, double dt) {
+  double most = 0;
+  for (size_t r = 0; r < q->n_table; r++) {
+    const double here = q->amplitude * q->table_value[r], t = q->table_time[r];
+    if (t + dt > 0) most = fmax(most, fabs(table_at(q, t + dt) - here));
+    if (t > 0) most = fmax(most, fabs(table_at(q, fmax(t - dt, 0)) - here));
+  }
+  return most;
+}
+
+double motion_stride(const sd_motion *q, double dt) {
+  double shape[WAVE_SHAPE];
+  switch (motion_source(q)) {
+    case SIGNAL_STEADY: return fabs(q->velocity) * dt;
+    case SIGNAL_TABLE: return table_stride(q, dt);
+    case SIGNAL_RANDOM:
+      return 3 * fabs(q->amplitude) * fmin(q->omega * dt * (double)q->interval, 2) / (double)q->interval;
+    case SIGNAL_FEEDBACK: return q->kind == SD_MOTION_SERVO ? q->velocity * dt : 0;
+    case SIGNAL_WAVE: break;
+  }
+  motion_shape(q, shape); /* the second number is the largest velocity */
+  return fmin(fabs(shape[1]) * dt, 2 * fabs(q->amplitude));
 }

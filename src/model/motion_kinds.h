@@ -47,10 +47,17 @@ static inline signal_source motion_source(const sd_motion *q) { return motion_ki
 static inline bool motion_is_wave(const sd_motion *q) { return motion_source(q) == SIGNAL_WAVE; }
 static inline bool motion_is_feedback(const sd_motion *q) { return motion_source(q) == SIGNAL_FEEDBACK; }
 
+/* Tells what is refused: too few steps in a cycle, and what its kind refuses. name: as in model_motion_name. */
+void motion_check(const sd_motion *motion, double dt, const char *name, sd_messages *messages);
+
 /* Time after which it repeats, 0: never. */
 double motion_period(const sd_motion *motion);
 /* Amplitude of a wave, rms displacement of a random motion; infinite where neither is known. */
 double motion_reach(const sd_motion *motion);
 void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
+/* Value with which it begins, without a ramp: three standard deviations where chance decides, 0 where the disks do. */
+double motion_first(const sd_motion *motion);
+/* The farthest that it goes in one step once it runs: 0 where the disks decide; three standard deviations where chance does. */
+double motion_stride(const sd_motion *motion, double dt);
 
 #endif

@@ -134,6 +134,7 @@ bool model_count_tiles(sd_model *m, sd_step_limit limit) {
   m->limit_told = limit.dt;
   m->bound_told = limit.bound;
   m->largest_radius = fmax(m->largest_radius, m->tiles.most);
+  if (m->tiles.least > 0) m->smallest_radius = fmin(m->smallest_radius, m->tiles.least);
   if (m->tiles.first > 0) memcpy(disks, m->disks, m->tiles.first * sizeof *disks);
   free(m->disks);
   m->disks = disks;

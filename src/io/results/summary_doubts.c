@@ -7,16 +7,22 @@
 
 #include "base/text.h"
 #include "io/results/summary.h"
+#include "model/advice.h"
 #include "model/overlaps.h"
+#include "model/strides.h"
 
 const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
     [DOUBT_RESIDUAL] = {"residual", "residual of the energy budget over its scale",
                         "whose energy budget does not close: a smaller dt is needed"},
     [DOUBT_OPEN] = {"open", "fraction of the measured time in which a watched contact was open",
                     "whose watched contacts were open nearly all the time"},
-    [DOUBT_DISPLACEMENT] = {"displacement", "displacement of a free disk in one step over its radius",
-                            "in which a disk moves too far in a step: a smaller dt is needed"},
+    [DOUBT_DISPLACEMENT] = {"displacement",
+                            "displacement in one step over the radius: of a free disk over its own, "
+                            "of a prescribed body over that of the smallest free disk",
+                            "in which a disk or a wall moves too far in a step"},
     [DOUBT_FINITE] = {"finite", "a number of the result is not finite", "with numbers that are not finite"},
+    [DOUBT_UNSTABLE] = {"unstable", "dt over the limit of stability",
+                        "whose dt is beyond the limit of stability: results mean nothing"},
 };
 
 /* Gaps over the radius below this are those of bodies that touch. */
@@ -44,15 +50,17 @@ static double rounding(const sd_model *model, const sd_state *state, double over
   return 4 * DBL_EPSILON * stiffest * farthest * overlaps;
 }
 
-static bool judge_residual(summary *s, double limit, double floor) {
+static bool judge_residual(summary *s, double limit, double floor, const sd_model *model) {
   const sd_energy *e = &s->energy;
   if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return true; /* NAN goes on */
   double part = fabs(e->residual) / e->scale;
-  return doubt(
-      s, DOUBT_RESIDUAL, part, limit,
-      format_text("the energy budget does not close: a smaller dt is needed (residual %.2g of its scale, "
-                  "limits.residual is %g)",
-                  part, limit));
+  char *first = model ? advice_first_jump(model) : NULL;
+  const bool memory = doubt(s, DOUBT_RESIDUAL, part, limit,
+                            format_text("the energy budget does not close: %s (residual %.2g of its scale, "
+                                        "limits.residual is %g)",
+                                        first ? first : "a smaller dt is needed", part, limit));
+  free(first);
+  return memory;
 }
 
 /* Distance between the surfaces of a disk and its partner now; NAN: not known. */
@@ -119,10 +127,32 @@ static bool judge_open(summary *s, double limit, const sd_model *model, const sd
   return memory;
 }
 
+/* Prescribed bodies are noted from a tenth of the limit on where they jump; step/speed.h. */
+static char *why_far(const sd_model *model, const sd_state *state, const char *name, double limit) {
+  char *first = advice_first_jump(model), *text;
+  if (state->fast_displacement > limit)
+    text = format_text("%s moves by %.3g radii of the smallest disk in a step, after step %" PRId64
+                       ", and may have passed through disks: %s (limits.displacement is %g)",
+                       name, state->fast_displacement, state->fast_step,
+                       first ? first : "a slower motion or a smaller dt is needed", limit);
+  else
+    text = format_text("%s jumps by %.3g radii of the smallest disk in a step, after step %" PRId64
+                       ", and disks there are thrown: %s (limits.displacement is %g)",
+                       name, state->fast_displacement, state->fast_step,
+                       first ? first : "spread its motion over more time", limit);
+  free(first);
+  return text;
+}
+
 static bool judge_displacement(summary *s, double limit, const sd_model *model, const sd_state *state) {
   if (!(limit > 0) || state->fast_step < 0) return true;
   char name[96];
-  sd_model_body_name(model, (uint32_t)state->fast_disk, name, sizeof name);
+  const uint32_t body = (uint32_t)state->fast_disk;
+  sd_model_body_name(model, body, name, sizeof name);
+  if (body >= model->n_disks || model->disks[body].driven)
+    return doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement,
+                 state->fast_displacement > limit ? limit : STRIDES_JUMP * limit,
+                 why_far(model, state, name, limit));
   return doubt(s, DOUBT_DISPLACEMENT, state->fast_displacement, limit,
                format_text("%s moves by %.3g of its radius in a step, after step %" PRId64
                            ", and disks may have passed through others: a smaller dt is needed "
@@ -153,10 +183,22 @@ static bool judge_finite(summary *s, const sd_state *state) {
                         format_text("a number is not finite (%s): a smaller dt is needed", name));
 }
 
+/* Whatever limits are set: a deck asks for such a step, and the warning before the run says what its results mean. */
+static bool judge_unstable(summary *s, const sd_model *model) {
+  if (!model || !model->limits.unstable_step) return true; /* else it is refused */
+  const double limit = advice_step_limit(model).dt;
+  return !(model->dt > limit) ||
+         doubt(
+             s, DOUBT_UNSTABLE, model->dt / limit, 1,
+             format_text("dt = %g is beyond the limit of stability %.3g: results mean nothing: a smaller dt "
+                         "is needed",
+                         model->dt, limit));
+}
+
 sd_status summary_judge(summary *s, const sd_limits *limits, const sd_model *model, const sd_state *state,
                         double overlaps, sd_messages *messages) {
-  bool memory = judge_residual(s, limits->residual, state ? rounding(model, state, overlaps) : 0) &&
-                judge_open(s, limits->open, model, state);
+  bool memory = judge_residual(s, limits->residual, state ? rounding(model, state, overlaps) : 0, model) &&
+                judge_open(s, limits->open, model, state) && judge_unstable(s, model);
   if (state)
     memory = memory && judge_displacement(s, limits->displacement, model, state) && judge_finite(s, state);
   return memory ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the summary");

@@ -10,8 +10,9 @@
 typedef enum doubt_kind {
   DOUBT_RESIDUAL,     /* the energy budget does not close */
   DOUBT_OPEN,         /* watched contacts were open nearly all the time */
-  DOUBT_DISPLACEMENT, /* a disk moved too far in one step */
+  DOUBT_DISPLACEMENT, /* a disk or a prescribed body moved too far in one step */
   DOUBT_FINITE,       /* a number that should be there is none */
+  DOUBT_UNSTABLE,     /* dt is beyond the limit of stability */
   DOUBT_KINDS
 } doubt_kind;
 /* Name, what value and limit are, and what is said of many points of a sweep: "3 points WHOSE". */

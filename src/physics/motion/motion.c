@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/strides.h"
 #include "physics/motion/feedback.h"
 #include "physics/contact/pairs.h"
 #include "physics/motion/prescribed.h"
@@ -336,6 +337,7 @@ static void pose(prescribed *p, int64_t k) {
   const double after = p->value[k];
   p->moved = after - p->last;
   p->force_before = *p->force;
+  p->speed_before = *p->speed;
   *p->at = p->last = after;
   *p->speed = p->velocity[k];
 }
@@ -398,10 +400,44 @@ void motion_wrapped(engine *e, uint32_t slot) {
   }
 }
 
+/* Displacement of a body by one coordinate of it in the step, over the radius it is compared with, where that is beyond the
+ * limit; else 0. speed: the larger of those at both ends. */
+static double beyond_limit(const engine *e, uint32_t slot, int coordinate, double moved, double speed) {
+  const sd_model *m = e->model;
+  const sd_state *s = e->state;
+  if (coordinate == SD_SURFACE || (coordinate == SD_THETA && slot < s->n_disks)) return 0.0;
+  const double arm = coordinate == SD_THETA ? strides_arm(m, s->id[slot]) : 1.0;
+  const double radius = slot < s->n_free ? s->radius[slot] : m->smallest_radius;
+  const double way = fabs(moved) * arm / radius, steady = speed * e->work.dt * arm / radius;
+  const double jump = (way - steady) / STRIDES_JUMP;
+  return fmax(way, fmax(steady, jump)) > m->limits.displacement ? fmax(way, steady) : 0.0;
+}
+
+double motion_fastest(const engine *e, size_t *slot) {
+  const motions *q = e->work.motions;
+  double fastest = 0.0;
+  for (size_t k = 0; k < q->n_prescribed + q->feedbacks.count; k++) {
+    const prescribed *p = &q->prescribed[k];
+    const feedback *f = &q->feedbacks.item[k - q->n_prescribed];
+    const bool ahead = k < q->n_prescribed;
+    const uint32_t body = ahead ? p->slot : f->slot;
+    if (body >= e->state->n_bodies) continue; /* a clump: its disks are compared */
+    const double speed = ahead ? fmax(fabs(*p->speed), fabs(p->speed_before)) : fabs(*f->speed);
+    const double way =
+        beyond_limit(e, body, ahead ? p->coordinate : f->coordinate, ahead ? p->moved : f->moved, speed);
+    if (!(way > fastest)) continue;
+    fastest = way;
+    *slot = body;
+  }
+  return fastest;
+}
+
 void motion_work(engine *e) {
   motions *q = e->work.motions;
   double done = feedback_correct(e, &q->feedbacks);
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++)
     done += (p->force_before + *p->force) * p->moved;
   e->state->work_driven -= 0.5 * done;
+  size_t slot;
+  if (e->work.compare_motions && motion_fastest(e, &slot) > 0.0) e->work.threads[0].fast = true;
 }

@@ -22,6 +22,7 @@ typedef struct prescribed {
   const double *force;        /* of the contacts, in the state */
   double last;                /* after the last step: the predictor moves free disks before they are posed */
   double moved, force_before; /* by the last step */
+  double speed_before;        /* that it began with */
   double low, high;           /* least and largest value of the batch */
   double value[MOTION_BATCH], velocity[MOTION_BATCH];
 } prescribed;
@@ -66,6 +67,9 @@ bool motion_runs(const engine *e);
 bool motion_moves_walls(const engine *e);
 /* Does a motion that runs prescribe a coordinate of a free disk? */
 bool motion_drives_free(const engine *e);
+/* The prescribed body that moved too far in the step just taken (step/speed.h), its slot, and how far over the radius of the
+ * smallest disk, or its own where it is free along others; 0: none did. motion_work flags it as fast. */
+double motion_fastest(const engine *e, size_t *slot);
 /* Does motion_work change prescribed bodies? */
 bool motion_corrects(const engine *e);
 

@@ -49,7 +49,7 @@ static void check_run(const engine *e) {
   assert(s->bins >= 0 && s->bins < SD_BINS && s->bin_steps > 0 && (s->bin_steps & (s->bin_steps - 1)) == 0);
   assert(s->mean_bins >= 0 && s->mean_bins < SD_MEAN_BINS && s->mean_bin_steps > 0);
   assert(s->box_scale > 0.0 && s->n_contacts <= s->contact_capacity && s->outside >= 0);
-  assert(s->fast_step >= -1 && s->fast_step <= s->step && s->fast_disk < (int64_t)m->n_disks);
+  assert(s->fast_step >= -1 && s->fast_step <= s->step && s->fast_disk < (int64_t)(m->n_disks + m->n_walls));
   for (size_t k = 0; k < s->n_motions; k++) assert(s->motion_start[k] >= -1 && s->motion_start[k] <= s->step);
 }
 

@@ -246,7 +246,8 @@ typedef struct kernels kernels; /* kernels.h */
 typedef struct work {
   /* constants of the model in the form the loops want; engine_new */
   double dt, per_dt, half_dt2;
-  double speed_limit2; /* squared speed over squared radius beyond which a disk is noted; speed_begin */
+  double speed_limit2;  /* squared speed over squared radius beyond which a disk is noted; speed_begin */
+  bool compare_motions; /* prescribed bodies may be beyond the limit of displacement; speed_begin */
   bool conservative, periodic[2];
   double lower[2], upper[2], length[2], inverse_length[2]; /* box; lengths 0, bounds infinite where open */
   double offset;                                           /* of a row of cells against the one below */
