@@ -279,6 +279,63 @@ static void motions_suit_the_step(void **unused) {
 #undef MOVED
 }
 
+/* Prescribed bodies that run into one another beside a free disk; alone they feel each other (test_prescribed). */
+static void prescribed_bodies_pass_each_other(void **unused) {
+  (void)unused;
+#define BESIDE(x, more)                                                                                      \
+  VERLET LAW "disks = ( { name = \"a\"; x = 0.0; y = 0.0; radius = 0.5; mass = 1.0; fixed = true; },"        \
+             "{ name = \"b\"; x = " x "; y = 0.0; radius = 0.5; mass = 1.0; fixed = true; },"                \
+             "{ x = 9.0; y = 9.0; radius = 0.5; mass = 1.0; } ); steps = 1000; " more
+#define LEADS(body, what) "motions = ( { disk = " body "; coordinate = \"x\"; type = " what " } );"
+#define BOTH "disk \"a\" and disk \"b\" are both prescribed, and motions bring them to overlap by"
+  advised(BESIDE("1.1", LEADS("\"b\"", "\"velocity\"; velocity = -0.2;")), BOTH);
+  advised(BESIDE("1.1", LEADS("\"b\"", "\"velocity\"; velocity = 0.2;")), NULL);
+  advised(BESIDE("1.1", LEADS("(\"a\", \"b\")", "\"velocity\"; velocity = -0.2;")), NULL);
+  advised(BESIDE("1.1", LEADS("\"b\"", "\"harmonic\"; amplitude = 0.2; omega = 20.0;")), BOTH);
+  advised(BESIDE("1.0", LEADS("\"b\"", "\"harmonic\"; amplitude = 1e-3; omega = 20.0;")), NULL);
+  advised(BESIDE("0.6", LEADS("\"a\"", "\"harmonic\"; amplitude = 1e-3; omega = 20.0;")),
+          NULL); /* a rough floor */
+  advised(BESIDE("0.6", ""), NULL);
+  advised(BESIDE("2.0",
+                 "walls = ( { name = \"w\"; type = \"line\"; points = ((0.0, -0.6), (1.0, -0.6)); } );"
+                 "motions = ( { wall = \"w\"; coordinate = \"y\"; type = \"velocity\"; velocity = 0.2; } );"),
+          "disk \"a\" and wall \"w\" are both prescribed");
+#undef BESIDE
+#undef LEADS
+#undef BOTH
+}
+
+/* Gravity along a periodic axis, and what holds disks there. */
+static void falls_come_to_an_end(void **unused) {
+  (void)unused;
+#define CHUTE(periodic, gravity, disk, more)                                                                 \
+  VERLET LAW "box = { x = (0.0, 9.0); y = (0.0, 9.0); periodic = \"" periodic "\"; }; " gravity              \
+             "disks = ( { x = 4.0; y = 4.0; radius = 0.5; mass = 1.0; " disk " } ); steps = 9; " more
+#define DOWN "gravity = { g = 10.0; };"
+#define TILTED "gravity = { g = 10.0; tilt = 0.3; };"
+#define WALL(points) "walls = ( { type = \"line\"; points = " points "; } );"
+#define FALLS "gravity: the box repeats along y, and nothing there holds the disks: they fall for ever"
+  advised(CHUTE("xy", DOWN, "", ""), FALLS);
+  advised(CHUTE("y", DOWN, "", ""), FALLS);
+  advised(CHUTE("x", DOWN, "", ""), NULL);
+  advised(CHUTE("xy", "", "", ""), NULL);
+  advised(CHUTE("x", TILTED, "", ""), "gravity: the box repeats along x");
+  advised(CHUTE("x", TILTED, "", WALL("((0.0, 0.5), (9.0, 0.5))")), NULL); /* flow down an incline */
+  advised(CHUTE("y", DOWN, "", WALL("((0.5, 0.0), (0.5, 9.0))")), NULL);   /* rough walls of a chute */
+  advised(CHUTE("xy", DOWN, "force = (0.0, 10.0);", ""), NULL);
+  advised(CHUTE("xy", "", "force = (3.0, 0.0);", ""), "force: the box repeats along x");
+  advised(CHUTE("xy", DOWN, "locked = \"y\";", ""), NULL);
+  advised(CHUTE("xy", DOWN, "", "fields = ( { type = \"drag\"; gamma = 1.0; } );"), NULL);
+  advised(CHUTE("xy", DOWN, "", "fields = ( { type = \"damping\"; alpha = 0.5; } );"), FALLS);
+#undef LAW
+#define LAW "materials = ( { name = \"m\"; k_n = 1e4; } );\n"
+  advised(CHUTE("y", DOWN, "", WALL("((0.5, 0.0), (0.5, 9.0))")), FALLS);
+  advised(CHUTE("x", TILTED, "", WALL("((0.0, 0.5), (9.0, 0.5))")), "gravity: the box repeats along x");
+#undef CHUTE
+#undef LAW
+#define LAW "materials = ( { name = \"m\"; k_n = 1e4; k_t = 5e3; gamma_n = 2.0; mu = 0.5; } );\n"
+}
+
 /* Walls of all shapes, moved and turned. */
 static void gaps_are_those_between_surfaces(void **unused) {
   (void)unused;
@@ -299,12 +356,19 @@ static void gaps_are_those_between_surfaces(void **unused) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(friction_needs_a_spring),         cmocka_unit_test(viscosity_bounds_the_step),
-      cmocka_unit_test(the_relaxer_wants_verlet),        cmocka_unit_test(goals_can_be_out_of_reach),
-      cmocka_unit_test(compression_ends_with_settle),    cmocka_unit_test(boxes_deform_as_they_are_told),
-      cmocka_unit_test(deep_overlaps_throw_disks_apart), cmocka_unit_test(watched_contacts_touch),
-      cmocka_unit_test(walls_are_touched_once),          cmocka_unit_test(gaps_are_those_between_surfaces),
+      cmocka_unit_test(friction_needs_a_spring),
+      cmocka_unit_test(viscosity_bounds_the_step),
+      cmocka_unit_test(the_relaxer_wants_verlet),
+      cmocka_unit_test(goals_can_be_out_of_reach),
+      cmocka_unit_test(compression_ends_with_settle),
+      cmocka_unit_test(boxes_deform_as_they_are_told),
+      cmocka_unit_test(deep_overlaps_throw_disks_apart),
+      cmocka_unit_test(watched_contacts_touch),
+      cmocka_unit_test(walls_are_touched_once),
+      cmocka_unit_test(gaps_are_those_between_surfaces),
       cmocka_unit_test(motions_suit_the_step),
+      cmocka_unit_test(prescribed_bodies_pass_each_other),
+      cmocka_unit_test(falls_come_to_an_end),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,8 +30,10 @@ generators=(
 for container in "${containers[@]}"; do
   for generator in "${generators[@]}"; do
     [[ $container == *periodic* && $generator == *rain* ]] && continue
+    gravity="gravity = { g = 9.81; };"
+    [[ $container == *periodic* ]] && gravity="" # nothing would hold the disks
     cat >"$work/deck.cfg" <<EOF
-dt = 1e-4; steps = 10; gravity = { g = 9.81; };
+dt = 1e-4; steps = 10; $gravity
 materials = ( { name = "m"; k_n = 1e4; gamma_n = 1; } );
 container = { $container };
 packings = ( { $generator sizes = "gaussian"; radius = 0.25; deviation = 0.01; density = 1; } );

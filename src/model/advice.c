@@ -471,9 +471,9 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
 
 /* --- all -------------------------------------------------------------------------------------------------- */
 
-advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,   check_settle,
-                                       check_compress,  check_overlap,  check_watches, check_cells,
-                                       advice_fields,   advice_joints,  advice_motions};
+advice_check *const advice_checks[] = {check_time_step, check_friction, check_relax,    check_settle,
+                                       check_compress,  check_overlap,  check_watches,  check_cells,
+                                       advice_fields,   advice_joints,  advice_motions, advice_prescribed};
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
 void sd_model_advise(const sd_model *m, sd_messages *messages) {

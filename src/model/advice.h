@@ -12,6 +12,8 @@ typedef double advice_check(const sd_model *model, sd_messages *messages);
 advice_check advice_fields;
 /* Of motions; advice_motions.c. */
 advice_check advice_motions;
+/* Of prescribed bodies that overlap; advice_prescribed.c. */
+advice_check advice_prescribed;
 /* Of walls that meet; advice_joints.c. */
 advice_check advice_joints;
 extern advice_check *const advice_checks[];

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "model/advice.h"
 #include "model/field_kinds.h"
+#include "model/laws.h"
 
 /* Beyond these a step is coarse: f dt/m of drag, and the angle by which a frame turns in it. */
 static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
@@ -101,8 +102,70 @@ static double check_off(const sd_model *m, size_t k, sd_messages *messages) {
                        format_text("it is on in no phase: no list `fields` of a phase names it"));
 }
 
+/* --- falling for ever ------------------------------------------------------------------------------------- */
+
+/* Can it keep disks from gaining speed along this axis: drag that acts on some, or a force by place? */
+static bool field_holds(const sd_body_force *f) {
+  return (f->kind == SD_FIELD_DRAG && f->gamma > 0) || (f->kind == SD_FIELD_CENTRAL && f->strength != 0);
+}
+
+/* A wall along the axis holds by friction only; one that is bent or slopes stands in the way. */
+static bool wall_holds(const sd_model *m, const sd_wall *w, int axis) {
+  bool along = w->kind != SD_WALL_CIRCLE && w->kind != SD_WALL_ARC, rubs = false;
+  const double *first = along ? w->points[0] : NULL;
+  for (size_t k = 1; along && k < w->n_points; k++)
+    along = fabs(w->points[k][!axis] - first[!axis]) <= 1e-9 * fabs(w->points[k][axis] - first[axis]);
+  for (size_t b = 0; b < m->n_materials; b++) {
+    const sd_contact_law *law = sd_model_law(m, w->material, (int)b);
+    rubs = rubs || (law_is_given(law) && law->mu > 0 && (law->k_t > 0 || law->gamma_t > 0));
+  }
+  return !along || rubs;
+}
+
+static bool is_held(const sd_model *m, int axis) {
+  bool holds = m->n_free < m->n_disks;
+  for (size_t i = 0; i < m->n_disks && !holds; i++) holds = m->disks[i].locked[axis];
+  for (size_t k = 0; k < m->n_clumps && !holds; k++) holds = m->clumps[k].locked[axis];
+  for (size_t w = 0; w < m->n_walls && !holds; w++) holds = wall_holds(m, &m->walls[w], axis);
+  for (size_t k = 0; k < m->n_fields && !holds; k++) holds = field_holds(&m->fields[k]);
+  for (size_t k = 0; k < m->n_motions && !holds; k++)
+    holds = m->motions[k].coordinate == axis && m->motions[k].bodies[0] < m->n_disks;
+  return holds;
+}
+
+/* The force along the axis on all free disks together, over the sum of its parts. */
+static double pull_of(const sd_model *m, int axis) {
+  double sum = 0, parts = 0;
+  for (size_t i = 0; i < m->n_disks; i++) {
+    const sd_disk *d = &m->disks[i];
+    if (d->driven) continue;
+    sum += d->mass * m->gravity[axis] + d->force[axis];
+    parts += fabs(d->mass * m->gravity[axis]) + fabs(d->force[axis]);
+  }
+  return parts > 0 ? fabs(sum) / parts : 0;
+}
+
+static double check_falls(const sd_model *m, sd_messages *messages) {
+  const double g = hypot(m->gravity[SD_X], m->gravity[SD_Y]);
+  double found = 0;
+  for (int axis = SD_X; axis <= SD_Y; axis++) {
+    const bool rounding = fabs(m->gravity[axis]) < 1e-12 * g;
+    if (!m->periodic[axis] || m->n_free == 0 || is_held(m, axis) || !(pull_of(m, axis) > 1e-9)) continue;
+    const bool forces = m->gravity[axis] == 0 || rounding;
+    bool any = !forces;
+    for (size_t i = 0; i < m->n_disks && !any; i++) any = m->disks[i].force[axis] != 0;
+    if (!any) continue;
+    sd_warn(messages,
+            "%s: the box repeats along %c, and nothing there holds the disks: they fall for ever, faster and "
+            "faster; expected a wall or a fixed disk in the way, a wall with friction, or drag",
+            forces ? "force" : "gravity", axis == SD_X ? 'x' : 'y');
+    found = 1;
+  }
+  return found;
+}
+
 double advice_fields(const sd_model *m, sd_messages *messages) {
-  double worst = m->n_fields ? check_drag(m, messages) : 0;
+  double worst = fmax(m->n_fields ? check_drag(m, messages) : 0, check_falls(m, messages));
   for (size_t k = 0; k < m->n_fields; k++) {
     worst = fmax(worst, check_periodic(m, k, messages));
     worst = fmax(worst, check_sheared(m, k, messages));

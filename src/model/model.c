@@ -503,27 +503,6 @@ static void check_step(const sd_model *m, sd_messages *msg) {
 
 /* --- derived tables ---------------------------------------------------------------------------------- */
 
-sd_status model_find_driven(sd_model *m) {
-  unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
-  if (!held) return SD_ERROR_IO;
-  for (size_t i = 0; i < m->n_disks; i++)
-    for (int c = 0; c < 3; c++)
-      if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);
-  for (size_t k = 0; k < m->n_motions; k++)
-    for (size_t b = 0; b < m->motions[k].n_bodies; b++) {
-      uint32_t body = m->motions[k].bodies[b];
-      if (body < m->n_disks) held[body] |= (unsigned char)(1u << m->motions[k].coordinate);
-    }
-  m->n_free = 0;
-  for (size_t i = 0; i < m->n_disks; i++) {
-    if (held[i] == 7) m->disks[i].driven = true;
-    m->n_free += !m->disks[i].driven;
-  }
-  free(held);
-  assert(m->n_free <= m->n_disks);
-  return SD_OK;
-}
-
 static void derive_numbers(sd_model *m) {
   double inverse = 0.0;
   m->largest_radius = 0.0;

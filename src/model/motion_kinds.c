@@ -85,16 +85,21 @@ static double table_at(const sd_motion *q, double t) {
   return q->amplitude * (q->table_value[low] + part * (q->table_value[high] - q->table_value[low]));
 }
 
-double motion_first(const sd_motion *q) {
+double motion_at(const sd_motion *q, double t) {
   double shape[WAVE_SHAPE] = {0}, u = 0, v;
-  if (q->ramp > 0) return 0;
-  if (motion_source(q) == SIGNAL_TABLE) return table_at(q, 0);
-  if (motion_source(q) == SIGNAL_RANDOM) return 3 * q->amplitude;
+  const double part = q->ramp > 0 && t < q->ramp ? t / q->ramp : 1;
+  if (motion_source(q) == SIGNAL_STEADY) return part * q->velocity * t;
+  if (motion_source(q) == SIGNAL_TABLE) return part * table_at(q, t);
   if (!motion_is_wave(q)) return 0;
-  if (q->kind == SD_MOTION_HARMONIC) return q->amplitude * sin(q->phase);
+  if (q->kind == SD_MOTION_HARMONIC) return part * q->amplitude * sin(q->omega * t + q->phase);
   motion_shape(q, shape);
-  wave_at_w1(q->kind, q->phase / (2 * M_PI), shape, &u, &v);
-  return u;
+  wave_at_w1(q->kind, (q->omega * t + q->phase) / (2 * M_PI), shape, &u, &v);
+  return part * u;
+}
+
+double motion_first(const sd_motion *q) {
+  if (q->ramp > 0) return 0;
+  return motion_source(q) == SIGNAL_RANDOM ? 3 * q->amplitude : motion_at(q, 0);
 }
 
 /* Beside each row, to either side. */

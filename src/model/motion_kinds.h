@@ -55,6 +55,9 @@ double motion_period(const sd_motion *motion);
 /* Amplitude of a wave, rms displacement of a random motion; infinite where neither is known. */
 double motion_reach(const sd_motion *motion);
 void motion_shape(const sd_motion *wave, double shape[WAVE_SHAPE]);
+/* Its value a time after it was switched on, for estimates: a table straight between its rows, a ramp straight; 0 where the
+ * disks or chance decide. */
+double motion_at(const sd_motion *motion, double time);
 /* Value with which it begins, without a ramp: three standard deviations where chance decides, 0 where the disks do. */
 double motion_first(const sd_motion *motion);
 /* The farthest that it goes in one step once it runs: 0 where the disks decide; three standard deviations where chance does. */
