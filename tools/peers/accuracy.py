@@ -44,10 +44,11 @@ def expected(loop, who):
 
 # --- loops: inputs ----------------------------------------------------------------------------------------------
 def loop_deck(loop):
-    """A contact of two bodies that are prescribed altogether is not computed: so the led disk may turn, but is too
+    """A contact of two bodies that are prescribed altogether is not computed beside free ones: so the led disk may turn, but is too
     inert to. Motions add to where a disk is put: in "turn" the disk in the middle is put elsewhere, since two disks may
     not be put in the same place."""
     head = f'dt = {DT!r};\nintegrator = "verlet";\n' + inputs.material(LAW)
+    head += "limits = { displacement = 0; };\n"  # the first step takes disks to where the loop begins
     tail = (f"steps = {LAP * CYCLES[-1]};\noutput = {{ series = 0; contacts = {LAP}; }};\n"
             "measure = { rotation = (); };\n")
     inert = "radius = 1; mass = 1; inertia = 1e30;"
