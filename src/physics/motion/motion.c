@@ -413,22 +413,25 @@ static double beyond_limit(const engine *e, uint32_t slot, int coordinate, doubl
   return fmax(way, fmax(steady, jump)) > m->limits.displacement ? fmax(way, steady) : 0.0;
 }
 
+static void keep_faster(double way, uint32_t body, double *fastest, size_t *slot) {
+  if (!(way > *fastest)) return;
+  *fastest = way;
+  *slot = body;
+}
+
 double motion_fastest(const engine *e, size_t *slot) {
   const motions *q = e->work.motions;
+  const size_t n_bodies = e->state->n_bodies; /* of clumps the disks are compared */
   double fastest = 0.0;
-  for (size_t k = 0; k < q->n_prescribed + q->feedbacks.count; k++) {
-    const prescribed *p = &q->prescribed[k];
-    const feedback *f = &q->feedbacks.item[k - q->n_prescribed];
-    const bool ahead = k < q->n_prescribed;
-    const uint32_t body = ahead ? p->slot : f->slot;
-    if (body >= e->state->n_bodies) continue; /* a clump: its disks are compared */
-    const double speed = ahead ? fmax(fabs(*p->speed), fabs(p->speed_before)) : fabs(*f->speed);
-    const double way =
-        beyond_limit(e, body, ahead ? p->coordinate : f->coordinate, ahead ? p->moved : f->moved, speed);
-    if (!(way > fastest)) continue;
-    fastest = way;
-    *slot = body;
+  for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
+    const double speed = fmax(fabs(*p->speed), fabs(p->speed_before));
+    if (p->slot < n_bodies)
+      keep_faster(beyond_limit(e, p->slot, p->coordinate, p->moved, speed), p->slot, &fastest, slot);
   }
+  for (const feedback *f = q->feedbacks.item; f < q->feedbacks.item + q->feedbacks.count; f++)
+    if (f->slot < n_bodies)
+      keep_faster(beyond_limit(e, f->slot, f->coordinate, f->moved, fabs(*f->speed)), f->slot, &fastest,
+                  slot);
   return fastest;
 }
 
