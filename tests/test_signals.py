@@ -24,7 +24,9 @@ class Signals(Folder):
         self.assertIn("everything is saved", err)
 
     def test_each_stops_at_a_checkpoint(self):
-        words = deck_arguments(measure=steps_for(2), series=100000, frames=1000000, checkpoint=0.05)
+        # each stop takes two or three checkpoints; a whole run has some fifty, however slow the build
+        steps = steps_for(2)
+        words = deck_arguments(measure=steps, series=steps // 100, frames=steps, checkpoint=0.02)
         whole = self.folder / "whole.h5"
         self.run_ok("run", *words, "-o", whole)
         for number in STOPS:

@@ -292,9 +292,9 @@ wall_range wall_range_of(const sd_model *m, const sd_wall *w, const double at[2]
     double lower, upper;
     const double period = period_of(m, c);
     bounds_of(w, c, &lower, &upper);
+    if (!(period > 0.0) || !(lower <= upper)) continue; /* a wall without points has no place */
     /* along a line there are none; in a drum there is a disk once only */
-    const bool along = w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0);
-    if (!(period > 0.0) || along || !(lower <= upper)) continue;
+    if (w->kind == SD_WALL_LINE && upper - lower > NEARLY * side_of(w, 0)) continue;
     r.length[c] = period;
     if (w->kind == SD_WALL_CIRCLE && w->inside) {
       r.first[c] = r.last[c] = nearbyint((0.5 * (lower + upper) - at[c]) / period);
