@@ -32,7 +32,7 @@ box = {{ x = [ 0, 20 ]; periodic = "x"; }};
 disk_rows = ( {{ columns = ("x", "y", "radius"); density = 1.27; fixed = true; group = "floor"; rows = (
     (1, 0, 1), (3, 0, 1), (5, 0, 1), (7, 0, 1), (9, 0, 1), (11, 0, 1), (13, 0, 1), (15, 0, 1), (17, 0, 1), (19, 0, 1)); }} );
 {LATTICE % (180, "0, 20", "1.2, 40")}
-motions = ( {{ name = "noise"; group = "floor"; coordinate = ("x", "theta"); type = "random"; amplitude = 0.02; frequency = 3; }} );
+motions = ( {{ name = "noise"; group = "floor"; coordinate = ("x", "theta"); type = "random"; amplitude = 0.02; frequency = 3; ramp = 0.1; }} );
 phases = ( {{ steps = 3000; series = 300; frames = 1000; contacts = 1000; measure = true; }} );
 measure = {{ disks = true; }};
 """
@@ -95,7 +95,7 @@ phases = ( {{ name = "press"; steps = 12000; motions = ("press", "sides"); serie
 """
 
 # A lid that falls faster than short lists bear.
-SLAM = PRESSED.replace("dt = 1e-3;", "dt = 1e-3; skin = 0.02;").replace("mass = 5; force = -40;", "mass = 1; force = -200;")
+SLAM = PRESSED.replace("dt = 1e-3;", "dt = 1e-3; skin = 0.02; limits = { displacement = 0; };").replace("mass = 5; force = -40;", "mass = 1; force = -200;")
 
 # A disk apart from a heap goes beyond all numbers in one step.
 LOST = COLLAPSE.replace("phases = (", """disks = ( { name = "lost"; x = 15; y = 25; radius = 0.5; density = 1.27; } );

@@ -79,9 +79,9 @@ class Sweep(unittest.TestCase):
     def finish(self, ranks, status=0, *more):
         self.assertEqual(self.start(ranks, *more).wait(timeout=LONG), status, self.said())
 
-    def ranks_at_work(self, process, ranks):
-        """Their process ids, once all wait at the gate."""
-        self.gate.wait(process, ranks)
+    def ranks_at_work(self, process):
+        """Their process ids, once one waits at the gate; the other may ask that one for a point, and wait, too."""
+        self.gate.wait(process)
         return children(process.pid)
 
     def results(self, folder=None):
@@ -129,7 +129,7 @@ class Sweep(unittest.TestCase):
                 path.unlink()
         self.gate = Gate(self, self.folder, when=2)
         process = self.start(2, *(() if self.lanes else ("--no-lanes",)), env=self.gate.environment)
-        ranks = self.ranks_at_work(process, 2)
+        ranks = self.ranks_at_work(process)
         how(process.pid, ranks)
         self.gate.open()
         found = process.wait(timeout=LONG)
