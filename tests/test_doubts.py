@@ -117,7 +117,7 @@ class Doubts(Folder):
     def test_walls_that_pass_through(self):
         """Walls and prescribed disks that go four radii in a step, or jump: whatever shape and motion; none of slow ones."""
         segment = 'type = "segment"; points = ((-9.0, -5.0), (9.0, -5.0));'
-        far, jumps = "moves by .* radii of the smallest disk in a step, after step 1, and may have passed", "jumps by 0.04 radii"
+        far, jumps = "moves by .* radii of the smallest disk in a step, after step [01], and may have passed", "jumps by 0.04 radii"
         velocity = 'coordinate = "y"; type = "velocity"; velocity = %s;'
         for shape, motion, said in (
                 (segment, velocity % "2e3", far), (segment, velocity % "40.0", None), (segment, velocity % "1e49", far),

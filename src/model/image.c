@@ -222,18 +222,21 @@ static void walk_materials(image *im, sd_model *m) {
 
 /* After the struct itself. */
 static void walk(image *im, sd_model *m) {
-  void *places[] = {&m->title,    &m->materials,     &m->laws,   &m->groups,      &m->disks,
-                    &m->walls,    &m->motions,       &m->fields, &m->phases,      &m->rains,
-                    &m->memories, &m->rotations,     &m->slides, &m->mistakes,    &m->deck,
-                    &m->segments, &m->contact_disks, &m->clumps, &m->clump_disks, &m->clump_offsets,
-                    &m->advised,  &m->tiles.walls};
+  void *places[] = {&m->title,    &m->materials,     &m->laws,       &m->groups,      &m->disks,
+                    &m->walls,    &m->motions,       &m->fields,     &m->phases,      &m->rains,
+                    &m->memories, &m->rotations,     &m->slides,     &m->mistakes,    &m->deck,
+                    &m->segments, &m->contact_disks, &m->clumps,     &m->clump_disks, &m->clump_offsets,
+                    &m->advised,  &m->tiles.walls,   &m->derivatives};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   if (!failed(im)) walk_materials(im, m);
   if (!failed(im)) walk_bodies(im, m);
   if (!failed(im)) walk_motions(im, m);
   if (!failed(im)) walk_phases(im, m);
   array(im, &m->rains, m->n_rains, sizeof *m->rains);
-  if (!im->of_rank) array(im, &m->memories, m->n_memories, sizeof *m->memories);
+  if (!im->of_rank) {
+    array(im, &m->memories, m->n_memories, sizeof *m->memories);
+    array(im, &m->derivatives, m->n_derivatives, sizeof *m->derivatives);
+  }
   array(im, &m->tiles.walls, m->tiles.n_walls, sizeof *m->tiles.walls);
   array(im, &m->rotations, m->n_rotations, sizeof *m->rotations);
   array(im, &m->slides, m->n_slides, sizeof *m->slides);

@@ -15,6 +15,9 @@ static inline bool law_is_given(const sd_contact_law *law) { return law->k_n != 
 /* First mistake of a law: its key and value, and the text to be freed. NULL: there is none. */
 char *law_mistake(const sd_contact_law *law, const char **key, double *value);
 
+/* All members are equal. */
+bool law_is_same(const sd_contact_law *a, const sd_contact_law *b);
+
 /* Attraction of a closed contact (model/law_cohesion.h), for what is measured. */
 double law_pull(const sd_contact_law *law, double delta);
 

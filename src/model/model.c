@@ -67,6 +67,7 @@ void sd_model_free(sd_model *m) {
   free(m->phases);
   free(m->rains);
   free(m->memories);
+  free(m->derivatives);
   free(m->tiles.walls);
   free(m->rotations);
   free(m->contact_disks);

@@ -72,6 +72,7 @@ typedef struct sd_tiles {
   int64_t inputs, contact_inputs; /* of a file: sums of what it says of disks and contacts, in any order */
   size_t n_contacts, n_kept;      /* of a file: that come along; where it is away: with bodies of the model */
   size_t n_walls;                 /* where it is away, and contacts come along */
+  bool forces_act;                /* of those contacts: the laws are the file's */
   sd_tile_wall *walls;
   sd_packing_kind kind;
   double lower[2], upper[2], spacing,
@@ -91,10 +92,13 @@ typedef struct sd_bounds {
   sd_outside outside;
 } sd_bounds;
 
+enum { SD_DERIVATIVES = 9 };
+
 /* Memory of a contact with which a run begins (columns contact_* of state.h). */
 typedef struct sd_contact_memory {
   uint32_t a, b, part; /* body numbers of this model */
-  int32_t slide;
+  int16_t slide;
+  int16_t acts; /* 1: the run before had the same law, and its force acts at the start */
   double side;
   sd_contact_record record;
 } sd_contact_memory;
@@ -178,6 +182,9 @@ struct sd_model {
   sd_rain *rains;
   size_t n_memories; /* contacts of the packing that the run begins with, in any order */
   sd_contact_memory *memories;
+  bool forces_act;      /* of some of these contacts, or of the tiles' */
+  size_t n_derivatives; /* 0, or disks, as far as another run has left any for Gear's predictor */
+  double (*derivatives)[SD_DERIVATIVES]; /* [n_derivatives]: columns 3 to 5 of x, of y, of theta (state.h) */
 
   size_t n_rotations; /* disks whose mean angular velocity is measured */
   uint32_t *rotations;

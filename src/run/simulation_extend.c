@@ -205,7 +205,7 @@ static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disk
   sd_model *m = *out = sd_model_clone(old);
   if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
   const uint32_t first = (uint32_t)old->n_disks;
-  m->n_memories = m->tiles.n_contacts = m->tiles.n_kept = 0;
+  m->n_memories = m->n_derivatives = m->tiles.n_contacts = m->tiles.n_kept = 0;
   shift_walls(m, first, (uint32_t)n);
   sd_model_add_disks(m, n, disks);
   sd_status status = SD_OK;

@@ -129,12 +129,12 @@ def continued(deck, result):
     return other
 
 
-def taken_over(seed, friction=("smooth", "spring", "stuck", "mindlin")):
+def taken_over(seed):
     """A deck that begins with a result and its contacts goes on as the first would have.
 
-    Without forces that depend on velocity: at step 0 they are taken at the corrected velocity, in a step at the predicted one."""
-    deck = decks.make(seed, {"motion": ("none",), "integrator": ("verlet",), "damping": ("elastic",), "field": ("none", "central"),
-                             "friction": friction, **without("bodies", "clumps"), **without("rolling", "dashpot")}).deck
+    Without damping that depends on the sign of a velocity, which may be another before and after the corrector."""
+    deck = decks.make(seed, {"motion": ("none", "push", "spin", "belt", "lead"), **without("bodies", "clumps"),
+                             **without("field", "damping")}).deck
     steps = 60 + seed % 120
     deck = {**deck, "phases": [{"steps": steps}], "output": {"series": 0}}
     seen = watch.follow({**deck, "phases": [{"steps": steps + 20}]}, steps + 20, 1)[steps:]
@@ -148,13 +148,12 @@ def taken_over(seed, friction=("smooth", "spring", "stuck", "mindlin")):
             if edges.any():
                 look["place"] = look["place"] - np.where(edges > 0, edges * np.floor(look["place"] / np.where(edges > 0, edges, 1)), 0)
             look["torque"] = look["torque"][:n]
-    kinds = ("velocity", "spin", "force", "torque") if edges.any() else ("place", "velocity", "spin", "force", "torque")
-    watch.same(seen, found, RESTART, kinds)
-
-
-def taken_over_sliding(seed):
-    """The same with kinetic friction: whether a contact slid is taken over."""
-    taken_over(seed, ("kinetic",))
+    forces, moves = ("force", "torque"), ("velocity", "spin") if edges.any() else ("place", "velocity", "spin")
+    # the first forces with Gear are shown in the directions of the corrected places
+    first, later = (GEAR, 10 * RESTART) if deck["integrator"] == "gear5" else (RESTART, RESTART)
+    watch.same(seen[:1], found[:1], first, forces)
+    watch.same(seen[1:], found[1:], later, forces)
+    watch.same(seen, found, later, moves)
 
 
 # --- exports ----------------------------------------------------------------------------------------------------------

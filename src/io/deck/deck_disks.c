@@ -291,6 +291,15 @@ void deck_read_forces(deck *d) {
   }
 }
 
+void deck_forget_velocity(deck *d, uint32_t disk, int c) {
+  static const int columns[] = {COLUMN_VX, COLUMN_VY, COLUMN_OMEGA};
+  for (size_t k = 0; k < d->n_file_tables; k++) {
+    const deck_columns *t = &d->file_tables[k];
+    if (t->result && disk >= t->first && disk - t->first < t->n_rows && has_column(t, columns[c]))
+      d->model->disks[disk].velocity[c] = 0.0;
+  }
+}
+
 void deck_read_locks(deck *d) {
   deck_node *list = deck_groups(d, d->root, "locks");
   for (size_t k = 0; list && k < list->n; k++) {
@@ -303,6 +312,7 @@ void deck_read_locks(deck *d) {
         sd_disk *disk = &d->model->disks[bodies.body[b]];
         if (!(mask >> c & 1)) continue;
         disk->locked[c] = true;
+        deck_forget_velocity(d, bodies.body[b], c);
         if (disk->velocity[c] != 0) {
           char name[80];
           deck_fail_key(d, g.node, "coordinates", "%s has a velocity there",

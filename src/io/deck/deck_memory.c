@@ -11,6 +11,7 @@
 #include "io/deck/deck_result.h"
 #include "model/arc.h"
 #include "model/law_features.h"
+#include "model/laws.h"
 #include "slipdisk/deck.h"
 
 #define NOWHERE UINT32_MAX /* of a body number */
@@ -117,6 +118,7 @@ sd_contact_memory deck_result_contact(const deck_result *r, size_t k) {
       .a = r->a[k], .b = r->b[k], .part = r->part[k], .slide = r->slide[k], .side = r->side[k]};
   for (size_t n = 0; n < SD_CONTACT_ALL; n++) record[n] = r->record[n][k];
   memcpy(&c.record, record, sizeof record);
+  if (!r->rolls) c.record.rho_ref = NAN; /* the spring of rolling begins relaxed */
   return c;
 }
 
@@ -155,7 +157,8 @@ static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile
   return wall->ring || c->part - wall->first == 1 ? -c->side * wall->arc : 0.0;
 }
 
-void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, const sd_tile_wall *wall) {
+void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, const sd_tile_wall *wall,
+                        bool acts) {
   const double rb = radius_of(c, b, wall);
   double shift = a.radius * a.shift; /* of lambda* */
   const double rolled = a.shift - (wall ? -wall->theta : b.shift);
@@ -170,8 +173,10 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, cons
   }
   c->record.lambda_ref += shift;
   c->record.rho_ref += law_arm(a.radius, rb) * rolled;
-  /* these are of the other run, or follow from the first forces; tau and pull say what limit friction had */
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
+  c->acts = acts;
+  if (acts) return;
+  /* these follow from the first forces; tau and pull say what limit friction had */
   c->record.rho = c->record.roll = 0.0;
   if (c->slide == 0) c->record.tau = c->record.pull = 0.0;
 }
@@ -206,6 +211,62 @@ static deck_turned turned_of(const deck_result *r, uint32_t disk) {
   return (deck_turned){r->radius[disk], deck_result_shift(r, disk)};
 }
 
+/* Which material of the deck the disks have that have material k of the file; -1: none has it. */
+static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t k) {
+  const sd_model *m = ours->d->model;
+  const deck_result *r = t->result;
+  bool named = false;
+  uint32_t found;
+  for (size_t c = 0; c < t->n_columns; c++) named = named || t->column[c] == COLUMN_MATERIAL;
+  if (!named) return t->n_rows > 0 ? m->disks[t->first].material : -1;
+  const char *name = k < r->materials.n ? r->materials.name[k] : NULL;
+  return name && deck_index_find(&ours->d->materials, name, &found) ? (int32_t)found : -1;
+}
+
+/* Do the forces of the file's contacts act on? Where the laws are the same, and the disks move as they did: the forces of the
+ * first step are then those of the last one, which were evaluated at predicted velocities. */
+static bool forces_act(const our_walls *ours, const deck_columns *t) {
+  const sd_model *m = ours->d->model;
+  const deck_result *r = t->result;
+  const size_t n = r->n_materials, walls = r->n_bodies - r->n_disks, own = m->n_materials;
+  unsigned kept = 0;
+  for (size_t c = 0; c < t->n_columns; c++) kept |= 1u << t->column[c];
+  const unsigned needed = 1u << COLUMN_VX | 1u << COLUMN_VY | 1u << COLUMN_OMEGA | 1u << COLUMN_MASS;
+  if (n == 0 || (kept & needed) != needed) return false;
+  int32_t *mine = deck_alloc(ours->d, n, sizeof *mine);
+  for (size_t k = 0; k < n; k++) mine[k] = own_material(ours, t, k);
+  for (size_t i = 0; i < n; i++)
+    for (size_t k = 0; k < n && mine[i] >= 0; k++)
+      if (mine[k] >= 0 &&
+          !law_is_same(&r->laws[i * n + k], &m->laws[(size_t)mine[i] * own + (size_t)mine[k]]))
+        return false;
+  for (size_t w = 0; w < walls; w++) {
+    const uint32_t there = same_wall(ours, r, w);
+    const int32_t theirs = r->wall_material[w];
+    if (there == NOWHERE || m->walls[there].material < 0) continue;
+    if (theirs < 0 || (size_t)theirs >= n) return false;
+    for (size_t i = 0; i < n; i++)
+      if (mine[i] >= 0 && !law_is_same(&r->laws[i * n + (size_t)theirs],
+                                       &m->laws[(size_t)mine[i] * own + (size_t)m->walls[there].material]))
+        return false;
+  }
+  return true;
+}
+
+/* Of disks that were free. Column k is dt^k/k! times a derivative. */
+static void take_derivatives(deck *d, const deck_columns *t) {
+  sd_model *m = d->model;
+  const deck_result *r = t->result;
+  const double ratio = m->dt / r->dt;
+  if (!m->derivatives) {
+    m->derivatives = deck_keep(d, m->n_disks, sizeof *m->derivatives);
+    m->n_derivatives = m->n_disks;
+  }
+  for (size_t row = 0; row < t->n_rows; row++)
+    for (size_t k = 0; k < SD_DERIVATIVES; k++)
+      m->derivatives[t->first + row][k] = r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
+}
+
 static void take_contacts(our_walls *ours, const deck_columns *t) {
   deck *d = ours->d;
   sd_model *m = d->model;
@@ -215,6 +276,8 @@ static void take_contacts(our_walls *ours, const deck_columns *t) {
   static const sd_tile_wall unknown;
   const sd_tile_wall *walls = map_walls(ours, t, deck_alloc(d, n_walls + 1, sizeof *walls));
   lost_contacts lost = {0};
+  const bool acts = forces_act(ours, t);
+  m->forces_act = m->forces_act || acts;
   m->memories = deck_grow(d, m->memories, m->n_memories + r->n_contacts + 1, sizeof *m->memories);
   for (size_t k = 0; k < r->n_contacts; k++) {
     sd_contact_memory c = deck_result_contact(r, k);
@@ -225,7 +288,7 @@ static void take_contacts(our_walls *ours, const deck_columns *t) {
       if (lost.n++ == 0) lost.first = c.b;
       continue;
     }
-    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall);
+    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall, acts);
     c.a = body[c.a];
     c.b = two ? body[c.b] : (uint32_t)m->n_disks + wall->wall;
     m->memories[m->n_memories++] = c;
@@ -249,6 +312,7 @@ static void survey_contacts(our_walls *ours, deck_columns *t) {
   tiles->walls = map_walls(ours, t, deck_keep(d, tiles->n_walls + 1, sizeof *tiles->walls));
   tiles->n_contacts = r->all_contacts;
   lost_contacts lost = {0};
+  tiles->forces_act = d->model->forces_act = forces_act(ours, t);
   if (!deck_parts_contacts(d, &lost.n, &lost.first))
     deck_fail(d, t->file, "the contacts in this file are damaged");
   tiles->n_kept = tiles->n_contacts - lost.n;
@@ -267,6 +331,8 @@ void deck_read_memories(deck *d) {
       continue;
     }
     take_contacts(&ours, t);
+    /* ranks that read parts of a large file do without */
+    if (!large && t->result->derivatives[0]) take_derivatives(d, t);
     if (large) deck_parts_note_contacts(d, t->result);
   }
   d->model->deck->bodies = deck_result_text(d, ours.walls);

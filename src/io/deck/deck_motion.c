@@ -206,6 +206,8 @@ static void check_held(deck *d, deck_group *g, const deck_bodies *bodies, unsign
     const uint32_t body = bodies->body[b];
     if (body >= m->n_disks && body < walls) continue;
     const bool *locked = body < walls ? m->disks[body].locked : m->clumps[body - walls].locked;
+    for (int c = 0; body < walls && c < 3; c++)
+      if (mask >> c & 1) deck_forget_velocity(d, body, c);
     const double *velocity = body < walls ? m->disks[body].velocity : m->clumps[body - walls].velocity;
     for (int c = 0; c < 3; c++) {
       if (!(mask >> c & 1) || !(locked[c] || fabs(velocity[c]) > 0)) continue;

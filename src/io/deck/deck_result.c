@@ -14,8 +14,10 @@
 #include <string.h>
 
 #include "io/results/checkpoint.h"
+#include "io/results/constants.h"
 #include "io/store/file.h"
 #include "model/cell.h"
+#include "model/law_features.h"
 #include "model/wall_images.h"
 
 /* Those of a deck and of its container. */
@@ -180,6 +182,21 @@ static rows_of_file rows_asked(const deck *d, size_t all) {
   return (rows_of_file){first, d->asked.n < all - first ? d->asked.n : all - first};
 }
 
+/* Of results; checkpoints do not know them. */
+static void read_laws(reader *in, deck_result *r) {
+  const size_t walls = r->n_bodies - r->n_disks;
+  r->wall_material = part_of(in, "material", SD_I32, r->n_bodies, r->n_disks, walls);
+  sd_model *m = in->failed ? NULL : constants_read_laws(in->file);
+  if (!m) return;
+  const size_t n = m->n_materials;
+  r->laws = deck_alloc(in->d, n * n + 1, sizeof *r->laws);
+  memcpy(r->laws, m->laws, n * n * sizeof *r->laws);
+  r->n_materials = n;
+  r->rolls = r->rolls && (laws_features(m) & LAW_ROLLING) != 0;
+  r->dt = m->integrator == SD_GEAR5 ? m->dt : 0.0;
+  sd_model_free(m);
+}
+
 static void read_contacts(reader *in, deck_result *r) {
   const size_t all = r->all_contacts;
   const rows_of_file rows = rows_asked(in->d, all);
@@ -197,9 +214,11 @@ static void read_contacts(reader *in, deck_result *r) {
     /* columns of laws that the other run did not have */
     const bool absent =
         k >= SD_CONTACT_COLUMNS && (!h5_exists(in->file, path) || h5_check(in->file, path, 0, NULL) == SD_OK);
+    if (strcmp(names[k], "contact_rho_ref") == 0) r->rolls = !absent;
     r->record[k] =
         absent ? deck_alloc(in->d, n, sizeof(double)) : part_of(in, names[k], SD_F64, all, begin, n);
   }
+  read_laws(in, r);
   for (size_t k = 0; k < n && !in->failed; k++)
     in->failed |= r->a[k] >= r->n_disks || r->b[k] >= r->n_bodies || r->a[k] == r->b[k];
 }
@@ -257,6 +276,16 @@ static void read_surfaces(reader *in, deck_result *r) {
   r->n_surfaces = (size_t)h5_get_attr_i64(in->file, "/state", "n_surfaces", 0);
   in->failed |= r->n_surfaces > r->n_bodies - r->n_disks;
   if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
+}
+
+/* Where both runs have them. */
+static void read_derivatives(reader *in, deck_result *r) {
+  static const char *const names[SD_DERIVATIVES] = {"x3", "x4",     "x5",     "y3",    "y4",
+                                                    "y5", "theta3", "theta4", "theta5"};
+  if (in->failed || in->d->asked.part || !(r->dt > 0.0) || in->d->model->integrator != SD_GEAR5) return;
+  const uint32_t *id = read_numbers(in, r);
+  for (size_t k = 0; k < SD_DERIVATIVES; k++)
+    r->derivatives[k] = by_body(in, names[k], SD_F64, r, id, r->n_free);
 }
 
 /* Walls stand behind the disks, in their order. */
@@ -324,6 +353,7 @@ deck_result *deck_result_read(deck *d, const deck_node *node, const char *path, 
     read_bodies(&in, r);
   if (!in.failed && !d->asked.part) read_surfaces(&in, r);
   if (!in.failed && contacts) read_contacts(&in, r);
+  if (!in.failed && contacts) read_derivatives(&in, r);
   r->box_scale = in.failed ? 1.0 : *scale;
   char *text = h5_get_text(in.file, "/parameters/deck_bodies");
   if (text) parse_text(d, r, deck_copy(d, text, strlen(text)));

@@ -39,7 +39,13 @@ typedef struct deck_result {
   double *surface; /* way of each wall's surface */
   size_t n_surfaces;
   int32_t *slide;
-  double *record[SD_CONTACT_ALL]; /* columns of slipdisk/contact.h */
+  double *record[SD_CONTACT_ALL];      /* columns of slipdisk/contact.h */
+  size_t n_materials;                  /* of the laws; 0: not known */
+  sd_contact_law *laws;                /* [n_materials * n_materials] */
+  bool rolls;                          /* some of the laws resist rolling */
+  int32_t *wall_material;              /* of each of the walls of the file */
+  double dt;                           /* with Gear; 0: another integrator, or not known */
+  double *derivatives[SD_DERIVATIVES]; /* of disks, with Gear; NULL: none */
 
   /* what the text of deck_bodies says; nothing in files without it */
   result_names materials, groups, disk_names;

@@ -315,6 +315,8 @@ sd_status constants_write(h5_file *file, const sd_model *m, const constants_sour
                "of the deck as it was run: what measuring needs beside the frames");
   h5_attr_i64(file, MODEL, "container", (int64_t)m->container);
   h5_attr_i64(file, MODEL, "variant", (int64_t)m->variant);
+  h5_attr_i64(file, MODEL, "integrator", (int64_t)m->integrator);
+  h5_attr(file, MODEL, "dt", SD_F64, 1, &m->dt);
   put(file, "gravity", SD_F64, 1, &two, m->gravity, "length/time^2", "acceleration");
   put(file, "periodic", SD_I32, 1, &two, periodic, "1", "1: the box repeats along x, y");
   put(file, "box", SD_F64, 2, square, box, "length", "lower, upper corner at the start");
@@ -425,6 +427,20 @@ static void read_laws(reader *r, sd_model *m) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the laws");
   }
   free(laws);
+}
+
+sd_model *constants_read_laws(const h5_file *file) {
+  if (!h5_exists(file, MODEL "/laws")) return NULL;
+  sd_model *m = sd_model_new();
+  reader r = {.file = file, .status = m ? SD_OK : SD_ERROR_IO};
+  if (m) read_laws(&r, m);
+  if (r.status == SD_OK) {
+    m->integrator = (sd_integrator)h5_get_attr_i64(file, MODEL, "integrator", SD_VERLET);
+    m->dt = h5_get_attr_f64(file, MODEL, "dt", 0.0);
+    return m;
+  }
+  sd_model_free(m);
+  return NULL;
 }
 
 static void check_species(reader *r, const sd_model *m, int species) {

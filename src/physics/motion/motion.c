@@ -333,6 +333,16 @@ bool motion_ahead(engine *e) {
   return e->work.motions->quiet;
 }
 
+void motion_first_speeds(engine *e) {
+  motions *q = e->work.motions;
+  const sd_state *s = e->state;
+  if (q->n_prescribed == 0) return;
+  fill(e, s->step);
+  for (prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++)
+    if (p->slot >= s->n_free || body_in_play(s, p->slot)) *p->speed = p->velocity[0];
+  motion_reload(e);
+}
+
 static void pose(prescribed *p, int64_t k) {
   const double after = p->value[k];
   p->moved = after - p->last;

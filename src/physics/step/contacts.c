@@ -466,24 +466,42 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   return s->contact_part[c] < (uint32_t)p->part[k];
 }
 
-void contacts_load(engine *e) {
+/* The next pair from *k on that is stored, and which; false: there are no more. To begin with *k = *c = 0; then add 1 to both. */
+static bool next_stored(const engine *e, size_t *k, size_t *c) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  for (; *k < p->count; (*k)++) {
+    if (p->a[*k] < 0) continue;
+    /* a contact of a packing may be too far apart here to be a candidate */
+    while (*c < s->n_contacts && stands_before(e, *c, *k)) (*c)++;
+    if (*c == s->n_contacts) return false;
+    if (s->contact_a[*c] == s->id[p->a[*k]] && s->contact_b[*c] == s->id[p->b[*k]] &&
+        s->contact_part[*c] == (uint32_t)p->part[*k])
+      return true;
+  }
+  return false;
+}
+
+/* Which way stored contact c slid; *acts: see SD_CONTACT_ACTS. */
+static int slide_of_stored(const sd_state *s, size_t c, bool *acts) {
+  *acts = s->contact_slide[c] > 1;
+  const int slide = s->contact_slide[c] - (*acts ? SD_CONTACT_ACTS : 0);
+  return (slide > 0) - (slide < 0);
+}
+
+static void load_one(engine *e, size_t k, size_t c) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
-  size_t c = 0;
-  for (size_t k = 0; k < p->count; k++) {
-    if (p->a[k] < 0) continue;
-    /* a contact of a packing may be too far apart here to be a candidate */
-    while (c < s->n_contacts && stands_before(e, c, k)) c++;
-    if (c == s->n_contacts) return;
-    if (s->contact_a[c] != s->id[p->a[k]] || s->contact_b[c] != s->id[p->b[k]] ||
-        s->contact_part[c] != (uint32_t)p->part[k])
-      continue;
-    const sd_contact_record record = sd_state_record(s, c);
-    pairs_set_record(p, k, &record);
-    pairs_set_flags(p, k, true, (s->contact_slide[c] > 0) - (s->contact_slide[c] < 0));
-    p->side[k] = s->contact_side[c];
-    c++;
-  }
+  bool acts;
+  sd_contact_record record = sd_state_record(s, c);
+  if (!(e->work.features & LAW_ROLLING)) record.rho_ref = 0.0;
+  pairs_set_record(p, k, &record);
+  pairs_set_flags(p, k, true, slide_of_stored(s, c, &acts));
+  p->side[k] = s->contact_side[c];
+}
+
+void contacts_load(engine *e) {
+  for (size_t k = 0, c = 0; next_stored(e, &k, &c); k++, c++) load_one(e, k, c);
 }
 
 /* The file says that contact k slid in its last step. It did so against mu_kinetic if its force fits that limit, else it was
@@ -495,26 +513,32 @@ static bool slid_before(const engine *e, size_t k) {
   return fabs(MORE(p, k, tau)) <= (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
 }
 
-sd_status contacts_recall(engine *e, int8_t **slid) {
+void contacts_recall(engine *e) {
   pairs *p = &e->work.pairs;
-  *slid = NULL;
-  if (!p->more) return SD_OK;
-  *slid = calloc(p->count + 1, sizeof **slid);
-  if (!*slid) return SD_ERROR_IO;
-  for (size_t k = 0; k < p->count; k++) {
-    if (!pairs_closed(p, k)) continue;
-    (*slid)[k] = (int8_t)pairs_slide_sign(p, k);
-    if ((*slid)[k] != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
-    /* these follow from the first forces; what no law of this deck has stays 0 */
-    MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
-    if (!(e->work.features & LAW_ROLLING)) MORE(p, k, rho_ref) = 0.0;
+  for (size_t k = 0, c = 0; p->more && next_stored(e, &k, &c); k++, c++) {
+    if (pairs_slide_sign(p, k) != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
+    if (isnan(MORE(p, k, rho_ref))) MORE(p, k, rho_ref) = contact_rho_of(e, k);
   }
-  return SD_OK;
 }
 
-void contacts_remember(engine *e, int8_t *slid) {
+/* Is contact k where the file has it? Not in another box. With Gear its last forces were those of predicted places. */
+static bool is_in_place(const engine *e, size_t k, size_t c) {
+  const sd_state *s = e->state;
+  const pairs *p = &e->work.pairs;
+  const double far = PAIR(p, k, overlap) - sd_state_record(s, c).overlap;
+  return fabs(far) <= 1e-5 * s->radius[p->a[k]];
+}
+
+void contacts_remember(engine *e) {
+  const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
-  for (size_t k = 0; slid && k < p->count; k++)
-    if (slid[k] != 0 && pairs_closed(p, k)) pairs_set_flags(p, k, true, slid[k]);
-  free(slid);
+  for (size_t k = 0, c = 0; next_stored(e, &k, &c); k++, c++) {
+    bool acts;
+    const int slide = slide_of_stored(s, c, &acts);
+    if (!pairs_closed(p, k)) continue;
+    if (acts && is_in_place(e, k, c))
+      load_one(e, k, c);
+    else if (p->more && slide != 0)
+      pairs_set_flags(p, k, true, slide);
+  }
 }

@@ -40,10 +40,10 @@ sd_status contacts_store(engine *e);
 /* The same for what only reads contacts: sums of losses of bodies (losses.h) stay as they were. */
 sd_status contacts_store_rows(engine *e);
 void contacts_load(engine *e);
-/* The forces of step 0 are those of the file's last step: in between nothing slides, and the limit of friction is the one of
- * that step. `recall` before them takes down which contacts slid (NULL: no law asks), `remember` after them says so again
- * and frees the list. SD_ERROR_IO: no memory. */
-sd_status contacts_recall(engine *e, int8_t **slid);
-void contacts_remember(engine *e, int8_t *slid);
+/* Contacts with which the run begins, before and after the forces of step 0. Where their laws are those of the file, its last
+ * step was at these very coordinates: they get their memory back, whose forces are to be summed again. Of others friction has
+ * the limit of that last step, in between nothing slides, and what the file does not say of rolling begins relaxed. */
+void contacts_recall(engine *e);
+void contacts_remember(engine *e);
 
 #endif

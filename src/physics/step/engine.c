@@ -66,8 +66,16 @@ void engine_fill_contact(sd_state *s, const sd_contact_memory *c) {
   s->contact_b[k] = c->b;
   s->contact_part[k] = c->part;
   s->contact_side[k] = c->side;
-  s->contact_slide[k] = c->slide;
+  s->contact_slide[k] = c->slide + (c->acts ? SD_CONTACT_ACTS : 0);
   sd_state_set_record(s, k, &c->record);
+}
+
+static void fill_derivatives(const sd_model *m, sd_state *s) {
+  double *const column[SD_DERIVATIVES] = {s->x3, s->x4,     s->x5,     s->y3,    s->y4,
+                                          s->y5, s->theta3, s->theta4, s->theta5};
+  for (size_t slot = 0; m->n_derivatives > 0 && slot < s->n_free; slot++)
+    for (size_t k = 0; s->id[slot] < m->n_derivatives && k < SD_DERIVATIVES; k++)
+      column[k][slot] = m->derivatives[s->id[slot]][k];
 }
 
 static sd_status fill_contacts(const sd_model *m, sd_state *s) {
@@ -99,6 +107,7 @@ sd_status engine_fill_state(const sd_model *m, sd_state *s) {
   clumps_fill_state(m, s);
   for (size_t k = 0; k < s->n_motions; k++) s->motion_start[k] = -1;
   if (s->n_free >= ORDER_LEAST && !m->tiles.away && order_disks(m, s) != SD_OK) return SD_ERROR_IO;
+  fill_derivatives(m, s);
   return fill_contacts(m, s);
 }
 
@@ -403,11 +412,12 @@ sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages) {
   work *w = &e->work;
   assert(s->step == 0);
   *kept = contacts_count(e);
+  motion_first_speeds(e);
   clumps_place_all(e);
-  int8_t *slid;
-  if (contacts_recall(e, &slid) != SD_OK) return SD_ERROR_IO;
-  sweep_forces(e);
-  contacts_remember(e, slid);
+  contacts_recall(e);
+  sweep_forces(e, SWEEP_EVALUATE);
+  contacts_remember(e);
+  if (e->model->forces_act) sweep_forces(e, SWEEP_SUM);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);

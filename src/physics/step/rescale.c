@@ -63,7 +63,7 @@ static sd_status renew_contacts(engine *e, sd_messages *messages) {
     before[p->count + k] = PAIR(p, k, nonconservative_work);
   }
   renew_overlaps(e);
-  sweep_forces(e);
+  sweep_forces(e, SWEEP_EVALUATE);
   if (cell_work(e, true) != SD_OK) {
     free(before);
     return SD_ERROR_IO;

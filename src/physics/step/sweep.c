@@ -3,6 +3,7 @@
 
 #include <assert.h>
 
+#include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"
 #include "physics/neighbours/rows.h"
@@ -43,6 +44,18 @@ void sweep_correct(engine *e, thread_work *mine, size_t k) {
   e->work.kernels->correct[e->model->integrator](e, mine, c->begin[k], c->begin[k + 1]);
 }
 
+/* In place of an evaluation of these pairs. */
+static void sum_pairs(engine *e, size_t begin, size_t end) {
+  for (size_t k = begin; k < end; k++)
+    if (pairs_closed(&e->work.pairs, k)) contact_sum(e, k);
+}
+
+static void sum_chunk(engine *e, size_t k) {
+  const chunks *c = &e->work.chunks;
+  sum_pairs(e, c->pair[k], c->pair[k + 1]);
+  sum_pairs(e, c->segment[k], c->segment[k + 1]);
+}
+
 /* One evaluation of the contacts of chunk k: forces, lambda*, losses. */
 static void evaluate(engine *e, thread_work *mine, size_t k) {
   const work *w = &e->work;
@@ -76,7 +89,7 @@ void sweep_ghosts(engine *e, int t) {
   w->kernels->pairs(e, &w->threads[t], p->first_ghost + PAIR_BLOCK * from, p->first_ghost + PAIR_BLOCK * to);
 }
 
-void sweep_forces(engine *e) {
+void sweep_forces(engine *e, sweep_kind kind) {
   work *w = &e->work;
   const chunks *c = &w->chunks;
   const size_t n_free = e->state->n_free, n_bodies = e->state->n_bodies;
@@ -86,10 +99,14 @@ void sweep_forces(engine *e) {
   for (int t = 0; t < w->n_threads; t++)
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) pack(e, c->need[n], INT64_MAX);
-      evaluate(e, &w->threads[0], k);
+      if (kind == SWEEP_SUM)
+        sum_chunk(e, k);
+      else
+        evaluate(e, &w->threads[0], k);
       if (!c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
     }
-  for (int t = 0; e->halo && t < w->n_threads; t++) sweep_ghosts(e, t);
+  for (int t = 0; e->halo && kind == SWEEP_EVALUATE && t < w->n_threads; t++) sweep_ghosts(e, t);
+  if (kind == SWEEP_SUM) sum_pairs(e, w->pairs.first_ghost, w->pairs.first_segment);
   for (size_t k = 0; k < c->count; k++)
     if (c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
   if (e->halo) halo_gather_prescribed(e);
