@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "io/results/checkpoint.h"
-#include "io/results/constants.h"
+#include "io/results/constants_laws.h"
 #include "io/store/file.h"
 #include "model/cell.h"
 #include "model/law_features.h"
@@ -186,7 +186,7 @@ static rows_of_file rows_asked(const deck *d, size_t all) {
 static void read_laws(reader *in, deck_result *r) {
   const size_t walls = r->n_bodies - r->n_disks;
   r->wall_material = part_of(in, "material", SD_I32, r->n_bodies, r->n_disks, walls);
-  sd_model *m = in->failed ? NULL : constants_read_laws(in->file);
+  sd_model *m = in->failed ? NULL : constants_laws_model(in->file);
   if (!m) return;
   const size_t n = m->n_materials;
   r->laws = deck_alloc(in->d, n * n + 1, sizeof *r->laws);

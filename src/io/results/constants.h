@@ -20,7 +20,5 @@ sd_status constants_write(h5_file *file, const sd_model *model, const constants_
  * there (a checkpoint, an old result), from the deck that is stored in the file. SD_ERROR_USER: the deck cannot be
  * read again, for example since it names files that are gone. */
 sd_status constants_read(const h5_file *file, const char *path, sd_model **out, sd_messages *messages);
-/* The contact laws, the integrator and dt (0: not known) of a result alone; NULL: not there, damaged, no memory. */
-sd_model *constants_read_laws(const h5_file *file);
 
 #endif

@@ -230,7 +230,7 @@ def page_of_result(source, names, options):
         cells = np.atleast_1d(place.subfigures(len(column), 1, height_ratios=[part[3] for part in column])) if len(column) > 1 else [place]
         for cell, part in zip(cells, column):
             _draw(cell, part[1])
-    title = f"{os.path.basename(source.path)}" + (f": {source.title}" if source.title else "")
+    title = style.plain(os.path.basename(source.path)) + (f": {source.title}" if source.title else "")
     if len(parts) == 1 and parts[0][0] in ("map", "network"):
         picture.set_dpi(_map_dpi(picture, source, options))
     picture.suptitle(title + ("" if source.result.finished else f" (unfinished, t = {source.result.time:g})"), x=0.01, ha="left", fontsize=10)
@@ -259,7 +259,7 @@ def page_of_sweep(sweep, options):
         picture = style.figure(*(options.size or (7.0, 4.5)))
         curve(sweep, picture.subplots(), curves=c, rows_of_theory=expected)
     done = int((sweep["status"] == "done").sum())
-    picture.suptitle(os.path.basename(sweep.folder) + ("" if done == len(sweep) else f" ({done} of {len(sweep)} points)"), x=0.01, ha="left",
+    picture.suptitle(style.plain(os.path.basename(sweep.folder)) + ("" if done == len(sweep) else f" ({done} of {len(sweep)} points)"), x=0.01, ha="left",
                      fontsize=10)
     return picture
 

@@ -301,7 +301,7 @@ def walls(result, ax=None, *, time=None, component="normal"):
     s, t = source.series, source.series["time"]
     keep, values = within(t, time), s[name]
     for k, wall in enumerate(source.result.rows("observables/walls").split("\n")[:values.shape[1]]):
-        ax.plot(*style.thinned(t[keep], values[keep, k]), color=style.colour(k), lw=0.9, label=wall)
+        ax.plot(*style.thinned(t[keep], values[keep, k]), color=style.colour(k), lw=0.9, label=style.plain(wall))
     guide(ax, y=0)
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(label({"normal": "normal force on a wall", "tangential": "tangential force on a wall"}.get(

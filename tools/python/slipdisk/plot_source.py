@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from . import library as lib
+from . import plot_style as style
 from .program import call
 from .result import Result
 
@@ -68,7 +69,7 @@ class Source:
     @functools.cached_property
     def title(self):
         found = re.search(r'^title = "((?:[^"\\]|\\.)*)"', self.result.deck, re.M)
-        return found[1] if found else ""
+        return style.plain(found[1], 120) if found else ""
 
     @functools.cached_property
     def gravity(self):
@@ -85,7 +86,7 @@ class Source:
         for row in rows if rows is not None else []:
             end = begin + int(row["steps"]) if row["steps"] else self.result.step
             if end > begin:
-                found.append((str(row["name"]), begin * self.result.dt, end * self.result.dt))
+                found.append((style.plain(row["name"]), begin * self.result.dt, end * self.result.dt))
             begin = end
         return found
 
@@ -113,7 +114,7 @@ class Source:
         return [line.split("\t")[1:] for line in self.result.rows("parameters/deck_bodies").split("\n") if line.startswith(kind + "\t")]
 
     def disk_name(self, number):
-        return self.names[number] or f"disk {number}"
+        return style.plain(self.names[number] or f"disk {number}")
 
     @functools.cached_property
     def names(self):
@@ -122,11 +123,11 @@ class Source:
     @functools.cached_property
     def body_names(self):
         """Names of all bodies: disks, then walls."""
-        return [self.disk_name(k) for k in range(self.result.summary["disks"])] + [words[0] for words in self._bodies("wall")]
+        return [self.disk_name(k) for k in range(self.result.summary["disks"])] + [style.plain(words[0]) for words in self._bodies("wall")]
 
     @functools.cached_property
     def groups(self):
-        return [words[0] for words in self._bodies("group")]
+        return [style.plain(words[0]) for words in self._bodies("group")]
 
     @functools.cached_property
     def usual_frame(self):

@@ -45,6 +45,13 @@ def colour(k):
     return cycle[k % len(cycle)]
 
 
+def plain(text, most=60):
+    """A name, title or word of a deck or file as it is shown: no formula, nothing unprintable, not too long."""
+    shown = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in str(text))
+    shown = shown if len(shown) <= most else shown[:most - 3] + "..."
+    return shown.replace("$", r"\$")
+
+
 def label(text, unit=""):
     """Name of an axis with its unit; numbers without a unit have none."""
     return f"{text} ({unit})" if unit not in ("", "1", None) and unit not in text.split() else text

@@ -155,11 +155,11 @@ class Curves:
     def _text(self, name):
         def one(key, value):
             if isinstance(value, str):
-                return f"{key} = {value}"
+                return f"{style.plain(key)} = {style.plain(value)}"
             if unit(self.sweep, key) == "rad" and value and np.isclose(value / np.pi, np.round(value / np.pi, 4), atol=1e-9):
                 factor = {1.0: "", -1.0: "-"}.get(turns := np.round(value / np.pi, 4), f"{turns:g}")
-                return rf"{key} = {factor}$\pi$"
-            return f"{key} = {value:.4g}"
+                return rf"{style.plain(key)} = {factor}$\pi$"
+            return f"{style.plain(key)} = {value:.4g}"
         return ", ".join(one(*item) for item in name)
 
 
@@ -209,15 +209,15 @@ def curve(result, ax=None, *, x=None, quantity=None, only=None, with_theory=True
     if pale:
         ax.plot([], [], "o", color=style.ink(), mfc=ax.get_facecolor(), ms=4.5, alpha=PALE, label="pale: error bar\nnot reliable yet")
     if c.words:
-        ax.set_xticks(range(len(c.words)), c.words)
+        ax.set_xticks(range(len(c.words)), [style.plain(word, 24) for word in c.words])
     elif _log(c.xs[np.isfinite(c.xs)]):
         ax.set_xscale("log")
     if c.y.endswith((".omega", ".scaled")):
         guide(ax, y=0)
-    ax.set_xlabel(f"{c.x} / π" if c.pi else label(c.x, unit(sweep, c.x)))
+    ax.set_xlabel(f"{style.plain(c.x)} / π" if c.pi else label(style.plain(c.x), unit(sweep, c.x)))
     names = {"omega": r"mean angular velocity $\Omega$", "scaled": r"$t_g\Omega$"}
     disk, _, what = c.y.rpartition(".")
-    text = f"{names[what]} of {disk}" if what in names else c.y.replace("_", " ")
+    text = f"{names[what]} of {style.plain(disk)}" if what in names else style.plain(c.y).replace("_", " ")
     ax.set_ylabel(label(*MEASURED[c.y]) if c.y in MEASURED and c.y not in quantities(sweep) else label(text, sweep.unit(c.y)))
     if only is not None:
         ax.set_title(c.groups[only][0], fontsize=9)
