@@ -343,6 +343,25 @@ static void a_fork_within_a_force_field(void **unused) {
 
 /* --- arguments ----------------------------------------------------------------------------------------- */
 
+/* They would feel nothing of each other. */
+static void two_disks_in_one_place(void **unused) {
+  (void)unused;
+  sd_model *m = sd_model_new();
+  sd_model_set(m, "dt", 1e-3);
+  sd_model_add_material(m, "g", &(sd_contact_law){.k_n = 1e4});
+  for (int k = 0; k < 3; k++)
+    sd_model_add_disk(m, &(sd_disk){.position = {k == 1 ? 5 : 2, 7}, .radius = 0.4, .mass = 1});
+  sd_model_add_phase(m, &(sd_phase){.steps = 10});
+  sd_messages *told = sd_messages_new();
+  sd_simulation *sim;
+  assert_int_equal(sd_model_finish(m, told), SD_OK);
+  assert_int_equal(sd_simulation_new(m, 1, &sim, told), SD_ERROR_USER);
+  assert_null(sim);
+  assert_string_equal(sd_messages_text(told, 0), "disk 2 and disk 0 have the same centre");
+  sd_messages_free(told);
+  sd_model_free(m);
+}
+
 /* Each is refused with a message that names key and value, and the state stays. */
 static void disks_that_cannot_be(void **unused) {
   (void)unused;
@@ -469,6 +488,7 @@ int main(void) {
                                      cmocka_unit_test(all_functions_in_another_thread),
                                      cmocka_unit_test(a_fork_between_calls),
                                      cmocka_unit_test(a_fork_within_a_force_field),
+                                     cmocka_unit_test(two_disks_in_one_place),
                                      cmocka_unit_test(disks_that_cannot_be),
                                      cmocka_unit_test(random_calls)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,6 +10,7 @@
 #include "measure/disks.h"
 #include "measure/sample.h"
 #include "model/cell.h"
+#include "model/overlaps.h"
 #include "pack/compress.h"
 #include "pack/rain.h"
 #include "pack/relax.h"
@@ -151,10 +152,38 @@ static sd_status start(sd_simulation *sim, sd_messages *messages) {
   return status;
 }
 
+typedef struct coincidence {
+  const sd_model *model;
+  sd_messages *messages;
+  bool found;
+} coincidence;
+
+static bool tell_coincident(void *user, const overlap *o) {
+  coincidence *c = user;
+  char one[96], two[96];
+  if (!o->coincident || c->found) return c->found;
+  c->found = true;
+  sd_fail(c->messages, SD_ERROR_USER, "%s and %s have the same centre",
+          sd_model_body_name(c->model, o->a > o->b ? o->a : o->b, one, sizeof one),
+          sd_model_body_name(c->model, o->a > o->b ? o->b : o->a, two, sizeof two));
+  return true;
+}
+
+/* Such disks have no direction and feel nothing of each other. Decks are looked at when they are read. */
+static sd_status refuse_coincident(const sd_model *model, sd_messages *messages) {
+  coincidence c = {.model = model, .messages = messages};
+  if (model->deck) return SD_OK;
+  if (overlaps_of_disks(model, tell_coincident, &c) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for the overlaps");
+  return c.found ? SD_ERROR_USER : SD_OK;
+}
+
 sd_status simulation_new(const sd_model *model, int threads, simulation_step step,
                          volatile sig_atomic_t *over_ranks, sd_simulation **out, sd_messages *messages) {
   *out = NULL;
   if (!is_finished(model, messages)) return SD_ERROR_USER;
+  const sd_status apart = refuse_coincident(model, messages);
+  if (apart != SD_OK) return apart;
   sd_state *state = sd_state_new(model);
   if (!state) {
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
