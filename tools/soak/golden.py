@@ -40,6 +40,7 @@ class Deck:
     keys: dict
     radius: float = 0.0  # mean, of decks whose lists of neighbours can be old; 0: there are none
     sweep: bool = False
+    begins: str = ""  # the deck with whose result it begins, contacts and all
 
     def overrides(self, more=()):
         # a row of the series is where a run can be stopped
@@ -67,6 +68,18 @@ def decks():
             "phases.relax.time": 100}, 0.6),
         Deck("servo", "packing/servo.cfg", {
             "container.width": 12, "container.height": 12, "phases.isotropic.time": 5, "phases.biaxial.time": 3}, 0.5),
+        Deck("clumps", "clumps/dimers.cfg", {"packings[0].count": 40, "container.width": 0.25, "phases.fall.time": 0.6}, 0.01),
+        Deck("cell", "shear/simple.cfg", {"packings[0].count": 100, "container.width": 11.7, "container.height": 11.7,
+                                          "phases.slow.time": 5, "phases.fast.time": 3}, 0.5),
+        Deck("hertz", "laws/hertz_mindlin.cfg", {"packings[0].count": 60, "container.width": 8, "phases.pour.time": 4}, 0.5),
+        Deck("wet", "laws/wet.cfg", {"packings[0].count": 80, "phases.settle.time": 20, "phases.stand.time": 20}, 0.5),
+        # rolling resistance; what leaves the bounds is taken out
+        Deck("bounds", "laws/heap_rolling.cfg", {"packings[0].count": 60, "packings[0].interval": 0.5, "bounds.x": "(-5, 5)",
+                                                 "phases.pour.time": 40}, 0.5),
+        Deck("tiles", "packing/jam_friction.cfg", {
+            "packings[0].tiles": 4, "phases.gather.compress.rate": 2e-3, "phases.press.compress.rate": 1e-3,
+            "phases.press.time": 200, "phases.relax.time": 50}, 0.6),
+        Deck("carried", "packing/shake_low.cfg", {**SHAKE, "phases.rest.time": 0.03, "packings": "()"}, 0.02, begins="shake"),
     )
 
 
@@ -79,6 +92,11 @@ class Failed(Exception):
 
 def command(program, deck, result, threads=1, skin=None, lanes=True, more=()):
     more = {**dict(more), **({} if skin is None else {"skin": skin})}
+    if deck.begins:
+        start = pathlib.Path(result).parent / f"{deck.begins}-start.h5"
+        if not start.exists():
+            finish(command(program, next(d for d in decks() if d.name == deck.begins), start))
+        more["disk_files"] = f'({{ file = "{start}"; contacts = true; }})'
     words = [str(program), "sweep" if deck.sweep else "run", str(ROOT / "inputs" / deck.file), *deck.overrides(more)]
     words += ["-o", str(result), "--quiet"] if lanes or not deck.sweep else ["-o", str(result), "--quiet", "--no-lanes"]
     # any number of threads ends lanes
