@@ -158,10 +158,19 @@ typedef struct coincidence {
   bool found;
 } coincidence;
 
+/* A motion may place it elsewhere at once. */
+static bool is_moved(const sd_model *m, uint32_t disk) {
+  for (size_t k = 0; k < m->n_motions; k++)
+    for (size_t b = 0; m->motions[k].coordinate <= SD_Y && b < m->motions[k].n_bodies; b++)
+      if (m->motions[k].bodies[b] == disk) return true;
+  return false;
+}
+
 static bool tell_coincident(void *user, const overlap *o) {
   coincidence *c = user;
   char one[96], two[96];
   if (!o->coincident || c->found) return c->found;
+  if (is_moved(c->model, o->a) || is_moved(c->model, o->b)) return false;
   c->found = true;
   sd_fail(c->messages, SD_ERROR_USER, "%s and %s have the same centre",
           sd_model_body_name(c->model, o->a > o->b ? o->a : o->b, one, sizeof one),
