@@ -67,6 +67,13 @@ static const bench_system systems[] = {
      {"-1", "0.5", "-2", "1"}},
     {"epo", "epo/symmetric.cfg", ENDLESS("rest.steps=2e5"), 0.8, 0, NULL, {NULL}},
     {"heap", "packing/heap.cfg", {"phases.settle.steps=1e5", "phases.rest.steps=1e15"}, 2.1, 0, NULL, {NULL}},
+    {"relax",
+     "packing/heap.cfg",
+     {"phases.settle.steps=1e5", "phases.rest.steps=1e15", "phases.rest.relax=true"},
+     2.1,
+     0,
+     NULL,
+     {NULL}},
     {"packing", NULL, {NULL}, 0.6, 0, NULL, {NULL}},
 };
 enum { SYSTEMS = sizeof systems / sizeof *systems };
