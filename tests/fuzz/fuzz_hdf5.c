@@ -14,6 +14,7 @@
 #include "io/results/frames.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
+#include "io/store/h5_private.h"
 #include "model/model.h"
 
 enum { MOST_FILES = 8, MOST_PATHS = 600, MOST_OPERATIONS = 6 };
@@ -61,6 +62,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv) {
   (void)argc, (void)argv;
   char *names = strdup(getenv("SLIPDISK_FUZZ_FILES") ? getenv("SLIPDISK_FUZZ_FILES") : ""), *rest = NULL;
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+  h5_probe_nothing();
   for (char *name = strtok_r(names, ":", &rest); name && n_seeds < MOST_FILES;
        name = strtok_r(NULL, ":", &rest)) {
     seed *s = &seeds[n_seeds++];
