@@ -84,6 +84,45 @@ class Laws(Files):
             rolled = f["state/contact_rho"][()]
         self.assertTrue(numpy.allclose(rolled, 0.02 * omega * dt, rtol=1e-2, atol=1e-12), rolled)
 
+    FALL = ('dt = 2e-5; gravity = { g = 9.81; }; materials = ( { name = "m"; k_n = 1e4; k_t = 1e3; mu = 0.1; mu_kinetic = 0.05;'
+            ' %s } ); walls = ( { name = "w"; type = "line"; points = ( (-1, 0), (1, 0) ); } ); ')
+    THREE = ('disk_rows = ( { columns = ("x", "y", "radius", "vx", "vy", "omega"); density = 3.57; rows = ( (0, 0.0199, 0.02, 0.3,'
+             ' -0.2, 9), (0.041, 0.0199, 0.02, -0.4, -0.2, 0), (0.02, 0.0545, 0.02, 0.2, -0.1, -5) ); } );')
+
+    def test_coordinates_that_are_held_now(self):
+        """A lock or a motion drops what the file says of the velocity there, and of its derivatives."""
+        self.run_deck('integrator = "gear5";' + self.FALL % "gamma_n = 1;" + self.THREE + " steps = 30;", name="one")
+        file = 'disk_files = ( { file = "one.h5"; contacts = true; %s } );'
+        for what in (file % 'locked = "x";', file % "" + ' locks = ( { disk = (0, 1, 2); coordinates = "x"; } );',
+                     file % "" + ' motions = ( { disk = (0, 1, 2); coordinate = "x"; type = "fixed"; } );'):
+            with self.subTest(what=what):
+                again = self.run_deck(f'integrator = "gear5"; {self.FALL % "gamma_n = 1;"} {what} steps = 20; output = {{ frames = 1; }};')
+                with h5py.File(again) as f, h5py.File(self.folder / "one.h5") as g:
+                    places = f["particles/disks/position/value"][()]
+                    self.assertTrue((places[:, :, 0] == g["particles/disks/position/value"][-1][:, 0]).all())
+                    self.assertGreater(numpy.ptp(places[:, :, 1], axis=0).min(), 0)
+                    self.assertFalse(f["state/x3"][()].any())
+                    self.assertTrue(f["state/y3"][()].all())
+
+    def test_attraction_that_the_deck_does_not_have(self):
+        """A contact that slid under a pull is one without."""
+        self.run_deck(self.FALL % 'cohesion = "constant"; pull_off = 0.5; range = 1e-4;' + self.THREE + " steps = 30;", name="one")
+        self.assertTrue(contacts(self.folder / "one.h5", -1)["sliding"].any())
+        again = self.run_deck(self.FALL % "" + 'disk_files = ( { file = "one.h5"; contacts = true; } ); steps = 1;')
+        with h5py.File(again) as f:
+            self.assertGreater(len(f["state/contact_pull"][()]), 0)
+            self.assertFalse(f["state/contact_pull"][()].any())
+
+    def test_velocities_of_the_deck(self):
+        """With them the file's forces do not hold: a disk at rest is not damped."""
+        head = 'integrator = "verlet";' + self.FALL % "gamma_n = 2;"
+        self.run_deck(head + self.THREE + " steps = 30;", name="one")
+        again = self.run_deck(f'{head} disk_files = ( {{ file = "one.h5"; contacts = true; vx = 0; vy = 0; omega = 0; }} );'
+                              " steps = 10; output = { contacts = 1; };")
+        first, old = contacts(again, 0), contacts(self.folder / "one.h5", -1)
+        self.assertTrue(numpy.allclose(first["force"], 1e4 * first["overlap"], rtol=1e-12))
+        self.assertGreater(abs(old["force"] / (1e4 * old["overlap"]) - 1).max(), 0.1)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

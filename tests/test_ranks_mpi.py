@@ -152,6 +152,14 @@ class Ranks(Folder):
         for ranks in brief((2, 3, 4, 7), (3,)):
             err = self.same("known", ranks, threads=2 if ranks == 2 else 1)
             self.assertLessEqual(set(alone.splitlines()), set(err.splitlines()))
+        self.same("carried", 3)
+        with h5py.File(self.folder / "bed.h5") as old, h5py.File(self.by_one("carried")) as new:
+            old, new = ({(a - more, b - more): force for a, b, force in zip(*(file["contacts"][name][part] for name in ("a", "b", "force")))}
+                        for file, part, more in ((old, slice(int(old["contacts/first"][-1]), None), 0),
+                                                 (new, slice(0, int(new["contacts/count"][0])), 1)))
+        both = [pair for pair in old.keys() & new.keys() if max(pair) < 21000]
+        self.assertGreater(len(both), 10000)
+        self.assertEqual([pair for pair in both if old[pair] != new[pair]], [])
         self.assertRegex(self.same("wider", 3), "[0-9]+ of [0-9]+ contacts of the packing do not touch at the start")
 
     def test_files_that_overlap(self):

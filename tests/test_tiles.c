@@ -437,7 +437,7 @@ static void test_contacts_of_ranks(void **state) {
       sd_contact_memory *c = &list[k];
       const sd_tile_wall *wall = c->b < t->count ? NULL : &t->walls[c->b - t->count];
       assert_true(deck_contact_is_kept(c, wall));
-      deck_carry_contact(c, turned[c->a], wall ? (deck_turned){0} : turned[c->b], wall, t->forces_act);
+      deck_carry_contact(c, turned[c->a], wall ? (deck_turned){0} : turned[c->b], wall, t->forces_carried);
       c->a += 1;
       c->b = wall ? (uint32_t)m->n_disks + wall->wall : c->b + 1;
       assert_memory_equal(c, &all->memories[at + k], sizeof *c);

@@ -72,7 +72,7 @@ typedef struct sd_tiles {
   int64_t inputs, contact_inputs; /* of a file: sums of what it says of disks and contacts, in any order */
   size_t n_contacts, n_kept;      /* of a file: that come along; where it is away: with bodies of the model */
   size_t n_walls;                 /* where it is away, and contacts come along */
-  bool forces_act;                /* of those contacts: the laws are the file's */
+  bool forces_carried;            /* forces of those contacts hold at step 0 */
   sd_tile_wall *walls;
   sd_packing_kind kind;
   double lower[2], upper[2], spacing,
@@ -98,7 +98,7 @@ enum { SD_DERIVATIVES = 9 };
 typedef struct sd_contact_memory {
   uint32_t a, b, part; /* body numbers of this model */
   int16_t slide;
-  int16_t acts; /* 1: the run before had the same law, and its force acts at the start */
+  int16_t force_carried; /* 1: same law as in the run before, whose force holds at step 0 */
   double side;
   sd_contact_record record;
 } sd_contact_memory;
@@ -182,9 +182,10 @@ struct sd_model {
   sd_rain *rains;
   size_t n_memories; /* contacts of the packing that the run begins with, in any order */
   sd_contact_memory *memories;
-  bool forces_act;      /* of some of these contacts, or of the tiles' */
-  size_t n_derivatives; /* 0, or disks, as far as another run has left any for Gear's predictor */
-  double (*derivatives)[SD_DERIVATIVES]; /* [n_derivatives]: columns 3 to 5 of x, of y, of theta (state.h) */
+  bool forces_carried;  /* the forces of some contacts hold at step 0 */
+  size_t n_derivatives; /* disks; 0: the file has none, or not for Gear */
+  /* Gear's columns 3 to 5 of x, of y, of theta (state.h), from the file of each disk */
+  double (*derivatives)[SD_DERIVATIVES];
 
   size_t n_rotations; /* disks whose mean angular velocity is measured */
   uint32_t *rotations;

@@ -14,7 +14,9 @@ typedef struct state_source {
   size_t n_contacts;
 } state_source;
 
-enum { SD_CONTACT_ACTS = 4 }; /* added to the slide of such a contact (sd_contact_memory) until the start */
+/* contact_slide is larger by this, until step 0, if the contact is force_carried
+ * (sd_contact_memory) */
+enum { SD_FORCE_CARRIED = 4 };
 
 struct sd_state {
   /* per run */
@@ -90,8 +92,7 @@ struct sd_state {
   uint32_t *contact_b;    /* body number of the partner disk or wall */
   uint32_t *contact_part; /* straight piece of the wall (feature number), 0 for round bodies */
   double *contact_side;   /* +1, -1: side of a straight wall; 0: round */
-  int32_t *
-      contact_slide; /* 0 stuck, +1/-1 sliding with that sign of torque; until the start SD_CONTACT_ACTS more: sd_contact_memory */
+  int32_t *contact_slide; /* 0 stuck, +1/-1 sliding with that sign of torque; SD_FORCE_CARRIED */
 #define SD_CONTACT_POINTER(name, unit, meaning) double *contact_##name;
   SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* contact.h */
   SD_CONTACT_MORE(SD_CONTACT_POINTER)   /* law_columns */

@@ -153,7 +153,7 @@ static void deliver(const directory *d, const carried *list, size_t n, sd_state 
     sd_contact_memory c = list[k].contact;
     const sd_tile_wall *wall = wall_of(t, &c);
     const entry *a = &list[k].a, *b = wall ? a : &list[k].b;
-    deck_carry_contact(&c, a->turned, b->turned, wall, t->forces_act);
+    deck_carry_contact(&c, a->turned, b->turned, wall, t->forces_carried);
     c.a += (uint32_t)t->first;
     c.b = wall ? (uint32_t)d->model->n_disks + wall->wall : c.b + (uint32_t)t->first;
     sent[n_sent] = c;

@@ -158,7 +158,7 @@ typedef struct coincidence {
   bool found;
 } coincidence;
 
-/* A motion may place it elsewhere at once. */
+/* A motion moves its centre, perhaps at once. */
 static bool is_moved(const sd_model *m, uint32_t disk) {
   for (size_t k = 0; k < m->n_motions; k++)
     for (size_t b = 0; m->motions[k].coordinate <= SD_Y && b < m->motions[k].n_bodies; b++)
@@ -178,7 +178,7 @@ static bool tell_coincident(void *user, const overlap *o) {
   return true;
 }
 
-/* Such disks have no direction and feel nothing of each other. Decks are looked at when they are read. */
+/* Coincident disks have no normal and never touch. Decks are checked when they are read. */
 static sd_status refuse_coincident(const sd_model *model, sd_messages *messages) {
   coincidence c = {.model = model, .messages = messages};
   if (model->deck) return SD_OK;

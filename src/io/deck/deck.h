@@ -94,10 +94,10 @@ sd_status deck_make_turned(const sd_model *model, size_t part, uint32_t *number,
                            sd_messages *messages);
 /* Is a contact's partner a body of the model? wall: NULL for a disk. */
 bool deck_contact_is_kept(const sd_contact_memory *contact, const sd_tile_wall *wall);
-/* Makes the memory of a contact of the file one of the model, but for the numbers of its bodies. b: of a disk; else `wall`.
- * acts: its force acts at the start. */
+/* Turns a contact of the file into one of the model; body numbers stay those of the file. The
+ * partner is disk b, or `wall`. carried: its force holds at step 0. */
 void deck_carry_contact(sd_contact_memory *contact, deck_turned a, deck_turned b, const sd_tile_wall *wall,
-                        bool acts);
+                        bool carried);
 
 /* All keys as Markdown, the way docs/deck.md shows them. */
 void deck_keys_print(FILE *out);

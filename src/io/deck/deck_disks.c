@@ -156,6 +156,9 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
     const char *text = t->text ? t->text[r * t->n_columns + c] : NULL;
     if (column < COLUMN_NUMBERS) {
       v.number[column] = t->number[r * t->n_columns + c];
+      /* a result's velocity is no mistake of a deck that locks the coordinate */
+      if (t->result && column >= COLUMN_VX && column <= COLUMN_OMEGA && v.locked >> (column - COLUMN_VX) & 1)
+        v.number[column] = 0.0;
       check_cell(d, &v, column);
     } else if (text && !text_printable(text)) {
       fail_value(d, &v, deck_column_names[column], "expected a text in UTF-8 without control characters");
@@ -291,12 +294,18 @@ void deck_read_forces(deck *d) {
   }
 }
 
+static void drop_motion(sd_model *m, uint32_t disk, int c) {
+  m->disks[disk].velocity[c] = 0.0;
+  for (size_t k = 0; disk < m->n_derivatives && k < SD_DERIVATIVES; k++)
+    if (k / 3 == (size_t)c) m->derivatives[disk][k] = 0.0;
+}
+
 void deck_forget_velocity(deck *d, uint32_t disk, int c) {
   static const int columns[] = {COLUMN_VX, COLUMN_VY, COLUMN_OMEGA};
   for (size_t k = 0; k < d->n_file_tables; k++) {
     const deck_columns *t = &d->file_tables[k];
     if (t->result && disk >= t->first && disk - t->first < t->n_rows && has_column(t, columns[c]))
-      d->model->disks[disk].velocity[c] = 0.0;
+      drop_motion(d->model, disk, c);
   }
 }
 

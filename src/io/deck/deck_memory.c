@@ -158,7 +158,7 @@ static double radius_of(const sd_contact_memory *c, deck_turned b, const sd_tile
 }
 
 void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, const sd_tile_wall *wall,
-                        bool acts) {
+                        bool carried) {
   const double rb = radius_of(c, b, wall);
   double shift = a.radius * a.shift; /* of lambda* */
   const double rolled = a.shift - (wall ? -wall->theta : b.shift);
@@ -174,8 +174,8 @@ void deck_carry_contact(sd_contact_memory *c, deck_turned a, deck_turned b, cons
   c->record.lambda_ref += shift;
   c->record.rho_ref += law_arm(a.radius, rb) * rolled;
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
-  c->acts = acts;
-  if (acts) return;
+  c->force_carried = carried;
+  if (carried) return;
   /* these follow from the first forces; tau and pull say what limit friction had */
   c->record.rho = c->record.roll = 0.0;
   if (c->slide == 0) c->record.tau = c->record.pull = 0.0;
@@ -211,7 +211,7 @@ static deck_turned turned_of(const deck_result *r, uint32_t disk) {
   return (deck_turned){r->radius[disk], deck_result_shift(r, disk)};
 }
 
-/* Which material of the deck the disks have that have material k of the file; -1: none has it. */
+/* Material k of the file is this one of the deck; -1: no disk of the deck has it. */
 static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t k) {
   const sd_model *m = ours->d->model;
   const deck_result *r = t->result;
@@ -223,9 +223,9 @@ static int32_t own_material(const our_walls *ours, const deck_columns *t, size_t
   return name && deck_index_find(&ours->d->materials, name, &found) ? (int32_t)found : -1;
 }
 
-/* Do the forces of the file's contacts act on? Where the laws are the same, and the disks move as they did: the forces of the
- * first step are then those of the last one, which were evaluated at predicted velocities. */
-static bool forces_act(const our_walls *ours, const deck_columns *t) {
+/* If laws, masses and velocities are those of the file, its contact forces hold at step 0. They
+ * were evaluated at predicted velocities, which the file does not have. */
+static bool forces_carried(const our_walls *ours, const deck_columns *t) {
   const sd_model *m = ours->d->model;
   const deck_result *r = t->result;
   const size_t n = r->n_materials, walls = r->n_bodies - r->n_disks, own = m->n_materials;
@@ -253,7 +253,7 @@ static bool forces_act(const our_walls *ours, const deck_columns *t) {
   return true;
 }
 
-/* Of disks that were free. Column k is dt^k/k! times a derivative. */
+/* Derivatives of free coordinates; column k is dt^k/k! times the k-th. */
 static void take_derivatives(deck *d, const deck_columns *t) {
   sd_model *m = d->model;
   const deck_result *r = t->result;
@@ -264,10 +264,12 @@ static void take_derivatives(deck *d, const deck_columns *t) {
   }
   for (size_t row = 0; row < t->n_rows; row++)
     for (size_t k = 0; k < SD_DERIVATIVES; k++)
-      m->derivatives[t->first + row][k] = r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
+      if (!m->disks[t->first + row].locked[k / 3])
+        m->derivatives[t->first + row][k] = r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
 }
 
-static void take_contacts(our_walls *ours, const deck_columns *t) {
+/* Returns whether the forces of the file's contacts hold at step 0. */
+static bool take_contacts(our_walls *ours, const deck_columns *t) {
   deck *d = ours->d;
   sd_model *m = d->model;
   const deck_result *r = t->result;
@@ -276,8 +278,8 @@ static void take_contacts(our_walls *ours, const deck_columns *t) {
   static const sd_tile_wall unknown;
   const sd_tile_wall *walls = map_walls(ours, t, deck_alloc(d, n_walls + 1, sizeof *walls));
   lost_contacts lost = {0};
-  const bool acts = forces_act(ours, t);
-  m->forces_act = m->forces_act || acts;
+  const bool carried = forces_carried(ours, t);
+  m->forces_carried = m->forces_carried || carried;
   m->memories = deck_grow(d, m->memories, m->n_memories + r->n_contacts + 1, sizeof *m->memories);
   for (size_t k = 0; k < r->n_contacts; k++) {
     sd_contact_memory c = deck_result_contact(r, k);
@@ -288,12 +290,13 @@ static void take_contacts(our_walls *ours, const deck_columns *t) {
       if (lost.n++ == 0) lost.first = c.b;
       continue;
     }
-    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall, acts);
+    deck_carry_contact(&c, turned_of(r, c.a), two ? turned_of(r, c.b) : (deck_turned){0}, wall, carried);
     c.a = body[c.a];
     c.b = two ? body[c.b] : (uint32_t)m->n_disks + wall->wall;
     m->memories[m->n_memories++] = c;
   }
   warn_of_lost(d, r, &lost);
+  return carried;
 }
 
 /* Of the file that ranks read in parts: which walls they are with, and how many come along. */
@@ -312,7 +315,7 @@ static void survey_contacts(our_walls *ours, deck_columns *t) {
   tiles->walls = map_walls(ours, t, deck_keep(d, tiles->n_walls + 1, sizeof *tiles->walls));
   tiles->n_contacts = r->all_contacts;
   lost_contacts lost = {0};
-  tiles->forces_act = d->model->forces_act = forces_act(ours, t);
+  tiles->forces_carried = d->model->forces_carried = forces_carried(ours, t);
   if (!deck_parts_contacts(d, &lost.n, &lost.first))
     deck_fail(d, t->file, "the contacts in this file are damaged");
   tiles->n_kept = tiles->n_contacts - lost.n;
@@ -330,9 +333,9 @@ void deck_read_memories(deck *d) {
       survey_contacts(&ours, t);
       continue;
     }
-    take_contacts(&ours, t);
-    /* ranks that read parts of a large file do without */
-    if (!large && t->result->derivatives[0]) take_derivatives(d, t);
+    const bool carried = take_contacts(&ours, t);
+    /* ranks read a large file in parts, without derivatives */
+    if (carried && !large && t->result->derivatives[0]) take_derivatives(d, t);
     if (large) deck_parts_note_contacts(d, t->result);
   }
   d->model->deck->bodies = deck_result_text(d, ours.walls);

@@ -182,7 +182,7 @@ static rows_of_file rows_asked(const deck *d, size_t all) {
   return (rows_of_file){first, d->asked.n < all - first ? d->asked.n : all - first};
 }
 
-/* Of results; checkpoints do not know them. */
+/* Checkpoints have no laws: then n_materials stays 0. */
 static void read_laws(reader *in, deck_result *r) {
   const size_t walls = r->n_bodies - r->n_disks;
   r->wall_material = part_of(in, "material", SD_I32, r->n_bodies, r->n_disks, walls);
@@ -278,7 +278,7 @@ static void read_surfaces(reader *in, deck_result *r) {
   if (!in->failed && r->n_surfaces) r->surface = column(in, "surface", SD_F64, r->n_surfaces);
 }
 
-/* Where both runs have them. */
+/* Gear's columns 3 to 5, if both runs use Gear. */
 static void read_derivatives(reader *in, deck_result *r) {
   static const char *const names[SD_DERIVATIVES] = {"x3", "x4",     "x5",     "y3",    "y4",
                                                     "y5", "theta3", "theta4", "theta5"};

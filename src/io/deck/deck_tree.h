@@ -270,7 +270,8 @@ void deck_read_walls(deck *d);
 void deck_read_clumps(deck *d); /* call when all disks are there */
 void deck_read_forces(deck *d);
 void deck_read_locks(deck *d);
-/* Coordinate c of a disk is locked, or moved: the velocity that a result gives it there is of the run before. */
+/* Coordinate c of a disk is locked or moved by a motion: drops the velocity and the derivatives
+ * that a result gives it there. */
 void deck_forget_velocity(deck *d, uint32_t disk, int c);
 void deck_read_motions(deck *d);
 void deck_read_fields(deck *d); /* deck_fields.c; call before phases are read */

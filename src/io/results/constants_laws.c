@@ -35,7 +35,7 @@ static void put_laws(h5_file *file, const sd_model *m) {
   free(laws);
 }
 
-/* Where not all laws are linear with gamma_n. */
+/* Written unless all laws are linear with gamma_n. */
 static void put_normal_laws(h5_file *file, const sd_model *m) {
   size_t n = m->n_materials;
   bool linear = true;

@@ -131,7 +131,7 @@ typedef enum h5_probing {
   H5_PROBE_SMALL  /* the sum of the small data is to be `small` */
 } h5_probing;
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_messages *messages);
-/* All files that this process will open are such as the library writes: for trials with thousands of them. */
+/* Switches probing off: for trials that make thousands of files with the library itself. */
 void h5_probe_nothing(void);
 /* What keeps the values of a dataset from being read; NULL: they stand in the file, in chunks of a size that can be meant. */
 const char *h5_set_trouble(hid_t set);

@@ -70,20 +70,12 @@ static void energies_of_general(const engine *e, size_t k, double delta, double 
   u->tangential = 0.5 * y * y;
 }
 
-/* R_eff. */
-static double rolling_arm(const engine *e, size_t k) {
-  const sd_state *s = e->state;
-  const pairs *p = &e->work.pairs;
-  const double ra = s->radius[p->a[k]];
-  return walls_arm(ra, pairs_is_segment(p, k) ? joints_radius(e, k) : s->radius[p->b[k]]);
-}
-
-/* As the passes have it. */
 double contact_rho_of(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
-  if (pairs_is_segment(p, k)) return rolling_arm(e, k) * (s->theta[a] - s->theta[b]);
+  if (pairs_is_segment(p, k))
+    return walls_arm(s->radius[a], joints_radius(e, k)) * (s->theta[a] - s->theta[b]);
   const double ra = s->radius[a], rb = s->radius[b], arc = ra * s->theta[a];
   return (rb * arc - ra * body_arc(s, b)) / (ra + rb);
 }
@@ -130,54 +122,44 @@ contact_reaction contact_reaction_at(const contact_place *at, double force, doub
                             .couple = couple};
 }
 
-contact_reaction contact_reaction_of(const engine *e, size_t k) {
+static double tau_of(const engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  return p->more ? MORE(p, k, tau) : -(e->work.laws[PAIR(p, k, law)].k_t * PAIR(p, k, zeta));
+}
+
+/* found: the nearest point of a wall piece, filled in. */
+static contact_reaction reaction_of(const engine *e, size_t k, nearest_points_w1 *found) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const int32_t a = p->a[k], b = p->b[k];
-  const bool piece = pairs_is_segment(p, k);
-  nearest_points_w1 found;
   pair_input_w1 in;
-  present(e, k, &found, &in);
+  present(e, k, found, &in);
   contact_place at = {
       .dx = in.dx, .dy = in.dy, .ra = s->radius[a], .rb = s->radius[b], .conservative = e->work.conservative};
-  if (piece) {
+  if (pairs_is_segment(p, k)) {
     at.piece = &e->work.segments[p->part[k]];
-    at.nearest = found.q[0];
-    at.arm_x = s->x[a] - (s->x[b] + found.shift_x[0]);
-    at.arm_y = s->y[a] - (s->y[b] + found.shift_y[0]);
+    at.nearest = found->q[0];
+    at.arm_x = s->x[a] - (s->x[b] + found->shift_x[0]);
+    at.arm_y = s->y[a] - (s->y[b] + found->shift_y[0]);
   }
-  const double tau = p->more ? MORE(p, k, tau) : -(e->work.laws[PAIR(p, k, law)].k_t * PAIR(p, k, zeta));
-  return contact_reaction_at(&at, PAIR(p, k, force), tau, p->more ? MORE(p, k, roll) : 0.0);
+  return contact_reaction_at(&at, PAIR(p, k, force), tau_of(e, k), p->more ? MORE(p, k, roll) : 0.0);
+}
+
+contact_reaction contact_reaction_of(const engine *e, size_t k) {
+  nearest_points_w1 found;
+  return reaction_of(e, k, &found);
 }
 
 void contact_sum(engine *e, size_t k) {
-  work *w = &e->work;
-  const pairs *p = &w->pairs;
-  const bool piece = pairs_is_segment(p, k), general = w->features & LAW_GENERAL;
-  const location_w1 at = {p->block + k / PAIR_BLOCK, k % PAIR_BLOCK};
-  const contact_constants_w1 c = {.k_t = w->laws[PAIR(p, k, law)].k_t};
-  const contact_memory_w1 m = {
-      .force = PAIR(p, k, force), .zeta = PAIR(p, k, zeta), .tau = general ? MORE(p, k, tau) : 0.0};
-  contact_output_w1 out;
+  const pairs *p = &e->work.pairs;
   nearest_points_w1 found;
-  pair_input_w1 in;
-  pair_distance_w1 d;
-  if (piece)
-    nearest_of_w1(e, k, &in, &found);
-  else
-    distance_w1(w, at, w->cell.on ? PASS_CELL : 0, &d);
-  if (piece) pair_distance_of_w1(&in, &d);
-  pair_geometry_w1 g;
-  pair_geometry_at_w1(&d, &g);
-  const double lever = piece && found.flat[0] > 0.0 ? found.flat[0]
-                       : piece || w->conservative   ? g.lever
-                                                    : 1.0;
-  contact_force_w1(&g, &c, lever, w->features, &m, &out);
-  out.couple = w->features & LAW_ROLLING ? MORE(p, k, roll) * rolling_arm(e, k) : 0.0;
-  if (piece) {
+  const contact_reaction r = reaction_of(e, k, &found);
+  const contact_output_w1 out = {.fx = r.fx, .fy = r.fy, .tau = tau_of(e, k), .couple = r.couple};
+  const location_w1 at = {p->block + k / PAIR_BLOCK, k % PAIR_BLOCK};
+  if (pairs_is_segment(p, k)) {
     scatter_segments_w1(e, k, &found, &out);
     return;
   }
-  scatter_w1(w->sums.row, at, &out);
-  if (w->features & LAW_ROLLING) scatter_couple_w1(e, at, &out);
+  scatter_w1(e->work.sums.row, at, &out);
+  if (e->work.features & LAW_ROLLING) scatter_couple_w1(e, at, &out);
 }

@@ -29,9 +29,9 @@ typedef struct contact_place {
 /* The force of a contact for all that is not in the passes: with their text and levers. */
 contact_reaction contact_reaction_at(const contact_place *at, double force, double tau, double roll);
 contact_reaction contact_reaction_of(const engine *e, size_t pair);
-/* Adds the forces that closed contact k remembers to the rows of its bodies, as an evaluation does; from packed bodies. */
+/* Adds the remembered force of a closed contact to the force sums of its bodies. */
 void contact_sum(engine *e, size_t pair);
-/* Rolling displacement R_eff (theta_a - theta_b), from angles 0. */
+/* Rolling displacement R_eff (theta_a - theta_b), length. */
 double contact_rho_of(const engine *e, size_t pair);
 /* Energies stored in closed contact k at the present coordinates. */
 typedef struct contact_energies {

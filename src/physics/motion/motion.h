@@ -42,7 +42,7 @@ void motion_reload(engine *e);
 /* Brings the oscillators in the state to the step that is completed. */
 void motion_store(engine *e);
 
-/* Velocities of step 0: a wall that moves does so from the start. Servos, which follow forces, begin at rest. */
+/* Sets the velocities of prescribed coordinates at step 0. Servos and loads begin at rest. */
 void motion_first_speeds(engine *e);
 /* Sets every prescribed coordinate and its velocity to their values at step state->step + 1; of clumps before that, so that
  * their disks can be placed. */

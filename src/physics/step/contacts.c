@@ -466,7 +466,8 @@ static bool stands_before(const engine *e, size_t c, size_t k) {
   return s->contact_part[c] < (uint32_t)p->part[k];
 }
 
-/* The next pair from *k on that is stored, and which; false: there are no more. To begin with *k = *c = 0; then add 1 to both. */
+/* Advances to the next pair k, from *k on, that is stored contact c; false at the end. Start at 0,
+ * 0; then add 1 to both. */
 static bool next_stored(const engine *e, size_t *k, size_t *c) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -482,21 +483,22 @@ static bool next_stored(const engine *e, size_t *k, size_t *c) {
   return false;
 }
 
-/* Which way stored contact c slid; *acts: see SD_CONTACT_ACTS. */
-static int slide_of_stored(const sd_state *s, size_t c, bool *acts) {
-  *acts = s->contact_slide[c] > 1;
-  const int slide = s->contact_slide[c] - (*acts ? SD_CONTACT_ACTS : 0);
+/* Sign of the torque with which stored contact c slid, 0: stuck. Sets *carried from
+ * SD_FORCE_CARRIED. */
+static int slide_of_stored(const sd_state *s, size_t c, bool *carried) {
+  *carried = s->contact_slide[c] > 1;
+  const int slide = s->contact_slide[c] - (*carried ? SD_FORCE_CARRIED : 0);
   return (slide > 0) - (slide < 0);
 }
 
 static void load_one(engine *e, size_t k, size_t c) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
-  bool acts;
+  bool carried;
   sd_contact_record record = sd_state_record(s, c);
   if (!(e->work.features & LAW_ROLLING)) record.rho_ref = 0.0;
   pairs_set_record(p, k, &record);
-  pairs_set_flags(p, k, true, slide_of_stored(s, c, &acts));
+  pairs_set_flags(p, k, true, slide_of_stored(s, c, &carried));
   p->side[k] = s->contact_side[c];
 }
 
@@ -517,11 +519,14 @@ void contacts_recall(engine *e) {
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; p->more && next_stored(e, &k, &c); k++, c++) {
     if (pairs_slide_sign(p, k) != 0 && !slid_before(e, k)) pairs_set_flags(p, k, true, 0);
+    /* the evaluation sets these; they stay 0 without a law of this deck for them */
+    MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
     if (isnan(MORE(p, k, rho_ref))) MORE(p, k, rho_ref) = contact_rho_of(e, k);
   }
 }
 
-/* Is contact k where the file has it? Not in another box. With Gear its last forces were those of predicted places. */
+/* The overlap is that of the file: not in another box. Gear evaluated it at predicted places, hence
+ * 1e-5 R. */
 static bool is_in_place(const engine *e, size_t k, size_t c) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
@@ -533,10 +538,10 @@ void contacts_remember(engine *e) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
   for (size_t k = 0, c = 0; next_stored(e, &k, &c); k++, c++) {
-    bool acts;
-    const int slide = slide_of_stored(s, c, &acts);
+    bool carried;
+    const int slide = slide_of_stored(s, c, &carried);
     if (!pairs_closed(p, k)) continue;
-    if (acts && is_in_place(e, k, c))
+    if (carried && is_in_place(e, k, c))
       load_one(e, k, c);
     else if (p->more && slide != 0)
       pairs_set_flags(p, k, true, slide);

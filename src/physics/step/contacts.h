@@ -40,9 +40,10 @@ sd_status contacts_store(engine *e);
 /* The same for what only reads contacts: sums of losses of bodies (losses.h) stay as they were. */
 sd_status contacts_store_rows(engine *e);
 void contacts_load(engine *e);
-/* Contacts with which the run begins, before and after the forces of step 0. Where their laws are those of the file, its last
- * step was at these very coordinates: they get their memory back, whose forces are to be summed again. Of others friction has
- * the limit of that last step, in between nothing slides, and what the file does not say of rolling begins relaxed. */
+/* Contacts that a file brings, before and after the evaluation of step 0. Contacts whose force is
+ * carried (SD_FORCE_CARRIED) get the file's record back; sum their forces again then (SWEEP_SUM).
+ * The others keep their sliding state and its friction limit; a rolling spring that the file lacks
+ * begins relaxed. */
 void contacts_recall(engine *e);
 void contacts_remember(engine *e);
 

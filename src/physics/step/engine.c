@@ -66,7 +66,7 @@ void engine_fill_contact(sd_state *s, const sd_contact_memory *c) {
   s->contact_b[k] = c->b;
   s->contact_part[k] = c->part;
   s->contact_side[k] = c->side;
-  s->contact_slide[k] = c->slide + (c->acts ? SD_CONTACT_ACTS : 0);
+  s->contact_slide[k] = c->slide + (c->force_carried ? SD_FORCE_CARRIED : 0);
   sd_state_set_record(s, k, &c->record);
 }
 
@@ -417,7 +417,7 @@ sd_status engine_start_part(engine *e, size_t *kept, sd_messages *messages) {
   contacts_recall(e);
   sweep_forces(e, SWEEP_EVALUATE);
   contacts_remember(e);
-  if (e->model->forces_act) sweep_forces(e, SWEEP_SUM);
+  if (e->model->forces_carried) sweep_forces(e, SWEEP_SUM);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
   /* nothing was lost on the way here */
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);

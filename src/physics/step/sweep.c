@@ -44,7 +44,6 @@ void sweep_correct(engine *e, thread_work *mine, size_t k) {
   e->work.kernels->correct[e->model->integrator](e, mine, c->begin[k], c->begin[k + 1]);
 }
 
-/* In place of an evaluation of these pairs. */
 static void sum_pairs(engine *e, size_t begin, size_t end) {
   for (size_t k = begin; k < end; k++)
     if (pairs_closed(&e->work.pairs, k)) contact_sum(e, k);

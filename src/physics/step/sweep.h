@@ -15,8 +15,9 @@ void sweep_correct(engine *e, thread_work *mine, size_t k);
 void sweep_share(engine *e, int t);
 /* After halo_finish: share t of the contacts with ghosts, whose disks wait for their corrections. */
 void sweep_ghosts(engine *e, int t);
-/* Forces at the present coordinates, to the state, and the history of contacts there; or the sums of the forces that contacts
- * remember. On one thread, between steps. */
+/* Forces on all bodies at the present coordinates, to the state; on one thread, between steps.
+ * SWEEP_EVALUATE evaluates each contact and commits its history; SWEEP_SUM adds up the forces that
+ * contacts remember. */
 typedef enum sweep_kind { SWEEP_EVALUATE, SWEEP_SUM } sweep_kind;
 void sweep_forces(engine *e, sweep_kind kind);
 
