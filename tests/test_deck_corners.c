@@ -91,6 +91,62 @@ static void materials_and_walls(void **unused) {
   TRY(list);
 }
 
+/* What no other test says: names that are there twice, coordinates that are held and move, clumps, fields, lists. */
+static void bodies_that_cannot_be(void **unused) {
+  (void)unused;
+#define CLUMP(more)                                                                                          \
+  START                                                                                                      \
+      "disks = ( { x = 0; y = 0; radius = 1; density = 1; }, { x = 4; y = 0; radius = 1; density = 1; } ); " \
+      "clumps = ( { name = \"c\"; disk = 0; " more " } );"
+#define PACKED(more)                                                                                         \
+  START "box = { x = (0, 20); y = (0, 20); periodic = \"xy\"; }; packings = ( { type = \"random\"; count = " \
+        "2; "                                                                                                \
+        "density = 1; radius = 1; clump = { " more " }; } );"
+#define FIELD(more) START DISK "fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } , { " more " } );"
+  static const corner list[] = {
+      {START DISK "walls = ( { name = \"w\"; type = \"line\"; points = ((0, -4), (1, -4)); }, { name = "
+                  "\"w\"; type = \"line\"; "
+                  "points = ((0, -5), (1, -5)); } );",
+       "two walls have this name"},
+      {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; vx = 1; } );",
+       "a fixed disk cannot have a velocity"},
+      {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; locked = \"x\"; vx = 1; } );",
+       "a locked coordinate cannot have a velocity"},
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\"); fixed = true; density = 1; rows "
+             "= ( (0, 0, 1, 2) ); } );",
+       "a fixed disk cannot have a velocity"},
+      {START "disk_rows = ( { rows = ( (0, 0, 1) ); density = 1; } );", "columns"},
+      {START "disk_rows = ( { columns = (3); rows = ( (0) ); density = 1; } );",
+       "the name of a column in quotes"},
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = 3; } );", "rows"},
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = ( (0, 0) ); } );",
+       "expected 3 values in ( ), one per column"},
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"group\"); density = 1; rows = ( (0, 0, "
+             "1, 3) ); } );",
+       "expected a text in quotes"},
+      {CLUMP("locked = \"x\"; velocity = (1, 0);"), "a locked coordinate cannot have a velocity"},
+      {CLUMP("}, { name = \"c\"; disk = 1;"), "two clumps have this name"},
+      {PACKED("at = (3, 4);"), "expected two numbers (x, y)"},
+      {PACKED("at = ((0, 0), (1, 0)); radii = (1, 1, 1);"), "3 radii for 2 disks"},
+      {PACKED("at = ((0, 0), (1, 0)); radii = (1, -1);"), "a number > 0"},
+      {PACKED(""), "the centres of its disks"},
+      {FIELD("name = \"f\"; type = \"drag\"; gamma = 2;"), "two fields have this name"},
+      {FIELD("type = \"damping\"; alpha = 1;"), "alpha"},
+      {FIELD("type = \"central\"; centre = (0, 0); strength = 1; power = 99;"),
+       "expected a whole number from"},
+      {FIELD("type = \"drag\"; gamma = 1; group = 3;"), "group"},
+      {START DISK BEAM
+       "motions = ( { wall = (\"w\", \"w\"); coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
+       "is named twice"},
+      {START DISK ARCH "motions = ( { wall = \"w\"; coordinate = \"theta\"; type = \"harmonic\"; "
+                       "acceleration = 1; frequency = 1; } );",
+       "theta has none in units of g"},
+      {START DISK "phases = ( { steps = 10; settle = { every = 3; }; } );", "it has no criterion"},
+      {START DISK "measure = { rotation = (\"a\", \"a\"); };", "named twice"},
+  };
+  TRY(list);
+}
+
 static void tables(void **unused) {
   (void)unused;
 #define TABLE(more)                                                                                          \
@@ -410,6 +466,7 @@ static void settings(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(materials_and_walls),
+      cmocka_unit_test(bodies_that_cannot_be),
       cmocka_unit_test(tables),
       cmocka_unit_test(motions),
       cmocka_unit_test(what_ends_a_run),
