@@ -14,8 +14,8 @@
 
 /* A thread that waits looks for some microseconds whether all are there, then it sleeps. On free cores the threads of a
  * step are nearer to each other than LONG_SPIN. Where waits last longer, the one that is late has no core, and who spins may
- * be in its place: until CALM waits in a row were short again, threads hardly spin. They do not yield: that would give others
- * who have work of their own a whole slice of time. */
+ * be in its place: until CALM waits in a row were short again, threads hardly spin, and never where there are more of them than
+ * cores. They do not yield: that would give others who have work of their own a whole slice of time. */
 static const double LONG_SPIN = 200e-6, SHORT_SPIN = 2e-6, SHORT_WAIT = 300e-6;
 enum { SPINS_PER_LOOK = 16, CALM = 2, LINE = 64 };
 
@@ -28,6 +28,7 @@ struct pool {
   int size, started;
   unsigned forks; /* of the process that has its threads */
   bool helping;   /* the others wait for tasks; of the leader */
+  bool crowded;   /* more threads than cores */
   int depth;      /* of tasks within each other */
   team_task *task;
   void *with;
@@ -99,7 +100,7 @@ void team_wait_all(const team *t) {
   }
   int *calm = &c->member[t->rank].calm;
   const double began = clock_seconds();
-  if (!spin(c, round, began, *calm < CALM ? SHORT_SPIN : LONG_SPIN)) {
+  if (!spin(c, round, began, *calm < CALM || c->crowded ? SHORT_SPIN : LONG_SPIN)) {
     sleep_until(c, round);
     if (clock_seconds() - began > SHORT_WAIT) *calm = 0;
   }
@@ -152,6 +153,15 @@ void pool_run(pool *c, team_task *task, void *with) {
 
 /* --- threads -------------------------------------------------------------------------------------------- */
 
+/* That this process may use */
+static int cores(void) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) == 0) return CPU_COUNT(&set);
+  const long all = sysconf(_SC_NPROCESSORS_ONLN);
+  return all > 0 ? (int)all : 1;
+}
+
 static void *help(void *with) {
   const team *t = with;
   pool *c = t->pool;
@@ -184,6 +194,7 @@ static void start_threads(pool *c, int threads) {
     c->started++;
   }
   c->size = c->started + 1;
+  c->crowded = c->size > cores();
   c->member[0].team.pool = c;
   for (int k = 0; k < c->size; k++) c->member[k].team.size = c->size;
   pthread_mutex_unlock(&c->lock);
@@ -223,10 +234,5 @@ void pool_free(pool *c) {
 int pool_most(void) {
   const char *asked = getenv("OMP_NUM_THREADS");
   const int n = asked ? atoi(asked) : 0;
-  if (n > 0) return n;
-  cpu_set_t cores;
-  CPU_ZERO(&cores);
-  if (sched_getaffinity(0, sizeof cores, &cores) == 0) return CPU_COUNT(&cores);
-  const long all = sysconf(_SC_NPROCESSORS_ONLN);
-  return all > 0 ? (int)all : 1;
+  return n > 0 ? n : cores();
 }
