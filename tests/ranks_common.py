@@ -310,6 +310,11 @@ DECKS = {"bed": BED, "known": KNOWN, "carried": CARRIED, "wider": WIDER, "slide"
          "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
 
 
+def some(all_numbers, few):
+    """Of ranks or seeds: all of them with SLIPDISK_FULL=1, else so few that each number comes up in some deck."""
+    return all_numbers if os.environ.get("SLIPDISK_FULL") else few
+
+
 def ranks_of(launcher):
     """rank -> process id, of those that are there."""
     found = {}

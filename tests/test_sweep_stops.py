@@ -11,7 +11,7 @@ from results_common import LONG, run, start, steps_for, wait_for
 from sweep_common import (ReferenceTest, SweepTest, children, column, is_alive, results, rows, sessions, stamps,
                           three_disks)
 
-SECONDS = 0.3  # of a point that is to be interrupted
+SECONDS = 0.5  # of a point that is to be interrupted
 FOUR = '{ parameters = ( { path = "gravity.tilt"; values = (0, "0.01 pi", "0.02 pi", "0.03 pi"); } ); }'
 
 
@@ -42,8 +42,11 @@ class Interrupted(ReferenceTest):
         process = self.started(2, "-j", 2)
         said = self.stop(process, signal.SIGTERM, 75)
         self.assertIn("stopped", said)
+        # one of the two may have come to its end
+        twice = [name for name, status in zip(column(self.out, "name"), column(self.out, "status")[:2]) if status == "stopped"]
+        self.assertTrue(twice)
         self.finish("-j", 2)
-        self.assertEqual(sessions(self.out)["tilt=0"], 3)
+        self.assertEqual([sessions(self.out)[name] for name in twice], [3] * len(twice))
 
     def test_terminal(self):
         """Ctrl-C goes to the sweep and to all of its workers."""

@@ -164,7 +164,7 @@ class Killed(Until):
 
     def test_while_merging(self):
         # so many rows that the merge takes a while; the goal is reached long before max_time
-        words = words_of(goal_for(3 * LEAST), series=2, frames=2, checkpoint=0.2)
+        words = words_of(goal_for(3 * LEAST), series=brief(2, 10), frames=brief(2, 10), checkpoint=0.2)
         whole = self.folder / "whole.h5"
         self.run_ok("run", *words, "-o", whole)
         end = self.info(whole)["step"]

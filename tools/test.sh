@@ -4,8 +4,8 @@
 #   2. formatting           5. clang: build without warnings
 #   3. lint                 6. release build with gcc: all tests
 #                           7. build with MPI: the tests that start several ranks
-# With CI=true also: soak (tools/soak.sh at its small sizes), coverage (lines and branches reached, room by room), and
-# the tests labelled "slow", which have 25 minutes.
+# With CI=true also: the tests labelled "long", soak (tools/soak.sh at its small sizes), coverage (lines and branches
+# reached, room by room), and the tests labelled "slow", which have 25 minutes.
 #
 #   tools/test.sh           everything
 #   tools/test.sh --quick   packages and the release build's tests only
@@ -23,6 +23,10 @@ jobs=$(nproc)
 if command -v ccache >/dev/null; then
   export CMAKE_C_COMPILER_LAUNCHER=${CMAKE_C_COMPILER_LAUNCHER:-ccache}
 fi
+
+# Those that take longest, most of them tools in Python, are left to continuous integration.
+leave_out='^(slow|long)$'
+if [ "${CI:-}" = true ]; then leave_out='^slow$'; fi
 
 say() { printf '\n== %s\n' "$*"; }
 
@@ -46,14 +50,14 @@ part() {
       cmake --build --preset lint ;;
     dev) say "Tests with the address and undefined-behaviour sanitizers"
       build dev
-      ctest --preset dev -j "$jobs" ;;
+      ctest --preset dev -LE "$leave_out" -j "$jobs" ;;
     tsan) say "Tests with the thread sanitizer"
       build tsan
-      ctest --preset tsan -j "$jobs" ;;
+      ctest --preset tsan -LE "$leave_out" -j "$jobs" ;;
     clang) say "Build with clang"; build clang ;;
     release) say "Tests of the release build"
       build release
-      ctest --preset release -j "$jobs" ;;
+      ctest --preset release -LE "$leave_out" -j "$jobs" ;;
     slow) say "Slow tests of the release build"
       build release
       ctest --preset slow -j "$jobs" --stop-time "$(date -d '+25 minutes' +%H:%M:%S)" ;;

@@ -34,7 +34,7 @@ TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|sweep_(deck|
          r"|rows|configuration|configuration_frames|measure_command|disk_files|disk_results|results|large_files"
          r"|session_group|settle|settle_runs|ensemble|compress|compress_results|watch|bounds|walls|rain|relax|generators|motion"
          r"|lanes_motion|neighbours|theory_command|random|until|expressions|mistakes|advice|library|library_more|json|export|h5md|cell_readers|clump_decks)$")
-FAULTS = ("faults", "memory", "altered")  # the modes that lead into branches of failures
+FAULTS = {"faults": "brief", "memory": "small", "altered": "brief"}  # the modes that lead into branches of failures, their sizes
 
 
 def call(*words, **more):
@@ -63,12 +63,12 @@ def run_tests(say):
 def run_faults(setup):
     """Their verdicts are of no interest here: the counters' own files fail, too."""
     from .__main__ import MODES
-    for mode in FAULTS:
+    for mode, size in FAULTS.items():
         if mode in MODES:
             work = setup.work / mode
             work.mkdir()
             importlib.import_module(f".{mode}", __package__).run(
-                Setup(BUILD / "slipdisk", BUILD, work, "small", setup.seed, setup.say))
+                Setup(BUILD / "slipdisk", BUILD, work, size, setup.seed, setup.say))
 
 
 def count():
