@@ -96,8 +96,8 @@ static void bodies_that_cannot_be(void **unused) {
   (void)unused;
 #define CLUMP(more)                                                                                          \
   START                                                                                                      \
-      "disks = ( { x = 0; y = 0; radius = 1; density = 1; }, { x = 4; y = 0; radius = 1; density = 1; } ); " \
-      "clumps = ( { name = \"c\"; disk = 0; " more " } );"
+  "disks = ( { x = 0; y = 0; radius = 1; density = 1; }, { x = 4; y = 0; radius = 1; density = 1; } ); "     \
+  "clumps = ( { name = \"c\"; disk = 0; " more " } );"
 #define PACKED(more)                                                                                         \
   START "box = { x = (0, 20); y = (0, 20); periodic = \"xy\"; }; packings = ( { type = \"random\"; count = " \
         "2; "                                                                                                \
