@@ -115,10 +115,11 @@ static void bodies_that_cannot_be(void **unused) {
       {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\"); fixed = true; density = 1; rows "
              "= ( (0, 0, 1, 2) ); } );",
        "a fixed disk cannot have a velocity"},
-      {START "disk_rows = ( { rows = ( (0, 0, 1) ); density = 1; } );", "columns"},
+      {START "disk_rows = ( { rows = ( (0, 0, 1) ); density = 1; } );", "columns: missing: expected"},
       {START "disk_rows = ( { columns = (3); rows = ( (0) ); density = 1; } );",
        "the name of a column in quotes"},
-      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = 3; } );", "rows"},
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = 3; } );",
+       "expected a list of rows ( (1.0, 2.0, 0.5), ... )"},
       {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = ( (0, 0) ); } );",
        "expected 3 values in ( ), one per column"},
       {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"group\"); density = 1; rows = ( (0, 0, "
@@ -131,10 +132,10 @@ static void bodies_that_cannot_be(void **unused) {
       {PACKED("at = ((0, 0), (1, 0)); radii = (1, -1);"), "a number > 0"},
       {PACKED(""), "the centres of its disks"},
       {FIELD("name = \"f\"; type = \"drag\"; gamma = 2;"), "two fields have this name"},
-      {FIELD("type = \"damping\"; alpha = 1;"), "alpha"},
+      {FIELD("type = \"damping\"; alpha = 1;"), "it would hold every disk where it is"},
       {FIELD("type = \"central\"; centre = (0, 0); strength = 1; power = 99;"),
        "expected a whole number from"},
-      {FIELD("type = \"drag\"; gamma = 1; group = 3;"), "group"},
+      {FIELD("type = \"drag\"; gamma = 1; group = 3;"), "no group of disks is called that; there is \"g\""},
       {START DISK BEAM
        "motions = ( { wall = (\"w\", \"w\"); coordinate = \"x\"; type = \"velocity\"; velocity = 1; } );",
        "is named twice"},

@@ -15,7 +15,7 @@
 #include "model/state.h"
 #include "slipdisk/deck.h"
 
-enum { DAMAGES = BRIEF(60, 12) };
+enum { DAMAGES = BRIEF(60, 25) };
 
 /* libconfig 1.5 itself loses the string it was reading at a syntax error. */
 __attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);

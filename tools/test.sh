@@ -4,8 +4,8 @@
 #   2. formatting           5. clang: build without warnings
 #   3. lint                 6. release build with gcc: all tests
 #                           7. build with MPI: the tests that start several ranks
-# With CI=true also: the tests labelled "long", soak (tools/soak.sh at its small sizes), coverage (lines and branches
-# reached, room by room), and the tests labelled "slow", which have 25 minutes.
+# With CI=true also: the tests labelled "long", soak (tools/soak.sh at its small sizes), coverage
+# (lines and branches reached, room by room), and the tests labelled "slow", which have 25 minutes.
 #
 #   tools/test.sh           everything
 #   tools/test.sh --quick   packages and the release build's tests only

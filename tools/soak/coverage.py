@@ -34,7 +34,8 @@ TESTS = (r"^test_(deck|deck_.*|packings_(deck|mistakes|check)|tiles|sweep_(deck|
          r"|rows|configuration|configuration_frames|measure_command|disk_files|disk_results|results|large_files"
          r"|session_group|settle|settle_runs|ensemble|compress|compress_results|watch|bounds|walls|rain|relax|generators|motion"
          r"|lanes_motion|neighbours|theory_command|random|until|expressions|mistakes|advice|library|library_more|json|export|h5md|cell_readers|clump_decks)$")
-FAULTS = {"faults": "brief", "memory": "small", "altered": "brief"}  # the modes that lead into branches of failures, their sizes
+# The modes that lead into branches of failures, and their sizes
+FAULTS = {"faults": "brief", "memory": "small", "altered": "brief"}
 
 
 def call(*words, **more):

@@ -28,7 +28,7 @@ class Setup:
     say: object = print   # progress
 
     def pick(self, small, full):
-        """The number that belongs to the size; a quarter of the small one is brief, for builds that are slow."""
+        """The number that belongs to the size; brief is a quarter of small, for builds that are slow."""
         return {"brief": (small + 3) // 4, "small": small, "full": full}[self.size]
 
     def random(self, *parts):
