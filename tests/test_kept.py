@@ -1,5 +1,5 @@
-"""Numbers kept with the sources (docs/data): they are read back as they were judged, and every figure is drawn from
-them alone, without results and without the program."""
+"""Numbers kept with the sources (docs/studies/data): they are read back as they were judged, and every figure is
+drawn from them alone, without results and without the program."""
 import csv
 import os
 import pathlib
@@ -10,7 +10,7 @@ import unittest
 import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
 try:
@@ -21,14 +21,14 @@ except ImportError:
 
 from packings import __main__ as study  # noqa: E402
 from packings.runs import Campaign  # noqa: E402
-from report import __main__ as report  # noqa: E402
-from report import kept, markdown, page, style, summary  # noqa: E402
-from report.page import Numbers, Section  # noqa: E402
-from report.runs import Results  # noqa: E402
-from report.verdict import CHECK, NO, PAPER, TRIVIAL, YES, Claim  # noqa: E402
+from ratchet import __main__ as report  # noqa: E402
+from ratchet import kept, markdown, page, style, summary  # noqa: E402
+from ratchet.page import Numbers, Section  # noqa: E402
+from ratchet.runs import Results  # noqa: E402
+from ratchet.verdict import CHECK, NO, PAPER, TRIVIAL, YES, Claim  # noqa: E402
 
 style.plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
-DATA, NONE = ROOT / "docs/data", "/nonexistent/slipdisk"
+DATA, NONE = ROOT / "docs/studies/data", "/nonexistent/slipdisk"
 
 
 def rows(path):
@@ -135,7 +135,7 @@ class Pages(unittest.TestCase):
 
 
 class Redrawn(unittest.TestCase):
-    """docs/data alone makes the pages that are kept."""
+    """docs/studies/data alone makes the pages that are kept."""
 
     def drawn(self, name, kind, draw):
         if not list((DATA / name).glob("*.csv")):

@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
 try:
@@ -17,8 +17,8 @@ except ImportError:
     sys.exit(0)
 
 from packings import cages, contacts, jumps, memory, space  # noqa: E402
-from report.data import Table  # noqa: E402
-from report.verdict import NO, YES  # noqa: E402
+from ratchet.data import Table  # noqa: E402
+from ratchet.verdict import NO, YES  # noqa: E402
 
 
 def rng():

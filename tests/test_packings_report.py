@@ -1,4 +1,5 @@
-"""The study of packings (tools/packings.sh): its numbers from made-up data, its table of runs, and a tiny campaign."""
+"""The study of packings (tools/studies/packings.sh): its numbers from made-up data, its table of runs, and a tiny
+campaign."""
 import os
 import pathlib
 import subprocess
@@ -11,7 +12,7 @@ import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
 try:
@@ -25,10 +26,10 @@ from packings import (compare, depths, disks, drive, each, energy, flows, low, o
                       statistics)
 from packings.plan import Entry  # noqa: E402
 from packings.runs import Campaign  # noqa: E402
-from report.page import Section  # noqa: E402
-from report.runs import overrides  # noqa: E402
-from report.style import plt  # noqa: E402
-from report.verdict import NO, OPEN, YES  # noqa: E402
+from ratchet.page import Section  # noqa: E402
+from ratchet.runs import overrides  # noqa: E402
+from ratchet.style import plt  # noqa: E402
+from ratchet.verdict import NO, OPEN, YES  # noqa: E402
 
 plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 RNG = numpy.random.default_rng(5)

@@ -1,4 +1,4 @@
-"""The report of tools/reproduce.sh: fits, verdicts, the page, and the table of what is run at each level."""
+"""The report of tools/studies/ratchet.sh: fits, verdicts, the page, and the table of what is run at each level."""
 import html.parser
 import os
 import pathlib
@@ -12,7 +12,7 @@ import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
 try:
@@ -21,14 +21,14 @@ except ImportError:
     print("matplotlib not found: the test of the report is left out")
     sys.exit(0)
 
-from report import __main__ as report  # noqa: E402
-from report import configurations, effort, errors, fits, levels, markdown, page, turning, verdict, vibration  # noqa: E402
-from report import (mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep,  # noqa: E402
+from ratchet import __main__ as report  # noqa: E402
+from ratchet import configurations, effort, errors, fits, levels, markdown, page, turning, verdict, vibration  # noqa: E402
+from ratchet import (mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep,  # noqa: E402
                     mechanism_theory)
-from report.data import Table  # noqa: E402
-from report.page import Numbers, Page, Section  # noqa: E402
-from report.runs import Results, overrides  # noqa: E402
-from report.style import plt  # noqa: E402
+from ratchet.data import Table  # noqa: E402
+from ratchet.page import Numbers, Page, Section  # noqa: E402
+from ratchet.runs import Results, overrides  # noqa: E402
+from ratchet.style import plt  # noqa: E402
 
 plt.rcParams["savefig.dpi"] = 30  # what is drawn is not looked at here
 PI = numpy.pi

@@ -1,6 +1,5 @@
-"""mu(I) (tools/rheology.py): numbers from made-up series, lines and verdicts that can fail, the page
+"""mu(I) (tools/studies/rheology.sh): numbers from made-up series, lines and verdicts that can fail, the page
 and figures from kept numbers."""
-import importlib.util
 import math
 import os
 import pathlib
@@ -14,10 +13,11 @@ import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
+STUDIES = str(ROOT / "tools/studies")
+sys.path.insert(0, STUDIES)
 sys.dont_write_bytecode = True
-spec = importlib.util.spec_from_file_location("rheology", ROOT / "tools/rheology.py")
-rheology = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(rheology)
+
+from rheology import __main__ as rheology  # noqa: E402
 
 
 def row(inertial, mu, phi):
@@ -149,12 +149,12 @@ class Page(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             docs = pathlib.Path(folder)
             (docs / "figures").mkdir()
-            shutil.copy(ROOT / "docs/rheology.md", docs)
+            shutil.copy(ROOT / "docs/studies/rheology.md", docs)
             for more in ([], ["--cases"]):
-                subprocess.run([sys.executable, "-B", str(ROOT / "tools/rheology.py"), "--draw", "--keep", folder, "-o",
-                                str(docs / "none"),
-                                "--program", "/nonexistent", *more], check=True, stdout=subprocess.DEVNULL)
-            self.assertEqual((docs / "rheology.md").read_text(), (ROOT / "docs/rheology.md").read_text())
+                subprocess.run([sys.executable, "-B", "-m", "rheology", "--draw", "--keep", folder, "-o", str(docs / "none"),
+                                "--program", "/nonexistent", *more], check=True, stdout=subprocess.DEVNULL,
+                               env={**os.environ, "PYTHONPATH": STUDIES})
+            self.assertEqual((docs / "rheology.md").read_text(), (ROOT / "docs/studies/rheology.md").read_text())
             for name in ("rheology.png", "rheology-series.png", "rheology-cases.png"):
                 self.assertGreater((docs / "figures" / name).stat().st_size, 10000)
 

@@ -33,21 +33,22 @@ quiet() {
   tail -n 5 "$work/out"
 }
 
-scripts=("$work"/tree/tools/*.sh "$work"/tree/tools/packaging/{deb,tag}.sh "$work/tree/tools/cluster/sweep.sbatch")
-[ ${#scripts[@]} -ge 8 ] || { echo "FAILED: scripts are missing" >&2; exit 1; }
+scripts=("$work"/tree/tools/{,studies/}*.sh "$work"/tree/tools/packaging/{deb,tag}.sh "$work/tree/tools/cluster/sweep.sbatch")
+[ ${#scripts[@]} -ge 9 ] || { echo "FAILED: scripts are missing" >&2; exit 1; }
 for modules in with without; do
   if [ $modules = without ]; then export PYTHONHOME=$work/nowhere; fi
   for script in "${scripts[@]}"; do
     name=$(basename "$script")
+    [ "$name" != prepare.sh ] || continue # which is sourced by others
     quiet 0 "$name" bash "$script" --help
     [ $modules = with ] || quiet 0 "$name" bash "$script" -h
   done
-  for name in reproduce packings compare_peers; do
+  for name in studies/ratchet studies/packings studies/rheology compare_peers; do
     quiet any "" bash "$work/tree/tools/$name.sh" --draw
   done
   quiet any "" bash "$work/tree/tools/compare_peers.sh" --no-install --sizes 1e3
 done
-quiet 2 "no python3 with" bash "$work/tree/tools/reproduce.sh" --draw
+quiet 2 "no python3 with" bash "$work/tree/tools/studies/ratchet.sh" --draw
 quiet 2 "tools/quickstart.sh" bash "$work/tree/tools/quickstart.sh" --unknown
 quiet 2 "tools/install_deps.sh" bash "$work/tree/tools/install_deps.sh" --unknown
 unset PYTHONHOME

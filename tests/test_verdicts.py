@@ -8,7 +8,7 @@ import unittest
 import numpy
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
 try:
@@ -17,11 +17,11 @@ except ImportError:
     print("matplotlib not found: the test of the verdicts is left out")
     sys.exit(0)
 
-from report import __main__ as report  # noqa: E402
-from report import catalogue, diffusion, durations, regimes, starts, verdict, verdicts  # noqa: E402
-from report.data import Table  # noqa: E402
-from report.runs import Results  # noqa: E402
-from report.style import plt  # noqa: E402
+from ratchet import __main__ as report  # noqa: E402
+from ratchet import catalogue, diffusion, durations, regimes, starts, verdict, verdicts  # noqa: E402
+from ratchet.data import Table  # noqa: E402
+from ratchet.runs import Results  # noqa: E402
+from ratchet.style import plt  # noqa: E402
 
 PI = numpy.pi
 

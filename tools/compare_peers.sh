@@ -42,5 +42,5 @@ case " $* " in
     if [ ${#missing[@]} -gt 0 ]; then install_peers; fi ;;
 esac
 
-. "$root/tools/report/prepare.sh"
+. "$root/tools/prepare.sh"
 PYTHONPATH="$root/tools${PYTHONPATH:+:$PYTHONPATH}" exec "$python" -B -m peers "$@"

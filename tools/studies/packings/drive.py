@@ -1,0 +1,303 @@
+"""Rotation and openings of contacts against the drive, harmonic and random."""
+import numpy as np
+from matplotlib.ticker import NullFormatter
+
+from ratchet.page import Figure, Numbers, Section
+from ratchet.style import COLOURS, GREY, LIGHT, figure
+from ratchet.verdict import SURE, decide, missing, number
+
+from . import disks, each
+from .disks import MANY, OPEN
+from .statistics import crossing, jackknife, mean_error, share, trend, weighted_power
+
+FEW = 0.01           # openings per contact and period; how sharp the onset is: from here to MANY
+SHARP = 5.0
+SOLID = 0.25         # rms displacement about the mean place over the mean diameter, below which it is a solid
+
+
+def by_drive(runs):
+    """{drive: runs}, in order."""
+    found = {}
+    for run in runs:
+        if run.has_means and isinstance(run.parameters.get("drive"), float):
+            found.setdefault(run.parameters["drive"], []).append(run)
+    return dict(sorted(found.items()))
+
+
+def row(drive, found):
+    """Means over packings with errors, as a dictionary of (value, error), of the disks that are no rattlers."""
+    ranks, scaled = each.consistency(found)
+    return {"drive": drive, "runs": len(found), "rms": mean_error([box.rms for box in found]),
+            "median": mean_error([box.median for box in found]),
+            "significant": share([(int(box.turns[box.held].sum()), int(box.held.sum())) for box in found]),
+            "pearson": scaled, "spearman": ranks, "openings": mean_error([box.openings for box in found]),
+            "sliding": mean_error([box.whole["sliding"] for box in found]),
+            "contacts": mean_error([box.whole["coordination"] for box in found]),
+            "wander": mean_error([box.spread("rms") for box in found]),
+            "drift": mean_error([box.spread("displacement") for box in found]),
+            "loose": mean_error([box.spread("rms", True) for box in found]),
+            "rattlers": mean_error([float(np.sum(~box.held)) for box in found]),
+            "farthest": max(box.whole["farthest"] for box in found),
+            "noise": mean_error([box.noise for box in found])}
+
+
+def lasts(correlation):
+    """Correlation of halves above 0.5 and significant; False when it is below by its errors, None when it cannot be
+    told."""
+    value, error = correlation
+    if value > 0.5:
+        return True if value > SURE * error else None
+    return None if value + SURE * np.nan_to_num(error) > 0.5 else False
+
+
+def columns(rows, name):
+    return np.array([r[name][0] for r in rows]), np.array([r[name][1] for r in rows])
+
+
+def sections(campaign):
+    return [against_drive(campaign), random_floor(campaign)]
+
+
+def curves_of(table, value):
+    """{drive: value(box)} of each packing, known by its number; where that is a number above zero."""
+    curves = {}
+    for drive, found in table.items():
+        for box in found:
+            if value(box) > 0:
+                curves.setdefault(box.replica, {})[drive] = value(box)
+    return list(curves.values())
+
+
+def onset(groups, level):
+    """Drive at which openings reach a level, for jackknife over packings: groups are packings' {drive: openings}."""
+    drives = sorted(set.intersection(*(set(g) for g in groups))) if groups else []
+    return crossing(drives, [np.mean([g[d] for g in groups]) for d in drives], level)
+
+
+def against_drive(campaign):
+    table = disks.by_drive(disks.boxes(campaign, "drive"))
+    rows = [row(drive, found) for drive, found in table.items()]
+    every = [box for found in table.values() for box in found]
+    out = Section("drive", "Rotation against drive",
+                  f"<code>inputs/packing/shake_drive.cfg</code>: {len(table)} peak accelerations with up to "
+                  f"{max((r['runs'] for r in rows), default=0)} packings each, "
+                  f"{every[0].whole['measured'] if every else 0:.0f} s measured. An opening is a contact that ends; "
+                  f"it is "
+                  f"counted per contact and period of the floor (1/80 s). {disks.RULE} They are left out but for "
+                  f"openings and "
+                  "contacts. Error bars: scatter of packings, or leaving out one at a time. Exponents are fits to the "
+                  "means of "
+                  "logarithms over packings, each with the weight of its error.",
+                  missing=campaign.missing("drive"))
+    if len(rows) < 3:
+        out.claims.append(missing("Typical |&Omega;| grows with the drive in both regimes.", slug="drive-rms"))
+        return out
+    drives = np.array([r["drive"] for r in rows])
+    start = separates(out, table, rows, drives)
+    out.figures.append(drive_figure(rows, drives, start))
+    growth(out, table, drives, start)
+    solid(out, rows)
+    lasting(out, rows)
+    out.tables.append(numbers_table(rows))
+    return out
+
+
+def numbers_table(rows):
+    names = ("rattlers", "rms", "median", "noise", "significant", "pearson", "spearman", "openings", "sliding",
+             "contacts", "wander", "drift", "loose")
+    return Numbers("Means over packings at each drive (angular velocities in rad/s; no rattlers but in the last "
+                   "column)",
+                   ["drive/<i>g</i>", "packings", "rattlers", "rms &Omega;", "median |&Omega;|", "median error bar",
+                    "beyond 3 errors", "Pearson (scaled)", "Spearman", "openings", "sliding", "contacts per disk",
+                    "wander/d", "drift/d", "wander/d of rattlers"],
+                   [[float(r["drive"]), r["runs"], *(number(*r[name]) for name in names)] for r in rows])
+
+
+def separates(out, table, rows, drives):
+    openings = columns(rows, "openings")[0]
+    curves = [curve for curve in curves_of(table, lambda box: max(box.openings, 1e-12)) if len(curve) == len(table)]
+    (start, error), low, high = (jackknife(lambda part, level=level: onset(part, level), curves) if curves
+                                 else (crossing(drives, openings, level), np.nan) for level in (OPEN, FEW, MANY))
+    text = (f"{OPEN:g} openings per contact and period are reached at {number(start, error)} <i>g</i>; {FEW:g} at "
+            f"{number(*low)} <i>g</i> and {MANY:g} at {number(*high)} <i>g</i>. At {drives[0]:g} <i>g</i> there are "
+            f"{number(*rows[0]['openings'])}, at {drives[-1]:g} <i>g</i> {number(*rows[-1]['openings'])}")
+    if not np.isfinite(low[0]):  # the weakest drive has more: a bound is all there is
+        sharp = None
+        text += f"; nowhere there are fewer than {FEW:g}, so it cannot be said how sharp the change is"
+    else:
+        ratio = high[0] / low[0]
+        spread = SURE * ratio * np.hypot(*(e / v for v, e in (low, high)))
+        sharp = True if ratio + spread < SHARP else False if ratio - spread > SHARP else None
+        text += f": a factor of {number(ratio, spread / SURE)}"
+    out.claims.append(decide("The opening of contacts separates two regimes: from few to many openings it takes less "
+                             f"than a factor of {SHARP:g} in the drive.", sharp, text, slug="drive-regimes"))
+    return start
+
+
+def seen(box):
+    """The median of |Omega| where it is above the error bar of 95 %, else 0: then more than half may stand still."""
+    return box.median if box.median > disks.LIMIT * box.noise else 0.0
+
+
+def growth(out, table, drives, start):
+    """Exponents below and above the onset of openings, of the rms and of the median."""
+    low = drives <= (start if np.isfinite(start) else 0)
+    for name, what, value in (("rms", "The rms", lambda box: box.rms), ("median", "The median", seen)):
+        curves = curves_of(table, value)
+        told, grows = [], []
+        for word, part in (("below", low), ("above", ~low)):
+            some = [d for d in drives[part] if sum(d in curve for curve in curves) * 2 > len(table[d])]
+            fit = weighted_power([{d: c[d] for d in some if d in c} for c in curves], some)
+            spread = np.nanmax([fit.error, fit.weights]) if np.isfinite([fit.error, fit.weights]).any() else np.nan
+            told.append(f"{word} the onset |&Omega;| ~ drive<sup><i>a</i></sup>, <i>a</i> = {fit}" if fit.points > 1
+                        else f"{word} the onset {fit.points} drives, no fit")
+            grows.append(None if not np.isfinite(spread) else True if fit.exponent > SURE * spread
+                         else False if fit.exponent < -SURE * spread else None)
+            lost = [f"{d:g}" for d in drives[part] if d not in some]
+            if lost:
+                told[-1] += (f"; at {', '.join(lost)} <i>g</i> it is within its error bar of zero in half of the "
+                             f"packings or "
+                             "more, and left out")
+        out.claims.append(decide(f"{what} of |&Omega;| grows with the drive in both regimes.", _all(grows),
+                                 "; ".join(told) + f". Rank correlation with the drive {number(*trend(curves))}",
+                                 slug=f"drive-{name}"))
+
+
+def solid(out, rows):
+    value, error = columns(rows, "wander")
+    loose = [r["drive"] for r in rows if r["wander"][0] > SOLID]
+    far = [r["drive"] for r in rows if r["farthest"] > 1]
+    out.claims.append(decide(f"It remains a solid: disks wander by less than {SOLID:g} mean diameters "
+                             f"(rms).", not loose,
+                             f"rms displacement about the mean place {number(value[0], error[0])} d at "
+                             f"{rows[0]['drive']:g} "
+                             f"<i>g</i>, {number(value[-1], error[-1])} d at {rows[-1]['drive']:g} <i>g</i>"
+                             + (f"; above {SOLID:g} at {', '.join(f'{d:g}' for d in loose)} <i>g</i>" if loose else "")
+                             + (f"; single disks, rattlers among them, wander by more than a diameter (rms) at "
+                                f"{', '.join(f'{d:g}' for d in far)} <i>g</i>"
+                                if far else "; no single disk, not even a rattler, wanders by a diameter"),
+                             slug="drive-solid"))
+
+
+def _all(verdicts):
+    """True, False or None of several such."""
+    verdicts = list(verdicts)
+    return False if False in verdicts else None if None in verdicts else True
+
+
+def lasting(out, rows):
+    at = "; ".join(f"{r['drive']:g} <i>g</i>: {{}}" for r in rows)
+    for name, what, how in (("pearson", "linear correlation, each packing scaled by its rms", "Rotation lasts at "
+                                                                                              "every drive"),
+                            ("spearman", "rank correlation, means over packings",
+                             "It lasts at every drive in ranks, too, where slow disks count as much as fast ones")):
+        out.claims.append(decide(f"{how}: the correlation of halves is above 0.5.", _all(lasts(r[name]) for r in rows),
+                                 f"{what}; " + at.format(*(number(*r[name]) for r in rows)),
+                                 slug="drive-lasts" if name == "pearson" else "drive-ranks"))
+
+
+def bars(value, error):
+    """Error bars for a logarithmic axis: they end before they reach zero."""
+    error = np.nan_to_num(error)
+    return np.array([np.minimum(error, 0.7 * value), error])
+
+
+def drive_figure(rows, drives, start):
+    picture, axes = figure(columns=2, rows=2, width=7.2, height=5.8, sharex=True)
+    look = {"lw": 0.7, "mfc": "white"}
+    for k, (name, label, sign) in enumerate((("rms", "rms", "o"), ("median", "median", "s"),
+                                             ("noise", "median error bar", "x"))):
+        value, error = columns(rows, name)
+        axes[0, 0].errorbar(drives, value, yerr=bars(value, error), fmt=sign + "-", color=COLOURS[k], label=label,
+                            **look)
+    axes[0, 0].set_yscale("log")
+    axes[0, 0].set_ylabel(r"$|\Omega|$ (rad/s)")
+    axes[0, 0].legend(loc="lower right")
+    value, error = columns(rows, "openings")
+    shown = value > 0
+    axes[0, 1].errorbar(drives[shown], value[shown], yerr=bars(value, error)[:, shown], fmt="o-", lw=0.7,
+                        mfc="white", color=COLOURS[3])
+    axes[0, 1].axhline(OPEN, color=LIGHT, lw=0.8, gid="guide")
+    axes[0, 1].set_yscale("log")
+    axes[0, 1].set_ylabel("openings per contact\nand period")
+    for k, (name, label, sign) in enumerate((("pearson", "correlation of halves", "o"),
+                                             ("spearman", "the same of ranks", "D"),
+                                             ("significant", "beyond 3 errors", "s"),
+                                             ("sliding", "sliding contacts", "^"))):
+        value, error = columns(rows, name)
+        axes[1, 0].errorbar(drives, value, yerr=error, fmt=sign + "-", color=COLOURS[k], label=label,
+                            **look)
+    axes[1, 0].set_ylim(-0.1, 1.5)
+    axes[1, 0].set_ylabel("fraction")
+    axes[1, 0].legend(loc="upper left", ncol=2, fontsize=8.5, columnspacing=0.8)
+    for k, (name, label, sign) in enumerate((("wander", "about the mean place", "o"),
+                                             ("drift", "of the mean place", "s"),
+                                             ("loose", "about it, rattlers", "x"))):
+        value, error = columns(rows, name)
+        shown = value > 0
+        axes[1, 1].errorbar(drives[shown], value[shown], yerr=bars(value, error)[:, shown], fmt=sign + "-",
+                            color=COLOURS[k], label=label, **look)
+    axes[1, 1].axhline(SOLID, color=LIGHT, lw=0.8, gid="guide")
+    axes[1, 1].set_yscale("log")
+    axes[1, 1].set_ylim(top=30)
+    axes[1, 1].set_ylabel("rms displacement / diameter")
+    axes[1, 1].legend(loc="upper left")
+    for panel in axes.flat:
+        panel.set_xscale("log")
+        shown = [d for d in (0.1, 0.3, 1, 3, 9) if drives[0] <= d <= drives[-1]]
+        panel.set_xticks(shown, [f"{d:g}" for d in shown])
+        panel.xaxis.set_minor_formatter(NullFormatter())
+        if np.isfinite(start):
+            panel.axvline(start, color=GREY, lw=0.8, ls=":", gid="guide")
+    for panel in axes[1]:
+        panel.set_xlabel("peak acceleration of the floor / $g$")
+    return Figure("drive", picture, f"Against the drive; disks that are no rattlers unless said otherwise. Dotted: "
+                                    f"where "
+                  f"{OPEN:g} openings per contact and period are reached. Displacement of the mean place: from where "
+                  f"the disk "
+                  "was when measuring began. The level in the last panel: a quarter of a diameter.",
+                  "Typical angular velocity, openings of contacts, persistence and displacements against drive")
+
+
+def random_floor(campaign):
+    table = disks.by_drive(disks.boxes(campaign, "random"))
+    harmonic = disks.by_drive(disks.boxes(campaign, "drive"))
+    rows = [row(drive, found) for drive, found in table.items()]
+    out = Section("random", "Random vibration of the floor",
+                  "<code>inputs/packing/shake_random.cfg</code>: the height of the floor is the randomly forced "
+                  "oscillator of "
+                  "physics.md, section 7, with &omega; = 2&pi; 80 Hz, <i>c</i> = 0.5; its rms displacement is that of "
+                  "a harmonic "
+                  "motion, <i>a</i>/&omega;&sup2;, with the acceleration <i>a</i> that is "
+                  "given.", missing=campaign.missing("random"))
+    if not rows:
+        out.claims.append(missing("Disks rotate under random vibration, too.", slug="random-persists"))
+        return out
+    for r in rows:
+        out.claims.append(decide(f"At {r['drive']:g} <i>g</i> the rotation persists.", lasts(r["pearson"]),
+                                 f"{r['runs']} packings: Pearson (scaled) {number(*r['pearson'])}, Spearman "
+                                 f"{number(*r['spearman'])}, {each.percent(r['significant'])} beyond 3 errors; rms "
+                                 f"&Omega; "
+                                 f"{number(*r['rms'])}, median {number(*r['median'])} rad/s; "
+                                 f"{number(*r['openings'])} openings per contact and period"
+                                 + (f"; harmonic: rms "
+                                    f"{number(*mean_error([box.rms for box in harmonic[r['drive']]]))} rad/s"
+                                    if r["drive"] in harmonic else ""), slug=f"random-persists-{r['drive']:g}"))
+        out.claims.append(each.claim(table[r["drive"]], r["drive"], f"each-disk-random-{r['drive']:g}"))
+    picture, axes = figure(columns=len(rows), height=3.6)
+    for panel, r in zip(np.atleast_1d(axes), rows):
+        groups = [box.halves for box in table[r["drive"]]]
+        for k, (a, b) in enumerate(groups):
+            panel.plot(a, b, "o", ms=3, mew=0.6, mfc="none", color=COLOURS[k % len(COLOURS)])
+        top = 1.08 * max(np.abs(np.concatenate([np.concatenate(g) for g in groups])).max(), 1e-12)
+        panel.plot([-top, top], [-top, top], color=GREY, lw=0.8, gid="guide")
+        panel.set_xlim(-top, top)
+        panel.set_ylim(-top, top)
+        panel.set_aspect("equal")
+        panel.set_xlabel(r"$\Omega_i$, first half (rad/s)")
+        panel.set_title(f"{r['drive']:g} $g$")
+    np.atleast_1d(axes)[0].set_ylabel(r"$\Omega_i$, second half (rad/s)")
+    out.figures.append(Figure("random", picture, "Mean angular velocities in two halves of the runs under random "
+                              "vibration, rattlers left out; a colour per packing.",
+                              "Scatter plots of mean angular velocities in two halves, random vibration"))
+    return out

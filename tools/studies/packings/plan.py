@@ -1,0 +1,108 @@
+"""What is run: the one table to change. Decks are those of inputs/packing; `keys` differ from the deck as it stands."""
+import dataclasses
+
+LEVELS = ("quick", "default")
+DESCRIPTIONS = {
+    "quick": "a coarse look: few packings, short runs. Many statements cannot be told from it",
+    "default": "the campaign of docs/studies/packings_study.md, about 80 minutes of one core. The decks ask for 500 s "
+               "and ten packings at each point; so long is low drive measured; here moderate drive for 200 s, the "
+               "sweep of drives and random vibration for 60 s, with six packings",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Entry:
+    deck: str
+    keys: dict = dataclasses.field(default_factory=dict)   # -D at every level; {folder} is where results are
+    quick: dict = dataclasses.field(default_factory=dict)  # -D at level quick, besides
+    sweep: bool = True          # a sweep, else one run
+    threads: bool = False       # one run on all cores
+    skip_quick: bool = False
+    large: bool = False         # only with --large
+    first: int = 0              # so many replicas come before the rest of any sweep: there is early something of all
+    replicas: str = "sweep.replicas"  # where the deck has their number: sweep[*].replicas of a list of grids
+
+
+SHORT = {"phases.thermalise.time": 1, "phases.measure.time": 4}
+EACH = "sweep[*].replicas"
+SIX = {"sweep.replicas": 6}
+STIFF = {"materials[0].k_n": 1e6, "materials[0].k_t": 5e5, "materials[0].gamma_n": 3, "dt": 6.25e-6,
+         "measure.every": 71}  # 1/50 of the shortest period again
+DRIVES = "(0.1, 0.2, 0.3, 0.5, 0.7, 1, 2, 4, 9)"
+
+
+def _times(thermalise, measure):
+    return {"phases.thermalise.time": thermalise, "phases.measure.time": measure}
+
+
+def _starts(count):
+    """Values of `start` in a sweep: so many packings of cage_start.cfg."""
+    files = ["base", *(f"r={k}" for k in range(1, count))]
+    return "(" + ", ".join(f'"{{folder}}/cage_start/points/{file}.h5"' for file in files) + ")"
+
+
+def _memory(drive, thermalise, measure, packings, every=1507):
+    """One packing with several histories: `packings` of them with the first, two with all."""
+    keys = {"motions[*].acceleration": drive, **_times(thermalise, measure), "phases.measure.contacts": every,
+            "disk_files[0].file": "{folder}/cage_start/points/base.h5", "sweep[*].parameters.start.values": _starts(2)}
+    return Entry("cage_memory.cfg", {**keys, "sweep[0].parameters.start.values": _starts(packings)},
+                 {**SHORT, "sweep[*].parameters.start.values": _starts(2),
+                  "sweep[0].parameters.start.values": _starts(3)})
+
+
+def _records(frames, contacts):
+    """Steps between frames, which are at one phase of the floor (at dt = 3e-5, 1250 are three periods of 80 Hz), and
+    between tables of contacts, which are at all phases."""
+    return {"phases.measure.frames": frames, "phases.measure.contacts": contacts}
+
+
+_SMALL = {"packings[0].count": 100, "container.width": 15.24, "container.height": 15.24}
+
+# Of the runs of these docs/studies/data has columns of disks and contacts; of others, their numbers only.
+WITH_DISKS = ("low", "moderate", "drive", "random", "frictionless", "cage", "drum", "quiet", "quiet_stiff", "quiet_long")
+
+# Cheap and needed by others first.
+ENTRIES = {
+    "low": Entry("shake_low.cfg", {**_records(125000, 123457), **SIX}, {**SHORT, "sweep.replicas": 2}, first=4),
+    "drum": Entry("drum.cfg", {}, {"phases.start.time": 20, "phases.flow.time": 30}, sweep=False),
+    "outside": Entry("outside.cfg", {"sweep.replicas": 4}, {**SHORT, "sweep.replicas": 2}, first=2),
+    "cage": Entry("cage.cfg", {}, SHORT),
+    "frictionless": Entry("shake_drive.cfg", {"materials[0].mu": 0, **_times(5, 20), "sweep.replicas": 2,
+                                              "sweep.parameters.drive.values": "(0.5, 2, "
+                                                  "6)"}, {**SHORT, "sweep.replicas": 1}),
+    "drive": Entry("shake_drive.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX,
+                                       "sweep.parameters.drive.values": DRIVES},
+                   {**SHORT, "sweep.replicas": 2, "sweep.parameters.drive.values": "(0.3, 1, 3)"}, first=2),
+    "step": Entry("shake_step.cfg", {}, {"phases.measure.time": 2, "sweep.replicas": 1}, first=1),
+    "moderate": Entry("shake_moderate.cfg", {**_times(20, 200), **_records(50000, 49391), **SIX},
+                      {**SHORT, "sweep.replicas": 2}, first=3),
+    "random": Entry("shake_random.cfg", {**_times(5, 60), **_records(25000, 24691), **SIX},
+                    {**SHORT, "sweep.replicas": 2}, first=3),
+    "scan": Entry("shake_scan.cfg", {EACH: 2}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
+    "size": Entry("shake_size.cfg", {"sweep.replicas": 1}, {**SHORT, "sweep.replicas": 1}, first=1),
+    "prepared": Entry("shake_prepared.cfg", {EACH: 2}, {**SHORT, EACH: 1}, first=2, replicas=EACH),
+    "hopper": Entry("hopper.cfg", {"container.width": 30, "container.height": 75, "phases.flow.time": 150,
+                                   "sweep.parameters.outlet.values": "(4, 5, 6, 7, 8, 10)", "sweep.replicas": 3},
+                    {"container.height": 35, "sweep.replicas": 1,
+                     "sweep.parameters.outlet.values": "(4, 6, 8, 10)"}, first=1),
+    "cage_start": Entry("cage_start.cfg"),
+    "cage_moderate": _memory(2, 5, 40, 8),
+    "cage_middle": _memory(0.7, 5, 40, 8),
+    "cage_low": _memory(0.3, 15, 60, 6),
+    "quiet": Entry("quiet.cfg", {**_times(20, 200), **_records(125000, 123457), "sweep.replicas": 3},
+                   {**SHORT, "sweep.replicas": 1, "sweep.parameters.drive.values": "(0.05, 0.2)"}, first=2),
+    "quiet_stiff": Entry("quiet.cfg", {**_times(10, 100), **_records(200000, 197531), **STIFF, "sweep.replicas": 3,
+                                       "sweep.parameters.drive.values": "(0.05, 0.1)"}, skip_quick=True, first=1),
+    "quiet_long": Entry("quiet.cfg", {"sweep.replicas": 2, "sweep.parameters.drive.values": "(0.1)"}, skip_quick=True,
+                        first=1),
+    "repose": Entry("repose.cfg", {}, {"packings[0].count": 400, "sweep.replicas": 1,
+                                       "sweep.parameters.mu.values": "(0.1, 0.5)"}, first=1),
+    "jam": Entry("jam.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
+    "jam_friction": Entry("jam_friction.cfg", {"sweep.replicas": 5}, {**_SMALL, "sweep.replicas": 2}, first=1),
+    "deposit_1e4": Entry("deposit_1e4.cfg", {}, {}, sweep=False, threads=True, skip_quick=True),
+    "shake_1e4": Entry("shake_1e4.cfg", {"disk_files[0].file": "{folder}/deposit_1e4.h5"}, sweep=False,
+                       threads=True, skip_quick=True),
+    "deposit_1e5": Entry("deposit_1e5.cfg", {}, {}, sweep=False, threads=True, skip_quick=True, large=True),
+    "shake_1e5": Entry("shake_1e5.cfg", {"disk_files[0].file": "{folder}/deposit_1e5.h5"}, sweep=False,
+                       threads=True, skip_quick=True, large=True),
+}
