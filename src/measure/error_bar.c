@@ -18,8 +18,8 @@
  * The error can be trusted (`reliable`) when the record is at least LONG integrated correlation times
  * long, and its lowest frequencies tell the density at zero (slow.h). A period must repeat there, too.
  * Records of 100 to 200 tau are called long enough partly by chance, when their error comes out small.
- * So a reliable error is enlarged by (CHANCE tau/n)^2 of itself; tests/test_converged.c holds CHANCE
- * to noise of known tau.
+ * So a reliable error is enlarged by (CHANCE tau/n)^2 of itself; tests/physics/test_converged.c holds
+ * CHANCE to noise of known tau.
  */
 #include "measure/error_bar.h"
 

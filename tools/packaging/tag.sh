@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tags the last commit with the version of include/slipdisk/version.h: v0.5.0. Before that: a new version and day there, in
-# docs/changelog.md and CITATION.cff, which tests/test_version.py compares; commit; all tests.
+# docs/changelog.md and CITATION.cff, which tests/docs/test_version.py compares; commit; all tests.
 #   tools/packaging/tag.sh            makes the tag; git push origin vVERSION publishes it
 set -euo pipefail
 case "${1:-}" in
@@ -10,7 +10,7 @@ case "${1:-}" in
 esac
 cd "$(dirname "$0")/../.."
 if [ -n "$(git status --porcelain)" ]; then echo "There are changes that are not committed." >&2; exit 1; fi
-/usr/bin/python3 tests/test_version.py
+/usr/bin/python3 tests/docs/test_version.py
 version=$(sed -n 's/^#define SD_VERSION "\(.*\)".*/\1/p' include/slipdisk/version.h)
 git tag -a "v$version" -m "slipdisk $version"
 echo "tag     v$version"

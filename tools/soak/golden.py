@@ -206,7 +206,8 @@ def difference(one, two):
 
 HEAD = """\
 # The final states of short runs, in bits; the decks are in tools/soak/golden.py, which says what the hashes are of.
-# tests/test_golden.py holds the default build to them, tools/soak.sh determinism all builds and ways to run.
+# tests/physics/test_golden.py holds the default build to them, tools/soak.sh determinism all builds
+# and ways to run.
 #
 # When results are meant to change:  SLIPDISK_GOLDEN=write tools/soak.sh determinism
 # writes the table anew, after all variants have agreed with one another. `state` changes with every column of the state,

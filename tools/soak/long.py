@@ -1,7 +1,8 @@
 """Long runs and a long sweep: memory and descriptors stay as they are, checkpoints are pruned, files are as large as
 `check` said.
 
-Counters, angles and images near the ends of their ranges are the business of tests/test_limits.c, which puts states there.
+Counters, angles and images near the ends of their ranges are the business of tests/unit/test_limits.c, which puts
+states there.
 """
 import dataclasses
 import os

@@ -1,5 +1,5 @@
 /* access.h: what measuring, packing and running see of a system. `work` is the engine's own: outside physics/ nothing
- * reaches into it (tests/test_floors.py). Inline: some of this is read in every step.
+ * reaches into it (tests/docs/test_floors.py). Inline: some of this is read in every step.
  *
  * Candidates are pairs near enough to touch, in a fixed order; open ones have no overlap and no force.
  */

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # test_packings_check.sh: `slipdisk check` on a deck with each container and each generator, and on its own output.
 set -euo pipefail
-source_dir=${SLIPDISK_SOURCE_DIR:-$(cd "$(dirname "$0")/.." && pwd)}
+source_dir=${SLIPDISK_SOURCE_DIR:-$(cd "$(dirname "$0")/../.." && pwd)}
 program=${SLIPDISK_PROGRAM:-$source_dir/build/release/slipdisk}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

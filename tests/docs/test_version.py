@@ -6,7 +6,7 @@ import subprocess
 import sys
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 HEADER = dict(re.findall(r"#define SD_(VERSION\w*) \"?([\w.-]+)\"?", (ROOT / "include/slipdisk/version.h").read_text()))
 VERSION, DAY = HEADER["VERSION"], HEADER["VERSION_DATE"]

@@ -1,5 +1,5 @@
 """docs/messages.md: each mistake of its tables gets the message that stands there, and no other. After a message was
-changed on purpose, `tests/test_mistakes.py --write` writes the page anew.
+changed on purpose, `tests/docs/test_mistakes.py --write` writes the page anew.
 """
 import gzip
 import os
@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", ROOT / "build/release/slipdisk")
 PAGE = ROOT / "docs/messages.md"
 
@@ -327,7 +327,7 @@ class Mistakes(unittest.TestCase):
         names = [mistake for mistakes in TABLES.values() for mistake, _, _ in mistakes]
         self.assertEqual(len(set(names)), len(names))
         self.assertGreater(len(names), 130)
-        self.assertEqual(sorted(set(there) - {"mistake"}), sorted(names), "tests/test_mistakes.py --write")
+        self.assertEqual(sorted(set(there) - {"mistake"}), sorted(names), "tests/docs/test_mistakes.py --write")
         for mistakes in TABLES.values():
             for mistake, files, arguments in mistakes:
                 with self.subTest(mistake):

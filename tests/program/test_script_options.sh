@@ -3,7 +3,7 @@
 # run in a copy of tools/ without a build, with apt-get and the like in front of the path that note that they were called;
 # once with the python3 of this machine, once with one that has no modules.
 set -euo pipefail
-source_dir=${SLIPDISK_SOURCE_DIR:-$(cd "$(dirname "$0")/.." && pwd)}
+source_dir=${SLIPDISK_SOURCE_DIR:-$(cd "$(dirname "$0")/../.." && pwd)}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/stubs" "$work/tree"

@@ -20,7 +20,7 @@ import tempfile
 import time
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 DOCS = ROOT / "docs"
 SHOTS = os.environ.get("SLIPDISK_SCREENSHOTS")
 MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton", "numpy", "h5py", "matplotlib")

@@ -1,6 +1,6 @@
 """The page of `slipdisk view` in a headless Chromium: what is drawn where, picking, time, plots, colours, themes, frame rate.
 
-    SLIPDISK_SCREENSHOTS=FOLDER python3 tests/test_viewer.py     keeps pictures of the pages
+    SLIPDISK_SCREENSHOTS=FOLDER python3 tests/program/test_viewer.py    keeps pictures of the pages
 77: Chromium, its driver, selenium or PIL is missing (tools/install_deps.sh --tests)."""
 import importlib.util
 import io
@@ -17,7 +17,7 @@ import unittest
 import h5py
 import numpy
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 VIEWER = ROOT / "src/app/view/page"
 SHOTS = os.environ.get("SLIPDISK_SCREENSHOTS")

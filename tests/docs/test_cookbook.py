@@ -14,7 +14,8 @@ readers do not see, say what is to be found:
     <!-- test: made tilt.png -->   a file that is there now, and was not when the page began
     <!-- test: says TEXT -->       the last block has printed this
 
-    tests/test_cookbook.py [PAGE ...]     some pages; --write puts the files into the pages; --full leaves nothing shorter
+    tests/docs/test_cookbook.py [PAGE ...]    some pages; --write puts the files into the pages; --full
+                                              leaves nothing shorter
 """
 import importlib.util
 import os
@@ -26,7 +27,7 @@ import sys
 import tempfile
 import time
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
 COOKBOOK = ROOT / "inputs/cookbook"
 PAGES = [ROOT / "docs/tutorial.md", *sorted((ROOT / "docs/cookbook").glob("*.md")), ROOT / "docs/coming_from.md"]

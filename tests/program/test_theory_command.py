@@ -13,7 +13,7 @@ import unittest
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 THREE = ROOT / "inputs/three_disk"
 MU, HALF, INERTIA, W_B = 0.1, math.pi / 6, 0.05, 20 * math.pi

@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release")) / "tests/bench_steps"
 ONLY = "sync/gear5/baseline,sync/verlet/baseline,epo/gear5/baseline"
 SINGLE = ["sync/gear5/baseline", "sync/verlet/baseline", "epo/gear5/baseline"]

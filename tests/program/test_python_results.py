@@ -15,7 +15,7 @@ import warnings
 import h5py
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.setdefault("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 os.environ["SLIPDISK_LIBRARY"] = "/none"  # results are read without it
 sys.path.insert(0, str(ROOT / "tools" / "python"))

@@ -5,7 +5,7 @@ import pathlib
 import sys
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
 if not (BUILD / "libslipdisk.so").exists():
     print(f"no library in {BUILD} (sanitizer builds have none): relations are left out")

@@ -1,6 +1,6 @@
 """docs/python.md: every block of Python is run, in order, and prints what the block below it shows.
 
-    tests/test_python_tutorial.py --write    puts in what is printed now
+    tests/docs/test_python_tutorial.py --write    puts in what is printed now
 """
 import contextlib
 import io
@@ -12,7 +12,7 @@ import tempfile
 import traceback
 import warnings
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parent.parent))
+ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
 PAGE = ROOT / "docs/python.md"
 LIBRARY = BUILD / "libslipdisk.so"
