@@ -35,7 +35,7 @@ typedef enum sd_status {
 
 typedef struct sd_messages sd_messages;
 
-/* An empty list; NULL only when memory is exhausted. Free with sd_messages_free (NULL is allowed). */
+/* An empty list. Free with sd_messages_free (NULL is allowed). */
 SD_API sd_messages *sd_messages_new(void);
 SD_API void sd_messages_free(sd_messages *m);
 
@@ -55,6 +55,13 @@ SD_API sd_status sd_messages_status(const sd_messages *m);
 SD_API void sd_messages_clear(sd_messages *m);
 /* One line each, "error: " or "warning: " before it. */
 SD_API void sd_messages_print(const sd_messages *m, FILE *out);
+
+/* Memory. Functions whose arrays have a row per disk, contact, pair or row of output return SD_ERROR_IO, or what their header
+ * says, when there is no memory. Small things (texts, structs, lists of messages) do not fail: without memory for `bytes`
+ * of them the handler is called, once, from the thread that lacks them. It must not return; it may write a line and
+ * leave by _exit, but not allocate. NULL, the default: a line on the standard error output, and abort(). */
+typedef void sd_memory_handler(size_t bytes);
+SD_API void sd_on_no_memory(sd_memory_handler *handler);
 
 /* Frees memory that a function of this library has returned, where its header says so. */
 SD_API void sd_free(void *memory);

@@ -177,7 +177,7 @@ static void tell_balance(teller *t, const session *s) {
 
 /* A page that cannot be shown is no reason not to run. */
 static void open_page(teller *t, const sd_model *model, const char *result) {
-  sd_messages *why = app_messages();
+  sd_messages *why = sd_messages_new();
   if (live_open(model, result, &t->page, why) == SD_OK) fprintf(stderr, "live: %s\n", live_address(t->page));
   for (size_t k = 0; k < sd_messages_count(why); k++)
     fprintf(stderr, "warning: %s; the run goes on without\n", sd_messages_text(why, k));
@@ -227,6 +227,20 @@ static void warn_of_size(const sd_model *model, const char *result, sd_messages 
   free(folder);
 }
 
+/* For drive_describe_saved. */
+static const session *_Atomic running;
+static const char *_Atomic continues_with;
+
+int drive_describe_saved(char *text, size_t size) {
+  const session *s = running;
+  const int64_t step = s ? session_saved(s) : -1;
+  *text = 0;
+  if (step <= 0) return 0;
+  const int n = snprintf(text, size, "; everything until step %" PRId64 " is saved, continue with: slipdisk %s", step,
+                         continues_with);
+  return n < 0 ? 0 : n < (int)size ? n : (int)size - 1;
+}
+
 static int run_session(const sd_model *model, const drive_options *options, teller *t,
                        sd_messages *messages) {
   session_options how = {.result = options->result,
@@ -248,9 +262,11 @@ static int run_session(const sd_model *model, const drive_options *options, tell
     if (options->failed && status != SD_INTERRUPTED) options->failed(options->user, messages);
     return status;
   }
+  continues_with = options->again;
+  running = s;
   tell_start(t, options, model, s);
   if (options->live && !session_was_finished(s)) open_page(t, model, options->result);
-  sd_messages *later = app_messages();
+  sd_messages *later = sd_messages_new();
   status = session_run(s, later);
   live_close(t->page);
   bool in_doubt = status == SD_OK && !session_was_finished(s) && warn_of_doubts(s, later);
@@ -264,6 +280,7 @@ static int run_session(const sd_model *model, const drive_options *options, tell
   }
   if (status == SD_OK && t->log) tell_result(t->log, s, options->result);
   if (options->verbose) tell_balance(t, s);
+  running = NULL;
   session_close(s);
   return in_doubt ? SD_DOUBTFUL : status;
 }

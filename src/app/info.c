@@ -367,7 +367,7 @@ static int tell_file(const char *name, const arguments *a, json_t *into) {
   if (!into && !text && tell_failure(name)) return SD_OK;
   place p = {0};
   facts f = {0};
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   int status = refuse_sweep(name, messages);
   if (status == SD_OK) status = place_find(&p, name, messages);
   bool named_parts = status == SD_OK && file_is_folder(name);

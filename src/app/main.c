@@ -14,8 +14,10 @@
 
 #include "app/app.h"
 #include "app/manual.h"
-#include "base/shortage.h"
+#include "base/comm.h"
 #include "base/limits.h"
+#include "base/memory.h"
+#include "base/shortage.h"
 #include "base/text.h"
 #include "base/guess.h"
 #include "version.h"
@@ -29,8 +31,9 @@ char *app_default_name(const char *deck, const char *ending) {
 }
 
 static char *shown_text(const char *format, va_list args) {
-  char *text = NULL, *shown = vasprintf(&text, format, args) < 0 ? NULL : text_escaped(text, LIMIT_LINE);
-  if (!shown) shortage_note();
+  char *text = NULL;
+  if (vasprintf(&text, format, args) < 0) memory_lacks(LIMIT_LINE);
+  char *shown = text_escaped(text, LIMIT_LINE);
   free(text);
   return shown;
 }
@@ -40,7 +43,7 @@ void app_line(FILE *out, const char *format, ...) {
   va_start(args, format);
   char *shown = shown_text(format, args);
   va_end(args);
-  fprintf(out, "%s\n", shown ? shown : "no memory");
+  fprintf(out, "%s\n", shown);
   free(shown);
 }
 
@@ -49,8 +52,7 @@ int app_misuse(const char *command, const char *format, ...) {
   va_start(args, format);
   char *shown = shown_text(format, args);
   va_end(args);
-  fprintf(stderr, "error: slipdisk %s: %s; see slipdisk %s --help\n", command, shown ? shown : "no memory",
-          command);
+  fprintf(stderr, "error: slipdisk %s: %s; see slipdisk %s --help\n", command, shown, command);
   free(shown);
   return SD_ERROR_USER;
 }
@@ -149,7 +151,7 @@ static int unknown_command(const char *name) {
   guess near = guess_start(name);
   for (size_t k = 0; k < N_COMMANDS; k++) guess_add(&near, commands[k].name);
   char *shown = text_escaped(name, LIMIT_QUOTE);
-  fprintf(stderr, "error: there is no command \"%s\"; ", shown ? shown : "");
+  fprintf(stderr, "error: there is no command \"%s\"; ", shown);
   free(shown);
   if (near.best) fprintf(stderr, "did you mean \"%s\"? ", near.best);
   fprintf(stderr, "See slipdisk help\n");
@@ -221,11 +223,16 @@ int app_no_memory(void) {
   return SD_ERROR_IO;
 }
 
-sd_messages *app_messages(void) {
-  sd_messages *messages = sd_messages_new();
-  if (messages) return messages;
-  leaving = true;
-  exit(app_no_memory());
+/* Small things have no memory: the process ends, since checkpoints are what keeps a run. Nothing is allocated here. */
+static void end_without_memory(size_t bytes) {
+  char text[LIMIT_LINE];
+  int n = snprintf(text, sizeof text, "error: no memory (%zu bytes more)", bytes);
+  n += drive_describe_saved(text + n, sizeof text - (size_t)n - 1);
+  text[n++] = '\n';
+  ssize_t told = write(STDERR_FILENO, text, (size_t)n);
+  (void)told; /* there is no other way to tell it */
+  comm_abort(SD_ERROR_IO);
+  _exit(SD_ERROR_IO);
 }
 
 /* Libraries that have no memory call exit (HDF5, the reader of decks), some of them without a word. */
@@ -238,11 +245,7 @@ static void end_of_library(void) {
   _exit(SD_ERROR_IO);
 }
 
-static void *json_memory(size_t size) {
-  void *memory = malloc(size);
-  if (!memory) shortage_note();
-  return memory;
-}
+static void *json_memory(size_t size) { return memory_new(size, 1); }
 
 /* Large blocks that are freed go back to the system. By default glibc keeps ever larger ones for itself, once some were freed. */
 static void return_memory(void) {
@@ -254,6 +257,7 @@ static void return_memory(void) {
 
 int main(int argc, char **argv) {
   return_memory();
+  sd_on_no_memory(end_without_memory);
   json_set_alloc_funcs(json_memory, free);
   if (atexit(end_of_library) != 0) return app_no_memory();
   int status = run_command(argc, argv);

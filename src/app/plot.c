@@ -274,7 +274,7 @@ static int draw(const command_line *line, int argc, char **argv) {
   int status = options_parse(line, argc, argv, &a);
   if (status == 0) status = examine(line->name, &a);
   if (status == 0 && a.frames) {
-    sd_messages *messages = app_messages();
+    sd_messages *messages = sd_messages_new();
     option_range range;
     status = (int)options_range(a.frames, SIZE_MAX, a.file, &range, messages);
     sd_messages_print(messages, stderr);

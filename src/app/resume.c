@@ -68,7 +68,7 @@ int app_resume(int argc, char **argv) {
   arguments a = {0};
   int status = options_parse(&app_resume_line, argc, argv, &a);
   if (status != 0) return status;
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   status = drive_begin(messages);
   if (status == SD_OK) status = resume(a.name, &a.drive, messages);
   comm_end();

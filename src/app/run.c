@@ -44,7 +44,7 @@ const command_line app_run_line = {
 int app_run(int argc, char **argv) {
   app_catch_signals();
   arguments a = {0};
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   sd_model *model = NULL;
   char *output = NULL, *again = NULL;
   int status = options_parse(&app_run_line, argc, argv, &a);

@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/limits.h"
-#include "base/shortage.h"
+#include "base/memory.h"
 
 size_t text_step(const char *p) {
   const unsigned char *b = (const unsigned char *)p;
@@ -48,9 +48,7 @@ size_t text_quoted(const char *text, size_t n) {
 
 char *text_escaped(const char *text, size_t most) {
   size_t length = strlen(text);
-  char *out = malloc(4 * (length < most ? length : most) + 8), *to = out;
-  if (!out) shortage_note();
-  if (!out) return NULL;
+  char *out = memory_new(4 * (length < most ? length : most) + 8, 1), *to = out;
   for (const char *p = text; *p;) {
     size_t n = text_step(p);
     if ((size_t)(p - text) + (n ? n : 1) > most) {
@@ -68,16 +66,22 @@ char *text_escaped(const char *text, size_t most) {
   return out;
 }
 
+/* The text behind the first `length` bytes of `text`, which may be NULL then. */
+static char *format_behind(char *text, size_t length, const char *format, va_list args) {
+  va_list again;
+  va_copy(again, args);
+  int n = vsnprintf(NULL, 0, format, args);
+  text = memory_grow(text, length + (size_t)(n > 0 ? n : 0) + 1, 1);
+  text[length] = 0; /* the format may be one that C cannot convert */
+  if (n > 0) vsnprintf(text + length, (size_t)n + 1, format, again);
+  va_end(again);
+  return text;
+}
+
 char *format_text(const char *format, ...) {
   va_list args;
   va_start(args, format);
-  int n = vsnprintf(NULL, 0, format, args);
-  va_end(args);
-  char *text = n < 0 ? NULL : malloc((size_t)n + 1);
-  if (!text) shortage_note();
-  if (!text) return NULL;
-  va_start(args, format);
-  vsnprintf(text, (size_t)n + 1, format, args);
+  char *text = format_behind(NULL, 0, format, args);
   va_end(args);
   return text;
 }
@@ -86,19 +90,9 @@ char *append_text(char *text, const char *format, ...) {
   if (!text) return NULL;
   va_list args;
   va_start(args, format);
-  int n = vsnprintf(NULL, 0, format, args);
+  text = format_behind(text, strlen(text), format, args);
   va_end(args);
-  size_t length = strlen(text);
-  char *longer = n < 0 ? NULL : realloc(text, length + (size_t)n + 1);
-  if (!longer) {
-    shortage_note();
-    free(text);
-    return NULL;
-  }
-  va_start(args, format);
-  vsnprintf(longer + length, (size_t)n + 1, format, args);
-  va_end(args);
-  return longer;
+  return text;
 }
 
 bool text_ends(const char *text, const char *ending) {

@@ -16,12 +16,12 @@ bool text_printable(const char *text);
 char *text_clean(char *text);
 /* How many of the first n bytes are quoted in a message: at most LIMIT_QUOTE, whole characters. */
 size_t text_quoted(const char *text, size_t n);
-/* A copy with \xHH for such bytes, to be freed; NULL: no memory. A longer text than `most` bytes ends in "...". */
+/* A copy with \xHH for such bytes, to be freed. A longer text than `most` bytes ends in "...". */
 char *text_escaped(const char *text, size_t most);
 
-/* Text made with printf, to be freed; NULL: no memory. */
+/* Text made with printf, to be freed. */
 char *format_text(const char *format, ...) SD_PRINTF(1, 2);
-/* The same behind `text`, which is freed; NULL where that is NULL, or without memory. */
+/* The same behind `text`, which is freed; NULL if that is NULL. */
 char *append_text(char *text, const char *format, ...) SD_PRINTF(2, 3);
 /* A cell of CSV (RFC 4180): quoted where a comma, a quote or a line break makes it necessary. */
 void text_cell(FILE *out, const char *text);

@@ -60,6 +60,7 @@ sd_status session_run(session *s, sd_messages *messages);
 void session_close(session *s);
 
 int64_t session_began(const session *s);     /* step at which this session began */
+int64_t session_saved(const session *s);     /* step of its last checkpoint; negative: there is none */
 bool session_was_finished(const session *s); /* only left-overs were there: session_run has nothing to do */
 const summary *session_summary(const session *s); /* as of the last checkpoint; NULL before the first */
 const provenance *session_provenance(const session *s);

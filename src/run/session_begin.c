@@ -323,6 +323,7 @@ void session_close(session *s) {
 }
 
 int64_t session_began(const session *s) { return s->began; }
+int64_t session_saved(const session *s) { return s->saved_step; }
 bool session_was_finished(const session *s) { return s->was_finished; }
 const summary *session_summary(const session *s) { return s->has_found ? &s->found : NULL; }
 const provenance *session_provenance(const session *s) { return &s->origin; }

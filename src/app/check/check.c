@@ -171,7 +171,7 @@ static double probe_lanes(const sd_model *m, size_t width) {
   ensemble *e = NULL;
   bool good = all && messages && status;
   for (size_t k = 0; good && k < width; k++) {
-    messages[k] = app_messages();
+    messages[k] = sd_messages_new();
     good = sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
   }
   good = good && ensemble_new(width, all, &e, NULL) == SD_OK;
@@ -286,7 +286,7 @@ static int check(const options *o, sd_messages *messages) {
 
 int app_check(int argc, char **argv) {
   options o = {0};
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   int status = options_parse(&app_check_line, argc, argv, &o);
   if (status == SD_OK && o.keys)
     deck_keys_print(stdout);

@@ -217,7 +217,7 @@ int app_export(int argc, char **argv) {
   int mistake = parse(argc, argv, &a, &format);
   if (mistake) return mistake;
   assert(format);
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   sd_status status = export(&a, format, messages);
   fflush(stdout);
   sd_messages_print(messages, stderr);

@@ -214,7 +214,7 @@ int app_measure(int argc, char **argv) {
     free(a.bodies.item);
     return mistake;
   }
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   sd_status status = measure(&a, messages);
   fflush(stdout);
   sd_messages_print(messages, stderr);

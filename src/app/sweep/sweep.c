@@ -269,7 +269,7 @@ static int command(sweep_command *c, const char *where, sd_messages *messages) {
 
 int app_sweep(int argc, char **argv) {
   sweep_command c = {.point = -1};
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   int status = parse(argc, argv, &c);
   char *where = NULL;
   if (status == 0) {

@@ -57,7 +57,7 @@ static bool find_kind(precheck *v, sd_model *model, int *kind) {
 static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
   for (size_t k = 0; k < advice_count; k++) {
     advice *a = &v->advice[k];
-    sd_messages *mine = app_messages();
+    sd_messages *mine = sd_messages_new();
     double bad = advice_checks[k](model, mine);
     if (bad > 0 && (a->n++ == 0 || bad > a->worst)) {
       free(a->warning);

@@ -109,7 +109,7 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
 /* Ranks must agree on the list, and the folder may change between their looks at it: the first one looks. */
 static size_t agree_on_todo(scheduler *w, size_t *todo) {
   size_t places = w->s->deck.n_points + 1;
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   if (comm_rank() == 0) todo[places - 1] = find_todo(w, todo, messages);
   sd_messages_free(messages);
   comm_share(todo, places * sizeof *todo);
@@ -204,7 +204,7 @@ static int run_all(scheduler *w, size_t *todo) {
 
 /* Mistakes of some points keep the others from being run, unless these are to be skipped. */
 static int check(scheduler *w) {
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   size_t usable = 0;
   int status = sweep_precheck(w->s, w->steps, w->kinds, &usable, messages);
   if (comm_rank() == 0) {
@@ -223,7 +223,7 @@ static int prepare_and_run(scheduler *w, size_t *todo) {
   int status = check(w);
   if (status != SD_OK) return status;
   app_begin_saving();
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   status = sweep_prepare(w->s, messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
@@ -274,7 +274,7 @@ static size_t choose_width(const sweep_command *c) {
 }
 
 int sweep_run_all(const sweep *s, const sweep_command *c) {
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   int status = c->workers > 0 ? SD_OK : comm_begin(messages);
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);

@@ -27,7 +27,7 @@ void sweep_make_tables(scheduler *w, bool last) {
   double start = clock_seconds();
   if (sweep_is_part(w->c)) return; /* others make the rest */
   if (!last && start - w->tabled < fmax(TABLE_SECONDS, TABLE_SHARE * w->table_cost)) return;
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   sd_status status = sweep_write_tables(w->s,
                                         !last      ? 0
                                         : app_stop ? PATIENCE_STOPPED

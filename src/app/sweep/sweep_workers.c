@@ -70,6 +70,8 @@ static void describe_end(int ended, sd_status *status, char *text, size_t size) 
   int code = WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
   if (code == SD_OK || code == SD_INTERRUPTED)
     *status = (sd_status)code;
+  else if (code == SD_ERROR_IO) /* memory_lacks has told of it */
+    *status = SD_ERROR_IO;
   else if (WIFSIGNALED(ended) && app_stop)
     *status = SD_INTERRUPTED;
   else if (WIFSIGNALED(ended))
@@ -105,6 +107,7 @@ static void finish(scheduler *w, worker *one, int ended) {
   for (size_t i = 0; i < one->n; i++) missing += !one->told[i];
   if (missing == 0) return;
   describe_end(ended, &status, how, sizeof how);
+  if (status == SD_ERROR_IO) snprintf(text, sizeof text, "no memory");
   if (*how && one->n > 1) {
     try_again(w, one, how);
     return;

@@ -98,7 +98,7 @@ static sd_status add_row(const deck_sweep *s, size_t point, FILE *out, sd_messag
   sd_status status = deck_sweep_model(s, point, &model, messages);
   if (status == SD_OK) status = theory_case_read(model, &c, messages);
   if (status == SD_OK) {
-    sd_messages *own = app_messages();
+    sd_messages *own = sd_messages_new();
     theory_case_solve(&c, &r, own);
     for (size_t k = 0; k < sd_messages_count(own); k++)
       sd_warn(messages, "%s: point %s: %s", s->deck_path, s->points[point].name, sd_messages_text(own, k));
@@ -165,7 +165,7 @@ static sd_status tell(const arguments *a, sd_messages *messages) {
 
 int app_theory(int argc, char **argv) {
   arguments a = {0};
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   int status = parse(argc, argv, &a);
   if (status == 0) {
     assert(a.deck);

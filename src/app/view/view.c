@@ -102,7 +102,7 @@ static sd_status view(const view_options *o, sd_messages *messages) {
 
 int app_view(int argc, char **argv) {
   view_options o = {0};
-  sd_messages *messages = app_messages();
+  sd_messages *messages = sd_messages_new();
   signal(SIGXFSZ, SIG_IGN); /* a limit of file sizes is an error of a write */
   int status = options_parse(&app_view_line, argc, argv, &o);
   if (status == SD_OK) status = (int)view(&o, messages);
