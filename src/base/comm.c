@@ -17,6 +17,7 @@
 #include "base/comm.h"
 #ifdef SD_HAVE_MPI
 #include "base/comm_mpi.h"
+#include "base/memory.h"
 #endif
 
 enum { NONE = -1, STOP = -2, ASK = -3, LEAVE = -4, END = -5 };
@@ -89,11 +90,7 @@ static sd_status start(sd_messages *messages) {
   MPI_Comm_dup(MPI_COMM_WORLD, &comm_ranks);
   MPI_Comm_rank(comm_ranks, &comm.rank);
   MPI_Comm_size(comm_ranks, &comm.size);
-  letters = malloc((size_t)comm.size * sizeof *letters);
-  if (!letters) {
-    MPI_Abort(comm_ranks, SD_ERROR_IO); /* the others would wait for ever */
-    return sd_fail(messages, SD_ERROR_IO, "no memory");
-  }
+  letters = memory_new((size_t)comm.size, sizeof *letters);
   for (int k = 0; k < comm.size; k++)
     for (int place = 0; place < PLACES; place++) letters[k][place].request = MPI_REQUEST_NULL;
   return SD_OK;

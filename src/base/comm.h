@@ -32,7 +32,7 @@
 
 /* Starts MPI; one rank when no launcher started the program. Before it and after comm_end there is one rank, too.
  * SD_ERROR_USER: a launcher started several processes that do not know of each other, since this is a build
- * without MPI or for another MPI. SD_ERROR_IO: MPI does not start, no memory. */
+ * without MPI or for another MPI. SD_ERROR_IO: MPI does not start. */
 sd_status comm_begin(sd_messages *messages);
 /* Waits for all ranks. Does nothing when comm_begin was not called or failed. */
 void comm_end(void);

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
+#include "base/memory.h"
 
 #ifdef SD_HAVE_MPI
 #include <zoltan.h>
@@ -64,8 +65,8 @@ comm_cuts *comm_cuts_new(void) {
       {"OBJ_WEIGHT_DIM", "1"}, {"NUM_GID_ENTRIES", "1"}, {"NUM_LID_ENTRIES", "1"}, {"IMBALANCE_TOL", "1.01"},
       {"CHECK_GEOM", "0"},     {"RCB_OUTPUT_LEVEL", "0"}};
   float version;
-  comm_cuts *c = calloc(1, sizeof *c);
-  if (!c || comm_size() == 1) return c;
+  comm_cuts *c = memory_new(1, sizeof *c);
+  if (comm_size() == 1) return c;
   if (Zoltan_Initialize(0, NULL, &version) != ZOLTAN_OK || !(c->zoltan = Zoltan_Create(comm_ranks))) {
     free(c);
     return NULL;
@@ -138,7 +139,7 @@ struct comm_cuts {
   int nothing;
 };
 
-comm_cuts *comm_cuts_new(void) { return calloc(1, sizeof(comm_cuts)); }
+comm_cuts *comm_cuts_new(void) { return memory_new(1, sizeof(comm_cuts)); }
 void comm_cuts_free(comm_cuts *c) { free(c); }
 sd_status comm_cuts_make(comm_cuts *c, size_t n, const double *x, const double *y, const float *weight) {
   (void)c, (void)n, (void)x, (void)y, (void)weight;

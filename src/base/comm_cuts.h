@@ -11,7 +11,7 @@
 
 typedef struct comm_cuts comm_cuts;
 
-/* Collective. NULL: no memory. */
+/* Collective. It is NULL when Zoltan does not start, never with one rank. */
 comm_cuts *comm_cuts_new(void);
 void comm_cuts_free(comm_cuts *cuts);
 /* Collective: cuts anew, so that the weights of the points, wherever they stand now, are equal. SD_ERROR_IO: Zoltan failed. */

@@ -2,11 +2,11 @@
 #include "base/comm_data.h"
 
 #include <assert.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/comm.h"
+#include "base/memory.h"
 
 #ifdef SD_HAVE_MPI
 #include "base/comm_mpi.h"
@@ -16,11 +16,6 @@ struct comm_links {
   MPI_Request *request;
   int n;
 };
-
-static void no_memory(void) {
-  fprintf(stderr, "slipdisk: rank %d: no memory for messages\n", comm_rank());
-  comm_fail("no memory");
-}
 
 static MPI_Datatype row_of(size_t size) {
   MPI_Datatype row;
@@ -32,8 +27,7 @@ static MPI_Datatype row_of(size_t size) {
 
 /* Where the rows of each rank begin. */
 static int *starts_of(const int *counts) {
-  int *starts = malloc((size_t)comm_size() * sizeof *starts);
-  if (!starts) no_memory();
+  int *starts = memory_new((size_t)comm_size(), sizeof *starts);
   for (int k = 0, at = 0; k < comm_size(); at += counts[k++]) starts[k] = at;
   return starts;
 }
@@ -73,8 +67,8 @@ static void gather(const void *send, void *receive, const int *counts, size_t si
 
 comm_links *comm_links_new(const void *send, const int *to, void *receive, const int *from, size_t size) {
   enum { TAG = 1 }; /* 0: the queue of comm.c */
-  comm_links *l = calloc(1, sizeof *l);
-  if (!l || !(l->request = malloc(2 * (size_t)comm_size() * sizeof *l->request))) no_memory();
+  comm_links *l = memory_new(1, sizeof *l);
+  l->request = memory_new(2 * (size_t)comm_size(), sizeof *l->request);
   l->row = row_of(size);
   const char *out = send;
   char *in = receive;
@@ -154,11 +148,7 @@ void comm_exchange(const void *send, const int *to, void *receive, const int *fr
 }
 
 void comm_counts(const int *to, int *from) {
-  int *ones = calloc((size_t)comm_size() + 1, sizeof *ones);
-  if (!ones) {
-    comm_fail("no memory");
-    return;
-  }
+  int *ones = memory_new((size_t)comm_size(), sizeof *ones);
   for (int k = 0; k < comm_size(); k++) ones[k] = 1;
   comm_exchange(to, ones, from, ones, sizeof *to);
   free(ones);
@@ -172,11 +162,7 @@ void comm_gather(const void *send, void *receive, const int *counts, size_t size
 }
 
 void comm_gather_counts(int mine, int *counts) {
-  int *same = calloc((size_t)comm_size() + 1, sizeof *same);
-  if (!same) {
-    comm_fail("no memory");
-    return;
-  }
+  int *same = memory_new((size_t)comm_size(), sizeof *same);
   for (int k = 0; k < comm_size(); k++) same[k] = mine;
   comm_counts(same, counts);
   free(same);

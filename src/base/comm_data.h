@@ -1,7 +1,7 @@
 /* comm_data.h: data between the ranks of one run; see comm.h. Collective: every rank calls, from the thread that called comm_begin.
  *
  * A row is `size` bytes. Counts are rows per rank [comm_size()]; rows to and from ranks stand one rank after the other. With one
- * rank all of it copies from the sender to itself. Without memory the job ends (comm_abort).
+ * rank all of it copies from the sender to itself.
  */
 #ifndef BASE_COMM_DATA_H
 #define BASE_COMM_DATA_H

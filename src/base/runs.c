@@ -5,9 +5,11 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
+
 sd_status runs_new(runs *r, size_t n) {
-  *r = (runs){.heap = malloc((n + 1) * sizeof *r->heap)};
-  return r->heap ? SD_OK : SD_ERROR_IO;
+  *r = (runs){.heap = memory_new(n, sizeof *r->heap)};
+  return SD_OK;
 }
 
 void runs_free(runs *r) {

@@ -21,7 +21,7 @@ typedef struct runs {
   size_t n; /* runs that have not ended */
 } runs;
 
-/* Room for n runs. SD_ERROR_IO: no memory. */
+/* Makes room for n runs. It never fails. */
 sd_status runs_new(runs *r, size_t n);
 void runs_free(runs *r);
 void runs_add(runs *r, size_t run, int64_t key);

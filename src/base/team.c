@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/memory.h"
 
 /* A thread that waits looks for some microseconds whether all are there, then it sleeps. On free cores the threads of a
  * step are nearer to each other than LONG_SPIN. Where waits last longer, the one that is late has no core, and who spins may
@@ -172,12 +173,6 @@ static void *help(void *with) {
   return NULL;
 }
 
-static member *new_members(int n) {
-  member *m = aligned_alloc(LINE, (size_t)n * sizeof *m);
-  for (int k = 0; m && k < n; k++) m[k] = (member){0};
-  return m;
-}
-
 /* As many as the system gives. */
 static void start_threads(pool *c, int threads) {
   pthread_once(&counting, count_forks);
@@ -203,16 +198,10 @@ static void start_threads(pool *c, int threads) {
 
 pool *pool_new(int threads) {
   assert(threads > 0);
-  pool *c = aligned_alloc(LINE, (sizeof *c + LINE - 1) / LINE * LINE);
-  if (!c) return NULL;
-  *c = (pool){
-      .thread = calloc((size_t)threads, sizeof *c->thread), .member = new_members(threads), .helping = true};
-  if (!c->thread || !c->member) {
-    free(c->thread);
-    free(c->member);
-    free(c);
-    return NULL;
-  }
+  pool *c = memory_lines(sizeof *c);
+  c->thread = memory_new((size_t)threads, sizeof *c->thread);
+  c->member = memory_lines((size_t)threads * sizeof *c->member);
+  c->helping = true;
   start_threads(c, threads);
   return c;
 }
