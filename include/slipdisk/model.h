@@ -259,7 +259,8 @@ typedef struct sd_slide_watch {
 
 /* --- building -------------------------------------------------------------------------------------- */
 
-/* An empty model with the defaults of docs/deck.md: Gear 5, paper variant, open space. NULL: no memory. */
+/* An empty model with the defaults of docs/deck.md: Gear 5, paper variant, open space. It is
+ * never NULL. */
 SD_API sd_model *sd_model_new(void);
 SD_API void sd_model_free(sd_model *model); /* NULL is allowed */
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "base/text.h"
 #include "model/field_kinds.h"
@@ -36,7 +37,7 @@ static char *better_step(const sd_model *m, const sd_step_limit *limit) {
   other.integrator = SD_VERLET;
   double verlet = sd_model_step_limit(&other).dt;
   char *text = format_text("take %.2g or less", best);
-  if (text && m->integrator == SD_GEAR5 && m->dt < verlet / FEWEST_VISCOUS)
+  if (m->integrator == SD_GEAR5 && m->dt < verlet / FEWEST_VISCOUS)
     text = isfinite(verlet) ? append_text(text, ", or integrator = \"verlet\", whose limit is %.3g", verlet)
                             : append_text(text, ", or integrator = \"verlet\", which has no limit here");
   return text;
@@ -51,7 +52,7 @@ char *advice_unstable(const sd_model *m) {
                   "allows it",
                   limit.dt, integrators[m->integrator], bound_text(limit.bound),
                   sd_model_body_name(m, limit.disk, name, sizeof name),
-                  limit.bound == SD_BOUND_FIELD ? "" : " between two others", better ? better : "");
+                  limit.bound == SD_BOUND_FIELD ? "" : " between two others", better);
   free(better);
   return text;
 }
@@ -88,16 +89,15 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
   if (unstable)
     sd_warn(messages, "dt = %g is beyond the limit of stability %.3g (%s, %s): results mean nothing%s; %s",
             m->dt, limit.dt, integrators[m->integrator], bound_text(limit.bound),
-            limit.bound == SD_BOUND_TANGENTIAL ? " where contacts stick" : "", better ? better : "");
+            limit.bound == SD_BOUND_TANGENTIAL ? " where contacts stick" : "", better);
   else if (m->dt > period / FEWEST_STEPS)
     sd_warn(messages, "dt = %g is more than 1/%d of the shortest contact period %.4g; %s", m->dt,
-            FEWEST_STEPS, period, better ? better : "");
+            FEWEST_STEPS, period, better);
   else
     sd_warn(messages,
             "dt = %g is more than 1/%g of the limit of stability %.3g (%s, %s), which a disk with many "
             "contacts lowers; %s",
-            m->dt, FEWEST_VISCOUS, limit.dt, integrators[m->integrator], bound_text(limit.bound),
-            better ? better : "");
+            m->dt, FEWEST_VISCOUS, limit.dt, integrators[m->integrator], bound_text(limit.bound), better);
   free(better);
   return m->dt / fmin(longest, limit.dt);
 }
@@ -123,12 +123,8 @@ typedef double law_visitor(const sd_model *m, size_t a, size_t b, sd_messages *m
 
 /* The largest of what it returns for laws that are used. */
 static double each_law(const sd_model *m, law_visitor *visit, sd_messages *messages) {
-  law_use *use = calloc(m->n_materials + 1, sizeof *use);
+  law_use *use = memory_new(m->n_materials, sizeof *use);
   double worst = 0;
-  if (!use) {
-    shortage_note();
-    return 0;
-  }
   laws_count_uses(m, use);
   for (size_t a = 0; a < m->n_materials; a++)
     for (size_t b = a; b < m->n_materials; b++)
@@ -143,7 +139,7 @@ static double mindlin_of(const sd_model *m, size_t a, size_t b, sd_messages *mes
   char *name = law_name(m, a, b);
   sd_warn(messages,
           "%s: tangential = \"mindlin\" without k_t has no effect: give k_t (force/length^(3/2)) and mu",
-          name ? name : "?");
+          name);
   free(name);
   return 1;
 }
@@ -154,11 +150,11 @@ static double friction_of(const sd_model *m, size_t a, size_t b, sd_messages *me
   char *name = law_name(m, a, b);
   if (law->mu > 0)
     sd_warn(messages, "%s: mu = %g without k_t is no friction at all: give k_t, usually 0.3 to 1 times k_n",
-            name ? name : "?", law->mu);
+            name, law->mu);
   else
     sd_warn(messages,
             "%s: k_t = %g without mu has no effect: the contact slides freely; give mu, or leave k_t out",
-            name ? name : "?", law->k_t);
+            name, law->k_t);
   free(name);
   return 1;
 }
@@ -183,7 +179,7 @@ static char *phase_name(const sd_model *m, size_t k) {
 /* One line about a phase. */
 static double warn_of_phase(const sd_model *m, size_t k, sd_messages *messages, const char *text) {
   char *name = phase_name(m, k);
-  sd_warn(messages, "%s: %s", name ? name : "phases", text);
+  sd_warn(messages, "%s: %s", name, text);
   free(name);
   return 1;
 }
@@ -237,7 +233,7 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
     char *text = format_text("settle.unbalanced = %g is below %.2g, the rounding of positions against the "
                              "overlap under a weight: take more",
                              s->unbalanced, least);
-    worst = fmax(worst, warn_of_phase(m, k, messages, text ? text : ""));
+    worst = fmax(worst, warn_of_phase(m, k, messages, text));
     free(text);
   }
   return worst;
@@ -285,8 +281,8 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
           "compress reaches its packing fraction after about %.3g of %.3g, and the phase goes on to "
           "its end",
           needed, time);
-    if (text) text = append_text(text, "; with settle = { unbalanced = 1e-3; } it ends there");
-    warn_of_phase(m, k, messages, text ? text : "");
+    text = append_text(text, "; with settle = { unbalanced = 1e-3; } it ends there");
+    warn_of_phase(m, k, messages, text);
     worst = fmax(worst, ratio);
     free(text);
   }
@@ -329,7 +325,7 @@ static double check_cells(const sd_model *m, sd_messages *messages) {
       char *text = format_text("cell.%s = %g: compression is positive here, and without cohesion nothing "
                                "holds disks together under tension",
                                keys[q], c->stress[q]);
-      worst = warn_of_phase(m, k, messages, text ? text : "");
+      worst = warn_of_phase(m, k, messages, text);
       free(text);
     }
   }
@@ -361,8 +357,7 @@ static int by_key(const void *one, const void *two) {
 /* Pairs that a run begins with, in order. */
 static sd_status list_pairs(search *s) {
   const sd_model *m = s->m;
-  s->pairs = m->n_memories > 0 ? malloc(m->n_memories * sizeof *s->pairs) : NULL;
-  if (m->n_memories > 0 && !s->pairs) return SD_ERROR_IO;
+  if (!memory_resize(1, (memory_column[]){{&s->pairs, m->n_memories, sizeof *s->pairs}})) return SD_ERROR_IO;
   for (size_t k = 0; k < m->n_memories; k++) s->pairs[k] = pair_key(m->memories[k].a, m->memories[k].b);
   if (m->n_memories > 1) qsort(s->pairs, m->n_memories, sizeof *s->pairs, by_key);
   return SD_OK;
@@ -370,7 +365,7 @@ static sd_status list_pairs(search *s) {
 
 static bool begins_with(const search *s, uint32_t a, uint32_t b) {
   const uint64_t key = pair_key(a, b);
-  return s->pairs && bsearch(&key, s->pairs, s->m->n_memories, sizeof key, by_key);
+  return bsearch(&key, s->pairs, s->m->n_memories, sizeof key, by_key);
 }
 
 /* Disks of a file that is away have their contacts there; walls that it has, too. */

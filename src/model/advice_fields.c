@@ -13,9 +13,9 @@ static const double COARSE_DRAG = 0.2, COARSE_TURN = 0.05;
 static double warn_of_field(const sd_model *m, size_t k, sd_messages *messages, double how, char *text) {
   const char *name = m->fields[k].name;
   if (name && *name)
-    sd_warn(messages, "fields.%s: %s", name, text ? text : "");
+    sd_warn(messages, "fields.%s: %s", name, text);
   else
-    sd_warn(messages, "fields[%zu]: %s", k, text ? text : "");
+    sd_warn(messages, "fields[%zu]: %s", k, text);
   free(text);
   return how;
 }

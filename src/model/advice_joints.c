@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/shortage.h"
 #include "model/advice.h"
 #include "model/joints.h"
 
@@ -160,10 +159,6 @@ double advice_joints(const sd_model *m, sd_messages *messages) {
   twice ends = {0}, surfaces = {0};
   size_t n;
   wall_end *all = joints_ends(m, &n);
-  if (!all) {
-    shortage_note();
-    return 0.0;
-  }
   look_at_ends(m, all, n, &ends);
   look_at_surfaces(m, all, n, &surfaces);
   free(all);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "model/advice.h"
 #include "model/motion_kinds.h"
@@ -29,12 +30,15 @@ static double total_time(const sd_model *m) {
 }
 
 static bool list_bodies(const sd_model *m, bodies *p) {
-  p->list = malloc((m->n_disks - m->n_free + m->n_walls + 1) * sizeof *p->list);
-  p->all = calloc(m->n_disks + m->n_walls + 1, sizeof *p->all);
-  for (uint32_t b = 0; p->list && b < m->n_disks + m->n_walls; b++)
+  const size_t n_bodies = m->n_disks + m->n_walls;
+  if (!memory_rows(2, (memory_column[]){{&p->list, n_bodies - m->n_free, sizeof *p->list},
+                                        {&p->all, n_bodies, sizeof *p->all}})) {
+    shortage_note();
+    return false;
+  }
+  for (uint32_t b = 0; b < n_bodies; b++)
     if (b >= m->n_disks || (m->disks[b].driven && !m->disks[b].waiting)) p->list[p->n++] = b;
-  if (!p->list || !p->all) shortage_note();
-  return p->list && p->all;
+  return true;
 }
 
 static void displace(const sd_model *m, double t, const bodies *p) {

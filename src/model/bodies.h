@@ -4,11 +4,12 @@
 
 #include "model/model.h"
 
-/* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free ones. */
+/* Marks the disks whose coordinates are all prescribed or locked as driven, and counts the free ones.
+ * SD_ERROR_IO: there is no memory. */
 sd_status model_find_driven(sd_model *model);
 
 /* Fills m->segments. */
-sd_status model_find_pieces(sd_model *model);
+void model_find_pieces(sd_model *model);
 /* Does a motion move the surface of a wall? */
 bool model_moves_surfaces(const sd_model *model);
 

@@ -6,6 +6,7 @@
 
 #include "base/guess.h"
 #include "base/limits.h"
+#include "base/memory.h"
 #include "model/arc.h"
 #include "model/keys.h"
 #include "model/model.h"
@@ -18,37 +19,30 @@ static const uint32_t OWN_STREAM = UINT32_MAX;
 
 static sd_messages *mistakes(sd_model *m) {
   if (!m->mistakes) m->mistakes = sd_messages_new();
-  m->mistakes_lost |= !m->mistakes;
   return m->mistakes;
 }
 
-static void no_memory(sd_model *m, const char *what) {
-  sd_fail(mistakes(m), SD_ERROR_IO, "out of memory for %s", what);
+/* Grows a short list of the model to n elements. */
+static void *grow(sd_model *m, void *list, size_t n, size_t size) {
+  m->finished = false;
+  return memory_grow(list, n, size);
 }
 
-/* Room for `more` elements behind the first n. NULL: no memory. */
-static void *grow(sd_model *m, void *list, size_t n, size_t more, size_t size, const char *what) {
+/* The pointer at `list` gets room for n rows. Without memory it is false, and keeps a mistake. */
+static bool grow_rows(sd_model *m, void *list, size_t n, size_t size, const char *what) {
   m->finished = false;
-  void *grown = n + more < SIZE_MAX / size ? realloc(list, (n + more) * size) : NULL;
-  if (!grown) no_memory(m, what);
-  return grown;
+  const bool enough = memory_resize(1, (memory_column[]){{list, n, size}});
+  if (!enough) sd_fail(mistakes(m), SD_ERROR_IO, "out of memory for %s", what);
+  return enough;
 }
 
 /* *copy gets n elements; false: no memory, or NULL instead of elements. Nothing to copy is NULL. */
 static bool copy_of(sd_model *m, const void *from, size_t n, size_t size, void *copy, const char *what) {
   void *to = NULL;
   if (!from && n) sd_fail(mistakes(m), SD_ERROR_USER, "%s: expected %zu elements, not NULL", what, n);
-  if (from && n) {
-    to = malloc(n * size);
-    if (!to) no_memory(m, what);
-    if (to) memcpy(to, from, n * size);
-  }
+  if (from && n && grow_rows(m, &to, n, size, what)) memcpy(to, from, n * size);
   memcpy(copy, &to, sizeof to);
   return to || !n;
-}
-
-static bool copy_text(sd_model *m, const char *from, void *copy) {
-  return copy_of(m, from, from ? strlen(from) + 1 : 0, 1, copy, "a name");
 }
 
 /* --- keys ------------------------------------------------------------------------------------------- */
@@ -113,7 +107,7 @@ void sd_model_set_text(sd_model *m, const char *path, const char *value) {
   void *at = (char *)members + key->offset;
   if (key->target == DECK_SETS_TEXT) {
     free(*(char **)at);
-    copy_text(m, value, at);
+    *(char **)at = memory_text(value);
     return;
   }
   if (key->target != DECK_SETS_ENUM) {
@@ -181,19 +175,12 @@ void sd_model_set_bounds(sd_model *m, const double lower[2], const double upper[
 
 int sd_model_add_material(sd_model *m, const char *name, const sd_contact_law *law) {
   const size_t n = m->n_materials;
-  sd_material *materials = grow(m, m->materials, n, 1, sizeof *materials, "materials");
-  if (materials) m->materials = materials;
-  sd_contact_law *laws = calloc((n + 1) * (n + 1), sizeof *laws);
-  if (!laws) no_memory(m, "contact laws");
-  if (!materials || !laws) {
-    free(laws);
-    return (int)n;
-  }
+  m->materials = grow(m, m->materials, n + 1, sizeof *m->materials);
+  sd_contact_law *laws = memory_new((n + 1) * (n + 1), sizeof *laws);
   for (size_t a = 0; a < n; a++) memcpy(laws + a * (n + 1), m->laws + a * n, n * sizeof *laws);
   free(m->laws);
   m->laws = laws;
-  m->materials[n] = (sd_material){0};
-  copy_text(m, name, &m->materials[n].name);
+  m->materials[n] = (sd_material){.name = memory_text(name)};
   m->n_materials++;
   if (law) sd_model_set_law(m, (int)n, (int)n, law);
   return (int)n;
@@ -225,9 +212,8 @@ void sd_model_set_law(sd_model *m, int a, int b, const sd_contact_law *law) {
 /* --- bodies ----------------------------------------------------------------------------------------- */
 
 /* Takes over all of a disk but its name and group. */
-static void put_disk(sd_model *m, sd_disk *to, const sd_disk *from) {
-  const char *name = NULL;
-  copy_text(m, from->name, &name);
+static void put_disk(sd_disk *to, const sd_disk *from) {
+  const char *name = memory_text(from->name);
   *to = *from;
   to->name = name;
   to->group = -1;
@@ -242,10 +228,8 @@ uint32_t sd_model_add_disks(sd_model *m, size_t n, const sd_disk *disks) {
             LIMIT_DISKS);
     return (uint32_t)first;
   }
-  sd_disk *grown = grow(m, m->disks, first, n, sizeof *grown, "disks");
-  if (!grown) return (uint32_t)first;
-  m->disks = grown;
-  for (size_t k = 0; k < n; k++) put_disk(m, &m->disks[first + k], &disks[k]);
+  if (!grow_rows(m, &m->disks, first + n, sizeof *m->disks, "disks")) return (uint32_t)first;
+  for (size_t k = 0; k < n; k++) put_disk(&m->disks[first + k], &disks[k]);
   m->n_disks += n;
   return (uint32_t)first;
 }
@@ -260,7 +244,7 @@ void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
   }
   m->finished = false;
   sd_disk *at = &m->disks[number], old = *at;
-  put_disk(m, at, disk);
+  put_disk(at, disk);
   at->group = old.group;
   at->clump = old.clump;
   free((char *)old.name);
@@ -268,10 +252,8 @@ void sd_model_set_disk(sd_model *m, uint32_t number, const sd_disk *disk) {
 
 int sd_model_add_group(sd_model *m, const char *name, size_t n, const uint32_t *disks) {
   const size_t group = m->n_groups;
-  char **groups = grow(m, m->groups, group, 1, sizeof *groups, "groups");
-  if (!groups) return (int)group;
-  m->groups = groups;
-  copy_text(m, name, &m->groups[m->n_groups++]);
+  m->groups = grow(m, m->groups, group + 1, sizeof *m->groups);
+  m->groups[m->n_groups++] = memory_text(name);
   for (size_t k = 0; k < n; k++)
     if (disks[k] < m->n_disks)
       m->disks[disks[k]].group = (int)group;
@@ -281,36 +263,27 @@ int sd_model_add_group(sd_model *m, const char *name, size_t n, const uint32_t *
   return (int)group;
 }
 
-static void trace_arc(sd_model *m, sd_wall *arc) {
-  arc->n_points = 0;
-  arc->points = grow(m, arc->points, 0, ARC_POINTS, sizeof *arc->points, "an arc");
-  if (arc->points) arc_trace(arc);
-}
-
 uint32_t sd_model_add_wall(sd_model *m, const sd_wall *wall) {
   const uint32_t number = SD_WALL(m->n_walls);
-  sd_wall *walls = grow(m, m->walls, m->n_walls, 1, sizeof *walls, "walls");
-  if (!walls) return number;
-  m->walls = walls;
+  m->walls = grow(m, m->walls, m->n_walls + 1, sizeof *m->walls);
   sd_wall *to = &m->walls[m->n_walls++];
   *to = *wall;
-  copy_text(m, wall->name, &to->name);
+  to->name = memory_text(wall->name);
   if (!copy_of(m, wall->points, wall->n_points, sizeof *wall->points, &to->points, "a wall"))
     to->n_points = 0;
-  if (wall->kind == SD_WALL_ARC) trace_arc(m, to);
+  if (wall->kind != SD_WALL_ARC) return number;
+  to->points = grow(m, to->points, ARC_POINTS, sizeof *to->points);
+  arc_trace(to);
   return number;
 }
 
 uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
   const uint32_t number = SD_CLUMP(m->n_clumps);
-  sd_clump *clumps = grow(m, m->clumps, m->n_clumps, 1, sizeof *clumps, "clumps");
-  if (!clumps) return number;
-  m->clumps = clumps;
+  if (!grow_rows(m, &m->clumps, m->n_clumps + 1, sizeof *m->clumps, "clumps")) return number;
   sd_clump *to = &m->clumps[m->n_clumps++];
   *to = *clump;
   to->disks = NULL;
-  to->name = NULL;
-  copy_text(m, clump->name, &to->name);
+  to->name = memory_text(clump->name);
   const char *name = clump->name ? clump->name : "?";
   for (size_t k = 0; k < clump->n_disks; k++)
     if (clump->disks[k] >= m->n_disks)
@@ -327,10 +300,8 @@ uint32_t sd_model_add_clump(sd_model *m, const sd_clump *clump) {
 
 /* From number `from` on, the n motions or fields of a phase are on, or off. */
 static void activate(sd_model *m, bool **list, size_t from, size_t n, bool on) {
-  bool *active = grow(m, *list, n, 1, sizeof *active, "a phase");
-  if (!active) return;
-  *list = active;
-  for (size_t k = from; k < n; k++) active[k] = on;
+  *list = grow(m, *list, n, sizeof **list);
+  for (size_t k = from; k < n; k++) (*list)[k] = on;
 }
 
 int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
@@ -341,12 +312,10 @@ int sd_model_add_motion(sd_model *m, const sd_motion *motion) {
             motion->name ? motion->name : "?", (int)motion->kind, motion->coordinate);
     return number;
   }
-  sd_motion *motions = grow(m, m->motions, m->n_motions, 1, sizeof *motions, "motions");
-  if (!motions) return number;
-  m->motions = motions;
+  m->motions = grow(m, m->motions, m->n_motions + 1, sizeof *m->motions);
   sd_motion *to = &m->motions[m->n_motions++];
   *to = *motion;
-  copy_text(m, motion->name, &to->name);
+  to->name = memory_text(motion->name);
   if (!copy_of(m, motion->bodies, motion->n_bodies, sizeof *motion->bodies, &to->bodies, "a motion"))
     to->n_bodies = 0;
   if (!copy_of(m, motion->table_time, motion->n_table, sizeof(double), &to->table_time, "a motion") ||
@@ -366,12 +335,10 @@ int sd_model_add_field(sd_model *m, const sd_body_force *field) {
             field->name ? field->name : "?", (int)field->kind, (int)field->per);
     return number;
   }
-  sd_body_force *fields = grow(m, m->fields, m->n_fields, 1, sizeof *fields, "fields");
-  if (!fields) return number;
-  m->fields = fields;
+  m->fields = grow(m, m->fields, m->n_fields + 1, sizeof *m->fields);
   sd_body_force *to = &m->fields[m->n_fields++];
   *to = *field;
-  copy_text(m, field->name, &to->name);
+  to->name = memory_text(field->name);
   if (!copy_of(m, field->disks, field->n_disks, sizeof *field->disks, &to->disks, "a field")) to->n_disks = 0;
   for (size_t k = 0; k < m->n_phases; k++)
     if (m->phases[k].fields) activate(m, &m->phases[k].fields, m->n_fields - 1, m->n_fields, false);
@@ -380,14 +347,12 @@ int sd_model_add_field(sd_model *m, const sd_body_force *field) {
 
 int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
   const int number = (int)m->n_phases;
-  sd_phase *phases = grow(m, m->phases, m->n_phases, 1, sizeof *phases, "phases");
-  if (!phases) return number;
-  m->phases = phases;
+  m->phases = grow(m, m->phases, m->n_phases + 1, sizeof *m->phases);
   sd_phase *to = &m->phases[m->n_phases++];
   *to = *phase;
-  copy_text(m, phase->name, &to->name);
-  copy_of(m, phase->active, phase->active ? m->n_motions : 0, sizeof(bool), &to->active, "a phase");
-  copy_of(m, phase->fields, phase->fields ? m->n_fields : 0, sizeof(bool), &to->fields, "a phase");
+  to->name = memory_text(phase->name);
+  to->active = m->n_motions > 0 ? memory_copy(phase->active, m->n_motions * sizeof(bool)) : NULL;
+  to->fields = m->n_fields > 0 ? memory_copy(phase->fields, m->n_fields * sizeof(bool)) : NULL;
   if (to->steps == 0) to->steps = ENDLESS;
   if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
   if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;
@@ -395,18 +360,14 @@ int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
 }
 
 void sd_model_measure_rotation(sd_model *m, size_t n, const uint32_t *disks) {
-  uint32_t *grown = grow(m, m->rotations, m->n_rotations, n, sizeof *grown, "rotations");
-  if (!grown) return;
-  m->rotations = grown;
-  memcpy(grown + m->n_rotations, disks, n * sizeof *disks);
+  m->rotations = grow(m, m->rotations, m->n_rotations + n, sizeof *m->rotations);
+  memcpy(m->rotations + m->n_rotations, disks, n * sizeof *disks);
   m->n_rotations += n;
 }
 
 void sd_model_measure_sliding(sd_model *m, const sd_slide_watch *watch) {
-  sd_slide_watch *grown = grow(m, m->slides, m->n_slides, 1, sizeof *grown, "watched contacts");
-  if (!grown) return;
-  m->slides = grown;
-  grown[m->n_slides++] = *watch;
+  m->slides = grow(m, m->slides, m->n_slides + 1, sizeof *m->slides);
+  m->slides[m->n_slides++] = *watch;
 }
 
 void sd_model_set_until(sd_model *m, const sd_until *until) {
@@ -461,18 +422,14 @@ void model_complete(sd_model *m) {
 }
 
 sd_status model_tell_mistakes(sd_model *m, sd_messages *messages) {
-  if (!m->mistakes && !m->mistakes_lost) return SD_OK;
-  const sd_status status = m->mistakes_lost ? SD_ERROR_IO : sd_messages_status(m->mistakes);
-  if (m->mistakes_lost) sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  if (!m->mistakes) return SD_OK;
+  const sd_status status = sd_messages_status(m->mistakes);
   for (size_t k = 0; status != SD_OK && k < sd_messages_count(m->mistakes); k++)
     sd_fail(messages, status, "%s", sd_messages_text(m->mistakes, k));
   return status;
 }
 
-sd_status model_copy_mistakes(sd_model *to, const sd_model *from) {
+void model_copy_mistakes(sd_model *to, const sd_model *from) {
   for (size_t k = 0; from->mistakes && k < sd_messages_count(from->mistakes); k++)
     sd_fail(mistakes(to), sd_messages_status(from->mistakes), "%s", sd_messages_text(from->mistakes, k));
-  const bool lost = to->mistakes_lost;
-  to->mistakes_lost |= from->mistakes_lost;
-  return lost ? SD_ERROR_IO : SD_OK;
 }

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
+
 size_t sd_model_clumps(const sd_model *m) { return m->n_clumps; }
 
 const sd_clump *sd_model_clump(const sd_model *m, size_t k) { return k < m->n_clumps ? &m->clumps[k] : NULL; }
@@ -14,16 +16,14 @@ static const char *name_of(const sd_model *m, size_t k, char text[96]) {
 
 /* Disks by clump, in the order of their numbers. */
 static sd_status list_disks(sd_model *m) {
-  size_t *end = calloc(m->n_clumps + 1, sizeof *end), n = 0;
+  size_t *end, n = 0;
   free(m->clump_disks);
   free(m->clump_offsets);
   for (size_t i = 0; i < m->n_disks; i++) n += m->disks[i].clump > 0;
-  m->clump_disks = calloc(n + 1, sizeof *m->clump_disks);
-  m->clump_offsets = calloc(n + 1, sizeof *m->clump_offsets);
-  if (!end || !m->clump_disks || !m->clump_offsets) {
-    free(end);
+  if (!memory_rows(3, (memory_column[]){{&end, m->n_clumps, sizeof *end},
+                                        {&m->clump_disks, n, sizeof *m->clump_disks},
+                                        {&m->clump_offsets, n, sizeof *m->clump_offsets}}))
     return SD_ERROR_IO;
-  }
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump > 0) end[m->disks[i].clump - 1]++;
   for (size_t k = 0, first = 0; k < m->n_clumps; k++) {
@@ -127,8 +127,7 @@ clump_grain clumps_grain(const sd_model *m, size_t first, size_t end) {
   member few[FEW], *of = few;
   if (m->disks[first].clump == 0) return grain;
   while (first + grain.disks < end && clumps_join(m, first, first + grain.disks)) grain.disks++;
-  if (grain.disks > FEW) of = malloc(grain.disks * sizeof *of);
-  if (!of) return (clump_grain){grain.disks, HUGE_VAL}; /* fits nowhere */
+  if (grain.disks > FEW) of = memory_new(grain.disks, sizeof *of);
   for (size_t k = 0; k < grain.disks; k++) of[k].disk = (uint32_t)(first + k);
   place_all(m, of, grain.disks);
   grain.radius = radius_of(m, of, grain.disks);
@@ -290,12 +289,11 @@ sd_status clumps_derive(sd_model *m, sd_messages *msg) {
   if (m->n_clumps == 0) return SD_OK;
   for (size_t i = 0; i < m->n_disks; i++)
     if (m->disks[i].clump < 0 || (size_t)m->disks[i].clump > m->n_clumps) m->disks[i].clump = 0;
-  size_t most = 1;
-  const sd_status listed = list_disks(m);
-  for (size_t k = 0; listed == SD_OK && k < m->n_clumps; k++)
+  size_t most = 0;
+  if (list_disks(m) != SD_OK) return sd_fail(msg, SD_ERROR_IO, "out of memory for the clumps");
+  for (size_t k = 0; k < m->n_clumps; k++)
     if (m->clumps[k].n_disks > most) most = m->clumps[k].n_disks;
-  member *of = listed == SD_OK ? malloc(most * sizeof *of) : NULL;
-  if (!of) return sd_fail(msg, SD_ERROR_IO, "out of memory for the clumps");
+  member *of = memory_new(most, sizeof *of);
   for (size_t k = 0; k < m->n_clumps; k++) {
     if (m->clumps[k].n_disks == 0) {
       sd_fail(msg, SD_ERROR_USER, "%s: it has no disk", name_of(m, k, text));

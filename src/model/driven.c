@@ -2,6 +2,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "model/bodies.h"
 
 /* Contacts are evaluated where one of both is free. Without any free disk those that motions lead are counted as free, with
@@ -27,8 +28,8 @@ static void free_the_led(sd_model *m) {
 }
 
 sd_status model_find_driven(sd_model *m) {
-  unsigned char *held = calloc(m->n_disks ? m->n_disks : 1, 1);
-  if (!held) return SD_ERROR_IO;
+  unsigned char *held;
+  if (!memory_rows(1, (memory_column[]){{&held, m->n_disks, 1}})) return SD_ERROR_IO;
   for (size_t i = 0; i < m->n_disks; i++)
     for (int c = 0; c < 3; c++)
       if (m->disks[i].locked[c]) held[i] |= (unsigned char)(1u << c);

@@ -4,6 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
+#include "base/shortage.h"
+
 #define SHAPE(kind, word, keys, meaning) {#word, kind, keys, meaning},
 static const deck_shape kinds[] = {FIELD_KINDS(SHAPE) LAST_WORD};
 #undef SHAPE
@@ -78,10 +81,15 @@ typedef struct field_rates {
   double drag, turn_drag, spring2;
 } field_rates;
 
-/* NULL: no memory, or no fields. To be freed. */
+/* To be freed. It is NULL without fields, and without memory (shortage.h). */
 static field_rates *rates_of(const sd_model *m) {
-  field_rates *rates = m->n_fields ? calloc(m->n_disks + 1, sizeof *rates) : NULL;
-  for (size_t k = 0; rates && k < m->n_fields; k++) {
+  field_rates *rates;
+  if (m->n_fields == 0) return NULL;
+  if (!memory_rows(1, (memory_column[]){{&rates, m->n_disks, sizeof *rates}})) {
+    shortage_note();
+    return NULL;
+  }
+  for (size_t k = 0; k < m->n_fields; k++) {
     const sd_body_force *f = &m->fields[k];
     for (size_t n = 0; n < (f->n_disks ? f->n_disks : m->n_disks); n++) {
       const size_t i = f->n_disks ? f->disks[n] : n;
@@ -150,9 +158,9 @@ static void check_one(const sd_model *m, const sd_body_force *f, const char *nam
 
 /* Together they must leave some of the force. */
 static void check_damping(const sd_model *m, sd_messages *msg) {
-  double *sum = calloc(m->n_disks + 1, 2 * sizeof *sum), worst = 0;
+  double *sum, worst = 0;
   size_t at = 0;
-  if (!sum) {
+  if (!memory_rows(1, (memory_column[]){{&sum, m->n_disks, 2 * sizeof *sum}})) {
     sd_fail(msg, SD_ERROR_IO, "out of memory for the fields");
     return;
   }

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "model/bodies.h"
 #include "model/motion_kinds.h"
 #include "model/tiles.h"
@@ -38,11 +39,9 @@ static bool failed(const image *im) { return im->damaged || im->starved; }
 static void transfer(image *im, void *data, size_t size) {
   if (failed(im) || size == 0) return;
   if (im->writes && size > im->capacity - im->n) {
-    size_t capacity = 2 * im->capacity + size;
-    unsigned char *grown = realloc(im->bytes, capacity);
-    im->starved = !grown;
-    if (!grown) return;
-    im->bytes = grown;
+    const size_t capacity = 2 * im->capacity + size;
+    im->starved = !memory_resize(1, (memory_column[]){{&im->bytes, capacity, 1}});
+    if (im->starved) return;
     im->capacity = capacity;
   }
   im->damaged = size > im->capacity - im->n;
@@ -65,15 +64,20 @@ static void forget(image *im, void *place) {
     memset(place, 0, sizeof(void *));
 }
 
+/* The pointer at `place` gets n zeroed elements; it is NULL without memory. */
+static void make_room(image *im, void *place, size_t n, size_t size) {
+  im->starved = !memory_rows(1, (memory_column[]){{place, n, size}});
+}
+
 /* The array of n elements to which the pointer at `place` points. */
 static void array(image *im, void *place, size_t n, size_t size) {
   void *data = NULL;
-  if (im->writes) memcpy(&data, place, sizeof data);
   if (!im->writes && !failed(im)) {
-    im->damaged = n > (im->capacity - im->n) / size;
-    if (!im->damaged) im->starved = !(data = calloc(n ? n : 1, size));
     memcpy(place, &data, sizeof data);
+    im->damaged = n > (im->capacity - im->n) / size;
+    if (!im->damaged) make_room(im, place, n, size);
   }
+  if (!failed(im)) memcpy(&data, place, sizeof data);
   transfer(im, data, n * size);
 }
 
@@ -118,7 +122,7 @@ static bool is_of_rank(const sd_model *m, size_t k) {
 /* Of the others all is zero, in pages that nothing is written to. */
 static void walk_special_disks(image *im, sd_model *m) {
   uint64_t n = 0;
-  if (!im->writes) im->starved = !(m->disks = calloc(m->n_disks ? m->n_disks : 1, sizeof *m->disks));
+  if (!im->writes) make_room(im, &m->disks, m->n_disks, sizeof *m->disks);
   if (failed(im)) return;
   for (size_t k = 0; im->writes && k < model_held(m); k++) n += is_of_rank(m, k);
   transfer(im, &n, sizeof n);
@@ -303,8 +307,7 @@ static sd_status model_of(const void *bytes, size_t size, bool of_rank, sd_model
   if (size < sizeof layout || memcmp(bytes, layout, sizeof layout) != 0)
     return sd_fail(messages, SD_ERROR_USER,
                    "the model was saved by another version of slipdisk; this is version %s", SD_VERSION);
-  sd_model *m = calloc(1, sizeof *m);
-  if (!m) return sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  sd_model *m = memory_new(1, sizeof *m);
   image im = {
       .bytes = (unsigned char *)(uintptr_t)bytes, .n = sizeof layout, .capacity = size, .of_rank = of_rank};
   transfer(&im, m, sizeof *m);
@@ -313,8 +316,7 @@ static sd_status model_of(const void *bytes, size_t size, bool of_rank, sd_model
   if (im.starved) status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
   if (!im.starved && (failed(&im) || im.n != size || !kinds_exist(m)))
     status = sd_fail(messages, SD_ERROR_IO, "the saved model is damaged");
-  if (status == SD_OK && of_rank && model_find_pieces(m) != SD_OK)
-    status = sd_fail(messages, SD_ERROR_IO, "out of memory for the model");
+  if (status == SD_OK && of_rank) model_find_pieces(m);
   if (status == SD_OK && m->finished && !of_rank) status = model_finish_again(m, messages);
   if (status == SD_OK)
     *out = m;
@@ -337,9 +339,6 @@ sd_model *sd_model_clone(const sd_model *model) {
   void *bytes = image_of_model(model, &size);
   if (bytes) image_read(bytes, size, &copy, NULL);
   free(bytes);
-  if (copy && model_copy_mistakes(copy, model) != SD_OK) {
-    sd_model_free(copy);
-    return NULL;
-  }
+  if (copy) model_copy_mistakes(copy, model);
   return copy;
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "model/arc.h"
 #include "model/motion_kinds.h"
 
@@ -54,9 +55,9 @@ static int by_x(const void *one, const void *two) {
 }
 
 wall_end *joints_ends(const sd_model *m, size_t *n) {
-  wall_end *ends = calloc(2 * m->n_walls + 1, sizeof *ends);
+  wall_end *ends = memory_new(2 * m->n_walls, sizeof *ends);
   *n = 0;
-  for (size_t w = 0; ends && w < m->n_walls; w++)
+  for (size_t w = 0; w < m->n_walls; w++)
     for (int end = 0; has_ends(&m->walls[w]) && end < 2; end++) {
       ends[*n] = end_of(&m->walls[w], (uint32_t)w, end);
       into_box(m, &ends[(*n)++]);
@@ -157,28 +158,25 @@ static void join(const sd_model *m, const size_t *first, const wall_end *ends, s
     }
 }
 
-sd_status joints_number(sd_model *m) {
+void joints_number(sd_model *m) {
+  const size_t n_vertices = 2 * m->n_segments + 1; /* they are numbered from 1 on */
   size_t n;
   wall_end *ends = joints_ends(m, &n);
-  size_t *first = calloc(m->n_walls + 2, sizeof *first);
-  uint32_t *same = calloc(2 * m->n_segments + 2, sizeof *same);
-  bool *meets = calloc(2 * m->n_segments + 2, sizeof *meets);
-  const bool there = ends && first && same && meets;
-  if (there) {
-    list_pieces(m, first);
-    number_own(m, first);
-    for (size_t v = 0; v < 2 * m->n_segments + 2; v++) same[v] = (uint32_t)v;
-    join(m, first, ends, n, same, meets);
-    for (size_t k = 0; k < m->n_segments; k++)
-      for (int end = 0; end < 2; end++) {
-        const uint32_t v = m->segments[k].vertex[end];
-        m->segments[k].meets[end] = meets[v];
-        m->segments[k].vertex[end] = first_of(same, v);
-      }
-  }
+  size_t *first = memory_new(m->n_walls + 1, sizeof *first);
+  uint32_t *same = memory_new(n_vertices, sizeof *same);
+  bool *meets = memory_new(n_vertices, sizeof *meets);
+  list_pieces(m, first);
+  number_own(m, first);
+  for (size_t v = 0; v < n_vertices; v++) same[v] = (uint32_t)v;
+  join(m, first, ends, n, same, meets);
+  for (size_t k = 0; k < m->n_segments; k++)
+    for (int end = 0; end < 2; end++) {
+      const uint32_t v = m->segments[k].vertex[end];
+      m->segments[k].meets[end] = meets[v];
+      m->segments[k].vertex[end] = first_of(same, v);
+    }
   free(ends);
   free(first);
   free(same);
   free(meets);
-  return there ? SD_OK : SD_ERROR_IO;
 }

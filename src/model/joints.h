@@ -14,7 +14,7 @@ typedef struct wall_end {
   double way[2]; /* unit vector from there along the wall */
 } wall_end;
 
-/* All ends, by x; *n: how many. To be freed; NULL: no memory. */
+/* All ends, by x; *n: how many. To be freed. */
 wall_end *joints_ends(const sd_model *model, size_t *n);
 /* Within which another point is at the same place. */
 double joints_tolerance(const wall_end *end);
@@ -25,6 +25,6 @@ size_t joints_near(const wall_end *ends, size_t n, size_t k);
 /* Do the walls of two ends keep their places to one another in all motions? */
 bool joints_rigid(const sd_model *model, const wall_end *a, const wall_end *b);
 /* Numbers the vertices of all pieces; model->segments are there. */
-sd_status joints_number(sd_model *model);
+void joints_number(sd_model *model);
 
 #endif

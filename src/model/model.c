@@ -1,5 +1,6 @@
 /* model.c: defaults, checks and derived tables of a model; see slipdisk/model.h. */
 #include "base/limits.h"
+#include "base/memory.h"
 #include "model/cell.h"
 #include "model/model.h"
 
@@ -24,8 +25,7 @@
 #include "slipdisk/deck.h"
 
 sd_model *sd_model_new(void) {
-  sd_model *m = calloc(1, sizeof *m);
-  if (!m) return NULL;
+  sd_model *m = memory_new(1, sizeof *m);
   deck_key_defaults(&deck_top, m);
   deck_key_defaults(&deck_measure, m);
   deck_key_defaults(&deck_limits, &m->limits);
@@ -293,8 +293,7 @@ static void check_law(const sd_model *m, size_t a, size_t b, sd_messages *msg) {
 
 /* Laws must exist for every pair of materials that can meet. */
 static sd_status check_laws(const sd_model *m, sd_messages *msg) {
-  law_use *use = calloc(m->n_materials + 1, sizeof *use);
-  if (!use) return sd_fail(msg, SD_ERROR_IO, "out of memory for the laws");
+  law_use *use = memory_new(m->n_materials, sizeof *use);
   size_t before = sd_messages_errors(msg);
   laws_count_uses(m, use);
   for (size_t a = 0, b = 0; laws_find_missing(m, use, &a, &b); b++)
@@ -530,7 +529,6 @@ static void derive_period(sd_model *m) {
 sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   size_t before = sd_messages_errors(msg);
   sd_messages *own = msg ? msg : sd_messages_new();
-  if (!own) return SD_ERROR_IO;
   model_complete(m);
   sd_status built = model_tell_mistakes(m, own);
   if (built == SD_ERROR_IO) {
@@ -555,8 +553,9 @@ sd_status sd_model_finish(sd_model *m, sd_messages *msg) {
   sd_status status = sd_messages_errors(own) > before ? SD_ERROR_USER : SD_OK;
   if (status == SD_OK) wall_images_check(m, own);
   if (sd_messages_errors(own) > before) status = SD_ERROR_USER;
-  if (status == SD_OK && (model_find_driven(m) != SD_OK || model_find_pieces(m) != SD_OK))
+  if (status == SD_OK && model_find_driven(m) != SD_OK)
     status = sd_fail(own, SD_ERROR_IO, "out of memory for the model's tables");
+  if (status == SD_OK) model_find_pieces(m);
   if (status == SD_OK) derive_numbers(m);
   if (status == SD_OK) rounding_check(m, own);
   if (status == SD_OK) status = clumps_derive(m, own);

@@ -204,7 +204,6 @@ struct sd_model {
       *deck; /* that it was read from (sd_model_deck in deck.h), freed with it; NULL: built by hand */
 
   sd_messages *mistakes; /* of the calls that built it, for sd_model_finish; NULL: none */
-  bool mistakes_lost;    /* without memory for them */
 
   sd_messages *advised; /* of a model whose tiles are away, by its first one; NULL: none */
 
@@ -230,8 +229,7 @@ const char *model_motion_name(const sd_model *model, size_t number, char *text, 
 /* Completes a model that was built by functions: default phase, numbers of walls, random streams. */
 void model_complete(sd_model *model);
 sd_status model_tell_mistakes(sd_model *model, sd_messages *messages);
-/* SD_ERROR_IO: no memory. */
-sd_status model_copy_mistakes(sd_model *to, const sd_model *from);
+void model_copy_mistakes(sd_model *to, const sd_model *from);
 /* sd_model_finish of a model whose warnings were told before: errors alone. */
 sd_status model_finish_again(sd_model *model, sd_messages *messages);
 

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "model/arc.h"
 #include "model/bodies.h"
 #include "model/clumps.h"
@@ -35,6 +36,7 @@ typedef struct grid {
   level *levels;         /* by exponent of the radius; without disks: none */
   int smallest, largest; /* levels that there are lie between them */
   uint32_t *next;        /* of each disk: the next in its list */
+  uint32_t *heads;       /* the heads of all levels, one after the other */
   double length[2];      /* of the box, 0: open */
 } grid;
 
@@ -131,9 +133,8 @@ static int level_of(double radius) {
 /* --- lists ------------------------------------------------------------------------------------------------ */
 
 static bool make_levels(grid *g) {
-  g->levels = calloc(EXPONENTS, sizeof *g->levels);
-  g->next = malloc((g->m->n_disks + 1) * sizeof *g->next);
-  if (!g->levels || !g->next) return false;
+  size_t n_cells = 0;
+  g->levels = memory_new(EXPONENTS, sizeof *g->levels);
   for (size_t i = 0; i < g->m->n_disks; i++) {
     if (!sound(&g->m->disks[i])) continue;
     const double radius = g->m->disks[i].radius;
@@ -150,9 +151,16 @@ static bool make_levels(grid *g) {
     l->cell = 2 * l->largest;
     l->n_cells = 64;
     while (l->n_cells < 2 * l->n_disks) l->n_cells *= 2;
-    l->head = malloc(l->n_cells * sizeof *l->head);
-    if (!l->head) return false;
-    memset(l->head, 0xff, l->n_cells * sizeof *l->head);
+    n_cells += l->n_cells;
+  }
+  if (!memory_resize(2, (memory_column[]){{&g->next, g->m->n_disks, sizeof *g->next},
+                                          {&g->heads, n_cells, sizeof *g->heads}}))
+    return false;
+  memset(g->heads, 0xff, n_cells * sizeof *g->heads);
+  uint32_t *head = g->heads;
+  for (int k = g->smallest; k <= g->largest; k++) {
+    g->levels[k].head = head;
+    head += g->levels[k].n_cells;
   }
   return true;
 }
@@ -225,8 +233,8 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
     for (int k = level_of(m->disks[i].radius); k <= g.largest && !done; k++)
       if (g.levels[k].n_disks > 0) done = check_level(&g, &g.levels[k], i);
   }
-  for (int k = 0; g.levels && k < EXPONENTS; k++) free(g.levels[k].head);
   free(g.levels);
+  free(g.heads);
   free(g.next);
   return made ? SD_OK : SD_ERROR_IO;
 }
@@ -254,9 +262,8 @@ static wall_tree make_tree(const sd_wall *wall) {
   if (wall->kind == SD_WALL_ARC) t.n = 0;
   if (t.n == 0) return t;
   while (t.leaves < t.n) t.leaves *= 2;
-  t.low = malloc(2 * t.leaves * sizeof *t.low);
-  t.high = malloc(2 * t.leaves * sizeof *t.high);
-  if (!t.low || !t.high) return t;
+  t.low = memory_new(2 * t.leaves, sizeof *t.low);
+  t.high = memory_new(2 * t.leaves, sizeof *t.high);
   for (int c = 0; c < 2; c++) {
     for (size_t i = 0; i < t.leaves; i++) { /* leaves without a segment are empty boxes */
       double one = i < t.n ? wall->points[i][c] : HUGE_VAL;
@@ -311,8 +318,7 @@ static double depth_in_wall(const sd_model *m, const wall_tree *t, const double 
 sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *user) {
   for (uint32_t w = 0; w < m->n_walls; w++) {
     wall_tree tree = make_tree(&m->walls[w]);
-    bool made = tree.n == 0 || (tree.low && tree.high);
-    for (uint32_t i = 0; made && i < m->n_disks; i++) {
+    for (uint32_t i = 0; i < m->n_disks; i++) {
       const sd_disk *disk = &m->disks[i];
       if (!sound(disk) || disk->waiting || disk->driven) continue;
       const overlap found = {i, (uint32_t)m->n_disks + w,
@@ -321,7 +327,6 @@ sd_status overlaps_with_walls(const sd_model *m, overlap_visitor *visit, void *u
     }
     free(tree.low);
     free(tree.high);
-    if (!made) return SD_ERROR_IO;
   }
   return SD_OK;
 }

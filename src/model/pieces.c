@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "model/arc.h"
 #include "model/bodies.h"
 #include "model/joints.h"
@@ -53,12 +54,11 @@ static void derive_wall(const sd_model *m, size_t wall, uint32_t body, sd_segmen
   }
 }
 
-sd_status model_find_pieces(sd_model *m) {
+void model_find_pieces(sd_model *m) {
   free(m->segments);
   m->n_segments = 0;
   for (size_t w = 0; w < m->n_walls; w++) m->n_segments += wall_pieces(m, &m->walls[w]);
-  m->segments = calloc(m->n_segments ? m->n_segments : 1, sizeof *m->segments);
-  if (!m->segments) return SD_ERROR_IO;
+  m->segments = memory_new(m->n_segments, sizeof *m->segments);
   size_t at = 0;
   for (size_t w = 0; w < m->n_walls; w++) {
     const sd_wall *wall = &m->walls[w];
@@ -74,5 +74,5 @@ sd_status model_find_pieces(sd_model *m) {
   assert(at == m->n_segments);
   for (size_t k = 0; k < m->n_segments; k++)
     assert(m->segments[k].next < (int64_t)m->n_segments && m->segments[k].body >= m->n_disks);
-  return joints_number(m);
+  joints_number(m);
 }

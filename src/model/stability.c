@@ -13,6 +13,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "model/clumps.h"
 #include "model/field_kinds.h"
@@ -78,21 +79,22 @@ static void note_moved(const sd_model *m, unsigned char *moved) {
 sd_step_limit sd_model_step_limit(const sd_model *m) {
   sd_step_limit limit = {.dt = HUGE_VAL};
   size_t laws = m->n_materials * m->n_materials;
-  double *tsuji = calloc(laws + 1, sizeof *tsuji);
-  law_use *use = calloc(m->n_materials + 1, sizeof *use);
-  unsigned char *moved = calloc(m->n_disks + 1, 1);
-  if (!tsuji || !use || !moved) shortage_note();
-  if (moved) note_moved(m, moved);
-  if (use) laws_count_uses(m, use);
-  for (size_t k = 0; tsuji && k < laws; k++) tsuji[k] = law_tsuji(&m->laws[k]);
+  double *tsuji = memory_new(laws, sizeof *tsuji);
+  law_use *use = memory_new(m->n_materials, sizeof *use);
+  unsigned char *moved;
+  if (memory_rows(1, (memory_column[]){{&moved, m->n_disks, 1}}))
+    note_moved(m, moved);
+  else
+    shortage_note();
+  laws_count_uses(m, use);
+  for (size_t k = 0; k < laws; k++) tsuji[k] = law_tsuji(&m->laws[k]);
   for (uint32_t i = 0; i < m->n_disks; i++)
     for (size_t b = 0; b < m->n_materials && !m->disks[i].driven; b++) {
       const sd_contact_law *law = sd_model_law(m, m->disks[i].material, (int)b);
-      size_t others = use ? use[b].count - ((size_t)m->disks[i].material == b) : 1;
+      size_t others = use[b].count - ((size_t)m->disks[i].material == b);
       if (!law_is_given(law) || others == 0) continue;
       const sd_disk felt = clumps_felt(m, i);
-      const oscillator o =
-          oscillator_of(&felt, law, tsuji ? tsuji[law - m->laws] : 0.0, moved ? moved[i] : 0);
+      const oscillator o = oscillator_of(&felt, law, tsuji[law - m->laws], moved ? moved[i] : 0);
       double normal = longest(m, o.normal2, o.damping), tangential = longest(m, o.tangential2, o.friction);
       if (!(fmin(normal, tangential) < limit.dt)) continue;
       limit = (sd_step_limit){.dt = fmin(normal, tangential), .disk = i};

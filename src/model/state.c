@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/arena.h"
+#include "base/memory.h"
 #include "model/cell.h"
 #include "model/bodies.h"
 #include "model/law_features.h"
@@ -315,8 +316,8 @@ static void copy_share(const team *t, void *with) {
 }
 
 void state_spread(sd_state *s, pool *c) {
-  void *room = s->columns, **from = c ? calloc(sd_field_count, sizeof *from) : NULL;
-  if (!from) return;
+  if (!c) return;
+  void *room = s->columns, **from = memory_new(sd_field_count, sizeof *from);
   for (size_t k = 0; k < sd_field_count; k++) from[k] = sd_field_data(s, &sd_fields[k]);
   if (columns_new(s) == SD_OK) {
     pool_run(c, copy_share, &(spread_task){s, from});
@@ -330,8 +331,7 @@ void state_spread(sd_state *s, pool *c) {
 sd_state *sd_state_new(const sd_model *m) { return state_new_part(m, m->n_free, 0); }
 
 sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
-  sd_state *s = calloc(1, sizeof *s);
-  if (!s) return NULL;
+  sd_state *s = memory_new(1, sizeof *s);
   s->n_free = n_free;
   s->n_ghosts = n_ghosts;
   s->n_disks = n_free + n_ghosts + (m->n_disks - m->n_free);
@@ -418,8 +418,8 @@ const void *state_rows(const sd_state *s, const sd_field *f, void **own) {
   const size_t n = elements_of(s, f);
   *own = NULL;
   if (!s->source || state_keeps(f)) return sd_field_data(s, f);
-  *own = malloc(n * sd_type_size(f->type) + 1);
-  if (*own && s->source->read(s->source->with, f, n, *own) == SD_OK) return *own;
+  if (!memory_resize(1, (memory_column[]){{own, n, sd_type_size(f->type)}})) return NULL;
+  if (s->source->read(s->source->with, f, n, *own) == SD_OK) return *own;
   free(*own);
   *own = NULL;
   return NULL;

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "model/motion_kinds.h"
 
@@ -32,11 +33,15 @@ static bool runs(const sd_model *m, size_t motion) {
 }
 
 bool strides_longest(const sd_model *m, stride *longest) {
-  stride *all = calloc(model_movables(m) + 1, sizeof *all);
-  double *sums = calloc(model_movables(m) + 1, sizeof *sums);
+  const size_t n = model_movables(m);
+  stride *all;
+  double *sums;
   *longest = (stride){0};
-  if (!all || !sums) shortage_note();
-  for (size_t k = 0; all && sums && k < m->n_motions; k++) {
+  if (!memory_rows(2, (memory_column[]){{&all, n, sizeof *all}, {&sums, n, sizeof *sums}})) {
+    shortage_note();
+    return false;
+  }
+  for (size_t k = 0; k < m->n_motions; k++) {
     const sd_motion *q = &m->motions[k];
     const double far = runs(m, k) ? motion_stride(q, m->dt) : 0;
     for (size_t b = 0; b < q->n_bodies && far > 0; b++) {
