@@ -9,6 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
+
 /* A pocket is offered to so many of the next disks. */
 enum { WINDOW = 16, VARIANTS = 8 };
 
@@ -41,14 +43,6 @@ typedef struct front {
 
 #define FIXED 0x80000000u
 
-static void *grow(void *old, size_t *capacity, size_t need, size_t size) {
-  if (need <= *capacity) return old;
-  size_t more = 2 * need + 256;
-  void *p = realloc(old, more * size);
-  if (p) *capacity = more;
-  return p;
-}
-
 /* --- heap ----------------------------------------------------------------------------------------------------- */
 
 static bool before(const pocket *a, const pocket *b) {
@@ -58,9 +52,12 @@ static bool before(const pocket *a, const pocket *b) {
 }
 
 static sd_status push(front *f, pocket p) {
-  pocket *heap = grow(f->heap, &f->capacity, f->n + 1, sizeof *heap);
-  if (!heap) return SD_ERROR_IO;
-  f->heap = heap;
+  if (f->n == f->capacity) {
+    const size_t capacity = 2 * f->n + 256;
+    if (!memory_resize(1, (memory_column[]){{&f->heap, capacity, sizeof *f->heap}})) return SD_ERROR_IO;
+    f->capacity = capacity;
+  }
+  pocket *heap = f->heap;
   size_t k = f->n++;
   for (; k > 0 && before(&p, &heap[(k - 1) / 2]); k = (k - 1) / 2) heap[k] = heap[(k - 1) / 2];
   heap[k] = p;
@@ -213,18 +210,18 @@ static sd_status add_disk(front *f, uint32_t number) {
   return status;
 }
 
-static sd_status add_fixed(front *f, body b) {
-  body *fixed = grow(f->fixed, &f->fixed_capacity, f->n_fixed + 1, sizeof *fixed);
-  if (!fixed) return SD_ERROR_IO;
-  f->fixed = fixed;
+static void add_fixed(front *f, body b) {
+  if (f->n_fixed == f->fixed_capacity) {
+    f->fixed_capacity = 2 * f->n_fixed + 256;
+    f->fixed = memory_grow(f->fixed, f->fixed_capacity, sizeof *f->fixed);
+  }
   const double at[2] = {b.x, b.y}, along[2] = {b.tx, b.ty};
   for (int c = 0; c < 2; c++) {
     const double other = at[c] + (isinf(b.length) ? 0.0 : b.length * along[c]), wide = fabs(b.radius);
     b.lower[c] = isinf(b.length) ? -HUGE_VAL : fmin(at[c], other) - wide;
     b.upper[c] = isinf(b.length) ? HUGE_VAL : fmax(at[c], other) + wide;
   }
-  fixed[f->n_fixed++] = b;
-  return SD_OK;
+  f->fixed[f->n_fixed++] = b;
 }
 
 static body straight(const double a[2], const double b[2], bool endless) {
@@ -237,30 +234,29 @@ static body straight(const double a[2], const double b[2], bool endless) {
                 .length = endless ? HUGE_VAL : length};
 }
 
-static sd_status add_wall(front *f, const sd_wall *wall) {
-  if (wall->kind == SD_WALL_CIRCLE)
-    return add_fixed(f, (body){.x = wall->pivot[0],
-                               .y = wall->pivot[1],
-                               .radius = wall->inside ? -wall->radius : wall->radius});
-  sd_status status = SD_OK;
-  bool endless = wall->kind == SD_WALL_LINE;
-  for (size_t k = 0; k < wall->n_points && status == SD_OK; k++) {
-    const double *here = wall->points[k], *there = wall->points[(k + 1) % wall->n_points];
-    if (!endless) status = add_fixed(f, (body){.x = here[0], .y = here[1]});
-    if (status == SD_OK && (k + 1 < wall->n_points || wall->closed))
-      status = add_fixed(f, straight(here, there, endless));
+static void add_wall(front *f, const sd_wall *wall) {
+  if (wall->kind == SD_WALL_CIRCLE) {
+    const double radius = wall->inside ? -wall->radius : wall->radius;
+    add_fixed(f, (body){.x = wall->pivot[0], .y = wall->pivot[1], .radius = radius});
+    return;
   }
-  return status;
+  bool endless = wall->kind == SD_WALL_LINE;
+  for (size_t k = 0; k < wall->n_points; k++) {
+    const double *here = wall->points[k], *there = wall->points[(k + 1) % wall->n_points];
+    if (!endless) add_fixed(f, (body){.x = here[0], .y = here[1]});
+    if (k + 1 < wall->n_points || wall->closed) add_fixed(f, straight(here, there, endless));
+  }
 }
 
 /* The lower edge carries disks also where the box is periodic in y; the sides only where they are edges. */
 static sd_status add_edges_and_walls(front *f) {
   const place_space *s = f->s;
   const double *low = s->lower, *high = s->upper, left[2] = {low[0], high[1]}, right[2] = {high[0], low[1]};
-  sd_status status = add_fixed(f, straight(low, right, true));
-  if (status == SD_OK && s->edge[0]) status = add_fixed(f, straight(low, left, true));
-  if (status == SD_OK && s->edge[0]) status = add_fixed(f, straight(right, high, true));
-  for (size_t w = 0; w < s->model->n_walls && status == SD_OK; w++) status = add_wall(f, &s->model->walls[w]);
+  sd_status status = SD_OK;
+  add_fixed(f, straight(low, right, true));
+  if (s->edge[0]) add_fixed(f, straight(low, left, true));
+  if (s->edge[0]) add_fixed(f, straight(right, high, true));
+  for (size_t w = 0; w < s->model->n_walls; w++) add_wall(f, &s->model->walls[w]);
   for (uint32_t a = 0; a < f->n_fixed && status == SD_OK; a++)
     for (uint32_t b = 0; b < a && status == SD_OK; b++)
       if (!boxes_apart(f, &f->fixed[b], f->fixed[a].lower, f->fixed[a].upper))

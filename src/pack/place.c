@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "model/arc.h"
 #include "model/wall_images.h"
 
@@ -43,8 +44,9 @@ double place_area(const place_interior *in, const double lower[2], const double 
   gsl_integration_cquad_workspace *space = gsl_integration_cquad_workspace_alloc(200);
   gsl_function f = {width_at, &s};
   double area = NAN;
-  if (space) gsl_integration_cquad(&f, lower[1], upper[1], 0, 1e-9, space, &area, NULL, NULL);
-  if (space) gsl_integration_cquad_workspace_free(space);
+  if (!space) memory_lacks(0);
+  gsl_integration_cquad(&f, lower[1], upper[1], 0, 1e-9, space, &area, NULL, NULL);
+  gsl_integration_cquad_workspace_free(space);
   gsl_set_error_handler(handler);
   return area;
 }
@@ -95,16 +97,24 @@ static int64_t cell_number(const place_space *s, int64_t i, int64_t j) {
   return modulo(j, s->cells[1]) * s->cells[0] + modulo(i, s->cells[0]);
 }
 
+/* Makes room for the cells, and for so many disks and nodes. */
+static sd_status make_room(place_space *s, size_t disks, size_t nodes) {
+  const size_t n_cells = (size_t)(s->cells[0] * s->cells[1]);
+  if (!memory_resize(6, (memory_column[]){{&s->head, n_cells, sizeof *s->head},
+                                          {&s->disk, disks, sizeof *s->disk},
+                                          {&s->stamp, disks, sizeof *s->stamp},
+                                          {&s->near, disks, sizeof *s->near},
+                                          {&s->next, nodes, sizeof *s->next},
+                                          {&s->holder, nodes, sizeof *s->holder}}))
+    return SD_ERROR_IO;
+  s->capacity = disks;
+  s->node_capacity = nodes;
+  return SD_OK;
+}
+
 static sd_status add_node(place_space *s, int64_t cell, uint32_t disk) {
-  if (s->n_nodes == s->node_capacity) {
-    size_t capacity = 2 * s->node_capacity + 1024;
-    int64_t *next = realloc(s->next, capacity * sizeof *next);
-    if (next) s->next = next;
-    uint32_t *holder = next ? realloc(s->holder, capacity * sizeof *holder) : NULL;
-    if (!holder) return SD_ERROR_IO;
-    s->holder = holder;
-    s->node_capacity = capacity;
-  }
+  if (s->n_nodes == s->node_capacity && make_room(s, s->capacity, 2 * s->node_capacity + 1024) != SD_OK)
+    return SD_ERROR_IO;
   assert(cell >= 0 && cell < s->cells[0] * s->cells[1] && disk < s->n);
   s->next[s->n_nodes] = s->head[cell];
   s->holder[s->n_nodes] = disk;
@@ -123,18 +133,8 @@ static sd_status add_nodes(place_space *s, double x, double y, double radius, ui
 }
 
 sd_status place_add(place_space *s, double x, double y, double radius) {
-  if (s->n == s->capacity) {
-    size_t capacity = 2 * s->capacity + 256;
-    double(*disk)[3] = realloc(s->disk, capacity * sizeof *disk);
-    if (!disk) return SD_ERROR_IO;
-    s->disk = disk;
-    uint32_t *stamp = realloc(s->stamp, capacity * sizeof *stamp);
-    if (stamp) s->stamp = stamp;
-    uint32_t *near = stamp ? realloc(s->near, capacity * sizeof *near) : NULL;
-    if (!near) return SD_ERROR_IO;
-    s->near = near;
-    s->capacity = capacity;
-  }
+  if (s->n == s->capacity && make_room(s, 2 * s->capacity + 256, s->node_capacity) != SD_OK)
+    return SD_ERROR_IO;
   uint32_t number = (uint32_t)s->n;
   s->stamp[number] = 0;
   double *disk = s->disk[s->n++];
@@ -159,11 +159,9 @@ sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const p
     s->edge[c] = !(s->period[c] > 0 && upper[c] - lower[c] >= s->period[c]);
   }
   choose_cells(s, n_there + expected);
-  size_t n_cells = (size_t)(s->cells[0] * s->cells[1]);
-  s->head = malloc(n_cells * sizeof *s->head);
-  if (!s->head) return SD_ERROR_IO;
-  for (size_t k = 0; k < n_cells; k++) s->head[k] = -1;
-  sd_status status = SD_OK;
+  sd_status status = make_room(s, 256, 1024);
+  if (status != SD_OK) return status;
+  for (int64_t k = 0; k < s->cells[0] * s->cells[1]; k++) s->head[k] = -1;
   for (size_t i = 0; i < n_there && status == SD_OK; i++) {
     const sd_disk *disk = &m->disks[i];
     bool sound = isfinite(disk->position[0]) && isfinite(disk->position[1]) && disk->radius > 0 &&
@@ -284,12 +282,13 @@ size_t place_near(place_space *s, double x, double y, double reach) {
 
 sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *radius, double (*position)[2],
                        size_t *placed) {
-  size_t *order = malloc((n ? n : 1) * sizeof *order);
-  sd_status status = order ? SD_OK : SD_ERROR_IO;
+  size_t *order = NULL;
+  sd_status status = SD_OK;
   /* equal disks come to a fraction of 0.53 with it; ten times as many tries would come to 0.54 */
   int64_t left = 1000000 + 300 * (int64_t)n;
   *placed = 0;
-  if (order) gsl_sort_index(order, radius, 1, n);
+  if (!memory_resize(1, (memory_column[]){{&order, n, sizeof *order}})) return SD_ERROR_IO;
+  gsl_sort_index(order, radius, 1, n);
   for (size_t k = 0; k < n; k++) position[k][0] = position[k][1] = NAN;
   for (size_t k = n; k-- > 0 && status == SD_OK;) {
     double r = radius[order[k]], point[2] = {0, 0};

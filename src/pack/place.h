@@ -24,7 +24,7 @@ typedef struct place_interior {
 
 /* Half the width at height y: infinite where the container is a rectangle, < 0 outside. */
 double place_half_width(const place_interior *inside, double y);
-/* Area of the part of a rectangle that lies inside. NAN: out of memory. */
+/* Area of the part of a rectangle that lies inside. */
 double place_area(const place_interior *inside, const double lower[2], const double upper[2]);
 
 typedef struct place_space {

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
 #include "model/clumps.h"
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
@@ -151,7 +152,8 @@ static gsl_rng *numbers_of(const engine *e, const sd_rain *r, int64_t batch) {
   gsl_rng *numbers = gsl_rng_alloc(gsl_rng_mt19937);
   gsl_set_error_handler(handler);
   uint64_t seed = mixed(mixed(mixed(e->model->seed) ^ rain) ^ (uint64_t)batch);
-  if (numbers) gsl_rng_set(numbers, (unsigned long)(seed & 0xffffffffu));
+  if (!numbers) memory_lacks(0);
+  gsl_rng_set(numbers, (unsigned long)(seed & 0xffffffffu));
   return numbers;
 }
 
@@ -218,10 +220,11 @@ sd_status rain_plan(const engine *e, const sd_rain *r, double top, const double 
                     sd_messages *messages) {
   const size_t begin = first_due(e, r), last = begin + rain_count(e, r);
   const rain_sizes b = {e->model, radius, begin};
-  double *gaps = malloc((last - begin) * sizeof *gaps), low = top + r->gap;
+  double *gaps = NULL, low = top + r->gap;
+  if (!memory_resize(1, (memory_column[]){{&gaps, last - begin, sizeof *gaps}}))
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   gsl_rng *numbers = numbers_of(e, r, e->state->step / r->interval);
   sd_status status = SD_OK;
-  if (!gaps || !numbers) status = sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   for (size_t n, first = begin; status == SD_OK && first < last; first += n) { /* row upon row */
     double largest, taken;
     n = count_row(&b, first, last, r->upper - r->lower);
@@ -232,7 +235,7 @@ sd_status rain_plan(const engine *e, const sd_rain *r, double top, const double 
     low += (2.0 + ROW_GAP) * largest;
   }
   free(gaps);
-  if (numbers) gsl_rng_free(numbers);
+  gsl_rng_free(numbers);
   return status;
 }
 
@@ -287,8 +290,9 @@ void rain_accelerate(engine *e, const sd_rain *r) {
 }
 
 static sd_status release(engine *e, const sd_rain *r, sd_messages *messages) {
-  rain_drop *drops = calloc(rain_count(e, r), sizeof *drops);
-  if (!drops) return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
+  rain_drop *drops;
+  if (!memory_rows(1, (memory_column[]){{&drops, rain_count(e, r), sizeof *drops}}))
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for a batch of rain");
   const sd_status status = rain_plan(e, r, rain_top(e, r), NULL, drops, messages);
   if (status == SD_OK) rain_set_out(e, r, drops);
   free(drops);

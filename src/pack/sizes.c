@@ -9,6 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/memory.h"
+
 /* p(R) ~ R^-a. The integral of R^-a from one end is written with expm1 of a number <= 0: exact near a = 1, where
  * it is a logarithm, and finite for any a. */
 static double power_quantile(const sizes *s, double u) {
@@ -72,47 +74,43 @@ double sizes_mean_area(const sizes *s) {
   gsl_integration_cquad_workspace *space = gsl_integration_cquad_workspace_alloc(100);
   double mean = NAN;
   gsl_function f = {area_at, (void *)(uintptr_t)s};
-  if (space) gsl_integration_cquad(&f, 0, 1, 0, 1e-9, space, &mean, NULL, NULL);
-  if (space) gsl_integration_cquad_workspace_free(space);
+  if (!space) memory_lacks(0);
+  gsl_integration_cquad(&f, 0, 1, 0, 1e-9, space, &mean, NULL, NULL);
+  gsl_integration_cquad_workspace_free(space);
   gsl_set_error_handler(handler);
   return mean;
 }
 
 /* How many of n disks each radius of a list gets: the whole parts of n w/W, and one more each for the largest
  * remainders. */
-static sd_status draw_list(const sizes *s, size_t n, double *radius) {
-  double *remainder = malloc(s->n * sizeof *remainder), total = 0;
-  size_t *count = malloc(s->n * sizeof *count), *order = malloc(s->n * sizeof *order), given = 0;
-  sd_status status = remainder && count && order ? SD_OK : SD_ERROR_IO;
+static void draw_list(const sizes *s, size_t n, double *radius) {
+  double *remainder = memory_new(s->n, sizeof *remainder), total = 0;
+  size_t *count = memory_new(s->n, sizeof *count), *order = memory_new(s->n, sizeof *order), given = 0;
   for (size_t k = 0; k < s->n; k++) total += s->weights[k];
-  for (size_t k = 0; status == SD_OK && k < s->n; k++) {
+  for (size_t k = 0; k < s->n; k++) {
     double share = (double)n * (s->weights[k] / total);
     count[k] = (size_t)fmin(share, (double)(n - given));
     remainder[k] = -(share - (double)count[k]);
     given += count[k];
   }
-  if (status == SD_OK) {
-    gsl_sort_index(order, remainder, 1, s->n);
-    for (size_t k = 0; given < n; k = (k + 1) % s->n)
-      if (s->weights[order[k]] > 0) {
-        count[order[k]]++;
-        given++;
-      }
-    size_t at = 0;
-    for (size_t k = 0; k < s->n; k++)
-      for (size_t j = 0; j < count[k]; j++) radius[at++] = s->radii[k];
-  }
+  gsl_sort_index(order, remainder, 1, s->n);
+  for (size_t k = 0; given < n; k = (k + 1) % s->n)
+    if (s->weights[order[k]] > 0) {
+      count[order[k]]++;
+      given++;
+    }
+  for (size_t k = 0, at = 0; k < s->n; k++)
+    for (size_t j = 0; j < count[k]; j++) radius[at++] = s->radii[k];
   free(remainder);
   free(count);
   free(order);
-  return status;
 }
 
 sd_status sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius) {
   if (s->kind == SD_SIZES_LIST) {
-    sd_status status = draw_list(s, n, radius);
-    if (status == SD_OK && n > 1) gsl_ran_shuffle(rng, radius, n, sizeof *radius);
-    return status;
+    draw_list(s, n, radius);
+    if (n > 1) gsl_ran_shuffle(rng, radius, n, sizeof *radius);
+    return SD_OK;
   }
   for (size_t k = 0; k < n; k++)
     radius[k] = s->kind == SD_SIZES_MONO ? s->radius : sizes_quantile(s, gsl_rng_uniform(rng));
@@ -123,7 +121,7 @@ gsl_rng *sizes_random(uint64_t seed, size_t packing) {
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
   gsl_set_error_handler(handler);
-  if (!rng) return NULL;
+  if (!rng) memory_lacks(0);
   /* its seed has 32 bits: the two numbers are mixed (the finaliser of splitmix64) */
   uint64_t z = seed + (packing + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

@@ -24,13 +24,14 @@ typedef struct sizes {
 double sizes_quantile(const sizes *s, double u);
 /* Probability of [lower, upper] under the distribution before the cut; 1 for the others. */
 double sizes_kept(const sizes *s);
-/* Mean of pi R^2. NAN: out of memory. */
+/* Mean of pi R^2. */
 double sizes_mean_area(const sizes *s);
 /* Writes n radii. Of a list each radius comes as often as its weight says, to within one disk (largest
- * remainders), in random order. SD_ERROR_IO: out of memory. */
+ * remainders), in random order. It never fails. */
 sd_status sizes_draw(const sizes *s, gsl_rng *rng, size_t n, double *radius);
 
-/* A generator of random numbers, for packing number `packing` of a deck with this seed; NULL: out of memory. */
+/* A generator of random numbers, for packing number `packing` of a deck with this seed. It is never
+ * NULL. */
 gsl_rng *sizes_random(uint64_t seed, size_t packing);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "base/limits.h"
 #include "model/tiles.h"
+#include "base/memory.h"
 #include "pack/front.h"
 #include "pack/lattice.h"
 
@@ -13,8 +14,7 @@ sd_status tiles_place(place_space *s, gsl_rng *rng, const tiles_fill *how, size_
   const bool lattice = how->kind == SD_PACKING_TRIANGULAR || how->kind == SD_PACKING_SQUARE;
   if (lattice) n = lattice_sites(s, how->kind, how->spacing, n, position);
   *placed = 0;
-  sd_status status = sizes_draw(how->sizes, rng, n, radius);
-  if (status != SD_OK) return status;
+  sizes_draw(how->sizes, rng, n, radius);
   if (how->kind == SD_PACKING_FRONT) return front_fill(s, n, radius, position, placed);
   if (!lattice) return place_random(s, rng, n, radius, position, placed);
   lattice_jitter(s, rng, how->spacing, how->jitter, n, radius, position);
@@ -68,7 +68,6 @@ static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *ra
   const tiles_fill how = {t->kind, &drawn, t->spacing, t->jitter};
   gsl_rng *rng = sizes_random(m->seed, stream_of(t, tile));
   *placed = 0;
-  if (!rng) return SD_ERROR_IO;
   const sd_status status = t->kind == SD_PACKING_RAIN
                                ? make_waiting(t, tile, rng, &how, n, radius, position, placed)
                                : fill_slab(m, tile, rng, &how, n, radius, position, placed);
@@ -78,10 +77,11 @@ static sd_status make_disks(const sd_model *m, size_t tile, size_t n, double *ra
 
 sd_status tiles_make(const sd_model *m, size_t tile, sd_disk *disks, size_t *placed) {
   const size_t n = model_tile_begin(&m->tiles, tile + 1) - model_tile_begin(&m->tiles, tile);
-  double *radius = malloc((n + 1) * sizeof *radius), (*position)[2] = malloc((n + 1) * sizeof *position);
+  double *radius, (*position)[2];
   *placed = 0;
-  const sd_status status =
-      radius && position ? make_disks(m, tile, n, radius, position, placed) : SD_ERROR_IO;
+  if (!memory_rows(2, (memory_column[]){{&radius, n, sizeof *radius}, {&position, n, sizeof *position}}))
+    return SD_ERROR_IO;
+  const sd_status status = make_disks(m, tile, n, radius, position, placed);
   for (size_t k = 0; status == SD_OK && *placed == n && k < n; k++)
     disks[k] = model_tile_disk(&m->tiles, radius[k], position[k]);
   free(radius);

@@ -17,7 +17,7 @@
 #include <gsl/gsl_roots.h>
 #include <math.h>
 
-#include "base/shortage.h"
+#include "base/memory.h"
 #include "slipdisk/theory.h"
 
 static double rate_of(const sliding_system *y, const int s[2]) {
@@ -144,8 +144,8 @@ static bool solve(task *t, double *root) {
   bool found = false;
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-  if (!solver) shortage_note();
-  if (solver && gsl_root_fsolver_set(solver, &f, lower, upper) == GSL_SUCCESS)
+  if (!solver) memory_lacks(0);
+  if (gsl_root_fsolver_set(solver, &f, lower, upper) == GSL_SUCCESS)
     for (int k = 0; k < 200 && !found; k++) {
       if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
       lower = gsl_root_fsolver_x_lower(solver);

@@ -7,7 +7,7 @@
 #include <gsl/gsl_roots.h>
 #include <math.h>
 
-#include "base/shortage.h"
+#include "base/memory.h"
 #include "theory/sliding.h"
 
 double sliding_wave(const sliding_system *y, int i, double u) {
@@ -62,8 +62,8 @@ static double root_between(gap *g, double p, double q) {
   double root = p, lower = p, upper = q;
   gsl_error_handler_t *handler = gsl_set_error_handler_off();
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
-  if (!solver) shortage_note();
-  if (solver && gsl_root_fsolver_set(solver, &f, p, q) == GSL_SUCCESS)
+  if (!solver) memory_lacks(0);
+  if (gsl_root_fsolver_set(solver, &f, p, q) == GSL_SUCCESS)
     for (int k = 0; k < 100; k++) {
       if (gsl_root_fsolver_iterate(solver) != GSL_SUCCESS) break;
       root = gsl_root_fsolver_root(solver);
