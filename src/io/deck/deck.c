@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_parts.h"
 #include "io/deck/deck_read.h"
@@ -138,10 +139,10 @@ static void read_all(deck *d, bool point) {
 
 /* --- loading ------------------------------------------------------------------------------------------------ */
 
-static char *join_settings(deck *d, size_t n, const deck_setting *settings) {
+static char *join_settings(size_t n, const deck_setting *settings) {
   size_t length = 0;
   for (size_t k = 0; k < n; k++) length += strlen(settings[k].text) + 1;
-  char *text = deck_keep(d, length + 1, 1), *p = text;
+  char *text = memory_new(length + 1, 1), *p = text;
   for (size_t k = 0; k < n; k++) {
     size_t size = strlen(settings[k].text);
     memcpy(p, settings[k].text, size);
@@ -154,7 +155,6 @@ static char *join_settings(deck *d, size_t n, const deck_setting *settings) {
 static sd_status finish(deck *d) {
   if (d->reported > 0) return SD_ERROR_USER;
   d->found = sd_messages_new();
-  if (!d->found) longjmp(d->out_of_memory, 1);
   sd_status status = sd_model_finish(d->model, d->found);
   deck_tell(d, d->found);
   if (status != SD_OK) return status;
@@ -187,8 +187,7 @@ static sd_status open_and_use(deck *d, const task *t) {
 
 sd_status deck_open(const char *text, const char *path, size_t n_settings, const deck_setting *settings,
                     deck_use *use, void *user, sd_messages *messages) {
-  deck *d = calloc(1, sizeof *d);
-  if (!d) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  deck *d = memory_new(1, sizeof *d);
   d->path = path;
   d->messages = messages;
   task t = {text, n_settings, settings, use, user};
@@ -218,11 +217,10 @@ static sd_status make_model(deck *d, void *user) {
   model_task *t = user;
   d->leave_tiles = t->leave_tiles;
   d->model = sd_model_new();
-  if (!d->model) longjmp(d->out_of_memory, 1);
-  sd_deck *own = d->model->deck = deck_keep(d, 1, sizeof *own);
-  own->path = deck_keep_text(d, d->path);
-  own->text = deck_keep_text(d, d->text);
-  own->overrides = join_settings(d, t->n_settings, t->settings);
+  sd_deck *own = d->model->deck = memory_new(1, sizeof *own);
+  own->path = memory_text(d->path);
+  own->text = memory_text(d->text);
+  own->overrides = join_settings(t->n_settings, t->settings);
   read_all(d, t->point);
   sd_status status = finish(d);
   bool given = status == SD_OK || (t->unfinished && d->readable);
@@ -243,9 +241,8 @@ sd_status deck_load(const char *text, const char *path, size_t n_settings, const
 static sd_status load_text(const char *text, const char *path, size_t n_overrides,
                            const char *const *overrides, model_task how, sd_model **out,
                            sd_messages *messages) {
-  deck_setting *settings = calloc(n_overrides + 1, sizeof *settings);
+  deck_setting *settings = memory_new(n_overrides, sizeof *settings);
   *out = NULL;
-  if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   for (size_t k = 0; k < n_overrides; k++) settings[k].text = overrides[k];
   how.n_settings = n_overrides;
   how.settings = settings;
@@ -260,22 +257,27 @@ sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrid
   return load_text(text, path, n_overrides, overrides, (model_task){0}, out, messages);
 }
 
+/* Reads one byte more than `most` at most, and puts a zero behind. */
+static void read_input(size_t most, char **all, size_t *n) {
+  size_t capacity = 0;
+  for (int c = 0; c != EOF && *n <= most;) {
+    if (*n + 1 >= capacity) *all = memory_grow(*all, capacity = 2 * capacity + LIMIT_LINE, 1);
+    if ((c = getchar()) != EOF) (*all)[(*n)++] = (char)c;
+    (*all)[*n] = 0;
+  }
+}
+
 /* Read once: a command may load its deck several times. */
 static char *standard_input(char trouble[FILE_TROUBLE]) {
   static char *all;
   static size_t n;
   const size_t most = (size_t)LIMIT_DECK * LIMIT_MIB;
-  for (FILE *out = all ? NULL : open_memstream(&all, &n); out; out = NULL) {
-    for (int c; n <= most && (c = getchar()) != EOF;) fputc(c, out);
-    if (fclose(out) != 0) all = NULL;
-  }
-  if (!all)
-    snprintf(trouble, FILE_TROUBLE, "no memory");
-  else if (n > most)
+  if (!all) read_input(most, &all, &n);
+  if (n > most)
     snprintf(trouble, FILE_TROUBLE, "it has more than %d MiB", LIMIT_DECK);
   else if (strlen(all) < n)
     snprintf(trouble, FILE_TROUBLE, "not a text (it holds a zero byte)");
-  return all && n <= most && strlen(all) == n ? strdup(all) : NULL;
+  return n <= most && strlen(all) == n ? memory_text(all) : NULL;
 }
 
 char *deck_file_text(const char *path, sd_messages *messages, sd_status *status) {
@@ -333,8 +335,8 @@ static bool names_one(const sd_messages *messages) {
 
 static bool warns_of_one(const sd_model *m, const sd_messages *told) {
   sd_messages *advised = sd_messages_new();
-  if (advised) sd_model_advise(m, advised);
-  const bool warns = !advised || names_one(told) || names_one(advised);
+  sd_model_advise(m, advised);
+  const bool warns = names_one(told) || names_one(advised);
   sd_messages_free(advised);
   return warns;
 }
@@ -361,7 +363,6 @@ static const char *leave_tiles(sd_model *m, const sd_messages *told) {
 sd_status deck_load_for_ranks(const char *path, size_t n_overrides, const char *const *overrides,
                               sd_model **out, sd_messages *messages) {
   sd_messages *own = sd_messages_new();
-  if (!own) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
   load(path, n_overrides, overrides, (model_task){.leave_tiles = true}, out, own);
   /* a disk that is not there is a mistake where the deck speaks of it */
   const char *why = *out ? leave_tiles(*out, own) : "the deck speaks of single disks of it";

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 /* --- into the model ------------------------------------------------------------------------------------- */
 
 static sd_clump *push(deck *d) {
@@ -52,7 +54,7 @@ static void read_clump(deck *d, deck_node *node, uint32_t number) {
   sd_clump *own = push(d);
   *own = c;
   for (size_t b = 0; b < bodies.n; b++) d->model->disks[bodies.body[b]].clump = (int)d->model->n_clumps;
-  own->name = deck_keep_text(d, name);
+  own->name = memory_text(name);
   if (name && !deck_index_add(d, &d->clumps, deck_copy(d, name, strlen(name)), number))
     deck_fail_key(d, g.node, "name", "two clumps have this name");
 }

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "model/bodies.h"
 
@@ -90,16 +91,16 @@ static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
   if (!deck_index_add(d, &d->walls, name, (uint32_t)m->n_walls) || deck_index_find(&d->disks, name, &disk))
     deck_fail_key(d, deck_child(d->root, "container"), "type",
                   "it has a wall \"%s\", but a wall or a disk of the deck is called so", name);
-  m->walls = deck_grow(d, m->walls, m->n_walls + 1, sizeof *m->walls);
+  m->walls = memory_grow(m->walls, m->n_walls + 1, sizeof *m->walls);
   sd_wall *wall = &m->walls[m->n_walls++];
   *wall = (sd_wall){.material = d->container->material, .kind = kind};
-  wall->name = deck_keep_text(d, name);
+  wall->name = memory_text(name);
   return wall;
 }
 
 static void add_straight(deck *d, const char *name, sd_wall_kind kind, size_t n, const double (*points)[2]) {
   sd_wall *wall = add_wall(d, name, kind);
-  wall->points = deck_keep(d, n, sizeof *wall->points);
+  wall->points = memory_new(n, sizeof *wall->points);
   wall->n_points = n;
   memcpy(wall->points, points, n * sizeof *points);
   wall_set_pivot(wall);

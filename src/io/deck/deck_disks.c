@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck_parts.h"
 
@@ -61,8 +62,8 @@ int deck_group_number(deck *d, const char *name) {
   uint32_t found;
   if (deck_index_find(&d->groups, name, &found)) return (int)found;
   if ((m->n_groups & (m->n_groups - 1)) == 0)
-    m->groups = deck_grow(d, m->groups, 2 * m->n_groups + 1, sizeof *m->groups);
-  m->groups[m->n_groups] = deck_keep_text(d, name);
+    m->groups = memory_grow(m->groups, 2 * m->n_groups + 1, sizeof *m->groups);
+  m->groups[m->n_groups] = memory_text(name);
   deck_index_add(d, &d->groups, deck_copy(d, name, strlen(name)), (uint32_t)m->n_groups);
   return (int)m->n_groups++;
 }
@@ -75,9 +76,8 @@ void deck_push_disk(deck *d, const sd_disk *disk, const char *name, const char *
   d->disk_place[m->n_disks] = place;
   sd_disk *own = &m->disks[m->n_disks++];
   *own = *disk;
-  own->name = NULL; /* the model is whole if there is no memory for the name */
+  own->name = memory_text(name);
   own->group = deck_group_number(d, group);
-  own->name = deck_keep_text(d, name);
   if (name && !deck_index_add(d, &d->disks, own->name, (uint32_t)(m->n_disks - 1)))
     deck_fail_place(d, place, "name = \"%s\": two disks have this name", name);
 }

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
 
 enum { WIDTH = 110 };
@@ -144,5 +145,5 @@ char *deck_echo(deck *d) {
   const deck_node *child;
   for (size_t k = 0; nth(d->root, k, &child); k++)
     if (child) put_top(&p, child);
-  return deck_keep_text(d, p.out.bytes);
+  return memory_text(p.out.bytes);
 }

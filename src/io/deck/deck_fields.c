@@ -1,6 +1,7 @@
 /* deck_fields.c: fields. See deck_tree.h. */
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "model/field_kinds.h"
 
@@ -28,7 +29,7 @@ static void read_field(deck *d, deck_node *node, sd_body_force *field) {
 void deck_read_fields(deck *d) {
   sd_model *m = d->model;
   deck_node *list = deck_groups(d, d->root, "fields");
-  m->fields = deck_keep(d, list ? list->n : 0, sizeof *m->fields);
+  m->fields = memory_new(list ? list->n : 0, sizeof *m->fields);
   for (size_t k = 0; list && k < list->n; k++) {
     m->n_fields = k + 1;
     read_field(d, list->child[k], &m->fields[k]);

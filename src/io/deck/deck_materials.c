@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "model/arc.h"
 #include "model/bodies.h"
@@ -76,7 +77,7 @@ static void read_pair(deck *d, deck_node *node) {
 static void read_material(deck *d, deck_node *node, size_t k) {
   sd_model *m = d->model;
   deck_group g;
-  m->materials[k].name = deck_keep_text(d, "");
+  m->materials[k].name = memory_text("");
   if (!deck_enter(d, node, &deck_materials, &g)) return;
   const char *name = deck_text_of(&g, "name");
   if (name && !deck_index_add(d, &d->materials, name, (uint32_t)k))
@@ -84,7 +85,9 @@ static void read_material(deck *d, deck_node *node, size_t k) {
   if (name && !*name) deck_fail_key(d, node, "name", "expected a name that is not empty");
   deck_fill(&g, &m->laws[k * m->n_materials + k]);
   check_law(&g, &m->laws[k * m->n_materials + k]);
-  if (name) deck_set_text(d, &m->materials[k].name, name);
+  if (!name) return;
+  free(m->materials[k].name);
+  m->materials[k].name = memory_text(name);
 }
 
 void deck_read_materials(deck *d) {
@@ -95,8 +98,8 @@ void deck_read_materials(deck *d) {
     deck_fail(d, list, "%zu materials; expected at most %d", n, LIMIT_MATERIALS);
     n = LIMIT_MATERIALS;
   }
-  m->materials = deck_keep(d, n, sizeof *m->materials);
-  m->laws = deck_keep(d, n * n, sizeof *m->laws);
+  m->materials = memory_new(n, sizeof *m->materials);
+  m->laws = memory_new(n * n, sizeof *m->laws);
   m->n_materials = n;
   for (size_t k = 0; k < n; k++) read_material(d, list->child[k], k);
   if (!list && !deck_child(d->root, "materials"))
@@ -133,7 +136,7 @@ static void read_points(deck_group *g, sd_wall *wall) {
               most == 2 ? "" : ", ...");
     return;
   }
-  wall->points = deck_keep(d, list->n, sizeof *wall->points);
+  wall->points = memory_new(list->n, sizeof *wall->points);
   wall->n_points = list->n;
   for (size_t k = 0; k < list->n; k++) {
     deck_node *point = list->child[k];
@@ -166,11 +169,10 @@ static void fail_arc(const deck_group *g, const sd_wall *wall) {
 }
 
 static void read_arc(deck_group *g, sd_wall *wall) {
-  deck *d = g->d;
   const double opening = wall->to - wall->from;
   if (deck_given(g, "from") && deck_given(g, "to") && !(opening > 0.0 && opening <= ARC_RING))
     fail_arc(g, wall);
-  wall->points = deck_keep(d, ARC_POINTS, sizeof *wall->points);
+  wall->points = memory_new(ARC_POINTS, sizeof *wall->points);
   arc_trace(wall);
   if (deck_given(g, "pivot")) return;
   memcpy(wall->pivot, wall->center, sizeof wall->pivot);
@@ -198,7 +200,7 @@ static void read_wall(deck *d, deck_node *node, sd_wall *wall) {
 void deck_read_walls(deck *d) {
   sd_model *m = d->model;
   deck_node *list = deck_groups(d, d->root, "walls");
-  m->walls = deck_keep(d, list ? list->n : 0, sizeof *m->walls);
+  m->walls = memory_new(list ? list->n : 0, sizeof *m->walls);
   for (size_t k = 0; list && k < list->n; k++) {
     sd_wall *wall = &m->walls[k];
     m->n_walls = k + 1;

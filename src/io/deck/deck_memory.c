@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_parts.h"
 #include "io/deck/deck_result.h"
@@ -280,7 +281,7 @@ static bool take_contacts(our_walls *ours, const deck_columns *t) {
   lost_contacts lost = {0};
   const bool carried = forces_carried(ours, t);
   m->forces_carried = m->forces_carried || carried;
-  m->memories = deck_grow(d, m->memories, m->n_memories + r->n_contacts + 1, sizeof *m->memories);
+  m->memories = deck_grow(d, m->memories, m->n_memories + r->n_contacts, sizeof *m->memories);
   for (size_t k = 0; k < r->n_contacts; k++) {
     sd_contact_memory c = deck_result_contact(r, k);
     const bool two = c.b < r->n_disks;
@@ -312,7 +313,8 @@ static void survey_contacts(our_walls *ours, deck_columns *t) {
     return;
   }
   tiles->n_walls = r->n_bodies - r->n_disks;
-  tiles->walls = map_walls(ours, t, deck_keep(d, tiles->n_walls + 1, sizeof *tiles->walls));
+  tiles->walls = memory_new(tiles->n_walls, sizeof *tiles->walls);
+  map_walls(ours, t, tiles->walls);
   tiles->n_contacts = r->all_contacts;
   lost_contacts lost = {0};
   tiles->forces_carried = d->model->forces_carried = forces_carried(ours, t);

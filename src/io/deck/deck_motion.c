@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_rows.h"
 #include "model/motion_kinds.h"
 #include "model/streams.h"
@@ -135,7 +136,7 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
   sd_model *m = d->model;
   if (m->n_motions == d->motion_capacity) {
     size_t capacity = 2 * d->motion_capacity + 32;
-    m->motions = deck_grow(d, m->motions, capacity, sizeof *m->motions);
+    m->motions = memory_grow(m->motions, capacity, sizeof *m->motions);
     size_t *entries = deck_alloc(d, capacity, sizeof *entries);
     if (m->n_motions) memcpy(entries, d->motion_entry, m->n_motions * sizeof *entries);
     d->motion_entry = entries;
@@ -143,11 +144,10 @@ static void push(deck *d, const sd_motion *like, size_t entry, int coordinate, s
   }
   sd_motion *motion = &m->motions[m->n_motions];
   *motion = *like;
-  motion->name = NULL;
+  motion->name = memory_text(like->name);
   motion->bodies = NULL;
   motion->table_time = motion->table_value = NULL;
   d->motion_entry[m->n_motions++] = entry;
-  motion->name = deck_keep_text(d, like->name);
   motion->coordinate = coordinate;
   motion->n_bodies = n;
   motion->bodies = deck_keep(d, n, sizeof *bodies);

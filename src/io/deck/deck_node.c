@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck_tree.h"
 
@@ -61,9 +62,9 @@ char *deck_copy(deck *d, const char *text, size_t n) {
   return copy;
 }
 
-static char *words(deck *d, const char *format, va_list args) {
-  char *text = NULL;
-  if (vasprintf(&text, format, args) < 0) longjmp(d->out_of_memory, 1);
+char *deck_words(deck *d, const char *format, va_list args) {
+  char *text;
+  if (vasprintf(&text, format, args) < 0) memory_lacks(0);
   char *copy = deck_copy(d, text, strlen(text));
   free(text);
   return copy;
@@ -72,18 +73,14 @@ static char *words(deck *d, const char *format, va_list args) {
 char *deck_format(deck *d, const char *format, ...) {
   va_list args;
   va_start(args, format);
-  char *text = words(d, format, args);
+  char *text = deck_words(d, format, args);
   va_end(args);
   return text;
 }
 
 void deck_own(deck *d, void *p) {
-  deck_chunk *chunk = malloc(sizeof *chunk);
-  if (!chunk) {
-    free(p);
-    longjmp(d->out_of_memory, 1);
-  }
-  *chunk = (deck_chunk){.owned = p};
+  deck_chunk *chunk = memory_new(1, sizeof *chunk);
+  chunk->owned = p;
   /* behind the chunk that is being filled */
   deck_chunk **at = d->memory ? &d->memory->next : &d->memory;
   chunk->next = *at;
@@ -99,30 +96,14 @@ const char *deck_quote(deck *d, const char *text, size_t n) {
 }
 
 void *deck_keep(deck *d, size_t n, size_t size) {
-  void *p = calloc(n ? n : 1, size);
-  if (!p) longjmp(d->out_of_memory, 1);
-  return p;
+  void *rows;
+  if (!memory_rows(1, (memory_column[]){{&rows, n, size}})) longjmp(d->out_of_memory, 1);
+  return rows;
 }
 
 void *deck_grow(deck *d, void *old, size_t n, size_t size) {
-  if (size && n > SIZE_MAX / 4 / size) longjmp(d->out_of_memory, 1);
-  void *p = realloc(old, n && size ? n * size : 1);
-  if (!p) longjmp(d->out_of_memory, 1);
-  return p;
-}
-
-char *deck_keep_text(deck *d, const char *text) {
-  if (!text) return NULL;
-  size_t n = strlen(text) + 1;
-  char *copy = deck_keep(d, n, 1);
-  memcpy(copy, text, n);
-  return copy;
-}
-
-void deck_set_text(deck *d, char **to, const char *text) {
-  char *copy = deck_keep_text(d, text);
-  free(*to);
-  *to = copy;
+  if (!memory_resize(1, (memory_column[]){{&old, n, size}})) longjmp(d->out_of_memory, 1);
+  return old;
 }
 
 void deck_memory_free(deck *d) {
@@ -222,7 +203,7 @@ const char *deck_place_text(deck *d, deck_place place) {
 
 static void report(deck *d, deck_place place, const char *head, const char *format, va_list args) {
   d->reported++;
-  const char *text = words(d, format, args), *colon = *head ? ": " : "";
+  const char *text = deck_words(d, format, args), *colon = *head ? ": " : "";
   sd_fail(d->messages, SD_ERROR_USER, "%s: %s%s%s", deck_place_text(d, place), head, colon, text);
 }
 

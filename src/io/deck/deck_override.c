@@ -30,14 +30,10 @@ static deck_place place_of(deck *d, const deck_setting *s) {
 /* About the setting as a whole: "-D path=value: ...", or "file:line: path = value: ...". */
 static void fail(deck *d, const deck_setting *s, const char *format, ...) SD_PRINTF(3, 4);
 static void fail(deck *d, const deck_setting *s, const char *format, ...) {
-  char *text = NULL;
   va_list args;
   va_start(args, format);
-  int n = vasprintf(&text, format, args);
+  const char *words = deck_words(d, format, args), *equals = strchr(s->text, '=');
   va_end(args);
-  if (n < 0) longjmp(d->out_of_memory, 1);
-  const char *words = deck_copy(d, text, (size_t)n), *equals = strchr(s->text, '=');
-  free(text);
   if (s->place.file && equals)
     deck_fail_place(d, s->place, "%s = %s: %s", deck_quote(d, s->text, (size_t)(equals - s->text)),
                     deck_quote(d, equals + 1, strlen(equals + 1)), words);

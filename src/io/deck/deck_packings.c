@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "io/deck/deck_clumps.h"
 #include "io/deck/deck_sizes.h"
 #include "pack/front.h"
@@ -85,7 +86,6 @@ static void read_region(packing *p) {
   }
   if (broken || d->reported > before) return;
   p->area = place_area(&d->container->interior, p->lower, p->upper);
-  if (isnan(p->area)) longjmp(d->out_of_memory, 1);
   if (!(p->area > 0)) deck_fail(d, p->g.node, "its region lies outside the container");
 }
 
@@ -125,7 +125,6 @@ static double *draw_angles(packing *p, size_t n) {
   deck *d = p->g.d;
   double *angle = deck_alloc(d, n, sizeof *angle);
   gsl_rng *rng = sizes_random(d->model->seed, p->number + LIMIT_ENTRIES);
-  if (!rng) longjmp(d->out_of_memory, 1);
   for (size_t k = 0; k < n; k++) angle[k] = 2 * M_PI * gsl_rng_uniform(rng);
   gsl_rng_free(rng);
   return angle;
@@ -167,12 +166,11 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
 
 /* Radii whose areas add up to `area` as nearly as they can: a fixed number where there are few radii, else as many as
  * it takes. Returns how many; capacity: at most. */
-static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity, double *radius,
-                        sd_status *status) {
+static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity, double *radius) {
   double sum = 0;
   size_t n = (size_t)fmax(1, fmin(rint(area / p->mean_area), (double)capacity));
-  *status = sizes_draw(p->sizes, rng, n, radius);
-  if (p->sizes->kind == SD_SIZES_MONO || p->sizes->kind == SD_SIZES_LIST || *status != SD_OK) return n;
+  sizes_draw(p->sizes, rng, n, radius);
+  if (p->sizes->kind == SD_SIZES_MONO || p->sizes->kind == SD_SIZES_LIST) return n;
   for (size_t k = 0; k < n; k++) sum += M_PI * radius[k] * radius[k];
   for (; n < capacity; n++) {
     sizes_draw(p->sizes, rng, 1, &radius[n]);
@@ -214,7 +212,6 @@ static bench open_bench(const packing *p, double capacity) {
   b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower, p->upper,
                          b.capacity);
   b.rng = sizes_random(d->model->seed, p->number);
-  if (!b.rng) b.status = SD_ERROR_IO;
   return b;
 }
 
@@ -273,7 +270,7 @@ static void make_random(packing *p) {
   const tiles_fill how = {.kind = p->v.kind, .sizes = p->sizes};
   if (b.status == SD_OK && by_count)
     b.status = tiles_place(&b.space, b.rng, &how, b.n, b.radius, b.position, &placed);
-  if (b.status == SD_OK && !by_count) b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
+  if (b.status == SD_OK && !by_count) b.n = draw_area(p, b.rng, target, b.capacity, b.radius);
   if (b.status == SD_OK && !by_count)
     b.status = place_random(&b.space, b.rng, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
@@ -298,9 +295,10 @@ static void make_front(packing *p) {
   bench b = open_bench(p, p->v.count > 0 ? (double)p->v.count : 2 * target / p->mean_area + 100);
   size_t placed = 0;
   b.n = b.capacity;
-  if (b.status == SD_OK && p->v.count > 0) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
-  if (b.status == SD_OK && p->v.count == 0)
-    b.n = draw_area(p, b.rng, target, b.capacity, b.radius, &b.status);
+  if (p->v.count > 0)
+    sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  else
+    b.n = draw_area(p, b.rng, target, b.capacity, b.radius);
   if (b.status == SD_OK) b.status = front_fill(&b.space, b.n, b.radius, b.position, &placed);
   close_bench(p, &b);
   if (placed == 0)
@@ -453,7 +451,7 @@ static void make_waiting(packing *p, double spacing) {
   }
   bench b = open_bench(p, (double)p->v.count);
   b.n = b.capacity;
-  if (b.status == SD_OK) b.status = sizes_draw(p->sizes, b.rng, b.n, b.radius);
+  sizes_draw(p->sizes, b.rng, b.n, b.radius);
   close_bench(p, &b);
   place_waiting(p->lower[0], p->upper[0], height, spacing, 0, b.n, b.position);
   push(p, b.n, b.radius, b.position, true);
@@ -486,7 +484,7 @@ static void make_rain(packing *p) {
   if (m->tiles.away) rain.count = m->tiles.sample;
   for (double row = 0; row < rows && rain.batch < rain.count; row++)
     rain.batch += rain_row(m, rain.first + rain.batch, m->n_disks, rain.upper - rain.lower);
-  m->rains = deck_grow(d, m->rains, m->n_rains + 1, sizeof *m->rains);
+  m->rains = memory_grow(m->rains, m->n_rains + 1, sizeof *m->rains);
   m->rains[m->n_rains++] = rain;
 }
 
@@ -502,7 +500,6 @@ static void make_packing(packing *p) {
   size_t before = d->reported;
   bool rain = p->v.kind == SD_PACKING_RAIN;
   p->mean_area = sizes_mean_area(p->sizes);
-  if (isnan(p->mean_area)) longjmp(d->out_of_memory, 1);
   check_room(p, p->upper[0] - p->lower[0], rain ? HUGE_VAL : p->upper[1] - p->lower[1]);
   double count = p->v.count > 0       ? (double)p->v.count
                  : p->v.fraction == 0 ? 0

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/deck/deck_tree.h"
 
 static deck_place place_of(const deck_text *text, unsigned line) {
@@ -44,7 +45,7 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
     case DECK_FLOAT: to->value.number = config_setting_get_float(from); return;
     case DECK_STRING: {
       const char *s = config_setting_get_string(from);
-      if (!s) longjmp(d->out_of_memory, 1);
+      if (!s) memory_lacks(0);
       to->value.text = deck_copy(d, s, strlen(s));
       deck_check_text(d, to);
       return;
@@ -56,7 +57,7 @@ static void convert(deck *d, const deck_text *text, const config_setting_t *from
   for (int k = 0; k < n; k++) {
     const config_setting_t *child = config_setting_get_elem(from, (unsigned)k);
     const char *name = name_of(d, child);
-    if (!name && to->type == DECK_GROUP) longjmp(d->out_of_memory, 1);
+    if (!name && to->type == DECK_GROUP) memory_lacks(0);
     /* the second of two equal keys was renamed and reported by the scanner */
     if (name && strncmp(name, "*repeated-", 10) == 0) continue;
     deck_place place = place_of(text, config_setting_source_line(child));
@@ -72,7 +73,7 @@ void deck_parse_free(deck *d) {
 }
 
 deck_node *deck_parse(deck *d, const deck_text *text) {
-  config_t *library = deck_keep(d, 1, sizeof *library);
+  config_t *library = memory_new(1, sizeof *library);
   config_init(library);
   d->library = library;
   deck_node *root = NULL;

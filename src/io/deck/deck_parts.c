@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/shortage.h"
+#include "base/memory.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_result.h"
 #include "io/deck/deck.h"
@@ -54,7 +54,6 @@ static sd_status read_rows(deck *d, void *user) {
   const rows_task *t = user;
   deck_group top;
   d->model = sd_model_new();
-  if (!d->model) longjmp(d->out_of_memory, 1);
   for (size_t k = 0; k < t->n_groups; k++) deck_group_number(d, t->groups[k]);
   deck_read_constants(d);
   if (deck_enter(d, d->root, &deck_top, &top)) deck_fill(&top, d->model);
@@ -77,22 +76,16 @@ static sd_status read_rows(deck *d, void *user) {
 
 /* The deck of the model, with the settings that it was read with. messages: errors alone; NULL: none. */
 static sd_status open_rows(const sd_deck *from, rows_task *task, sd_messages *messages) {
-  char *lines = strdup(from->overrides);
+  char *lines = memory_text(from->overrides);
   size_t n = 0, most = 1;
   for (const char *c = from->overrides; *c; c++) most += *c == '\n';
-  deck_setting *settings = calloc(most, sizeof *settings);
+  deck_setting *settings = memory_new(most, sizeof *settings);
   sd_messages *own = sd_messages_new();
-  sd_status status = lines && settings && own ? SD_OK : SD_ERROR_IO;
-  if (status != SD_OK) {
-    shortage_note();
-    sd_fail(messages, status, "%s: out of memory", from->path);
-  }
-  for (char *rest = NULL, *line = status == SD_OK ? strtok_r(lines, "\n", &rest) : NULL; line;
-       line = strtok_r(NULL, "\n", &rest))
+  for (char *rest = NULL, *line = strtok_r(lines, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
     settings[n++].text = line;
-  if (status == SD_OK)
-    status = deck_open(from->text, from->path, n, settings, task->use ? read_file : read_rows, task, own);
-  for (size_t k = 0; status != SD_OK && own && k < sd_messages_count(own); k++)
+  const sd_status status =
+      deck_open(from->text, from->path, n, settings, task->use ? read_file : read_rows, task, own);
+  for (size_t k = 0; status != SD_OK && k < sd_messages_count(own); k++)
     if (sd_messages_kind(own, k) != SD_OK) sd_fail(messages, status, "%s", sd_messages_text(own, k));
   sd_messages_free(own);
   free(settings);
@@ -422,9 +415,10 @@ sd_status deck_make_part(const sd_model *m, size_t number, sd_disk *disks, uint3
 
 bool deck_parts_bear(sd_model *m, sd_step_limit *limit) {
   const size_t most = model_tile_begin(&m->tiles, 1);
-  sd_disk *disks = malloc((most + 1) * sizeof *disks);
-  uint32_t *number = malloc((most + 1) * sizeof *number);
-  bool good = disks && number;
+  sd_disk *disks = NULL;
+  uint32_t *number = NULL;
+  bool good =
+      memory_resize(2, (memory_column[]){{&disks, most, sizeof *disks}, {&number, most, sizeof *number}});
   for (size_t k = 0; k < m->tiles.n && good; k++) {
     const size_t n = model_tile_begin(&m->tiles, k + 1) - model_tile_begin(&m->tiles, k);
     int64_t inputs;

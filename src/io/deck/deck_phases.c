@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "io/deck/deck_read.h"
 
 /* All free disks are watched when there are no more than these. */
@@ -89,11 +90,11 @@ static void read_active(deck_group *g, sd_phase *phase) {
   deck *d = g->d;
   const sd_model *m = d->model;
   const bool *on = read_switches(g, &(switched){"motions", "motion", &d->motions});
-  phase->active = deck_keep(d, m->n_motions, sizeof *phase->active);
+  phase->active = memory_new(m->n_motions, sizeof *phase->active);
   for (size_t k = 0; k < m->n_motions; k++) phase->active[k] = on[d->motion_entry[k]];
   if (m->n_fields == 0 && !deck_get(g, "fields")) return;
   on = read_switches(g, &(switched){"fields", "field", &d->fields});
-  phase->fields = deck_keep(d, m->n_fields, sizeof *phase->fields);
+  phase->fields = memory_new(m->n_fields, sizeof *phase->fields);
   memcpy(phase->fields, on, m->n_fields * sizeof *phase->fields);
 }
 
@@ -186,7 +187,7 @@ void deck_read_phases(deck *d) {
     deck_fail_key(d, d->root, "steps", "missing: expected steps, time or phases");
     return;
   }
-  m->phases = deck_keep(d, list->n, sizeof *m->phases);
+  m->phases = memory_new(list->n, sizeof *m->phases);
   for (size_t k = 0; k < list->n; k++) {
     deck_group g;
     m->n_phases = k + 1;
@@ -209,7 +210,7 @@ static void add_disks(deck *d, deck_node *names, size_t *n, uint32_t **list) {
       deck_fail(d, node, "named twice");
       continue;
     }
-    *list = deck_grow(d, *list, *n + 1, sizeof **list);
+    *list = memory_grow(*list, *n + 1, sizeof **list);
     (*list)[(*n)++] = disk;
   }
 }
@@ -253,7 +254,7 @@ static void read_sliding(deck *d, deck_node *node) {
   if (watch.partner[0] == watch.partner[1]) deck_fail(d, partners, "expected two different ones");
   if (watch.partner[0] == watch.disk || watch.partner[1] == watch.disk)
     deck_fail(d, partners, "a disk does not touch itself");
-  m->slides = deck_grow(d, m->slides, m->n_slides + 1, sizeof *m->slides);
+  m->slides = memory_grow(m->slides, m->n_slides + 1, sizeof *m->slides);
   m->slides[m->n_slides++] = watch;
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
 
@@ -402,7 +403,7 @@ static void read_member(deck_group *g, const deck_key *key, void *member) {
     case DECK_SETS_INTEGER:
     case DECK_SETS_UNSIGNED: *(int64_t *)member = deck_integer(g, name); break;
     case DECK_SETS_PAIR: deck_pair(g, name, member); break;
-    case DECK_SETS_TEXT: *(char **)member = deck_keep_text(g->d, deck_text_of(g, name)); break;
+    case DECK_SETS_TEXT: *(char **)member = memory_text(deck_text_of(g, name)); break;
     case DECK_SETS_BOOL:
       if (key->words)
         *(bool *)member = deck_choice(g, name) == true;

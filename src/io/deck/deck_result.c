@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "io/results/constants_laws.h"
 #include "io/store/file.h"
@@ -61,7 +62,7 @@ char *deck_result_text(deck *d, const result_wall *walls) {
     put(d, &out,
         deck_format(d, "wall\t%s\t%zu %.17g %.17g\t%s\n", walls[k].name, walls[k].segments, walls[k].angle,
                     walls[k].scale, walls[k].text));
-  return deck_keep_text(d, out.bytes);
+  return memory_text(out.bytes);
 }
 
 static void add_name(deck *d, result_names *list, size_t at, const char *name) {

@@ -107,14 +107,10 @@ static void fail_form(scanner *s, const char *format, ...) {
   s->broken = true;
   if (s->torn) return;
   s->torn = true;
-  char *text = NULL;
   va_list args;
   va_start(args, format);
-  int n = vasprintf(&text, format, args);
+  const char *words = deck_words(s->d, format, args);
   va_end(args);
-  if (n < 0) longjmp(s->d->out_of_memory, 1);
-  const char *words = deck_copy(s->d, text, (size_t)n);
-  free(text);
   deck_fail_place(s->d, s->here, "%s", words);
 }
 

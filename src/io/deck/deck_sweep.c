@@ -1,4 +1,5 @@
 /* deck_sweep.c: the points of a sweep; see deck.h. How the deck's group is read: deck_grid.c. */
+#include "base/memory.h"
 #include "io/deck/deck.h"
 
 #include <ctype.h>
@@ -97,33 +98,32 @@ static void add_parameters(expansion *e, const grid *g) {
       s->parameters[column].text = s->parameters[column].text || text;
       continue;
     }
-    s->parameters = deck_grow(e->d, s->parameters, s->n_parameters + 1, sizeof *s->parameters);
+    s->parameters = memory_grow(s->parameters, s->n_parameters + 1, sizeof *s->parameters);
     sweep_parameter *p = &s->parameters[s->n_parameters++];
     *p = (sweep_parameter){.text = text};
     const char *path = "";
     for (size_t j = 0; j < a->n_paths; j++)
       path = deck_format(e->d, "%s%s%s", path, j ? " " : "", a->paths[j]);
-    p->name = deck_keep_text(e->d, a->name);
-    p->path = deck_keep_text(e->d, path);
+    p->name = memory_text(a->name);
+    p->path = memory_text(path);
   }
 }
 
-static const char *keep_file(deck *d, deck_sweep *s, const char *file) {
+static const char *keep_file(deck_sweep *s, const char *file) {
   for (size_t k = 0; k < s->n_files; k++)
     if (strcmp(s->files[k], file) == 0) return s->files[k];
-  s->files = deck_grow(d, s->files, s->n_files + 1, sizeof *s->files);
-  s->files[s->n_files] = deck_keep_text(d, file);
+  s->files = memory_grow(s->files, s->n_files + 1, sizeof *s->files);
+  s->files[s->n_files] = memory_text(file);
   return s->files[s->n_files++];
 }
 
 static void add_override(expansion *e, sweep_point *p, const char *text, deck_place place) {
-  deck *d = e->d;
-  p->overrides = deck_grow(d, p->overrides, p->n_overrides + 1, sizeof *p->overrides);
-  p->places = deck_grow(d, p->places, p->n_overrides + 1, sizeof *p->places);
+  p->overrides = memory_grow(p->overrides, p->n_overrides + 1, sizeof *p->overrides);
+  p->places = memory_grow(p->places, p->n_overrides + 1, sizeof *p->places);
   /* values that -D has put into the sweep have no line, but a name that says it all */
   p->places[p->n_overrides] =
-      (sweep_place){keep_file(d, e->out, place.file ? place.file : d->path), place.line};
-  p->overrides[p->n_overrides] = deck_keep_text(d, text);
+      (sweep_place){keep_file(e->out, place.file ? place.file : e->d->path), place.line};
+  p->overrides[p->n_overrides] = memory_text(text);
   p->n_overrides++;
 }
 
@@ -138,7 +138,7 @@ static int64_t seed_value(const grid_value *v, int64_t otherwise) {
 static void set_value(expansion *e, sweep_point *p, const grid_axis *a, const grid_value *v) {
   size_t column = column_of(e->out, a);
   p->values[column] = v->number;
-  p->texts[column] = deck_keep_text(e->d, v->text);
+  p->texts[column] = memory_text(v->text);
   for (size_t j = 0; j < a->n_paths; j++) {
     add_override(e, p, deck_format(e->d, "%s=%s", a->paths[j], v->literal), v->place);
     if (strcmp(a->paths[j], "seed") == 0) p->seed = seed_value(v, e->seed);
@@ -151,24 +151,24 @@ static sweep_point *add_point(expansion *e, const grid *g, const size_t *place, 
   deck_sweep *s = e->out;
   if (s->n_points == e->capacity) {
     e->capacity = 2 * e->capacity + 16;
-    s->points = deck_grow(d, s->points, e->capacity, sizeof *s->points);
+    s->points = memory_grow(s->points, e->capacity, sizeof *s->points);
   }
   sweep_point *p = &s->points[s->n_points++];
   *p = (sweep_point){.replica = replica, .seed = e->seed};
-  p->values = deck_keep(d, s->n_parameters + 1, sizeof *p->values);
-  p->texts = deck_keep(d, s->n_parameters + 1, sizeof *p->texts);
+  p->values = memory_new(s->n_parameters, sizeof *p->values);
+  p->texts = memory_new(s->n_parameters, sizeof *p->texts);
   for (size_t k = 0; k < s->n_parameters; k++) p->values[k] = NAN;
   for (size_t k = 0; g && k < g->n_axes; k++)
     set_value(e, p, &g->axes[k], &g->axes[k].values[place[g->axes[k].dimension]]);
-  p->name = deck_keep_text(d, name_of(d, s, p));
+  p->name = memory_text(name_of(d, s, p));
   for (size_t k = 0; k < s->n_parameters; k++)
-    if (!p->texts[k]) p->texts[k] = deck_keep_text(d, "");
+    if (!p->texts[k]) p->texts[k] = memory_text("");
   return p;
 }
 
 static void point_free(sweep_point *p, size_t n_parameters) {
   for (size_t k = 0; k < p->n_overrides; k++) free(p->overrides[k]);
-  for (size_t k = 0; p->texts && k < n_parameters; k++) free(p->texts[k]);
+  for (size_t k = 0; k < n_parameters; k++) free(p->texts[k]);
   free(p->overrides);
   free(p->places);
   free(p->texts);
@@ -269,8 +269,8 @@ static size_t expand(deck *d, deck_grids all, size_t reported, deck_sweep *s) {
   e.slots = deck_alloc(d, e.n_slots, sizeof *e.slots);
   for (size_t k = 0; k < all.n; k++) add_grid(&e, &all.grid[k]);
   if (all.n == 0) add_replicas(&e, NULL, NULL, 1);
-  s->collect = deck_keep(d, all.n_collect, sizeof *s->collect);
-  for (size_t k = 0; k < all.n_collect; k++) s->collect[s->n_collect++] = deck_keep_text(d, all.collect[k]);
+  s->collect = memory_new(all.n_collect, sizeof *s->collect);
+  for (size_t k = 0; k < all.n_collect; k++) s->collect[s->n_collect++] = memory_text(all.collect[k]);
   return d->reported > reported || all.n == 0 ? 0 : s->n_points;
 }
 
@@ -327,7 +327,7 @@ typedef struct reading {
 static sd_status read_deck(deck *d, void *user) {
   const reading *r = user;
   size_t reported = d->reported;
-  r->out->deck_text = deck_keep_text(d, d->text);
+  r->out->deck_text = memory_text(d->text);
   deck_grids all = deck_read_grids(d);
   expand(d, all, reported, r->out);
   if (d->reported > 0) return SD_ERROR_USER;
@@ -337,8 +337,7 @@ static sd_status read_deck(deck *d, void *user) {
 }
 
 static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
-  deck_setting *settings = calloc(s->n_overrides + 1, sizeof *settings);
-  if (!settings) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
+  deck_setting *settings = memory_new(s->n_overrides, sizeof *settings);
   for (size_t k = 0; k < s->n_overrides; k++) settings[k].text = s->overrides[k];
   sd_messages *mine = sd_messages_new();
   reading r = {s, messages};
@@ -358,18 +357,13 @@ static sd_status load(const char *text, deck_sweep *s, sd_messages *messages) {
 
 sd_status deck_sweep_load(const char *path, size_t n_overrides, const char *const *overrides, deck_sweep *out,
                           sd_messages *messages) {
-  *out = (deck_sweep){.deck_path = format_text("%s", deck_source(path))};
-  out->overrides = calloc(n_overrides + 1, sizeof *out->overrides);
+  *out = (deck_sweep){.deck_path = memory_text(deck_source(path))};
+  out->overrides = memory_new(n_overrides, sizeof *out->overrides);
   sd_status status;
   char *text = deck_file_text(path, messages, &status);
   if (!text) return status;
-  bool good = out->deck_path && out->overrides;
-  for (size_t k = 0; good && k < n_overrides; k++) {
-    out->overrides[k] = format_text("%s", overrides[k]);
-    good = out->overrides[k] != NULL;
-    out->n_overrides++;
-  }
-  status = good ? load(text, out, messages) : sd_fail(messages, SD_ERROR_IO, "%s: out of memory", path);
+  for (size_t k = 0; k < n_overrides; k++) out->overrides[out->n_overrides++] = memory_text(overrides[k]);
+  status = load(text, out, messages);
   free(text);
   return status;
 }
@@ -405,9 +399,8 @@ void deck_sweep_free(deck_sweep *s) {
 sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out, sd_messages *messages) {
   const sweep_point *p = &s->points[point];
   size_t n = s->n_overrides + p->n_overrides;
-  deck_setting *all = calloc(n + 1, sizeof *all);
+  deck_setting *all = memory_new(n, sizeof *all);
   *out = NULL;
-  if (!all) return sd_fail(messages, SD_ERROR_IO, "%s: out of memory", s->deck_path);
   for (size_t k = 0; k < s->n_overrides; k++) all[k].text = s->overrides[k];
   for (size_t k = 0; k < p->n_overrides; k++)
     all[s->n_overrides + k] = (deck_setting){p->overrides[k], {p->places[k].file, p->places[k].line}};

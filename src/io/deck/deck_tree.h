@@ -9,13 +9,15 @@
  * deck_expression has the arithmetic in texts, and the named constants.
  * deck_bodies, deck_rows, deck_motion and deck_phases turn groups of the tree into parts of a model.
  *
- * Everything that lives only while a deck is read stands in one arena. When memory runs out, deck_alloc
- * jumps back to deck.c, which frees the arena and the model; so no caller tests for NULL.
+ * Everything that lives only while a deck is read stands in one arena. When memory runs out,
+ * deck_alloc, deck_keep and deck_grow jump back to deck.c, which frees the arena and the model; so no
+ * caller tests for NULL.
  */
 #ifndef SLIPDISK_IO_DECK_TREE_H
 #define SLIPDISK_IO_DECK_TREE_H
 
 #include <setjmp.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -157,13 +159,14 @@ void *deck_more(deck *d, const void *old, size_t n, size_t capacity, size_t size
 void deck_put(deck *d, deck_buffer *b, const char *text, size_t n);
 char *deck_copy(deck *d, const char *text, size_t n); /* n bytes and a final zero, from the arena */
 char *deck_format(deck *d, const char *format, ...) SD_PRINTF(2, 3);
+char *deck_words(deck *d, const char *format, va_list args);
 void deck_own(deck *d, void *p); /* from malloc: freed with the arena */
 /* The first n bytes of a text as messages show it: cut with "..." where it is long. */
 const char *deck_quote(deck *d, const char *text, size_t n);
-void *deck_keep(deck *d, size_t n, size_t size);            /* zeroed, from malloc: for the model */
-void *deck_grow(deck *d, void *old, size_t n, size_t size); /* realloc for the model */
-char *deck_keep_text(deck *d, const char *text);            /* for the model; NULL stays NULL */
-void deck_set_text(deck *d, char **to, const char *text);   /* the same in place of another */
+/* They give the model rows, zeroed ones, or room for n in place of `old`. What is small there comes
+ * from memory_new and its like. */
+void *deck_keep(deck *d, size_t n, size_t size);
+void *deck_grow(deck *d, void *old, size_t n, size_t size);
 void deck_memory_free(deck *d);
 
 deck_node *deck_node_new(deck *d, deck_node *parent, const char *name, deck_type type, deck_place place);
