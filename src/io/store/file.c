@@ -18,8 +18,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/memory.h"
 #include "base/text.h"
-#include "base/shortage.h"
 
 static sd_status fail(sd_messages *messages, const char *what, const char *path) {
   return sd_fail(messages, SD_ERROR_IO, "cannot %s %s: %s", what, path, strerror(errno));
@@ -83,7 +83,7 @@ static int base_of(int folder, const char *path, const char **name) {
   return folder < 0 ? AT_FDCWD : folder;
 }
 
-/* To be freed; NULL: no memory. */
+/* To be freed. */
 static char *folder_of(const char *path) {
   const char *slash = strrchr(path, '/');
   return !slash          ? format_text(".")
@@ -138,7 +138,6 @@ sd_status file_make_folder(const char *path, sd_messages *messages) {
 
 sd_status file_sync_folder(int folder, const char *path, sd_messages *messages) {
   char *above = folder_of(path);
-  if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   int fd = folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : folder;
   sd_status status = SD_OK;
   if (fd < 0) status = fail(messages, "open folder", above);
@@ -199,7 +198,6 @@ static char *draft_name(const char *name) {
 sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messages *messages) {
   *out = (file_draft){.folder = -1, .fd = -1};
   char *above = folder_of(path);
-  if (!above) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   /* a descriptor of its own, so that a draft outlives the caller's */
   out->folder =
       folder < 0 ? file_open_at(AT_FDCWD, above, O_RDONLY | O_DIRECTORY) : fcntl(folder, F_DUPFD_CLOEXEC, 0);
@@ -212,13 +210,10 @@ sd_status file_draft_new(int folder, const char *path, file_draft *out, sd_messa
     free(out->name);
     free(out->path);
     out->name = draft_name(last_component(path));
-    out->path = out->name ? format_text("%s/%s", above, out->name) : NULL;
-    if (!out->path)
-      status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
-    else if ((out->fd = open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW,
-                                   replaces ? 0600 : 0666)) < 0 &&
-             (errno != EEXIST || attempt > 8))
-      status = fail(messages, "create", out->path);
+    out->path = format_text("%s/%s", above, out->name);
+    out->fd =
+        open_again(out->folder, out->name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, replaces ? 0600 : 0666);
+    if (out->fd < 0 && (errno != EEXIST || attempt > 8)) status = fail(messages, "create", out->path);
   }
   if (out->fd >= 0 && replaces) file_keep_mode(out->fd, folder, path);
   free(above);
@@ -311,8 +306,7 @@ sd_status file_write_atomic(int folder, const char *path, size_t n_pieces, const
 }
 
 sd_status file_stream_open(const char *path, file_stream *s, sd_messages *messages) {
-  *s = (file_stream){.path = format_text("%s", path)};
-  if (!s->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
+  *s = (file_stream){.path = memory_text(path)};
   sd_status status = file_draft_new(-1, path, &s->draft, messages);
   int fd = status == SD_OK ? fcntl(s->draft.fd, F_DUPFD_CLOEXEC, 0) : -1;
   s->out = fd < 0 ? NULL : fdopen(fd, "w");
@@ -440,13 +434,15 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
   }
   sd_status status = SD_ERROR_IO;
   const char *kind;
-  char *read = size > most ? NULL : malloc((size_t)size + 1);
+  char *read = NULL;
   if (size > most) {
     snprintf(trouble, FILE_TROUBLE, "it has %.1f MiB; expected at most %.0f MiB", (double)size / 0x1p20,
              (double)most / 0x1p20);
     status = SD_ERROR_USER;
-  } else if (!read || !file_read_at(fd, 0, read, (size_t)size, &have)) {
-    snprintf(trouble, FILE_TROUBLE, "%s", read ? strerror(errno) : "no memory");
+  } else if (!memory_resize(1, (memory_column[]){{&read, (size_t)size + 1, 1}})) {
+    snprintf(trouble, FILE_TROUBLE, "no memory");
+  } else if (!file_read_at(fd, 0, read, (size_t)size, &have)) {
+    snprintf(trouble, FILE_TROUBLE, "%s", strerror(errno));
   } else if ((kind = kind_of(read, have))) {
     snprintf(trouble, FILE_TROUBLE, "%s", kind);
     status = SD_ERROR_USER;
@@ -463,11 +459,11 @@ sd_status file_text(const char *path, uint64_t most, char **text, char trouble[F
 char *file_again(int fd, const char *path) {
   char *again = format_text("/proc/self/fd/%d", fd);
   struct stat held, named;
-  if (again && fstat(fd, &held) == 0 && stat(again, &named) == 0 && held.st_ino == named.st_ino &&
+  if (fstat(fd, &held) == 0 && stat(again, &named) == 0 && held.st_ino == named.st_ino &&
       held.st_dev == named.st_dev)
     return again;
   free(again);
-  return format_text("%s", path); /* without /proc */
+  return memory_text(path); /* without /proc */
 }
 
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have) {
@@ -492,8 +488,8 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
     status = fail(messages, "read", path);
   } else {
     size_t want = (size_t)facts.st_size < n ? (size_t)facts.st_size : n, have = 0;
-    unsigned char *buffer = malloc(want ? want : 1);
-    if (!buffer)
+    unsigned char *buffer = NULL;
+    if (!memory_resize(1, (memory_column[]){{&buffer, want, 1}}))
       status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
     else if (!file_read_at(fd, 0, buffer, want, &have))
       status = fail(messages, "read", path);
@@ -511,9 +507,8 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
 sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages) {
   enum { PIECE = 1 << 20 }; /* whole words, so that pieces give the sum of the whole */
   *sum = FILE_SUM;
-  unsigned char *buffer = malloc(PIECE);
-  if (!buffer) shortage_note();
-  sd_status status = buffer ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+  unsigned char *buffer = memory_grow(NULL, 1, PIECE);
+  sd_status status = SD_OK;
   for (uint64_t at = 0; status == SD_OK && at < n;) {
     size_t want = n - at < PIECE ? (size_t)(n - at) : PIECE, have;
     if (!file_read_at(fd, at, buffer, want, &have))

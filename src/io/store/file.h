@@ -84,7 +84,7 @@ sd_status file_reserve(int fd, const char *path, uint64_t bytes, sd_messages *me
 /* --- reading -------------------------------------------------------------------------------------- */
 /* A regular file, for reading; -1: reported. In a held folder no link is followed. */
 int file_open(int folder, const char *path, sd_messages *messages);
-/* A path by which a library opens this very file again; to be freed, NULL: no memory. */
+/* A path by which a library opens this very file again; to be freed. */
 char *file_again(int fd, const char *path);
 /* The same without a message: -1 with errno set; its errno in words. */
 int file_open_quiet(const char *path, uint64_t *size);

@@ -24,7 +24,6 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
   size_t length = strlen(path);
   while (length > 1 && path[length - 1] == '/') length--;
   f->path = format_text("%.*s", (int)length, path);
-  if (!f->path) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
   /* an empty folder of this name gives way to the new one, which has its mode */
   struct stat facts;
   const bool there = stat(f->path, &facts) == 0 && S_ISDIR(facts.st_mode);
@@ -37,7 +36,6 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
     ssize_t got = getrandom(&bits, sizeof bits, GRND_NONBLOCK);
     (void)got; /* without it the process number has to do */
     f->draft = format_text("%s.%016" PRIx64 ".tmp", f->path, bits);
-    if (!f->draft) return sd_fail(messages, SD_ERROR_IO, "no memory to write %s", path);
     if (mkdir(f->draft, mode) == 0) {
       if (there) (void)!chmod(f->draft, mode);
       return SD_OK;
@@ -53,9 +51,9 @@ sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messag
 
 FILE *file_folder_new(const file_folder *f, const char *name, sd_messages *messages) {
   char *path = format_text("%s/%s", f->draft, name);
-  int fd = path ? file_open_at(AT_FDCWD, path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW) : -1;
+  int fd = file_open_at(AT_FDCWD, path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW);
   FILE *out = fd < 0 ? NULL : fdopen(fd, "w");
-  if (!out) fail(messages, "write", path ? path : f->path);
+  if (!out) fail(messages, "write", path);
   if (fd >= 0 && !out) close(fd);
   free(path);
   return out;

@@ -16,6 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 
@@ -96,8 +97,8 @@ static sd_status try_lock(folder *f, int *busy, sd_messages *messages) {
 }
 
 sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messages *messages) {
-  *out = (folder){.path = format_text("%s", path), .at = -1, .lock = -1};
-  sd_status status = out->path ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
+  *out = (folder){.path = memory_text(path), .at = -1, .lock = -1};
+  sd_status status = SD_OK;
   int busy = 0;
   for (int attempt = 0; status == SD_OK && out->lock < 0; attempt++) {
     if (out->at >= 0) close(out->at);
@@ -113,7 +114,7 @@ sd_status folder_open(const char *path, bool may_be_link, folder *out, sd_messag
 
 bool folder_is_locked(const char *path) {
   char *lock = format_text("%s/lock", path);
-  int fd = lock ? file_open_at(AT_FDCWD, lock, O_RDONLY | O_NOFOLLOW | O_NONBLOCK) : -1;
+  int fd = file_open_at(AT_FDCWD, lock, O_RDONLY | O_NOFOLLOW | O_NONBLOCK);
   bool locked = fd >= 0 && flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   if (fd >= 0) close(fd);
   free(lock);
@@ -158,19 +159,13 @@ static sd_status list_numbers(const char *path, kind wanted, int64_t **numbers, 
   if (!directory) return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
   sd_status status = SD_OK;
   errno = 0;
-  for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
+  for (struct dirent *entry; (entry = readdir(directory)); errno = 0) {
     int64_t number;
     if (kind_of(entry->d_name, &number) != wanted) continue;
-    int64_t *longer = realloc(*numbers, (*n + 1) * sizeof *longer);
-    if (longer) {
-      *numbers = longer;
-      longer[(*n)++] = number;
-    } else {
-      status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
-    }
+    *numbers = memory_grow(*numbers, *n + 1, sizeof **numbers);
+    (*numbers)[(*n)++] = number;
   }
-  if (status == SD_OK && errno != 0)
-    status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
+  if (errno != 0) status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, strerror(errno));
   closedir(directory);
   return status;
 }

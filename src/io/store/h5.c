@@ -6,8 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/text.h"
+#include "base/memory.h"
 #include "base/shortage.h"
+#include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
@@ -72,15 +73,11 @@ hid_t h5_native(sd_type type) {
 
 /* --- open and close ------------------------------------------------------------------------------- */
 
-sd_status h5_allocate(const char *path, h5_file **out, sd_messages *messages) {
+h5_file *h5_allocate(const char *path) {
   h5_quiet();
-  *out = calloc(1, sizeof **out);
-  if (*out && ((*out)->path = format_text("%s", path))) return SD_OK;
-  free(*out);
-  *out = NULL;
-  shortage_note();
-  sd_fail(messages, SD_ERROR_IO, "no memory to open %s", path);
-  return SD_ERROR_IO;
+  h5_file *file = memory_new(1, sizeof *file);
+  file->path = memory_text(path);
+  return file;
 }
 
 void h5_release(h5_file *file) {
@@ -99,13 +96,11 @@ void h5_release(h5_file *file) {
 }
 
 sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_messages *messages) {
-  sd_status status = h5_allocate(draft->path, out, messages);
-  if (status != SD_OK) return status;
-  h5_file *file = *out;
+  h5_file *file = *out = h5_allocate(draft->path);
   file->writing = file->on_disk = true;
-  status = file_reserve(draft->fd, draft->path, bytes, messages);
-  char *again = status == SD_OK ? file_again(draft->fd, draft->path) : NULL, reason[200];
-  if (again) {
+  sd_status status = file_reserve(draft->fd, draft->path, bytes, messages);
+  if (status == SD_OK) {
+    char *again = file_again(draft->fd, draft->path), reason[200];
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     /* what is written is written now, and its failure told by the call that writes */
     H5Pset_sieve_buf_size(access, 0);
@@ -113,10 +108,8 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
     h5_reason(reason, sizeof reason);
     H5Pclose(access);
     if (file->id < 0) status = sd_fail(messages, SD_ERROR_IO, "cannot create %s: %s", draft->path, reason);
-  } else if (status == SD_OK) {
-    status = sd_fail(messages, SD_ERROR_IO, "no memory to write %s", draft->path);
+    free(again);
   }
-  free(again);
   if (status == SD_OK) return SD_OK;
   h5_release(file);
   *out = NULL;
@@ -124,29 +117,28 @@ sd_status h5_create(const file_draft *draft, uint64_t bytes, h5_file **out, sd_m
 }
 
 sd_status h5_open_descriptor(int fd, const char *path, h5_file **out, sd_messages *messages) {
-  sd_status status = h5_allocate(path, out, messages);
-  if (status != SD_OK) return status;
+  *out = h5_allocate(path);
   char *again = file_again(fd, path), reason[200];
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 #if H5_VERSION_GE(1, 10, 7)
   /* what is read here was renamed into place whole, and some file systems cannot lock */
   H5Pset_file_locking(access, false, true);
 #endif
-  (*out)->id = again ? H5Fopen(again, H5F_ACC_RDONLY, access) : H5I_INVALID_HID;
+  (*out)->id = H5Fopen(again, H5F_ACC_RDONLY, access);
   h5_reason(reason, sizeof reason); /* any other call would clear it */
   H5Pclose(access);
   if ((*out)->id >= 0) {
     free(again);
     return SD_OK;
   }
-  if (again && H5Fis_hdf5(again) == 0)
-    status = sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
+  if (H5Fis_hdf5(again) == 0)
+    sd_fail(messages, SD_ERROR_IO, "%s is not an HDF5 file", path);
   else
-    status = sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
+    sd_fail(messages, SD_ERROR_IO, "%s is not a readable HDF5 file: %s", path, reason);
   free(again);
   h5_release(*out);
   *out = NULL;
-  return status;
+  return SD_ERROR_IO;
 }
 
 bool h5_is_file(const char *path) {
@@ -243,11 +235,10 @@ static sd_status close_file(h5_file *file, sd_messages *messages) {
   if (!file->failed &&
       ((file->writing && H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) || H5Fclose(file->id) < 0)) {
     file->failed = true;
-    file->trouble = format_text("%s", h5_reason(reason, sizeof reason));
+    file->trouble = memory_text(h5_reason(reason, sizeof reason));
   }
   if (!file->failed) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path,
-                 file->trouble ? file->trouble : "no memory");
+  return sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", file->path, file->trouble);
 }
 
 sd_status h5_close(h5_file *file, sd_messages *messages) {
@@ -366,7 +357,7 @@ static hid_t make(h5_file *file, const char *path, hid_t type, int rank, const s
   check(file, set >= 0, path);
   uint64_t elements = H5Tget_class(type) == H5T_STRING ? H5Tget_size(type) : 1;
   for (int k = 0; k < rank; k++) elements *= dims[k];
-  if (set >= 0 && !h5_expect(file, path, NULL, elements)) h5_no_memory(file, path);
+  if (set >= 0) h5_expect(file, path, NULL, elements);
   H5Sclose(space);
   H5Pclose(create);
   H5Pclose(link);
@@ -407,9 +398,7 @@ void h5_lend(h5_file *file, const char *path, sd_type type, size_t n, const void
     return;
   }
   if (file->failed) return;
-  h5_loan *loans = realloc(file->loans, (file->n_loans + 1) * sizeof *loans);
-  if (loans) file->loans = loans;
-  if (!h5_have(file, loans, path)) return;
+  h5_loan *loans = file->loans = memory_grow(file->loans, file->n_loans + 1, sizeof *loans);
   hid_t set = make(file, path, h5_native(type), 1, &n, LENT);
   if (set < 0) return;
   const haddr_t at = H5Dget_offset(set);
@@ -434,14 +423,12 @@ void h5_put_text(h5_file *file, const char *path, const char *text) {
 }
 
 /* Texts side by side, each filled up to the length of the longest; to be freed. */
-static char *dense_texts(h5_file *file, const char *path, size_t n, const char *const *texts,
-                         size_t *longest) {
+static char *dense_texts(size_t n, const char *const *texts, size_t *longest) {
   *longest = 1;
   for (size_t k = 0; k < n; k++)
     if (texts[k] && strlen(texts[k]) > *longest) *longest = strlen(texts[k]);
-  char *all = calloc(n + 1, *longest);
-  check(file, all != NULL, path);
-  for (size_t k = 0; all && k < n; k++)
+  char *all = memory_new(n, *longest);
+  for (size_t k = 0; k < n; k++)
     if (texts[k]) memcpy(all + k * *longest, texts[k], strlen(texts[k]));
   return all;
 }
@@ -449,8 +436,7 @@ static char *dense_texts(h5_file *file, const char *path, size_t n, const char *
 void h5_put_texts(h5_file *file, const char *path, size_t n, const char *const *texts) {
   if (file->failed) return;
   size_t longest;
-  char *all = dense_texts(file, path, n, texts, &longest);
-  if (!all) return;
+  char *all = dense_texts(n, texts, &longest);
   hid_t type = text_type(longest), set = make(file, path, type, 1, &n, PLAIN);
   if (set >= 0) {
     if (n > 0) check(file, H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, all) >= 0, path);
@@ -468,7 +454,7 @@ static void write_attr(h5_file *file, const char *path, const char *name, hid_t 
   check(file, attr >= 0 && H5Awrite(attr, type, data) >= 0, path);
   bool text = H5Tget_class(type) == H5T_STRING;
   size_t size = H5Tget_size(type), n = (size_t)H5Sget_simple_extent_npoints(space) * (text ? size : 1);
-  if (!h5_expect(file, path, name, n)) h5_no_memory(file, path);
+  h5_expect(file, path, name, n);
   h5_note(file, path, name, data, n, text ? 1 : size, 0);
   if (file->failed) return;
   check(file, H5Aclose(attr) >= 0 && H5Oclose(object) >= 0, path);
@@ -494,8 +480,7 @@ void h5_attr_text(h5_file *file, const char *path, const char *name, const char 
 void h5_attr_texts(h5_file *file, const char *path, const char *name, size_t n, const char *const *texts) {
   if (file->failed || n == 0) return;
   size_t longest;
-  char *all = dense_texts(file, path, n, texts, &longest);
-  if (!all) return;
+  char *all = dense_texts(n, texts, &longest);
   hsize_t extent = n;
   hid_t type = text_type(longest), space = H5Screate_simple(1, &extent, NULL);
   write_attr(file, path, name, type, space, all);
@@ -529,17 +514,15 @@ void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size
 static h5_rows *set_of(h5_file *file, const char *path, sd_type type) {
   for (size_t k = 0; k < file->n_sets; k++)
     if (strcmp(file->sets[k].path, path) == 0) return &file->sets[k].rows;
-  h5_open_set *sets = realloc(file->sets, (file->n_sets + 1) * sizeof *sets);
-  if (!sets) return NULL;
-  file->sets = sets;
-  h5_open_set set = {.path = format_text("%s", path)};
-  hid_t id = set.path ? H5Dopen2(file->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
+  h5_open_set set = {0};
+  hid_t id = H5Dopen2(file->id, path, H5P_DEFAULT);
   if (id >= 0 && h5_rows_open(&set.rows, id, type)) {
-    sets[file->n_sets++] = set;
-    return &sets[file->n_sets - 1].rows;
+    set.path = memory_text(path);
+    file->sets = memory_grow(file->sets, file->n_sets + 1, sizeof set);
+    file->sets[file->n_sets++] = set;
+    return &file->sets[file->n_sets - 1].rows;
   }
   if (id >= 0) H5Dclose(id);
-  free(set.path);
   return NULL;
 }
 

@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/store/h5_private.h"
 
 /* H5Dwrite_chunk came with 1.10.3. */
@@ -94,7 +95,7 @@ static uint32_t fletcher32(const unsigned char *data, size_t n) {
 /* Stores a chunk past the filters that make it smaller; n of `full` elements are given, the rest is 0. */
 static bool store_chunk(h5_rows *w, const hsize_t *start, size_t n, size_t full, const unsigned char *data) {
   size_t bytes = full * w->element, given = n * w->element;
-  if (!w->padded && !(w->padded = malloc(bytes + sizeof(uint32_t)))) return false;
+  if (!w->padded) w->padded = memory_grow(NULL, bytes + sizeof(uint32_t), 1);
   memcpy(w->padded, data, given);
   memset(w->padded + given, 0, bytes - given);
   uint32_t past = UINT32_MAX >> (32 - w->filters); /* a bit per filter that is left out */
@@ -172,11 +173,11 @@ bool h5_rows_flush(h5_rows *w) {
   return n == 0 || write_band(w, first, n, w->buffer);
 }
 
-/* Takes rows into the buffer, up to the end of their chunk; returns how many, 0: no memory. */
+/* Takes rows into the buffer, up to the end of their chunk; returns how many. */
 static size_t hold(h5_rows *w, size_t n, const unsigned char *data) {
   assert(w->held < (size_t)w->chunk[0]);
   size_t most = (size_t)w->chunk[0] - w->held;
-  if (!w->buffer && !(w->buffer = malloc((size_t)w->chunk[0] * w->row))) return 0;
+  if (!w->buffer) w->buffer = memory_grow(NULL, (size_t)w->chunk[0], w->row);
   if (n > most) n = most;
   memcpy(w->buffer + w->held * w->row, data, n * w->row);
   w->held += n;
@@ -199,7 +200,7 @@ bool h5_rows_put(h5_rows *w, size_t first, size_t n, const void *data) {
       w->first += rows;
     } else {
       done = hold(w, n, at);
-      good = done > 0 && (w->held < rows || h5_rows_flush(w));
+      good = w->held < rows || h5_rows_flush(w);
     }
     if (!good) return false;
     n -= done;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/memory.h"
 #include "io/store/h5_private.h"
 
 /* Datasets are read back in pieces of at most this many bytes. */
@@ -44,24 +44,14 @@ static h5_entry *find(const h5_file *file, const char *path, const char *attr) {
   return NULL;
 }
 
-bool h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements) {
-  if (!file->on_disk) return true;
+void h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements) {
+  if (!file->on_disk) return;
   if (file->n_entries == file->most_entries) {
-    size_t most = 2 * file->most_entries + 64;
-    h5_entry *longer = realloc(file->journal, most * sizeof *longer);
-    if (!longer) return false;
-    file->journal = longer;
-    file->most_entries = most;
+    file->most_entries = 2 * file->most_entries + 64;
+    file->journal = memory_grow(file->journal, file->most_entries, sizeof *file->journal);
   }
-  h5_entry e = {
-      .path = format_text("%s", path), .attr = attr ? format_text("%s", attr) : NULL, .expected = elements};
-  if (!e.path || (attr && !e.attr)) {
-    free(e.path);
-    free(e.attr);
-    return false;
-  }
-  file->journal[file->n_entries++] = e;
-  return true;
+  file->journal[file->n_entries++] =
+      (h5_entry){.path = memory_text(path), .attr = memory_text(attr), .expected = elements};
 }
 
 void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
@@ -111,9 +101,9 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   size_t each, element = element_of(type, &each), row = each;
   for (int k = 1; k < rank; k++) row *= (size_t)dims[k];
   hsize_t rows = rank == 0 ? 1 : dims[0], piece = PIECE_BYTES / (row * element + 1) + 1;
-  unsigned char *data =
-      element <= 8 ? malloc((size_t)(piece < rows ? piece : rows) * row * element + 1) : NULL;
-  bool good = data && rank >= 0;
+  unsigned char *data = NULL;
+  const size_t most = (size_t)(piece < rows ? piece : rows);
+  bool good = rank >= 0 && element <= 8 && memory_resize(1, (memory_column[]){{&data, most, row * element}});
   *elements = *sum = 0;
   for (hsize_t at = 0; good && row > 0 && at < rows; at += piece) {
     hsize_t n = rows - at < piece ? rows - at : piece;
@@ -127,11 +117,13 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   return good;
 }
 
-static bool sum_attr(hid_t attr, uint64_t *elements, uint64_t *sum) {
+/* One of another size than was written is damaged, and not read. */
+static bool sum_attr(hid_t attr, uint64_t expected, uint64_t *elements, uint64_t *sum) {
   hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
   size_t each, element = element_of(type, &each);
   hssize_t n = H5Sget_simple_extent_npoints(space);
-  unsigned char *data = n >= 0 && element <= 8 ? malloc((size_t)n * each * element + 1) : NULL;
+  const bool whole = n >= 0 && element <= 8 && (uint64_t)n * each == expected;
+  unsigned char *data = whole ? memory_new((size_t)n * each, element) : NULL;
   bool good = data && H5Aread(attr, type, data) >= 0;
   *elements = good ? (uint64_t)n * each : 0;
   *sum = good ? h5_sum(data, (size_t)*elements, element, 0) : 0;
@@ -146,7 +138,7 @@ static bool is_there(const h5_file *file, const h5_entry *e) {
   hid_t id = e->attr ? H5Aopen_by_name(file->id, e->path, e->attr, H5P_DEFAULT, H5P_DEFAULT)
                      : H5Dopen2(file->id, e->path, H5P_DEFAULT);
   if (id < 0) return false;
-  bool good = e->attr ? sum_attr(id, &elements, &sum) : sum_set(id, &elements, &sum);
+  bool good = e->attr ? sum_attr(id, e->expected, &elements, &sum) : sum_set(id, &elements, &sum);
   if (e->attr)
     H5Aclose(id);
   else

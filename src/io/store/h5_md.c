@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/h5_private.h"
 
@@ -38,7 +39,6 @@ static sd_status read_steps(const h5_file *file, const char *group, h5_element *
   size_t dims[H5_MAX_RANK];
   int rank;
   char *path = format_text("%s/%s/step", group, e->name);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read %s", file->path);
   sd_status status = SD_OK;
   if (h5_is_link(file, path)) {
     status = fail(file, group, messages, e->name, "has steps behind a link, which is not followed");
@@ -65,7 +65,6 @@ static sd_status find_element(const h5_file *file, const char *group, h5_element
   size_t dims[H5_MAX_RANK];
   int rank;
   char *path = format_text("%s/%s/value", group, e->name);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read %s", file->path);
   e->framed = h5_exists(file, path);
   sd_status status = e->framed ? h5_shape(file, path, &rank, dims, messages) : SD_OK;
   if (status == SD_OK && e->framed && (rank < 1 || dims[0] == 0))
@@ -194,7 +193,7 @@ const char *h5_absence(const h5_file *file, const char *group) {
   static const char *const names[] = {"activity", "id"};
   for (size_t k = is_ours(file) ? 0 : 1; k < 2; k++) {
     char *path = format_text("%s/%s", group, names[k]);
-    const bool there = path && h5_exists(file, path);
+    const bool there = h5_exists(file, path);
     free(path);
     if (there) return names[k];
   }
@@ -204,7 +203,6 @@ const char *h5_absence(const h5_file *file, const char *group) {
 sd_status h5_absent(const h5_file *file, const char *group, const h5_element *e, const double *value,
                     size_t n, bool *gone, sd_messages *messages) {
   char *path = format_text(e->framed ? "%s/%s/value" : "%s/%s", group, e->name);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read %s", file->path);
   const bool id = strcmp(e->name, "id") == 0;
   double fill = 0;
   const bool given = id && fill_value(file, path, &fill);
@@ -226,7 +224,7 @@ typedef struct groups {
   const char *const *tails; /* of datasets in a group that is taken */
   char *name[MOST_GROUPS];  /* "/particles/NAME" */
   size_t n;
-  bool lost; /* no memory, or too many */
+  bool lost; /* there are more */
 } groups;
 
 /* h5_visitor */
@@ -241,9 +239,8 @@ static void take_group(void *user, const char *path, sd_type type, bool text, in
   if (strcmp(tail, g->tails[0]) != 0 && strcmp(tail, g->tails[1]) != 0) return;
   for (size_t k = 0; k < g->n; k++)
     if (strlen(g->name[k]) == first + name && strncmp(g->name[k], path, first + name) == 0) return;
-  char *copy = g->n < MOST_GROUPS ? format_text("%.*s", (int)(first + name), path) : NULL;
-  if (copy)
-    g->name[g->n++] = copy;
+  if (g->n < MOST_GROUPS)
+    g->name[g->n++] = format_text("%.*s", (int)(first + name), path);
   else
     g->lost = true;
 }
@@ -259,7 +256,7 @@ char *h5_only_particles(const char *path) {
   char *only = NULL;
   if (h5_open(path, &file, NULL) != SD_OK) return NULL;
   const bool listed = !h5_exists(file, "/state") && h5_visit(file, take_group, &g, NULL) == SD_OK;
-  if (listed && g.n == 1 && !g.lost) only = format_text("%s", g.name[0]);
+  if (listed && g.n == 1 && !g.lost) only = memory_text(g.name[0]);
   free_groups(&g);
   h5_close(file, NULL);
   return only;
@@ -276,7 +273,6 @@ static sd_status read_edges(const h5_file *file, const char *group, int *dimensi
   if (status != SD_OK) return status;
   if (!e[0].framed) *step = -1;
   char *path = format_text(e[0].framed ? "%s/box/edges/value" : "%s/box/edges", group);
-  if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to read %s", file->path);
   status = h5_shape(file, path, &rank, dims, messages);
   const size_t *inner = dims + e[0].framed, d = inner[0];
   const int inner_rank = rank - e[0].framed;
@@ -321,7 +317,6 @@ static sd_status box_of_group(const h5_file *file, const char *group, h5_box *bo
   sd_status status = read_edges(file, group, &d, a, &box->step, messages);
   if (status == SD_OK) status = check_edges(file, group, a, messages);
   char *path = format_text("%s/box", group);
-  if (status == SD_OK && !path) status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", file->path);
   char *words = status == SD_OK ? h5_words(file, path, "boundary") : NULL;
   if (status == SD_OK) h5_get_attr_f64s(file, path, "lower", (size_t)d, lower);
   const char *word = words ? words : "";

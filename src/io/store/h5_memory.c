@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
@@ -24,8 +25,7 @@ void h5_memory_name(char *name, size_t size) {
 sd_status h5_new(h5_file **out, sd_messages *messages) {
   char name[40];
   h5_memory_name(name, sizeof name);
-  sd_status status = h5_allocate(name, out, messages);
-  if (status != SD_OK) return status;
+  *out = h5_allocate(name);
   (*out)->memory = (*out)->writing = true;
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_core(access, GROWTH, false);
@@ -42,9 +42,7 @@ sd_status h5_new(h5_file **out, sd_messages *messages) {
 sd_status h5_new_borrowing(uint64_t bytes, h5_file **out, sd_messages *messages) {
   char name[40];
   h5_memory_name(name, sizeof name);
-  sd_status status = h5_allocate(name, out, messages);
-  if (status != SD_OK) return status;
-  h5_file *file = *out;
+  h5_file *file = *out = h5_allocate(name);
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_alignment(access, H5_LOAN_LEAST, H5_LOAN_ALIGNED);
   file->id = h5_set_pages(access, (size_t)(2 * bytes) + BESIDES)
@@ -80,10 +78,10 @@ static sd_status whole_image(h5_file *file, const char *path, image *m, sd_messa
   h5_attr(file, "/", "sealed", SD_I64, 0, &one);
   h5_flush_sets(file);
   const unsigned char *bytes = file->failed ? NULL : image_of(file->id, &m->size);
-  if (bytes) m->pieces = calloc(2 * file->n_loans + 1, sizeof *m->pieces);
-  if (!m->pieces)
+  if (!bytes)
     return sd_fail(messages, SD_ERROR_IO, "cannot build %s: %s", path,
                    file->trouble ? file->trouble : "no memory");
+  m->pieces = memory_new(2 * file->n_loans + 1, sizeof *m->pieces);
   size_t at = 0;
   for (size_t k = 0; k < file->n_loans; k++) {
     const h5_loan *loan = &file->loans[k];
@@ -125,11 +123,12 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
   sd_status status = whole_image(file, "the file in memory", &m, messages);
   if (status == SD_OK) {
     *size = m.size + H5_SEAL_BYTES;
-    unsigned char *copy = *data = malloc(*size);
-    if (copy) {
+    unsigned char *copy = NULL;
+    if (memory_resize(1, (memory_column[]){{&copy, *size, 1}})) {
       for (size_t k = 0, at = 0; k < m.n; at += m.pieces[k++].size)
         memcpy(copy + at, m.pieces[k].bytes, m.pieces[k].size);
       h5_make_seal(m.size, file_sum(FILE_SUM, copy, m.size), copy + m.size);
+      *data = copy;
     } else {
       status = sd_fail(messages, SD_ERROR_IO, "no memory for a copy of %zu bytes", *size);
     }
@@ -149,8 +148,7 @@ sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messag
     return sd_fail(messages, SD_ERROR_IO, "the saved bytes are damaged: their checksum does not fit");
   char name[40];
   h5_memory_name(name, sizeof name);
-  sd_status status = h5_allocate(name, out, messages);
-  if (status != SD_OK) return status;
+  *out = h5_allocate(name);
   hid_t access = H5Pcreate(H5P_FILE_ACCESS);
   H5Pset_fapl_core(access, GROWTH, false);
   H5Pset_file_image(access, (void *)(uintptr_t)data, body);

@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
+#include "base/memory.h"
 #include "io/store/h5_private.h"
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
@@ -20,8 +21,8 @@ typedef struct pages {
 static H5FD_t *pages_open(const char *name, unsigned flags, hid_t access, haddr_t most) {
   (void)name, (void)most;
   const size_t *room = H5Pget_driver_info(access);
-  pages *p = room && (flags & H5F_ACC_CREAT) ? calloc(1, sizeof *p) : NULL;
-  if (!p) return NULL;
+  if (!room || !(flags & H5F_ACC_CREAT)) return NULL;
+  pages *p = memory_new(1, sizeof *p);
   p->room = *room;
   p->bytes = mmap(NULL, p->room, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (p->bytes != MAP_FAILED) return &p->base;

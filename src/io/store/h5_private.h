@@ -70,7 +70,7 @@ struct h5_file {
 };
 
 /* An empty record of a file, and its end. */
-sd_status h5_allocate(const char *path, h5_file **out, sd_messages *messages);
+h5_file *h5_allocate(const char *path);
 void h5_release(h5_file *file);
 /* Writes rows that are still held, or in the chunk caches. */
 void h5_flush_sets(h5_file *file);
@@ -78,8 +78,8 @@ void h5_flush_sets(h5_file *file);
 /* --- h5_journal.c ----------------------------------------------------------------------------------- */
 /* Sum over elements, each with its place, so that pieces add up in any order. */
 uint64_t h5_sum(const void *data, size_t n, size_t element, uint64_t first);
-/* Makes or finds the entry of an object with so many elements. False: no memory. */
-bool h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements);
+/* Makes or finds the entry of an object with so many elements. */
+void h5_expect(h5_file *file, const char *path, const char *attr, uint64_t elements);
 /* Elements first ... first + n - 1 were put there. */
 void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n, size_t element,
              uint64_t first);

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/shortage.h"
 #include "io/store/h5_private.h"
 
@@ -40,12 +41,14 @@ static void read_attr(reading *r, hid_t attr) {
   hid_t type = H5Aget_type(attr), space = H5Aget_space(attr);
   const hssize_t n = H5Sget_simple_extent_npoints(space);
   const size_t size = H5Tget_size(type);
-  unsigned char *data = n > 0 && size > 0 && (uint64_t)n <= PIECE / size ? calloc((size_t)n, size) : NULL;
-  if (data && H5Aread(attr, type, data) >= 0)
-    H5Dvlen_reclaim(type, space, H5P_DEFAULT, data);
-  else
-    r->failed |= data != NULL;
-  free(data);
+  if (n > 0 && size > 0 && (uint64_t)n <= PIECE / size) {
+    unsigned char *data = memory_new((size_t)n, size);
+    if (H5Aread(attr, type, data) >= 0)
+      H5Dvlen_reclaim(type, space, H5P_DEFAULT, data);
+    else
+      r->failed = true;
+    free(data);
+  }
   H5Sclose(space);
   H5Tclose(type);
 }
@@ -110,8 +113,9 @@ static void read_set(reading *r, hid_t set) {
   hsize_t dims[H5S_MAX_RANK] = {0}, box[H5S_MAX_RANK] = {0};
   const int rank = H5Sget_simple_extent_dims(space, dims, NULL);
   const size_t size = H5Tget_size(type), bytes = rank > 0 ? choose_box(set, size, rank, dims, box) : size;
-  unsigned char *data =
-      rank >= 0 && bytes > 0 && bytes <= (size_t)LIMIT_CHUNK * LIMIT_MIB ? calloc(1, bytes) : NULL;
+  unsigned char *data = NULL;
+  if (rank >= 0 && bytes > 0 && bytes <= (size_t)LIMIT_CHUNK * LIMIT_MIB)
+    (void)memory_rows(1, (memory_column[]){{&data, bytes, 1}}); /* without memory it is not looked at */
   bool good = true;
   if (data && rank == 0) {
     good = H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
@@ -163,9 +167,16 @@ static int compare_small(int fd, const char *path, uint64_t small) {
   return status != SD_OK ? UNREADABLE : sum == small ? GOOD : OTHER_SUM;
 }
 
+/* The reader, who will lack it, too, tells of that. */
+static void leave_without_memory(size_t bytes) {
+  (void)bytes;
+  _exit(UNREADABLE);
+}
+
 /* Says nothing, leaves no core, and comes to an end. Memory that was not written holds no zeros: a library that reads it
  * then crashes here, and not later by chance. */
 static void be_quiet(uint64_t bytes) {
+  sd_on_no_memory(leave_without_memory);
   mallopt(M_PERTURB, 0xa5);
   const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
   if (nothing >= 0) {

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
-#include "base/shortage.h"
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
 
@@ -14,10 +14,7 @@
 static bool is_there(const h5_file *file, const char *path, bool *link) {
   *link = false;
   if (path[0] == '/' && path[1] == 0) return true;
-  char *copy = malloc(strlen(path) + 1);
-  if (!copy) shortage_note();
-  if (!copy) return false;
-  strcpy(copy, path);
+  char *copy = memory_text(path);
   h5_quiet();
   bool there = true;
   for (char *slash = strchr(copy + 1, '/'); there; slash = strchr(slash + 1, '/')) {
@@ -156,10 +153,11 @@ void *h5_column(const h5_file *file, const char *path, sd_type type, size_t n, s
                 sd_messages *messages) {
   /* a damaged number does not get to ask for memory */
   if (*status == SD_OK) *status = h5_check(file, path, n, messages);
-  void *data = *status == SD_OK ? calloc(n ? n : 1, sd_type_size(type)) : NULL;
+  void *data = NULL;
   if (*status == SD_OK)
-    *status = data ? h5_get(file, path, type, n, data, messages)
-                   : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
+    *status = memory_rows(1, (memory_column[]){{&data, n, sd_type_size(type)}})
+                  ? h5_get(file, path, type, n, data, messages)
+                  : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
   if (*status == SD_OK) return data;
   free(data);
   return NULL;
@@ -214,16 +212,13 @@ static char *read_text(hid_t id, bool attribute) {
       char *found = NULL;
       herr_t result = attribute ? H5Aread(id, memory, &found)
                                 : H5Dread(id, memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, &found);
-      if (result >= 0 && found && !(text = malloc(strlen(found) + 1))) shortage_note();
-      if (text) strcpy(text, found);
+      if (result >= 0) text = memory_text(found);
       if (found) H5free_memory(found);
       H5Tclose(memory);
     } else {
-      text = calloc(H5Tget_size(type) + 1, 1);
-      if (!text) shortage_note();
-      herr_t result = !text       ? -1
-                      : attribute ? H5Aread(id, type, text)
-                                  : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
+      text = memory_new(H5Tget_size(type) + 1, 1);
+      herr_t result =
+          attribute ? H5Aread(id, type, text) : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text);
       if (result < 0) {
         free(text);
         text = NULL;
@@ -292,16 +287,11 @@ static char *join_words(const char *raw, size_t n, size_t size, bool variable) {
       const char *word = raw + k * size;
       if (variable) memcpy(&word, raw + k * size, sizeof word);
       const size_t length = !word ? 0 : variable ? strlen(word) : strnlen(word, size);
-      if (to) {
-        if (word) memcpy(to, word, length);
-        to[length] = '\n';
-        to += length + 1;
-      }
+      if (to) to += sprintf(to, "%.*s\n", (int)length, word ? word : "");
       total += length + 1;
     }
-    if (!to && !(to = text = calloc(total, 1))) break;
+    if (!to) to = text = memory_new(total, 1);
   }
-  if (!text) shortage_note();
   return text;
 }
 
@@ -314,10 +304,10 @@ char *h5_words(const h5_file *file, const char *path, const char *name) {
   const bool variable = H5Tis_variable_str(type) > 0;
   const size_t size = variable ? sizeof(char *) : H5Tget_size(type);
   char *text = NULL;
-  if (H5Tget_class(type) == H5T_STRING && n > 0 && n <= LIMIT_COLUMNS && size <= LIMIT_MIB) {
-    char *raw = calloc((size_t)n, size);
-    if (!raw) shortage_note();
-    const bool got = raw && H5Aread(attr, memory, raw) >= 0;
+  if (H5Tget_class(type) == H5T_STRING && n > 0 && n <= LIMIT_COLUMNS && size <= LIMIT_MIB &&
+      (size_t)n * size <= (size_t)LIMIT_TEXT * LIMIT_MIB) {
+    char *raw = memory_new((size_t)n, size);
+    const bool got = H5Aread(attr, memory, raw) >= 0;
     if (got) text = join_words(raw, (size_t)n, size, variable);
     if (got && variable) H5Dvlen_reclaim(memory, space, H5P_DEFAULT, raw);
     free(raw);
@@ -354,14 +344,9 @@ static herr_t list_link(hid_t group, const char *name, const H5L_info_t *info, v
   const walk *at = user;
   if (info->type != H5L_TYPE_HARD) return 0;
   if (++*at->listed > LIMIT_LINKS || at->depth > LIMIT_GROUPS) return -1;
-  char *path = malloc(strlen(at->group) + strlen(name) + 2);
-  if (!path) shortage_note();
-  hid_t object = path ? H5Oopen(group, name, H5P_DEFAULT) : H5I_INVALID_HID;
-  if (object < 0) {
-    free(path);
-    return -1;
-  }
-  sprintf(path, "%s/%s", at->group, name);
+  hid_t object = H5Oopen(group, name, H5P_DEFAULT);
+  if (object < 0) return -1;
+  char *path = format_text("%s/%s", at->group, name);
   herr_t result = 0;
   if (H5Iget_type(object) == H5I_GROUP) {
     walk below = {at->file, at->visit, at->user, path, at->depth + 1, at->listed};

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/memory.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
 
@@ -125,9 +126,9 @@ static void add_data(tally *t, hid_t id, bool attribute, hid_t type, hid_t space
   bool plain =
       kind == H5T_INTEGER || kind == H5T_FLOAT || (kind == H5T_STRING && H5Tis_variable_str(type) == 0);
   if (!plain || n <= 0 || (uint64_t)n > SMALL || (uint64_t)n * size > SMALL) return;
-  unsigned char *data = malloc((size_t)n * size);
-  bool good = data && (attribute ? H5Aread(id, type, data)
-                                 : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data)) >= 0;
+  unsigned char *data = memory_new((size_t)n, size);
+  bool good =
+      (attribute ? H5Aread(id, type, data) : H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data)) >= 0;
   if (good) add(t, data, (size_t)n * size);
   t->failed = t->failed || !good;
   free(data);

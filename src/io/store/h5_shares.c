@@ -4,6 +4,7 @@
 #include <string.h>
 #include <sys/resource.h>
 
+#include "base/memory.h"
 #include "base/runs.h"
 #include "base/shortage.h"
 #include "base/text.h"
@@ -79,12 +80,13 @@ void h5_shares_free(h5_shares *s) {
 /* A copy of the file in memory, that can be written. */
 static sd_status take_image(h5_file *file, sd_messages *messages) {
   const ssize_t n = H5Fget_file_image(file->id, NULL, 0);
-  void *image = n > 0 ? malloc((size_t)n) : NULL;
+  void *image = NULL;
+  const bool room = n > 0 && memory_resize(1, (memory_column[]){{&image, (size_t)n, 1}});
   hid_t id = H5I_INVALID_HID, access = H5Pcreate(H5P_FILE_ACCESS);
   char name[40];
   h5_memory_name(name, sizeof name);
   H5Pset_fapl_core(access, (size_t)1 << 20, false);
-  if (image && H5Fget_file_image(file->id, image, (size_t)n) == n &&
+  if (room && H5Fget_file_image(file->id, image, (size_t)n) == n &&
       H5Pset_file_image(access, image, (size_t)n) >= 0)
     id = H5Fopen(name, H5F_ACC_RDWR, access);
   H5Pclose(access);
@@ -99,7 +101,6 @@ static sd_status take_image(h5_file *file, sd_messages *messages) {
 static sd_status open_share(h5_shares *s, int folder, size_t k, int64_t sum) {
   uint64_t found = 0;
   char *path = h5_share_path(s->head->path, k);
-  if (!path) return no_memory(s);
   sd_status status = h5_open_sealed(folder, path, &s->file[k], &found, s->messages);
   if (status == SD_OK && found != (uint64_t)sum)
     status = sd_fail(s->messages, SD_ERROR_IO, "%s is not the share that %s names", path, s->head->path);
@@ -123,8 +124,7 @@ static sd_status open_shares(h5_shares *s, int folder) {
   int64_t *sums = h5_column(s->head, "/shares", SD_I64, dims[0], &status, s->messages);
   if (status != SD_OK) return status;
   allow_files(dims[0]);
-  s->file = calloc(dims[0] + 1, sizeof *s->file);
-  if (!s->file) status = no_memory(s);
+  s->file = memory_new(dims[0], sizeof *s->file);
   for (; status == SD_OK && s->n < dims[0]; s->n++) status = open_share(s, folder, s->n, sums[s->n]);
   free(sums);
   return status;
@@ -152,12 +152,8 @@ static sd_status read_keys(h5_shares *s, shared_group *g, const char *keys, size
 /* Places take the room of the keys. */
 static sd_status merge_keys(const h5_shares *s, shared_group *g) {
   runs heads;
-  size_t *at = calloc(s->n + 1, sizeof *at);
-  if (runs_new(&heads, s->n) != SD_OK || !at) {
-    runs_free(&heads);
-    free(at);
-    return no_memory(s);
-  }
+  if (runs_new(&heads, s->n) != SD_OK) return no_memory(s);
+  size_t *at = memory_new(s->n, sizeof *at);
   assert(g->rows && g->place);
   for (size_t k = 0; k < s->n; k++)
     if (g->rows[k] > 0) runs_add(&heads, k, g->place[k][0]);
@@ -176,9 +172,9 @@ static sd_status merge_keys(const h5_shares *s, shared_group *g) {
 
 static sd_status order_group(h5_shares *s, shared_group *g) {
   char *keys = format_text("%s/key", g->name);
-  g->rows = calloc(s->n + 1, sizeof *g->rows);
-  g->place = calloc(s->n + 1, sizeof *g->place);
-  sd_status status = keys && g->rows && g->place ? SD_OK : no_memory(s);
+  g->rows = memory_new(s->n, sizeof *g->rows);
+  g->place = memory_new(s->n, sizeof *g->place);
+  sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < s->n; k++) status = read_keys(s, g, keys, k);
   if (status == SD_OK && s->n > 0) g->each = (size_t)h5_get_attr_i64(s->file[0], keys, "each", 0);
   free(keys);
@@ -220,7 +216,7 @@ static void stand_for(h5_file *head, const h5_file *share, const char *from, con
   const bool there = h5_exists(head, set->path);
   for (size_t k = 0; k < sizeof names / sizeof *names; k++)
     texts[k] = h5_get_attr_text(there ? head : share, there ? set->path : from, names[k]);
-  if (there && H5Ldelete(head->id, set->path, H5P_DEFAULT) < 0) head->failed = true;
+  if (there && H5Ldelete(head->id, set->path, H5P_DEFAULT) < 0) h5_no_memory(head, set->path);
   h5_make(head, set->path, set->type, rank, dims, false);
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
     if (texts[k]) h5_attr_text(head, set->path, names[k], texts[k]);
@@ -236,16 +232,9 @@ static void take_set(void *user, const char *path, sd_type type, bool text, int 
   if (s->status != SD_OK || text || rank < 1 || strncmp(path, s->listed->name, n) != 0 || path[n] != '/' ||
       strcmp(path + n, "/key") == 0)
     return;
-  h5_shared_set *sets = realloc(s->set, (s->n_sets + 1) * sizeof *sets);
-  if (sets) s->set = sets;
-  char *copy = format_text("%s", path + n);
-  if (!sets || !copy) {
-    free(copy);
-    s->status = no_memory(s);
-    return;
-  }
-  h5_shared_set *set = &sets[s->n_sets++];
-  *set = (h5_shared_set){.path = copy, .group = s->listed, .type = type};
+  s->set = memory_grow(s->set, s->n_sets + 1, sizeof *s->set);
+  h5_shared_set *set = &s->set[s->n_sets++];
+  *set = (h5_shared_set){.path = memory_text(path + n), .group = s->listed, .type = type};
   memcpy(whole, dims, (size_t)rank * sizeof *whole);
   s->status = shape_set(s, set, &rank, whole);
   if (s->status == SD_OK) stand_for(s->head, s->listed_in, path, set, rank, whole);
@@ -264,8 +253,7 @@ static sd_status take_sets(h5_shares *s, const shared_group *g) {
 }
 
 sd_status h5_join(h5_file *file, int folder, sd_messages *messages) {
-  h5_shares *s = calloc(1, sizeof *s);
-  if (!s) return sd_fail(messages, SD_ERROR_IO, "no memory to put %s together", file->path);
+  h5_shares *s = memory_new(1, sizeof *s);
   *s = (h5_shares){.head = file, .group = {{.name = "/disks"}, {.name = "/contacts"}}, .messages = messages};
   sd_status status = open_shares(s, folder);
   for (size_t g = 0; status == SD_OK && g < GROUPS; g++) status = order_group(s, &s->group[g]);
@@ -312,11 +300,9 @@ static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type
   const size_t end = first_at(place, set->group->rows[k], (int64_t)to);
   if (at == end) return SD_OK;
   char *path = format_text("%s%s", set->group->name, set->path);
-  char *piece = malloc((end - at < most ? end - at : most) * row);
-  sd_status status =
-      path && piece ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);
+  char *piece = memory_grow(NULL, end - at < most ? end - at : most, row);
+  sd_status status = SD_OK;
   for (size_t n; status == SD_OK && at < end; at += n) {
-    assert(piece);
     n = end - at < most ? end - at : most;
     status = h5_get_values(s->file[k], path, type, at, n, set->width, piece, messages);
     for (size_t i = 0; status == SD_OK && i < n; i++)
@@ -331,10 +317,10 @@ static sd_status get_piece(const h5_shares *s, const h5_shared_set *set, sd_type
 static sd_status get_own(const h5_shared_set *set, sd_type type, size_t first, size_t n, void *data,
                          sd_messages *messages) {
   const size_t values = n * set->width, from = sd_type_size(set->type), to = sd_type_size(type);
-  char *copy = malloc(values * (from > to ? from : to));
-  if (copy) memcpy(copy, set->own + first * set->width * from, values * from);
-  const bool good =
-      copy && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
+  char *copy = NULL;
+  bool good = memory_resize(1, (memory_column[]){{&copy, values, from > to ? from : to}});
+  if (good) memcpy(copy, set->own + first * set->width * from, values * from);
+  good = good && H5Tconvert(h5_native(set->type), h5_native(type), values, copy, NULL, H5P_DEFAULT) >= 0;
   if (good) memcpy(data, copy, values * to);
   free(copy);
   return good ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to read %s", set->path);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/h5.h"
 #include "io/store/h5_private.h"
@@ -16,6 +17,9 @@ typedef struct table {
   size_t n_columns;
   const char *const *columns;
   double *values;
+  double *data;   /* of one column, as it was read */
+  bool *gone;     /* [rows]: holds no particle */
+  uint32_t *kept; /* [rows]: for rows.kept */
   h5_range rows;
   bool sized;    /* their number is known */
   bool too_long; /* reported */
@@ -25,6 +29,10 @@ typedef struct table {
 static sd_status user_error(const table *t, const char *column, const char *what) {
   return sd_fail(t->messages, SD_ERROR_USER, "%s: %s: column \"%s\": %s", t->file->path, t->path, column,
                  what);
+}
+
+static sd_status no_memory(const table *t) {
+  return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
 }
 
 /* The first column fixes the number of rows. */
@@ -39,12 +47,21 @@ static sd_status size_rows(table *t, const char *column, size_t n) {
     r->all = n;
     if (r->first > n) r->first = n;
     if (r->n > n - r->first) r->n = n - r->first;
+    if (!memory_rows(3, (memory_column[]){{&t->values, r->n * t->n_columns, sizeof *t->values},
+                                          {&t->gone, r->n, sizeof *t->gone},
+                                          {&t->kept, r->n, sizeof *t->kept}}))
+      return no_memory(t);
     t->sized = true;
-    t->values = calloc(r->n * t->n_columns + 1, sizeof *t->values);
-    if (!t->values) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
   }
   return n == t->rows.all ? SD_OK
                           : user_error(t, column, "has another number of rows than the columns before");
+}
+
+/* Room for n values of a column. */
+static bool has_room(table *t, size_t n) {
+  const bool enough = memory_resize(1, (memory_column[]){{&t->data, n, sizeof *t->data}});
+  if (!enough) no_memory(t);
+  return enough;
 }
 
 static bool is_number(hid_t type) {
@@ -52,7 +69,7 @@ static bool is_number(hid_t type) {
   return kind == H5T_INTEGER || kind == H5T_FLOAT || kind == H5T_ENUM;
 }
 
-/* Copies one column, as read, to its place in the rows. */
+/* Copies one column to its place in the rows. */
 static void scatter(table *t, size_t column, const double *data) {
   for (size_t k = 0; k < t->rows.n; k++) t->values[k * t->n_columns + column] = data[k];
 }
@@ -104,11 +121,10 @@ static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
   size_t rows = points < 0 ? SIZE_MAX : (size_t)points;
   H5Sclose(space);
   sd_status status = size_rows(t, "", rows);
-  if (t->too_long) return status;
+  if (status != SD_OK) return status;
   const bool line = rank == 1;
   const hsize_t start[H5_MAX_RANK] = {t->rows.first}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
-  double *data = calloc((line ? t->rows.n : rows) + 1, sizeof *data);
-  if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  if (!has_room(t, line ? t->rows.n : rows)) return SD_ERROR_IO;
   for (size_t c = 0; status != SD_ERROR_IO && c < t->n_columns; c++) {
     int member = H5Tget_member_index(type, t->columns[c]);
     hid_t kind = member < 0 ? H5I_INVALID_HID : H5Tget_member_type(type, (unsigned)member);
@@ -121,18 +137,17 @@ static sd_status read_compound(table *t, hid_t set, hid_t type, int rank) {
       H5Tinsert(one, t->columns[c], 0, H5T_NATIVE_DOUBLE);
       const char *trouble = NULL;
       if (t->rows.n > 0 && line)
-        trouble = read_box(set, one, start, count, data);
-      else if (t->rows.n > 0 && H5Dread(set, one, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+        trouble = read_box(set, one, start, count, t->data);
+      else if (t->rows.n > 0 && H5Dread(set, one, H5S_ALL, H5S_ALL, H5P_DEFAULT, t->data) < 0)
         trouble = "cannot be read";
       if (trouble)
         status = user_error(t, t->columns[c], trouble);
       else
-        scatter(t, c, line ? data : data + t->rows.first);
+        scatter(t, c, line ? t->data : t->data + t->rows.first);
       H5Tclose(one);
     }
     if (kind >= 0) H5Tclose(kind);
   }
-  free(data);
   return status;
 }
 
@@ -178,22 +193,20 @@ static sd_status check_names(const table *t, const char *names, size_t width) {
 static sd_status read_matrix(table *t, hid_t set, size_t rows, size_t width) {
   sd_status status = size_rows(t, "", rows);
   if (status != SD_OK) return status;
-  double *data = calloc(t->rows.n + 1, sizeof *data);
-  if (!data) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  if (!has_room(t, t->rows.n)) return SD_ERROR_IO;
   char *names = h5_words(t->file, t->path, "columns");
   status = check_names(t, names, width);
   for (size_t c = 0; names && status == SD_OK && c < t->n_columns; c++) {
     const size_t from = find_name(names, t->columns[c]);
     const hsize_t start[H5_MAX_RANK] = {t->rows.first, from}, count[H5_MAX_RANK] = {t->rows.n, 1, 1, 1};
     const char *trouble = from >= width ? "is not among the names in attribute \"columns\"" : NULL;
-    if (!trouble && t->rows.n > 0) trouble = read_box(set, H5T_NATIVE_DOUBLE, start, count, data);
+    if (!trouble && t->rows.n > 0) trouble = read_box(set, H5T_NATIVE_DOUBLE, start, count, t->data);
     if (trouble)
       status = user_error(t, t->columns[c], trouble);
     else
-      scatter(t, c, data);
+      scatter(t, c, t->data);
   }
   free(names);
-  free(data);
   return status;
 }
 
@@ -244,7 +257,7 @@ static sd_status find_source(const table *t, size_t c, h5_element *elements, siz
   const char *name = t->columns[c], *element = name;
   char *path = path_of(t, name, false), *fixed = NULL, *framed = NULL;
   *from = (source){.component = -1};
-  for (size_t k = 0; path && !h5_exists(t->file, path) && k < sizeof aliases / sizeof *aliases; k++)
+  for (size_t k = 0; !h5_exists(t->file, path) && k < sizeof aliases / sizeof *aliases; k++)
     if (strcmp(aliases[k].column, name) == 0) {
       element = aliases[k].element;
       from->component = aliases[k].component;
@@ -252,9 +265,7 @@ static sd_status find_source(const table *t, size_t c, h5_element *elements, siz
   fixed = path_of(t, element, false);
   framed = path_of(t, element, true);
   sd_status status = SD_OK;
-  if (!path || !fixed || !framed)
-    status = sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  else if (is_set(t->file, fixed) || is_set(t->file, framed))
+  if (is_set(t->file, fixed) || is_set(t->file, framed))
     from->element = add_element(elements, n, element);
   else if (h5_is_link(t->file, path) || h5_is_link(t->file, fixed) || h5_is_link(t->file, framed))
     status = user_error(t, name, "is a link, which is not followed");
@@ -279,13 +290,14 @@ static const char *read_rows(const table *t, const h5_element *e, const char *pa
   return trouble;
 }
 
-/* What an element holds of the rows asked for, `width` numbers each, to be freed; NULL: reported. component < 0: one. */
-static double *read_values(table *t, const h5_element *e, const char *name, int component, size_t *width) {
+/* What an element holds of the rows asked for, `width` numbers each, valid until the next; NULL: reported. component < 0:
+ * one. */
+static const double *read_values(table *t, const h5_element *e, const char *name, int component,
+                                 size_t *width) {
   size_t dims[H5_MAX_RANK];
   int rank;
   char *path = path_of(t, e->name, e->framed);
-  double *data = NULL;
-  if (!path || h5_shape(t->file, path, &rank, dims, t->messages) != SD_OK) {
+  if (h5_shape(t->file, path, &rank, dims, t->messages) != SD_OK) {
     free(path);
     return NULL;
   }
@@ -294,30 +306,28 @@ static double *read_values(table *t, const h5_element *e, const char *name, int 
   if (rank - e->framed != (component < 0 ? 1 : 2) ||
       (component >= 0 && ((size_t)component >= inner[1] || inner[1] > MOST_COMPONENTS)))
     trouble = "has not the shape of one value per particle";
+  bool room = false;
   if (!trouble && size_rows(t, name, inner[0]) == SD_OK) {
     const h5_range *r = &t->rows;
     const bool shared = h5_shared_set_of(t->file, path) != NULL;
     *width = component < 0 ? 1 : inner[1];
     const size_t n = (shared ? r->all : r->n) * *width;
-    data = calloc(n + 1, sizeof *data);
-    if (!data) {
-      sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-    } else if (shared) { /* rows of shares come a frame at a time */
+    room = has_room(t, n);
+    double *data = t->data;
+    if (room && shared) { /* rows of shares come a frame at a time */
       const sd_status got = e->framed ? h5_get_values(t->file, path, SD_F64, e->frame, 1, n, data, NULL)
                                       : h5_get(t->file, path, SD_F64, n, data, NULL);
       if (got != SD_OK) trouble = "cannot be read as numbers";
       memmove(data, data + r->first * *width, r->n * *width * sizeof *data);
-    } else if (!e->framed && h5_check(t->file, path, r->all * *width, NULL) != SD_OK) {
+    } else if (room && !e->framed && h5_check(t->file, path, r->all * *width, NULL) != SD_OK) {
       trouble = "cannot be read as numbers";
-    } else {
+    } else if (room) {
       trouble = read_rows(t, e, path, *width, data);
     }
   }
   free(path);
-  if (!trouble) return data;
-  user_error(t, name, trouble);
-  free(data);
-  return NULL;
+  if (trouble) user_error(t, name, trouble);
+  return trouble || !room ? NULL : t->data;
 }
 
 static bool is_gone(const bool *gone, size_t k) { return gone && gone[k]; }
@@ -347,8 +357,8 @@ static sd_status check_fill(const table *t, const h5_element *e, const double *d
                             const bool *gone) {
   double fill;
   char *path = path_of(t, e->name, e->framed);
-  sd_status status = path ? SD_OK : sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  const bool given = path && h5_is_fill(t->file, path, &fill);
+  sd_status status = SD_OK;
+  const bool given = h5_is_fill(t->file, path, &fill);
   free(path);
   for (size_t k = 0; k < t->rows.n && status == SD_OK; k++) {
     bool filled = given && !is_gone(gone, k);
@@ -364,36 +374,31 @@ static sd_status check_fill(const table *t, const h5_element *e, const double *d
 
 static sd_status read_column(table *t, size_t c, const source *from, const h5_element *e, const bool *gone) {
   size_t width = 1;
-  double *data = read_values(t, e, t->columns[c], from->component, &width);
+  const double *data = read_values(t, e, t->columns[c], from->component, &width);
   if (!data) return SD_ERROR_USER;
   sd_status status = check_fill(t, e, data, width, gone);
   if (status == SD_OK && from->component >= 0) status = check_plane(t, e, data, width, gone);
   const double *first = data + (from->component < 0 ? 0 : (size_t)from->component);
   for (size_t k = 0; status == SD_OK && k < t->rows.n; k++)
     t->values[k * t->n_columns + c] = first[k * width];
-  free(data);
   return status;
 }
 
-/* Which rows hold no particle; *gone is to be freed. */
-static sd_status read_absent(table *t, const h5_element *e, bool **gone) {
+/* Which rows hold no particle. */
+static sd_status read_absent(table *t, const h5_element *e) {
   size_t width = 1;
-  double *data = read_values(t, e, e->name, -1, &width);
+  const double *data = read_values(t, e, e->name, -1, &width);
   if (!data) return SD_ERROR_USER;
-  *gone = calloc(t->rows.n + 1, sizeof **gone);
-  const sd_status status = *gone ? h5_absent(t->file, base_of(t), e, data, t->rows.n, *gone, t->messages)
-                                 : sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
-  free(data);
-  return status;
+  return h5_absent(t->file, base_of(t), e, data, t->rows.n, t->gone, t->messages);
 }
 
 /* Leaves out rows without a particle. */
-static sd_status leave_out(table *t, const bool *gone) {
+static void leave_out(table *t, const bool *gone) {
   size_t n = 0;
   for (size_t k = 0; k < t->rows.n; k++) n += !is_gone(gone, k);
-  if (n == t->rows.n) return SD_OK;
-  t->rows.kept = calloc(n + 1, sizeof *t->rows.kept);
-  if (!t->rows.kept) return sd_fail(t->messages, SD_ERROR_IO, "no memory to read %s", t->file->path);
+  if (n == t->rows.n) return;
+  t->rows.kept = t->kept;
+  t->kept = NULL;
   n = 0;
   for (size_t k = 0; k < t->rows.n; k++) {
     if (gone[k]) continue;
@@ -402,7 +407,6 @@ static sd_status leave_out(table *t, const bool *gone) {
   }
   t->rows.n = n;
   t->rows.all = 0;
-  return SD_OK;
 }
 
 /* Every column that is missing or cannot be read gets its message. */
@@ -410,7 +414,7 @@ static sd_status read_group(table *t) {
   h5_element elements[MOST_ELEMENTS];
   source from[MOST_ELEMENTS] = {0};
   size_t n = 0, absence = SIZE_MAX;
-  bool *gone = NULL;
+  const bool *gone = NULL;
   sd_status status, worst = SD_OK;
   if (t->n_columns >= MOST_ELEMENTS) return user_error(t, t->columns[MOST_ELEMENTS - 1], "is one too many");
   for (size_t c = 0; c < t->n_columns; c++)
@@ -419,12 +423,14 @@ static sd_status read_group(table *t) {
   const char *name = h5_absence(t->file, base_of(t));
   if (name) absence = add_element(elements, &n, name);
   worst = h5_moment(t->file, base_of(t), elements, n, &t->rows.step, t->messages);
-  if (worst == SD_OK && name) worst = read_absent(t, &elements[absence], &gone);
+  if (worst == SD_OK && name) {
+    worst = read_absent(t, &elements[absence]);
+    gone = t->gone;
+  }
   for (size_t c = 0; (worst == SD_OK || c > 0) && c < t->n_columns && !t->too_long; c++)
     if ((status = read_column(t, c, &from[c], &elements[from[c].element], gone)) != SD_OK && worst == SD_OK)
       worst = status;
-  if (worst == SD_OK) worst = leave_out(t, gone);
-  free(gone);
+  if (worst == SD_OK) leave_out(t, gone);
   return worst;
 }
 
@@ -472,6 +478,9 @@ sd_status h5_read_table(const char *file, const char *dataset, size_t n_columns,
     status = H5Iget_type(object) == H5I_DATASET ? read_set(&t, object) : read_group(&t);
   if (object >= 0) H5Oclose(object);
   h5_close(h5, NULL);
+  free(t.data);
+  free(t.gone);
+  free(t.kept);
   if (status == SD_OK) {
     *values = t.values;
     *rows = t.rows;

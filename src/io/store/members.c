@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 
 /* Names since format 5, and before. */
@@ -17,8 +18,8 @@ static const struct renamed {
 enum { RENAMED = sizeof renamed / sizeof *renamed };
 
 char *members_path(const h5_file *file, const char *path) {
-  char *found = format_text("%s", path);
-  for (size_t k = 0; found && k < RENAMED && !h5_exists(file, found); k++) {
+  char *found = memory_text(path);
+  for (size_t k = 0; k < RENAMED && !h5_exists(file, found); k++) {
     const char *at = strstr(path, renamed[k].now), *after = at ? at + strlen(renamed[k].now) : NULL;
     if (!at || at == path || at[-1] != '/' || (*after && *after != '/')) continue;
     free(found);
@@ -35,45 +36,55 @@ static const char *attr_name(const h5_file *file, const char *path, const char *
 
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit, const char *meaning) {
+  if (!h5_have(file, data, group)) return;
   char *path = format_text("%s/%s", group, name);
-  if (h5_have(file, path && data, group)) {
-    h5_put(file, path, type, rank, dims, data, compress);
-    h5_attr_text(file, path, "unit", unit);
-    h5_attr_text(file, path, "description", meaning);
-  }
+  h5_put(file, path, type, rank, dims, data, compress);
+  h5_attr_text(file, path, "unit", unit);
+  h5_attr_text(file, path, "description", meaning);
   free(path);
+}
+
+/* Room for n rows of any of the observables, to be freed; NULL: no memory. */
+static void *make_room(const observable_list *list, size_t n) {
+  size_t most = 1;
+  void *room;
+  for (size_t k = 0; k < list->n; k++) {
+    const size_t row = list->rows[k].width * sd_type_size(observable_stored(&list->rows[k]));
+    most = row > most ? row : most;
+  }
+  return memory_rows(1, (memory_column[]){{&room, n, most}}) ? room : NULL;
 }
 
 void members_write(h5_file *file, const char *group, const observable_list *list, const void *first,
                    size_t stride, size_t n) {
   h5_group(file, group);
-  for (size_t k = 0; k < list->n; k++) {
+  void *dense = make_room(list, n);
+  for (size_t k = 0; h5_have(file, dense, group) && k < list->n; k++) {
     const observable *o = &list->rows[k];
     assert(o->width >= 1);
     sd_type type = observable_stored(o);
     size_t dims[2] = {n, o->width};
-    void *dense = calloc(n * o->width + 1, sd_type_size(type));
-    for (size_t i = 0; dense && i < n * o->width; i++)
+    for (size_t i = 0; i < n * o->width; i++)
       observable_store(o, dense, i,
                        observable_value(o, (const char *)first + i / o->width * stride, i % o->width));
     members_put(file, group, o->name, type, o->width > 1 ? 2 : 1, dims, dense, true, o->unit, o->meaning);
-    free(dense);
   }
+  free(dense);
 }
 
 sd_status members_read(const h5_file *file, const char *group, const observable_list *list, void *first,
                        size_t stride, size_t n, sd_messages *messages) {
   sd_status status = SD_OK;
+  void *dense = NULL;
   for (size_t k = 0; status == SD_OK && k < list->n; k++) {
     const observable *o = &list->rows[k];
     if (o->get) continue;
     sd_type type = observable_stored(o);
-    char *wanted = format_text("%s/%s", group, o->name), *path = wanted ? members_path(file, wanted) : NULL;
+    char *wanted = format_text("%s/%s", group, o->name), *path = members_path(file, wanted);
     free(wanted);
-    bool there = path && (k == 0 || h5_exists(file, path));
+    bool there = k == 0 || h5_exists(file, path);
     if (there) status = h5_check(file, path, n * o->width, messages);
-    void *dense = status == SD_OK ? calloc(n * o->width + 1, sd_type_size(type)) : NULL;
-    if (status == SD_OK && (!dense || !path))
+    if (status == SD_OK && !dense && !(dense = make_room(list, n)))
       status = sd_fail(messages, SD_ERROR_IO, "no memory for %s", group);
     if (status == SD_OK && there) status = h5_get(file, path, type, n * o->width, dense, messages);
     for (size_t i = 0; status == SD_OK && i < n * o->width; i++)
@@ -81,9 +92,9 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
                      there            ? observable_load(o, dense, i)
                      : type == SD_F64 ? NAN
                                       : 0);
-    free(dense);
     free(path);
   }
+  free(dense);
   return status;
 }
 
@@ -117,8 +128,7 @@ void members_read_attrs(const h5_file *file, const char *path, const observable_
 void members_write_lines(h5_file *file, const char *path, size_t n, char *const *lines) {
   size_t total = 1;
   for (size_t k = 0; k < n; k++) total += (lines[k] ? strlen(lines[k]) : 0) + 1;
-  char *text = malloc(total), *at = text;
-  if (!h5_have(file, text, path)) return;
+  char *text = memory_new(total, 1), *at = text;
   for (size_t k = 0; k < n; k++) at += sprintf(at, "%s\n", lines[k] ? lines[k] : "");
   assert((size_t)(at - text) == total - 1);
   *at = 0;
@@ -130,13 +140,12 @@ sd_status members_read_lines(const h5_file *file, const char *path, size_t n, ch
                              sd_messages *messages) {
   char *text = h5_get_text(file, path);
   const char *at = text ? text : "";
-  sd_status status = SD_OK;
+  (void)messages;
   for (size_t k = 0; k < n; k++) {
     size_t length = strcspn(at, "\n");
     lines[k] = format_text("%.*s", (int)length, at);
-    if (!lines[k]) status = sd_fail(messages, SD_ERROR_IO, "no memory to read %s", path);
     at += length + (at[length] != 0);
   }
   free(text);
-  return status;
+  return SD_OK;
 }

@@ -17,13 +17,13 @@ sd_status members_read(const h5_file *file, const char *group, const observable_
 void members_write_attrs(h5_file *file, const char *path, const observable_list *list, const void *row);
 void members_read_attrs(const h5_file *file, const char *path, const observable_list *list, void *row);
 
-/* Where this dataset is in a file, which may have it by the name of an older format; to be freed, NULL: no memory. */
+/* Where this dataset is in a file, which may have it by the name of an older format; to be freed. */
 char *members_path(const h5_file *file, const char *path);
 
-/* A dataset in a group, with unit and description. */
+/* A dataset in a group, with unit and description. data NULL: there was no memory for it. */
 void members_put(h5_file *file, const char *group, const char *name, sd_type type, int rank,
                  const size_t *dims, const void *data, bool compress, const char *unit, const char *meaning);
-/* Lines of one text. Reading: missing ones become empty; each is to be freed. */
+/* Lines of one text. Reading: missing ones become empty; each is to be freed; it never fails. */
 void members_write_lines(h5_file *file, const char *path, size_t n, char *const *lines);
 sd_status members_read_lines(const h5_file *file, const char *path, size_t n, char **lines,
                              sd_messages *messages);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
 #include "base/text.h"
 
 void table_free(table *t) {
@@ -21,30 +22,27 @@ void table_free(table *t) {
 sd_status table_add(table *t, const char *path, sd_type type, int rank, const size_t *dims, const char *unit,
                     const char *meaning, sd_messages *messages) {
   assert(t->n_rows == 0 && rank >= 0 && rank <= 2 && (rank == 0 || dims));
-  table_column *columns = realloc(t->columns, (t->n_columns + 1) * sizeof *columns);
-  if (!columns) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
-  t->columns = columns;
-  table_column *c = &columns[t->n_columns++];
+  (void)messages;
+  t->columns = memory_grow(t->columns, t->n_columns + 1, sizeof *t->columns);
+  table_column *c = &t->columns[t->n_columns++];
   *c = (table_column){.type = type, .rank = rank, .width = 1, .dims = {1, 1}};
   for (int k = 0; k < rank; k++) {
     c->dims[k] = dims[k];
     c->width *= dims[k];
   }
-  c->path = format_text("%s", path);
-  c->unit = format_text("%s", unit);
-  c->meaning = format_text("%s", meaning);
-  if (c->path && c->unit && c->meaning) return SD_OK;
-  return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  c->path = memory_text(path);
+  c->unit = memory_text(unit);
+  c->meaning = memory_text(meaning);
+  return SD_OK;
 }
 
 sd_status table_add_clock(table *t, const char *element, sd_messages *messages) {
   char *step = format_text("%s/step", element), *time = format_text("%s/time", element);
-  sd_status status = step && time ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
-  if (status == SD_OK) status = table_add(t, step, SD_I64, 0, NULL, "1", "steps since the start", messages);
-  if (status == SD_OK) status = table_add(t, time, SD_F64, 0, NULL, "time", "step * dt", messages);
+  table_add(t, step, SD_I64, 0, NULL, "1", "steps since the start", messages);
+  table_add(t, time, SD_F64, 0, NULL, "time", "step * dt", messages);
   free(step);
   free(time);
-  return status;
+  return SD_OK;
 }
 
 sd_status table_add_observable(table *t, const char *group, const observable *o, const char *ending, size_t n,
@@ -52,11 +50,9 @@ sd_status table_add_observable(table *t, const char *group, const observable *o,
   const size_t dims[2] = {n, o->width};
   int rank = n == 0 ? 0 : o->width == 1 || o->width >= OBSERVABLE_CHOSEN ? 1 : 2;
   char *path = format_text("%s/%s%s", group, o->name, ending);
-  sd_status status = path
-                         ? table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning, messages)
-                         : sd_fail(messages, SD_ERROR_IO, "no memory for the results");
+  table_add(t, path, observable_stored(o), rank, dims, o->unit, o->meaning, messages);
   free(path);
-  return status;
+  return SD_OK;
 }
 
 static size_t row_bytes(const table_column *c) { return c->width * sd_type_size(c->type); }
@@ -66,9 +62,8 @@ sd_status table_reserve(table *t, size_t n, sd_messages *messages) {
   size_t capacity = t->n_rows + n + t->n_rows / 2;
   for (size_t k = 0; k < t->n_columns; k++) {
     table_column *c = &t->columns[k];
-    unsigned char *data = realloc(c->data, capacity * row_bytes(c) + 1);
-    if (!data) return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
-    c->data = data;
+    if (!memory_resize(1, (memory_column[]){{&c->data, capacity, row_bytes(c)}}))
+      return sd_fail(messages, SD_ERROR_IO, "no memory for the results");
   }
   t->capacity = capacity;
   assert(t->n_rows + n <= t->capacity);
@@ -130,7 +125,7 @@ static void annotate(const table *t, h5_file *file) {
     int length = element_of(c->path);
     if (length == 0) continue;
     char *step = format_text("%.*s/step", length, c->path), *time = format_text("%.*s/time", length, c->path);
-    if (h5_have(file, step && time, c->path) && strcmp(step, t->columns[0].path) != 0) {
+    if (strcmp(step, t->columns[0].path) != 0) {
       h5_link(file, t->columns[0].path, step);
       h5_link(file, t->columns[1].path, time);
     }
