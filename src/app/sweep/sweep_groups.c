@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "app/sweep/sweep_scheduler.h"
+#include "base/memory.h"
 
 typedef struct entry {
   size_t kind; /* point with which its kind begins; its own: alone */
@@ -49,39 +50,33 @@ static size_t largest(const sweep_groups *g) {
   return best;
 }
 
-bool sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers) {
+void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers) {
   size_t n_kinds = w->s->deck.n_sets;
-  entry *entries = calloc(n + 1, sizeof *entries);
-  size_t *begins = malloc((n_kinds + 1) * sizeof *begins);
-  *g = (sweep_groups){
-      .order = calloc(n + 1, sizeof *g->order), .list = calloc(n + 1, sizeof *g->list), .capacity = n + 1};
-  bool memory = entries && begins && g->order && g->list;
-  if (memory) {
-    for (size_t k = 0; k < n_kinds; k++) begins[k] = SIZE_MAX;
-    sort(entries, w, points, n, begins);
-    for (size_t k = 0; k < n; k++) {
-      g->order[k] = entries[k].point;
-      bool same = k > 0 && entries[k].kind == entries[k - 1].kind;
-      if (!same || g->list[g->n - 1].n >= w->width) g->list[g->n++] = (sweep_group){.first = k};
-      g->list[g->n - 1].n++;
-    }
-    for (size_t k; g->n > 0 && g->n < workers && (k = largest(g), g->list[k].n > 1);) halve(g, k);
+  entry *entries = memory_new(n, sizeof *entries);
+  size_t *begins = memory_new(n_kinds, sizeof *begins);
+  *g = (sweep_groups){.order = memory_new(n, sizeof *g->order),
+                      .list = memory_new(n + 1, sizeof *g->list),
+                      .capacity = n + 1};
+  for (size_t k = 0; k < n_kinds; k++) begins[k] = SIZE_MAX;
+  sort(entries, w, points, n, begins);
+  for (size_t k = 0; k < n; k++) {
+    g->order[k] = entries[k].point;
+    bool same = k > 0 && entries[k].kind == entries[k - 1].kind;
+    if (!same || g->list[g->n - 1].n >= w->width) g->list[g->n++] = (sweep_group){.first = k};
+    g->list[g->n - 1].n++;
   }
+  for (size_t k; g->n > 0 && g->n < workers && (k = largest(g), g->list[k].n > 1);) halve(g, k);
   free(entries);
   free(begins);
-  return memory;
 }
 
-bool sweep_groups_put_off(sweep_groups *g, sweep_group one) {
+void sweep_groups_put_off(sweep_groups *g, sweep_group one) {
   if (g->n == g->capacity) {
-    sweep_group *list = realloc(g->list, 2 * g->capacity * sizeof *list);
-    if (!list) return false;
-    g->list = list;
     g->capacity *= 2;
+    g->list = memory_grow(g->list, g->capacity, sizeof *g->list);
   }
   one.late = true;
   g->list[g->n++] = one;
-  return true;
 }
 
 void sweep_groups_free(sweep_groups *g) {

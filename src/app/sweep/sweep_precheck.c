@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/text.h"
+#include "base/memory.h"
 #include "app/app.h"
 #include "app/sweep/sweep.h"
 #include "model/advice.h"
@@ -61,7 +61,7 @@ static void look_at_advice(precheck *v, size_t point, const sd_model *model) {
     double bad = advice_checks[k](model, mine);
     if (bad > 0 && (a->n++ == 0 || bad > a->worst)) {
       free(a->warning);
-      *a = (advice){a->n, point, bad, format_text("%s", sd_messages_text(mine, 0))};
+      *a = (advice){a->n, point, bad, memory_text(sd_messages_text(mine, 0))};
     }
     sd_messages_free(mine);
   }
@@ -92,16 +92,12 @@ static void conclude(const precheck *v, bool all, sd_messages *messages) {
 }
 
 sd_status sweep_precheck(const sweep *s, int64_t *steps, int *kinds, size_t *usable, sd_messages *messages) {
-  precheck v = {.s = s, .steps = steps, .kinds = kinds};
-  size_t *first = malloc((s->deck.n_sets + 1) * sizeof *first);
-  v.collected = calloc(s->deck.n_collect + 1, sizeof *v.collected);
-  v.advice = calloc(advice_count, sizeof *v.advice);
-  if (!first || !v.collected || !v.advice) {
-    free(first);
-    free(v.collected);
-    free(v.advice);
-    return sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
-  }
+  precheck v = {.s = s,
+                .steps = steps,
+                .kinds = kinds,
+                .collected = memory_new(s->deck.n_collect, sizeof *v.collected),
+                .advice = memory_new(advice_count, sizeof *v.advice)};
+  size_t *first = memory_new(s->deck.n_sets, sizeof *first);
   for (size_t k = 0; k < s->deck.n_sets; k++) first[k] = SIZE_MAX;
   for (size_t k = 0; k < s->deck.n_points; k++) {
     steps[k] = 0;

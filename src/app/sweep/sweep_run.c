@@ -19,6 +19,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "app/app.h"
 #include "app/sweep/sweep_scheduler.h"
 #include "run/ensemble.h"
@@ -169,14 +170,9 @@ static size_t count_workers(const scheduler *w) {
   return w->c->workers > 0 ? w->n_workers : (size_t)comm_size();
 }
 
-static bool run_round(scheduler *w, const size_t *todo, size_t n) {
+static void run_round(scheduler *w, const size_t *todo, size_t n) {
   sweep_groups_free(&w->groups);
-  if (!sweep_groups_make(&w->groups, w, todo, n, count_workers(w))) {
-    fprintf(stderr, "error: no memory for the sweep\n");
-    sweep_worsen(w, SD_ERROR_IO);
-    if (comm_size() > 1) comm_abort(SD_ERROR_IO); /* the others would wait */
-    return false;
-  }
+  sweep_groups_make(&w->groups, w, todo, n, count_workers(w));
   if (w->round++ == 0 && comm_rank() == 0 && !w->c->quiet) sweep_show_start(w);
   if (w->c->workers > 0)
     sweep_run_workers(w);
@@ -184,16 +180,15 @@ static bool run_round(scheduler *w, const size_t *todo, size_t n) {
     run_ranks(w);
   else
     run_one_after_the_other(w);
-  return true;
 }
 
 static int run_all(scheduler *w, size_t *todo) {
   size_t n = agree_on_todo(w, todo);
   if (n == REFUSED) return SD_ERROR_USER;
-  while (run_round(w, todo, n)) {
+  do {
+    run_round(w, todo, n);
     n = comm_size() > 1 || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
-    if (n == 0) break;
-  }
+  } while (n > 0);
   /* one rank judges: the others may see the files of their neighbours late */
   if (comm_rank() != 0) return w->worst;
   sweep_make_tables(w, true);
@@ -231,31 +226,26 @@ static int prepare_and_run(scheduler *w, size_t *todo) {
   return status == SD_OK ? run_all(w, todo) : status;
 }
 
-/* False: no memory. */
-static bool make_scheduler(scheduler *w) {
+static void make_scheduler(scheduler *w) {
   size_t n_points = w->s->deck.n_points;
   size_t places = w->n_workers * w->width;
-  w->workers = calloc(w->n_workers, sizeof *w->workers);
-  w->steps = calloc(n_points + 1, sizeof *w->steps);
-  w->kinds = calloc(n_points + 1, sizeof *w->kinds);
-  w->tried = calloc(n_points + 1, 1);
-  w->seen = calloc(n_points + 1, 1);
-  w->doubts = calloc(n_points + 1, 1);
-  w->points = calloc(places, sizeof *w->points);
-  w->told = calloc(places, sizeof *w->told);
+  w->workers = memory_new(w->n_workers, sizeof *w->workers);
+  w->steps = memory_new(n_points, sizeof *w->steps);
+  w->kinds = memory_new(n_points, sizeof *w->kinds);
+  w->tried = memory_new(n_points, 1);
+  w->seen = memory_new(n_points, 1);
+  w->doubts = memory_new(n_points, 1);
+  w->points = memory_new(places, sizeof *w->points);
+  w->told = memory_new(places, sizeof *w->told);
   w->cells = mmap(NULL, places * sizeof *w->cells, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (w->cells == MAP_FAILED) w->cells = NULL;
-  if (!w->workers || !w->steps || !w->kinds || !w->tried || !w->seen || !w->doubts || !w->points ||
-      !w->told || !w->cells)
-    return false;
+  if (w->cells == MAP_FAILED) memory_lacks(places * sizeof *w->cells);
   for (size_t k = 0; k < w->n_workers; k++)
     w->workers[k] = (worker){
         .points = w->points + k * w->width, .told = w->told + k * w->width, .cells = w->cells + k * w->width};
-  return true;
 }
 
 static void free_scheduler(scheduler *w) {
-  if (w->cells) munmap(w->cells, w->n_workers * w->width * sizeof *w->cells);
+  munmap(w->cells, w->n_workers * w->width * sizeof *w->cells);
   free(w->workers);
   free(w->steps);
   free(w->kinds);
@@ -291,14 +281,9 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
     if ((size_t)c->last < w.end) w.end = (size_t)c->last + 1;
   }
   w.began = w.tabled = clock_seconds();
-  size_t *todo = calloc(s->deck.n_points + 1, sizeof *todo);
-  if (make_scheduler(&w) && todo) {
-    status = prepare_and_run(&w, todo);
-  } else {
-    fprintf(stderr, "error: no memory for the sweep\n");
-    status = SD_ERROR_IO;
-    if (comm_size() > 1) comm_abort(status); /* the others would wait */
-  }
+  size_t *todo = memory_new(s->deck.n_points + 1, sizeof *todo);
+  make_scheduler(&w);
+  status = prepare_and_run(&w, todo);
   free_scheduler(&w);
   free(todo);
   if (c->workers == 0) {

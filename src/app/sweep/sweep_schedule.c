@@ -123,7 +123,10 @@ size_t sweep_next(scheduler *w, size_t *points) {
     bool begun = false;
     for (size_t k = 0; one.n > 1 && !one.late && k < one.n; k++)
       begun = begun || sweep_peek(w->s, g->order[one.first + k]) == SWEEP_RUNNING;
-    if (begun && sweep_groups_put_off(g, one)) continue;
+    if (begun) {
+      sweep_groups_put_off(g, one);
+      continue;
+    }
     size_t n = sweep_sift(w, one, points);
     if (n > 0) return n;
   }

@@ -81,10 +81,10 @@ void sweep_show_start(const scheduler *w);
 void sweep_show_end(scheduler *w);
 
 /* --- sweep_groups.c ---------------------------------------------------------------------------------- */
-/* Puts n points into groups for so many workers; *g holds nothing yet. False: no memory. */
-bool sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers);
-/* Puts one at the end of the list. False: no memory. */
-bool sweep_groups_put_off(sweep_groups *g, sweep_group one);
+/* Puts n points into groups for so many workers; *g holds nothing yet. */
+void sweep_groups_make(sweep_groups *g, const scheduler *w, const size_t *points, size_t n, size_t workers);
+/* Puts one at the end of the list. */
+void sweep_groups_put_off(sweep_groups *g, sweep_group one);
 void sweep_groups_free(sweep_groups *g);
 
 /* --- sweep_schedule.c ------------------------------------------------------------------------------------- */
