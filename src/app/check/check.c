@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "app/app.h"
 #include "app/check/check.h"
 #include "base/shortage.h"
@@ -65,10 +66,11 @@ static int by_size(const void *a, const void *b) {
 
 /* Median mass of the free disks of a material; 0: there is none. */
 static double typical_mass(const sd_model *m, int material) {
-  double *mass = malloc((m->n_disks ? m->n_disks : 1) * sizeof *mass), middle = 0;
+  double *mass = NULL, middle = 0;
   size_t n = 0;
-  if (!mass) shortage_note();
-  for (size_t i = 0; mass && i < m->n_disks; i++)
+  const bool room = memory_resize(1, (memory_column[]){{&mass, m->n_disks, sizeof *mass}});
+  if (!room) shortage_note();
+  for (size_t i = 0; room && i < m->n_disks; i++)
     if (m->disks[i].material == material && !m->disks[i].driven) mass[n++] = m->disks[i].mass;
   if (n) {
     qsort(mass, n, sizeof *mass, by_size);
@@ -165,11 +167,11 @@ typedef struct pace {
 
 /* The speed in lanes, measured with the deck as it stands in all of them. */
 static double probe_lanes(const sd_model *m, size_t width) {
-  sd_simulation **all = calloc(width, sizeof *all);
-  sd_messages **messages = calloc(width, sizeof *messages);
-  sd_status *status = calloc(width, sizeof *status);
+  sd_simulation **all = memory_new(width, sizeof *all);
+  sd_messages **messages = memory_new(width, sizeof *messages);
+  sd_status *status = memory_new(width, sizeof *status);
   ensemble *e = NULL;
-  bool good = all && messages && status;
+  bool good = true;
   for (size_t k = 0; good && k < width; k++) {
     messages[k] = sd_messages_new();
     good = sd_simulation_new(m, 1, &all[k], messages[k]) == SD_OK;
@@ -184,7 +186,7 @@ static double probe_lanes(const sd_model *m, size_t width) {
   }
   double done = good ? (double)sd_simulation_stage(all[0]).step : 0;
   ensemble_free(e);
-  for (size_t k = 0; all && messages && k < width; k++) {
+  for (size_t k = 0; k < width; k++) {
     sd_simulation_free(all[k]);
     sd_messages_free(messages[k]);
   }
@@ -236,17 +238,15 @@ static sd_status look_at_sweep(const options *o, check_found *f, sd_messages *me
   size_t usable;
   sd_status status = sweep_open(&s, o->deck, o->overrides.n, o->overrides.item, "", messages);
   size_t n = s.deck.n_points;
-  int64_t *steps = calloc(n + 1, sizeof *steps);
-  int *kinds = calloc(n + 1, sizeof *kinds);
-  entry *entries = calloc(n + 1, sizeof *entries);
-  bool memory = steps && kinds && entries;
-  if (status == SD_OK && !memory) status = sd_fail(messages, SD_ERROR_IO, "no memory for the sweep");
+  int64_t *steps = memory_new(n, sizeof *steps);
+  int *kinds = memory_new(n, sizeof *kinds);
+  entry *entries = memory_new(n, sizeof *entries);
   if (status == SD_OK) status = sweep_precheck(&s, steps, kinds, &usable, messages);
   pace p = {.alone = speed > 0 ? 1 / speed : 0, .width = ensemble_width()};
   if (status == SD_OK && speed > 0 && p.width > 1 && n > 1 && ensemble_takes(f->model))
     p.together = probe_lanes(f->model, p.width);
-  for (size_t k = 0; memory && k < n; k++) entries[k] = (entry){kinds[k], steps[k]};
-  if (memory) note_sweep(&s, entries, &p, &f->sweep);
+  for (size_t k = 0; k < n; k++) entries[k] = (entry){kinds[k], steps[k]};
+  note_sweep(&s, entries, &p, &f->sweep);
   free(steps);
   free(kinds);
   free(entries);

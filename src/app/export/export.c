@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 
@@ -122,8 +123,8 @@ char *export_type_text(const export_job *job, size_t type) {
 
 static sd_status find_types(export_job *job) {
   const sd_model *m = job->m;
-  job->type_of = calloc(m->n_disks + 1, sizeof *job->type_of);
-  if (!job->type_of) return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
+  if (!memory_rows(1, (memory_column[]){{&job->type_of, m->n_disks, sizeof *job->type_of}}))
+    return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     size_t k = 0;
@@ -133,10 +134,8 @@ static sd_status find_types(export_job *job) {
       k++;
     job->type_of[i] = (uint32_t)k;
     if (k < job->n_types) continue;
-    export_type *types = realloc(job->types, (k + 1) * sizeof *types);
-    if (!types) return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
-    job->types = types;
-    types[job->n_types++] = (export_type){d->material, d->group, d->driven};
+    job->types = memory_grow(job->types, k + 1, sizeof *job->types);
+    job->types[job->n_types++] = (export_type){d->material, d->group, d->driven};
   }
   if (!(job->depth > 0.0)) job->depth = 1.0;
   return SD_OK;
@@ -164,14 +163,13 @@ static sd_status check_single(const export_job *job, const char *format, const a
                  job->range.n, format, job->range.first);
 }
 
-/* "r.extxyz" of ".../r.h5" and of ".../r.h5.parts/"; to be freed, NULL: no memory. */
+/* "r.extxyz" of ".../r.h5" and of ".../r.h5.parts/"; to be freed. */
 static char *default_output(const char *name, const char *ending) {
   static const char parts[] = ".parts";
   size_t length = strlen(name), tail = sizeof parts - 1;
   while (length > 1 && name[length - 1] == '/') length--;
   if (length > tail && strncmp(name + length - tail, parts, tail) == 0) length -= tail;
-  char *result = format_text("%.*s", (int)length, name),
-       *out = result ? app_default_name(result, ending) : NULL;
+  char *result = format_text("%.*s", (int)length, name), *out = app_default_name(result, ending);
   free(result);
   return out;
 }
@@ -193,7 +191,6 @@ static sd_status export(const arguments *a, const struct format *format, sd_mess
   char *named = a->output ? NULL : default_output(a->name, format->ending);
   export_job job = {.source = a->name, .out = a->output ? a->output : named, .f = &f, .messages = messages};
   sd_status status = options_range(a->frames, SIZE_MAX, a->name, &syntax, messages);
-  if (status == SD_OK && !job.out) status = sd_fail(messages, SD_ERROR_IO, "no memory to export");
   if (status == SD_OK) status = stored_open(&f, a->name, &alone, messages);
   if (status == SD_OK) status = stored_count(&f, alone, &count, messages);
   const char *range = a->frames ? a->frames : format->single ? "-1" : NULL;

@@ -45,7 +45,7 @@ typedef struct export_space {
 } export_space;
 export_space export_space_of(const export_job *job, const frame_data *frame);
 
-/* "grain, group lid, fixed"; to be freed, NULL: no memory. */
+/* "grain, group lid, fixed"; to be freed. */
 char *export_type_text(const export_job *job, size_t type);
 /* Words of the deck, "" when there is none. */
 const char *export_material(const export_job *job, int material);

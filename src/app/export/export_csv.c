@@ -6,6 +6,7 @@
 
 #include "app/export/export.h"
 #include "app/measure/measure.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 
@@ -121,7 +122,6 @@ static sd_status series_find(series *s, const h5_file *file, sd_messages *messag
       int rank;
       size_t dims[H5_MAX_RANK] = {0};
       char *path = format_text("/observables/%s/value", lists[l]->rows[k].name);
-      if (!path) return sd_fail(messages, SD_ERROR_IO, "no memory to export");
       if (!h5_exists(file, path)) {
         free(path);
         continue;
@@ -130,10 +130,11 @@ static sd_status series_find(series *s, const h5_file *file, sd_messages *messag
       s->path[s->n] = path;
       sd_status status = h5_shape(file, path, &rank, dims, messages);
       size_t width = rank > 1 ? dims[1] : 1;
-      s->value[s->n] = status == SD_OK ? calloc(BLOCK * width + 1, sizeof(double)) : NULL;
+      double **value = &s->value[s->n];
       s->width[s->n++] = width;
       if (status != SD_OK) return status;
-      if (!s->value[s->n - 1]) return sd_fail(messages, SD_ERROR_IO, "no memory to export");
+      if (!memory_rows(1, (memory_column[]){{value, BLOCK * width, sizeof **value}}))
+        return sd_fail(messages, SD_ERROR_IO, "no memory to export");
     }
   return SD_OK;
 }
@@ -165,22 +166,19 @@ static char *element_name(const export_job *job, const observable *o, size_t k) 
   return format_text("%s[%zu]", o->name, k);
 }
 
-static sd_status series_head(const export_job *job, const series *s, FILE *out, FILE *units) {
+static void series_head(const export_job *job, const series *s, FILE *out, FILE *units) {
   fputs("step,time", out);
   put_unit(units, "series", "step", "1", "steps since the start");
   put_unit(units, "series", "time", "time", "step * dt");
   for (size_t k = 0; k < s->n; k++)
     for (size_t i = 0; i < s->width[k]; i++) {
-      char *name =
-          s->row[k]->width == 1 ? format_text("%s", s->row[k]->name) : element_name(job, s->row[k], i);
-      if (!name) return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
+      char *name = s->row[k]->width == 1 ? memory_text(s->row[k]->name) : element_name(job, s->row[k], i);
       fputc(',', out);
       text_cell(out, name);
       put_unit(units, "series", name, s->row[k]->unit, s->row[k]->meaning);
       free(name);
     }
   fputc('\n', out);
-  return SD_OK;
 }
 
 /* Rows of one file, in blocks. */
@@ -221,7 +219,7 @@ static sd_status put_series(const export_job *job, FILE *out, FILE *units) {
     if (status == SD_OK && h5_exists(file, SERIES_CLOCK "/step")) {
       if (s.n == 0) {
         status = series_find(&s, file, job->messages);
-        if (status == SD_OK) status = series_head(job, &s, out, units);
+        if (status == SD_OK) series_head(job, &s, out, units);
       }
       if (status == SD_OK) status = series_rows(&s, file, out, job->messages);
     }

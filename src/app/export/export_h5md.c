@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/export/export.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/results/provenance.h"
 #include "version.h"
@@ -81,28 +82,25 @@ static void put_column(h5_file *file, const char *name, sd_type type, size_t n, 
   describe(file, path, unit, meaning);
 }
 
-static void put_constants(const export_job *job, h5_file *file) {
+/* room: of three numbers per disk. */
+static void put_constants(const export_job *job, h5_file *file, void *room) {
   const sd_model *m = job->m;
   size_t n = m->n_disks;
-  double *real = calloc(n + 1, sizeof *real);
-  int32_t *whole = calloc(n + 1, sizeof *whole);
-  if (h5_have(file, real && whole, GROUP)) {
-    for (size_t i = 0; i < n; i++) real[i] = m->disks[i].radius;
-    put_column(file, "radius", SD_F64, n, real, "length", "radius");
-    for (size_t i = 0; i < n; i++) real[i] = m->disks[i].mass;
-    put_column(file, "mass", SD_F64, n, real, "mass", "mass");
-    for (size_t i = 0; i < n; i++) real[i] = m->disks[i].inertia;
-    put_column(file, "inertia", SD_F64, n, real, "mass length^2", "moment of inertia about z");
-    for (size_t i = 0; i < n; i++) whole[i] = (int32_t)i;
-    put_column(file, "id", SD_I32, n, whole, "1", "permanent number, as in the deck");
-    for (size_t i = 0; i < n; i++) whole[i] = (int32_t)job->type_of[i] + 1;
-    put_column(file, "species", SD_I32, n, whole, "1",
-               "material, group, free or prescribed: /parameters/species");
-    for (size_t i = 0; i < n; i++) whole[i] = m->disks[i].group;
-    put_column(file, "group", SD_I32, n, whole, "1", "index of the group, -1: none");
-  }
-  free(real);
-  free(whole);
+  double *real = room;
+  int32_t *whole = room;
+  for (size_t i = 0; i < n; i++) real[i] = m->disks[i].radius;
+  put_column(file, "radius", SD_F64, n, real, "length", "radius");
+  for (size_t i = 0; i < n; i++) real[i] = m->disks[i].mass;
+  put_column(file, "mass", SD_F64, n, real, "mass", "mass");
+  for (size_t i = 0; i < n; i++) real[i] = m->disks[i].inertia;
+  put_column(file, "inertia", SD_F64, n, real, "mass length^2", "moment of inertia about z");
+  for (size_t i = 0; i < n; i++) whole[i] = (int32_t)i;
+  put_column(file, "id", SD_I32, n, whole, "1", "permanent number, as in the deck");
+  for (size_t i = 0; i < n; i++) whole[i] = (int32_t)job->type_of[i] + 1;
+  put_column(file, "species", SD_I32, n, whole, "1",
+             "material, group, free or prescribed: /parameters/species");
+  for (size_t i = 0; i < n; i++) whole[i] = m->disks[i].group;
+  put_column(file, "group", SD_I32, n, whole, "1", "index of the group, -1: none");
 }
 
 static void put_head(const export_job *job, h5_file *file) {
@@ -125,11 +123,10 @@ static void put_head(const export_job *job, h5_file *file) {
   h5_attr(file, GROUP "/box", "lower", SD_F64, 3, lower);
   h5_group(file, "/parameters");
   h5_attr_text(file, "/parameters", "source", job->source);
-  char **species = calloc(job->n_types + 1, sizeof *species);
-  for (size_t k = 0; species && k < job->n_types; k++) species[k] = export_type_text(job, k);
-  if (h5_have(file, species, "/parameters/species") && job->n_types > 0)
-    h5_put_texts(file, "/parameters/species", job->n_types, (const char *const *)species);
-  for (size_t k = 0; species && k < job->n_types; k++) free(species[k]);
+  char **species = memory_new(job->n_types, sizeof *species);
+  for (size_t k = 0; k < job->n_types; k++) species[k] = export_type_text(job, k);
+  if (job->n_types > 0) h5_put_texts(file, "/parameters/species", job->n_types, (const char *const *)species);
+  for (size_t k = 0; k < job->n_types; k++) free(species[k]);
   free(species);
   char *deck = h5_get_text(job->f->base, "/parameters/deck_full");
   if (deck) h5_put_text(file, "/parameters/deck_full", deck);
@@ -143,18 +140,17 @@ static void put_row(h5_file *file, int which, size_t row, const void *data) {
   h5_put_rows(file, path_of(path, elements[which].name, "value"), elements[which].type, row, 1, data);
 }
 
-/* room: of three numbers per disk. */
-static void put_frame(const export_job *job, h5_file *file, size_t row, const frame_data *f,
-                      double (*room)[3]) {
+static void put_frame(const export_job *job, h5_file *file, size_t row, const frame_data *f, void *room) {
   size_t n = job->m->n_disks;
-  int32_t(*whole)[3] = (void *)room;
+  double(*real)[3] = room;
+  int32_t(*whole)[3] = room;
   char path[96];
   h5_put_rows(file, path_of(path, "position", "step"), SD_I64, row, 1, &f->step);
   h5_put_rows(file, path_of(path, "position", "time"), SD_F64, row, 1, &f->time);
-  for (size_t i = 0; i < n; i++) memcpy(room[i], f->position[i], sizeof f->position[i]), room[i][2] = 0.0;
-  put_row(file, POSITION, row, room);
-  for (size_t i = 0; i < n; i++) memcpy(room[i], f->velocity[i], sizeof f->velocity[i]), room[i][2] = 0.0;
-  put_row(file, VELOCITY, row, room);
+  for (size_t i = 0; i < n; i++) memcpy(real[i], f->position[i], sizeof f->position[i]), real[i][2] = 0.0;
+  put_row(file, POSITION, row, real);
+  for (size_t i = 0; i < n; i++) memcpy(real[i], f->velocity[i], sizeof f->velocity[i]), real[i][2] = 0.0;
+  put_row(file, VELOCITY, row, real);
   for (size_t i = 0; i < n; i++) memcpy(whole[i], f->image[i], sizeof f->image[i]), whole[i][2] = 0;
   put_row(file, IMAGE, row, room);
   put_row(file, ANGLE, row, f->angle);
@@ -168,9 +164,7 @@ static void put_frame(const export_job *job, h5_file *file, size_t row, const fr
   h5_put_rows(file, GROUP "/box/edges/value", SD_F64, row, 1, edges);
 }
 
-static sd_status put_frames(const export_job *job, h5_file *file) {
-  double(*room)[3] = calloc(job->m->n_disks + 1, sizeof *room);
-  if (!room) return sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
+static sd_status put_frames(const export_job *job, h5_file *file, void *room) {
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < job->range.n && !h5_failed(file); k++) {
     frame_data frame;
@@ -178,24 +172,27 @@ static sd_status put_frames(const export_job *job, h5_file *file) {
     if (status == SD_OK) put_frame(job, file, k, &frame, room);
     frame_data_free(&frame);
   }
-  free(room);
   return status;
 }
 
 sd_status export_h5md(const export_job *job) {
   file_draft draft;
   h5_file *file = NULL;
+  void *room = NULL;
   const double each =
       3 * 8 + 3 * 8 + 3 * 4 + 8 + 8 + 4; /* bytes of a disk in a frame, about what is stored */
   double bytes = 0.6 * each * (double)job->m->n_disks * (double)job->range.n;
   sd_status status = file_draft_new(-1, job->out, &draft, job->messages);
   if (status == SD_OK) status = h5_create(&draft, (uint64_t)bytes, &file, job->messages);
+  if (status == SD_OK && !memory_rows(1, (memory_column[]){{&room, job->m->n_disks, 3 * sizeof(double)}}))
+    status = sd_fail(job->messages, SD_ERROR_IO, "no memory to export");
   if (status == SD_OK) {
     put_head(job, file);
     make_elements(job, file);
-    put_constants(job, file);
-    status = put_frames(job, file);
+    put_constants(job, file, room);
+    status = put_frames(job, file, room);
   }
+  free(room);
   if (status == SD_OK)
     status = h5_finish(file, &draft, job->messages);
   else

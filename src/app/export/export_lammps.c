@@ -129,7 +129,7 @@ static void data_head(const export_job *job, const frame_data *f, FILE *out) {
       m->periodic[0] ? 'p' : 'f', m->periodic[1] ? 'p' : 'f');
   for (size_t t = 0; t < job->n_types; t++) {
     char *text = export_type_text(job, t);
-    fprintf(out, "# type %zu: %.200s\n", t + 1, text ? text : "");
+    fprintf(out, "# type %zu: %.200s\n", t + 1, text);
     free(text);
   }
   for (int driven = 0; driven < 2; driven++) {

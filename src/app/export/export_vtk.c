@@ -1,12 +1,14 @@
 /* export_vtk.c: disks, contacts and walls as polygonal data of VTK, a file each per frame, and lists of them in time. See
  * export.h. Arrays stand behind the XML, as the memory has them.
  */
+#include <assert.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/export/export.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
 
@@ -24,17 +26,15 @@ enum { MOST_ARRAYS = 20 };
 typedef struct piece {
   size_t points, verts, lines, n;
   array arrays[MOST_ARRAYS];
-  bool failed;
+  bool failed; /* no memory */
 } piece;
 
-/* Memory for an array of the piece; NULL: none. */
+/* An array of the piece; NULL: it has failed. */
 static void *add(piece *p, place where, const char *name, bool whole, size_t width, size_t n) {
-  void *data = calloc(n * width + 1, 8);
-  p->failed = p->failed || !data || p->n == MOST_ARRAYS;
-  if (p->failed) {
-    free(data);
-    return NULL;
-  }
+  void *data;
+  assert(p->n < MOST_ARRAYS);
+  p->failed = p->failed || !memory_rows(1, (memory_column[]){{&data, n * width, 8}});
+  if (p->failed) return NULL;
   p->arrays[p->n++] = (array){name, width, n, whole, where, data};
   return data;
 }

@@ -8,6 +8,7 @@
 
 #include "app/app.h"
 #include "base/guess.h"
+#include "base/memory.h"
 #include "io/store/file.h"
 #include "io/results/checkpoint.h"
 #include "io/results/frames.h"
@@ -119,8 +120,8 @@ static sd_status choose_body(const char *word, const sd_model *m, bool *wanted, 
 static sd_status choose_bodies(const arguments *a, const sd_model *m, bool **wanted, sd_messages *messages) {
   *wanted = NULL;
   if (a->bodies.n == 0) return SD_OK;
-  *wanted = calloc(sd_model_bodies(m) + 1, sizeof **wanted);
-  if (!*wanted) return sd_fail(messages, SD_ERROR_IO, "no memory");
+  if (!memory_rows(1, (memory_column[]){{wanted, sd_model_bodies(m), sizeof **wanted}}))
+    return sd_fail(messages, SD_ERROR_IO, "no memory");
   sd_status status = SD_OK;
   for (size_t k = 0; k < a->bodies.n; k++)
     if (choose_body(a->bodies.item[k], m, *wanted, messages) != SD_OK) status = SD_ERROR_USER;
@@ -135,14 +136,14 @@ typedef struct sinks {
   measure_tables *tables;
 } sinks;
 
-static sd_status tell(sinks *s, const measurement *m, sd_messages *messages) {
+static void tell(sinks *s, const measurement *m) {
   if (s->tables) measure_tables_add(s->tables, m);
   if (s->rows)
     measure_row(stdout, m);
   else if (s->page)
     measure_page(stdout, m);
   s->recomputed = s->recomputed || m->c.recomputed;
-  return s->list ? measure_list_add(s->list, m, messages) : SD_OK;
+  if (s->list) measure_list_add(s->list, m);
 }
 
 static sd_status measure_frames(const arguments *a, const frames *f, size_t first, size_t last, sinks *s,
@@ -156,7 +157,7 @@ static sd_status measure_frames(const arguments *a, const frames *f, size_t firs
     if (status == SD_OK)
       status =
           measurement_new(&m, f->constants, &frame, a->wanted ? a->region : NULL, (size_t)a->bins, messages);
-    if (status == SD_OK) status = tell(s, &m, messages);
+    if (status == SD_OK) tell(s, &m);
     measurement_free(&m);
     frame_data_free(&frame);
   }

@@ -27,7 +27,7 @@ typedef struct measure_list {
 /* path (may be NULL): of the file, which gets its name when all is written. measure_list_close also when it fails. */
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
                             sd_messages *messages);
-sd_status measure_list_add(measure_list *l, const measurement *m, sd_messages *messages);
+void measure_list_add(measure_list *l, const measurement *m);
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages);
 
 /* --- measure_tables.c: one file per table in a folder ------------------------------------------------- */

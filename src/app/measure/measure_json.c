@@ -9,11 +9,10 @@
 sd_status measure_list_open(measure_list *l, const char *name, size_t stored, bool screen, const char *path,
                             sd_messages *messages) {
   char *shown = text_clean(format_text("%s", name));
-  json_t *text = shown ? json_string(shown) : NULL;
+  json_t *text = json_string(shown);
   free(shown);
-  *l = (measure_list){.stored = stored, .name = text ? json_dumps(text, JSON_ENCODE_ANY) : NULL};
+  *l = (measure_list){.stored = stored, .name = json_dumps(text, JSON_ENCODE_ANY)};
   json_decref(text);
-  if (!l->name) return sd_fail(messages, SD_ERROR_IO, "no memory");
   if (screen) l->out[0] = stdout;
   if (!path) return SD_OK;
   /* else it is refused when all is done */
@@ -42,11 +41,10 @@ static void put_head(const measure_list *l) {
   put_text(l, ",\n  \"frames\": [");
 }
 
-sd_status measure_list_add(measure_list *l, const measurement *m, sd_messages *messages) {
+void measure_list_add(measure_list *l, const measurement *m) {
   json_t *frame = measure_json(m);
-  char *text = frame ? json_dumps(frame, JSON_INDENT(2)) : NULL;
+  char *text = json_dumps(frame, JSON_INDENT(2));
   json_decref(frame);
-  if (!text) return sd_fail(messages, SD_ERROR_IO, "no memory");
   if (l->n == 0) put_head(l);
   put_text(l, l->n++ > 0 ? "," : "");
   for (const char *at = text; *at;) {
@@ -56,7 +54,6 @@ sd_status measure_list_add(measure_list *l, const measurement *m, sd_messages *m
     at += length + (at[length] == '\n');
   }
   free(text);
-  return SD_OK;
 }
 
 sd_status measure_list_close(measure_list *l, sd_status status, sd_messages *messages) {

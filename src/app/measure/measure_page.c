@@ -131,7 +131,7 @@ static void page_stress(FILE *out, const measurement *m) {
 void measure_page(FILE *out, const measurement *m) {
   const region *g = &m->region;
   char *name = text_escaped(m->file, LIMIT_LINE);
-  fprintf(out, "%s: ", name ? name : "");
+  fprintf(out, "%s: ", name);
   free(name);
   if (m->frame >= 0)
     fprintf(out, "frame %" PRId64, m->frame);

@@ -26,8 +26,7 @@ sd_status measure_tables_open(measure_tables *t, const char *folder, const bool 
   sd_status status = file_make_folder(folder, messages);
   for (int k = 0; status == SD_OK && k < MEASURE_TABLES; k++) {
     char *path = format_text("%s/%s", folder, tables[k].name);
-    status = path ? file_stream_open(path, &t->file[k], messages)
-                  : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", folder);
+    status = file_stream_open(path, &t->file[k], messages);
     t->out[k] = t->file[k].out;
     if (t->out[k] && tables[k].head) fprintf(t->out[k], "%s\n", tables[k].head);
     free(path);
@@ -156,8 +155,7 @@ static sd_status write_means(const char *folder, const char *file, size_t n_disk
                              char *const *names, sd_messages *messages) {
   file_stream stream = {0};
   char *path = format_text("%s/%s", folder, file);
-  sd_status status = path ? file_stream_open(path, &stream, messages)
-                          : sd_fail(messages, SD_ERROR_IO, "no memory to write %s", folder);
+  sd_status status = file_stream_open(path, &stream, messages);
   FILE *out = stream.out;
   for (size_t k = 0; out && k < list->n; k++)
     fprintf(out, "%s%s%s", k ? "," : "", list->rows[k].name, k == 0 && names ? ",name" : "");

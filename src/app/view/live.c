@@ -9,6 +9,7 @@
 #include "app/view/view_data.h"
 #include "app/view/view_series.h"
 #include "base/clock.h"
+#include "base/memory.h"
 
 /* Between two copies: so long, or so many times what the last one took. */
 static const double FRAME_SECONDS = 0.1, ROW_SECONDS = 0.2, ROW_SECONDS_ALONE = 1, COST = 300;
@@ -27,8 +28,7 @@ static bool is_present(live *l) { return clock_seconds() - atomic_load(&l->asked
 /* --- stepping thread -------------------------------------------------------------------------------- */
 
 static void put_frame(live *l, const sd_state *state) {
-  live_frame *f = calloc(1, sizeof *f);
-  if (!f) return;
+  live_frame *f = memory_new(1, sizeof *f);
   atomic_init(&f->users, 1);
   if (frame_data_of_state(&f->data, l->model, state, NULL) != SD_OK) {
     live_frame_release(f);
@@ -139,7 +139,7 @@ bool live_rows(live *l, int64_t *from, view_chunk *c) {
     view_chunk_begin(c, false);
     const double *time = (const double *)(const void *)p.t->columns[1].data;
     view_chunk_add(c, "time", VIEW_EXACT, SD_F64, time + p.from, p.t->n_rows - p.from, 1);
-    if (!view_series_each(l->model, NULL, add_series, &p)) c->failed = true;
+    view_series_each(l->model, NULL, add_series, &p);
   }
   pthread_mutex_unlock(&l->lock);
   return any;
@@ -149,10 +149,10 @@ bool live_rows(live *l, int64_t *from, view_chunk *c) {
 
 static sd_status prepare(live *l, const char *source, sd_messages *messages) {
   const sd_model *m = l->model;
-  l->first = calloc(m->n_disks + 1, sizeof *l->first);
-  l->meta = view_meta(m, "live", m->title, source);
-  if (!l->first || !l->meta || !view_series_each(m, l->meta, NULL, NULL))
+  if (!memory_rows(1, (memory_column[]){{&l->first, m->n_disks, sizeof *l->first}}))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the page");
+  l->meta = view_meta(m, "live", m->title, source);
+  view_series_each(m, l->meta, NULL, NULL);
   for (size_t k = 0; k < m->n_disks; k++) l->first[k] = m->disks[k].position[SD_THETA];
   double from = 0;
   for (size_t k = 0; k < m->n_phases; k++) {
@@ -167,8 +167,7 @@ static sd_status prepare(live *l, const char *source, sd_messages *messages) {
 
 sd_status live_open(const sd_model *model, const char *source, live **out, sd_messages *messages) {
   *out = NULL;
-  live *l = calloc(1, sizeof *l);
-  if (!l) return sd_fail(messages, SD_ERROR_IO, "no memory for the page");
+  live *l = memory_new(1, sizeof *l);
   l->model = model;
   pthread_mutex_init(&l->lock, NULL);
   atomic_init(&l->asked, -HUGE_VAL);

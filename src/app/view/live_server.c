@@ -18,6 +18,7 @@
 #include "app/view/view_data.h"
 #include "app/view/view_page.h"
 #include "base/clock.h"
+#include "base/memory.h"
 
 typedef struct MHD_Connection connection;
 
@@ -65,8 +66,7 @@ static answer of_chunk(view_chunk *c) {
 }
 
 static answer of_json(json_t *object) {
-  char *bytes = object ? json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
-  if (!bytes) return (answer){.status = MHD_HTTP_INTERNAL_SERVER_ERROR};
+  char *bytes = json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17));
   return (answer){MHD_HTTP_OK, text, (unsigned char *)bytes, strlen(bytes)};
 }
 
@@ -75,9 +75,10 @@ static answer get_page(live *l, connection *c) {
   char *bytes = NULL;
   size_t size = 0;
   FILE *out = open_memstream(&bytes, &size);
-  bool good = out && view_page_head(out, l->meta) && view_page_tail(out);
-  if (out) good = fclose(out) == 0 && good;
-  return (answer){good ? MHD_HTTP_OK : MHD_HTTP_INTERNAL_SERVER_ERROR, page, (unsigned char *)bytes, size};
+  if (!out) memory_lacks(0);
+  const bool good = view_page_head(out, l->meta) && view_page_tail(out);
+  if (fclose(out) != 0 || !good) memory_lacks(size);
+  return (answer){MHD_HTTP_OK, page, (unsigned char *)bytes, size};
 }
 
 static answer get_meta(live *l, connection *c) {
@@ -96,7 +97,7 @@ static answer get_series(live *l, connection *c) {
   int64_t from = argument(c, "from", 0);
   view_chunk chunk;
   if (!live_rows(l, &from, &chunk)) return (answer){.status = MHD_HTTP_NO_CONTENT};
-  if (!chunk.failed) json_object_set_new(chunk.head, "from", json_integer(from));
+  json_object_set_new(chunk.head, "from", json_integer(from));
   return of_chunk(&chunk);
 }
 
@@ -165,9 +166,9 @@ static void connection_notice(void *user, connection *c, void **context,
   live *l = user;
   if (what == MHD_CONNECTION_NOTIFY_STARTED) {
     const union MHD_ConnectionInfo *info = MHD_get_connection_info(c, MHD_CONNECTION_INFO_CONNECTION_FD);
-    stranger *s = info ? calloc(1, sizeof *s) : NULL;
-    *context = s;
-    if (!s) return;
+    *context = NULL;
+    if (!info) return;
+    stranger *s = *context = memory_new(1, sizeof *s);
     s->socket = info->connect_fd;
     list(l, s);
   } else if (*context) {

@@ -47,7 +47,7 @@ const command_line app_view_line = {
 /* A result, its folder or a checkpoint; anything else is read as a deck. */
 static bool is_result(const char *name) {
   char *parts = format_text("%s.parts", name);
-  const bool folder = file_is_folder(name) || (parts && file_is_folder(parts));
+  const bool folder = file_is_folder(name) || file_is_folder(parts);
   free(parts);
   return folder || text_ends(name, ".h5") || h5_is_file(name);
 }

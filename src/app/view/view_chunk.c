@@ -8,6 +8,7 @@
 #include <zlib.h>
 
 #include "app/json.h"
+#include "base/memory.h"
 
 static const struct stored {
   const char *name;
@@ -25,7 +26,6 @@ enum { U8, I8, U16, I16, U32, I32, F32, F64 };
 
 void view_chunk_begin(view_chunk *c, bool shuffle) {
   *c = (view_chunk){.head = json_pack("{s:[]}", "columns"), .shuffle = shuffle};
-  c->failed = !c->head;
 }
 
 static double value_at(sd_type type, const void *values, size_t k) {
@@ -44,10 +44,8 @@ static unsigned char *more(view_chunk *c, size_t n) {
   if (c->failed) return NULL;
   if (size > c->room) {
     size_t room = size + size / 2 + 64;
-    unsigned char *bytes = realloc(c->bytes, room);
-    c->failed = !bytes;
-    if (!bytes) return NULL;
-    c->bytes = bytes;
+    c->failed = !memory_resize(1, (memory_column[]){{&c->bytes, room, 1}});
+    if (c->failed) return NULL;
     c->room = room;
   }
   memset(c->bytes + c->size, 0, at - c->size);
@@ -108,7 +106,7 @@ void view_chunk_add(view_chunk *c, const char *name, view_form form, sd_type typ
   json_t *column = json_pack("{s:s, s:s, s:I, s:I, s:i, s:i, s:b}", "name", name, "type",
                              stored_types[t].name, "count", (json_int_t)n, "offset",
                              (json_int_t)(out - c->bytes), "scale", 1, "zero", 0, "shuffle", (int)shuffle);
-  if (json_array_append_new(json_object_get(c->head, "columns"), column) != 0) c->failed = true;
+  json_array_append_new(json_object_get(c->head, "columns"), column);
 }
 
 /* zlib in one call takes 4 GiB at most. */
@@ -117,9 +115,8 @@ static bool deflate_all(const unsigned char *head, size_t n_head, const view_chu
   z_stream z = {0};
   if (deflateInit(&z, level) != Z_OK) return false;
   size_t room = 64 + n_head + c->size + (n_head + c->size) / 1000 + 16 * (c->size / 16384 + 1);
-  *stream = malloc(room);
   *size = 0;
-  bool good = *stream;
+  bool good = memory_resize(1, (memory_column[]){{stream, room, 1}});
   const struct {
     const unsigned char *bytes;
     size_t n;
@@ -156,15 +153,12 @@ sd_status view_chunk_end(view_chunk *c, int level, unsigned char **stream, size_
                          sd_messages *messages) {
   *stream = NULL;
   const size_t flags = JSON_COMPACT | JSON_REAL_PRECISION(17);
-  size_t length = c->failed ? 0 : json_dumpb(c->head, NULL, 0, flags), n = (4 + length + 7) / 8 * 8;
-  unsigned char *head = length > 0 ? malloc(n) : NULL;
-  bool good = head;
-  if (head) {
-    put(head, 1, 0, 4, false, n - 4);
-    memset(head + 4, ' ', n - 4);
-    good = json_dumpb(c->head, (char *)head + 4, n - 4, flags) == length;
-  }
-  good = good && deflate_all(head, n, c, level, stream, size);
+  size_t length = json_dumpb(c->head, NULL, 0, flags), n = (4 + length + 7) / 8 * 8;
+  unsigned char *head = memory_new(n, 1);
+  put(head, 1, 0, 4, false, n - 4);
+  memset(head + 4, ' ', n - 4);
+  json_dumpb(c->head, (char *)head + 4, n - 4, flags);
+  bool good = !c->failed && deflate_all(head, n, c, level, stream, size);
   free(head);
   view_chunk_drop(c);
   if (good) return SD_OK;

@@ -25,7 +25,7 @@ typedef struct view_chunk {
   double grain; /* a power of two */
   size_t size, room;
   unsigned char *bytes; /* of the columns */
-  bool failed;          /* no memory */
+  bool failed;          /* no memory for them */
 } view_chunk;
 
 /* shuffle: what is to be kept small rather than made fast. */

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "app/json.h"
-#include "base/shortage.h"
+#include "base/memory.h"
 #include "version.h"
 
 /* --- about the run ---------------------------------------------------------------------------------- */
@@ -132,36 +132,29 @@ static double grain(const sd_model *m) {
   return m->n_disks > VIEW_FEW && least > 0 && isfinite(least) ? exp2(floor(log2(1e-4 * least))) : 0;
 }
 
-static void *have(view_chunk *c, size_t n, size_t size) {
-  void *memory = calloc(n + 1, size);
-  if (!memory) c->failed = true;
-  return memory;
-}
-
-static void add_means(view_chunk *c, size_t n, const summary_disks *found) {
-  double *omega = have(c, n, sizeof *omega), *error = have(c, n, sizeof *error);
-  for (size_t k = 0; omega && error && k < n; k++) omega[k] = error[k] = NAN;
-  for (size_t k = 0; omega && error && k < found->n; k++) {
+/* omega, error: room for a number per disk. */
+static void add_means(view_chunk *c, size_t n, const summary_disks *found, double *omega, double *error) {
+  for (size_t k = 0; k < n; k++) omega[k] = error[k] = NAN;
+  for (size_t k = 0; k < found->n; k++) {
     const sd_disk_mean *d = &found->disks[k];
     if (d->disk >= n) continue;
     omega[d->disk] = d->omega;
     error[d->disk] = d->error;
   }
-  if (omega && error) {
-    view_chunk_add(c, "omega", VIEW_REAL, SD_F64, omega, n, 1);
-    view_chunk_add(c, "omega_error", VIEW_REAL, SD_F64, error, n, 1);
-  }
-  free(omega);
-  free(error);
+  view_chunk_add(c, "omega", VIEW_REAL, SD_F64, omega, n, 1);
+  view_chunk_add(c, "omega_error", VIEW_REAL, SD_F64, error, n, 1);
 }
 
 void view_static(view_chunk *c, const sd_model *m, const double *first, const summary_disks *found,
                  bool shuffle) {
   view_chunk_begin(c, shuffle);
   size_t n = m->n_disks;
-  double *real = have(c, n, sizeof *real);
-  int32_t *whole = have(c, n, sizeof *whole);
-  for (int column = 0; real && whole && column < 5; column++) {
+  double *real, *error;
+  int32_t *whole;
+  c->failed = !memory_rows(
+      3, (memory_column[]){{&real, n, sizeof *real}, {&error, n, sizeof *error}, {&whole, n, sizeof *whole}});
+  if (c->failed) return;
+  for (int column = 0; column < 5; column++) {
     static const char *const names[] = {"radius", "mass", "group", "material", "driven"};
     for (size_t k = 0; k < n; k++) {
       const sd_disk *d = &m->disks[k];
@@ -173,18 +166,18 @@ void view_static(view_chunk *c, const sd_model *m, const double *first, const su
     else
       view_chunk_add(c, names[column], VIEW_WHOLE, SD_I32, whole, n, 1);
   }
-  free(real);
-  free(whole);
   /* the mark of a disk stands where it does after whole turns */
-  double *angle = have(c, n, sizeof *angle);
-  for (size_t k = 0; angle && k < n; k++) angle[k] = remainder(first[k], 2 * M_PI);
-  if (angle) view_chunk_add(c, "angle", VIEW_REAL, SD_F64, angle, n, 1);
-  free(angle);
-  if (found && found->n > 0 && found->disks) add_means(c, n, found);
+  for (size_t k = 0; k < n; k++) real[k] = remainder(first[k], 2 * M_PI);
+  view_chunk_add(c, "angle", VIEW_REAL, SD_F64, real, n, 1);
+  if (found && found->n > 0 && found->disks) add_means(c, n, found, real, error);
+  free(real);
+  free(error);
+  free(whole);
 }
 
 static void add_turned(view_chunk *c, const frame_data *f, const double *first, size_t n) {
-  double *turned = have(c, n, sizeof *turned);
+  double *turned = NULL;
+  c->failed |= !memory_resize(1, (memory_column[]){{&turned, n, sizeof *turned}});
   for (size_t k = 0; turned && k < n; k++) turned[k] = f->angle[k] - first[k];
   /* a thousandth of a radian can be seen */
   c->grain = n > VIEW_FEW ? 0x1p-10 : 0;
@@ -209,7 +202,7 @@ void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, const dou
       json_pack("{s:o, s:I, s:o, s:o, s:o, s:o}", "time", json_number(f->time), "step", (json_int_t)f->step,
                 "lower", lower_json(m), "edges", edges_json(m, f->scale, f->stretch), "offset",
                 json_number(f->offset), "scale", json_number(f->scale));
-  if (!head || c->failed || json_object_update_new(c->head, head) != 0) c->failed = true;
+  json_object_update_new(c->head, head);
   size_t n = m->n_disks, walls = m->n_walls;
   view_form form = n > VIEW_FEW ? VIEW_SHORT : VIEW_REAL;
   c->grain = grain(m);

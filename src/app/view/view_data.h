@@ -9,7 +9,7 @@
 /* More disks than these are told with fewer digits, as far as they can be seen. */
 enum { VIEW_FEW = 1000 };
 
-/* The object with what is known of every run: walls, names, box. NULL: no memory. */
+/* The object with what is known of every run: walls, names, box. */
 json_t *view_meta(const sd_model *model, const char *kind, const char *title, const char *source);
 /* A phase from one time to another; NAN: its end is not known. */
 void view_meta_phase(json_t *meta, const char *name, double from, double to);

@@ -8,6 +8,7 @@
 #include "app/view/view.h"
 #include "app/view/view_data.h"
 #include "app/view/view_page.h"
+#include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck.h"
 #include "model/normal_laws.h"
@@ -63,12 +64,13 @@ static bool see(void *user, const overlap *o) {
   return s->of_last >= MOST_OF_A_DISK;
 }
 
-static sd_status find_overlaps(start *s) {
+static sd_status find_overlaps(start *s, sd_messages *messages) {
   s->n = 0;
   s->last = UINT32_MAX;
   sd_status status = overlaps_of_disks(s->m, see, s);
   s->last = UINT32_MAX;
-  return status == SD_OK ? overlaps_with_walls(s->m, see, s) : status;
+  if (status == SD_OK) status = overlaps_with_walls(s->m, see, s);
+  return status == SD_OK ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory to look for overlaps");
 }
 
 static double in_box(const sd_model *m, double x, int c) {
@@ -98,12 +100,10 @@ static sd_status make_frame(start *s, frame_data *f, sd_messages *messages) {
   place_bodies(s->m, f);
   s->f = f;
   s->counting = true;
-  if (find_overlaps(s) != SD_OK) return sd_fail(messages, SD_ERROR_IO, "no memory to look for overlaps");
-  status = frame_data_contacts(f, s->n, messages);
+  status = find_overlaps(s, messages);
+  if (status == SD_OK) status = frame_data_contacts(f, s->n, messages);
   s->counting = false;
-  if (status == SD_OK && find_overlaps(s) != SD_OK)
-    return sd_fail(messages, SD_ERROR_IO, "no memory to look for overlaps");
-  return status;
+  return status == SD_OK ? find_overlaps(s, messages) : status;
 }
 
 /* --- page ---------------------------------------------------------------------------------------------- */
@@ -126,11 +126,11 @@ static void tell_overlaps(json_t *meta, const start *s) {
                   sd_model_body_name(s->m, s->worst.b, two, sizeof two), s->worst.depth, s->relative);
   json_t *disks = json_pack("[I]", (json_int_t)s->worst.a);
   if (s->worst.b < s->m->n_disks) json_array_append_new(disks, json_integer(s->worst.b));
-  tell(meta, s->too_deep > 0 ? "error" : "note", text ? text : "", disks);
+  tell(meta, s->too_deep > 0 ? "error" : "note", text, disks);
   free(text);
 }
 
-/* To be freed; NULL: none waits, or no memory. */
+/* To be freed; NULL: none waits. */
 static char *waiting_text(const sd_model *m) {
   size_t n = 0;
   for (size_t k = 0; k < m->n_disks; k++) n += m->disks[k].waiting;
@@ -139,7 +139,6 @@ static char *waiting_text(const sd_model *m) {
 
 static json_t *describe(const sd_model *m, const start *s, const char *source, const sd_messages *found) {
   json_t *meta = view_meta(m, "deck", m->title, source);
-  if (!meta) return NULL;
   double from = 0;
   for (size_t k = 0; k < m->n_phases; k++) {
     double to = from + (double)m->phases[k].steps * m->dt;
@@ -188,7 +187,6 @@ static sd_status show(const view_options *o, const sd_model *m, const char *path
   start s = {.m = m};
   sd_status status = make_frame(&s, &f, messages);
   json_t *meta = status == SD_OK ? describe(m, &s, o->name, messages) : NULL;
-  if (status == SD_OK && !meta) status = sd_fail(messages, SD_ERROR_IO, "no memory for the page");
   if (status == SD_OK) status = write_page(path, m, &f, meta, messages);
   if (status == SD_OK) say(m, s.n);
   json_decref(meta);
@@ -200,10 +198,9 @@ sd_status view_deck(const view_options *o, char **path, bool *made, sd_messages 
   sd_model *m = NULL;
   sd_status loaded = deck_look(o->name, o->overrides.n, o->overrides.item, &m, messages);
   if (!m) return loaded;
-  *path = o->output ? format_text("%s", o->output) : app_default_name(o->name, "start.html");
-  sd_status status = *path ? SD_OK : sd_fail(messages, SD_ERROR_IO, "no memory");
+  *path = o->output ? memory_text(o->output) : app_default_name(o->name, "start.html");
   if (loaded == SD_OK) sd_model_advise(m, messages);
-  if (status == SD_OK) status = show(o, m, *path, messages);
+  const sd_status status = show(o, m, *path, messages);
   *made = status == SD_OK;
   sd_model_free(m);
   return status == SD_OK ? loaded : status;

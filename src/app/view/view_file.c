@@ -7,7 +7,7 @@
 #include "app/view/view_data.h"
 #include "app/view/view_page.h"
 #include "app/view/view_series.h"
-#include "base/text.h"
+#include "base/memory.h"
 #include "io/results/checkpoint.h"
 #include "io/store/folder.h"
 
@@ -66,13 +66,11 @@ static sd_status describe(job *j, sd_messages *messages) {
   if (status == SD_OK) status = summary_disks_read_all(&j->found.packing, j->f.base, messages);
   if (status == SD_OK)
     status = checkpoint_complete(j->f.base, j->f.path, j->f.constants, &j->found.packing, messages);
-  if (status == SD_OK) j->meta = view_meta(j->f.constants, "result", origin.title, j->options->name);
-  if (j->meta) {
+  if (status == SD_OK) {
+    j->meta = view_meta(j->f.constants, "result", origin.title, j->options->name);
     view_meta_summary(j->meta, &j->found);
     json_object_set_new(j->meta, "frames", json_integer((json_int_t)j->wanted.n));
     json_object_set_new(j->meta, "stored_frames", json_integer((json_int_t)j->count));
-  } else if (status == SD_OK) {
-    status = sd_fail(messages, SD_ERROR_IO, "no memory for the page");
   }
   provenance_free(&origin);
   return status;
@@ -137,9 +135,8 @@ sd_status view_file(const view_options *o, char **path, bool *made, sd_messages 
   sd_status status = options_range(o->frames, SIZE_MAX, o->name, &j.wanted, messages);
   if (status != SD_OK) return status;
   status = place_find(&p, o->name, messages);
-  if (status == SD_OK) *path = o->output ? format_text("%s", o->output) : app_default_name(p.result, "html");
+  if (status == SD_OK) *path = o->output ? memory_text(o->output) : app_default_name(p.result, "html");
   place_free(&p);
-  if (status == SD_OK && !*path) status = sd_fail(messages, SD_ERROR_IO, "no memory");
   if (status == SD_OK) status = stored_open(&j.f, o->name, &alone, messages);
   if (status == SD_OK) status = choose(&j, alone, messages);
   if (status == SD_OK) status = note_first(&j, messages);

@@ -18,11 +18,11 @@ static const double PIECE_SECONDS = 0.03;
 static char *make_page(const char *address, sd_messages *messages) {
   const char *folder = getenv("XDG_RUNTIME_DIR");
   char *path = format_text("%s/slipdisk-XXXXXX.html", folder && *folder ? folder : "/tmp");
-  int fd = path ? mkstemps(path, 5) : -1;
+  int fd = mkstemps(path, 5);
   bool good = fd >= 0 && dprintf(fd, "<meta http-equiv=\"refresh\" content=\"0;url=%s\">\n", address) > 0;
   if (fd >= 0) close(fd);
   if (good) return path;
-  sd_warn(messages, "--open: cannot write %s; open the address in a browser", path ? path : "a page");
+  sd_warn(messages, "--open: cannot write %s; open the address in a browser", path);
   free(path);
   return NULL;
 }

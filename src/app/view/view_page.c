@@ -72,7 +72,7 @@ sd_status view_page_add(view_page *p, const char *name, view_chunk *c, sd_messag
   size_t size;
   FILE *out = p->file.out;
   fprintf(out, "<script type=\"text/plain\" class=\"slipdisk-chunk\" data-name=\"%s\"", name);
-  const json_t *time = c->head ? json_object_get(c->head, "time") : NULL;
+  const json_t *time = json_object_get(c->head, "time");
   if (time)
     fprintf(out, " data-time=\"%.17g\" data-step=\"%lld\"", json_number_value(time),
             (long long)json_integer_value(json_object_get(c->head, "step")));

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/json.h"
+#include "base/memory.h"
 #include "base/text.h"
 
 #define CLOCK "/observables/kinetic_translation/time"
@@ -45,11 +46,7 @@ static void release_source(const reader *r, h5_file *file) {
 static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t before, size_t n,
                         size_t width, size_t at, double *values) {
   size_t block = BLOCK / width > 0 ? BLOCK / width : 1;
-  double *rows = malloc(block * width * sizeof *rows);
-  if (!rows) {
-    if (r->status == SD_OK) r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the series");
-    return at;
-  }
+  double *rows = memory_grow(NULL, block * width, sizeof *rows);
   for (size_t first = 0; r->status == SD_OK && first < n; first += block) {
     size_t have = n - first < block ? n - first : block;
     r->status = h5_get_values(file, path, SD_F64, first, have, width, rows, r->messages);
@@ -65,9 +62,11 @@ static size_t read_rows(reader *r, const h5_file *file, const char *path, size_t
 
 /* All kept rows of a dataset, to be freed. */
 static double *read_all(reader *r, const char *path, size_t width) {
-  double *values = calloc(r->kept * width + 1, sizeof *values);
-  if (!values && r->status == SD_OK)
+  double *values;
+  if (!memory_rows(1, (memory_column[]){{&values, r->kept * width, sizeof *values}})) {
     r->status = sd_fail(r->messages, SD_ERROR_IO, "no memory for the series");
+    return NULL;
+  }
   size_t before = 0, at = 0;
   for (size_t k = 0; r->status == SD_OK && k < r->f->n_sources; k++) {
     h5_file *file = open_source(r, k);
@@ -81,7 +80,7 @@ static double *read_all(reader *r, const char *path, size_t width) {
     before += n;
     release_source(r, file);
   }
-  for (size_t k = at; values && k < r->kept * (width > 0); k++)
+  for (size_t k = at; k < r->kept * (width > 0); k++)
     for (size_t c = 0; c < width; c++) values[k * width + c] = NAN;
   return values;
 }
@@ -118,7 +117,7 @@ static uint32_t element_body(const sd_model *m, const h5_file *file, const obser
 
 /* "contacts", "angle[upper]", "wall_force_x[3]"; to be freed. */
 static char *series_name(const sd_model *m, const h5_file *file, const observable *o, size_t k) {
-  if (o->width == 1) return format_text("%s", o->name);
+  if (o->width == 1) return memory_text(o->name);
   uint32_t body = element_body(m, file, o, k);
   const char *name = NULL;
   if (o->width == OBSERVABLE_GROUPS && k < m->n_groups) name = m->groups[k];
@@ -128,7 +127,7 @@ static char *series_name(const sd_model *m, const h5_file *file, const observabl
   return format_text("%s[%" PRIu32 "]", o->name, body < m->n_disks ? body : (uint32_t)k);
 }
 
-bool view_series_each(const sd_model *m, json_t *meta, view_series_visitor *visit, void *user) {
+void view_series_each(const sd_model *m, json_t *meta, view_series_visitor *visit, void *user) {
   const observable_list *lists[] = {&energy_observables, &series_observables};
   size_t column = 2; /* behind step and time */
   for (size_t l = 0; l < 2; l++)
@@ -137,14 +136,12 @@ bool view_series_each(const sd_model *m, json_t *meta, view_series_visitor *visi
       size_t width = observable_width(o, m);
       for (size_t k = 0; k < width && k < MOST_ELEMENTS; k++) {
         char *name = series_name(m, NULL, o, k);
-        if (!name) return false;
         if (meta) describe(meta, o, l == 0, name);
         if (visit) visit(user, o, column, k, name);
         free(name);
       }
       column++;
     }
-  return true;
 }
 
 static void add_series(reader *r, view_chunk *c, json_t *meta, const observable *o, bool energy) {
@@ -158,12 +155,8 @@ static void add_series(reader *r, view_chunk *c, json_t *meta, const observable 
   double *values = read_all(r, path, width);
   for (size_t k = 0; r->status == SD_OK && k < width && k < MOST_ELEMENTS; k++) {
     char *name = series_name(r->f->constants, r->f->base, o, k);
-    if (name) {
-      view_chunk_add(c, name, VIEW_EXACT, SD_F64, values + k, r->kept, width);
-      describe(meta, o, energy, name);
-    } else {
-      c->failed = true;
-    }
+    view_chunk_add(c, name, VIEW_EXACT, SD_F64, values + k, r->kept, width);
+    describe(meta, o, energy, name);
     free(name);
   }
   free(values);

@@ -16,7 +16,7 @@ sd_status view_series_read(view_chunk *c, const frames *f, bool shuffle, json_t 
 /* Calls visit for every series that a run of this model has: element k of a quantity. column: place of the quantity in the
  * table of series_new. */
 typedef void view_series_visitor(void *user, const observable *o, size_t column, size_t k, const char *name);
-/* Into meta.series (may be NULL) and to visit (may be NULL). False: no memory. */
-bool view_series_each(const sd_model *model, json_t *meta, view_series_visitor *visit, void *user);
+/* Into meta.series (may be NULL) and to visit (may be NULL). */
+void view_series_each(const sd_model *model, json_t *meta, view_series_visitor *visit, void *user);
 
 #endif
